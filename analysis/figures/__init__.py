@@ -1,0 +1,37 @@
+"""One module a figure: `collect` takes the numbers from a result and a study, `draw` makes a page of them.
+
+`collect` raises NotDrawable with the reason where a study has nothing to show. Studies name figures by the keys here.
+"""
+
+from __future__ import annotations
+
+from matplotlib.figure import Figure
+
+from analysis import style
+from analysis.errors import NotDrawable
+from analysis.figures import compaction, first_bounce_by_depth, remaining_paths, sorting_by_depth
+from analysis.results import Result, Study
+
+FIGURES = {
+    "remaining_paths": remaining_paths,
+    "sorting_by_depth": sorting_by_depth,
+    "first_bounce_by_depth": first_bounce_by_depth,
+    "compaction": compaction,
+}
+
+
+def collect_study(result: Result, study: Study):
+    """The numbers of the study's figure; raises NotDrawable."""
+    if not study.figure:
+        raise NotDrawable("the study asks for no figure")
+    if study.figure not in FIGURES:
+        raise NotDrawable(f'no figure is called "{study.figure}"; there are {", ".join(FIGURES)}')
+    if not result.cells_of(study):
+        raise NotDrawable("the file has no cell of this study")
+    return FIGURES[study.figure].collect(result, study)
+
+
+def draw_study(study: Study, data) -> Figure:
+    """The figure of what `collect_study` gave."""
+    with style.applied():
+        return FIGURES[study.figure].draw(data)

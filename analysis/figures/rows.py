@@ -1,0 +1,174 @@
+"""Choices as rows: a dot and its interval on a common axis, the numbers beside it, one group a scene and depth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+
+from analysis import style
+from analysis.errors import NotDrawable
+from analysis.figures.caption import timing_caption
+from analysis.results import Result, Study
+from analysis.statistics import Estimate, Verdict
+from analysis.studies import QUESTIONS, Note, measure, notes_of, scenes_of, series_order
+
+_LOG_FROM = 8.0
+_ROW = 0.27
+_HEAD = 0.34
+_GAP = 0.22
+
+
+@dataclass(frozen=True)
+class Item:
+    """One row; `time` is None where there is none, and `instead` says why."""
+
+    label: str
+    is_baseline: bool
+    time: Estimate | None
+    ratio: Estimate | None
+    verdict: Verdict | None
+    instead: str = ""
+
+
+@dataclass(frozen=True)
+class Group:
+    title: str
+    items: tuple[Item, ...]
+
+
+@dataclass(frozen=True)
+class Data:
+    title: str
+    caption: str
+    notes: tuple[Note, ...]
+    baseline: str
+    order: tuple[str, ...]
+    groups: tuple[Group, ...]
+
+
+def collect(result: Result, study: Study, figure: str, default_title: str) -> Data:
+    question = QUESTIONS[figure]
+    measured = measure(result, study)
+    notes = notes_of(result, study, measured)
+    drawn = [row for row in measured if row.estimate is not None]
+    if not drawn:
+        raise NotDrawable("no cell has times: " + ("; ".join(note.full for note in notes) or "no samples"))
+    groups = []
+    for scene in scenes_of(measured):
+        depths = sorted({row.cell.depth for row in measured if row.cell.scene == scene})
+        for depth in depths:
+            items = []
+            for row in measured:
+                if row.cell.scene == scene and row.cell.depth == depth:
+                    instead = "" if row.estimate else "failed" if row.cell.failed else "no samples"
+                    items.append(Item(row.label, row.is_baseline, row.estimate, row.ratio, row.verdict, instead))
+            # Baselines first, then from fast to slow; what has no time comes last.
+            items.sort(key=lambda item: (not item.is_baseline, item.time is None, item.time.value if item.time else 0))
+            shown = {item.label for item in items}
+            for absent in result.not_applicable:
+                label = absent.axes.get(question.axis, absent.variant)
+                if absent.study == study.name and absent.scene == scene and label not in shown:
+                    shown.add(label)
+                    items.append(Item(label, False, None, None, None, "n/a"))
+            groups.append(Group(f"{scene}, depth {depth}", tuple(items)))
+    labels = dict.fromkeys([*series_order(measured), *(item.label for group in groups for item in group.items)])
+    caption = timing_caption(result, [row.cell for row in drawn], question, notes)
+    return Data(study.title or default_title, caption, tuple(notes), question.baseline, tuple(labels), tuple(groups))
+
+
+def draw(data: Data) -> Figure:
+    looks = {label: style.look(index) for index, label in enumerate(data.order)}
+    times = [["" if i.time is None else _time_text(i.time) for i in group.items] for group in data.groups]
+    ratios = [[_ratio_text(i, data.baseline) for i in group.items] for group in data.groups]
+    headings = ("ms per spp [95 %]", f"relative to {data.baseline} [95 %]")
+
+    def widest(texts, weight: str = "normal") -> float:
+        return max(style.text_width(text, style.LABEL_SIZE, weight) for text in texts)
+
+    label_width = max(
+        widest(item.label for group in data.groups for item in group.items),
+        widest((group.title for group in data.groups), "bold") - 0.2,
+    )
+    time_width = max(widest(text for group in times for text in group), widest(headings[:1], "bold"))
+    ratio_width = max(widest(text for group in ratios for text in group), widest(headings[1:], "bold"))
+    left = style.MARGIN + label_width + 0.3
+    right = 0.2 + time_width + 0.25 + ratio_width + style.MARGIN
+    plot_width = max(9.2 - left - right, 2.6)
+    heights = [_HEAD + _ROW * len(group.items) for group in data.groups]
+    body = sum(heights) + _GAP * (len(heights) - 1) + 0.58
+    page = style.Page(left + plot_width + right, body, data.title, data.caption)
+
+    bounds = [
+        bound
+        for group in data.groups
+        for item in group.items
+        if item.time is not None
+        for bound in (item.time.value, item.time.low, item.time.high)
+        if bound is not None
+    ]
+    log = max(bounds) > _LOG_FROM * min(bounds)
+    time_x = left + plot_width + 0.2
+    ratio_x = time_x + time_width + 0.25
+    top = body
+    for group, group_times, group_ratios, height in zip(data.groups, times, ratios, heights, strict=True):
+        rows_height = height - _HEAD
+        axes = page.axes(left, top - height, plot_width, rows_height)
+        count = len(group.items)
+        for index, item in enumerate(group.items):
+            y = count - 1 - index
+            axes.axhline(y, color="#e4e4e4", linewidth=0.7, zorder=0)
+            centre = top - _HEAD - _ROW * (index + 0.5)
+            page.text(left - 0.12, centre, item.label, size=style.LABEL_SIZE, va="center", ha="right")
+            if item.time is None:
+                grey = {"size": style.LABEL_SIZE, "va": "center", "style": "italic", "color": "#444444"}
+                page.text(time_x, centre, item.instead, **grey)
+                continue
+            style.draw_row(axes, y, item.time, looks[item.label])
+            page.text(time_x, centre, group_times[index], size=style.LABEL_SIZE, va="center")
+            page.text(ratio_x, centre, group_ratios[index], size=style.LABEL_SIZE, va="center")
+        heading = {"size": style.LABEL_SIZE, "weight": "bold", "va": "center"}
+        head_y = top - _HEAD / 2
+        page.text(style.MARGIN, head_y, group.title, **heading)
+        page.text(time_x, head_y, headings[0], **heading)
+        page.text(ratio_x, head_y, headings[1], **heading)
+        baseline = next((item.time for item in group.items if item.is_baseline and item.time is not None), None)
+        if baseline is not None:
+            axes.axvline(baseline.value, color="#888888", linewidth=0.8, linestyle=(0, (4, 2)), zorder=1)
+        axes.set_ylim(-0.5, count - 0.5)
+        axes.yaxis.set_major_locator(NullLocator())
+        axes.spines["left"].set_visible(not log)
+        _scale(axes, bounds, log)
+        axes.grid(axis="x")
+        if group is data.groups[-1]:
+            axes.set_xlabel("Time (ms per spp" + (", log scale)" if log else ")"))
+        else:
+            axes.tick_params(labelbottom=False)
+        top -= height + _GAP
+    return page.figure
+
+
+def _scale(axes, bounds: list[float], log: bool) -> None:
+    if log:
+        axes.set_xscale("log")
+        axes.set_xlim(min(bounds) / 1.3, max(bounds) * 1.3)
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if max(bounds) / min(bounds) < 60 else (1,)))
+        axes.xaxis.set_minor_locator(NullLocator())
+    else:
+        axes.set_xlim(0, 1.05 * max(bounds))
+        axes.xaxis.set_major_locator(MaxNLocator(5))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def _time_text(time: Estimate) -> str:
+    return f"{style.figures(time.value)} {style.interval(time.low, time.high)}"
+
+
+def _ratio_text(item: Item, baseline: str) -> str:
+    if item.is_baseline:
+        return "baseline"
+    if item.ratio is None:
+        return "" if item.time is None else f"no {baseline} to compare"
+    ends = "" if item.ratio.low is None else f" [{style.ratio(item.ratio.low)}, {style.ratio(item.ratio.high)}]"
+    return f"{style.ratio(item.ratio.value)}×{ends} {item.verdict.word}"

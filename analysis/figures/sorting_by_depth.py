@@ -1,0 +1,13 @@
+"""What sorting rays (by material or otherwise) costs or saves at each path depth."""
+
+from __future__ import annotations
+
+from analysis.figures import by_depth, rows
+from analysis.figures.by_depth import draw
+from analysis.results import Result, Study
+
+__all__ = ["collect", "draw"]
+
+
+def collect(result: Result, study: Study) -> by_depth.Data | rows.Data:
+    return by_depth.collect(result, study, "sorting_by_depth", "Material sorting: time by depth")

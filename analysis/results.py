@@ -1,0 +1,446 @@
+"""Loads a ptbench result file (schema version 1) into small typed objects.
+
+A result file is Google Benchmark JSON plus a top-level key "ptbench". Everything that a figure or a table says comes
+from here. What is wrong in a file is told with the file, the JSON path, what was found and what is allowed; keys that
+this version does not know are ignored, so that a newer harness may add some.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from analysis.errors import InputError, bad_value
+
+SCHEMA_VERSION = "1"
+CELL_STATUSES = ("ok", "failed", "interrupted")
+RUN_STATUSES = ("completed", "interrupted")
+CLAIMS = ("bitwise", "statistical", "biased")
+
+# Google Benchmark appends how it ran a benchmark to its name; ours is the part before.
+_BENCHMARK_SUFFIX = re.compile(
+    r"(/(iterations|repeats|min_time|min_warmup_time|threads):[^/]*|/(manual|real|process)_time)+$"
+)
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One timed render of a cell: `wall_ms` holds for `spp` samples in every pixel."""
+
+    repetition: int
+    wall_ms: float
+    spp: int
+    rays: float
+    paths: float
+    device_ms: float | None = None
+    end_to_end_ms: float | None = None
+    seed: int | None = None
+    order: int | None = None
+    timestamp: float | None = None
+    clock_mhz_before: float | None = None
+    clock_mhz_after: float | None = None
+    low_clock: bool = False
+
+    @property
+    def ms_per_spp(self) -> float:
+        return self.wall_ms / self.spp
+
+    @property
+    def mega_rays_per_second(self) -> float:
+        return self.rays / self.wall_ms / 1e3
+
+    @property
+    def mega_cycles_per_spp(self) -> float | None:
+        """Time in cycles of the clock as sampled round the render; None where the clock was not measured."""
+        if not self.clock_mhz_before or not self.clock_mhz_after:
+            return None
+        return self.ms_per_spp * 0.5 * (self.clock_mhz_before + self.clock_mhz_after) / 1e3
+
+
+@dataclass(frozen=True)
+class Instrumented:
+    """The separate pass that counts; its times are never mixed with the samples'."""
+
+    live_paths: tuple[int, ...]
+    paths: int
+    spp: int
+    stage_ms: dict[str, float]
+    wall_ms: float | None
+    unaccounted_ms: float | None
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Scene x backend x variant x settings, with its samples."""
+
+    name: str
+    studies: tuple[str, ...]
+    scene: str
+    scene_hash: str
+    backend: str
+    variant: str
+    axes: dict[str, str]
+    resolution: tuple[int, int]
+    depth: int
+    spp: int
+    status: str
+    reason: str
+    claim: str
+    claim_check: str
+    film_hash: str
+    nonfinite: int
+    negative: int
+    saturated: int
+    unfinished_walks: int
+    instrumented: Instrumented | None
+    samples: tuple[Sample, ...]
+    errors: tuple[str, ...]
+
+    @property
+    def failed(self) -> bool:
+        return self.status == "failed" or bool(self.errors)
+
+    @property
+    def failure(self) -> str:
+        return self.reason or next((error for error in self.errors if error), "") or "no reason given"
+
+    @property
+    def measured(self) -> bool:
+        """There are times that may be shown. A failed cell's are not: nobody knows what they timed."""
+        return not self.failed and bool(self.samples)
+
+    @property
+    def ms_per_spp(self) -> np.ndarray:
+        return np.array([sample.ms_per_spp for sample in self.samples])
+
+    @property
+    def mega_cycles_per_spp(self) -> np.ndarray | None:
+        cycles = [sample.mega_cycles_per_spp for sample in self.samples]
+        return None if not cycles or None in cycles else np.array(cycles)
+
+    @property
+    def low_clock_samples(self) -> int:
+        return sum(sample.low_clock for sample in self.samples)
+
+    @property
+    def resolution_text(self) -> str:
+        return f"{self.resolution[0]}x{self.resolution[1]}"
+
+
+@dataclass(frozen=True)
+class Study:
+    """A question that a suite asks: which cells, drawn how."""
+
+    name: str
+    figure: str
+    title: str
+
+
+@dataclass(frozen=True)
+class NotApplicable:
+    """A variant that was left out of a study before it ran, and why."""
+
+    study: str
+    scene: str
+    variant: str
+    axes: dict[str, str]
+    reason: str
+
+
+@dataclass(frozen=True)
+class Result:
+    """One result file."""
+
+    path: Path
+    context: dict[str, str]
+    studies: tuple[Study, ...]
+    cells: tuple[Cell, ...]
+    not_applicable: tuple[NotApplicable, ...]
+
+    def about(self, key: str) -> str:
+        """A ptbench context value, or "unknown" where the file does not have it."""
+        return self.context.get(f"ptbench.{key}") or "unknown"
+
+    @property
+    def suite(self) -> str:
+        return self.context.get("ptbench.suite", "")
+
+    @property
+    def interrupted(self) -> bool:
+        return self.context.get("ptbench.status") == "interrupted"
+
+    @property
+    def git(self) -> str:
+        dirty = self.context.get("ptbench.git_dirty", "").lower() in ("true", "1")
+        return self.about("git_sha") + (" (dirty)" if dirty else "")
+
+    def cells_of(self, study: Study) -> tuple[Cell, ...]:
+        return tuple(cell for cell in self.cells if study.name in cell.studies)
+
+
+def shown(value: object) -> str:
+    """A JSON value as a short piece of one line."""
+    text = json.dumps(value, ensure_ascii=False)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+class Node:
+    """A JSON value that knows its file and its place, so that every complaint can name both."""
+
+    def __init__(self, file: Path, value: object, place: str = "$"):
+        self.file, self.value, self.place = file, value, place
+
+    def wrong(self, allowed: str) -> InputError:
+        return bad_value(self.file, self.place, shown(self.value), allowed)
+
+    def need(self, key: str) -> Node:
+        fields = self.fields()
+        if key not in fields:
+            raise bad_value(self.file, f"{self.place}.{key}", "nothing", "this key is required")
+        return Node(self.file, fields[key], f"{self.place}.{key}")
+
+    def maybe(self, key: str) -> Node | None:
+        value = self.fields().get(key)
+        return None if value is None else Node(self.file, value, f"{self.place}.{key}")
+
+    def fields(self) -> dict:
+        if not isinstance(self.value, dict):
+            raise self.wrong("an object")
+        return self.value
+
+    def items(self) -> Iterator[Node]:
+        if not isinstance(self.value, list):
+            raise self.wrong("an array")
+        return (Node(self.file, item, f"{self.place}[{index}]") for index, item in enumerate(self.value))
+
+    def text(self) -> str:
+        if not isinstance(self.value, str):
+            raise self.wrong("a string")
+        return self.value
+
+    def name(self) -> str:
+        if not self.text():
+            raise self.wrong("a string that is not empty")
+        return self.text()
+
+    def one_of(self, choices: tuple[str, ...]) -> str:
+        if self.value not in choices:
+            raise self.wrong(" or ".join(shown(choice) for choice in choices))
+        return self.value
+
+    def number(self, *, above_zero: bool = False, signed: bool = False) -> float:
+        allowed = "a finite number" + ("" if signed else " above 0" if above_zero else " of at least 0")
+        value = self._finite(allowed)
+        if (value < 0 and not signed) or (above_zero and value == 0):
+            raise self.wrong(allowed)
+        return value
+
+    def integer(self, minimum: int = 0) -> int:
+        # Google Benchmark writes every counter as a double: 4.0 is the integer 4.
+        allowed = f"an integer of at least {minimum}"
+        value = self._finite(allowed)
+        if value != int(value) or value < minimum:
+            raise self.wrong(allowed)
+        return int(value)
+
+    def _finite(self, allowed: str) -> float:
+        if isinstance(self.value, bool) or not isinstance(self.value, (int, float)):
+            raise self.wrong(allowed)
+        try:
+            value = float(self.value)
+        except OverflowError:  # an integer of hundreds of digits
+            value = math.inf
+        if not math.isfinite(value):
+            raise self.wrong(allowed)
+        return value
+
+    def texts(self) -> dict[str, str]:
+        return {key: Node(self.file, value, f"{self.place}.{key}").text() for key, value in self.fields().items()}
+
+    def optional_text(self, key: str, default: str = "") -> str:
+        node = self.maybe(key)
+        return default if node is None else node.text()
+
+    def optional_integer(self, key: str) -> int | None:
+        node = self.maybe(key)
+        return None if node is None else node.integer()
+
+    def optional_number(self, key: str) -> float | None:
+        node = self.maybe(key)
+        return None if node is None else node.number()
+
+
+def read_json(path: Path) -> Node:
+    """Parses strictly: NaN and Infinity, which Python's parser takes, are not JSON."""
+
+    def refuse(constant: str) -> None:
+        raise bad_value(path, "a value", constant, "finite numbers only")
+
+    try:
+        text = path.read_bytes().decode("utf-8")
+    except OSError as error:
+        raise bad_value(path, "the file", error.strerror or str(error), "a JSON file that can be read") from error
+    except UnicodeDecodeError as error:
+        raise bad_value(path, f"byte {error.start}", "bytes that are not UTF-8", "JSON in UTF-8") from error
+    try:
+        return Node(path, json.loads(text, parse_constant=refuse))
+    except json.JSONDecodeError as error:
+        place = f"line {error.lineno} column {error.colno}"
+        raise bad_value(path, place, f"no valid JSON ({error.msg})", "one complete JSON value") from error
+    except (RecursionError, ValueError) as error:
+        raise bad_value(path, "the file", "JSON nested too deeply or a number too long", "plain JSON") from error
+
+
+def load(path: Path | str) -> Result:
+    """The result file at `path`, checked; raises InputError."""
+    path = Path(path)
+    root = read_json(path)
+    context = _context(root.need("context"))
+    ptbench = root.need("ptbench")
+    studies = tuple(_study(node) for node in ptbench.need("studies").items())
+    _refuse_twins(ptbench.need("studies"), [study.name for study in studies], "name")
+    samples, errors = _samples(root.need("benchmarks"), ptbench.need("cells"))
+    study_names = tuple(study.name for study in studies)
+    cells = tuple(_cell(node, study_names, samples, errors) for node in ptbench.need("cells").items())
+    _refuse_twins(ptbench.need("cells"), [cell.name for cell in cells], "cell")
+    absent = ptbench.maybe("not_applicable")
+    return Result(
+        path=path,
+        context=context,
+        studies=studies,
+        cells=cells,
+        not_applicable=() if absent is None else tuple(_not_applicable(node) for node in absent.items()),
+    )
+
+
+def _context(node: Node) -> dict[str, str]:
+    node.need("ptbench.schema_version").one_of((SCHEMA_VERSION,))
+    status = node.maybe("ptbench.status")
+    if status is not None:
+        status.one_of(RUN_STATUSES)
+    ours = (key for key in node.fields() if key.startswith("ptbench."))
+    context = {key: node.need(key).text() for key in ours}
+    context["date"] = node.optional_text("date")
+    return context
+
+
+def _refuse_twins(array: Node, names: list[str], key: str) -> None:
+    seen: set[str] = set()
+    for index, name in enumerate(names):
+        if name in seen:
+            raise bad_value(array.file, f"{array.place}[{index}].{key}", f"{shown(name)} again", "each name once")
+        seen.add(name)
+
+
+def _study(node: Node) -> Study:
+    return Study(name=node.need("name").name(), figure=node.optional_text("figure"), title=node.optional_text("title"))
+
+
+def _samples(rows: Node, cells: Node) -> tuple[dict[str, list[Sample]], dict[str, list[str]]]:
+    """Samples and error messages by cell name; rows that are Google Benchmark's own aggregates are left alone."""
+    known = {cell.need("cell").name() for cell in cells.items()}
+    samples: dict[str, list[Sample]] = {name: [] for name in known}
+    errors: dict[str, list[str]] = {name: [] for name in known}
+    for row in rows.items():
+        if row.need("run_type").one_of(("iteration", "aggregate")) == "aggregate":
+            continue
+        named = row.maybe("run_name") or row.need("name")
+        cell = named.name() if named.name() in known else _BENCHMARK_SUFFIX.sub("", named.name())
+        if cell not in known:
+            raise named.wrong("the name of a cell in $.ptbench.cells")
+        occurred = row.maybe("error_occurred")
+        if occurred is not None and occurred.value is not False:
+            errors[cell].append(row.optional_text("error_message"))
+        else:
+            samples[cell].append(_sample(row))
+    for taken in samples.values():
+        taken.sort(key=lambda sample: sample.repetition)
+    return samples, errors
+
+
+def _sample(row: Node) -> Sample:
+    low = row.maybe("pt_low_clock")
+    return Sample(
+        repetition=row.optional_integer("repetition_index") or 0,
+        wall_ms=row.need("pt_wall_ms").number(above_zero=True),
+        spp=row.need("pt_spp").integer(minimum=1),
+        rays=row.need("pt_rays").number(),
+        paths=row.need("pt_paths").number(),
+        device_ms=row.optional_number("pt_device_ms"),
+        end_to_end_ms=row.optional_number("pt_end_to_end_ms"),
+        seed=row.optional_integer("pt_seed"),
+        order=row.optional_integer("pt_order"),
+        timestamp=row.optional_number("pt_timestamp"),
+        clock_mhz_before=row.optional_number("pt_clock_mhz_before"),
+        clock_mhz_after=row.optional_number("pt_clock_mhz_after"),
+        low_clock=low is not None and low.number() != 0,
+    )
+
+
+def _cell(
+    node: Node, study_names: tuple[str, ...], samples: dict[str, list[Sample]], errors: dict[str, list[str]]
+) -> Cell:
+    name = node.need("cell").name()
+    resolution = [item.integer(minimum=1) for item in node.need("resolution").items()]
+    if len(resolution) != 2:
+        raise node.need("resolution").wrong("[width, height]")
+    studies = node.maybe("studies")
+    claim = node.maybe("claim")
+    instrumented = node.maybe("instrumented")
+    return Cell(
+        name=name,
+        studies=() if studies is None else tuple(item.one_of(study_names) for item in studies.items()),
+        scene=node.need("scene").name(),
+        scene_hash=node.optional_text("scene_hash"),
+        backend=node.need("backend").name(),
+        variant=node.need("variant").name(),
+        axes=node.need("axes").texts(),
+        resolution=(resolution[0], resolution[1]),
+        depth=node.need("depth").integer(minimum=1),
+        spp=node.need("spp").integer(minimum=1),
+        status=node.need("status").one_of(CELL_STATUSES),
+        reason=node.optional_text("reason"),
+        claim="" if claim is None or claim.value == "" else claim.one_of(CLAIMS),
+        claim_check=node.optional_text("claim_check"),
+        film_hash=node.optional_text("film_hash"),
+        nonfinite=node.optional_integer("nonfinite") or 0,
+        negative=node.optional_integer("negative") or 0,
+        saturated=node.optional_integer("saturated") or 0,
+        unfinished_walks=node.optional_integer("unfinished_walks") or 0,
+        # A cell that never got to its counting pass has none, or an empty object.
+        instrumented=None if instrumented is None or instrumented.value == {} else _instrumented(instrumented),
+        samples=tuple(samples[name]),
+        errors=tuple(errors[name]),
+    )
+
+
+def _instrumented(node: Node) -> Instrumented:
+    stages = node.maybe("stage_ms")
+    live = node.maybe("live_paths")
+    unaccounted = node.maybe("unaccounted_ms")
+    return Instrumented(
+        live_paths=() if live is None else tuple(item.integer() for item in live.items()),
+        paths=node.need("paths").integer(minimum=1),
+        spp=node.need("spp").integer(minimum=1),
+        stage_ms={} if stages is None else {key: stages.need(key).number() for key in stages.fields()},
+        wall_ms=node.optional_number("wall_ms"),
+        # May be below zero: stages that overlap add up to more than the wall time.
+        unaccounted_ms=None if unaccounted is None else unaccounted.number(signed=True),
+    )
+
+
+def _not_applicable(node: Node) -> NotApplicable:
+    axes = node.maybe("axes")
+    return NotApplicable(
+        study=node.optional_text("study"),
+        scene=node.optional_text("scene"),
+        variant=node.need("variant").text(),
+        axes={} if axes is None else axes.texts(),
+        reason=node.need("reason").text(),
+    )

@@ -1,0 +1,138 @@
+"""summary.md: the figures' numbers as tables, with verdicts, and everything that was not measured."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from analysis.files import one_line
+from analysis.results import Cell, Result, Study
+from analysis.statistics import INTERVAL_TEXT, VERDICT_RULE, Estimate
+from analysis.studies import QUESTIONS, Note, Row, measure, notes_of
+from analysis.style import figures, interval, ratio
+
+_COLUMNS = (
+    "Variant", "Scene", "Depth", "Resolution", "Backend", "spp", "n", "ms/spp", "95 % interval", "Mrays/s",
+    "Ratio", "Ratio's 95 % interval", "Verdict", "Remarks",
+)  # fmt: skip
+_NUMERIC = {"Depth", "spp", "n", "ms/spp", "95 % interval", "Mrays/s", "Ratio", "Ratio's 95 % interval"}
+
+
+def summary(result: Result, not_drawn: dict[str, str], notes: dict[str, Sequence[Note]]) -> str:
+    """The whole page as Markdown. By study name: `not_drawn`, why there is no figure; `notes`, what it left unsaid."""
+    lines = [f"# {result.suite or result.path.stem}: what was measured", "", *_about(result), ""]
+    lines += [f"Times are medians of render wall time per sample per pixel. Intervals: {INTERVAL_TEXT}.", ""]
+    lines += [VERDICT_RULE, "Low-clock samples are flagged, never dropped.", ""]
+    for study in result.studies:
+        lines += _section(
+            result, study, f"## {study.title or study.name}", not_drawn.get(study.name), notes.get(study.name)
+        )
+    if not result.studies:
+        lines += ["The file has no studies.", ""]
+    if any(not cell.studies for cell in result.cells):
+        lines += _section(result, None, "## Cells of no study", None, None)
+    lines += _not_applicable(result) + _failed(result.cells)
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _about(result: Result) -> list[str]:
+    facts = [
+        ("Result file", result.path.name),
+        ("Run", "INTERRUPTED: cells and samples may be missing" if result.interrupted else result.about("status")),
+        ("Machine", f"{result.about('machine')}: {result.about('cpu_model')}, {result.about('threads')} threads"),
+        ("Backend", result.about("backend")),
+        (
+            "System",
+            f"{result.about('os')}; {result.about('compiler')} {result.context.get('ptbench.compiler_flags', '')}",
+        ),
+        ("ptbench", f"{result.about('version')}, git {result.git}, {result.context['date'] or 'no date'}"),
+        ("Command", f"`{result.about('command_line')}`"),
+    ]
+    return [f"- {key}: {one_line(value)}" for key, value in facts]
+
+
+def _section(
+    result: Result, study: Study | None, heading: str, not_drawn: str | None, notes: Sequence[Note] | None
+) -> list[str]:
+    rows = measure(result, study)
+    lines = [heading, ""]
+    if study is not None and study.figure in QUESTIONS:
+        question = QUESTIONS[study.figure]
+        lines += [f"Baseline: {question.axis}={question.baseline}, all else equal.", ""]
+    if not_drawn:
+        lines += [f"Not drawn: {one_line(not_drawn)}", ""]
+    if rows:
+        lines += [_table_line(_COLUMNS)]
+        lines += [_table_line("---:" if name in _NUMERIC else "---" for name in _COLUMNS)]
+        lines += [_table_line(_table_row(row)) for row in rows]
+        lines += [""]
+    else:
+        lines += ["No cells.", ""]
+    notes = notes_of(result, study, rows) if notes is None else notes
+    if notes:
+        lines += [f"- {note.kind}: {one_line(note.full)}" for note in notes] + [""]
+    return lines
+
+
+def _table_row(row: Row) -> list[str]:
+    cell = row.cell
+    verdict = "baseline" if row.is_baseline and row.estimate else row.verdict.word if row.verdict else "—"
+    return [
+        cell.variant,
+        cell.scene,
+        str(cell.depth),
+        cell.resolution_text,
+        cell.backend,
+        str(cell.spp),
+        str(len(cell.samples)),
+        figures(row.estimate.value) if row.estimate else "—",
+        _ends(row.estimate),
+        figures(row.mega_rays_per_second.value) if row.mega_rays_per_second else "—",
+        ratio(row.ratio.value) if row.ratio else "—",
+        f"[{ratio(row.ratio.low)}, {ratio(row.ratio.high)}]" if row.ratio and row.ratio.low is not None else "—",
+        "FAILED" if cell.failed else verdict,
+        "; ".join(_remarks(row)),
+    ]
+
+
+def _ends(estimate: Estimate | None) -> str:
+    return "—" if estimate is None else interval(estimate.low, estimate.high)
+
+
+def _remarks(row: Row) -> Iterable[str]:
+    cell = row.cell
+    if cell.failed:
+        yield cell.failure
+    if cell.status == "interrupted":
+        yield "interrupted" + (f": {cell.reason}" if cell.reason else "")
+    if not cell.failed and not cell.samples:
+        yield "no samples"
+    if row.verdict and row.verdict.reason:
+        yield row.verdict.reason
+    if cell.low_clock_samples:
+        yield f"{cell.low_clock_samples} low-clock"
+    if cell.claim == "biased":
+        yield "biased" + (f": {cell.reason or cell.claim_check}" if cell.reason or cell.claim_check else "")
+    for counter in ("nonfinite", "negative", "saturated", "unfinished_walks"):
+        if getattr(cell, counter):
+            yield f"{counter.replace('_', ' ')} {getattr(cell, counter)}"
+
+
+def _not_applicable(result: Result) -> list[str]:
+    lines = ["## Not applicable", ""]
+    if not result.not_applicable:
+        return [*lines, "None.", ""]
+    lines += [_table_line(("Study", "Scene", "Variant", "Reason")), _table_line(["---"] * 4)]
+    entries = dict.fromkeys((item.study, item.scene, item.variant, item.reason) for item in result.not_applicable)
+    return [*lines, *(_table_line(entry) for entry in entries), ""]
+
+
+def _failed(cells: Sequence[Cell]) -> list[str]:
+    failed = [cell for cell in cells if cell.failed]
+    if not failed:
+        return ["## Failed", "", "None.", ""]
+    return ["## Failed", "", *(f"- {one_line(cell.name)}: {one_line(cell.failure)}" for cell in failed), ""]
+
+
+def _table_line(values: Iterable[str]) -> str:
+    # A message from a compiler may hold anything; a pipe or a line break would end the table's cell.
+    return "| " + " | ".join(one_line(value).replace("|", "\\|") for value in values) + " |"

@@ -1,0 +1,35 @@
+# Libraries come from the distribution. `./run` installs them; without it, CMake says which one is missing.
+find_package(OpenMP REQUIRED COMPONENTS CXX)
+find_package(fmt REQUIRED)
+find_package(nlohmann_json 3.10 REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(benchmark REQUIRED)
+find_package(glm REQUIRED)
+if(NOT TARGET glm::glm)
+  add_library(glm::glm INTERFACE IMPORTED)
+  target_include_directories(glm::glm INTERFACE ${GLM_INCLUDE_DIRS})
+endif()
+find_path(PTBENCH_STB_INCLUDE stb/stb_image_write.h REQUIRED)
+
+# Thrust: the CUDA toolkit's where there is one, the distribution's (libthrust-dev) where not.
+find_program(PTBENCH_NVCC nvcc HINTS $ENV{CUDA_HOME}/bin /usr/local/cuda/bin)
+if(PTBENCH_NVCC)
+  get_filename_component(PTBENCH_NVCC_REAL ${PTBENCH_NVCC} REALPATH)
+  get_filename_component(PTBENCH_CUDA_BIN ${PTBENCH_NVCC_REAL} DIRECTORY)
+  get_filename_component(PTBENCH_CUDA_ROOT ${PTBENCH_CUDA_BIN} DIRECTORY)
+  message(STATUS "nvcc: ${PTBENCH_NVCC}")
+else()
+  message(STATUS "nvcc: not found: CPU backend only")
+endif()
+find_path(PTBENCH_THRUST_INCLUDE thrust/version.h
+          PATHS ${PTBENCH_CUDA_ROOT}/include/cccl ${PTBENCH_CUDA_ROOT}/targets/x86_64-linux/include/cccl
+                ${PTBENCH_CUDA_ROOT}/include
+          NO_DEFAULT_PATH)
+if(NOT PTBENCH_THRUST_INCLUDE)
+  find_path(PTBENCH_THRUST_INCLUDE thrust/version.h REQUIRED)
+endif()
+message(STATUS "Thrust: ${PTBENCH_THRUST_INCLUDE}")
+add_library(ptbench_thrust INTERFACE)
+target_include_directories(ptbench_thrust SYSTEM INTERFACE ${PTBENCH_THRUST_INCLUDE})
+target_compile_definitions(ptbench_thrust INTERFACE THRUST_HOST_SYSTEM=THRUST_HOST_SYSTEM_CPP
+                                                    THRUST_DEVICE_SYSTEM=THRUST_DEVICE_SYSTEM_OMP)

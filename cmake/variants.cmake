@@ -1,0 +1,59 @@
+# variants/: one file a choice, found by its place. A .cpp registers itself; integrators and layouts are headers, because
+# an integrator is compiled once for every feature set and a layout is a type that several choices work on.
+file(GLOB variant_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/*.cpp ${PROJECT_SOURCE_DIR}/variants/*/*.cpp)
+file(GLOB integrator_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/integrator/*.h)
+file(GLOB layout_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/layout/*.h)
+set(feature_set_file ${PROJECT_SOURCE_DIR}/variants/specialisation/cpu_feature_sets.txt)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${feature_set_file})
+set(generated ${PROJECT_BINARY_DIR}/generated)
+
+# layouts.h: every layout by the name of its file.
+set(layout_includes "")
+set(layout_types "")
+set(layout_registrations "")
+foreach(header ${layout_headers})
+  get_filename_component(name ${header} NAME_WE)
+  string(APPEND layout_includes "#include \"variants/layout/${name}.h\"\n")
+  list(APPEND layout_types "layout::${name}::Paths<float>")
+  string(APPEND layout_registrations
+         "const Registration ${name}(layout::${name}::descriptor, {.layout = [] { return AnyPaths(layout::${name}::Paths<float>()); }});\n")
+endforeach()
+list(JOIN layout_types ", " layout_types)
+file(CONFIGURE OUTPUT ${generated}/layouts.h CONTENT
+"#pragma once\n#include <variant>\n${layout_includes}namespace pt {\nusing AnyPaths = std::variant<${layout_types}>;\n}\n")
+file(CONFIGURE OUTPUT ${generated}/layouts.cpp CONTENT
+"#include \"variants/registry.h\"\nnamespace pt { namespace {\n${layout_registrations}} }\n")
+
+# One translation unit an integrator and feature set; the generic kernel has them all.
+set(feature_sets "all_features")
+file(STRINGS ${feature_set_file} lines)
+foreach(line ${lines})
+  string(STRIP "${line}" line)
+  if(line MATCHES "^#" OR line STREQUAL "")
+    continue()
+  endif()
+  string(REGEX REPLACE " +" " | Feature::" expression "${line}")
+  list(APPEND feature_sets "no_features | Feature::${expression}")
+endforeach()
+set(integrator_sources ${generated}/layouts.cpp)
+foreach(header ${integrator_headers})
+  get_filename_component(name ${header} NAME_WE)
+  set(index 0)
+  foreach(features ${feature_sets})
+    set(unit ${generated}/integrator_${name}_${index}.cpp)
+    file(CONFIGURE OUTPUT ${unit} CONTENT
+"#include \"variants/integrator/${name}.h\"
+namespace pt { namespace {
+constexpr FeatureSet features = ${features};
+const IntegratorRegistration registration(integrator::${name}::descriptor, features,
+                                          &integrator::${name}::render<Config<float, features>>);
+} }
+")
+    list(APPEND integrator_sources ${unit})
+    math(EXPR index "${index} + 1")
+  endforeach()
+endforeach()
+
+# An object library: from an archive the linker would drop the registrations that nobody names.
+add_library(ptbench_variants OBJECT ${variant_sources} ${integrator_sources})
+target_link_libraries(ptbench_variants PUBLIC ptbench_options)

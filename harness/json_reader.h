@@ -1,0 +1,68 @@
+// Reads JSON objects strictly: every key is asked for by name, and what was not asked for is an error. Used for scenes and
+// suites alike. Errors name the file, the JSON path, what was found and what is allowed.
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "harness/error.h"
+
+namespace pt {
+
+using Json = nlohmann::json;
+
+// The text of a file; InputError if it cannot be read.
+std::string read_file(const std::string& path);
+
+// Strict parse: no comments, no duplicate keys, no numbers beyond double. `file` is for the messages.
+Json parse_json(const std::string& text, const std::string& file);
+
+// A short rendering of a value for "found ...".
+std::string describe(const Json& value);
+
+class JsonValue {
+public:
+    JsonValue(const Json& json, std::string file, std::string path) : json_(&json), file_(std::move(file)), path_(std::move(path)) {}
+
+    const Json& json() const { return *json_; }
+    const std::string& path() const { return path_; }
+    const std::string& file() const { return file_; }
+
+    // A finite number in [low, high]; `allowed` says so in words.
+    double number(double low, double high, const std::string& allowed) const;
+    // A whole number in [low, high], written without a fraction.
+    long long whole(long long low, long long high, const std::string& allowed) const;
+    bool boolean() const;
+    std::string text() const;
+    std::string one_of(const std::vector<std::string>& allowed) const;
+    // The elements of an array.
+    std::vector<JsonValue> elements() const;
+    [[noreturn]] void fail(const std::string& allowed) const;
+
+private:
+    const Json* json_;
+    std::string file_;
+    std::string path_;
+};
+
+class JsonObject {
+public:
+    // Fails unless the value is an object whose keys are all among `keys`.
+    JsonObject(const JsonValue& value, std::vector<std::string> keys);
+
+    bool has(const std::string& key) const { return json_->contains(key); }
+    // The member; fails if it is missing.
+    JsonValue required(const std::string& key) const;
+    // The member; call only if has(key).
+    JsonValue at(const std::string& key) const;
+
+private:
+    const Json* json_;
+    std::string file_;
+    std::string path_;
+};
+
+}  // namespace pt

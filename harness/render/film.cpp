@@ -1,0 +1,58 @@
+#include "harness/render/film.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace pt {
+
+double film_scale(double bound, std::uint64_t samples) {
+    int bound_exponent = 0;
+    std::frexp(bound, &bound_exponent);  // bound < 2^bound_exponent
+    int sample_exponent = 16;
+    while (sample_exponent < 62 && (std::uint64_t{1} << sample_exponent) < samples) {
+        ++sample_exponent;
+    }
+    return std::ldexp(1.0, 62 - 6 - sample_exponent - bound_exponent);
+}
+
+Film::Film(std::uint32_t width, std::uint32_t height, double bound, std::uint64_t samples)
+    : width_(width),
+      height_(height),
+      samples_(samples),
+      scale_(film_scale(bound, samples)),
+      limit_(0x1p62 / static_cast<double>(std::max<std::uint64_t>(1, samples))),
+      sums_(std::size_t{3} * width * height) {}
+
+Vec3d Film::pixel(std::uint32_t index) const {
+    const double unit = 1.0 / (scale_ * static_cast<double>(samples_));
+    const std::int64_t* sum = &sums_[3 * static_cast<std::size_t>(index)];
+    return {static_cast<double>(sum[0]) * unit, static_cast<double>(sum[1]) * unit, static_cast<double>(sum[2]) * unit};
+}
+
+Vec3d Film::mean() const {
+    Vec3d total(0.0);
+    const std::uint32_t pixels = width_ * height_;
+    for (std::uint32_t i = 0; i < pixels; ++i) {
+        total += pixel(i);
+    }
+    return total / static_cast<double>(pixels);
+}
+
+std::string Film::hash() const {
+    return fmt::format("{:016x}", fnv1a(sums_.data(), sums_.size() * sizeof(sums_[0])));
+}
+
+std::vector<float> Film::radiance() const {
+    std::vector<float> values(sums_.size());
+    for (std::uint32_t i = 0; i < width_ * height_; ++i) {
+        const Vec3d mean = pixel(i);
+        values[3 * i + 0] = static_cast<float>(mean.x);
+        values[3 * i + 1] = static_cast<float>(mean.y);
+        values[3 * i + 2] = static_cast<float>(mean.z);
+    }
+    return values;
+}
+
+}  // namespace pt

@@ -1,0 +1,44 @@
+// The host's film: fixed-point sums, their scale, and what can be read off them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/scene/scene.h"
+#include "kernels/film.h"
+
+namespace pt {
+
+class Film {
+public:
+    // `bound`: radiance that one sample can carry (radiance_bound); `samples`: samples a pixel that will be added in all.
+    Film(std::uint32_t width, std::uint32_t height, double bound, std::uint64_t samples);
+
+    FilmView view() { return {sums_.data(), &faults_, scale_, limit_}; }
+    std::uint32_t width() const { return width_; }
+    std::uint32_t height() const { return height_; }
+    std::uint64_t samples() const { return samples_; }
+    const std::vector<std::int64_t>& sums() const { return sums_; }
+    const FilmFaults& faults() const { return faults_; }
+    double scale() const { return scale_; }
+
+    // Mean radiance of a pixel over the samples.
+    Vec3d pixel(std::uint32_t index) const;
+    Vec3d mean() const;
+    // FNV-1a over the sums: 16 hex digits. Equal hashes mean equal bits, whatever the variant.
+    std::string hash() const;
+    // Linear RGB, row-major.
+    std::vector<float> radiance() const;
+
+private:
+    std::uint32_t width_, height_;
+    std::uint64_t samples_;
+    double scale_, limit_;
+    std::vector<std::int64_t> sums_;
+    FilmFaults faults_;
+};
+
+// Quanta a unit of radiance: a power of two such that 2^16 samples (or `samples`, if more) of 64 times the bound fit.
+double film_scale(double bound, std::uint64_t samples);
+
+}  // namespace pt

@@ -1,0 +1,71 @@
+#include "harness/render/image.h"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "harness/error.h"
+#include "harness/write_file.h"
+
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#include <stb/stb_image_write.h>
+
+namespace pt {
+
+namespace {
+
+// IEC 61966-2-1.
+unsigned char to_srgb8(double linear) {
+    const double clipped = std::min(1.0, std::max(0.0, linear));
+    const double encoded = clipped <= 0.0031308 ? 12.92 * clipped : 1.055 * std::pow(clipped, 1.0 / 2.4) - 0.055;
+    return static_cast<unsigned char>(std::lround(255.0 * encoded));
+}
+
+std::string encode_png(const Film& film) {
+    std::vector<unsigned char> bytes;
+    bytes.reserve(std::size_t{3} * film.width() * film.height());
+    for (const float value : film.radiance()) {
+        bytes.push_back(to_srgb8(value));
+    }
+    std::string encoded;
+    const auto append = [](void* context, void* data, int size) {
+        static_cast<std::string*>(context)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
+    };
+    if (stbi_write_png_to_func(append, &encoded, static_cast<int>(film.width()), static_cast<int>(film.height()), 3, bytes.data(),
+                               static_cast<int>(3 * film.width())) == 0) {
+        throw MachineError("the PNG encoder failed");
+    }
+    return encoded;
+}
+
+// Rows from bottom to top; the negative scale says little-endian.
+std::string encode_pfm(const Film& film) {
+    static_assert(std::endian::native == std::endian::little);
+    std::string encoded = fmt::format("PF\n{} {}\n-1.0\n", film.width(), film.height());
+    const std::vector<float> values = film.radiance();
+    const std::size_t row = std::size_t{3} * film.width();
+    for (std::uint32_t y = film.height(); y-- > 0;) {
+        encoded.append(reinterpret_cast<const char*>(&values[y * row]), row * sizeof(float));
+    }
+    return encoded;
+}
+
+}  // namespace
+
+void check_image_name(const std::string& file) {
+    const std::string ending = std::filesystem::path(file).extension().string();
+    if (ending != ".png" && ending != ".pfm") {
+        throw InputError("--out", "file name", "\"" + file + "\"", "a name that ends in .png or .pfm");
+    }
+}
+
+void write_image(const Film& film, const std::string& file) {
+    check_image_name(file);
+    write_file(file, std::filesystem::path(file).extension() == ".png" ? encode_png(film) : encode_pfm(film));
+}
+
+}  // namespace pt

@@ -1,0 +1,14 @@
+// Writes an image as PNG (sRGB, 8 bit, clipped at 1) or PFM (linear float), by the file's ending.
+#pragma once
+
+#include <string>
+
+#include "harness/render/film.h"
+
+namespace pt {
+
+// Throws InputError for another ending, MachineError if the file cannot be written. The file appears whole or not at all.
+void write_image(const Film& film, const std::string& file);
+void check_image_name(const std::string& file);
+
+}  // namespace pt

@@ -1,0 +1,101 @@
+#include "harness/render/renderer.h"
+
+#include <ctime>
+#include <new>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "harness/error.h"
+
+namespace pt {
+
+namespace {
+
+double process_cpu_ms() {
+    timespec time{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+// One queue a layout for the whole process: a timed render finds its memory in place.
+PathQueue& queue_for(const Variant& variant) {
+    static std::map<std::string, PathQueue> queues;
+    const auto [position, inserted] = queues.try_emplace(variant["layout"]);
+    if (inserted) {
+        position->second.paths = Registry::instance().at("layout", variant).hook.layout();
+    }
+    return position->second;
+}
+
+RenderResult render_unguarded(const Scene& scene, const RenderRequest& request) {
+    const Registry& registry = Registry::instance();
+    const KernelChoice kernel = choose_kernel(scene, request.variant);
+    RenderSettings settings = request.settings;
+    settings.final_bounce = contains(kernel.needed, Feature::final_bounce);
+
+    const SceneBuffers<float> buffers(scene, settings);
+    const std::uint64_t film_samples = request.film_samples != 0 ? request.film_samples : request.samples;
+    RenderResult result{.film = Film(settings.width, settings.height, radiance_bound(scene, settings.depth), film_samples),
+                        .work = {},
+                        .stages = {},
+                        .needed = kernel.needed,
+                        .compiled = kernel.compiled};
+    const auto compaction = registry.at("compaction", request.variant).hook.compaction();
+    const auto sorting = registry.at("sorting", request.variant).hook.sorting();
+    const auto cache = registry.at("first_bounce", request.variant).hook.first_bounce(settings.width * settings.height);
+    PathQueue& queue = queue_for(request.variant);
+
+    RenderJob job;
+    job.scene = buffers.view();
+    job.film = result.film.view();
+    job.first_sample = request.first_sample;
+    job.samples = request.samples;
+    job.queue = &queue;
+    job.compaction = compaction.get();
+    job.sorting = sorting.get();
+    job.cache = cache.get();
+    job.stages = request.instrument ? &result.stages : nullptr;
+
+    const double cpu_start = process_cpu_ms();
+    const auto start = std::chrono::steady_clock::now();
+    kernel.render(job);
+    result.wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    result.cpu_ms = process_cpu_ms() - cpu_start;
+    result.device_ms = result.wall_ms;
+    result.work = job.work;
+    return result;
+}
+
+}  // namespace
+
+std::string KernelChoice::note() const {
+    const FeatureSet surplus = compiled & ~needed;
+    return surplus == 0 ? "exact" : fmt::format("has {} for nothing", fmt::join(feature_names(surplus), ", "));
+}
+
+KernelChoice choose_kernel(const Scene& scene, const Variant& variant) {
+    const Registry& registry = Registry::instance();
+    const auto& kernels = registry.at("integrator", variant).hook.integrator;
+    std::vector<FeatureSet> compiled;
+    for (const auto& [features, function] : kernels) {
+        compiled.push_back(features);
+    }
+    const FeatureSet needed = features_of(scene) | registry.at("direct_light", variant).hook.direct_light();
+    const FeatureSet chosen = registry.at("specialisation", variant).hook.specialisation(needed, compiled);
+    if (!is_superset(chosen, needed)) {
+        throw std::logic_error("a kernel was chosen that lacks a feature of the scene");
+    }
+    return {needed, chosen, kernels.at(chosen)};
+}
+
+RenderResult render(const Scene& scene, const RenderRequest& request) {
+    try {
+        return render_unguarded(scene, request);
+    } catch (const std::bad_alloc&) {
+        throw MachineError(fmt::format("out of memory: {} of {} at {}x{}", request.variant.name(), scene.name,
+                                       request.settings.width, request.settings.height));
+    }
+}
+
+}  // namespace pt

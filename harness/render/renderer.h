@@ -1,0 +1,45 @@
+// Renders one variant of one scene and says what it did and how long it took.
+#pragma once
+
+#include <memory>
+
+#include "harness/render/film.h"
+#include "harness/scene/scene_buffers.h"
+#include "variants/registry.h"
+
+namespace pt {
+
+struct RenderRequest {
+    Variant variant;
+    RenderSettings settings;  // final_bounce is set from the variant
+    std::uint32_t first_sample = 0;
+    std::uint32_t samples = 1;  // a pixel
+    bool instrument = false;    // take stage times and live paths; such a render's time is no result
+    // Samples that the whole film is for, if this render adds only a part of them; 0: `samples`.
+    std::uint32_t film_samples = 0;
+};
+
+struct RenderResult {
+    Film film;
+    WorkCounters work;
+    StageTimes stages;
+    FeatureSet needed = no_features;    // by scene and variant
+    FeatureSet compiled = no_features;  // in the kernel that ran
+    double wall_ms = 0;    // from the first stage to the end of the last
+    double device_ms = 0;  // on the CPU backend the same
+    double cpu_ms = 0;     // CPU time of all threads over the same span
+};
+
+// The kernel that a variant runs for a scene: what is needed, and what the kernel that was compiled contains.
+struct KernelChoice {
+    FeatureSet needed, compiled;
+    RenderFunction render;
+    // "exact", or what the kernel contains for nothing.
+    std::string note() const;
+};
+KernelChoice choose_kernel(const Scene& scene, const Variant& variant);
+
+// Precondition: why_not_applicable(variant, features) is empty. Throws MachineError if memory runs out.
+RenderResult render(const Scene& scene, const RenderRequest& request);
+
+}  // namespace pt

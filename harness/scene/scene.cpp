@@ -1,0 +1,111 @@
+#include "harness/scene/scene.h"
+
+#include <cmath>
+
+namespace pt {
+
+namespace {
+
+struct SinCosDegrees {
+    double sine, cosine;
+};
+
+// Exact at multiples of 90 degrees, where a box must stay axis-aligned.
+SinCosDegrees sin_cos_degrees(double degrees) {
+    const double reduced = std::fmod(degrees, 360.0);
+    const double quarters = reduced / 90.0;
+    if (quarters == std::floor(quarters)) {
+        static constexpr double sines[] = {0, 1, 0, -1};
+        const int quarter = (static_cast<int>(quarters) % 4 + 4) % 4;
+        return {sines[quarter], sines[(quarter + 1) % 4]};
+    }
+    const double radians = reduced * (pi<double> / 180.0);
+    return {std::sin(radians), std::cos(radians)};
+}
+
+bool is_black(const Vec3d& v) {
+    return v.x == 0 && v.y == 0 && v.z == 0;
+}
+
+bool is_quarter_turn(double degrees) {
+    return std::fmod(degrees, 90.0) == 0.0;
+}
+
+FeatureSet material_features(const SceneMaterial& material) {
+    switch (material.type) {
+        case MaterialType::emitter:
+            return no_features | Feature::emitter;
+        case MaterialType::diffuse:
+            return Feature::diffuse | (is_black(material.emission) ? Feature::diffuse : Feature::emission);
+        case MaterialType::mirror:
+            return Feature::mirror | (is_black(material.emission) ? Feature::mirror : Feature::emission);
+        case MaterialType::mix:
+            return Feature::mix | (is_black(material.emission) ? Feature::mix : Feature::emission);
+        case MaterialType::dielectric:
+            return Feature::dielectric | (is_black(material.sigma_a) ? Feature::dielectric : Feature::absorption);
+        default:
+            return Feature::subsurface | (material.ior == 1 ? Feature::subsurface : Feature::subsurface_boundary);
+    }
+}
+
+}  // namespace
+
+Rotation rotation_of(const Vec3d& degrees) {
+    const SinCosDegrees x = sin_cos_degrees(degrees.x);
+    const SinCosDegrees y = sin_cos_degrees(degrees.y);
+    const SinCosDegrees z = sin_cos_degrees(degrees.z);
+    // Rz Ry Rx
+    return {{{z.cosine * y.cosine, z.sine * y.cosine, -y.sine},
+             {z.cosine * y.sine * x.sine - z.sine * x.cosine, z.sine * y.sine * x.sine + z.cosine * x.cosine, y.cosine * x.sine},
+             {z.cosine * y.sine * x.cosine + z.sine * x.sine, z.sine * y.sine * x.cosine - z.cosine * x.sine,
+              y.cosine * x.cosine}}};
+}
+
+PrimitiveKind classify(const SceneObject& object) {
+    switch (object.shape) {
+        case Shape::sphere:
+            return object.scale.x == object.scale.y && object.scale.y == object.scale.z ? PrimitiveKind::sphere
+                                                                                       : PrimitiveKind::ellipsoid;
+        case Shape::box: {
+            const Vec3d& r = object.rotate_degrees;
+            return is_quarter_turn(r.x) && is_quarter_turn(r.y) && is_quarter_turn(r.z) ? PrimitiveKind::axis_box
+                                                                                        : PrimitiveKind::oriented_box;
+        }
+        default:
+            return PrimitiveKind::quad;
+    }
+}
+
+FeatureSet features_of(const Scene& scene) {
+    static constexpr Feature by_kind[] = {Feature::sphere, Feature::ellipsoid, Feature::axis_box, Feature::oriented_box, Feature::quad};
+    const bool shutter_moves_objects = scene.camera.shutter_open != 0 || scene.camera.shutter_close != 0;
+    FeatureSet features = no_features;
+    for (const SceneObject& object : scene.objects) {
+        features = features | by_kind[static_cast<std::size_t>(classify(object))];
+        features |= material_features(scene.materials[object.material]);
+        if (shutter_moves_objects && !is_black(object.velocity)) {
+            features = features | Feature::motion;
+        }
+    }
+    if (!is_black(scene.environment)) {
+        features = features | Feature::environment;
+    }
+    if (scene.camera.jitter) {
+        features = features | Feature::jitter;
+    }
+    if (scene.camera.aperture_radius > 0) {
+        features = features | Feature::lens;
+    }
+    return features;
+}
+
+std::uint64_t fnv1a(const void* data, std::size_t bytes, std::uint64_t start) {
+    const auto* byte = static_cast<const unsigned char*>(data);
+    std::uint64_t hash = start;
+    for (std::size_t i = 0; i < bytes; ++i) {
+        hash = (hash ^ byte[i]) * 0x100000001b3ull;
+    }
+    return hash;
+}
+
+}  // namespace pt

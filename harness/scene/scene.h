@@ -1,0 +1,76 @@
+// A scene as its file says it, validated, in double precision. Lengths in scene units, angles in degrees, velocity in units
+// a second, sigma in 1/unit, radiance linear RGB.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "kernels/config.h"
+#include "kernels/material.h"
+
+namespace pt {
+
+using Vec3d = Vec3<double>;
+
+struct SceneCamera {
+    Vec3d eye{}, look_at{}, up{};
+    double vertical_fov_degrees = 0;
+    std::uint32_t width = 0, height = 0;
+    bool jitter = true;
+    double aperture_radius = 0;
+    double focus_distance = 1;
+    double shutter_open = 0, shutter_close = 0;
+    bool shutter_late = false;
+};
+
+struct SceneMaterial {
+    std::string name;
+    MaterialType type = MaterialType::diffuse;
+    Vec3d albedo{0.0}, emission{0.0}, reflectance{0.0}, tint{1.0}, sigma_a{0.0}, sigma_s{0.0};
+    double mirror_probability = 0;
+    double ior = 1;
+    double g = 0;
+    std::uint32_t max_scatterings = 1000000;
+};
+
+enum class Shape { sphere, box, quad };
+
+struct SceneObject {
+    Shape shape = Shape::sphere;
+    std::uint32_t material = 0;
+    Vec3d translate{0.0}, rotate_degrees{0.0}, scale{1.0}, velocity{0.0};
+};
+
+struct Scene {
+    std::string name;
+    std::string description;
+    std::uint32_t max_depth = 1;
+    Vec3d environment{0.0};
+    SceneCamera camera;
+    std::vector<SceneMaterial> materials;  // sorted by name
+    std::vector<SceneObject> objects;
+    std::string hash;  // of the file's content, white space and key order aside; 16 hex digits
+};
+
+// Reads and validates a scene. Throws InputError. `file` is for the messages.
+Scene load_scene(const std::string& file);
+Scene parse_scene(const std::string& text, const std::string& file);
+
+// Which formula an object is intersected by.
+enum class PrimitiveKind { sphere, ellipsoid, axis_box, oriented_box, quad };
+PrimitiveKind classify(const SceneObject& object);
+
+// Everything that rendering the scene needs, and nothing else.
+FeatureSet features_of(const Scene& scene);
+
+// Columns of the rotation "about x, then y, then z"; exact at multiples of 90 degrees.
+struct Rotation {
+    Vec3d column[3];
+};
+Rotation rotation_of(const Vec3d& degrees);
+
+// FNV-1a, 64 bit, of a byte range; for hashes of scenes and films.
+std::uint64_t fnv1a(const void* data, std::size_t bytes, std::uint64_t start = 0xcbf29ce484222325ull);
+
+}  // namespace pt

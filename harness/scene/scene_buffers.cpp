@@ -1,0 +1,238 @@
+#include "harness/scene/scene_buffers.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+namespace pt {
+
+namespace {
+
+std::array<double, 3> as_array(const Vec3d& v) {
+    return {v.x, v.y, v.z};
+}
+
+auto canonical_key(const SceneObject& object) {
+    return std::make_tuple(classify(object), as_array(object.translate), as_array(object.rotate_degrees), as_array(object.scale),
+                           as_array(object.velocity), object.material);
+}
+
+template <class Real>
+Vec3<Real> narrow(const Vec3d& v) {
+    return {static_cast<Real>(v.x), static_cast<Real>(v.y), static_cast<Real>(v.z)};
+}
+
+template <class Real>
+Boundary<Real> make_boundary(double relative_ior) {
+    return {static_cast<Real>(relative_ior), static_cast<Real>(1.0 / relative_ior),
+            static_cast<Real>((relative_ior - 1.0) * (relative_ior + 1.0))};
+}
+
+template <class Real>
+Material<Real> make_material(const SceneMaterial& m) {
+    Material<Real> material{};
+    material.type = m.type;
+    material.emits = m.emission != Vec3d(0.0) ? 1 : 0;
+    material.emission = narrow<Real>(m.emission);
+    material.albedo = narrow<Real>(m.albedo);
+    material.reflectance = narrow<Real>(m.reflectance);
+    material.mirror_probability = static_cast<Real>(m.mirror_probability);
+    material.tint = narrow<Real>(m.tint);
+    material.entering = make_boundary<Real>(m.ior);
+    material.leaving = make_boundary<Real>(1.0 / m.ior);
+    // (1/n - 1)(1/n + 1) from n itself: 1/n is already rounded.
+    material.leaving.k = static_cast<Real>(-(m.ior - 1.0) * (m.ior + 1.0) / (m.ior * m.ior));
+    material.has_boundary = m.ior != 1.0 ? 1 : 0;
+    material.absorbs = m.type == MaterialType::dielectric && m.sigma_a != Vec3d(0.0) ? 1 : 0;
+    const Vec3d sigma_t = m.sigma_a + m.sigma_s;
+    material.sigma_a = narrow<Real>(m.sigma_a);
+    material.sigma_s = narrow<Real>(m.sigma_s);
+    material.sigma_t = narrow<Real>(sigma_t);
+    for (int i = 0; i < 3; ++i) {
+        material.scattering_albedo[i] = static_cast<Real>(sigma_t[i] > 0 ? m.sigma_s[i] / sigma_t[i] : 0.0);
+    }
+    material.grey = sigma_t.x == sigma_t.y && sigma_t.y == sigma_t.z ? 1 : 0;
+    material.g = static_cast<Real>(m.g);
+    material.max_scatterings = m.max_scatterings;
+    return material;
+}
+
+bool contains_point(const SceneObject& object, const Vec3d& point) {
+    const Rotation rotation = rotation_of(object.rotate_degrees);
+    const Vec3d p = point - object.translate;
+    const Vec3d local{dot(rotation.column[0], p) / object.scale.x, dot(rotation.column[1], p) / object.scale.y,
+                      dot(rotation.column[2], p) / object.scale.z};
+    switch (object.shape) {
+        case Shape::sphere:
+            return dot(local, local) < 0.25;
+        case Shape::box:
+            return std::abs(local.x) < 0.5 && std::abs(local.y) < 0.5 && std::abs(local.z) < 0.5;
+        default:
+            return false;
+    }
+}
+
+std::uint32_t medium_at_eye(const Scene& scene) {
+    for (const SceneObject& object : scene.objects) {
+        const SceneMaterial& material = scene.materials[object.material];
+        const bool absorbs = material.type == MaterialType::dielectric && material.sigma_a != Vec3d(0.0);
+        if (absorbs && contains_point(object, scene.camera.eye)) {
+            return object.material;
+        }
+    }
+    return Path<float>::no_medium;
+}
+
+template <class Real>
+Camera<Real> make_camera(const Scene& scene, const RenderSettings& settings) {
+    const SceneCamera& c = scene.camera;
+    const Vec3d forward = normalize(c.look_at - c.eye);
+    const Vec3d right = normalize(cross(forward, c.up));
+    const Vec3d up = cross(right, forward);
+    Camera<Real> camera{};
+    camera.right = narrow<Real>(right);
+    camera.up = narrow<Real>(up);
+    camera.forward = narrow<Real>(forward);
+    camera.width = settings.width;
+    camera.height = settings.height;
+    camera.pixel_size = static_cast<Real>(2.0 * std::tan(c.vertical_fov_degrees * pi<double> / 360.0) / settings.height);
+    camera.aperture_radius = static_cast<Real>(c.aperture_radius);
+    camera.focus_distance = static_cast<Real>(c.focus_distance);
+    camera.shutter_open = static_cast<Real>(c.shutter_open);
+    camera.shutter_length = static_cast<Real>(c.shutter_close - c.shutter_open);
+    camera.shutter_late = c.shutter_late ? 1 : 0;
+    camera.jitter = c.jitter ? 1 : 0;
+    camera.initial_medium = medium_at_eye(scene);
+    return camera;
+}
+
+template <class Real>
+AxisBox<Real> make_axis_box(const Vec3d& centre, const Rotation& rotation, const Vec3d& scale) {
+    Vec3d half(0.0);
+    for (int axis = 0; axis < 3; ++axis) {
+        // Each column has one entry of 1 or -1.
+        half += Vec3d(std::abs(rotation.column[axis].x), std::abs(rotation.column[axis].y), std::abs(rotation.column[axis].z)) *
+                (0.5 * scale[axis]);
+    }
+    return {narrow<Real>(centre - half), narrow<Real>(centre + half)};
+}
+
+template <class Real>
+Ellipsoid<Real> make_ellipsoid(const Vec3d& centre, const Rotation& rotation, const Vec3d& scale) {
+    Ellipsoid<Real> ellipsoid{};
+    ellipsoid.centre = narrow<Real>(centre);
+    for (int axis = 0; axis < 3; ++axis) {
+        ellipsoid.semi_axis[axis] = narrow<Real>(rotation.column[axis] * (0.5 * scale[axis]));
+        ellipsoid.inverse_axis[axis] = narrow<Real>(rotation.column[axis] / (0.5 * scale[axis]));
+    }
+    ellipsoid.determinant = static_cast<Real>(scale.x * scale.y * scale.z / 8.0);
+    return ellipsoid;
+}
+
+template <class Real>
+Quad<Real> make_quad(const Vec3d& centre, const Rotation& rotation, const Vec3d& scale) {
+    return {narrow<Real>(centre),
+            narrow<Real>(rotation.column[1]),
+            narrow<Real>(rotation.column[0]),
+            narrow<Real>(rotation.column[2]),
+            static_cast<Real>(0.5 * scale.x),
+            static_cast<Real>(0.5 * scale.z)};
+}
+
+template <class T>
+View<T> view_of(const std::vector<T>& values) {
+    return {values.data(), static_cast<std::uint32_t>(values.size())};
+}
+
+}  // namespace
+
+RenderSettings default_settings(const Scene& scene) {
+    return {scene.camera.width, scene.camera.height, scene.max_depth, 0, false};
+}
+
+template <class Real>
+void SceneBuffers<Real>::add_object(const Scene& scene, std::uint32_t index) {
+    const SceneObject& object = scene.objects[index];
+    const Vec3d centre = object.translate - scene.camera.eye;
+    const Rotation rotation = rotation_of(object.rotate_degrees);
+    switch (classify(object)) {
+        case PrimitiveKind::sphere:
+            spheres_.push_back({narrow<Real>(centre), static_cast<Real>(0.5 * object.scale.x), static_cast<Real>(2.0 / object.scale.x)});
+            break;
+        case PrimitiveKind::ellipsoid:
+            ellipsoids_.push_back(make_ellipsoid<Real>(centre, rotation, object.scale));
+            break;
+        case PrimitiveKind::axis_box:
+            axis_boxes_.push_back(make_axis_box<Real>(centre, rotation, object.scale));
+            break;
+        case PrimitiveKind::oriented_box:
+            oriented_boxes_.push_back({narrow<Real>(centre),
+                                       {narrow<Real>(rotation.column[0]), narrow<Real>(rotation.column[1]), narrow<Real>(rotation.column[2])},
+                                       narrow<Real>(object.scale * 0.5)});
+            break;
+        case PrimitiveKind::quad:
+            quads_.push_back(make_quad<Real>(centre, rotation, object.scale));
+            break;
+    }
+    if (scene.materials[object.material].emission != Vec3d(0.0)) {
+        lights_.push_back({static_cast<std::uint32_t>(object_material_.size())});
+    }
+    object_material_.push_back(object.material);
+    velocity_.push_back(narrow<Real>(object.velocity));
+    file_index_.push_back(index);
+}
+
+template <class Real>
+SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& settings) {
+    std::vector<std::uint32_t> order(scene.objects.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return canonical_key(scene.objects[a]) < canonical_key(scene.objects[b]);
+    });
+    for (const std::uint32_t index : order) {
+        add_object(scene, index);
+    }
+    for (const SceneMaterial& material : scene.materials) {
+        materials_.push_back(make_material<Real>(material));
+    }
+    view_.spheres = view_of(spheres_);
+    view_.ellipsoids = view_of(ellipsoids_);
+    view_.axis_boxes = view_of(axis_boxes_);
+    view_.oriented_boxes = view_of(oriented_boxes_);
+    view_.quads = view_of(quads_);
+    view_.object_material = view_of(object_material_);
+    view_.velocity = view_of(velocity_);
+    view_.materials = view_of(materials_);
+    view_.lights = view_of(lights_);
+    view_.environment = narrow<Real>(scene.environment);
+    view_.camera = make_camera<Real>(scene, settings);
+    view_.seed = RandomSeed::from(settings.seed);
+    view_.depth = settings.depth;
+    view_.final_bounce = settings.final_bounce ? 1 : 0;
+}
+
+double radiance_bound(const Scene& scene, std::uint32_t depth) {
+    double brightest = 0;
+    double brightest_reflector = 0;
+    double albedo = 0;
+    const auto largest = [](const Vec3d& v) { return std::max({v.x, v.y, v.z}); };
+    for (const SceneMaterial& material : scene.materials) {
+        brightest = std::max(brightest, largest(material.emission));
+        if (material.type != MaterialType::emitter) {
+            brightest_reflector = std::max(brightest_reflector, largest(material.emission));
+        }
+        albedo = std::max({albedo, largest(material.albedo), largest(material.reflectance)});
+    }
+    brightest = std::max(brightest, largest(scene.environment));
+    // Only reflecting emitters can be met more than once: a geometric series, cut off at the depth.
+    const double series = albedo < 1 ? std::min(1 / (1 - albedo), static_cast<double>(depth)) : static_cast<double>(depth);
+    const double bound = brightest + brightest_reflector * series;
+    return bound > 0 ? bound : 1;
+}
+
+template class SceneBuffers<float>;
+template class SceneBuffers<double>;
+
+}  // namespace pt

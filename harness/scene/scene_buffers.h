@@ -1,0 +1,58 @@
+// A scene turned into the flat arrays of one precision that kernels read. Positions are relative to the camera's eye
+// (subtracted in double), and objects are in canonical order: by kind, then by their numbers, so that their order in the
+// file cannot matter.
+#pragma once
+
+#include <optional>
+
+#include "harness/scene/scene.h"
+#include "kernels/scene_view.h"
+
+namespace pt {
+
+// What a run may set differently from the scene's file.
+struct RenderSettings {
+    std::uint32_t width = 0, height = 0;
+    std::uint32_t depth = 0;
+    std::uint64_t seed = 0;
+    bool final_bounce = false;
+};
+
+RenderSettings default_settings(const Scene& scene);
+
+template <class Real>
+class SceneBuffers {
+public:
+    SceneBuffers(const Scene& scene, const RenderSettings& settings);
+    // Valid as long as this object lives and stays where it is.
+    const SceneView<Real>& view() const { return view_; }
+    SceneBuffers(const SceneBuffers&) = delete;
+    SceneBuffers& operator=(const SceneBuffers&) = delete;
+
+    // By object number: the object's index in the scene file.
+    const std::vector<std::uint32_t>& file_index() const { return file_index_; }
+
+private:
+    void add_object(const Scene& scene, std::uint32_t index);
+
+    std::vector<Sphere<Real>> spheres_;
+    std::vector<Ellipsoid<Real>> ellipsoids_;
+    std::vector<AxisBox<Real>> axis_boxes_;
+    std::vector<OrientedBox<Real>> oriented_boxes_;
+    std::vector<Quad<Real>> quads_;
+    std::vector<std::uint32_t> object_material_;
+    std::vector<Vec3<Real>> velocity_;
+    std::vector<Material<Real>> materials_;
+    std::vector<Light> lights_;
+    std::vector<std::uint32_t> file_index_;
+    SceneView<Real> view_;
+};
+
+// A bound on the radiance that one sample can carry by meeting light (connections to lights may exceed it): the brightest
+// source, times the number of times that a path may meet one.
+double radiance_bound(const Scene& scene, std::uint32_t depth);
+
+extern template class SceneBuffers<float>;
+extern template class SceneBuffers<double>;
+
+}  // namespace pt

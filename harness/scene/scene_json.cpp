@@ -1,0 +1,252 @@
+// The scene format, key by key: README, "Scene files".
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "harness/json_reader.h"
+#include "harness/scene/scene.h"
+
+namespace pt {
+
+namespace {
+
+// Beyond these, squares of lengths would leave the range of float; scenes are checked before any kernel sees them.
+constexpr double largest_length = 1e18;
+constexpr double smallest_length = 1e-18;
+constexpr double largest_radiance = 1e30;
+
+Vec3d vector(const JsonValue& value, double low, double high, const std::string& allowed) {
+    if (!value.json().is_array() || value.json().size() != 3) {
+        value.fail("an array of 3 numbers");
+    }
+    const std::vector<JsonValue> elements = value.elements();
+    return {elements[0].number(low, high, allowed), elements[1].number(low, high, allowed), elements[2].number(low, high, allowed)};
+}
+
+Vec3d point(const JsonValue& value) {
+    return vector(value, -largest_length, largest_length, "a number from -1e18 to 1e18");
+}
+Vec3d fraction_colour(const JsonValue& value) {
+    return vector(value, 0, 1, "a number from 0 to 1");
+}
+Vec3d radiance(const JsonValue& value) {
+    return vector(value, 0, largest_radiance, "a number from 0 to 1e30");
+}
+Vec3d sigma(const JsonValue& value) {
+    return vector(value, 0, 1e18, "a number from 0 to 1e18");
+}
+
+void read_shutter(const JsonValue& value, SceneCamera& camera) {
+    const JsonObject shutter(value, {"open", "close", "density"});
+    const auto time = [](const JsonValue& v) { return v.number(-1e9, 1e9, "a time from -1e9 to 1e9 seconds"); };
+    camera.shutter_open = shutter.has("open") ? time(shutter.at("open")) : 0;
+    camera.shutter_close = shutter.has("close") ? time(shutter.at("close")) : camera.shutter_open;
+    if (camera.shutter_close < camera.shutter_open) {
+        shutter.at("close").fail(fmt::format("no less than shutter.open, {}", camera.shutter_open));
+    }
+    if (shutter.has("density")) {
+        camera.shutter_late = shutter.at("density").one_of({"uniform", "late"}) == "late";
+    }
+}
+
+SceneCamera read_camera(const JsonValue& value) {
+    const JsonObject object(value, {"eye", "look_at", "up", "vertical_fov_degrees", "resolution", "jitter", "aperture_radius",
+                                    "focus_distance", "shutter"});
+    SceneCamera camera;
+    camera.eye = point(object.required("eye"));
+    camera.look_at = point(object.required("look_at"));
+    camera.up = point(object.required("up"));
+    const Vec3d forward = camera.look_at - camera.eye;
+    if (dot(forward, forward) == 0) {
+        object.at("look_at").fail("a point other than camera.eye");
+    }
+    const Vec3d right = cross(forward, camera.up);
+    if (!(dot(right, right) > 1e-12 * dot(forward, forward) * dot(camera.up, camera.up))) {
+        object.at("up").fail("a direction that is not 0 and not parallel to look_at - eye");
+    }
+    camera.vertical_fov_degrees =
+        object.required("vertical_fov_degrees").number(1e-6, 179.999, "an angle from 1e-6 to 179.999 degrees");
+    const JsonValue resolution = object.required("resolution");
+    if (!resolution.json().is_array() || resolution.json().size() != 2) {
+        resolution.fail("an array of 2 whole numbers, [width, height]");
+    }
+    const std::vector<JsonValue> sides = resolution.elements();
+    camera.width = static_cast<std::uint32_t>(sides[0].whole(1, 65536, "a whole number from 1 to 65536"));
+    camera.height = static_cast<std::uint32_t>(sides[1].whole(1, 65536, "a whole number from 1 to 65536"));
+    if (std::uint64_t{camera.width} * camera.height > (1u << 26)) {
+        resolution.fail("at most 2^26 pixels");
+    }
+    camera.jitter = !object.has("jitter") || object.at("jitter").boolean();
+    if (object.has("aperture_radius")) {
+        camera.aperture_radius = object.at("aperture_radius").number(0, largest_length, "a number from 0 to 1e18");
+    }
+    if (object.has("focus_distance")) {
+        camera.focus_distance =
+            object.at("focus_distance").number(smallest_length, largest_length, "a number from 1e-18 to 1e18");
+    }
+    if (object.has("shutter")) {
+        read_shutter(object.at("shutter"), camera);
+    }
+    return camera;
+}
+
+double read_ior(const JsonValue& value) {
+    return value.number(0.01, 1e4, "a number from 0.01 to 1e4");
+}
+
+SceneMaterial read_subsurface(const JsonValue& value) {
+    const JsonObject object(value, {"type", "ior", "sigma_a", "sigma_s", "g", "max_scatterings"});
+    SceneMaterial material;
+    material.type = MaterialType::subsurface;
+    material.ior = object.has("ior") ? read_ior(object.at("ior")) : 1;
+    material.sigma_a = object.has("sigma_a") ? sigma(object.at("sigma_a")) : Vec3d(0.0);
+    material.sigma_s = sigma(object.required("sigma_s"));
+    material.g = object.has("g") ? object.at("g").number(-0.9999, 0.9999, "a number from -0.9999 to 0.9999") : 0;
+    if (object.has("max_scatterings")) {
+        material.max_scatterings = static_cast<std::uint32_t>(
+            object.at("max_scatterings").whole(1, 1000000000, "a whole number from 1 to 1000000000"));
+    }
+    return material;
+}
+
+SceneMaterial read_dielectric(const JsonValue& value) {
+    const JsonObject object(value, {"type", "ior", "tint", "sigma_a"});
+    SceneMaterial material;
+    material.type = MaterialType::dielectric;
+    material.ior = read_ior(object.required("ior"));
+    material.tint = object.has("tint") ? fraction_colour(object.at("tint")) : Vec3d(1.0);
+    material.sigma_a = object.has("sigma_a") ? sigma(object.at("sigma_a")) : Vec3d(0.0);
+    return material;
+}
+
+SceneMaterial read_material(const JsonValue& value) {
+    if (!value.json().is_object()) {
+        value.fail("an object");
+    }
+    const std::vector<std::string> types{"diffuse", "emitter", "mirror", "mix", "dielectric", "subsurface"};
+    if (!value.json().contains("type")) {
+        throw InputError(value.file(), value.path(), "no key \"type\"", fmt::format("it is required: {}", fmt::join(types, ", ")));
+    }
+    const std::string type = JsonValue(value.json().at("type"), value.file(), value.path() + ".type").one_of(types);
+    SceneMaterial material;
+    if (type == "dielectric") {
+        return read_dielectric(value);
+    }
+    if (type == "subsurface") {
+        return read_subsurface(value);
+    }
+    if (type == "emitter") {
+        const JsonObject object(value, {"type", "radiance"});
+        material.type = MaterialType::emitter;
+        material.emission = radiance(object.required("radiance"));
+        return material;
+    }
+    if (type == "diffuse") {
+        const JsonObject object(value, {"type", "albedo", "emission"});
+        material.type = MaterialType::diffuse;
+        material.albedo = fraction_colour(object.required("albedo"));
+        material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
+        return material;
+    }
+    if (type == "mirror") {
+        const JsonObject object(value, {"type", "reflectance", "emission"});
+        material.type = MaterialType::mirror;
+        material.reflectance = fraction_colour(object.required("reflectance"));
+        material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
+        return material;
+    }
+    const JsonObject object(value, {"type", "albedo", "reflectance", "mirror_probability", "emission"});
+    material.type = MaterialType::mix;
+    material.albedo = fraction_colour(object.required("albedo"));
+    material.reflectance = fraction_colour(object.required("reflectance"));
+    material.mirror_probability = object.required("mirror_probability").number(0, 1, "a number from 0 to 1");
+    material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
+    return material;
+}
+
+Vec3d read_scale(const JsonValue& value) {
+    const std::string allowed = "a number from 1e-18 to 1e18";
+    if (value.json().is_array()) {
+        return vector(value, smallest_length, largest_length, allowed);
+    }
+    return Vec3d(value.number(smallest_length, largest_length, allowed + ", or an array of 3"));
+}
+
+SceneObject read_object(const JsonValue& value, const std::vector<SceneMaterial>& materials) {
+    const JsonObject object(value, {"shape", "material", "translate", "rotate_degrees", "scale", "velocity"});
+    SceneObject result;
+    const std::string shape = object.required("shape").one_of({"sphere", "box", "quad"});
+    result.shape = shape == "sphere" ? Shape::sphere : shape == "box" ? Shape::box : Shape::quad;
+    const JsonValue material_value = object.required("material");
+    const std::string name = material_value.text();
+    const auto material = std::find_if(materials.begin(), materials.end(), [&](const SceneMaterial& m) { return m.name == name; });
+    if (material == materials.end()) {
+        std::vector<std::string> names;
+        for (const SceneMaterial& m : materials) {
+            names.push_back(m.name);
+        }
+        material_value.fail(fmt::format("a name in $.materials: {}", fmt::join(names, ", ")));
+    }
+    result.material = static_cast<std::uint32_t>(material - materials.begin());
+    const bool needs_inside = material->type == MaterialType::dielectric || material->type == MaterialType::subsurface;
+    if (result.shape == Shape::quad && needs_inside) {
+        material_value.fail("on a quad: diffuse, emitter, mirror or mix (dielectric and subsurface need a shape with an inside)");
+    }
+    result.translate = object.has("translate") ? point(object.at("translate")) : Vec3d(0.0);
+    if (object.has("rotate_degrees")) {
+        result.rotate_degrees = vector(object.at("rotate_degrees"), -1e6, 1e6, "an angle from -1e6 to 1e6 degrees");
+    }
+    result.scale = object.has("scale") ? read_scale(object.at("scale")) : Vec3d(1.0);
+    result.velocity = object.has("velocity") ? point(object.at("velocity")) : Vec3d(0.0);
+    return result;
+}
+
+void check_name(const JsonValue& value) {
+    const std::string name = value.text();
+    const bool plain = !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+        return std::isalnum(c) != 0 || c == '_' || c == '-';
+    });
+    if (!plain) {
+        value.fail("1 to 64 letters, digits, '_' and '-' (it becomes part of benchmark names)");
+    }
+}
+
+}  // namespace
+
+Scene parse_scene(const std::string& text, const std::string& file) {
+    const Json json = parse_json(text, file);
+    const JsonObject root(JsonValue(json, file, "$"),
+                          {"name", "description", "max_depth", "environment", "camera", "materials", "objects"});
+    Scene scene;
+    check_name(root.required("name"));
+    scene.name = root.required("name").text();
+    scene.description = root.has("description") ? root.at("description").text() : "";
+    scene.max_depth =
+        static_cast<std::uint32_t>(root.required("max_depth").whole(1, 1000000, "a whole number from 1 to 1000000"));
+    scene.environment = root.has("environment") ? radiance(root.at("environment")) : Vec3d(0.0);
+    scene.camera = read_camera(root.required("camera"));
+    const JsonValue materials = root.required("materials");
+    if (!materials.json().is_object()) {
+        materials.fail("an object of named materials");
+    }
+    for (const auto& [name, member] : materials.json().items()) {
+        SceneMaterial material = read_material(JsonValue(member, file, "$.materials." + name));
+        material.name = name;
+        scene.materials.push_back(std::move(material));
+    }
+    for (const JsonValue& object : root.required("objects").elements()) {
+        scene.objects.push_back(read_object(object, scene.materials));
+    }
+    const std::string canonical = json.dump();
+    scene.hash = fmt::format("{:016x}", fnv1a(canonical.data(), canonical.size()));
+    return scene;
+}
+
+Scene load_scene(const std::string& file) {
+    return parse_scene(read_file(file), file);
+}
+
+}  // namespace pt

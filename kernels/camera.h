@@ -1,0 +1,73 @@
+// Pinhole and thin-lens camera with pixel jitter and a shutter. The eye is the origin: the loader subtracts it in double.
+#pragma once
+
+#include "kernels/path.h"
+#include "kernels/rng.h"
+#include "kernels/sampling.h"
+
+namespace pt {
+
+template <class Real>
+struct Camera {
+    Vec3<Real> right, up, forward;  // orthonormal; up points up in the image
+    Real pixel_size;                // 2 tan(vertical_fov / 2) / height, at distance 1
+    std::uint32_t width, height;
+    Real aperture_radius;           // scene units; 0: pinhole
+    Real focus_distance;            // along `forward`, scene units
+    Real shutter_open, shutter_length;  // seconds
+    std::uint32_t shutter_late;     // 1: density 2s/length^2, s = time since the opening
+    std::uint32_t jitter;           // 0: every sample through the pixel's centre
+    std::uint32_t initial_medium;   // material that absorbs where the eye is, or Path::no_medium
+};
+
+// The start of a path: segment 0, on no surface.
+template <class Config>
+PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Config::Real>& camera, const RandomSeed& seed,
+                                                     std::uint32_t pixel, std::uint32_t sample) {
+    using Real = typename Config::Real;
+    Path<Real> path;
+    path.origin = {Real(0), Real(0), Real(0)};
+    path.throughput = {Real(1), Real(1), Real(1)};
+    path.radiance = {Real(0), Real(0), Real(0)};
+    path.time = camera.shutter_open;
+    path.pixel = pixel;
+    path.sample = sample;
+    path.segment = 0;
+    path.departed = ObjectSide{};
+    path.medium = camera.initial_medium;
+
+    RandomWords words{0, 0, 0, 0};
+    if constexpr (has<Config>(Feature::jitter) || has<Config>(Feature::lens)) {
+        words = random_words(seed, {pixel, sample, 0, random_block::camera_position});
+    }
+    Real in_pixel_x = Real(0.5);
+    Real in_pixel_y = Real(0.5);
+    if constexpr (has<Config>(Feature::jitter)) {
+        if (camera.jitter != 0) {
+            in_pixel_x = unit_interval<Real>(words.x);
+            in_pixel_y = unit_interval<Real>(words.y);
+        }
+    }
+    // x - width/2 is exact, so a sample cannot round into the neighbouring pixel (shared/numerics S45).
+    const Real x = (static_cast<Real>(pixel % camera.width) - Real(0.5) * static_cast<Real>(camera.width)) + in_pixel_x;
+    const Real y = (static_cast<Real>(pixel / camera.width) - Real(0.5) * static_cast<Real>(camera.height)) + in_pixel_y;
+    Vec3<Real> direction = camera.right * (x * camera.pixel_size) - camera.up * (y * camera.pixel_size) + camera.forward;
+    if constexpr (has<Config>(Feature::lens)) {
+        if (camera.aperture_radius > Real(0)) {
+            const Vec2<Real> disc = concentric_disc(unit_interval<Real>(words.z), unit_interval<Real>(words.w));
+            const Vec3<Real> on_lens =
+                (camera.right * disc.x + camera.up * disc.y) * camera.aperture_radius;
+            path.origin = on_lens;
+            direction = direction * camera.focus_distance - on_lens;
+        }
+    }
+    path.direction = normalize(direction);
+    if constexpr (has<Config>(Feature::motion)) {
+        const RandomWords time_words = random_words(seed, {pixel, sample, 0, random_block::camera_time});
+        const Real u = unit_interval<Real>(time_words.x);
+        path.time = camera.shutter_open + camera.shutter_length * (camera.shutter_late != 0 ? square_root(u) : u);
+    }
+    return path;
+}
+
+}  // namespace pt

@@ -1,0 +1,72 @@
+// What a path kernel is compiled for: the number type and the set of features that it contains.
+// Everything in kernels/ is a template on a Config, so a feature that the set lacks leaves no instruction behind.
+// The idea of a feature mask that is a template argument is Cycles' (kernel/features.h).
+#pragma once
+
+#include <cstdint>
+
+// The one host/device macro. Under g++ it vanishes; under nvcc and NVRTC every function serves both sides.
+#if defined(__CUDACC__)
+#define PT_HD __host__ __device__
+#else
+#define PT_HD
+#endif
+
+namespace pt {
+
+enum class Feature : std::uint32_t {
+    // Primitive kinds. An object is classified once, at load: every kernel uses one formula a kind.
+    sphere = 1u << 0,
+    ellipsoid = 1u << 1,
+    axis_box = 1u << 2,
+    oriented_box = 1u << 3,
+    quad = 1u << 4,
+    motion = 1u << 5,
+    // Materials.
+    diffuse = 1u << 6,
+    emitter = 1u << 7,
+    mirror = 1u << 8,
+    mix = 1u << 9,
+    dielectric = 1u << 10,
+    subsurface = 1u << 11,
+    emission = 1u << 12,             // diffuse, mirror or mix surfaces that also emit
+    absorption = 1u << 13,           // Beer-Lambert inside a dielectric
+    subsurface_boundary = 1u << 14,  // a subsurface body whose index is not 1
+    // Light, camera.
+    environment = 1u << 15,
+    jitter = 1u << 16,
+    lens = 1u << 17,
+    // What the variant asks for rather than the scene.
+    final_bounce = 1u << 18,
+};
+
+using FeatureSet = std::uint32_t;
+
+inline constexpr FeatureSet no_features = 0;
+inline constexpr FeatureSet all_features = (1u << 19) - 1u;
+
+PT_HD constexpr FeatureSet operator|(Feature a, Feature b) {
+    return static_cast<FeatureSet>(a) | static_cast<FeatureSet>(b);
+}
+PT_HD constexpr FeatureSet operator|(FeatureSet a, Feature b) {
+    return a | static_cast<FeatureSet>(b);
+}
+PT_HD constexpr bool contains(FeatureSet set, Feature feature) {
+    return (set & static_cast<FeatureSet>(feature)) != 0;
+}
+PT_HD constexpr bool is_superset(FeatureSet set, FeatureSet subset) {
+    return (set & subset) == subset;
+}
+
+template <class RealT, FeatureSet Features>
+struct Config {
+    using Real = RealT;
+    static constexpr FeatureSet features = Features;
+};
+
+template <class Config>
+PT_HD constexpr bool has(Feature feature) {
+    return contains(Config::features, feature);
+}
+
+}  // namespace pt

@@ -1,0 +1,163 @@
+// The nearest object along a ray, and what its surface is like there.
+// Ties go to the lowest object number. There is no epsilon: a ray knows the surface that it starts on (Path::departed), and
+// a convex body is met again only from within, at its other root.
+#pragma once
+
+#include "kernels/scene_view.h"
+
+namespace pt {
+
+template <class Real>
+struct Ray {
+    Vec3<Real> origin, direction;
+    Real time;
+    ObjectSide departed;
+};
+
+template <class Real>
+PT_HD inline Ray<Real> ray_of(const Path<Real>& path) {
+    return {path.origin, path.direction, path.time, path.departed};
+}
+
+// The ray's origin as the object sees it at the ray's time: the object stands still, the ray is moved back.
+template <class Config>
+PT_HD inline Vec3<typename Config::Real> at_rest(const SceneView<typename Config::Real>& scene, std::uint32_t object,
+                                                 const Vec3<typename Config::Real>& point, typename Config::Real time) {
+    if constexpr (has<Config>(Feature::motion)) {
+        return point - scene.velocity[object] * time;
+    } else {
+        return point;
+    }
+}
+
+template <class Config>
+PT_HD inline Vec3<typename Config::Real> in_motion(const SceneView<typename Config::Real>& scene, std::uint32_t object,
+                                                   const Vec3<typename Config::Real>& point, typename Config::Real time) {
+    if constexpr (has<Config>(Feature::motion)) {
+        return point + scene.velocity[object] * time;
+    } else {
+        return point;
+    }
+}
+
+// Keeps the nearer of `best` and a convex body crossed over [near, far]: entered from outside, or left from inside.
+template <class Real>
+PT_HD inline void keep_nearer(Hit<Real>& best, const Interval<Real>& crossing, std::uint32_t object) {
+    const bool inside = !(crossing.near > Real(0));
+    const Real t = inside ? crossing.far : crossing.near;
+    if (crossing.hits && t > Real(0) && t < best.t) {
+        best.t = t;
+        best.side = ObjectSide::of(object, inside);
+    }
+}
+
+// The same for the body that the ray starts on.
+template <class Real>
+PT_HD inline void keep_nearer_chord(Hit<Real>& best, Real chord, const ObjectSide& departed) {
+    if (departed.inside() && chord < best.t) {
+        best.t = chord;
+        best.side = departed;
+    }
+}
+
+template <class Config, class Body>
+PT_HD inline void closest_in(Hit<typename Config::Real>& best, const SceneView<typename Config::Real>& scene,
+                             const View<Body>& bodies, std::uint32_t first, const Ray<typename Config::Real>& ray) {
+    for (std::uint32_t i = 0; i < bodies.size; ++i) {
+        const std::uint32_t object = first + i;
+        const auto origin = at_rest<Config>(scene, object, ray.origin, ray.time);
+        if (ray.departed.exists() && ray.departed.object() == object) {
+            keep_nearer_chord(best, chord(bodies[i], origin, ray.direction), ray.departed);
+        } else {
+            keep_nearer(best, interval(bodies[i], origin, ray.direction), object);
+        }
+    }
+}
+
+template <class Config>
+PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const SceneView<typename Config::Real>& scene,
+                                   const Ray<typename Config::Real>& ray) {
+    using Real = typename Config::Real;
+    const Vec3<Real> inverse = reciprocal(ray.direction);
+    const std::uint32_t first = scene.first_axis_box();
+    for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
+        const std::uint32_t object = first + i;
+        const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
+        const AxisBox<Real>& box = scene.axis_boxes[i];
+        const Interval<Real> crossing = slab_interval(box.low, box.high, origin, inverse);
+        if (ray.departed.exists() && ray.departed.object() == object) {
+            keep_nearer_chord(best, max(Real(0), crossing.far), ray.departed);
+        } else {
+            keep_nearer(best, crossing, object);
+        }
+    }
+}
+
+template <class Config>
+PT_HD inline void closest_quad(Hit<typename Config::Real>& best, const SceneView<typename Config::Real>& scene,
+                               const Ray<typename Config::Real>& ray) {
+    using Real = typename Config::Real;
+    const std::uint32_t first = scene.first_quad();
+    for (std::uint32_t i = 0; i < scene.quads.size; ++i) {
+        const std::uint32_t object = first + i;
+        const Quad<Real>& quad = scene.quads[i];
+        const Interval<Real> crossing = interval(quad, at_rest<Config>(scene, object, ray.origin, ray.time), ray.direction);
+        const bool starts_here = ray.departed.exists() && ray.departed.object() == object;
+        if (!starts_here && crossing.hits && crossing.near > Real(0) && crossing.near < best.t) {
+            best.t = crossing.near;
+            best.side = ObjectSide::of(object, dot(ray.direction, quad.normal) > Real(0));
+        }
+    }
+}
+
+template <class Config>
+PT_HD inline Hit<typename Config::Real> closest_hit(const SceneView<typename Config::Real>& scene,
+                                                    const Ray<typename Config::Real>& ray) {
+    using Real = typename Config::Real;
+    Hit<Real> best;
+    best.t = std::numeric_limits<Real>::infinity();
+    if constexpr (has<Config>(Feature::sphere)) {
+        closest_in<Config>(best, scene, scene.spheres, 0, ray);
+    }
+    if constexpr (has<Config>(Feature::ellipsoid)) {
+        closest_in<Config>(best, scene, scene.ellipsoids, scene.first_ellipsoid(), ray);
+    }
+    if constexpr (has<Config>(Feature::axis_box)) {
+        closest_axis_box<Config>(best, scene, ray);
+    }
+    if constexpr (has<Config>(Feature::oriented_box)) {
+        closest_in<Config>(best, scene, scene.oriented_boxes, scene.first_oriented_box(), ray);
+    }
+    if constexpr (has<Config>(Feature::quad)) {
+        closest_quad<Config>(best, scene, ray);
+    }
+    return best;
+}
+
+// Position on the surface (pulled back onto it) and the object's outward unit normal.
+template <class Config>
+PT_HD inline SurfacePoint<typename Config::Real> surface_at(const SceneView<typename Config::Real>& scene,
+                                                            const Ray<typename Config::Real>& ray,
+                                                            const Hit<typename Config::Real>& hit) {
+    using Real = typename Config::Real;
+    const std::uint32_t object = hit.side.object();
+    const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
+    SurfacePoint<Real> point{{Real(0), Real(0), Real(0)}, {Real(0), Real(1), Real(0)}};
+    if (has<Config>(Feature::sphere) && object < scene.first_ellipsoid()) {
+        point = surface_point(scene.spheres[object], origin, ray.direction, hit.t);
+    } else if (has<Config>(Feature::ellipsoid) && object < scene.first_axis_box()) {
+        point = surface_point(scene.ellipsoids[object - scene.first_ellipsoid()], origin, ray.direction, hit.t);
+    } else if (has<Config>(Feature::axis_box) && object < scene.first_oriented_box()) {
+        point = surface_point(scene.axis_boxes[object - scene.first_axis_box()], origin, ray.direction, hit.t,
+                              hit.side.inside());
+    } else if (has<Config>(Feature::oriented_box) && object < scene.first_quad()) {
+        point = surface_point(scene.oriented_boxes[object - scene.first_oriented_box()], origin, ray.direction, hit.t,
+                              hit.side.inside());
+    } else if (has<Config>(Feature::quad)) {
+        point = surface_point(scene.quads[object - scene.first_quad()], origin, ray.direction, hit.t);
+    }
+    point.position = in_motion<Config>(scene, object, point.position, ray.time);
+    return point;
+}
+
+}  // namespace pt

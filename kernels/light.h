@@ -1,0 +1,152 @@
+// Points on lights, and the connection of a path's last vertex to one of them (next-event estimation at the last vertex).
+// A light is chosen uniformly, a point on it by area; the estimate is BSDF * cos * cos' / (distance^2 * density) * radiance
+// where the point is visible (Veach 1997, eq. 8.9 with one sample).
+// Where the scene has an environment, it is chosen as one more light and sampled by the cosine.
+#pragma once
+
+#include "kernels/dielectric.h"
+
+namespace pt {
+
+template <class Real>
+struct LightSample {
+    Vec3<Real> position;
+    Vec3<Real> normal;       // outward unit normal
+    Real inverse_density;    // 1 / density by area, square scene units
+};
+
+template <class Real>
+PT_HD inline LightSample<Real> sample_point(const Sphere<Real>& sphere, Real u, Real v, Real) {
+    const Vec3<Real> normal = uniform_sphere(u, v);
+    return {sphere.centre + normal * sphere.radius, normal, Real(4) * pi<Real> * sphere.radius * sphere.radius};
+}
+
+// Uniform on the unit sphere; the area element of the image is |det| |A^-T f|.
+template <class Real>
+PT_HD inline LightSample<Real> sample_point(const Ellipsoid<Real>& e, Real u, Real v, Real) {
+    const Vec3<Real> f = uniform_sphere(u, v);
+    const Vec3<Real> cofactor = e.inverse_axis[0] * f.x + e.inverse_axis[1] * f.y + e.inverse_axis[2] * f.z;
+    const Real length = square_root(dot(cofactor, cofactor));
+    return {e.centre + e.to_world(f), cofactor * (Real(1) / length), Real(4) * pi<Real> * e.determinant * length};
+}
+
+template <class Real>
+PT_HD inline LightSample<Real> sample_box(const Vec3<Real>& half, Real u, Real v, Real w) {
+    const Real yz = half.y * half.z;
+    const Real zx = half.z * half.x;
+    const Real xy = half.x * half.y;
+    const Real total = yz + zx + xy;
+    Real pick = w * Real(2);  // [0, 2): the whole part is the side, the rest the axis
+    const bool high = pick >= Real(1);
+    pick = (high ? pick - Real(1) : pick) * total;
+    const Real side = high ? Real(1) : Real(-1);
+    const Real a = Real(2) * u - Real(1);
+    const Real b = Real(2) * v - Real(1);
+    const Real inverse_density = Real(8) * total;
+    if (pick < yz) {
+        return {{side * half.x, a * half.y, b * half.z}, {side, Real(0), Real(0)}, inverse_density};
+    }
+    if (pick < yz + zx) {
+        return {{a * half.x, side * half.y, b * half.z}, {Real(0), side, Real(0)}, inverse_density};
+    }
+    return {{a * half.x, b * half.y, side * half.z}, {Real(0), Real(0), side}, inverse_density};
+}
+
+template <class Real>
+PT_HD inline LightSample<Real> sample_point(const AxisBox<Real>& box, Real u, Real v, Real w) {
+    LightSample<Real> sample = sample_box((box.high - box.low) * Real(0.5), u, v, w);
+    sample.position = sample.position + (box.high + box.low) * Real(0.5);
+    return sample;
+}
+
+template <class Real>
+PT_HD inline LightSample<Real> sample_point(const OrientedBox<Real>& box, Real u, Real v, Real w) {
+    LightSample<Real> sample = sample_box(box.half, u, v, w);
+    sample.position = box.centre + box.to_world(sample.position);
+    sample.normal = box.to_world(sample.normal);
+    return sample;
+}
+
+template <class Real>
+PT_HD inline LightSample<Real> sample_point(const Quad<Real>& quad, Real u, Real v, Real) {
+    const Real a = (Real(2) * u - Real(1)) * quad.half_u;
+    const Real b = (Real(2) * v - Real(1)) * quad.half_v;
+    return {quad.centre + quad.axis_u * a + quad.axis_v * b, quad.normal, Real(4) * quad.half_u * quad.half_v};
+}
+
+template <class Config>
+PT_HD inline LightSample<typename Config::Real> sample_light(const SceneView<typename Config::Real>& scene, std::uint32_t object,
+                                                             typename Config::Real time, typename Config::Real u,
+                                                             typename Config::Real v, typename Config::Real w) {
+    using Real = typename Config::Real;
+    LightSample<Real> sample{{Real(0), Real(0), Real(0)}, {Real(0), Real(1), Real(0)}, Real(0)};
+    if (has<Config>(Feature::sphere) && object < scene.first_ellipsoid()) {
+        sample = sample_point(scene.spheres[object], u, v, w);
+    } else if (has<Config>(Feature::ellipsoid) && object < scene.first_axis_box()) {
+        sample = sample_point(scene.ellipsoids[object - scene.first_ellipsoid()], u, v, w);
+    } else if (has<Config>(Feature::axis_box) && object < scene.first_oriented_box()) {
+        sample = sample_point(scene.axis_boxes[object - scene.first_axis_box()], u, v, w);
+    } else if (has<Config>(Feature::oriented_box) && object < scene.first_quad()) {
+        sample = sample_point(scene.oriented_boxes[object - scene.first_oriented_box()], u, v, w);
+    } else if (has<Config>(Feature::quad)) {
+        sample = sample_point(scene.quads[object - scene.first_quad()], u, v, w);
+    }
+    sample.position = in_motion<Config>(scene, object, sample.position, time);
+    return sample;
+}
+
+// The last vertex's expected light from one random light point, added to path.radiance; ends nothing itself.
+// Returns the number of rays traced (0 or 1). `albedo` is the diffuse lobe's.
+//
+// Visibility needs no epsilon: the point is seen if the nearest object along the ray is the light and is met on the side on
+// which the point lies; a convex light shows each ray exactly one point of each side.
+template <class Config>
+PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+                                   const Vertex<typename Config::Real>& vertex, const Vec3<typename Config::Real>& albedo,
+                                   const RandomWords& direction_words) {
+    using Real = typename Config::Real;
+    const std::uint32_t environment_light = has<Config>(Feature::environment) && scene.environment != Vec3<Real>(Real(0)) ? 1u : 0u;
+    const std::uint32_t choices = scene.lights.size + environment_light;
+    if (choices == 0) {
+        return 0;
+    }
+    const RandomWords words = random_words(scene.seed, {path.pixel, path.sample, path.segment, random_block::light});
+    const std::uint32_t choice = static_cast<std::uint32_t>((static_cast<std::uint64_t>(words.x) * choices) >> 32);
+    if (choice == scene.lights.size) {
+        scatter_diffuse(path, vertex, albedo, unit_interval<Real>(direction_words.y), unit_interval<Real>(direction_words.z));
+        if (!closest_hit<Config>(scene, ray_of(path)).side.exists()) {
+            path.radiance += path.throughput * scene.environment * static_cast<Real>(choices);
+        }
+        return 1;
+    }
+    const std::uint32_t object = scene.lights[choice].object;
+    const LightSample<Real> light = sample_light<Config>(scene, object, path.time, unit_interval<Real>(words.y),
+                                                         unit_interval<Real>(words.z), unit_interval<Real>(words.w));
+    const Vec3<Real> to_light = light.position - vertex.position;
+    const Real distance_squared = dot(to_light, to_light);
+    if (!(distance_squared > Real(0))) {
+        return 0;
+    }
+    const Vec3<Real> direction = to_light * (Real(1) / square_root(distance_squared));
+    const Real cosine = dot(direction, vertex.normal);
+    const Real light_cosine = dot(direction, light.normal);
+    if (!(cosine > Real(0)) || light_cosine == Real(0)) {
+        return 0;
+    }
+    const Ray<Real> ray{vertex.position, direction, path.time, ObjectSide::of(vertex.object, vertex.inside)};
+    const Hit<Real> hit = closest_hit<Config>(scene, ray);
+    if (hit.side.exists() && hit.side.object() == object && hit.side.inside() == (light_cosine > Real(0))) {
+        // The square of the distance is divided out in two steps: 1 / distance^2 alone may overflow.
+        const Real geometry = (cosine / distance_squared) * (absolute(light_cosine) * light.inverse_density);
+        if constexpr (has<Config>(Feature::absorption)) {
+            if (path.medium != Path<Real>::no_medium) {
+                attenuate(path, scene.materials[path.medium], hit.t);
+            }
+        }
+        path.radiance += path.throughput * albedo * scene.materials[scene.object_material[object]].emission *
+                         (geometry * static_cast<Real>(choices) * (Real(1) / pi<Real>));
+    }
+    return 1;
+}
+
+}  // namespace pt

@@ -1,0 +1,52 @@
+// Maps from uniform numbers to the distributions that the kernels draw from. Each is tested by chi-square.
+#pragma once
+
+#include "kernels/math.h"
+
+namespace pt {
+
+// Uniform on the unit disc. Shirley and Chiu, "A Low Distortion Map Between Disk and Square", JGT 2(3), 1997,
+// in the branch-light form of pbrt; every angle lies in [-pi/4, pi/4].
+template <class Real>
+PT_HD inline Vec2<Real> concentric_disc(Real u, Real v) {
+    const Real x = Real(2) * u - Real(1);
+    const Real y = Real(2) * v - Real(1);
+    const bool x_is_radius = absolute(x) > absolute(y);
+    const Real radius = x_is_radius ? x : y;
+    const Real other = x_is_radius ? y : x;
+    const Real ratio = radius == Real(0) ? Real(0) : other / radius;
+    const SinCos<Real> angle = sin_cos_octant(ratio * (pi<Real> / Real(4)));
+    return {radius * (x_is_radius ? angle.cosine : angle.sine), radius * (x_is_radius ? angle.sine : angle.cosine)};
+}
+
+// Density cos(theta) / pi on the hemisphere around +z (Malley's method).
+template <class Real>
+PT_HD inline Vec3<Real> cosine_hemisphere(Real u, Real v) {
+    const Vec2<Real> disc = concentric_disc(u, v);
+    const Real z = square_root(max(Real(0), Real(1) - disc.x * disc.x - disc.y * disc.y));
+    return {disc.x, disc.y, z};
+}
+
+// Density 1 / (4 pi) on the unit sphere.
+template <class Real>
+PT_HD inline Vec3<Real> uniform_sphere(Real u, Real v) {
+    const Real z = Real(1) - Real(2) * u;
+    const Real radius = square_root(max(Real(0), (Real(1) - z) * (Real(1) + z)));
+    const SinCos<Real> azimuth = sin_cos_turn(v);
+    return {radius * azimuth.cosine, radius * azimuth.sine, z};
+}
+
+// Cosine between the old and the new direction of travel. Henyey and Greenstein 1941, inverted in closed form.
+// g in (-1, 1); small |g| is isotropic to the last bit that the closed form could give.
+template <class Real>
+PT_HD inline Real henyey_greenstein_cosine(Real g, Real u) {
+    if (absolute(g) < Real(1e-3)) {
+        const Real isotropic = Real(1) - Real(2) * u;
+        // First-order term of the inversion, so that the mean cosine stays g on both sides of the switch.
+        return clamp(isotropic + g * Real(1.5) * (Real(1) - isotropic * isotropic), Real(-1), Real(1));
+    }
+    const Real s = (Real(1) - g * g) / (Real(1) + g - Real(2) * g * u);
+    return clamp((Real(1) + g * g - s * s) / (Real(2) * g), Real(-1), Real(1));
+}
+
+}  // namespace pt

@@ -1,0 +1,130 @@
+// The stages of a path: generate, intersect, shade, accumulate. Every integrator on every backend runs these functions and
+// no others; what differs between integrators is only when and for which path they are called.
+//
+// Depth counts ray segments, the camera ray included. Emission met by segments 1..depth counts; a path that is exhausted
+// contributes nothing more.
+#pragma once
+
+#include "kernels/film.h"
+#include "kernels/light.h"
+#include "kernels/mix.h"
+#include "kernels/subsurface.h"
+
+namespace pt {
+
+// What one thread counts while it runs stages; summed by whoever runs it.
+struct PathCounters {
+    std::uint64_t paths = 0;
+    std::uint64_t rays = 0;              // closest-hit queries: path segments and connections to lights
+    std::uint64_t unfinished_walks = 0;  // subsurface walks that met their cap
+};
+
+template <class Config>
+PT_HD inline Path<typename Config::Real> generate(const SceneView<typename Config::Real>& scene, std::uint32_t pixel,
+                                                  std::uint32_t sample) {
+    return camera_path<Config>(scene.camera, scene.seed, pixel, sample);
+}
+
+template <class Config>
+PT_HD inline Hit<typename Config::Real> intersect(const SceneView<typename Config::Real>& scene,
+                                                  const Path<typename Config::Real>& path) {
+    return closest_hit<Config>(scene, ray_of(path));
+}
+
+template <class Real>
+PT_HD inline void accumulate(const FilmView& film, const Path<Real>& path) {
+    film.add(path.pixel, path.radiance);
+}
+
+// The diffuse lobe of the vertex: at the last vertex of a final-bounce path it is connected to a light instead of sampled.
+// Returns whether the path goes on.
+template <class Config>
+PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+                                const Vertex<typename Config::Real>& vertex, const Vec3<typename Config::Real>& albedo,
+                                const RandomWords& words, bool last, PathCounters& counters) {
+    using Real = typename Config::Real;
+    if constexpr (has<Config>(Feature::final_bounce)) {
+        if (last) {
+            counters.rays += connect<Config>(scene, path, vertex, albedo, words);
+            return false;
+        }
+    }
+    scatter_diffuse(path, vertex, albedo, unit_interval<Real>(words.y), unit_interval<Real>(words.z));
+    return true;
+}
+
+// Picks the lobe and the next direction by the material's type. Returns whether the path goes on.
+template <class Config>
+PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+                          const Vertex<typename Config::Real>& vertex, const Material<typename Config::Real>& material,
+                          bool last, PathCounters& counters) {
+    using Real = typename Config::Real;
+    const RandomWords words = random_words(scene.seed, {path.pixel, path.sample, path.segment, random_block::scatter});
+    const Real lobe = unit_interval<Real>(words.x);
+    if (has<Config>(Feature::diffuse) && material.type == MaterialType::diffuse) {
+        return shade_diffuse<Config>(scene, path, vertex, material.albedo, words, last, counters);
+    }
+    if (has<Config>(Feature::mirror) && material.type == MaterialType::mirror) {
+        scatter_mirror(path, vertex, material.reflectance);
+        return true;
+    }
+    if (has<Config>(Feature::mix) && material.type == MaterialType::mix) {
+        if (chooses_mirror(lobe, material.mirror_probability)) {
+            scatter_mirror(path, vertex, material.reflectance);
+            return true;
+        }
+        return shade_diffuse<Config>(scene, path, vertex, material.albedo, words, last, counters);
+    }
+    if (has<Config>(Feature::dielectric) && material.type == MaterialType::dielectric) {
+        scatter_dielectric<Config>(path, vertex, material, lobe);
+        return true;
+    }
+    if constexpr (has<Config>(Feature::subsurface)) {
+        if (material.type == MaterialType::subsurface) {
+            const bool finished = scatter_subsurface<Config>(scene, path, vertex, material, lobe);
+            counters.unfinished_walks += finished ? 0u : 1u;
+            return finished;
+        }
+    }
+    return false;
+}
+
+// What happens where the segment ends. On return the path has either its next ray or is over (returns false).
+template <class Config>
+PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+                        const Hit<typename Config::Real>& hit, PathCounters& counters) {
+    using Real = typename Config::Real;
+    path.segment += 1;
+    if (!hit.side.exists()) {
+        if constexpr (has<Config>(Feature::environment)) {
+            path.radiance += path.throughput * scene.environment;
+        }
+        return false;
+    }
+    if constexpr (has<Config>(Feature::absorption)) {
+        if (path.medium != Path<Real>::no_medium) {
+            attenuate(path, scene.materials[path.medium], hit.t);
+        }
+    }
+    const std::uint32_t material_index = scene.object_material[hit.side.object()];
+    const Material<Real>& material = scene.materials[material_index];
+    if (has<Config>(Feature::emitter) && material.type == MaterialType::emitter) {
+        path.radiance += path.throughput * material.emission;
+        return false;
+    }
+    if constexpr (has<Config>(Feature::emission)) {
+        if (material.emits != 0) {
+            path.radiance += path.throughput * material.emission;
+        }
+    }
+    const bool last = path.segment >= scene.depth;
+    if (last && path.segment >= scene.longest_path()) {
+        return false;
+    }
+    const SurfacePoint<Real> surface = surface_at<Config>(scene, ray_of(path), hit);
+    const bool inside = hit.side.inside();
+    const Vertex<Real> vertex{surface.position, inside ? -surface.normal : surface.normal, hit.side.object(), inside, material_index};
+    return scatter<Config>(scene, path, vertex, material, last, counters);
+}
+
+}  // namespace pt

@@ -1,0 +1,109 @@
+// Spheres and ellipsoids. Both are solved as a unit sphere in the object's own frame, so the arithmetic does not see the
+// scene's scale. Discriminant and roots as in Haines, Günther and Akenine-Möller, "Precision Improvements for
+// Ray/Sphere Intersection", Ray Tracing Gems ch. 7, 2019.
+// A ray that starts on the surface never uses an epsilon: it knows which root it starts from and takes the other one
+// (shared/numerics S15: no self-hit and chords to 3e-7 for radii 1e-6 to 1e6).
+#pragma once
+
+#include "kernels/path.h"
+
+namespace pt {
+
+template <class Real>
+struct Sphere {
+    Vec3<Real> centre;
+    Real radius;
+    Real inverse_radius;
+};
+
+// An affine image of the unit sphere: p = centre + to_world * f, with |f| = 1.
+template <class Real>
+struct Ellipsoid {
+    Vec3<Real> centre;
+    Vec3<Real> semi_axis[3];      // columns of to_world
+    Vec3<Real> inverse_axis[3];   // rows of its inverse
+    Real determinant;             // |det to_world|
+
+    PT_HD Vec3<Real> to_unit(const Vec3<Real>& v) const {
+        return {dot(inverse_axis[0], v), dot(inverse_axis[1], v), dot(inverse_axis[2], v)};
+    }
+    PT_HD Vec3<Real> to_world(const Vec3<Real>& f) const { return semi_axis[0] * f.x + semi_axis[1] * f.y + semi_axis[2] * f.z; }
+    // Normals go by the inverse transpose.
+    PT_HD Vec3<Real> normal(const Vec3<Real>& f) const {
+        return normalize(inverse_axis[0] * f.x + inverse_axis[1] * f.y + inverse_axis[2] * f.z);
+    }
+};
+
+// Where a line enters and leaves a convex body, in ray parameter. No hit: hits == false.
+template <class Real>
+struct Interval {
+    Real near, far;
+    bool hits;
+};
+
+// The unit sphere, for a ray f + t g; g of any length.
+template <class Real>
+PT_HD inline Interval<Real> unit_sphere_interval(const Vec3<Real>& f, const Vec3<Real>& g) {
+    const Real a = dot(g, g);
+    const Real b = -dot(f, g);
+    const Vec3<Real> closest = f + g * (b / a);
+    const Real discriminant = Real(1) - dot(closest, closest);
+    if (!(discriminant > Real(0))) {
+        return {Real(0), Real(0), false};
+    }
+    const Real root = square_root(a * discriminant);
+    const Real q = b < Real(0) ? b - root : b + root;
+    const Real first = (dot(f, f) - Real(1)) / q;
+    const Real second = q / a;
+    return {min(first, second), max(first, second), true};
+}
+
+// The second root for a ray that starts on the unit sphere and runs inside it: t = -2 f.g / g.g.
+template <class Real>
+PT_HD inline Real unit_sphere_chord(const Vec3<Real>& f, const Vec3<Real>& g) {
+    return max(Real(0), Real(-2) * dot(f, g) / dot(g, g));
+}
+
+template <class Real>
+PT_HD inline Interval<Real> interval(const Sphere<Real>& sphere, const Vec3<Real>& origin, const Vec3<Real>& direction) {
+    const Vec3<Real> f = (origin - sphere.centre) * sphere.inverse_radius;
+    Interval<Real> unit = unit_sphere_interval(f, direction);
+    return {unit.near * sphere.radius, unit.far * sphere.radius, unit.hits};
+}
+
+template <class Real>
+PT_HD inline Interval<Real> interval(const Ellipsoid<Real>& e, const Vec3<Real>& origin, const Vec3<Real>& direction) {
+    return unit_sphere_interval(e.to_unit(origin - e.centre), e.to_unit(direction));
+}
+
+template <class Real>
+PT_HD inline Real chord(const Sphere<Real>& sphere, const Vec3<Real>& origin, const Vec3<Real>& direction) {
+    return unit_sphere_chord((origin - sphere.centre) * sphere.inverse_radius, direction) * sphere.radius;
+}
+
+template <class Real>
+PT_HD inline Real chord(const Ellipsoid<Real>& e, const Vec3<Real>& origin, const Vec3<Real>& direction) {
+    return unit_sphere_chord(e.to_unit(origin - e.centre), e.to_unit(direction));
+}
+
+// A point pulled back onto the surface, with the outward unit normal there.
+template <class Real>
+struct SurfacePoint {
+    Vec3<Real> position, normal;
+};
+
+template <class Real>
+PT_HD inline SurfacePoint<Real> surface_point(const Sphere<Real>& sphere, const Vec3<Real>& origin,
+                                              const Vec3<Real>& direction, Real t) {
+    const Vec3<Real> normal = normalize(((origin - sphere.centre) + direction * t) * sphere.inverse_radius);
+    return {sphere.centre + normal * sphere.radius, normal};
+}
+
+template <class Real>
+PT_HD inline SurfacePoint<Real> surface_point(const Ellipsoid<Real>& e, const Vec3<Real>& origin,
+                                              const Vec3<Real>& direction, Real t) {
+    const Vec3<Real> f = normalize(e.to_unit((origin - e.centre) + direction * t));
+    return {e.centre + e.to_world(f), e.normal(f)};
+}
+
+}  // namespace pt

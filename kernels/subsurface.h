@@ -1,0 +1,136 @@
+// Subsurface scattering by a random walk through a homogeneous body, from where the path enters to where it leaves.
+// Free paths are drawn from one colour channel, chosen uniformly, and weighted by the mean of the three densities
+// (one-sample balance heuristic), so coloured coefficients bring no bias; a grey medium has the weight sigma_s / sigma_t
+// exactly. Phase function: Henyey and Greenstein 1941. Boundary: index-matched, or Fresnel with internal reflection.
+// The walk sees its own body only: objects inside the body are not met.
+#pragma once
+
+#include "kernels/dielectric.h"
+
+namespace pt {
+
+// Way to the surface from a point inside the body or, if `on_surface`, from its surface inwards.
+template <class Config>
+PT_HD inline typename Config::Real distance_to_exit(const SceneView<typename Config::Real>& scene, std::uint32_t object,
+                                                    const Vec3<typename Config::Real>& origin,
+                                                    const Vec3<typename Config::Real>& direction, bool on_surface) {
+    using Real = typename Config::Real;
+    if (has<Config>(Feature::sphere) && object < scene.first_ellipsoid()) {
+        const Sphere<Real>& sphere = scene.spheres[object];
+        return on_surface ? chord(sphere, origin, direction) : max(Real(0), interval(sphere, origin, direction).far);
+    }
+    if (has<Config>(Feature::ellipsoid) && object < scene.first_axis_box()) {
+        const Ellipsoid<Real>& ellipsoid = scene.ellipsoids[object - scene.first_ellipsoid()];
+        return on_surface ? chord(ellipsoid, origin, direction) : max(Real(0), interval(ellipsoid, origin, direction).far);
+    }
+    if (has<Config>(Feature::axis_box) && object < scene.first_oriented_box()) {
+        const AxisBox<Real>& box = scene.axis_boxes[object - scene.first_axis_box()];
+        return max(Real(0), slab_interval(box.low, box.high, origin, reciprocal(direction)).far);
+    }
+    if (has<Config>(Feature::oriented_box)) {
+        return chord(scene.oriented_boxes[object - scene.first_oriented_box()], origin, direction);
+    }
+    return Real(0);
+}
+
+template <class Real>
+PT_HD inline Real channel(const Vec3<Real>& v, std::uint32_t i) {
+    return i == 0 ? v.x : i == 1 ? v.y : v.z;
+}
+
+// Weight of a flight of length t: transmittance over the mean density. `scattered`: the flight ended in a collision
+// (density sigma_t e^-sigma_t t), else it reached the surface (probability e^-sigma_t t).
+template <class Real>
+PT_HD inline Vec3<Real> flight_weight(const Material<Real>& medium, Real t, bool scattered) {
+    if (medium.grey != 0) {
+        return scattered ? medium.scattering_albedo : Vec3<Real>{Real(1), Real(1), Real(1)};
+    }
+    // Relative to the most transparent channel, so that no transmittance underflows in all three at once.
+    const Real least = min(medium.sigma_t.x, min(medium.sigma_t.y, medium.sigma_t.z));
+    const Vec3<Real> transmittance{exponential((least - medium.sigma_t.x) * t), exponential((least - medium.sigma_t.y) * t),
+                                   exponential((least - medium.sigma_t.z) * t)};
+    const Vec3<Real> density = scattered ? transmittance * medium.sigma_t : transmittance;
+    const Real mean = (density.x + density.y + density.z) * (Real(1) / Real(3));
+    return (scattered ? transmittance * medium.sigma_s : transmittance) * (Real(1) / mean);
+}
+
+// Walks from the vertex (the path has been let in along path.direction) until the path leaves the body; false if the cap on
+// scatterings and internal reflections was met first. On return the path stands on the surface, heading out.
+template <class Config>
+PT_HD inline bool subsurface_walk(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+                                  const Vertex<typename Config::Real>& vertex,
+                                  const Material<typename Config::Real>& medium) {
+    using Real = typename Config::Real;
+    Vec3<Real> position = at_rest<Config>(scene, vertex.object, vertex.position, path.time);
+    Vec3<Real> direction = path.direction;
+    bool on_surface = true;
+    for (std::uint32_t step = 0; step < medium.max_scatterings; ++step) {
+        const RandomWords words = random_words(scene.seed, {path.pixel, path.sample, path.segment, random_block::walk + step});
+        const Real to_exit = distance_to_exit<Config>(scene, vertex.object, position, direction, on_surface);
+        const std::uint32_t colour = static_cast<std::uint32_t>((static_cast<std::uint64_t>(words.y) * 3u) >> 32);
+        const Real sigma = channel(medium.sigma_t, colour);
+        const Real flight = sigma > Real(0) ? -logarithm(positive_unit_interval<Real>(words.x)) / sigma
+                                            : std::numeric_limits<Real>::infinity();
+        if (flight < to_exit) {
+            path.throughput *= flight_weight(medium, flight, true);
+            position = position + direction * flight;
+            on_surface = false;
+            const Real cosine = henyey_greenstein_cosine(medium.g, unit_interval<Real>(words.z));
+            const Real sine = square_root(max(Real(0), (Real(1) - cosine) * (Real(1) + cosine)));
+            const SinCos<Real> azimuth = sin_cos_turn(unit_interval<Real>(words.w));
+            direction = normalize(Frame<Real>(direction).to_world({sine * azimuth.cosine, sine * azimuth.sine, cosine}));
+            continue;
+        }
+        path.throughput *= flight_weight(medium, to_exit, false);
+        const Ray<Real> ray{in_motion<Config>(scene, vertex.object, position, path.time), direction, path.time, ObjectSide{}};
+        const SurfacePoint<Real> exit = surface_at<Config>(scene, ray, {to_exit, ObjectSide::of(vertex.object, true)});
+        Vec3<Real> outgoing = direction;
+        if constexpr (has<Config>(Feature::subsurface_boundary)) {
+            if (medium.has_boundary != 0) {
+                const Vec3<Real> inward = -exit.normal;
+                const Real cosine = cosine_of_incidence(direction, inward);
+                const Refraction<Real> refraction = fresnel(medium.leaving, cosine);
+                if (unit_interval<Real>(words.z) < refraction.reflectance) {
+                    position = at_rest<Config>(scene, vertex.object, exit.position, path.time);
+                    direction = reflect(direction, inward);
+                    on_surface = true;
+                    continue;
+                }
+                outgoing = refract(medium.leaving, direction, inward, cosine, refraction.q);
+            }
+        }
+        path.origin = exit.position;
+        path.direction = outgoing;
+        path.departed = ObjectSide::of(vertex.object, false);
+        return true;
+    }
+    return false;
+}
+
+// One event of the path at a subsurface surface: reflected at the boundary, or through the body and out again.
+// False: the walk did not finish; the path is lost and must be counted.
+template <class Config>
+PT_HD inline bool scatter_subsurface(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+                                     const Vertex<typename Config::Real>& vertex,
+                                     const Material<typename Config::Real>& medium, typename Config::Real u) {
+    using Real = typename Config::Real;
+    // A path that meets the surface from within (the camera stands in the body) walks on from there.
+    if constexpr (has<Config>(Feature::subsurface_boundary)) {
+        if (medium.has_boundary != 0 && !vertex.inside) {
+            const Real cosine = cosine_of_incidence(path.direction, vertex.normal);
+            const Refraction<Real> refraction = fresnel(medium.entering, cosine);
+            if (u < refraction.reflectance) {
+                leave_on_same_side(path, vertex, reflect(path.direction, vertex.normal));
+                return true;
+            }
+            path.direction = refract(medium.entering, path.direction, vertex.normal, cosine, refraction.q);
+        }
+    }
+    if (vertex.inside) {
+        leave_on_other_side(path, vertex, path.direction);
+        return true;
+    }
+    return subsurface_walk<Config>(scene, path, vertex, medium);
+}
+
+}  // namespace pt

@@ -1,0 +1,202 @@
+"""Builds result files in memory: the documented format, with times that follow a simple known law.
+
+Times repeat exactly. Half of a cell's samples lie below its centre and half above, so with an odd count the median *is*
+the centre; those above lie three times as far off, so the mean is not. Device time is not the wall time either.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+AXES = {
+    "integrator": "wavefront",
+    "compaction": "none",
+    "sorting": "none",
+    "first_bounce": "off",
+    "direct_light": "off",
+    "layout": "aos",
+    "specialisation": "features",
+}
+
+
+class Builder:
+    """A result file under construction; the defaults are those of a small run that went well."""
+
+    def __init__(self, suite: str = "quick"):
+        self.context = {
+            "date": "2025-03-01T12:00:00+00:00",
+            "host_name": "host",
+            "num_cpus": 2,
+            "ptbench.schema_version": "1",
+            "ptbench.version": "0.1.0",
+            "ptbench.git_sha": "0123abcd4567",
+            "ptbench.git_dirty": "false",
+            "ptbench.command_line": "build/ptbench run --suite quick",
+            "ptbench.machine": "amd-epyc-2-cores",
+            "ptbench.cpu_model": "AMD EPYC 7763 64-Core Processor",
+            "ptbench.os": "Debian GNU/Linux 12",
+            "ptbench.compiler": "GCC 12.2.0",
+            "ptbench.compiler_flags": "-O3 -fopenmp",
+            "ptbench.backend": "cpu",
+            "ptbench.threads": "2",
+            "ptbench.thrust_version": "3.0.1",
+            "ptbench.suite": suite,
+            "ptbench.status": "completed",
+        }
+        self.studies: list[dict] = []
+        self.cells: list[dict] = []
+        self.rows: list[dict] = []
+        self.not_applicable: list[dict] = []
+
+    def study(self, name: str, figure: str | None = None, title: str = "") -> Builder:
+        self.studies.append({"name": name, "figure": figure or name, "title": title})
+        return self
+
+    def cell(
+        self,
+        study: str | None,
+        scene: str = "cornell_open",
+        ms_per_spp: float = 3.0,
+        *,
+        depth: int = 8,
+        spp: int = 4,
+        n: int = 9,
+        noise: float = 0.02,
+        live_paths: list[int] | None = None,
+        axes: dict[str, str] | None = None,
+        low_clock: int = 0,
+        error: str = "",
+        clock_mhz: float = 3690.0,
+        **fields,
+    ) -> dict:
+        """Adds a cell and its samples: `n` of them, from (1 - noise) to (1 + 3 noise) times the centre."""
+        chosen = {**AXES, **(axes or {})}
+        variant = ".".join(chosen.values())
+        resolution = fields.pop("resolution", [200, 200])
+        name = f"{variant}/scene:{scene}/backend:cpu/resolution:{resolution[0]}x{resolution[1]}/depth:{depth}/spp:{spp}"
+        cell = {
+            "cell": name,
+            "studies": [] if study is None else [study],
+            "scene": scene,
+            "scene_hash": "0123456789abcdef",
+            "backend": "cpu",
+            "variant": variant,
+            "axes": chosen,
+            "resolution": resolution,
+            "depth": depth,
+            "spp": spp,
+            "status": "failed" if error else "ok",
+            "reason": "",
+            "claim": "bitwise",
+            "claim_check": "film bits equal to the reference's",
+            "film_hash": "fedcba9876543210",
+            "mean_rgb": [0.1, 0.1, 0.1],
+            "nonfinite": 0,
+            "negative": 0,
+            "saturated": 0,
+            "unfinished_walks": 0,
+            "features": ["axis_box"],
+            "kernel_features": ["axis_box"],
+            "specialisation_note": "exact",
+        }
+        if live_paths is not None:
+            cell["instrumented"] = {
+                "live_paths": live_paths,
+                "paths": live_paths[0],
+                "spp": 1,
+                "stage_ms": {"generate": 1.0, "intersect": 7.0, "shade": 4.0},
+                "wall_ms": 13.2,
+                "unaccounted_ms": 1.2,
+            }
+        cell.update(fields)
+        self.cells.append(cell)
+        paths = resolution[0] * resolution[1] * spp
+        for index in range(n):
+            row = {
+                "name": name,
+                "run_name": name,
+                "run_type": "iteration",
+                "repetitions": n,
+                "repetition_index": index,
+                "threads": 1,
+                "iterations": 1,
+                "time_unit": "ms",
+            }
+            if error:
+                row |= {"real_time": 0.0, "cpu_time": 0.0, "error_occurred": True, "error_message": error}
+            else:
+                shift = 0.0 if n == 1 else noise * (2 * index / (n - 1) - 1)
+                shift *= 3 if shift > 0 else 1
+                wall = ms_per_spp * spp * (1 + shift)
+                row |= {
+                    "real_time": wall,
+                    "cpu_time": 2 * wall,
+                    "pt_wall_ms": wall,
+                    "pt_device_ms": 0.9 * wall,
+                    "pt_end_to_end_ms": wall + 3,
+                    "pt_seed": float(index + 1),
+                    "pt_spp": float(spp),
+                    "pt_paths": float(paths),
+                    "pt_rays": 4.0 * paths,
+                    "pt_rays_per_second": 4.0 * paths / wall * 1e3,
+                    "pt_order": float(index),
+                    "pt_timestamp": 1.7e9 + index,
+                    "pt_clock_mhz_before": clock_mhz,
+                    "pt_clock_mhz_after": clock_mhz,
+                    "pt_low_clock": 1.0 if index < low_clock else 0.0,
+                }
+            self.rows.append(row)
+        if n and not error:
+            self.rows.append(
+                {
+                    "name": f"{name}_median",
+                    "run_name": name,
+                    "run_type": "aggregate",
+                    "aggregate_name": "median",
+                    "aggregate_unit": "time",
+                    "real_time": ms_per_spp * spp,
+                    "cpu_time": 2 * ms_per_spp * spp,
+                    "time_unit": "ms",
+                }
+            )
+        return cell
+
+    def skip(self, study: str, scene: str, reason: str, axes: dict[str, str]) -> Builder:
+        chosen = {**AXES, **axes}
+        entry = {"study": study, "scene": scene, "variant": ".".join(chosen.values()), "axes": chosen, "reason": reason}
+        self.not_applicable.append(entry)
+        return self
+
+    def document(self) -> dict:
+        ptbench = {"studies": self.studies, "cells": self.cells, "not_applicable": self.not_applicable}
+        return {"context": self.context, "benchmarks": self.rows, "ptbench": ptbench}
+
+    def write(self, path: Path) -> Path:
+        path.write_text(json.dumps(self.document(), indent=1), encoding="utf-8")
+        return path
+
+
+OPEN = [40000, 32682, 22608, 17480, 13922, 11235, 9123, 7438]
+CLOSED = [40000, 39553, 38997, 38503, 38055, 37636, 37229, 36832]
+LIVE = {"cornell_open": OPEN, "cornell_closed": CLOSED}
+
+
+def small(suite: str = "quick") -> Builder:
+    """Two scenes, all four studies, everything well."""
+    builder = Builder(suite)
+    for name in ("remaining_paths", "sorting_by_depth", "first_bounce_by_depth", "compaction"):
+        builder.study(name)
+    for scene, slower in (("cornell_open", 1.0), ("cornell_closed", 1.6)):
+        builder.cell("remaining_paths", scene, slower * 3, live_paths=LIVE[scene], axes={"compaction": "scan"})
+        for depth in (2, 4, 8):
+            base = slower * 0.4 * depth
+            shared = {"compaction": "thrust_remove_if"}
+            both = builder.cell("sorting_by_depth", scene, base, depth=depth, axes=shared)
+            both["studies"].append("first_bounce_by_depth")
+            builder.cell("sorting_by_depth", scene, base * 3, depth=depth, axes=shared | {"sorting": "material"})
+            cached = base * (1 - 0.3 / depth)
+            builder.cell("first_bounce_by_depth", scene, cached, depth=depth, axes=shared | {"first_bounce": "cached"})
+        for choice, factor in (("none", 1.0), ("thrust_remove_if", 1.05), ("thrust_partition", 1.4), ("scatter", 0.9)):
+            builder.cell("compaction", scene, slower * 3 * factor, axes={"compaction": choice, "layout": "soa"})
+    return builder

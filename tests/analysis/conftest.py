@@ -1,0 +1,45 @@
+"""Fixtures: one full command-line run, shared, because drawing eight files takes seconds."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from builder import small
+
+from analysis.__main__ import main
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def run_analysis(*arguments: object, hash_seed: int = 1) -> subprocess.CompletedProcess:
+    """`python3 -m analysis ...` as a user runs it, from another folder's point of view."""
+    environment = {**os.environ, "PYTHONHASHSEED": str(hash_seed), "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-W", "error", "-m", "analysis", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, env=environment, cwd=ROOT.parent)
+
+
+@pytest.fixture(scope="session")
+def quick_run(tmp_path_factory):
+    """(the process, the folder of its figures) of `plots` on a file in which all is well."""
+    folder = tmp_path_factory.mktemp("quick")
+    file = small().write(folder / "quick.json")
+    return run_analysis("plots", file), folder / "figures" / "quick"
+
+
+@pytest.fixture
+def analysis(capsys):
+    """Runs the command line in this process: (exit code, stdout, stderr)."""
+
+    def run(*arguments: object) -> tuple[int, str, str]:
+        try:
+            code = main([str(argument) for argument in arguments])
+        except SystemExit as leaving:
+            code = leaving.code
+        said = capsys.readouterr()
+        return code, said.out, said.err
+
+    return run

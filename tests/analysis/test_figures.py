@@ -1,0 +1,294 @@
+"""What the figures show: the numbers they compute, and that nothing of a page overlaps or is cut off."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+from builder import CLOSED, OPEN, Builder, small
+from matplotlib.text import Text
+
+from analysis import style
+from analysis.errors import NotDrawable
+from analysis.figures import FIGURES, by_depth, collect_study, draw_study, rows
+from analysis.results import load
+
+
+def collected(builder: Builder, tmp_path, name: str):
+    result = load(builder.write(tmp_path / "result.json"))
+    study = next(study for study in result.studies if study.name == name)
+    return result, study, collect_study(result, study)
+
+
+def test_remaining_paths_are_the_files_counts(tmp_path):
+    _, _, data = collected(small(), tmp_path, "remaining_paths")
+    assert [line.scene for line in data.lines] == ["cornell_open", "cornell_closed"]
+    assert data.lines[0].counts == tuple(OPEN)
+    assert data.lines[1].counts == tuple(CLOSED)
+    assert data.lines[0].fractions == pytest.approx([count / 40000 for count in OPEN])
+
+
+def test_counts_are_per_spp_and_shares_are_of_all_paths(tmp_path):
+    builder = Builder().study("remaining_paths")
+    cell = builder.cell("remaining_paths", live_paths=[800, 200])
+    cell["instrumented"] |= {"spp": 2, "paths": 1000}
+    _, _, data = collected(builder, tmp_path, "remaining_paths")
+    assert data.lines[0].counts == (400, 100)
+    assert data.lines[0].fractions == (0.8, 0.2)
+
+
+def test_remaining_paths_draw_the_deepest_cell(tmp_path):
+    builder = Builder().study("remaining_paths")
+    for depth in (2, 8, 4):
+        builder.cell("remaining_paths", depth=depth, live_paths=OPEN[:depth])
+    _, _, data = collected(builder, tmp_path, "remaining_paths")
+    assert len(data.lines) == 1
+    assert len(data.lines[0].counts) == 8
+
+
+def test_remaining_paths_say_which_counts_are_missing_differ_or_cannot_be(tmp_path):
+    builder = Builder().study("remaining_paths")
+    builder.cell("remaining_paths", "fine", live_paths=[100, 50])
+    builder.cell("remaining_paths", "fine", live_paths=[100, 49], axes={"layout": "soa"})
+    builder.cell("remaining_paths", "none")
+    builder.cell("remaining_paths", "rising", live_paths=[100, 50, 60])
+    _, _, data = collected(builder, tmp_path, "remaining_paths")
+    assert [line.scene for line in data.lines] == ["fine"]
+    kinds = [note.kind for note in data.notes]
+    assert kinds == ["counts differ", "no counts", "wrong counts"]
+    assert "rising: live paths rise at bounce 2" in data.caption
+
+
+def test_no_counts_at_all_is_not_drawable(tmp_path):
+    builder = Builder().study("remaining_paths")
+    builder.cell("remaining_paths")
+    with pytest.raises(NotDrawable, match="cornell_open: no live path counts"):
+        collected(builder, tmp_path, "remaining_paths")
+
+
+@pytest.mark.parametrize(
+    ("name", "other", "factor"),
+    [("sorting_by_depth", "material", lambda depth: 3.0), ("first_bounce_by_depth", "cached", lambda d: 1 - 0.3 / d)],
+)
+def test_times_by_depth_are_the_files_medians(tmp_path, name, other, factor):
+    _, _, data = collected(small(), tmp_path, name)
+    baseline = "none" if name == "sorting_by_depth" else "off"
+    assert data.order == (baseline, other)
+    assert [panel.scene for panel in data.panels] == ["cornell_open", "cornell_closed"]
+    for panel, slower in zip(data.panels, (1.0, 1.6), strict=True):
+        base, varied = panel.lines
+        assert (base.label, varied.label) == (baseline, other)
+        assert base.is_baseline
+        assert base.depths == varied.depths == (2, 4, 8)
+        assert [t.value for t in base.times] == pytest.approx([slower * 0.4 * depth for depth in (2, 4, 8)])
+        assert [t.value for t in varied.times] == pytest.approx(
+            [slower * 0.4 * depth * factor(depth) for depth in (2, 4, 8)]
+        )
+        assert base.ratios == (None, None, None)
+        assert [r.value for r in varied.ratios] == pytest.approx([factor(depth) for depth in (2, 4, 8)])
+        # From the 2nd to the 8th of nine samples: 3/4 of the spread below, three times that above.
+        assert [t.low / t.value for t in base.times] == pytest.approx([0.985] * 3)
+        assert [t.high / t.value for t in base.times] == pytest.approx([1.045] * 3)
+
+
+def test_the_lines_drawn_are_the_numbers_collected(tmp_path):
+    _, study, data = collected(small(), tmp_path, "sorting_by_depth")
+    axes = draw_study(study, data).axes[0]
+    drawn = [line for line in axes.get_lines() if line.get_linestyle() != "None" and len(line.get_xdata()) == 3]
+    for line, shown in zip(data.panels[0].lines, drawn, strict=True):
+        assert list(shown.get_xdata()) == list(line.depths)
+        assert list(shown.get_ydata()) == pytest.approx([time.value for time in line.times])
+    looks = [(line.get_color(), line.get_marker(), line.get_linestyle()) for line in drawn]
+    assert all(a != b for one, two in combinations(looks, 2) for a, b in zip(one, two, strict=True))
+
+
+def test_compaction_rows_are_the_files_medians_and_ratios(tmp_path):
+    _, _, data = collected(small(), tmp_path, "compaction")
+    assert [group.title for group in data.groups] == ["cornell_open, depth 8", "cornell_closed, depth 8"]
+    items = data.groups[1].items
+    # The baseline first, then from fast to slow.
+    assert [item.label for item in items] == ["none", "scatter", "thrust_remove_if", "thrust_partition"]
+    assert [item.time.value for item in items] == pytest.approx([4.8, 4.8 * 0.9, 4.8 * 1.05, 4.8 * 1.4])
+    assert [item.ratio and item.ratio.value for item in items] == pytest.approx([None, 0.9, 1.05, 1.4])
+    assert [item.verdict and item.verdict.word for item in items] == [None, "FASTER", "UNSURE", "SLOWER"]
+
+
+def test_dots_drawn_are_the_medians(tmp_path):
+    _, study, data = collected(small(), tmp_path, "compaction")
+    axes = draw_study(study, data).axes[0]
+    dots = [line for line in axes.get_lines() if len(line.get_xdata()) == 1 and line.get_marker() != "None"]
+    assert [dot.get_xdata()[0] for dot in dots] == pytest.approx([item.time.value for item in data.groups[0].items])
+
+
+def test_failed_and_not_applicable_choices_keep_their_rows(tmp_path):
+    builder = Builder().study("compaction")
+    builder.cell("compaction", n=9)
+    builder.cell("compaction", axes={"compaction": "broken"}, error="illegal address", n=2)
+    builder.skip("compaction", "cornell_open", "needs warps", {"compaction": "warp"})
+    _, _, data = collected(builder, tmp_path, "compaction")
+    assert [(item.label, item.instead) for item in data.groups[0].items] == [
+        ("none", ""),
+        ("broken", "failed"),
+        ("warp", "n/a"),
+    ]
+    assert "Failed: broken in cornell_open at depth 8 (illegal address)." in data.caption
+    assert "Not applicable: warp in cornell_open (needs warps)." in data.caption
+
+
+def test_one_depth_is_drawn_as_rows(tmp_path):
+    builder = Builder().study("sorting_by_depth")
+    builder.cell("sorting_by_depth", ms_per_spp=2)
+    builder.cell("sorting_by_depth", ms_per_spp=6, axes={"sorting": "material"})
+    _, _, data = collected(builder, tmp_path, "sorting_by_depth")
+    assert isinstance(data, rows.Data)
+    assert [item.time.value for item in data.groups[0].items] == pytest.approx([2, 6])
+
+
+def test_other_axes_that_vary_become_lines_of_their_own_with_their_own_baseline(tmp_path):
+    builder = Builder().study("sorting_by_depth")
+    for depth in (2, 4):
+        for integrator, factor in (("wavefront", 1), ("megakernel", 0.5)):
+            for sorting, more in (("none", 1), ("material", 4)):
+                axes = {"integrator": integrator, "sorting": sorting}
+                builder.cell("sorting_by_depth", ms_per_spp=depth * factor * more, depth=depth, axes=axes)
+    _, _, data = collected(builder, tmp_path, "sorting_by_depth")
+    assert isinstance(data, by_depth.Data)
+    assert data.order == (
+        "none, integrator=wavefront",
+        "none, integrator=megakernel",
+        "material, integrator=wavefront",
+        "material, integrator=megakernel",
+    )
+    ratios = [[ratio.value for ratio in line.ratios] for line in data.panels[0].lines[2:]]
+    assert np.array(ratios) == pytest.approx(4)
+
+
+def test_the_caption_says_what_is_needed_to_trust_the_figure(tmp_path):
+    builder = small()
+    builder.context["ptbench.git_dirty"] = "true"
+    for name in FIGURES:
+        _, _, data = collected(builder, tmp_path, name)
+        for needed in (
+            "amd-epyc-2-cores",
+            "AMD EPYC 7763",
+            "2 threads",
+            "backend cpu",
+            "cornell_open, cornell_closed",
+            "200×200",
+            "4 spp",
+            "git 0123abcd4567 (dirty)",
+        ):
+            assert needed in data.caption, (name, needed)
+        if name == "remaining_paths":
+            assert "no interval" in data.caption
+        else:
+            assert "n = 9 samples" in data.caption
+            assert "95 % percentile bootstrap of the median (10 000 resamples, fixed seed)" in data.caption
+
+
+def test_the_caption_says_what_is_amiss(tmp_path):
+    builder = Builder().study("compaction")
+    builder.context["ptbench.status"] = "interrupted"
+    builder.cell("compaction", n=9, low_clock=2)
+    builder.cell("compaction", n=4, axes={"compaction": "a"}, status="interrupted")
+    builder.cell("compaction", n=9, axes={"compaction": "b"}, claim="biased", nonfinite=3)
+    builder.cell("compaction", n=0, axes={"compaction": "c"})
+    _, _, data = collected(builder, tmp_path, "compaction")
+    for said in (
+        "Run interrupted: cells and samples may be missing.",
+        "1 cell interrupted while measuring.",
+        "1 cell without a sample.",
+        "1 cell with fewer than 9 samples (no verdict).",
+        "2 of 22 samples at a low clock, kept.",
+        "Declared biased: b.",
+        "1 cell with nonfinite film values.",
+        "n = 4 to 9 samples",
+    ):
+        assert said in data.caption, said
+
+
+def many(choices: int, depths: int, scenes: int, long_names: bool) -> Builder:
+    builder = Builder().study("remaining_paths").study("sorting_by_depth").study("compaction")
+    for scene in range(scenes):
+        name = f"scene_{scene}" + ("_whose_name_is_rather_long_for_a_label" if long_names else "")
+        builder.cell("remaining_paths", name, live_paths=[9000000 - 7 * k for k in range(3 * depths)], depth=64)
+        for choice in range(choices):
+            label = "none" if choice == 0 else f"choice_{choice}" + ("_and_some_more_words" if long_names else "")
+            for depth in range(1, depths + 1):
+                # All lines end within a tenth: their labels have to be moved apart.
+                time = depth * (1 + 0.1 * choice / choices)
+                builder.cell("sorting_by_depth", name, time, depth=depth, n=2, axes={"sorting": label, "layout": "x"})
+            time = 0.002 * 10 ** (4 * choice / choices)
+            builder.cell("compaction", name, time, n=2, axes={"compaction": label, "layout": "y"})
+    return builder
+
+
+@pytest.mark.parametrize(
+    ("choices", "depths", "scenes", "long_names"),
+    [(2, 1, 1, False), (12, 8, 2, False), (12, 3, 1, True), (3, 2, 5, True)],
+)
+def test_nothing_overlaps_or_is_cut_off(tmp_path, choices, depths, scenes, long_names):
+    for name in ("remaining_paths", "sorting_by_depth", "compaction"):
+        _, study, data = collected(many(choices, depths, scenes, long_names), tmp_path, name)
+        figure = draw_study(study, data)
+        with style.applied():
+            figure.draw_without_rendering()
+            renderer = figure.canvas.get_renderer()
+            # Tick objects outside the limits exist but are not drawn.
+            low_high = {axes: (axes.get_xlim(), axes.get_ylim()) for axes in figure.axes}
+            texts = [text for text in figure.findobj(Text) if text.get_visible() and text.get_text().strip()]
+            for axes, ((x0, x1), (y0, y1)) in low_high.items():
+                for axis, low, high in ((axes.xaxis, x0, x1), (axes.yaxis, y0, y1)):
+                    for tick in axis.get_major_ticks() + axis.get_minor_ticks():
+                        if not low <= tick.get_loc() <= high or not tick.label1.get_visible():
+                            texts = [text for text in texts if text is not tick.label1]
+                        texts = [text for text in texts if text is not tick.label2]
+            boxes = [(text.get_text(), text.get_window_extent(renderer)) for text in texts]
+            assert len(boxes) > 5
+            for text, box in boxes:
+                inside = box.x0 >= 0 and box.y0 >= 0 and box.x1 <= figure.bbox.x1 and box.y1 <= figure.bbox.y1
+                assert inside, f"{name}: {text!r} is cut off"
+            for (one, a), (two, b) in combinations(boxes, 2):
+                across = min(a.x1, b.x1) - max(a.x0, b.x0)
+                along = min(a.y1, b.y1) - max(a.y0, b.y0)
+                # A pixel of a hundred to the inch: boxes hold some air above and below their letters.
+                assert across <= 1 or along <= 2, f"{name}: {one!r} and {two!r} overlap"
+
+
+def test_twelve_looks_differ_pairwise_in_marker_and_in_colour_or_line():
+    looks = [style.look(index) for index in range(12)]
+    assert len({look.marker for look in looks}) == 12
+    assert len({(look.colour, str(look.line)) for look in looks}) == 12
+
+
+@pytest.mark.parametrize(
+    ("targets", "sizes", "expected"),
+    [
+        ([5.0, 1.0], [1, 1], [5.0, 1.0]),
+        ([5.0, 5.0], [1, 1], [4.5, 5.5]),
+        ([5.0, 5.0, 5.0], [1, 1, 1], [4.0, 5.0, 6.0]),
+        ([0.0, 9.0], [1, 1], [0.5, 9.0]),
+        ([10.0, 10.0], [1, 2], [7.5, 9.0]),
+    ],
+)
+def test_labels_move_as_little_as_they_can(targets, sizes, expected):
+    assert style.spread(targets, sizes, 0, 10) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0, "0"),
+        (1.23456, "1.235"),
+        (12, "12.00"),
+        (123.456, "123.5"),
+        (999.99, "1000"),
+        (1234.5, "1234"),
+        (56789, "56789"),
+        (0.0123456, "0.01235"),
+        (0.00001234, "1.234e-05"),
+    ],
+)
+def test_numbers(value, text):
+    assert style.figures(value) == text

@@ -1,0 +1,128 @@
+"""The bootstrap against theory and against scipy, and the verdict rule at its limits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from analysis.statistics import (
+    FASTER,
+    SAME,
+    SLOWER,
+    UNSURE,
+    Estimate,
+    Verdict,
+    confirmed,
+    median_estimate,
+    ratio_estimate,
+    verdict_of_ratio,
+)
+
+
+def exact_interval(values: np.ndarray) -> tuple[float, float]:
+    """The percentile bootstrap of an odd count's median without sampling (Efron 1979).
+
+    A resample's median is at most the k-th smallest value when more than half of its n draws are among the k smallest.
+    """
+    ordered, n = np.sort(values), len(values)
+    chance = np.array([stats.binom.sf(n // 2, n, k / n) for k in range(1, n + 1)])
+    return ordered[np.searchsorted(chance, 0.025)], ordered[np.searchsorted(chance, 0.975)]
+
+
+@pytest.mark.parametrize("n", [9, 15, 31])
+def test_the_interval_is_the_exact_bootstrap_interval(n):
+    values = np.random.default_rng(n).lognormal(size=n)
+    estimate = median_estimate(values)
+    assert estimate.value == np.median(values)
+    assert (estimate.low, estimate.high) == pytest.approx(exact_interval(values))
+    assert estimate.n == n
+
+
+def test_known_values():
+    # P(a resample's median <= the 2nd smallest) = P(Binomial(9, 2/9) >= 5) = 0.028, so 2.5 % ends there; likewise above.
+    estimate = median_estimate(np.array([8.0, 1.0, 7.0, 2.0, 5.0, 4.0, 6.0, 3.0, 100.0]))
+    assert (estimate.value, estimate.low, estimate.high, estimate.n) == (5.0, 2.0, 8.0, 9)
+
+
+def test_agrees_with_scipy():
+    values = np.random.default_rng(5).normal(10, 1, size=20)
+    theirs = stats.bootstrap((values,), np.median, method="percentile", n_resamples=20_000, rng=7).confidence_interval
+    ours = median_estimate(values)
+    assert (ours.low, ours.high) == pytest.approx((theirs.low, theirs.high), abs=0.05)
+
+
+def test_the_same_samples_give_the_same_interval():
+    values = np.random.default_rng(1).normal(size=12)
+    assert median_estimate(values) == median_estimate(values)
+    assert ratio_estimate(values + 9, values + 8) == ratio_estimate(values + 9, values + 8)
+
+
+def test_one_sample_has_no_interval():
+    assert median_estimate([4.0]) == Estimate(4.0, None, None, 1)
+    assert ratio_estimate([4.0], [2.0, 2.0]) == Estimate(2.0, None, None, 1)
+
+
+def test_no_samples_have_no_median():
+    with pytest.raises(ValueError, match="no samples"):
+        median_estimate([])
+    with pytest.raises(ValueError, match="no samples"):
+        ratio_estimate([1.0], [])
+
+
+def test_a_ratio_resamples_both_sides_independently():
+    values = np.random.default_rng(2).normal(10, 1, size=15)
+    ratio = ratio_estimate(values, values)
+    assert ratio.value == 1
+    # Drawn alike, both medians would always be equal and the interval a point.
+    assert ratio.low < 0.97
+    assert ratio.high > 1.03
+
+
+def test_a_ratio_is_that_of_medians_and_its_n_the_smaller():
+    ratio = ratio_estimate([3.0, 3.0, 90.0], [2.0, 2.0, 2.0, 2.0])
+    assert (ratio.value, ratio.n) == (1.5, 3)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "n", "word"),
+    [
+        (0.90, 0.98, 9, FASTER),
+        (0.90, 0.9899, 9, FASTER),
+        (0.90, 0.9901, 9, UNSURE),
+        (1.02, 1.10, 9, SLOWER),
+        (1.0101, 1.10, 9, SLOWER),
+        (1.0099, 1.10, 9, UNSURE),
+        (0.995, 1.005, 9, SAME),
+        (0.99, 1.01, 9, SAME),
+        (0.989, 1.005, 9, UNSURE),
+        (0.995, 1.011, 9, UNSURE),
+        (0.80, 1.20, 9, UNSURE),
+        (0.90, 0.95, 8, UNSURE),
+        (1.00, 1.00, 8, UNSURE),
+    ],
+)
+def test_the_verdict_rule(low, high, n, word):
+    verdict = verdict_of_ratio(Estimate((low + high) / 2, low, high, n))
+    assert verdict.word == word
+    assert bool(verdict.reason) == (word == UNSURE)
+    if n < 9:
+        assert verdict.reason == "n = 8, a verdict needs 9"
+
+
+@pytest.mark.parametrize(
+    ("time", "cycles", "word"),
+    [
+        (FASTER, FASTER, FASTER),
+        (FASTER, UNSURE, FASTER),
+        (FASTER, None, FASTER),
+        (FASTER, SAME, UNSURE),
+        (SAME, SLOWER, UNSURE),
+        (UNSURE, FASTER, UNSURE),
+    ],
+)
+def test_cycles_may_veto_but_not_decide(time, cycles, word):
+    verdict = confirmed(Verdict(time), None if cycles is None else Verdict(cycles))
+    assert verdict.word == word
+    if time != UNSURE and word == UNSURE:
+        assert f"{time} in time but {cycles} in cycles" in verdict.reason

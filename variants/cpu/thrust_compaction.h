@@ -1,0 +1,44 @@
+// What the Thrust compactions share: the check that they did their work, and the way to the payload's iterator.
+#pragma once
+
+#include <thrust/system/omp/execution_policy.h>
+
+#include "variants/registry.h"
+
+namespace pt {
+
+struct IsAlive {
+    bool operator()(const Path<float>& path) const { return path.alive(); }
+};
+struct HasEnded {
+    bool operator()(const Path<float>& path) const { return !path.alive(); }
+};
+
+// Every path of a finished render has ended, and a compaction runs after each bounce: so all paths were taken out.
+inline std::string compacted_every_bounce(const WorkCounters& work, std::uint64_t) {
+    if (work.compactions != work.bounces) {
+        return std::to_string(work.compactions) + " compactions in " + std::to_string(work.bounces) + " bounces";
+    }
+    if (work.compacted_away != work.paths) {
+        return std::to_string(work.compacted_away) + " paths taken out of " + std::to_string(work.paths);
+    }
+    return "";
+}
+
+// A compaction that moves the payload: `algorithm(first, last)` works on the paths' iterator of whatever layout, brings the
+// live paths to the front and returns the end of the live ones. Slots stay contiguous, so an index order is dropped.
+template <class Algorithm>
+class PayloadCompaction final : public Compaction {
+public:
+    void compact(PathQueue& queue) override {
+        queue.indirect = false;
+        queue.count = std::visit(
+            [&](auto& paths) {
+                const auto first = paths.begin();
+                return static_cast<std::size_t>(Algorithm()(first, first + static_cast<std::ptrdiff_t>(queue.count)) - first);
+            },
+            queue.paths);
+    }
+};
+
+}  // namespace pt

@@ -1,0 +1,51 @@
+#include "variants/descriptor.h"
+
+#include <algorithm>
+#include <iterator>
+#include <stdexcept>
+
+namespace pt {
+
+std::size_t Variant::index(std::string_view axis) {
+    const auto* found = std::find(std::begin(axis_names), std::end(axis_names), axis);
+    if (found == std::end(axis_names)) {
+        throw std::out_of_range("no axis '" + std::string(axis) + "'");
+    }
+    return static_cast<std::size_t>(found - std::begin(axis_names));
+}
+
+std::string Variant::name() const {
+    std::string joined;
+    for (const std::string& choice : choices_) {
+        joined += (joined.empty() ? "" : ".") + choice;
+    }
+    return joined;
+}
+
+std::string_view to_string(Claim claim) {
+    switch (claim) {
+        case Claim::bitwise:
+            return "bitwise";
+        case Claim::statistical:
+            return "statistical";
+        default:
+            return "biased";
+    }
+}
+
+std::vector<std::string> feature_names(FeatureSet features) {
+    static constexpr const char* names[] = {"sphere",     "ellipsoid", "axis_box",   "oriented_box",        "quad",
+                                            "motion",     "diffuse",   "emitter",    "mirror",              "mix",
+                                            "dielectric", "subsurface", "emission",  "absorption",          "subsurface_boundary",
+                                            "environment", "jitter",   "lens",       "final_bounce"};
+    static_assert(all_features == (1u << std::size(names)) - 1u);
+    std::vector<std::string> present;
+    for (std::size_t bit = 0; bit < std::size(names); ++bit) {
+        if ((features >> bit & 1u) != 0) {
+            present.emplace_back(names[bit]);
+        }
+    }
+    return present;
+}
+
+}  // namespace pt

@@ -1,0 +1,25 @@
+// Seed B's idea done right: the last vertex of an exhausted path is connected to a random light point, weighted by BSDF,
+// both cosines, distance, area and visibility (kernels/light.h). It sees one segment more than plain path tracing of the
+// same depth, so its expectation is that of depth + 1. A last vertex on a specular surface takes that segment by its BSDF.
+#include "variants/registry.h"
+
+namespace pt {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "direct_light",
+        .name = "final_bounce",
+        .summary = "the last diffuse vertex is connected to a random point on a random light",
+        .origin = "seed B (2022), with the weights that it lacked",
+        .claim = Claim::statistical,
+        .claim_note = "same expectation as direct_light=off at depth + 1",
+        .does_not_apply = [](FeatureSet scene, const Variant&) -> std::string {
+            const FeatureSet lights = Feature::emitter | Feature::emission | Feature::environment;
+            return (scene & lights) != 0 ? "" : "needs a light in the scene";
+        },
+    },
+    {.direct_light = [] { return no_features | Feature::final_bounce; }});
+
+}  // namespace
+}  // namespace pt

@@ -1,0 +1,18 @@
+// Light is found by chance only: what a path meets it counts.
+#include "variants/registry.h"
+
+namespace pt {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "direct_light",
+        .name = "off",
+        .summary = "light is met by BSDF sampling only",
+        .origin = "Kajiya 1986",
+        .baseline = true,
+    },
+    {.direct_light = [] { return no_features; }});
+
+}  // namespace
+}  // namespace pt

@@ -1,0 +1,41 @@
+// The hits of the camera rays are kept from the first sample and reused: right only where every sample of a pixel has the
+// same camera ray. A scene with jitter, a lens or motion would converge to another image, so the choice does not apply
+// there; jitter is a setting of the scene and is never switched off on its behalf.
+#include "variants/registry.h"
+
+namespace pt {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "first_bounce",
+        .name = "cached",
+        .summary = "the camera rays' hits are computed once and reused by every later sample",
+        .origin = "both seeds (CIS 565 project 3)",
+        .does_not_apply = [](FeatureSet scene, const Variant&) -> std::string {
+            if (contains(scene, Feature::jitter)) {
+                return "needs jitter off (camera.jitter is true in the scene)";
+            }
+            if (contains(scene, Feature::lens)) {
+                return "needs a pinhole camera (camera.aperture_radius is not 0)";
+            }
+            if (contains(scene, Feature::motion)) {
+                return "needs still objects (the scene has moving ones and an open shutter)";
+            }
+            return "";
+        },
+        .work_missing = [](const WorkCounters& work, std::uint64_t samples) -> std::string {
+            if (work.cache_fills * samples != work.paths) {
+                return std::to_string(work.cache_fills) + " cache fills for " + std::to_string(work.paths) + " paths";
+            }
+            return work.cache_fills + work.cache_hits == work.paths ? "" : "not every camera ray came from the cache";
+        },
+    },
+    {.first_bounce = [](std::uint32_t pixels) {
+        auto cache = std::make_unique<FirstBounceCache>();
+        cache->hits.resize(pixels);
+        return cache;
+    }});
+
+}  // namespace
+}  // namespace pt

@@ -1,0 +1,21 @@
+// Every sample traces its camera ray.
+#include "variants/registry.h"
+
+namespace pt {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "first_bounce",
+        .name = "off",
+        .summary = "every sample traces its camera ray",
+        .origin = "both seeds, cache off",
+        .baseline = true,
+        .work_missing = [](const WorkCounters& work, std::uint64_t) -> std::string {
+            return work.cache_fills + work.cache_hits == 0 ? "" : "a cache was used";
+        },
+    },
+    {.first_bounce = [](std::uint32_t) { return std::unique_ptr<FirstBounceCache>(); }});
+
+}  // namespace
+}  // namespace pt

@@ -1,0 +1,169 @@
+// All paths of a sample advance together: generate once, then intersect, (sort,) shade, (compact) for every bounce, each
+// stage over the whole queue. Laine, Karras and Aila, "Megakernels Considered Harmful", HPG 2013; the seeds' shape.
+#pragma once
+
+#include <atomic>
+
+#include "variants/cpu/parallel_for.h"
+#include "variants/registry.h"
+
+namespace pt::integrator::wavefront {
+
+inline std::string work_missing(const WorkCounters& work, std::uint64_t samples) {
+    return work.bounces >= samples ? "" : "ran fewer bounces over the queue than samples";
+}
+
+inline constexpr Descriptor descriptor{
+    .axis = "integrator",
+    .name = "wavefront",
+    .summary = "separate generate, intersect and shade over a queue of all paths, one sample a pixel in flight",
+    .origin = "Laine, Karras and Aila 2013; both seeds",
+    .baseline = true,
+    .work_missing = work_missing,
+};
+
+inline constexpr std::size_t paths_a_chunk = 1024;
+
+template <class Config, class Paths>
+class Wavefront {
+public:
+    Wavefront(RenderJob& job, Paths& paths) : job_(job), queue_(*job.queue), paths_(paths) {}
+
+    void render_sample(std::uint32_t sample) {
+        generate_all(sample);
+        for (std::uint32_t segment = 0; segment < job_.scene.longest_path() && queue_.count > 0; ++segment) {
+            const std::uint64_t live = intersect_all(segment == 0);
+            if (live == 0) {
+                break;
+            }
+            if (job_.stages != nullptr) {
+                job_.stages->add_live(segment, live);
+            }
+            job_.work.bounces += 1;
+            job_.work.rays += live;
+            if (job_.sorting->is_active()) {
+                sort(live);
+            }
+            shade_all();
+            if (job_.compaction->is_active()) {
+                compact();
+            }
+        }
+        job_.work.paths += job_.scene.pixel_count();
+        if (job_.cache != nullptr) {
+            job_.cache->filled = true;
+        }
+    }
+
+private:
+    void generate_all(std::uint32_t sample) {
+        const StageClock clock(job_.stages, "generate");
+        queue_.count = job_.scene.pixel_count();
+        queue_.indirect = false;
+        parallel_for(queue_.count, paths_a_chunk, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                paths_.store(i, generate<Config>(job_.scene, static_cast<std::uint32_t>(i), sample));
+            }
+        });
+    }
+
+    // Returns how many paths were alive, and so how many rays were traced.
+    std::uint64_t intersect_all(bool first) {
+        const StageClock clock(job_.stages, "intersect");
+        std::atomic<std::uint64_t> live = 0;
+        const bool use_cache = first && job_.cache != nullptr;
+        const bool filled = use_cache && job_.cache->filled;
+        parallel_for(queue_.count, paths_a_chunk, [&](std::size_t begin, std::size_t end) {
+            std::uint64_t chunk_live = 0;
+            for (std::size_t i = begin; i < end; ++i) {
+                const std::uint32_t slot = queue_.slot(i);
+                if (!paths_.alive(slot)) {
+                    continue;
+                }
+                chunk_live += 1;
+                if (filled) {
+                    queue_.hits[slot] = job_.cache->hits[paths_.pixel(slot)];
+                    continue;
+                }
+                queue_.hits[slot] = closest_hit<Config>(job_.scene, paths_.ray(slot));
+                if (use_cache) {
+                    job_.cache->hits[paths_.pixel(slot)] = queue_.hits[slot];
+                }
+            }
+            live += chunk_live;
+        });
+        if (use_cache) {
+            (filled ? job_.work.cache_hits : job_.work.cache_fills) += live;
+        }
+        return live;
+    }
+
+    // Keys: the hit's material; then paths that left the scene; then ended paths.
+    void sort(std::uint64_t live) {
+        const StageClock clock(job_.stages, "sort");
+        const std::uint32_t missed = job_.scene.materials.size;
+        parallel_for(queue_.count, paths_a_chunk, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const std::uint32_t slot = queue_.slot(i);
+                const ObjectSide side = queue_.hits[slot].side;
+                queue_.keys[i] = !paths_.alive(slot) ? missed + 1
+                                 : side.exists()     ? job_.scene.object_material[side.object()]
+                                                     : missed;
+            }
+        });
+        job_.sorting->sort(queue_, missed + 2);
+        job_.work.sorts += 1;
+        job_.work.sorted += live;
+    }
+
+    void shade_all() {
+        const StageClock clock(job_.stages, "shade");
+        std::atomic<std::uint64_t> rays = 0, unfinished = 0;
+        parallel_for(queue_.count, paths_a_chunk, [&](std::size_t begin, std::size_t end) {
+            PathCounters counters;
+            for (std::size_t i = begin; i < end; ++i) {
+                const std::uint32_t slot = queue_.slot(i);
+                if (!paths_.alive(slot)) {
+                    continue;
+                }
+                Path<float> path = paths_.load(slot);
+                if (!shade<Config>(job_.scene, path, queue_.hits[slot], counters)) {
+                    accumulate(job_.film, path);
+                    path.segment = Path<float>::ended;
+                }
+                paths_.store(slot, path);
+            }
+            rays += counters.rays;
+            unfinished += counters.unfinished_walks;
+        });
+        job_.work.rays += rays;
+        job_.work.unfinished_walks += unfinished;
+    }
+
+    void compact() {
+        const StageClock clock(job_.stages, "compact");
+        const std::size_t before = queue_.count;
+        job_.compaction->compact(queue_);
+        job_.work.compactions += 1;
+        job_.work.compacted_away += before - queue_.count;
+    }
+
+    RenderJob& job_;
+    PathQueue& queue_;
+    Paths& paths_;
+};
+
+template <class Config>
+void render(RenderJob& job) {
+    job.queue->reserve(job.scene.pixel_count());
+    std::visit(
+        [&](auto& paths) {
+            Wavefront<Config, std::remove_reference_t<decltype(paths)>> wavefront(job, paths);
+            for (std::uint32_t i = 0; i < job.samples; ++i) {
+                wavefront.render_sample(job.first_sample + i);
+            }
+        },
+        job.queue->paths);
+}
+
+}  // namespace pt::integrator::wavefront

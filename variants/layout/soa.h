@@ -1,0 +1,146 @@
+// Structure of arrays: every scalar of a path in an array of its own, so a stage reads only the fields that it needs.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <vector>
+
+#include <thrust/detail/type_traits.h>
+#include <thrust/iterator/iterator_facade.h>
+
+#include "kernels/intersect.h"
+#include "variants/descriptor.h"
+
+namespace pt::layout::soa {
+
+inline constexpr Descriptor descriptor{
+    .axis = "layout",
+    .name = "soa",
+    .summary = "structure of arrays: one array a scalar of the path state",
+    .origin = "pbrt-v4's soac; Laine, Karras and Aila 2013",
+};
+
+// The columns of a path. Real and 32-bit columns have separate storage.
+template <class Real>
+struct Columns {
+    static constexpr std::size_t real_count = 13;
+    static constexpr std::size_t word_count = 5;
+    std::array<Real*, real_count> real{};
+    std::array<std::uint32_t*, word_count> word{};
+
+    Vec3<Real> vector(std::size_t column, std::size_t slot) const {
+        return {real[column][slot], real[column + 1][slot], real[column + 2][slot]};
+    }
+    void set_vector(std::size_t column, std::size_t slot, const Vec3<Real>& v) const {
+        real[column][slot] = v.x;
+        real[column + 1][slot] = v.y;
+        real[column + 2][slot] = v.z;
+    }
+    Path<Real> load(std::size_t slot) const {
+        return {vector(0, slot),     vector(3, slot),
+                vector(6, slot),     vector(9, slot),
+                real[12][slot],      word[0][slot],
+                word[1][slot],       word[2][slot],
+                ObjectSide{word[3][slot]}, word[4][slot]};
+    }
+    void store(std::size_t slot, const Path<Real>& path) const {
+        set_vector(0, slot, path.origin);
+        set_vector(3, slot, path.direction);
+        set_vector(6, slot, path.throughput);
+        set_vector(9, slot, path.radiance);
+        real[12][slot] = path.time;
+        word[0][slot] = path.pixel;
+        word[1][slot] = path.sample;
+        word[2][slot] = path.segment;
+        word[3][slot] = path.departed.code;
+        word[4][slot] = path.medium;
+    }
+};
+
+// Stands for the path in a slot where Thrust expects a reference to one.
+template <class Real>
+class Reference {
+public:
+    Reference(const Columns<Real>* columns, std::size_t slot) : columns_(columns), slot_(slot) {}
+    Reference(const Reference&) = default;
+    operator Path<Real>() const { return columns_->load(slot_); }  // NOLINT: a reference converts
+    const Reference& operator=(const Path<Real>& path) const {
+        columns_->store(slot_, path);
+        return *this;
+    }
+    const Reference& operator=(const Reference& other) const { return *this = static_cast<Path<Real>>(other); }
+    friend void swap(Reference a, Reference b) {
+        const Path<Real> kept = a;
+        a = static_cast<Path<Real>>(b);
+        b = kept;
+    }
+
+private:
+    const Columns<Real>* columns_;
+    std::size_t slot_;
+};
+
+template <class Real>
+class Iterator : public thrust::iterator_facade<Iterator<Real>, Path<Real>, thrust::any_system_tag,
+                                                thrust::random_access_traversal_tag, Reference<Real>, std::ptrdiff_t> {
+public:
+    Iterator() = default;
+    Iterator(const Columns<Real>* columns, std::ptrdiff_t slot) : columns_(columns), slot_(slot) {}
+
+private:
+    friend class thrust::iterator_core_access;
+    Reference<Real> dereference() const { return {columns_, static_cast<std::size_t>(slot_)}; }
+    bool equal(const Iterator& other) const { return slot_ == other.slot_; }
+    void increment() { ++slot_; }
+    void decrement() { --slot_; }
+    void advance(std::ptrdiff_t n) { slot_ += n; }
+    std::ptrdiff_t distance_to(const Iterator& other) const { return other.slot_ - slot_; }
+
+    const Columns<Real>* columns_ = nullptr;
+    std::ptrdiff_t slot_ = 0;
+};
+
+}  // namespace pt::layout::soa
+
+// Thrust assigns through a proxy only where it is told of it; its own output iterators register in the same way.
+namespace thrust::detail {
+template <class Real>
+struct is_proxy_reference<pt::layout::soa::Reference<Real>> : true_type {};
+}  // namespace thrust::detail
+
+namespace pt::layout::soa {
+
+template <class Real>
+class Paths {
+public:
+    void reserve(std::size_t capacity) {
+        if (capacity_ >= capacity) {
+            return;
+        }
+        capacity_ = capacity;
+        reals_.assign(capacity * Columns<Real>::real_count, Real(0));
+        words_.assign(capacity * Columns<Real>::word_count, 0u);
+        for (std::size_t i = 0; i < columns_.real.size(); ++i) {
+            columns_.real[i] = reals_.data() + i * capacity;
+        }
+        for (std::size_t i = 0; i < columns_.word.size(); ++i) {
+            columns_.word[i] = words_.data() + i * capacity;
+        }
+    }
+    Path<Real> load(std::size_t slot) const { return columns_.load(slot); }
+    void store(std::size_t slot, const Path<Real>& path) { columns_.store(slot, path); }
+    bool alive(std::size_t slot) const { return columns_.word[2][slot] != Path<Real>::ended; }
+    std::uint32_t pixel(std::size_t slot) const { return columns_.word[0][slot]; }
+    Ray<Real> ray(std::size_t slot) const {
+        return {columns_.vector(0, slot), columns_.vector(3, slot), columns_.real[12][slot], ObjectSide{columns_.word[3][slot]}};
+    }
+    Iterator<Real> begin() { return {&columns_, 0}; }
+
+private:
+    std::size_t capacity_ = 0;
+    std::vector<Real> reals_;
+    std::vector<std::uint32_t> words_;
+    Columns<Real> columns_;
+};
+
+}  // namespace pt::layout::soa

@@ -1,0 +1,101 @@
+// What an integrator is handed: a scene, a film, the samples to take, and the choices of the other axes as objects.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "kernels/shade.h"
+#include "layouts.h"  // generated: AnyPaths, a std::variant over every layout in variants/layout
+#include "variants/descriptor.h"
+
+namespace pt {
+
+// The paths of a wavefront. A path lives in a slot; the paths in play are slots 0..count-1, or, if `indirect`, the slots
+// order[0..count-1] in that order.
+struct PathQueue {
+    AnyPaths paths;
+    std::vector<Hit<float>> hits;       // by slot: where the path's current segment ends
+    std::vector<std::uint32_t> order;   // capacity entries
+    bool indirect = false;
+    std::size_t count = 0;
+    std::vector<std::uint32_t> keys;    // by position in play; filled for a sort only
+    std::vector<std::uint32_t> scratch; // for choices that need a second index array
+
+    // Room for `capacity` paths; keeps its memory between renders, so that a timed render touches no fresh page.
+    void reserve(std::size_t capacity);
+    std::uint32_t slot(std::size_t i) const { return indirect ? order[i] : static_cast<std::uint32_t>(i); }
+};
+
+// Takes the ended paths out of play, between two bounces.
+class Compaction {
+public:
+    virtual ~Compaction() = default;
+    // Returns how many paths are in play afterwards; queue.count is set to it. `none` leaves the queue as it is.
+    virtual void compact(PathQueue& queue) = 0;
+    virtual bool is_active() const { return true; }
+};
+
+// Brings paths of equal key together before they are shaded.
+class Sorting {
+public:
+    virtual ~Sorting() = default;
+    // queue.keys holds a key below key_count for every path in play.
+    virtual void sort(PathQueue& queue, std::uint32_t key_count) = 0;
+    virtual bool is_active() const { return true; }
+};
+
+// The first segment's hit of every pixel, kept between samples.
+struct FirstBounceCache {
+    std::vector<Hit<float>> hits;
+    bool filled = false;
+};
+
+// Where the time of a render goes. Only instrumented renders have one: it is never part of a timed sample.
+struct StageTimes {
+    std::vector<std::pair<std::string_view, double>> milliseconds;  // by stage, in order of first use
+    std::vector<std::uint64_t> live_paths;                          // [k]: paths that traced segment k + 1
+
+    void add(std::string_view stage, double ms);
+    void add_live(std::size_t segment, std::uint64_t paths);
+};
+
+class StageClock {
+public:
+    StageClock(StageTimes* times, std::string_view stage) : times_(times), stage_(stage) {
+        if (times_ != nullptr) {
+            start_ = std::chrono::steady_clock::now();
+        }
+    }
+    ~StageClock() {
+        if (times_ != nullptr) {
+            times_->add(stage_, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count());
+        }
+    }
+    StageClock(const StageClock&) = delete;
+    StageClock& operator=(const StageClock&) = delete;
+
+private:
+    StageTimes* times_;
+    std::string_view stage_;
+    std::chrono::steady_clock::time_point start_;
+};
+
+struct RenderJob {
+    SceneView<float> scene;
+    FilmView film;
+    std::uint32_t first_sample = 0;
+    std::uint32_t samples = 1;  // a pixel
+    PathQueue* queue = nullptr;
+    Compaction* compaction = nullptr;
+    Sorting* sorting = nullptr;
+    FirstBounceCache* cache = nullptr;  // null: the first bounce is computed
+    WorkCounters work;
+    StageTimes* stages = nullptr;  // null: not instrumented
+};
+
+}  // namespace pt

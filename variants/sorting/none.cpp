@@ -1,0 +1,27 @@
+// No sorting: paths are shaded in the order in which they lie.
+#include "variants/registry.h"
+
+namespace pt {
+namespace {
+
+class None final : public Sorting {
+public:
+    void sort(PathQueue&, std::uint32_t) override {}
+    bool is_active() const override { return false; }
+};
+
+const Registration registration(
+    {
+        .axis = "sorting",
+        .name = "none",
+        .summary = "paths are shaded in the order in which they lie",
+        .origin = "both seeds, sorting off",
+        .baseline = true,
+        .work_missing = [](const WorkCounters& work, std::uint64_t) -> std::string {
+            return work.sorts == 0 ? "" : "a sort ran";
+        },
+    },
+    {.sorting = [] { return std::make_unique<None>(); }});
+
+}  // namespace
+}  // namespace pt

@@ -1,0 +1,17 @@
+// One kernel for every scene: all primitive kinds, materials and features compiled in and chosen at run time.
+#include "variants/registry.h"
+
+namespace pt {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "specialisation",
+        .name = "generic",
+        .summary = "one kernel with every feature, chosen at run time",
+        .origin = "the usual renderer",
+    },
+    {.specialisation = [](FeatureSet, const std::vector<FeatureSet>&) { return all_features; }});
+
+}  // namespace
+}  // namespace pt
