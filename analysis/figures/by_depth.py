@@ -142,7 +142,8 @@ def draw(data: Data | row_figure.Data) -> Figure:
             _draw_ratios(lowest, panel, looks)
             _scale_x(lowest, panel, plot_width)
             _scale_ratios(lowest, all_ratios)
-        lowest.set_xlabel("Path depth (ray segments)")
+        scale = ", log scale" if lowest.get_xscale() == "log" else ""
+        lowest.set_xlabel(f"Path depth (ray segments{scale})")
         if column == 0:
             time_axes.set_ylabel("Time (ms per spp" + (", log scale)" if log_time else ")"))
             if with_ratios:

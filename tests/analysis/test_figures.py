@@ -226,7 +226,7 @@ def many(choices: int, depths: int, scenes: int, long_names: bool) -> Builder:
 
 @pytest.mark.parametrize(
     ("choices", "depths", "scenes", "long_names"),
-    [(2, 1, 1, False), (12, 8, 2, False), (12, 3, 1, True), (3, 2, 5, True)],
+    [(2, 1, 1, False), (12, 8, 2, False), (12, 3, 1, True), (3, 2, 5, True), (2, 30, 2, False)],
 )
 def test_nothing_overlaps_or_is_cut_off(tmp_path, choices, depths, scenes, long_names):
     for name in ("remaining_paths", "sorting_by_depth", "compaction"):

@@ -40,7 +40,7 @@ def test_the_interval_is_the_exact_bootstrap_interval(n):
 
 
 def test_known_values():
-    # P(a resample's median <= the 2nd smallest) = P(Binomial(9, 2/9) >= 5) = 0.028, so 2.5 % ends there; likewise above.
+    # P(a resample's median <= the 2nd smallest) = P(Binomial(9, 2/9) >= 5) = 0.028: 2.5 % ends there; likewise above.
     estimate = median_estimate(np.array([8.0, 1.0, 7.0, 2.0, 5.0, 4.0, 6.0, 3.0, 100.0]))
     assert (estimate.value, estimate.low, estimate.high, estimate.n) == (5.0, 2.0, 8.0, 9)
 
