@@ -4,6 +4,14 @@ add_library(ptbench_harness OBJECT ${harness_sources})
 target_link_libraries(ptbench_harness PUBLIC ptbench_options nlohmann_json::nlohmann_json CLI11::CLI11 benchmark::benchmark)
 target_include_directories(ptbench_harness SYSTEM PRIVATE ${PTBENCH_STB_INCLUDE})
 
+add_custom_target(ptbench_build_info BYPRODUCTS ${PROJECT_BINARY_DIR}/generated/build_info.h
+  COMMAND ${CMAKE_COMMAND} -DSOURCE_DIR=${PROJECT_SOURCE_DIR} -DOUTPUT=${PROJECT_BINARY_DIR}/generated/build_info.h
+          -DVERSION=${PROJECT_VERSION} "-DCOMPILER=${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}"
+          "-DFLAGS=${CMAKE_CXX_FLAGS_RELEASE} -march=${PTBENCH_MARCH} -ffp-contract=off -fno-math-errno -fno-trapping-math"
+          -DBENCHMARK_VERSION=${benchmark_VERSION} -P ${PROJECT_SOURCE_DIR}/cmake/build_info.cmake
+  VERBATIM)
+add_dependencies(ptbench_harness ptbench_build_info)
+
 add_executable(ptbench harness/main.cpp)
 target_link_libraries(ptbench PRIVATE ptbench_harness ptbench_variants)
 set_target_properties(ptbench PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})

@@ -1,19 +1,56 @@
-#include <cstdio>
-#include "harness/render/renderer.h"
-#include "harness/render/image.h"
-using namespace pt;
+// ptbench's command line. Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong, 3 the machine failed.
+#include <fmt/format.h>
+
+#include "harness/cli/commands.h"
+#include "harness/error.h"
+
+namespace {
+
+std::string join_arguments(int argc, char** argv) {
+    std::string joined;
+    for (int i = 0; i < argc; ++i) {
+        joined += (i == 0 ? "" : " ") + std::string(argv[i]);
+    }
+    return joined;
+}
+
+int run(int argc, char** argv) {
+    CLI::App app("ptbench: does a path tracing optimisation pay? Measured, with the images compared first.", "ptbench");
+    app.require_subcommand(1);
+    const std::vector<std::pair<std::string, pt::Command>> commands{
+        {"list", pt::add_list_command(app)},     {"run", pt::add_run_command(app, join_arguments(argc, argv))},
+        {"render", pt::add_render_command(app)}, {"verify", pt::add_verify_command(app)},
+        {"import", pt::add_import_command(app)}, {"machine", pt::add_machine_command(app)},
+    };
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& success) {  // --help
+        return app.exit(success);
+    } catch (const CLI::ParseError& error) {
+        fmt::print(stderr, "ptbench: {} (see ptbench --help)\n", error.what());
+        return pt::exit_bad_input;
+    }
+    for (const auto& [name, command] : commands) {
+        if (app.got_subcommand(name)) {
+            return command();
+        }
+    }
+    return pt::exit_bad_input;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  try {
-  Scene s = load_scene(argv[1]);
-  RenderRequest r; r.variant = Registry::instance().baseline(); r.settings = default_settings(s);
-  for (int i = 3; i + 1 < argc; i += 2) r.variant.set(argv[i], argv[i+1]);
-  r.samples = 4;
-  std::string why = why_not_applicable(r.variant, features_of(s)); if (!why.empty()) { puts(why.c_str()); return 2; }
-  for (int k=0;k<3;k++){
-  auto res = render(s, r);
-  auto m = res.film.mean();
-  printf("%s %s mean %.6f %.6f %.6f hash %s rays %lu ms %.2f Mrays/s %.2f nonfinite %lu neg %lu %s [%s]\n", s.name.c_str(), r.variant.name().c_str(), m.x,m.y,m.z,res.film.hash().c_str(), res.work.rays, res.wall_ms, res.work.rays/res.wall_ms/1e3, res.film.faults().nonfinite, res.film.faults().negative, choose_kernel(s,r.variant).note().c_str(), work_missing(r.variant,res.work,r.samples).c_str());
-  if (k==0) write_image(res.film, argv[2]);
-  }
-  } catch (std::exception& e) { puts(e.what()); return 2; }
+    try {
+        return run(argc, argv);
+    } catch (const pt::InputError& error) {
+        fmt::print(stderr, "ptbench: {}\n", error.what());
+        return pt::exit_bad_input;
+    } catch (const pt::MachineError& error) {
+        fmt::print(stderr, "ptbench: {}\n", error.what());
+        return pt::exit_machine_failed;
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "ptbench: internal error: {}\n", error.what());
+        return pt::exit_machine_failed;
+    }
 }

@@ -1,0 +1,25 @@
+# Run at every build: what this binary was made from. Rewritten only when it changes.
+execute_process(COMMAND git -C ${SOURCE_DIR} rev-parse HEAD OUTPUT_VARIABLE sha OUTPUT_STRIP_TRAILING_WHITESPACE
+                RESULT_VARIABLE failed ERROR_QUIET)
+if(failed)
+  set(sha "unknown")
+  set(dirty 1)
+else()
+  # Results and figures are outputs: writing them does not make the sources dirty.
+  execute_process(COMMAND git -C ${SOURCE_DIR} status --porcelain -- kernels variants harness scenes cmake CMakeLists.txt
+                  OUTPUT_VARIABLE changes)
+  if(changes)
+    set(dirty 1)
+  else()
+    set(dirty 0)
+  endif()
+endif()
+file(CONFIGURE OUTPUT ${OUTPUT} CONTENT
+"#pragma once
+#define PTBENCH_GIT_SHA \"${sha}\"
+#define PTBENCH_GIT_DIRTY ${dirty}
+#define PTBENCH_VERSION \"${VERSION}\"
+#define PTBENCH_COMPILER \"${COMPILER}\"
+#define PTBENCH_COMPILER_FLAGS \"${FLAGS}\"
+#define PTBENCH_BENCHMARK_VERSION \"${BENCHMARK_VERSION}\"
+")

@@ -1,0 +1,119 @@
+#include "harness/bench/journal.h"
+
+#include <cstring>
+#include <filesystem>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include "harness/error.h"
+
+namespace pt {
+
+Journal::Journal(std::string file, const Json& identity, bool resume) : file_(std::move(file)) {
+    const std::filesystem::path folder = std::filesystem::path(file_).parent_path();
+    std::error_code ignored;
+    if (!folder.empty()) {
+        std::filesystem::create_directories(folder, ignored);
+    }
+    const bool exists = std::filesystem::exists(file_) && std::filesystem::file_size(file_) > 0;
+    descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+    if (descriptor_ < 0) {
+        throw MachineError(fmt::format("{}: cannot be written: {}", file_, std::strerror(errno)));
+    }
+    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+        ::close(descriptor_);
+        throw MachineError(fmt::format("{}: another run is writing it", file_));
+    }
+    if (exists && !resume) {
+        ::close(descriptor_);
+        throw InputError(fmt::format("{}: found an unfinished run, allowed: go on with --resume, or remove the file", file_));
+    }
+    if (exists) {
+        read(identity);
+    } else {
+        append({{"type", "run"}, {"identity", identity}});
+    }
+}
+
+Journal::~Journal() {
+    if (descriptor_ >= 0) {
+        ::close(descriptor_);
+    }
+}
+
+void Journal::read(const Json& identity) {
+    const std::string text = read_file(file_);
+    std::size_t start = 0;
+    bool is_first = true;
+    for (std::size_t end = text.find('\n'); end != std::string::npos; start = end + 1, end = text.find('\n', start)) {
+        const Json line = Json::parse(text.begin() + static_cast<std::ptrdiff_t>(start), text.begin() + static_cast<std::ptrdiff_t>(end),
+                                      nullptr, false);
+        const std::string type = line.is_object() ? line.value("type", "") : "";
+        if (is_first) {
+            if (type != "run" || line.value("identity", Json()) != identity) {
+                throw InputError(file_, "line 1", "another run (machine, build, suite or settings differ)",
+                                 "the run that it was started with; remove the file to start over");
+            }
+            is_first = false;
+        } else if (type == "sample") {
+            samples_[line.at("cell")].push_back(line.at("sample"));
+        } else if (type == "cell") {
+            cells_[line.at("cell")] = line.at("facts");
+        } else {
+            throw InputError(file_, fmt::format("byte {}", start), "a damaged line", "lines that ptbench wrote; remove the file to start over");
+        }
+    }
+    if (start != text.size() && ::ftruncate(descriptor_, static_cast<off_t>(start)) != 0) {
+        throw MachineError(fmt::format("{}: cannot be written: {}", file_, std::strerror(errno)));
+    }
+    if (is_first) {
+        append({{"type", "run"}, {"identity", identity}});
+    }
+}
+
+void Journal::append(const Json& line) {
+    const std::string text = line.dump() + "\n";
+    // One write: a line is whole, or it is the last and cut off.
+    if (::write(descriptor_, text.data(), text.size()) != static_cast<ssize_t>(text.size())) {
+        throw MachineError(fmt::format("{}: cannot be written: {}", file_, std::strerror(errno)));
+    }
+}
+
+void Journal::add_sample(const std::string& cell, const Json& sample) {
+    append({{"type", "sample"}, {"cell", cell}, {"sample", sample}});
+    samples_[cell].push_back(sample);
+}
+
+void Journal::set_cell(const std::string& cell, const Json& facts) {
+    append({{"type", "cell"}, {"cell", cell}, {"facts", facts}});
+    cells_[cell] = facts;
+}
+
+const std::vector<Json>& Journal::samples(const std::string& cell) const {
+    static const std::vector<Json> none;
+    const auto position = samples_.find(cell);
+    return position == samples_.end() ? none : position->second;
+}
+
+const Json* Journal::cell(const std::string& cell) const {
+    const auto position = cells_.find(cell);
+    return position == cells_.end() ? nullptr : &position->second;
+}
+
+std::size_t Journal::sample_count() const {
+    std::size_t count = 0;
+    for (const auto& [cell, samples] : samples_) {
+        count += samples.size();
+    }
+    return count;
+}
+
+void Journal::finish() {
+    std::error_code ignored;
+    std::filesystem::remove(file_, ignored);
+}
+
+}  // namespace pt

@@ -1,0 +1,44 @@
+// The journal of a run: one JSON line a fact, written as soon as it is known, so that a killed run loses at most the sample
+// in flight. The result file is made from it, and --resume goes on from it.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "harness/json_reader.h"
+
+namespace pt {
+
+class Journal {
+public:
+    // Opens `file` and locks it. A journal that is there already must be resumed (same `identity`) or is refused; a last
+    // line that was cut off is dropped. Throws InputError (unfinished run, other identity), MachineError (cannot write).
+    Journal(std::string file, const Json& identity, bool resume);
+    ~Journal();
+    Journal(const Journal&) = delete;
+    Journal& operator=(const Journal&) = delete;
+
+    // One sample of a cell, in the order of its index.
+    void add_sample(const std::string& cell, const Json& sample);
+    // What is known of a cell besides its samples; a later call replaces an earlier one.
+    void set_cell(const std::string& cell, const Json& facts);
+
+    const std::vector<Json>& samples(const std::string& cell) const;
+    const Json* cell(const std::string& cell) const;
+    std::size_t sample_count() const;
+
+    // Removes the file; call when the result file is in place.
+    void finish();
+
+private:
+    void read(const Json& identity);
+    void append(const Json& line);
+
+    std::string file_;
+    int descriptor_ = -1;
+    std::map<std::string, std::vector<Json>> samples_;
+    std::map<std::string, Json> cells_;
+};
+
+}  // namespace pt

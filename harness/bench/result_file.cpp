@@ -1,0 +1,192 @@
+#include "harness/bench/result_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <benchmark/benchmark.h>
+
+#include "harness/bench/machine.h"
+
+namespace pt {
+
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+
+OrderedJson context(const RunFacts& facts) {
+    const benchmark::CPUInfo& cpu = benchmark::CPUInfo::Get();
+    OrderedJson json;
+    json["date"] = facts.date;
+    json["host_name"] = benchmark::SystemInfo::Get().name;
+    json["executable"] = "ptbench";
+    json["num_cpus"] = cpu.num_cpus;
+    json["mhz_per_cpu"] = std::lround(cpu.cycles_per_second / 1e6);
+    json["cpu_scaling_enabled"] = cpu.scaling == benchmark::CPUInfo::ENABLED;
+    json["caches"] = OrderedJson::array();
+    for (const benchmark::CPUInfo::CacheInfo& cache : cpu.caches) {
+        json["caches"].push_back({{"type", cache.type}, {"level", cache.level}, {"size", cache.size}, {"num_sharing", cache.num_sharing}});
+    }
+    json["load_avg"] = cpu.load_avg;
+    json["library_build_type"] = "release";
+    for (const auto& [key, value] : machine_context()) {
+        json[key] = value;
+    }
+    json["ptbench.command_line"] = facts.command_line;
+    json["ptbench.suite"] = facts.suite;
+    json["ptbench.backend"] = "cpu";
+    json["ptbench.status"] = facts.completed ? "completed" : "interrupted";
+    return json;
+}
+
+OrderedJson axes_of(const Variant& variant) {
+    OrderedJson axes;
+    for (const std::string_view axis : axis_names) {
+        axes[std::string(axis)] = variant[axis];
+    }
+    return axes;
+}
+
+OrderedJson row_head(const std::string& cell, const std::string& suffix, std::size_t family, int repetitions) {
+    return {{"name", cell + suffix}, {"family_index", family}, {"per_family_instance_index", 0}, {"run_name", cell},
+            {"run_type", suffix.empty() ? "iteration" : "aggregate"}, {"repetitions", repetitions}};
+}
+
+OrderedJson sample_row(const std::string& cell, std::size_t family, int repetitions, std::size_t index, const Json& sample) {
+    OrderedJson row = row_head(cell, "", family, repetitions);
+    row["repetition_index"] = index;
+    row["threads"] = 1;
+    row["iterations"] = 1;
+    row["real_time"] = sample.at("pt_wall_ms");
+    row["cpu_time"] = sample.at("cpu_ms");
+    row["time_unit"] = "ms";
+    for (const auto& [key, value] : sample.items()) {
+        if (key.starts_with("pt_")) {
+            row[key] = value;
+        }
+    }
+    return row;
+}
+
+struct Aggregates {
+    double mean, median, stddev, cv;
+};
+
+Aggregates aggregate(std::vector<double> values) {
+    const auto n = static_cast<double>(values.size());
+    const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+    double squares = 0;
+    for (const double value : values) {
+        squares += (value - mean) * (value - mean);
+    }
+    std::sort(values.begin(), values.end());
+    const std::size_t middle = values.size() / 2;
+    const double median = values.size() % 2 != 0 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+    const double stddev = values.size() > 1 ? std::sqrt(squares / (n - 1)) : 0;
+    return {mean, median, stddev, mean > 0 ? stddev / mean : 0};
+}
+
+void add_aggregate_rows(OrderedJson& rows, const std::string& cell, std::size_t family, int repetitions, const std::vector<Json>& samples) {
+    std::vector<double> wall, cpu;
+    for (const Json& sample : samples) {
+        wall.push_back(sample.at("pt_wall_ms"));
+        cpu.push_back(sample.at("cpu_ms"));
+    }
+    const Aggregates a = aggregate(wall);
+    const Aggregates b = aggregate(cpu);
+    const auto add = [&](const std::string& name, double real, double cpu_time, const char* unit) {
+        OrderedJson row = row_head(cell, "_" + name, family, repetitions);
+        row["threads"] = 1;
+        row["aggregate_name"] = name;
+        row["aggregate_unit"] = unit;
+        row["iterations"] = samples.size();
+        row["real_time"] = real;
+        row["cpu_time"] = cpu_time;
+        row["time_unit"] = "ms";
+        rows.push_back(std::move(row));
+    };
+    add("mean", a.mean, b.mean, "time");
+    add("median", a.median, b.median, "time");
+    add("stddev", a.stddev, b.stddev, "time");
+    add("cv", a.cv, b.cv, "percentage");
+}
+
+OrderedJson failed_row(const std::string& cell, std::size_t family, int repetitions, const std::string& reason) {
+    OrderedJson row = row_head(cell, "", family, repetitions);
+    row["repetition_index"] = 0;
+    row["threads"] = 1;
+    row["error_occurred"] = true;
+    row["error_message"] = reason;
+    row["iterations"] = 0;
+    row["real_time"] = 0.0;
+    row["cpu_time"] = 0.0;
+    row["time_unit"] = "ms";
+    return row;
+}
+
+OrderedJson cell_json(const Cell& cell, const Journal& journal, int repetitions) {
+    const FeatureSet features = features_of(*cell.scene);
+    OrderedJson json{{"cell", cell.name},
+                     {"studies", cell.studies},
+                     {"scene", cell.scene->name},
+                     {"scene_hash", cell.scene->hash},
+                     {"backend", "cpu"},
+                     {"variant", cell.variant.name()},
+                     {"axes", axes_of(cell.variant)},
+                     {"resolution", {cell.settings.width, cell.settings.height}},
+                     {"depth", cell.settings.depth},
+                     {"spp", cell.spp},
+                     {"claim", to_string(claim_of(cell.variant))},
+                     {"features", feature_names(features)}};
+    const Json* facts = journal.cell(cell.name);
+    if (facts == nullptr) {
+        json["status"] = "interrupted";
+        json["reason"] = "the run ended before this cell was reached";
+        return json;
+    }
+    json.update(OrderedJson(*facts));
+    if (json.value("status", "") == "ok" && static_cast<int>(journal.samples(cell.name).size()) < repetitions) {
+        json["status"] = "interrupted";
+        json["reason"] = "the run ended before this cell had all its samples";
+    }
+    return json;
+}
+
+}  // namespace
+
+std::string result_json(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts) {
+    OrderedJson rows = OrderedJson::array();
+    OrderedJson cells = OrderedJson::array();
+    for (std::size_t family = 0; family < plan.cells.size(); ++family) {
+        const Cell& cell = plan.cells[family];
+        cells.push_back(cell_json(cell, journal, facts.repetitions));
+        const std::vector<Json>& samples = journal.samples(cell.name);
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            rows.push_back(sample_row(cell.name, family, facts.repetitions, i, samples[i]));
+        }
+        if (!samples.empty()) {
+            add_aggregate_rows(rows, cell.name, family, facts.repetitions, samples);
+        }
+        if (cells.back()["status"] == "failed") {
+            rows.push_back(failed_row(cell.name, family, facts.repetitions, cells.back()["reason"]));
+        }
+    }
+    OrderedJson studies = OrderedJson::array();
+    for (const Study& study : suite.studies) {
+        studies.push_back({{"name", study.name}, {"title", study.title}, {"figure", study.figure}});
+    }
+    OrderedJson not_applicable = OrderedJson::array();
+    for (const NotApplicable& entry : plan.not_applicable) {
+        not_applicable.push_back({{"study", entry.study},
+                                  {"scene", entry.scene},
+                                  {"variant", entry.variant.name()},
+                                  {"axes", axes_of(entry.variant)},
+                                  {"reason", entry.reason}});
+    }
+    const OrderedJson result{{"context", context(facts)},
+                             {"benchmarks", rows},
+                             {"ptbench", {{"studies", studies}, {"cells", cells}, {"not_applicable", not_applicable}}}};
+    return result.dump(1) + "\n";
+}
+
+}  // namespace pt

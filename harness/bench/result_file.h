@@ -1,0 +1,20 @@
+// The result file: Google Benchmark's JSON (context, one row a sample, aggregates), which its own tools read, and a
+// "ptbench" object with what rows cannot hold: axes, claims, hashes, live paths, stage times, what did not apply and why.
+#pragma once
+
+#include "harness/bench/journal.h"
+#include "harness/bench/suite.h"
+
+namespace pt {
+
+struct RunFacts {
+    std::string command_line;
+    std::string suite;
+    std::string date;  // ISO 8601, of the run's end
+    bool completed = true;
+    int repetitions = 1;
+};
+
+std::string result_json(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts);
+
+}  // namespace pt

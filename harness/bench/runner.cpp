@@ -1,0 +1,389 @@
+#include "harness/bench/runner.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <csignal>
+#include <ctime>
+#include <regex>
+
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "harness/bench/journal.h"
+#include "harness/bench/machine.h"
+#include "harness/bench/result_file.h"
+#include "harness/bench/verify.h"
+#include "harness/write_file.h"
+
+namespace pt {
+
+namespace {
+
+std::atomic<bool> interrupted = false;
+
+double seconds_now() {
+    return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+std::string iso_date() {
+    const std::time_t now = std::time(nullptr);
+    std::tm local{};
+    localtime_r(&now, &local);
+    char text[64];
+    std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S%z", &local);
+    return text;
+}
+
+std::string minutes(double seconds) {
+    const long whole = std::lround(seconds);
+    return fmt::format("{}:{:02}", whole / 60, whole % 60);
+}
+
+// "[i/N] 0:31 elapsed, about 2:10 left  CELL" on stderr: in place on a terminal, now and then otherwise.
+class Progress {
+public:
+    Progress(std::string what, std::size_t total) : what_(std::move(what)), total_(total), start_(seconds_now()) {}
+
+    void step(const std::string& name) {
+        done_ += 1;
+        const double now = seconds_now();
+        if (!is_terminal_ && now - last_shown_ < 10 && done_ != total_) {
+            return;
+        }
+        last_shown_ = now;
+        const double elapsed = now - start_;
+        const double left = elapsed / static_cast<double>(done_) * static_cast<double>(total_ - std::min(done_, total_));
+        fmt::print(stderr, "{}[{}/{}] {}: {} elapsed, about {} left  {}{}", is_terminal_ ? "\r\033[K" : "", done_, total_, what_,
+                   minutes(elapsed), minutes(left), name, is_terminal_ && done_ != total_ ? "" : "\n");
+        std::fflush(stderr);
+    }
+
+private:
+    std::string what_;
+    std::size_t total_;
+    std::size_t done_ = 0;
+    double start_;
+    double last_shown_ = 0;
+    bool is_terminal_ = ::isatty(STDERR_FILENO) != 0;
+};
+
+// The size at which a cell is verified before it is timed: enough pixels to meet every object, few enough to be quick.
+RenderSettings verification_settings(RenderSettings settings) {
+    const double shrink = std::min(1.0, 48.0 / std::max(settings.width, settings.height));
+    settings.width = std::max(1u, static_cast<std::uint32_t>(std::lround(settings.width * shrink)));
+    settings.height = std::max(1u, static_cast<std::uint32_t>(std::lround(settings.height * shrink)));
+    return settings;
+}
+
+constexpr std::uint32_t verification_spp = 2;
+
+// All cells whose films must be equal bit for bit.
+std::string bitwise_group(const Cell& cell) {
+    const std::string name = cell.name;
+    return Registry::instance().reference(cell.variant).name() + name.substr(name.find('/'));
+}
+
+class Runner {
+public:
+    Runner(const Suite& suite, Plan plan, const RunOptions& options, int repetitions, const Json& identity)
+        : suite_(suite),
+          plan_(std::move(plan)),
+          options_(options),
+          repetitions_(repetitions),
+          journal_(options.out + ".journal.jsonl", identity, options.resume) {
+        for (const Cell& cell : plan_.cells) {
+            const std::vector<Json>& samples = journal_.samples(cell.name);
+            for (std::size_t index = 0; index < samples.size(); ++index) {
+                hashes_.try_emplace({bitwise_group(cell), index}, samples[index].at("film_hash"), cell.name);
+            }
+        }
+        order_ = journal_.sample_count();
+    }
+
+    int run() {
+        prepare();
+        time_samples();
+        return finish();
+    }
+
+private:
+    bool is_ok(const Cell& cell) const {
+        const Json* facts = journal_.cell(cell.name);
+        return facts != nullptr && facts->at("status") == "ok";
+    }
+
+    // Verification and the instrumented pass, for the cells that the journal does not know yet.
+    void prepare() {
+        Progress progress("verify", plan_.cells.size());
+        std::map<std::string, Verifier> verifiers;
+        for (const Cell& cell : plan_.cells) {
+            if (interrupted) {
+                return;
+            }
+            if (journal_.cell(cell.name) == nullptr) {
+                const RenderSettings small = verification_settings(cell.settings);
+                const std::string key = fmt::format("{}/{}x{}/{}", cell.scene->name, small.width, small.height, small.depth);
+                Verifier& verifier = verifiers.try_emplace(key, *cell.scene, small, verification_spp).first->second;
+                journal_.set_cell(cell.name, prepare_cell(cell, verifier));
+            }
+            progress.step(cell.name);
+        }
+    }
+
+    Json prepare_cell(const Cell& cell, Verifier& verifier) {
+        const Verdict verdict = verifier.check(cell.variant);
+        const KernelChoice kernel = choose_kernel(*cell.scene, cell.variant);
+        Json facts{{"claim_check", verdict.message},
+                   {"kernel_features", feature_names(kernel.compiled)},
+                   {"specialisation_note", kernel.note()},
+                   {"status", verdict.holds ? "ok" : "failed"},
+                   {"reason", verdict.holds ? "" : verdict.message}};
+        if (!verdict.holds) {
+            fmt::print(stderr, "failed: {}: {}\n", cell.name, verdict.message);
+            return facts;
+        }
+        RenderSettings settings = cell.settings;
+        settings.seed = options_.seed;
+        const RenderResult result =
+            render(*cell.scene, {.variant = cell.variant, .settings = settings, .samples = cell.spp, .instrument = true});
+        const Vec3d mean = result.film.mean();
+        facts["film_hash"] = result.film.hash();
+        facts["mean_rgb"] = {mean.x, mean.y, mean.z};
+        facts["nonfinite"] = result.film.faults().nonfinite;
+        facts["negative"] = result.film.faults().negative;
+        facts["saturated"] = result.film.faults().saturated;
+        facts["unfinished_walks"] = result.work.unfinished_walks;
+        facts["counters"] = {{"bounces", result.work.bounces},         {"compactions", result.work.compactions},
+                             {"compacted_away", result.work.compacted_away}, {"sorts", result.work.sorts},
+                             {"sorted", result.work.sorted},           {"cache_fills", result.work.cache_fills},
+                             {"cache_hits", result.work.cache_hits}};
+        Json stages = Json::object();
+        double staged = 0;
+        for (const auto& [stage, ms] : result.stages.milliseconds) {
+            stages[std::string(stage)] = ms;
+            staged += ms;
+        }
+        facts["instrumented"] = {{"live_paths", result.stages.live_paths},
+                                 {"paths", result.work.paths},
+                                 {"spp", cell.spp},
+                                 {"stage_ms", stages},
+                                 {"wall_ms", result.wall_ms},
+                                 {"unaccounted_ms", result.wall_ms - staged},
+                                 {"stages_add_up", std::abs(result.wall_ms - staged) <= 0.05 * result.wall_ms}};
+        return facts;
+    }
+
+    void time_samples() {
+        std::vector<std::string> arguments{"ptbench", fmt::format("--benchmark_repetitions={}", repetitions_),
+                                           "--benchmark_enable_random_interleaving=true", "--benchmark_display_aggregates_only=true"};
+        arguments.insert(arguments.end(), options_.benchmark_flags.begin(), options_.benchmark_flags.end());
+        std::vector<char*> argv;
+        for (std::string& argument : arguments) {
+            argv.push_back(argument.data());
+        }
+        int argc = static_cast<int>(argv.size());
+        benchmark::Initialize(&argc, argv.data());
+        if (argc > 1) {
+            throw InputError("command line", "flag", "\"" + std::string(argv[1]) + "\"", "Google Benchmark's --benchmark_* flags");
+        }
+        std::size_t samples = 0;
+        benchmark::ClearRegisteredBenchmarks();
+        for (const Cell& cell : plan_.cells) {
+            if (is_ok(cell)) {
+                samples += static_cast<std::size_t>(repetitions_) - std::min(journal_.samples(cell.name).size(), static_cast<std::size_t>(repetitions_));
+                register_cell(cell);
+            }
+        }
+        progress_ = std::make_unique<Progress>("time", std::max<std::size_t>(1, samples));
+        highest_clock_ = measure_clock_mhz();
+        if (!interrupted) {
+            benchmark::RunSpecifiedBenchmarks();
+        }
+    }
+
+    void register_cell(const Cell& cell) {
+        // Google Benchmark enters the function once a repetition: the counter is the sample's index.
+        benchmark::RegisterBenchmark(cell.name.c_str(),
+                                     [this, &cell, next = std::make_shared<std::size_t>(0)](benchmark::State& state) {
+                                         benchmark_cell(state, cell, (*next)++);
+                                     })
+            ->UseManualTime()
+            ->Iterations(1)
+            ->Unit(benchmark::kMillisecond);
+    }
+
+    // The loop is entered whatever happens, and a failure stays for all later repetitions: Google Benchmark 1.7.1 aborts
+    // the process otherwise (google/benchmark#2206).
+    void benchmark_cell(benchmark::State& state, const Cell& cell, std::size_t index) {
+        for (auto iteration : state) {
+            (void)iteration;
+            std::string error = interrupted ? "interrupted" : failures_[cell.name];
+            if (error.empty() && index >= journal_.samples(cell.name).size()) {
+                error = take_sample(cell, index);
+            }
+            if (!error.empty()) {
+                state.SkipWithError(error.c_str());
+                break;
+            }
+            const Json& sample = journal_.samples(cell.name)[index];
+            state.SetIterationTime(1e-3 * sample.at("pt_wall_ms").get<double>());
+            state.counters["pt_rays_per_second"] = sample.at("pt_rays_per_second").get<double>();
+        }
+    }
+
+    // Returns what went wrong, or nothing.
+    std::string take_sample(const Cell& cell, std::size_t index) {
+        std::string error;
+        try {
+            error = render_sample(cell, index);
+        } catch (const std::exception& exception) {
+            error = exception.what();
+        }
+        if (!error.empty()) {
+            failures_[cell.name] = error;
+            Json facts = *journal_.cell(cell.name);
+            facts["status"] = "failed";
+            facts["reason"] = error;
+            journal_.set_cell(cell.name, facts);
+            fmt::print(stderr, "\nfailed: {}: {}\n", cell.name, error);
+        }
+        progress_->step(cell.name);
+        return error;
+    }
+
+    std::string render_sample(const Cell& cell, std::size_t index) {
+        RenderRequest request{.variant = cell.variant, .settings = cell.settings, .samples = cell.spp};
+        request.settings.seed = options_.seed + index;
+        if (warm_.insert(cell.name).second) {
+            RenderRequest warm_up = request;
+            warm_up.samples = 1;
+            (void)render(*cell.scene, warm_up);
+        }
+        const double clock_before = measure_clock_mhz();
+        const auto render_begin = std::chrono::steady_clock::now();
+        const RenderResult result = render(*cell.scene, request);
+        const double end_to_end = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - render_begin).count();
+        const double clock_after = measure_clock_mhz();
+        if (const std::string missing = work_missing(cell.variant, result.work, cell.spp); !missing.empty()) {
+            return missing;
+        }
+        // At full size too, every film of a group has the same bits, seed by seed.
+        const std::string hash = result.film.hash();
+        const auto [position, is_first] = hashes_.try_emplace({bitwise_group(cell), index}, hash, cell.name);
+        if (!is_first && position->second.first != hash) {
+            return fmt::format("film {} of sample {} differs from {} of {}", hash, index, position->second.first, position->second.second);
+        }
+        if (result.film.faults().nonfinite + result.film.faults().negative != 0) {
+            return fmt::format("{} non-finite and {} negative samples", result.film.faults().nonfinite, result.film.faults().negative);
+        }
+        highest_clock_ = std::max({highest_clock_, clock_before, clock_after});
+        const bool low_clock = std::min(clock_before, clock_after) < 0.9 * highest_clock_;
+        journal_.add_sample(cell.name, {{"pt_wall_ms", result.wall_ms},
+                                        {"pt_device_ms", result.device_ms},
+                                        {"pt_end_to_end_ms", end_to_end},
+                                        {"cpu_ms", result.cpu_ms},
+                                        {"pt_seed", request.settings.seed},
+                                        {"pt_spp", cell.spp},
+                                        {"pt_paths", result.work.paths},
+                                        {"pt_rays", result.work.rays},
+                                        {"pt_rays_per_second", static_cast<double>(result.work.rays) / (1e-3 * result.wall_ms)},
+                                        {"pt_order", order_++},
+                                        {"pt_timestamp", seconds_now()},
+                                        {"pt_clock_mhz_before", clock_before},
+                                        {"pt_clock_mhz_after", clock_after},
+                                        {"pt_low_clock", low_clock ? 1 : 0},
+                                        {"film_hash", hash}});
+        return "";
+    }
+
+    int finish() {
+        std::size_t failed = 0;
+        std::size_t unfinished = 0;
+        for (const Cell& cell : plan_.cells) {
+            const Json* facts = journal_.cell(cell.name);
+            const bool cell_failed = facts != nullptr && facts->at("status") == "failed";
+            failed += cell_failed ? 1u : 0u;
+            unfinished += !cell_failed && static_cast<int>(journal_.samples(cell.name).size()) < repetitions_ ? 1u : 0u;
+        }
+        const bool completed = unfinished == 0;
+        write_file(options_.out, result_json(plan_, suite_, journal_,
+                                             {.command_line = options_.command_line,
+                                              .suite = suite_.name,
+                                              .date = iso_date(),
+                                              .completed = completed,
+                                              .repetitions = repetitions_}));
+        fmt::print("{}\n{} cells, {} samples, {} failed, {} not applicable{}\n", options_.out, plan_.cells.size(), journal_.sample_count(),
+                   failed, plan_.not_applicable.size(),
+                   completed ? "" : fmt::format("; interrupted with {} cells unfinished: go on with --resume", unfinished));
+        if (completed) {
+            journal_.finish();
+        }
+        return completed && failed == 0 ? exit_good : exit_check_failed;
+    }
+
+    const Suite& suite_;
+    Plan plan_;
+    const RunOptions& options_;
+    int repetitions_;
+    Journal journal_;
+    std::unique_ptr<Progress> progress_;
+    std::map<std::string, std::string> failures_;
+    std::set<std::string> warm_;
+    std::map<std::pair<std::string, std::size_t>, std::pair<std::string, std::string>> hashes_;  // to hash and cell
+    double highest_clock_ = 0;
+    std::uint64_t order_ = 0;
+};
+
+void apply_filter(Plan& plan, const std::string& filter) {
+    if (filter.empty()) {
+        return;
+    }
+    const bool negated = filter.front() == '-';
+    try {
+        const std::regex expression(negated ? filter.substr(1) : filter);
+        std::erase_if(plan.cells, [&](const Cell& cell) { return std::regex_search(cell.name, expression) == negated; });
+    } catch (const std::regex_error&) {
+        throw InputError("--benchmark_filter", "argument", "\"" + filter + "\"", "a regular expression");
+    }
+}
+
+Json identity_of(const Plan& plan, const RunOptions& options) {
+    Json cells = Json::array();
+    for (const Cell& cell : plan.cells) {
+        cells.push_back(cell.name + "#" + cell.scene->hash);
+    }
+    return {{"machine", machine_name()}, {"git_sha", git_sha()}, {"git_dirty", git_dirty()}, {"cells", cells}, {"seed", options.seed}};
+}
+
+}  // namespace
+
+std::string describe_plan(const Plan& plan, int repetitions) {
+    std::string text;
+    for (const Cell& cell : plan.cells) {
+        text += cell.name + "\n";
+    }
+    for (const NotApplicable& entry : plan.not_applicable) {
+        text += fmt::format("n/a: {} on {}: {}\n", entry.variant.name(), entry.scene, entry.reason);
+    }
+    return text + fmt::format("{} cells, {} samples, {} not applicable\n", plan.cells.size(),
+                              plan.cells.size() * static_cast<std::size_t>(repetitions), plan.not_applicable.size());
+}
+
+int run_suite(const Suite& suite, const RunOptions& options) {
+    Plan plan = make_plan(suite);
+    apply_filter(plan, options.filter);
+    if (plan.cells.empty()) {
+        throw InputError("the run has no cell: " + (plan.not_applicable.empty() ? std::string("the filter matches none")
+                                                                                : "n/a: " + plan.not_applicable.front().reason));
+    }
+    interrupted = false;
+    std::signal(SIGINT, [](int) { interrupted = true; });
+    std::signal(SIGTERM, [](int) { interrupted = true; });
+    const int repetitions = options.repetitions > 0 ? options.repetitions : suite.repetitions;
+    const Json identity = identity_of(plan, options);
+    return Runner(suite, std::move(plan), options, repetitions, identity).run();
+}
+
+}  // namespace pt

@@ -1,0 +1,28 @@
+// Runs a plan through Google Benchmark: verifies every cell, takes its instrumented pass, then its timed samples,
+// interleaved; every fact goes to the journal at once, and the result file is made from the journal.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/bench/suite.h"
+
+namespace pt {
+
+struct RunOptions {
+    std::string out;           // result file
+    std::string command_line;  // for the record
+    int repetitions = 0;       // 0: the suite's
+    bool resume = false;
+    std::uint64_t seed = 1;    // of sample 0; sample i has seed + i
+    std::string filter = {};        // regular expression on cell names; empty: all
+    std::vector<std::string> benchmark_flags = {};  // --benchmark_*, passed on
+};
+
+// Returns an exit code: 0, 1 if a cell failed or the run was interrupted. Throws InputError, MachineError.
+int run_suite(const Suite& suite, const RunOptions& options);
+
+// The cells and what does not apply, as text.
+std::string describe_plan(const Plan& plan, int repetitions);
+
+}  // namespace pt

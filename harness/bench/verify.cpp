@@ -1,0 +1,186 @@
+#include "harness/bench/verify.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace pt {
+
+namespace {
+
+RenderResult render_samples(const Scene& scene, const RenderSettings& settings, const Variant& variant, std::uint32_t first,
+                            std::uint32_t count, std::uint32_t film_samples) {
+    return render(scene, {.variant = variant,
+                          .settings = settings,
+                          .first_sample = first,
+                          .samples = count,
+                          .film_samples = film_samples});
+}
+
+bool same_pixel(const Film& a, const Film& b, std::size_t pixel) {
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+        if (a.sums()[3 * pixel + channel] != b.sums()[3 * pixel + channel]) {
+            return false;
+        }
+    }
+    return true;
+}
+
+// Mean of each channel of each 16x16 block, and as the last entries of the whole image.
+std::vector<double> block_means(const Film& film) {
+    const std::uint32_t columns = (film.width() + 15) / 16;
+    const std::uint32_t rows = (film.height() + 15) / 16;
+    std::vector<double> sums(std::size_t{3} * columns * rows + 3);
+    std::vector<double> counts(sums.size());
+    for (std::uint32_t pixel = 0; pixel < film.width() * film.height(); ++pixel) {
+        const std::size_t block = (pixel / film.width() / 16) * columns + pixel % film.width() / 16;
+        const Vec3d radiance = film.pixel(pixel);
+        for (int channel = 0; channel < 3; ++channel) {
+            sums[3 * block + static_cast<std::size_t>(channel)] += radiance[channel];
+            counts[3 * block + static_cast<std::size_t>(channel)] += 1;
+            sums[sums.size() - 3 + static_cast<std::size_t>(channel)] += radiance[channel];
+            counts[sums.size() - 3 + static_cast<std::size_t>(channel)] += 1;
+        }
+    }
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        sums[i] /= counts[i];
+    }
+    return sums;
+}
+
+struct BatchStatistics {
+    std::vector<double> mean, variance;  // of the batch means
+};
+
+constexpr int batches = 24;
+
+BatchStatistics batch_statistics(const Scene& scene, RenderSettings settings, const Variant& variant, std::uint32_t spp,
+                                 std::uint64_t first_seed) {
+    BatchStatistics statistics;
+    std::vector<double> squares;
+    for (int batch = 0; batch < batches; ++batch) {
+        settings.seed = first_seed + static_cast<std::uint64_t>(batch);
+        const std::vector<double> means = block_means(render_samples(scene, settings, variant, 0, spp, spp).film);
+        statistics.mean.resize(means.size());
+        squares.resize(means.size());
+        for (std::size_t i = 0; i < means.size(); ++i) {
+            const double delta = means[i] - statistics.mean[i];  // Welford
+            statistics.mean[i] += delta / (batch + 1);
+            squares[i] += delta * (means[i] - statistics.mean[i]);
+        }
+    }
+    for (const double square : squares) {
+        statistics.variance.push_back(square / (batches - 1));
+    }
+    return statistics;
+}
+
+}  // namespace
+
+std::string Difference::text() const {
+    return fmt::format("first at pixel {},{}, {}{}", x, y,
+                       sample ? fmt::format("sample {}", *sample) : std::string("in how its samples are put together"),
+                       bounce ? fmt::format(", bounce {}", *bounce) : "");
+}
+
+Difference first_difference(const Scene& scene, const RenderSettings& settings, std::uint32_t spp, const Variant& reference,
+                            const Variant& variant) {
+    const auto differs = [&](const RenderSettings& s, std::uint32_t first, std::uint32_t count, std::size_t pixel) {
+        return !same_pixel(render_samples(scene, s, reference, first, count, spp).film,
+                           render_samples(scene, s, variant, first, count, spp).film, pixel);
+    };
+    const Film a = render_samples(scene, settings, reference, 0, spp, spp).film;
+    const Film b = render_samples(scene, settings, variant, 0, spp, spp).film;
+    std::size_t pixel = 0;
+    while (pixel + 1 < std::size_t{settings.width} * settings.height && same_pixel(a, b, pixel)) {
+        ++pixel;
+    }
+    Difference difference{static_cast<std::uint32_t>(pixel % settings.width), static_cast<std::uint32_t>(pixel / settings.width), {}, {}};
+    for (std::uint32_t sample = 0; sample < spp && !difference.sample; ++sample) {
+        if (differs(settings, sample, 1, pixel)) {
+            difference.sample = sample;
+        }
+    }
+    for (std::uint32_t depth = 1; depth <= settings.depth && difference.sample && !difference.bounce; ++depth) {
+        RenderSettings shorter = settings;
+        shorter.depth = depth;
+        if (differs(shorter, *difference.sample, 1, pixel)) {
+            difference.bounce = depth;
+        }
+    }
+    return difference;
+}
+
+const RenderResult& Verifier::reference(const Variant& reference_variant) {
+    const auto known = references_.find(reference_variant);
+    if (known != references_.end()) {
+        return known->second;
+    }
+    return references_.emplace(reference_variant, render_samples(scene_, settings_, reference_variant, 0, spp_, spp_)).first->second;
+}
+
+// Two-sample Welch test of the image mean and of 16x16-block means, between `variant` and plain path tracing one segment
+// deeper, over batches with their own seeds. 24 batches leave about 46 degrees of freedom; at |t| > 6 the chance of a false
+// alarm is 3e-7 a statistic, below 1e-3 for a whole image of blocks. Seeds are fixed: the verdict is the same every time.
+std::string Verifier::check_statistical(const Variant& variant) {
+    Variant plain = variant;
+    plain.set("direct_light", "off");
+    RenderSettings deeper = settings_;
+    deeper.depth += 1;
+    const std::uint32_t spp = std::max(4u, spp_);
+    const BatchStatistics a = batch_statistics(scene_, settings_, variant, spp, 1000);
+    const BatchStatistics b = batch_statistics(scene_, deeper, plain, spp, 2000);
+    for (std::size_t i = 0; i < a.mean.size(); ++i) {
+        const double error = std::sqrt((a.variance[i] + b.variance[i]) / batches);
+        const double difference = a.mean[i] - b.mean[i];
+        // Blocks that rarely meet light are skewed: only those with enough contributions are near normal.
+        const bool usable = i + 3 >= a.mean.size() || error < 0.1 * std::max(a.mean[i], b.mean[i]);
+        if (usable && std::abs(difference) > 6 * error + 1e-6 * std::abs(b.mean[i])) {
+            return fmt::format("{} {}: mean {:.6g} against {:.6g} of direct_light=off at depth {} ({:.1f} standard errors)",
+                               i + 3 >= a.mean.size() ? "image, channel" : "block, channel", i, a.mean[i], b.mean[i], deeper.depth,
+                               difference / error);
+        }
+    }
+    return "";
+}
+
+Verdict Verifier::check(const Variant& variant) {
+    const Variant reference_variant = Registry::instance().reference(variant);
+    const RenderResult result = render_samples(scene_, settings_, variant, 0, spp_, spp_);
+    const RenderResult& expected = reference(reference_variant);
+    Verdict verdict{true, result.film.hash(), "film bits equal to " + reference_variant.name()};
+    const auto fail = [&](const std::string& message) {
+        verdict.holds = false;
+        verdict.message = message;
+        return verdict;
+    };
+    if (const FilmFaults& faults = result.film.faults(); faults.nonfinite != 0 || faults.negative != 0) {
+        return fail(fmt::format("{} non-finite and {} negative samples", faults.nonfinite, faults.negative));
+    }
+    if (const std::string missing = work_missing(variant, result.work, spp_); !missing.empty()) {
+        return fail(missing);
+    }
+    if (result.work.paths != std::uint64_t{settings_.width} * settings_.height * spp_) {
+        return fail(fmt::format("{} paths for {} pixels of {} samples", result.work.paths, settings_.width * settings_.height, spp_));
+    }
+    if (result.film.sums() != expected.film.sums()) {
+        const Difference difference = first_difference(scene_, settings_, spp_, reference_variant, variant);
+        return fail(fmt::format("film differs from {}: {}", reference_variant.name(), difference.text()));
+    }
+    if (result.work.rays != expected.work.rays) {
+        return fail(fmt::format("{} rays, but {} of {}", result.work.rays, expected.work.rays, reference_variant.name()));
+    }
+    if (claim_of(variant) == Claim::statistical) {
+        const auto [position, is_new] = statistical_.try_emplace(reference_variant);
+        if (is_new) {
+            position->second = check_statistical(reference_variant);
+        }
+        if (!position->second.empty()) {
+            return fail("not the declared expectation: " + position->second);
+        }
+        verdict.message += "; mean as declared";
+    }
+    return verdict;
+}
+
+}  // namespace pt

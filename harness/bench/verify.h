@@ -1,0 +1,50 @@
+// Holds variants to their claims: bitwise ones to the reference variant's film, statistical ones to its mean.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "harness/render/renderer.h"
+
+namespace pt {
+
+// Where two variants that should agree first differ.
+struct Difference {
+    std::uint32_t x = 0, y = 0;
+    std::optional<std::uint32_t> sample;  // none: each sample alone agrees, so it is in how samples are put together
+    std::optional<std::uint32_t> bounce;  // the first number of segments at which the sample differs
+    std::string text() const;
+};
+
+struct Verdict {
+    bool holds = true;
+    std::string film_hash;
+    std::string message;  // what was compared with what, or what failed
+};
+
+// Renders variants of one scene at one size and remembers the references.
+class Verifier {
+public:
+    Verifier(const Scene& scene, const RenderSettings& settings, std::uint32_t spp)
+        : scene_(scene), settings_(settings), spp_(spp) {}
+
+    // Checks the film's faults, that every choice did its work, and the variant's claim.
+    // Precondition: the variant applies to the scene.
+    Verdict check(const Variant& variant);
+
+private:
+    const RenderResult& reference(const Variant& reference_variant);
+    std::string check_statistical(const Variant& variant);
+
+    const Scene& scene_;
+    RenderSettings settings_;
+    std::uint32_t spp_;
+    std::map<Variant, RenderResult> references_;
+    std::map<Variant, std::string> statistical_;  // by reference variant: what failed, or empty
+};
+
+// Precondition: the films of the two variants differ at these settings.
+Difference first_difference(const Scene& scene, const RenderSettings& settings, std::uint32_t spp, const Variant& reference,
+                            const Variant& variant);
+
+}  // namespace pt

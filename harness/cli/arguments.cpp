@@ -1,0 +1,36 @@
+#include <charconv>
+
+#include "harness/cli/commands.h"
+#include "harness/error.h"
+
+namespace pt {
+
+std::pair<std::uint32_t, std::uint32_t> parse_resolution(const std::string& text) {
+    std::uint32_t width = 0, height = 0;
+    const char* const end = text.data() + text.size();
+    const auto first = std::from_chars(text.data(), end, width);
+    bool good = first.ec == std::errc() && first.ptr != end && *first.ptr == 'x';
+    if (good) {
+        const auto second = std::from_chars(first.ptr + 1, end, height);
+        good = second.ec == std::errc() && second.ptr == end;
+    }
+    if (!good || width == 0 || height == 0 || width > 65536 || height > 65536 || std::uint64_t{width} * height > (1u << 26)) {
+        throw InputError("--resolution", "argument", "\"" + text + "\"", "WxH with sides from 1 to 65536 and at most 2^26 pixels");
+    }
+    return {width, height};
+}
+
+std::vector<std::string> split_names(const std::string& text) {
+    std::vector<std::string> names;
+    std::size_t start = 0;
+    while (start <= text.size()) {
+        const std::size_t comma = std::min(text.find(',', start), text.size());
+        if (comma > start) {
+            names.push_back(text.substr(start, comma - start));
+        }
+        start = comma + 1;
+    }
+    return names;
+}
+
+}  // namespace pt

@@ -1,0 +1,29 @@
+// The subcommands of ptbench. Each adds itself to the command line and returns what to run if it was called.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "harness/error.h"
+
+namespace pt {
+
+// An exit code. May throw InputError and MachineError.
+using Command = std::function<int()>;
+
+Command add_list_command(CLI::App& app);
+Command add_run_command(CLI::App& app, const std::string& command_line);
+Command add_render_command(CLI::App& app);
+Command add_verify_command(CLI::App& app);
+Command add_import_command(CLI::App& app);
+Command add_machine_command(CLI::App& app);
+
+// "WxH" -> {W, H}; throws InputError.
+std::pair<std::uint32_t, std::uint32_t> parse_resolution(const std::string& text);
+// "A,B" -> {A, B}.
+std::vector<std::string> split_names(const std::string& text);
+
+}  // namespace pt

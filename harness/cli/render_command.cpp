@@ -1,0 +1,91 @@
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "harness/bench/suite.h"
+#include "harness/cli/commands.h"
+#include "harness/places.h"
+#include "harness/render/image.h"
+
+namespace pt {
+
+namespace {
+
+struct RenderArguments {
+    std::string scene;
+    std::vector<std::string> axes;
+    std::string resolution;
+    std::uint32_t spp = 16;
+    std::uint32_t depth = 0;
+    std::uint64_t seed = 1;
+    std::string out;
+};
+
+int run(const RenderArguments& arguments) {
+    check_image_name(arguments.out);
+    const auto start = std::chrono::steady_clock::now();
+    const Scene scene = find_scene(arguments.scene);
+    AxisChoices axes;
+    for (const std::string& argument : arguments.axes) {
+        add_axis_argument(axes, argument);
+    }
+    const std::vector<Variant> variants = expand(axes);
+    if (variants.size() != 1) {
+        throw InputError("--axis", "argument", fmt::format("{} variants", variants.size()), "one choice an axis for render");
+    }
+    const std::string reason = why_not_applicable(variants[0], features_of(scene));
+    if (!reason.empty()) {
+        throw InputError(fmt::format("n/a: {} on {}: {}", variants[0].name(), scene.name, reason));
+    }
+    RenderRequest request{.variant = variants[0], .settings = default_settings(scene), .samples = arguments.spp};
+    request.settings.seed = arguments.seed;
+    if (!arguments.resolution.empty()) {
+        std::tie(request.settings.width, request.settings.height) = parse_resolution(arguments.resolution);
+    }
+    if (arguments.depth != 0) {
+        request.settings.depth = arguments.depth;
+    }
+    const RenderResult result = render(scene, request);
+    write_image(result.film, arguments.out);
+    const Vec3d mean = result.film.mean();
+    const nlohmann::ordered_json summary{
+        {"scene", scene.name},
+        {"scene_hash", scene.hash},
+        {"variant", request.variant.name()},
+        {"backend", "cpu"},
+        {"resolution", {request.settings.width, request.settings.height}},
+        {"depth", request.settings.depth},
+        {"spp", arguments.spp},
+        {"seed", arguments.seed},
+        {"mean_rgb", {mean.x, mean.y, mean.z}},
+        {"film_hash", result.film.hash()},
+        {"nonfinite", result.film.faults().nonfinite},
+        {"negative", result.film.faults().negative},
+        {"saturated", result.film.faults().saturated},
+        {"paths", result.work.paths},
+        {"rays", result.work.rays},
+        {"unfinished_walks", result.work.unfinished_walks},
+        {"kernel", choose_kernel(scene, request.variant).note()},
+        {"render_seconds", 1e-3 * result.wall_ms},
+        {"seconds", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()},
+        {"out", arguments.out},
+    };
+    fmt::print("{}\n", summary.dump(1));
+    return exit_good;
+}
+
+}  // namespace
+
+Command add_render_command(CLI::App& app) {
+    auto arguments = std::make_shared<RenderArguments>();
+    CLI::App* command = app.add_subcommand("render", "Render one image; a JSON summary goes to stdout");
+    command->add_option("--scene", arguments->scene, "Scene by name or .json file")->required();
+    command->add_option("--axis", arguments->axes, "AXIS=CHOICE, repeatable")->allow_extra_args(false);
+    command->add_option("--resolution", arguments->resolution, "WxH (default: the scene's)");
+    command->add_option("--spp", arguments->spp, "Samples per pixel (default 16)")->check(CLI::Range(1u, 100000000u));
+    command->add_option("--depth", arguments->depth, "Ray segments in a path (default: the scene's)")->check(CLI::Range(1u, 1000000u));
+    command->add_option("--seed", arguments->seed, "Seed (default 1)");
+    command->add_option("--out", arguments->out, "Image to write: .png (sRGB) or .pfm (linear)")->required();
+    return [arguments] { return run(*arguments); };
+}
+
+}  // namespace pt

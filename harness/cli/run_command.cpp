@@ -1,0 +1,118 @@
+#include <fmt/format.h>
+
+#include "harness/bench/machine.h"
+#include "harness/bench/runner.h"
+#include "harness/cli/commands.h"
+#include "harness/places.h"
+
+namespace pt {
+
+namespace {
+
+struct RunArguments {
+    std::string suite;
+    std::string scenes;
+    std::vector<std::string> axes;
+    std::string backend;
+    std::string resolution;
+    std::uint32_t depth = 0;
+    std::uint32_t spp = 0;
+    int repetitions = 0;
+    std::uint64_t seed = 1;
+    std::string out;
+    bool resume = false;
+    bool dry_run = false;
+};
+
+// The study that --scene and --axis describe.
+Suite suite_from_arguments(const RunArguments& arguments) {
+    Study study;
+    study.name = "adhoc";
+    study.title = "From the command line";
+    study.figure = "compaction";
+    study.scenes = split_names(arguments.scenes);
+    study.spp = 4;
+    return {.name = "adhoc", .description = "", .studies = {study}};
+}
+
+void override_study(Study& study, const RunArguments& arguments) {
+    for (const std::string& argument : arguments.axes) {
+        add_axis_argument(study.axes, argument);
+    }
+    if (!arguments.resolution.empty()) {
+        std::tie(study.width, study.height) = parse_resolution(arguments.resolution);
+    }
+    if (arguments.depth != 0) {
+        study.depths = {arguments.depth};
+    }
+    if (arguments.spp != 0) {
+        study.spp = arguments.spp;
+    }
+}
+
+// Splits Google Benchmark's flags into those that ptbench owns and those that are passed on.
+RunOptions make_options(const RunArguments& arguments, const std::vector<std::string>& extras, const std::string& command_line) {
+    RunOptions options{.out = arguments.out, .command_line = command_line, .repetitions = arguments.repetitions, .resume = arguments.resume,
+                       .seed = arguments.seed};
+    for (const std::string& extra : extras) {
+        if (extra.starts_with("--benchmark_filter=")) {
+            options.filter = extra.substr(extra.find('=') + 1);
+        } else if (extra.starts_with("--benchmark_repetitions=")) {
+            options.repetitions = std::atoi(extra.c_str() + extra.find('=') + 1);
+            if (options.repetitions < 1) {
+                throw InputError("--benchmark_repetitions", "argument", "\"" + extra + "\"", "a whole number from 1");
+            }
+        } else if (extra.starts_with("--benchmark_")) {
+            options.benchmark_flags.push_back(extra);
+        } else {
+            throw InputError("command line", "argument", "\"" + extra + "\"", "the options of `ptbench run --help` and --benchmark_* flags");
+        }
+    }
+    return options;
+}
+
+int run(const RunArguments& arguments, const std::vector<std::string>& extras, const std::string& command_line) {
+    if (arguments.suite.empty() == arguments.scenes.empty()) {
+        throw InputError("command line", "options", arguments.suite.empty() ? "neither --suite nor --scene" : "both --suite and --scene",
+                         "one of them");
+    }
+    if (!arguments.backend.empty() && arguments.backend != "cpu") {
+        throw InputError("--backend", "argument", "\"" + arguments.backend + "\"", "cpu");
+    }
+    Suite suite = arguments.suite.empty() ? suite_from_arguments(arguments) : load_suite(find_suite_file(arguments.suite));
+    for (Study& study : suite.studies) {
+        override_study(study, arguments);
+    }
+    RunOptions options = make_options(arguments, extras, command_line);
+    if (options.out.empty()) {
+        options.out = fmt::format("results/{}/{}.json", machine_name(), suite.name);
+    }
+    if (arguments.dry_run) {
+        fmt::print("{}", describe_plan(make_plan(suite), options.repetitions > 0 ? options.repetitions : suite.repetitions));
+        return exit_good;
+    }
+    return run_suite(suite, options);
+}
+
+}  // namespace
+
+Command add_run_command(CLI::App& app, const std::string& command_line) {
+    auto arguments = std::make_shared<RunArguments>();
+    CLI::App* command = app.add_subcommand("run", "Verify and time variants; write a result file");
+    command->add_option("--suite", arguments->suite, "Suite by name or .json file");
+    command->add_option("--scene", arguments->scenes, "Scenes by name or .json file, comma-separated");
+    command->add_option("--axis", arguments->axes, "AXIS=CHOICE,CHOICE or AXIS=all, repeatable")->allow_extra_args(false);
+    command->add_option("--backend", arguments->backend, "cpu");
+    command->add_option("--resolution", arguments->resolution, "WxH (default: the suite's or the scene's)");
+    command->add_option("--depth", arguments->depth, "Ray segments in a path")->check(CLI::Range(1u, 1000000u));
+    command->add_option("--spp", arguments->spp, "Samples per pixel and timed sample")->check(CLI::Range(1u, 1000000u));
+    command->add_option("--repetitions", arguments->repetitions, "Timed samples a cell (default: the suite's, or 9)")->check(CLI::Range(1, 10000));
+    command->add_option("--seed", arguments->seed, "Seed of the first sample (default 1)");
+    command->add_option("--out", arguments->out, "Result file (default results/MACHINE/SUITE.json)");
+    command->add_flag("--resume", arguments->resume, "Go on with an unfinished run");
+    command->add_flag("--dry-run", arguments->dry_run, "List the cells, run nothing");
+    command->allow_extras();
+    return [arguments, command, command_line] { return run(*arguments, command->remaining(), command_line); };
+}
+
+}  // namespace pt

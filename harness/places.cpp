@@ -1,0 +1,78 @@
+#include "harness/places.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "harness/error.h"
+
+namespace pt {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<std::string> json_stems(const fs::path& folder) {
+    std::vector<std::string> names;
+    std::error_code ignored;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+        if (entry.path().extension() == ".json") {
+            names.push_back(entry.path().stem().string());
+        }
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+std::string find_file(const std::string& kind, const std::string& name_or_file, const fs::path& folder) {
+    if (name_or_file.ends_with(".json")) {
+        return name_or_file;
+    }
+    const fs::path file = folder / (name_or_file + ".json");
+    if (name_or_file.find('/') != std::string::npos || !fs::is_regular_file(file)) {
+        throw InputError("--" + kind, "name", "\"" + name_or_file + "\"",
+                         fmt::format("a file that ends in .json, or one of {}", fmt::join(json_stems(folder), ", ")));
+    }
+    return file.string();
+}
+
+}  // namespace
+
+fs::path home_folder() {
+    std::vector<fs::path> candidates;
+    if (const char* home = std::getenv("PTBENCH_HOME"); home != nullptr && *home != '\0') {
+        candidates.emplace_back(home);
+    } else {
+        std::error_code failed;
+        const fs::path binary = fs::read_symlink("/proc/self/exe", failed);
+        candidates.push_back(binary.parent_path());
+        candidates.push_back(binary.parent_path().parent_path());
+        candidates.push_back(binary.parent_path().parent_path().parent_path());
+    }
+    for (const fs::path& candidate : candidates) {
+        if (fs::is_directory(candidate / "scenes" / "suites")) {
+            return candidate;
+        }
+    }
+    throw InputError(fmt::format("no folder scenes/ in {}: set PTBENCH_HOME to the folder that holds it", candidates.front().string()));
+}
+
+std::vector<std::string> scene_names() {
+    return json_stems(home_folder() / "scenes");
+}
+
+std::vector<std::string> suite_names() {
+    return json_stems(home_folder() / "scenes" / "suites");
+}
+
+Scene find_scene(const std::string& name_or_file) {
+    return load_scene(find_file("scene", name_or_file, home_folder() / "scenes"));
+}
+
+std::string find_suite_file(const std::string& name_or_file) {
+    return find_file("suite", name_or_file, home_folder() / "scenes" / "suites");
+}
+
+}  // namespace pt
