@@ -29,6 +29,7 @@ QUESTIONS = {
     "sorting_by_depth": Question("sorting", "none"),
     "first_bounce_by_depth": Question("first_bounce", "off"),
     "compaction": Question("compaction", "none"),
+    "integrator": Question("integrator", "wavefront"),
 }
 
 

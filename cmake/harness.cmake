@@ -6,7 +6,7 @@ target_include_directories(ptbench_harness SYSTEM PRIVATE ${PTBENCH_STB_INCLUDE}
 
 add_custom_target(ptbench_build_info BYPRODUCTS ${PROJECT_BINARY_DIR}/generated/build_info.h
   COMMAND ${CMAKE_COMMAND} -DSOURCE_DIR=${PROJECT_SOURCE_DIR} -DOUTPUT=${PROJECT_BINARY_DIR}/generated/build_info.h
-          -DVERSION=${PROJECT_VERSION} "-DCOMPILER=${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}"
+          -DVERSION=${PROJECT_VERSION} -DBUILD_TYPE=${CMAKE_BUILD_TYPE} "-DCOMPILER=${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}"
           "-DFLAGS=${CMAKE_CXX_FLAGS_RELEASE} -march=${PTBENCH_MARCH} -ffp-contract=off -fno-math-errno -fno-trapping-math"
           -DBENCHMARK_VERSION=${benchmark_VERSION} -P ${PROJECT_SOURCE_DIR}/cmake/build_info.cmake
   VERBATIM)

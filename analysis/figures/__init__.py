@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from analysis import style
 from analysis.errors import NotDrawable
-from analysis.figures import compaction, first_bounce_by_depth, remaining_paths, sorting_by_depth
+from analysis.figures import compaction, first_bounce_by_depth, integrator, remaining_paths, sorting_by_depth
 from analysis.results import Result, Study
 
 FIGURES = {
@@ -17,6 +17,7 @@ FIGURES = {
     "sorting_by_depth": sorting_by_depth,
     "first_bounce_by_depth": first_bounce_by_depth,
     "compaction": compaction,
+    "integrator": integrator,
 }
 
 

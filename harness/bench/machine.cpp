@@ -77,6 +77,7 @@ std::vector<std::pair<std::string, std::string>> machine_context() {
         {"ptbench.os", operating_system()},
         {"ptbench.compiler", PTBENCH_COMPILER},
         {"ptbench.compiler_flags", PTBENCH_COMPILER_FLAGS},
+        {"ptbench.build_type", PTBENCH_BUILD_TYPE},
         {"ptbench.threads", std::to_string(parallel_threads())},
         {"ptbench.thrust_version",
          fmt::format("{}.{}.{}", THRUST_MAJOR_VERSION, THRUST_MINOR_VERSION, THRUST_SUBMINOR_VERSION)},

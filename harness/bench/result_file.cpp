@@ -28,7 +28,6 @@ OrderedJson context(const RunFacts& facts) {
         json["caches"].push_back({{"type", cache.type}, {"level", cache.level}, {"size", cache.size}, {"num_sharing", cache.num_sharing}});
     }
     json["load_avg"] = cpu.load_avg;
-    json["library_build_type"] = "release";
     for (const auto& [key, value] : machine_context()) {
         json[key] = value;
     }

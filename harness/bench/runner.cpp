@@ -85,6 +85,35 @@ std::string bitwise_group(const Cell& cell) {
     return Registry::instance().reference(cell.variant).name() + name.substr(name.find('/'));
 }
 
+// One line a cell when it is done: Google Benchmark's own table is as wide as our names are long.
+class CompactReporter : public benchmark::BenchmarkReporter {
+public:
+    explicit CompactReporter(std::map<std::string, const Cell*> cells) : cells_(std::move(cells)) {}
+
+    bool ReportContext(const Context&) override {
+        fmt::print("{:>12} {:>7} {:>9}  cell (median of the samples)\n", "ms/spp", "cv", "Mrays/s");
+        return true;
+    }
+    void ReportRuns(const std::vector<Run>& runs) override {
+        double median = 0, deviation = 0, rays = 0;
+        for (const Run& run : runs) {
+            median = run.aggregate_name == "median" ? run.GetAdjustedRealTime() : median;
+            deviation = run.aggregate_name == "cv" ? run.real_accumulated_time : deviation;
+            rays = run.aggregate_name == "median" && run.counters.count("pt_rays_per_second") != 0
+                       ? run.counters.at("pt_rays_per_second").value
+                       : rays;
+        }
+        const std::string name = runs.front().run_name.function_name;
+        const auto cell = cells_.find(name);
+        if (median > 0 && cell != cells_.end()) {
+            fmt::print("{:12.4g} {:6.1f}% {:9.2f}  {}\n", median / cell->second->spp, 100 * deviation, 1e-6 * rays, name);
+        }
+    }
+
+private:
+    std::map<std::string, const Cell*> cells_;
+};
+
 class Runner {
 public:
     Runner(const Suite& suite, Plan plan, const RunOptions& options, int repetitions, const Json& identity)
@@ -198,9 +227,17 @@ private:
         }
         progress_ = std::make_unique<Progress>("time", std::max<std::size_t>(1, samples));
         highest_clock_ = measure_clock_mhz();
-        if (!interrupted) {
-            benchmark::RunSpecifiedBenchmarks();
+        if (interrupted) {
+            return;
         }
+        std::map<std::string, const Cell*> by_name;
+        for (const Cell& cell : plan_.cells) {
+            by_name[cell.name] = &cell;
+        }
+        CompactReporter reporter(std::move(by_name));
+        const bool own_format = std::any_of(options_.benchmark_flags.begin(), options_.benchmark_flags.end(),
+                                            [](const std::string& flag) { return flag.starts_with("--benchmark_format"); });
+        benchmark::RunSpecifiedBenchmarks(own_format ? nullptr : &reporter);
     }
 
     void register_cell(const Cell& cell) {

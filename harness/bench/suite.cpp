@@ -51,7 +51,7 @@ Study read_study(const JsonValue& value) {
     study.title = object.has("title") ? object.at("title").text() : study.name;
     if (object.has("figure")) {
         study.figure =
-            object.at("figure").one_of({"remaining_paths", "sorting_by_depth", "first_bounce_by_depth", "compaction", "none"});
+            object.at("figure").one_of({"remaining_paths", "sorting_by_depth", "first_bounce_by_depth", "compaction", "integrator"});
     }
     study.scenes = read_names(object.required("scenes"));
     if (object.has("axes")) {

@@ -183,9 +183,9 @@ LIVE = {"cornell_open": OPEN, "cornell_closed": CLOSED}
 
 
 def small(suite: str = "quick") -> Builder:
-    """Two scenes, all four studies, everything well."""
+    """Two scenes, all five studies, everything well."""
     builder = Builder(suite)
-    for name in ("remaining_paths", "sorting_by_depth", "first_bounce_by_depth", "compaction"):
+    for name in ("remaining_paths", "sorting_by_depth", "first_bounce_by_depth", "compaction", "integrator"):
         builder.study(name)
     for scene, slower in (("cornell_open", 1.0), ("cornell_closed", 1.6)):
         builder.cell("remaining_paths", scene, slower * 3, live_paths=LIVE[scene], axes={"compaction": "scan"})
@@ -199,4 +199,7 @@ def small(suite: str = "quick") -> Builder:
             builder.cell("first_bounce_by_depth", scene, cached, depth=depth, axes=shared | {"first_bounce": "cached"})
         for choice, factor in (("none", 1.0), ("thrust_remove_if", 1.05), ("thrust_partition", 1.4), ("scatter", 0.9)):
             builder.cell("compaction", scene, slower * 3 * factor, axes={"compaction": choice, "layout": "soa"})
+        for integrator, factor in (("wavefront", 1.0), ("depth_first", 0.6)):
+            axes = {"compaction": "gather", "integrator": integrator}
+            builder.cell("integrator", scene, slower * 3 * factor, axes=axes)
     return builder

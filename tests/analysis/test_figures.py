@@ -292,3 +292,14 @@ def test_labels_move_as_little_as_they_can(targets, sizes, expected):
 )
 def test_numbers(value, text):
     assert style.figures(value) == text
+
+
+def test_integrators_are_held_against_the_wavefront_of_the_same_layout(tmp_path):
+    builder = Builder().study("integrator")
+    for integrator, layout, wall in (("wavefront", "aos", 8.0), ("wavefront", "soa", 6.0), ("depth_first", "aos", 4.0)):
+        builder.cell("integrator", "cornell_open", wall, axes={"integrator": integrator, "layout": layout}, n=9)
+    _, _, data = collected(builder, tmp_path, "integrator")
+    ratios = {item.label: item.ratio.value if item.ratio else None for item in data.groups[0].items}
+    assert ratios["wavefront, layout=aos"] is None
+    assert ratios["wavefront, layout=soa"] is None
+    assert ratios["depth_first, layout=aos"] == pytest.approx(0.5, rel=0.1)

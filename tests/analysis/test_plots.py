@@ -12,13 +12,15 @@ from conftest import run_analysis
 from analysis.plots import default_folder
 from analysis.results import load
 
-NAMES = ("remaining_paths", "sorting_by_depth", "first_bounce_by_depth", "compaction")
+NAMES = ("remaining_paths", "sorting_by_depth", "first_bounce_by_depth", "compaction", "integrator")
 
 
 def table_rows(summary: str) -> list[list[str]]:
     """The cells of every table line that starts with a variant's name."""
     return [
-        [cell.strip() for cell in line.split("|")[1:-1]] for line in summary.splitlines() if line.startswith("| wave")
+        [cell.strip() for cell in line.split("|")[1:-1]]
+        for line in summary.splitlines()
+        if line.startswith(("| wave", "| depth_first"))
     ]
 
 
@@ -64,7 +66,7 @@ def test_summary_has_a_row_a_cell_with_numbers_and_verdicts(quick_run):
     summary = (quick_run[1] / "summary.md").read_text()
     rows = table_rows(summary)
     # The three unsorted cells of each scene answer two studies, so they stand in both tables.
-    assert len(rows) == 2 + 12 + 12 + 8
+    assert len(rows) == 2 + 12 + 12 + 8 + 4
     scatter = next(r for r in rows if ".scatter." in r[0] and r[1] == "cornell_closed")
     # 4 x 40000 rays in 4.32 ms: 37.04 million a second.
     assert scatter[1:10] == ["cornell_closed", "8", "200x200", "cpu", "4", "9", "4.320", "[4.255, 4.514]", "37.04"]

@@ -33,6 +33,7 @@ def test_a_good_file(tmp_path):
         "sorting_by_depth",
         "first_bounce_by_depth",
         "compaction",
+        "integrator",
     ]
     cell = result.cells[0]
     assert (cell.scene, cell.depth, cell.spp, cell.resolution) == ("cornell_open", 8, 4, (200, 200))
