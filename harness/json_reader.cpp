@@ -19,22 +19,75 @@ std::string read_file(const std::string& path) {
     return text.str();
 }
 
-Json parse_json(const std::string& text, const std::string& file) {
-    std::vector<std::set<std::string>> open_objects;
-    const auto reject_duplicates = [&](int, Json::parse_event_t event, Json& parsed) {
-        if (event == Json::parse_event_t::object_start) {
-            open_objects.emplace_back();
-        } else if (event == Json::parse_event_t::object_end) {
-            open_objects.pop_back();
-        } else if (event == Json::parse_event_t::key && !open_objects.back().insert(parsed.get<std::string>()).second) {
-            throw InputError(fmt::format("{}: found the key \"{}\" twice in one object, allowed: once", file, parsed.get<std::string>()));
+namespace {
+
+// Follows the parser's events, so that a duplicate key can be reported with its place.
+class DuplicateKeys {
+public:
+    explicit DuplicateKeys(std::string file) : file_(std::move(file)) {}
+
+    // Throws InputError at a key that its object has already.
+    void follow(Json::parse_event_t event, const Json& parsed) {
+        switch (event) {
+            case Json::parse_event_t::object_start:
+            case Json::parse_event_t::array_start:
+                open_.push_back({.is_array = event == Json::parse_event_t::array_start});
+                break;
+            case Json::parse_event_t::object_end:
+            case Json::parse_event_t::array_end:
+                open_.pop_back();
+                advance();
+                break;
+            case Json::parse_event_t::key:
+                open_.back().key = parsed.get<std::string>();
+                if (!open_.back().keys.insert(open_.back().key).second) {
+                    throw InputError(file_, innermost_path(), fmt::format("the key \"{}\" twice", open_.back().key),
+                                     "once");
+                }
+                break;
+            default:
+                advance();
         }
+    }
+
+private:
+    struct Container {
+        bool is_array = false;
+        std::size_t index = 0;           // of the element being read
+        std::string key = {};            // of the member being read
+        std::set<std::string> keys = {}; // met so far
+    };
+
+    // Put together only when asked for: files may nest deeply.
+    std::string innermost_path() const {
+        std::string path = "$";
+        for (auto container = open_.begin(); container + 1 != open_.end(); ++container) {
+            path += container->is_array ? fmt::format("[{}]", container->index) : "." + container->key;
+        }
+        return path;
+    }
+    void advance() {
+        if (!open_.empty()) {
+            open_.back().index += 1;
+        }
+    }
+
+    std::string file_;
+    std::vector<Container> open_;
+};
+
+} // namespace
+
+Json parse_json(const std::string& text, const std::string& file) {
+    DuplicateKeys duplicates(file);
+    const auto follow = [&](int, Json::parse_event_t event, Json& parsed) {
+        duplicates.follow(event, parsed);
         return true;
     };
     try {
-        return Json::parse(text, reject_duplicates);
+        return Json::parse(text, follow);
     } catch (const Json::exception& error) {
-        std::string message = error.what();  // "[json.exception.parse_error.101] parse error at line 1, column 2: ..."
+        std::string message = error.what(); // "[json.exception.parse_error.101] parse error at line 1, column 2: ..."
         if (const auto bracket = message.find("] "); bracket != std::string::npos) {
             message = message.substr(bracket + 2);
         }
@@ -48,7 +101,11 @@ std::string describe(const Json& value) {
         case Json::value_t::object:
             return "an object";
         case Json::value_t::array:
-            return fmt::format("an array of {}", value.size());
+            if (value.size() > 4 ||
+                std::any_of(value.begin(), value.end(), [](const Json& v) { return v.is_structured(); })) {
+                return fmt::format("an array of {}", value.size());
+            }
+            [[fallthrough]];
         default: {
             std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
             return text.size() > 60 ? text.substr(0, 57) + "..." : text;
@@ -56,9 +113,7 @@ std::string describe(const Json& value) {
     }
 }
 
-void JsonValue::fail(const std::string& allowed) const {
-    throw InputError(file_, path_, describe(*json_), allowed);
-}
+void JsonValue::fail(const std::string& allowed) const { throw InputError(file_, path_, describe(*json_), allowed); }
 
 double JsonValue::number(double low, double high, const std::string& allowed) const {
     if (!json_->is_number()) {
@@ -72,7 +127,8 @@ double JsonValue::number(double low, double high, const std::string& allowed) co
 }
 
 long long JsonValue::whole(long long low, long long high, const std::string& allowed) const {
-    if (!json_->is_number_integer() || (json_->is_number_unsigned() && json_->get<std::uint64_t>() > static_cast<std::uint64_t>(INT64_MAX))) {
+    if (!json_->is_number_integer() ||
+        (json_->is_number_unsigned() && json_->get<std::uint64_t>() > static_cast<std::uint64_t>(INT64_MAX))) {
         fail(allowed);
     }
     const long long value = json_->get<long long>();
@@ -97,7 +153,8 @@ std::string JsonValue::text() const {
 }
 
 std::string JsonValue::one_of(const std::vector<std::string>& allowed) const {
-    const bool known = json_->is_string() && std::find(allowed.begin(), allowed.end(), json_->get<std::string>()) != allowed.end();
+    const bool known =
+        json_->is_string() && std::find(allowed.begin(), allowed.end(), json_->get<std::string>()) != allowed.end();
     if (!known) {
         fail(fmt::format("\"{}\"", fmt::join(allowed, "\", \"")));
     }
@@ -122,7 +179,8 @@ JsonObject::JsonObject(const JsonValue& value, std::vector<std::string> keys)
     }
     for (const auto& [key, member] : json_->items()) {
         if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
-            throw InputError(file_, path_, fmt::format("unknown key \"{}\"", key), fmt::format("{}", fmt::join(keys, ", ")));
+            throw InputError(file_, path_, fmt::format("unknown key \"{}\"", key),
+                             fmt::format("{}", fmt::join(keys, ", ")));
         }
     }
 }
@@ -134,8 +192,6 @@ JsonValue JsonObject::required(const std::string& key) const {
     return at(key);
 }
 
-JsonValue JsonObject::at(const std::string& key) const {
-    return {json_->at(key), file_, path_ + "." + key};
-}
+JsonValue JsonObject::at(const std::string& key) const { return {json_->at(key), file_, path_ + "." + key}; }
 
-}  // namespace pt
+} // namespace pt

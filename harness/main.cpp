@@ -16,7 +16,7 @@ std::string join_arguments(int argc, char** argv) {
 
 int run(int argc, char** argv) {
     CLI::App app("ptbench: does a path tracing optimisation pay? Measured, with the images compared first.", "ptbench");
-    app.require_subcommand(1);
+    app.require_subcommand(0, 1);  // none is reported below, after unknown arguments
     const std::vector<std::pair<std::string, pt::Command>> commands{
         {"list", pt::add_list_command(app)},     {"run", pt::add_run_command(app, join_arguments(argc, argv))},
         {"render", pt::add_render_command(app)}, {"verify", pt::add_verify_command(app)},
@@ -35,7 +35,7 @@ int run(int argc, char** argv) {
             return command();
         }
     }
-    return pt::exit_bad_input;
+    throw pt::InputError("command line", "subcommand", "none", "list, run, render, verify, import, machine (see ptbench --help)");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // Stable form (shared/numerics S26): with n = index ahead / index behind, c = cosine of incidence, k = (n-1)(n+1),
 // q = sqrt(k + c^2) = n cos(theta_t):  r_s = -k / (c + q)^2,  r_p = r_s (c q - s^2) / (c q + s^2),  s^2 = (1-c)(1+c).
 // It is right to 6e-7 for every n >= 1 where the textbook's 1 - cos^2 turns index 1 into a mirror at grazing angles.
+// q^2 itself is n^2 - s^2 near normal incidence, where k + c^2 would cancel for n far below 1.
 #pragma once
 
 #include "kernels/material.h"
@@ -21,12 +22,13 @@ PT_HD inline Refraction<Real> fresnel(const Boundary<Real>& boundary, Real cosin
     if (boundary.k == Real(0)) {
         return {Real(0), cosine};
     }
-    const Real q_squared = boundary.k + cosine * cosine;
+    const Real sine_squared = (Real(1) - cosine) * (Real(1) + cosine);
+    const Real q_squared = sine_squared < Real(0.5) ? boundary.relative_ior * boundary.relative_ior - sine_squared
+                                                    : boundary.k + cosine * cosine;
     if (!(q_squared > Real(0))) {
         return {Real(1), Real(0)};
     }
     const Real q = square_root(q_squared);
-    const Real sine_squared = (Real(1) - cosine) * (Real(1) + cosine);
     const Real sum = cosine + q;
     const Real r_s = -boundary.k / (sum * sum);
     const Real r_p = r_s * ((cosine * q - sine_squared) / (cosine * q + sine_squared));

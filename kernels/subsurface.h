@@ -64,7 +64,7 @@ PT_HD inline bool subsurface_walk(const SceneView<typename Config::Real>& scene,
     Vec3<Real> position = at_rest<Config>(scene, vertex.object, vertex.position, path.time);
     Vec3<Real> direction = path.direction;
     bool on_surface = true;
-    for (std::uint32_t step = 0; step < medium.max_scatterings; ++step) {
+    for (std::uint32_t step = 0; step <= medium.max_scatterings; ++step) {
         const RandomWords words = random_words(scene.seed, {path.pixel, path.sample, path.segment, random_block::walk + step});
         const Real to_exit = distance_to_exit<Config>(scene, vertex.object, position, direction, on_surface);
         const std::uint32_t colour = static_cast<std::uint32_t>((static_cast<std::uint64_t>(words.y) * 3u) >> 32);

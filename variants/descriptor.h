@@ -59,6 +59,9 @@ struct Descriptor {
     bool baseline = false;     // the axis's value where nothing else is asked for
     Claim claim = Claim::bitwise;
     std::string_view claim_note = "";  // for statistical and biased: against what, and why
+    // For statistical: the choice of the same axis that has the same expectation, at a depth so many segments greater.
+    std::string_view mean_of = "";
+    std::uint32_t mean_at_extra_depth = 0;
     std::uint32_t backends = static_cast<std::uint32_t>(Backend::cpu);
     // Why the choice cannot run on a scene with these features in this variant; empty: it can.
     std::string (*does_not_apply)(FeatureSet scene, const Variant& variant) = nullptr;

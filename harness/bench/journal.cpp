@@ -12,6 +12,16 @@
 
 namespace pt {
 
+namespace {
+
+// The string under `key`, or "" if there is none.
+std::string text_in(const Json& line, const char* key) {
+    const auto member = line.find(key);
+    return member != line.end() && member->is_string() ? member->get<std::string>() : "";
+}
+
+}  // namespace
+
 Journal::Journal(std::string file, const Json& identity, bool resume) : file_(std::move(file)) {
     const std::filesystem::path folder = std::filesystem::path(file_).parent_path();
     std::error_code ignored;
@@ -51,17 +61,18 @@ void Journal::read(const Json& identity) {
     for (std::size_t end = text.find('\n'); end != std::string::npos; start = end + 1, end = text.find('\n', start)) {
         const Json line = Json::parse(text.begin() + static_cast<std::ptrdiff_t>(start), text.begin() + static_cast<std::ptrdiff_t>(end),
                                       nullptr, false);
-        const std::string type = line.is_object() ? line.value("type", "") : "";
+        const std::string type = text_in(line, "type");
+        const std::string cell = text_in(line, "cell");
         if (is_first) {
             if (type != "run" || line.value("identity", Json()) != identity) {
                 throw InputError(file_, "line 1", "another run (machine, build, suite or settings differ)",
                                  "the run that it was started with; remove the file to start over");
             }
             is_first = false;
-        } else if (type == "sample") {
-            samples_[line.at("cell")].push_back(line.at("sample"));
-        } else if (type == "cell") {
-            cells_[line.at("cell")] = line.at("facts");
+        } else if (type == "sample" && !cell.empty() && line.contains("sample")) {
+            samples_[cell].push_back(line.at("sample"));
+        } else if (type == "cell" && !cell.empty() && line.contains("facts")) {
+            cells_[cell] = line.at("facts");
         } else {
             throw InputError(file_, fmt::format("byte {}", start), "a damaged line", "lines that ptbench wrote; remove the file to start over");
         }
@@ -76,9 +87,15 @@ void Journal::read(const Json& identity) {
 
 void Journal::append(const Json& line) {
     const std::string text = line.dump() + "\n";
+    const off_t end = ::lseek(descriptor_, 0, SEEK_END);
     // One write: a line is whole, or it is the last and cut off.
-    if (::write(descriptor_, text.data(), text.size()) != static_cast<ssize_t>(text.size())) {
-        throw MachineError(fmt::format("{}: cannot be written: {}", file_, std::strerror(errno)));
+    const ssize_t written = ::write(descriptor_, text.data(), text.size());
+    if (written != static_cast<ssize_t>(text.size())) {
+        std::string why = written < 0 ? std::strerror(errno) : "disk full";
+        if (written > 0 && ::ftruncate(descriptor_, end) != 0) {  // no half line in front of the next one
+            why += fmt::format("; {}", std::strerror(errno));
+        }
+        throw MachineError(fmt::format("{}: cannot be written: {}", file_, why));
     }
 }
 

@@ -67,24 +67,6 @@ OrderedJson sample_row(const std::string& cell, std::size_t family, int repetiti
     return row;
 }
 
-struct Aggregates {
-    double mean, median, stddev, cv;
-};
-
-Aggregates aggregate(std::vector<double> values) {
-    const auto n = static_cast<double>(values.size());
-    const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
-    double squares = 0;
-    for (const double value : values) {
-        squares += (value - mean) * (value - mean);
-    }
-    std::sort(values.begin(), values.end());
-    const std::size_t middle = values.size() / 2;
-    const double median = values.size() % 2 != 0 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
-    const double stddev = values.size() > 1 ? std::sqrt(squares / (n - 1)) : 0;
-    return {mean, median, stddev, mean > 0 ? stddev / mean : 0};
-}
-
 void add_aggregate_rows(OrderedJson& rows, const std::string& cell, std::size_t family, int repetitions, const std::vector<Json>& samples) {
     std::vector<double> wall, cpu;
     for (const Json& sample : samples) {
@@ -152,6 +134,20 @@ OrderedJson cell_json(const Cell& cell, const Journal& journal, int repetitions)
 }
 
 }  // namespace
+
+Aggregates aggregate(std::vector<double> values) {
+    const auto n = static_cast<double>(values.size());
+    const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+    double squares = 0;
+    for (const double value : values) {
+        squares += (value - mean) * (value - mean);
+    }
+    std::sort(values.begin(), values.end());
+    const std::size_t middle = values.size() / 2;
+    const double median = values.size() % 2 != 0 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+    const double stddev = values.size() > 1 ? std::sqrt(squares / (n - 1)) : 0;
+    return {mean, median, stddev, mean > 0 ? stddev / mean : 0};
+}
 
 std::string result_json(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts) {
     OrderedJson rows = OrderedJson::array();

@@ -15,6 +15,12 @@ struct RunFacts {
     int repetitions = 1;
 };
 
+struct Aggregates {
+    double mean, median, stddev, cv;  // stddev and cv are 0 for one value
+};
+// Precondition: at least one value.
+Aggregates aggregate(std::vector<double> values);
+
 std::string result_json(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts);
 
 }  // namespace pt

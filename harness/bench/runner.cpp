@@ -85,33 +85,12 @@ std::string bitwise_group(const Cell& cell) {
     return Registry::instance().reference(cell.variant).name() + name.substr(name.find('/'));
 }
 
-// One line a cell when it is done: Google Benchmark's own table is as wide as our names are long.
-class CompactReporter : public benchmark::BenchmarkReporter {
+// Google Benchmark's own table is as wide as our names are long, and under interleaving in the order in which cells happen
+// to end: the runner prints its own from the journal.
+class QuietReporter : public benchmark::BenchmarkReporter {
 public:
-    explicit CompactReporter(std::map<std::string, const Cell*> cells) : cells_(std::move(cells)) {}
-
-    bool ReportContext(const Context&) override {
-        fmt::print("{:>12} {:>7} {:>9}  cell (median of the samples)\n", "ms/spp", "cv", "Mrays/s");
-        return true;
-    }
-    void ReportRuns(const std::vector<Run>& runs) override {
-        double median = 0, deviation = 0, rays = 0;
-        for (const Run& run : runs) {
-            median = run.aggregate_name == "median" ? run.GetAdjustedRealTime() : median;
-            deviation = run.aggregate_name == "cv" ? run.real_accumulated_time : deviation;
-            rays = run.aggregate_name == "median" && run.counters.count("pt_rays_per_second") != 0
-                       ? run.counters.at("pt_rays_per_second").value
-                       : rays;
-        }
-        const std::string name = runs.front().run_name.function_name;
-        const auto cell = cells_.find(name);
-        if (median > 0 && cell != cells_.end()) {
-            fmt::print("{:12.4g} {:6.1f}% {:9.2f}  {}\n", median / cell->second->spp, 100 * deviation, 1e-6 * rays, name);
-        }
-    }
-
-private:
-    std::map<std::string, const Cell*> cells_;
+    bool ReportContext(const Context&) override { return true; }
+    void ReportRuns(const std::vector<Run>&) override {}
 };
 
 class Runner {
@@ -230,11 +209,7 @@ private:
         if (interrupted) {
             return;
         }
-        std::map<std::string, const Cell*> by_name;
-        for (const Cell& cell : plan_.cells) {
-            by_name[cell.name] = &cell;
-        }
-        CompactReporter reporter(std::move(by_name));
+        QuietReporter reporter;
         const bool own_format = std::any_of(options_.benchmark_flags.begin(), options_.benchmark_flags.end(),
                                             [](const std::string& flag) { return flag.starts_with("--benchmark_format"); });
         benchmark::RunSpecifiedBenchmarks(own_format ? nullptr : &reporter);
@@ -335,6 +310,21 @@ private:
         return "";
     }
 
+    void print_table() const {
+        fmt::print("{:>12} {:>7} {:>9}  cell (median of the samples)\n", "ms/spp", "cv", "Mrays/s");
+        for (const Cell& cell : plan_.cells) {
+            std::vector<double> wall, rays;
+            for (const Json& sample : journal_.samples(cell.name)) {
+                wall.push_back(sample.at("pt_wall_ms"));
+                rays.push_back(sample.at("pt_rays_per_second"));
+            }
+            if (!wall.empty()) {
+                const Aggregates time = aggregate(wall);
+                fmt::print("{:12.4g} {:6.1f}% {:9.2f}  {}\n", time.median / cell.spp, 100 * time.cv, 1e-6 * aggregate(rays).median, cell.name);
+            }
+        }
+    }
+
     int finish() {
         std::size_t failed = 0;
         std::size_t unfinished = 0;
@@ -351,6 +341,7 @@ private:
                                               .date = iso_date(),
                                               .completed = completed,
                                               .repetitions = repetitions_}));
+        print_table();
         fmt::print("{}\n{} cells, {} samples, {} failed, {} not applicable{}\n", options_.out, plan_.cells.size(), journal_.sample_count(),
                    failed, plan_.not_applicable.size(),
                    completed ? "" : fmt::format("; interrupted with {} cells unfinished: go on with --resume", unfinished));

@@ -20,10 +20,19 @@ std::vector<std::string> names_of(const std::vector<const Choice*>& choices) {
     return names;
 }
 
+// Throws InputError if the last element stands twice in the list.
+template <class T>
+void check_new(const std::vector<T>& list, const std::string& file, const std::string& place) {
+    if (std::count(list.begin(), list.end(), list.back()) > 1) {
+        throw InputError(file, place, fmt::format("{} twice", Json(list.back()).dump()), "once");
+    }
+}
+
 std::vector<std::string> read_names(const JsonValue& value) {
     std::vector<std::string> names;
     for (const JsonValue& element : value.elements()) {
         names.push_back(element.text());
+        check_new(names, element.file(), element.path());
     }
     if (names.empty()) {
         value.fail("at least one name");
@@ -40,6 +49,10 @@ std::vector<std::uint32_t> read_depths(const JsonValue& value) {
     std::vector<std::uint32_t> depths;
     for (const JsonValue& element : value.elements()) {
         depths.push_back(depth(element));
+        check_new(depths, element.file(), element.path());
+    }
+    if (depths.empty()) {
+        value.fail("at least one depth");
     }
     return depths;
 }
@@ -100,7 +113,26 @@ Cell make_cell(const std::shared_ptr<const Scene>& scene, const Variant& variant
 void add_cell(Plan& plan, Cell cell, const std::string& study) {
     const auto known = std::find_if(plan.cells.begin(), plan.cells.end(), [&](const Cell& c) { return c.name == cell.name; });
     Cell& target = known != plan.cells.end() ? *known : plan.cells.emplace_back(std::move(cell));
-    target.studies.push_back(study);
+    if (target.studies.empty() || target.studies.back() != study) {
+        target.studies.push_back(study);
+    }
+}
+
+using Scenes = std::map<std::string, std::shared_ptr<const Scene>>;  // by name or file
+
+// Loads a scene once. Results know a scene by the name in its file: two different scenes of one name are an error.
+std::shared_ptr<const Scene> scene_of(Scenes& scenes, const std::string& name_or_file) {
+    const auto [position, is_new] = scenes.try_emplace(name_or_file);
+    if (is_new) {
+        position->second = std::make_shared<const Scene>(find_scene(name_or_file));
+        for (const auto& [other_file, other] : scenes) {
+            if (other->name == position->second->name && other->hash != position->second->hash) {
+                throw InputError(name_or_file, "$.name", "\"" + other->name + "\", the name of another scene (" + other_file + ")",
+                                 "a name of its own");
+            }
+        }
+    }
+    return position->second;
 }
 
 }  // namespace
@@ -131,6 +163,7 @@ void add_axis_argument(AxisChoices& axes, const std::string& argument) {
     while (start <= argument.size()) {
         const std::size_t comma = std::min(argument.find(',', start), argument.size());
         names.push_back(argument.substr(start, comma - start));
+        check_new(names, "--axis", "argument." + axis);
         start = comma + 1;
     }
     if (names == std::vector<std::string>{"all"}) {
@@ -177,21 +210,23 @@ Suite load_suite(const std::string& file) {
     if (root.has("repetitions")) {
         suite.repetitions = static_cast<int>(root.at("repetitions").whole(1, 10000, "a whole number from 1 to 10000"));
     }
+    std::vector<std::string> names;
     for (const JsonValue& study : root.required("studies").elements()) {
-        suite.studies.push_back(read_study(study));
+        names.push_back(suite.studies.emplace_back(read_study(study)).name);
+        check_new(names, file, study.path() + ".name");
+    }
+    if (names.empty()) {
+        root.at("studies").fail("at least one study");
     }
     return suite;
 }
 
 Plan make_plan(const Suite& suite) {
     Plan plan;
-    std::map<std::string, std::shared_ptr<const Scene>> scenes;
+    Scenes scenes;
     for (const Study& study : suite.studies) {
         for (const std::string& name : study.scenes) {
-            std::shared_ptr<const Scene>& scene = scenes[name];
-            if (scene == nullptr) {
-                scene = std::make_shared<const Scene>(find_scene(name));
-            }
+            const std::shared_ptr<const Scene> scene = scene_of(scenes, name);
             const std::vector<std::uint32_t> depths =
                 study.depths.empty() ? std::vector<std::uint32_t>{scene->max_depth} : study.depths;
             for (const Variant& variant : expand(study.axes)) {

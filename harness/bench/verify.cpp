@@ -119,14 +119,21 @@ const RenderResult& Verifier::reference(const Variant& reference_variant) {
     return references_.emplace(reference_variant, render_samples(scene_, settings_, reference_variant, 0, spp_, spp_)).first->second;
 }
 
-// Two-sample Welch test of the image mean and of 16x16-block means, between `variant` and plain path tracing one segment
-// deeper, over batches with their own seeds. 24 batches leave about 46 degrees of freedom; at |t| > 6 the chance of a false
+// Two-sample Welch test of the image mean and of 16x16-block means, between `variant` and the one whose expectation it
+// claims (Descriptor::mean_of), over batches with their own seeds. 24 batches leave about 46 degrees of freedom; at |t| > 6 the chance of a false
 // alarm is 3e-7 a statistic, below 1e-3 for a whole image of blocks. Seeds are fixed: the verdict is the same every time.
 std::string Verifier::check_statistical(const Variant& variant) {
     Variant plain = variant;
-    plain.set("direct_light", "off");
     RenderSettings deeper = settings_;
-    deeper.depth += 1;
+    std::string plain_text;
+    for (const std::string_view axis : axis_names) {
+        const Descriptor& descriptor = Registry::instance().at(axis, variant).descriptor;
+        if (descriptor.claim == Claim::statistical) {
+            plain.set(axis, std::string(descriptor.mean_of));
+            deeper.depth += descriptor.mean_at_extra_depth;
+            plain_text += fmt::format("{}={} ", axis, descriptor.mean_of);
+        }
+    }
     const std::uint32_t spp = std::max(4u, spp_);
     const BatchStatistics a = batch_statistics(scene_, settings_, variant, spp, 1000);
     const BatchStatistics b = batch_statistics(scene_, deeper, plain, spp, 2000);
@@ -136,8 +143,8 @@ std::string Verifier::check_statistical(const Variant& variant) {
         // Blocks that rarely meet light are skewed: only those with enough contributions are near normal.
         const bool usable = i + 3 >= a.mean.size() || error < 0.1 * std::max(a.mean[i], b.mean[i]);
         if (usable && std::abs(difference) > 6 * error + 1e-6 * std::abs(b.mean[i])) {
-            return fmt::format("{} {}: mean {:.6g} against {:.6g} of direct_light=off at depth {} ({:.1f} standard errors)",
-                               i + 3 >= a.mean.size() ? "image, channel" : "block, channel", i, a.mean[i], b.mean[i], deeper.depth,
+            return fmt::format("{} {}: mean {:.6g} against {:.6g} of {}at depth {} ({:.1f} standard errors)",
+                               i + 3 >= a.mean.size() ? "image, channel" : "block, channel", i, a.mean[i], b.mean[i], plain_text, deeper.depth,
                                difference / error);
         }
     }

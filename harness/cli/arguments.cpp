@@ -25,12 +25,20 @@ std::vector<std::string> split_names(const std::string& text) {
     std::size_t start = 0;
     while (start <= text.size()) {
         const std::size_t comma = std::min(text.find(',', start), text.size());
-        if (comma > start) {
-            names.push_back(text.substr(start, comma - start));
+        if (comma == start) {
+            throw InputError("--scene", "argument", "\"" + text + "\"", "names or files with a comma between them");
         }
+        names.push_back(text.substr(start, comma - start));
         start = comma + 1;
     }
     return names;
+}
+
+std::string check_seed(const std::string& text) {
+    std::uint64_t seed = 0;
+    const char* const end = text.data() + text.size();
+    const auto parsed = std::from_chars(text.data(), end, seed);
+    return parsed.ec == std::errc() && parsed.ptr == end ? "" : "Value " + text + " not a whole number from 0 to 2^64 - 1";
 }
 
 }  // namespace pt

@@ -23,7 +23,9 @@ Command add_machine_command(CLI::App& app);
 
 // "WxH" -> {W, H}; throws InputError.
 std::pair<std::uint32_t, std::uint32_t> parse_resolution(const std::string& text);
-// "A,B" -> {A, B}.
+// "A,B" -> {A, B}, the scenes of --scene; throws InputError for an empty name.
 std::vector<std::string> split_names(const std::string& text);
+// For CLI::Option::check: what is wrong with a seed, or nothing. (CLI11 alone takes -1 for 2^64 - 1.)
+std::string check_seed(const std::string& text);
 
 }  // namespace pt

@@ -83,7 +83,7 @@ Command add_render_command(CLI::App& app) {
     command->add_option("--resolution", arguments->resolution, "WxH (default: the scene's)");
     command->add_option("--spp", arguments->spp, "Samples per pixel (default 16)")->check(CLI::Range(1u, 100000000u));
     command->add_option("--depth", arguments->depth, "Ray segments in a path (default: the scene's)")->check(CLI::Range(1u, 1000000u));
-    command->add_option("--seed", arguments->seed, "Seed (default 1)");
+    command->add_option("--seed", arguments->seed, "Seed (default 1)")->check(check_seed);
     command->add_option("--out", arguments->out, "Image to write: .png (sRGB) or .pfm (linear)")->required();
     return [arguments] { return run(*arguments); };
 }

@@ -107,7 +107,7 @@ Command add_run_command(CLI::App& app, const std::string& command_line) {
     command->add_option("--depth", arguments->depth, "Ray segments in a path")->check(CLI::Range(1u, 1000000u));
     command->add_option("--spp", arguments->spp, "Samples per pixel and timed sample")->check(CLI::Range(1u, 1000000u));
     command->add_option("--repetitions", arguments->repetitions, "Timed samples a cell (default: the suite's, or 9)")->check(CLI::Range(1, 10000));
-    command->add_option("--seed", arguments->seed, "Seed of the first sample (default 1)");
+    command->add_option("--seed", arguments->seed, "Seed of the first sample (default 1)")->check(check_seed);
     command->add_option("--out", arguments->out, "Result file (default results/MACHINE/SUITE.json)");
     command->add_flag("--resume", arguments->resume, "Go on with an unfinished run");
     command->add_flag("--dry-run", arguments->dry_run, "List the cells, run nothing");

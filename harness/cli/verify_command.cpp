@@ -78,7 +78,7 @@ Command add_verify_command(CLI::App& app) {
     command->add_option("--resolution", arguments->resolution, "WxH (default 64x64)");
     command->add_option("--spp", arguments->spp, "Samples per pixel (default 4)")->check(CLI::Range(1u, 1000000u));
     command->add_option("--depth", arguments->depth, "Ray segments in a path (default: the scene's)")->check(CLI::Range(1u, 1000000u));
-    command->add_option("--seed", arguments->seed, "Seed (default 1)");
+    command->add_option("--seed", arguments->seed, "Seed (default 1)")->check(check_seed);
     command->add_flag("--quiet", arguments->quiet, "Print failures and the tally only");
     return [arguments] { return run(*arguments); };
 }

@@ -14,6 +14,8 @@ const Registration registration(
         .origin = "seed B (2022), with the weights that it lacked",
         .claim = Claim::statistical,
         .claim_note = "same expectation as direct_light=off at depth + 1",
+        .mean_of = "off",
+        .mean_at_extra_depth = 1,
         .does_not_apply = [](FeatureSet scene, const Variant&) -> std::string {
             const FeatureSet lights = Feature::emitter | Feature::emission | Feature::environment;
             return (scene & lights) != 0 ? "" : "needs a light in the scene";

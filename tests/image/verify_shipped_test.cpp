@@ -1,0 +1,54 @@
+// Every variant of every shipped scene is held to its claim: what `ptbench verify --scene all` does, at small size.
+#include <algorithm>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "harness/bench/suite.h"
+#include "harness/bench/verify.h"
+#include "harness/places.h"
+
+namespace pt {
+namespace {
+
+class ShippedScene : public testing::TestWithParam<std::string> {};
+
+TEST_P(ShippedScene, HoldsTheClaimOfEveryVariant) {
+    const Scene scene = load_scene(std::string(PTBENCH_SOURCE_DIR) + "/scenes/" + GetParam() + ".json");
+    RenderSettings settings = default_settings(scene);
+    settings.width = 32;
+    settings.height = 24;
+    settings.seed = 7;
+    Verifier verifier(scene, settings, 3);
+    const FeatureSet features = features_of(scene);
+    std::size_t held = 0;
+    for (const Variant& variant : expand(all_choices())) {
+        if (!why_not_applicable(variant, features).empty()) {
+            continue;
+        }
+        const Verdict verdict = verifier.check(variant);
+        EXPECT_TRUE(verdict.holds) << variant.name() << ": " << verdict.message;
+        held += 1;
+    }
+    // 14 queue variants (compaction x sorting less the pair that does not apply) in 2 layouts and depth_first, each in
+    // 2 kernels and with the last bounce on and off; twice that where the first bounce can be cached.
+    const bool can_cache = (features & (Feature::jitter | Feature::lens | Feature::motion)) == 0;
+    EXPECT_EQ(held, (14u * 2u + 1u) * 2u * 2u * (can_cache ? 2u : 1u));
+}
+
+std::vector<std::string> shipped_scenes() {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(std::string(PTBENCH_SOURCE_DIR) + "/scenes")) {
+        if (entry.path().extension() == ".json") {
+            names.push_back(entry.path().stem().string());
+        }
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, ShippedScene, testing::ValuesIn(shipped_scenes()),
+                         [](const testing::TestParamInfo<std::string>& scene) { return scene.param; });
+
+}  // namespace
+}  // namespace pt

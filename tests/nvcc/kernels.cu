@@ -1,0 +1,86 @@
+// Every kernel header through nvcc, host and device: the four stages as kernels, for every feature in both precisions and
+// for one small feature set. Compiled by nvcc_test; never run.
+#include "kernels/box.h"
+#include "kernels/camera.h"
+#include "kernels/config.h"
+#include "kernels/dielectric.h"
+#include "kernels/diffuse.h"
+#include "kernels/film.h"
+#include "kernels/intersect.h"
+#include "kernels/light.h"
+#include "kernels/material.h"
+#include "kernels/math.h"
+#include "kernels/mirror.h"
+#include "kernels/mix.h"
+#include "kernels/path.h"
+#include "kernels/quad.h"
+#include "kernels/rng.h"
+#include "kernels/sampling.h"
+#include "kernels/scene_view.h"
+#include "kernels/shade.h"
+#include "kernels/sphere.h"
+#include "kernels/subsurface.h"
+
+namespace pt {
+
+template <class Config>
+__global__ void generate_paths(SceneView<typename Config::Real> scene, Path<typename Config::Real>* paths, std::uint32_t sample) {
+    const std::uint32_t pixel = blockIdx.x * blockDim.x + threadIdx.x;
+    if (pixel < scene.pixel_count()) {
+        paths[pixel] = generate<Config>(scene, pixel, sample);
+    }
+}
+
+template <class Config>
+__global__ void intersect_paths(SceneView<typename Config::Real> scene, const Path<typename Config::Real>* paths,
+                                Hit<typename Config::Real>* hits, std::uint32_t count) {
+    const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+    if (i < count && paths[i].alive()) {
+        hits[i] = intersect<Config>(scene, paths[i]);
+    }
+}
+
+template <class Config>
+__global__ void shade_paths(SceneView<typename Config::Real> scene, Path<typename Config::Real>* paths,
+                            const Hit<typename Config::Real>* hits, PathCounters* counters, std::uint32_t count) {
+    const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+    if (i < count && paths[i].alive()) {
+        paths[i].segment = shade<Config>(scene, paths[i], hits[i], counters[i]) ? paths[i].segment : Path<float>::ended;
+    }
+}
+
+template <class Config>
+__global__ void accumulate_paths(FilmView film, const Path<typename Config::Real>* paths, std::uint32_t count) {
+    const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+    if (i < count) {
+        accumulate(film, paths[i]);
+    }
+}
+
+// The host side of the same functions.
+template <class Config>
+void on_host(const SceneView<typename Config::Real>& scene, const FilmView& film, PathCounters& counters) {
+    Path<typename Config::Real> path = generate<Config>(scene, 0, 0);
+    while (shade<Config>(scene, path, intersect<Config>(scene, path), counters)) {
+    }
+    accumulate(film, path);
+}
+
+#define PT_INSTANTIATE(CONFIG)                                                                                            \
+    template __global__ void generate_paths<CONFIG>(SceneView<CONFIG::Real>, Path<CONFIG::Real>*, std::uint32_t);         \
+    template __global__ void intersect_paths<CONFIG>(SceneView<CONFIG::Real>, const Path<CONFIG::Real>*, Hit<CONFIG::Real>*, \
+                                                     std::uint32_t);                                                      \
+    template __global__ void shade_paths<CONFIG>(SceneView<CONFIG::Real>, Path<CONFIG::Real>*, const Hit<CONFIG::Real>*,  \
+                                                 PathCounters*, std::uint32_t);                                           \
+    template __global__ void accumulate_paths<CONFIG>(FilmView, const Path<CONFIG::Real>*, std::uint32_t);                \
+    template void on_host<CONFIG>(const SceneView<CONFIG::Real>&, const FilmView&, PathCounters&);
+
+using Everything = Config<float, all_features>;
+using EverythingDouble = Config<double, all_features>;
+using Small = Config<float, Feature::axis_box | Feature::diffuse | Feature::emitter | Feature::jitter>;
+
+PT_INSTANTIATE(Everything)
+PT_INSTANTIATE(EverythingDouble)
+PT_INSTANTIATE(Small)
+
+}  // namespace pt

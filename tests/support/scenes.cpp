@@ -1,0 +1,161 @@
+#include "tests/support/scenes.h"
+
+namespace pt::test {
+
+SceneBuilder::SceneBuilder() {
+    scene.name = "test";
+    camera({0, 0, 0}, {0, 0, 1});
+    image(1, 1, 90, false);
+}
+
+SceneBuilder& SceneBuilder::camera(const Vec3d& eye, const Vec3d& look_at, const Vec3d& up) {
+    scene.camera.eye = eye;
+    scene.camera.look_at = look_at;
+    scene.camera.up = up;
+    return *this;
+}
+
+SceneBuilder& SceneBuilder::image(std::uint32_t width, std::uint32_t height, double fov_degrees, bool jitter) {
+    scene.camera.width = width;
+    scene.camera.height = height;
+    scene.camera.vertical_fov_degrees = fov_degrees;
+    scene.camera.jitter = jitter;
+    return *this;
+}
+
+SceneBuilder& SceneBuilder::depth(std::uint32_t segments) {
+    scene.max_depth = segments;
+    return *this;
+}
+
+SceneBuilder& SceneBuilder::environment(double radiance) {
+    scene.environment = Vec3d(radiance);
+    return *this;
+}
+
+std::uint32_t SceneBuilder::add(SceneMaterial material) {
+    material.name = "m" + std::to_string(scene.materials.size());
+    scene.materials.push_back(material);
+    return static_cast<std::uint32_t>(scene.materials.size() - 1);
+}
+
+std::uint32_t SceneBuilder::diffuse(const Vec3d& albedo, const Vec3d& emission) {
+    SceneMaterial material;
+    material.type = MaterialType::diffuse;
+    material.albedo = albedo;
+    material.emission = emission;
+    return add(material);
+}
+
+std::uint32_t SceneBuilder::mirror(const Vec3d& reflectance, const Vec3d& emission) {
+    SceneMaterial material;
+    material.type = MaterialType::mirror;
+    material.reflectance = reflectance;
+    material.emission = emission;
+    return add(material);
+}
+
+std::uint32_t SceneBuilder::mix(const Vec3d& albedo, const Vec3d& reflectance, double mirror_probability,
+                                const Vec3d& emission) {
+    SceneMaterial material;
+    material.type = MaterialType::mix;
+    material.albedo = albedo;
+    material.reflectance = reflectance;
+    material.mirror_probability = mirror_probability;
+    material.emission = emission;
+    return add(material);
+}
+
+std::uint32_t SceneBuilder::emitter(const Vec3d& radiance) {
+    SceneMaterial material;
+    material.type = MaterialType::emitter;
+    material.emission = radiance;
+    return add(material);
+}
+
+std::uint32_t SceneBuilder::dielectric(double ior, const Vec3d& sigma_a, const Vec3d& tint) {
+    SceneMaterial material;
+    material.type = MaterialType::dielectric;
+    material.ior = ior;
+    material.sigma_a = sigma_a;
+    material.tint = tint;
+    return add(material);
+}
+
+std::uint32_t SceneBuilder::subsurface(const Vec3d& sigma_s, const Vec3d& sigma_a, double g, double ior) {
+    SceneMaterial material;
+    material.type = MaterialType::subsurface;
+    material.ior = ior;
+    material.sigma_s = sigma_s;
+    material.sigma_a = sigma_a;
+    material.g = g;
+    return add(material);
+}
+
+SceneObject& SceneBuilder::add(Shape shape, std::uint32_t material, const Vec3d& translate, const Vec3d& scale,
+                               const Vec3d& rotate_degrees) {
+    SceneObject object;
+    object.shape = shape;
+    object.material = material;
+    object.translate = translate;
+    object.scale = scale;
+    object.rotate_degrees = rotate_degrees;
+    scene.objects.push_back(object);
+    return scene.objects.back();
+}
+
+SceneObject& SceneBuilder::sphere(std::uint32_t material, const Vec3d& centre, double diameter) {
+    return add(Shape::sphere, material, centre, Vec3d(diameter), Vec3d(0.0));
+}
+
+SceneObject& SceneBuilder::ellipsoid(std::uint32_t material, const Vec3d& centre, const Vec3d& scale,
+                                     const Vec3d& rotate_degrees) {
+    return add(Shape::sphere, material, centre, scale, rotate_degrees);
+}
+
+SceneObject& SceneBuilder::box(std::uint32_t material, const Vec3d& centre, const Vec3d& scale, const Vec3d& rotate_degrees) {
+    return add(Shape::box, material, centre, scale, rotate_degrees);
+}
+
+SceneObject& SceneBuilder::quad(std::uint32_t material, const Vec3d& centre, double scale_x, double scale_z,
+                                const Vec3d& rotate_degrees) {
+    return add(Shape::quad, material, centre, {scale_x, 1, scale_z}, rotate_degrees);
+}
+
+SceneBuilder& SceneBuilder::room(std::uint32_t material, const Vec3d& centre, const Vec3d& half) {
+    const Vec3d size = half * 2.0;
+    quad(material, centre + Vec3d(0, -half.y, 0), size.x, size.z);                 // faces +y
+    quad(material, centre + Vec3d(0, half.y, 0), size.x, size.z, {180, 0, 0});     // faces -y
+    quad(material, centre + Vec3d(0, 0, -half.z), size.x, size.y, {90, 0, 0});     // faces +z
+    quad(material, centre + Vec3d(0, 0, half.z), size.x, size.y, {-90, 0, 0});     // faces -z
+    quad(material, centre + Vec3d(-half.x, 0, 0), size.y, size.z, {0, 0, -90});    // faces +x
+    quad(material, centre + Vec3d(half.x, 0, 0), size.y, size.z, {0, 0, 90});      // faces -x
+    return *this;
+}
+
+Scene scaled(Scene scene, double factor) {
+    scene.camera.eye *= factor;
+    scene.camera.look_at *= factor;
+    scene.camera.aperture_radius *= factor;
+    scene.camera.focus_distance *= factor;
+    for (SceneObject& object : scene.objects) {
+        object.translate *= factor;
+        object.scale *= factor;
+        object.velocity *= factor;
+    }
+    for (SceneMaterial& material : scene.materials) {
+        material.sigma_a /= factor;
+        material.sigma_s /= factor;
+    }
+    return scene;
+}
+
+Scene brightened(Scene scene, double factor) {
+    scene.environment *= factor;
+    for (SceneMaterial& material : scene.materials) {
+        material.emission *= factor;
+    }
+    return scene;
+}
+
+}  // namespace pt::test
