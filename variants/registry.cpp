@@ -10,8 +10,21 @@ Registry& Registry::instance() {
     return registry;
 }
 
-void Registry::add(const Descriptor& descriptor, Hook hook) {
+namespace {
+
+// Throws std::logic_error for a descriptor that verification could not work with.
+void check_descriptor(const Descriptor& descriptor) {
     Variant::index(descriptor.axis);
+    if (descriptor.claim == Claim::statistical && descriptor.mean_of.empty()) {
+        throw std::logic_error("a statistical claim needs mean_of: " + std::string(descriptor.axis) + "=" +
+                               std::string(descriptor.name));
+    }
+}
+
+}  // namespace
+
+void Registry::add(const Descriptor& descriptor, Hook hook) {
+    check_descriptor(descriptor);
     const auto [position, inserted] =
         axes_[std::string(descriptor.axis)].try_emplace(std::string(descriptor.name), Choice{descriptor, std::move(hook)});
     if (!inserted) {
@@ -20,6 +33,7 @@ void Registry::add(const Descriptor& descriptor, Hook hook) {
 }
 
 void Registry::add_integrator(const Descriptor& descriptor, FeatureSet features, RenderFunction render) {
+    check_descriptor(descriptor);
     Choice& choice = axes_["integrator"].try_emplace(std::string(descriptor.name), Choice{descriptor, {}}).first->second;
     choice.hook.integrator[features] = render;
 }

@@ -34,13 +34,18 @@ public:
 
 private:
     const RenderResult& reference(const Variant& reference_variant);
-    std::string check_statistical(const Variant& variant);
+
+    struct MeanCheck {
+        std::string failure = {};  // empty: the means agree
+        double detectable = 0;     // relative bias of the image's mean that would have been a failure
+    };
+    MeanCheck check_statistical(const Variant& variant);
 
     const Scene& scene_;
     RenderSettings settings_;
     std::uint32_t spp_;
     std::map<Variant, RenderResult> references_;
-    std::map<Variant, std::string> statistical_;  // by reference variant: what failed, or empty
+    std::map<Variant, MeanCheck> statistical_;  // by reference variant
 };
 
 // Precondition: the films of the two variants differ at these settings.

@@ -231,17 +231,11 @@ SCALE 1 1 1
 )";
 
 // The scene of one material, given by its lines, on one cube.
-std::string with_material(const std::string& lines) {
-    return "MATERIAL 0\n" + lines + plain_camera + plain_object;
-}
+std::string with_material(const std::string& lines) { return "MATERIAL 0\n" + lines + plain_camera + plain_object; }
 
-Scene import(const std::string& text) {
-    return parse_scene(import_seed_scene(text, "seed.txt"), "seed.json");
-}
+Scene import(const std::string& text) { return parse_scene(import_seed_scene(text, "seed.txt"), "seed.json"); }
 
-SceneMaterial import_material(const std::string& lines) {
-    return import(with_material(lines)).materials.at(0);
-}
+SceneMaterial import_material(const std::string& lines) { return import(with_material(lines)).materials.at(0); }
 
 // The message of the error that importing the text ends in; empty: none.
 std::string error_of(const std::string& text) {
@@ -385,7 +379,8 @@ TEST(ImportSeed, Mirror) {
 }
 
 TEST(ImportSeed, Dielectric) {
-    const SceneMaterial material = import_material("RGB .1 .2 .3\nSPECRGB .7 .8 .9\nREFR 1\nREFRIOR 1.5\nSIGMAA 0 1 2\n");
+    const SceneMaterial material =
+        import_material("RGB .1 .2 .3\nSPECRGB .7 .8 .9\nREFR 1\nREFRIOR 1.5\nSIGMAA 0 1 2\n");
     EXPECT_EQ(material.type, MaterialType::dielectric);
     EXPECT_EQ(material.tint, Vec3d(.7, .8, .9));
     EXPECT_EQ(material.ior, 1.5);
@@ -420,8 +415,11 @@ TEST(ImportSeed, SingleRotationsKeepTheirDigits) {
 
 // Rx Ry Rz as it stands, from three rotations about one axis.
 Rotation product_xyz(const Vec3d& degrees) {
-    const Rotation factors[] = {rotation_of({degrees.x, 0, 0}), rotation_of({0, degrees.y, 0}), rotation_of({0, 0, degrees.z})};
-    const auto apply = [](const Rotation& r, const Vec3d& v) { return r.column[0] * v.x + r.column[1] * v.y + r.column[2] * v.z; };
+    const Rotation factors[] = {rotation_of({degrees.x, 0, 0}), rotation_of({0, degrees.y, 0}),
+                                rotation_of({0, 0, degrees.z})};
+    const auto apply = [](const Rotation& r, const Vec3d& v) {
+        return r.column[0] * v.x + r.column[1] * v.y + r.column[2] * v.z;
+    };
     Rotation product{};
     for (int i = 0; i < 3; ++i) {
         product.column[i] = apply(factors[0], apply(factors[1], factors[2].column[i]));
@@ -456,7 +454,8 @@ TEST(ImportSeed, RotationsGiveTheSeedsMatrixNearThePoles) {
                                  {90 + off, random.uniform(-180, 180), 90},
                                  {90, off, 90 - off}};
         for (const Vec3d& d : degrees) {
-            ASSERT_LT(largest_difference(product_xyz(d), rotation_of(rotation_x_first(d))), 4e-14) << d.x << " " << d.y << " " << d.z;
+            ASSERT_LT(largest_difference(product_xyz(d), rotation_of(rotation_x_first(d))), 4e-14)
+                << d.x << " " << d.y << " " << d.z;
         }
     }
 }
@@ -465,19 +464,21 @@ TEST(ImportSeed, QuarterTurnsStayExact) {
     for (int code = 0; code < 9 * 9 * 9; ++code) {
         const Vec3d degrees{90.0 * (code % 9 - 4), 90.0 * (code / 9 % 9 - 4), 90.0 * (code / 81 - 4)};
         const Vec3d ours = rotation_x_first(degrees);
-        EXPECT_EQ(largest_difference(product_xyz(degrees), rotation_of(ours)), 0) << degrees.x << " " << degrees.y << " " << degrees.z;
+        EXPECT_EQ(largest_difference(product_xyz(degrees), rotation_of(ours)), 0)
+            << degrees.x << " " << degrees.y << " " << degrees.z;
         EXPECT_EQ(classify({.shape = Shape::box, .rotate_degrees = ours}), PrimitiveKind::axis_box);
     }
 }
 
 struct BadSeed {
-    std::string from, to;  // what is replaced in the good text
+    std::string from, to; // what is replaced in the good text
     std::string message;
 };
 
 TEST(ImportSeed, ErrorsNameLineWhatWasFoundAndWhatIsAllowed) {
-    const std::string good = with_material("RGB 1 1 1\nSPECEX 0\nSPECRGB 0 0 0\nREFL 0\nREFR 0\nREFRIOR 0\nEMITTANCE 0\n"
-                                           "SIGMAA 0 0 0\nSIGMAS 0 0 0\n");
+    const std::string good = with_material(
+        "RGB 1 1 1\nSPECEX 0\nSPECRGB 0 0 0\nREFL 0\nREFR 0\nREFRIOR 0\nEMITTANCE 0\n"
+        "SIGMAA 0 0 0\nSIGMAS 0 0 0\n");
     ASSERT_EQ(error_of(good), "");
     const std::string in_material = "in MATERIAL: RGB, SPECEX, SPECRGB, REFL, REFR, REFRIOR, EMITTANCE, SIGMAA, SIGMAS";
     const std::string in_camera = "in CAMERA: RES, FOVY, ITERATIONS, DEPTH, FILE, EYE, LOOKAT, VIEW, UP";
@@ -488,12 +489,9 @@ TEST(ImportSeed, ErrorsNameLineWhatWasFoundAndWhatIsAllowed) {
         {"OBJECT 0", "OBJECT 0 0", R"(seed.txt:20: found "OBJECT 0 0", allowed: OBJECT 0 (they count up from 0))"},
         {"OBJECT 0", "CAMERA", R"(seed.txt:20: found "CAMERA", allowed: one CAMERA; the first is in line 11)"},
         {"CAMERA", "CAMERA 0", R"(seed.txt:11: found "CAMERA 0", allowed: CAMERA alone on its line)"},
-        {"SPECEX 0", "GLOSS 3",
-         R"(seed.txt:3: found "GLOSS 3", allowed: )" + in_material},
-        {"SPECEX 0", "rgb 1 1 1",
-         R"(seed.txt:3: found "rgb 1 1 1", allowed: )" + in_material},
-        {"UP 0 1 0", "APERTURE 1",
-         R"(seed.txt:19: found "APERTURE 1", allowed: )" + in_camera},
+        {"SPECEX 0", "GLOSS 3", R"(seed.txt:3: found "GLOSS 3", allowed: )" + in_material},
+        {"SPECEX 0", "rgb 1 1 1", R"(seed.txt:3: found "rgb 1 1 1", allowed: )" + in_material},
+        {"UP 0 1 0", "APERTURE 1", R"(seed.txt:19: found "APERTURE 1", allowed: )" + in_camera},
         {"cube", "mesh",
          R"(seed.txt:21: found "mesh", allowed: in OBJECT: cube, sphere, material, TRANS, ROTAT, SCALE, VEL)"},
         {"cube", "cube 3", R"(seed.txt:21: found "cube 3", allowed: cube alone on its line)"},
@@ -507,14 +505,17 @@ TEST(ImportSeed, ErrorsNameLineWhatWasFoundAndWhatIsAllowed) {
         {"RGB 1 1 1", "RGB 1 1 1e999", R"(seed.txt:2: found "RGB 1 1 1e999", allowed: RGB and 3 finite numbers)"},
         {"RGB 1 1 1", "RGB 1 1 1\nRGB 1 1 1", R"(seed.txt:3: found "RGB 1 1 1", allowed: RGB once; line 2 has RGB)"},
         {"SPECEX 0", "SPECEX -1", R"(seed.txt:3: found "SPECEX -1", allowed: SPECEX of 0 or more)"},
-        {"EMITTANCE 0", "EMITTANCE inf", R"(seed.txt:8: found "EMITTANCE inf", allowed: EMITTANCE and 1 finite number)"},
+        {"EMITTANCE 0", "EMITTANCE inf",
+         R"(seed.txt:8: found "EMITTANCE inf", allowed: EMITTANCE and 1 finite number)"},
         {"EMITTANCE 0", "EMITTANCE", R"(seed.txt:8: found "EMITTANCE", allowed: EMITTANCE and 1 finite number)"},
         {"REFL 0\nREFR 0", "REFL 1\nREFR 0.5",
-         "seed.txt:6: found REFL 1 and REFR 0.5 in one material, allowed: one of them above 0 (a dielectric reflects by itself, "
+         "seed.txt:6: found REFL 1 and REFR 0.5 in one material, allowed: one of them above 0 (a dielectric reflects "
+         "by itself, "
          "by Fresnel's equations)"},
         {"REFL 0\nREFR 0\nREFRIOR 0\nEMITTANCE 0\nSIGMAA 0 0 0\nSIGMAS 0 0 0",
          "REFL 1\nREFR 0\nREFRIOR 0\nEMITTANCE 0\nSIGMAA 0 0 0\nSIGMAS 1 1 1",
-         "seed.txt:10: found SIGMAS together with REFL, allowed: SIGMAS where REFL and SPECEX are 0 (a subsurface body reflects "
+         "seed.txt:10: found SIGMAS together with REFL, allowed: SIGMAS where REFL and SPECEX are 0 (a subsurface body "
+         "reflects "
          "by its index alone)"},
         {"RES 40 30", "RES 40", R"(seed.txt:12: found "RES 40", allowed: RES and 2 whole numbers, width and height)"},
         {"RES 40 30", "RES 40 30.5",
@@ -536,14 +537,19 @@ TEST(ImportSeed, ErrorsNameLineWhatWasFoundAndWhatIsAllowed) {
         // Read, but beyond what scene files allow.
         {"RGB 1 1 1", "RGB 1 1.5 1",
          "seed.txt:1: as a scene, $.materials.material_0.albedo[1]: found 1.5, allowed: a number from 0 to 1"},
-        {"REFR 0", "REFR 1", "seed.txt:1: as a scene, $.materials.material_0.ior: found 0, allowed: a number from 0.01 to 1e4"},
+        {"REFR 0", "REFR 1",
+         "seed.txt:1: as a scene, $.materials.material_0.ior: found 0, allowed: a number from 0.01 to 1e4"},
         {"FOVY 30", "FOVY 90",
-         "seed.txt:11: as a scene, $.camera.vertical_fov_degrees: found 180, allowed: an angle from 1e-6 to 179.999 degrees"},
+         "seed.txt:11: as a scene, $.camera.vertical_fov_degrees: found 180, allowed: an angle from 1e-6 to 179.999 "
+         "degrees"},
         {"UP 0 1 0", "UP 0 0 1",
-         "seed.txt:11: as a scene, $.camera.up: found [0,0,1], allowed: a direction that is not 0 and not parallel to look_at - eye"},
-        {"DEPTH 5", "DEPTH 0", "seed.txt:15: as a scene, $.max_depth: found 0, allowed: a whole number from 1 to 1000000"},
+         "seed.txt:11: as a scene, $.camera.up: found [0,0,1], allowed: a direction that is not 0 and not parallel to "
+         "look_at - eye"},
+        {"DEPTH 5", "DEPTH 0",
+         "seed.txt:15: as a scene, $.max_depth: found 0, allowed: a whole number from 1 to 1000000"},
         {"FILE plain", "FILE a.b",
-         "seed.txt:16: as a scene, $.name: found \"a.b\", allowed: 1 to 64 letters, digits, '_' and '-' (it becomes part of "
+         "seed.txt:16: as a scene, $.name: found \"a.b\", allowed: 1 to 64 letters, digits, '_' and '-' (it becomes "
+         "part of "
          "benchmark names)"},
         {"SCALE 1 1 1", "SCALE 1 0 1",
          "seed.txt:20: as a scene, $.objects[0].scale[1]: found 0, allowed: a number from 1e-18 to 1e18"},
@@ -553,5 +559,5 @@ TEST(ImportSeed, ErrorsNameLineWhatWasFoundAndWhatIsAllowed) {
     }
 }
 
-}  // namespace
-}  // namespace pt
+} // namespace
+} // namespace pt

@@ -170,8 +170,9 @@ TEST(SceneJson, ObjectDefaults) {
 }
 
 TEST(SceneJson, ObjectOptionsAreRead) {
-    const SceneObject object = parse_object(
-        R"({"shape": "box", "material": "m", "translate": [1, 2, 3], "rotate_degrees": [4, 5, 6], "scale": [7, 8, 9], "velocity": [-1, 0, 1]})");
+    const SceneObject object =
+        parse_object(R"({"shape": "box", "material": "m", "translate": [1, 2, 3], "rotate_degrees": [4, 5, 6], )"
+                     R"("scale": [7, 8, 9], "velocity": [-1, 0, 1]})");
     EXPECT_EQ(object.shape, Shape::box);
     EXPECT_EQ(object.translate, Vec3d(1, 2, 3));
     EXPECT_EQ(object.rotate_degrees, Vec3d(4, 5, 6));
@@ -227,7 +228,8 @@ TEST(SceneJsonErrors, Syntax) {
          "s.json: not valid JSON: parse error at line 12, column 46: syntax error while parsing value - invalid "
          "literal; last read: '0.5, .'"},
         {"\"max_depth\": 4,", "// four\n",
-         "s.json: not valid JSON: parse error at line 3, column 3: syntax error while parsing object key - invalid literal; last "
+         "s.json: not valid JSON: parse error at line 3, column 3: syntax error while parsing object key - invalid "
+         "literal; last "
          "read: '\"good\",<U+000A>  /'; expected string literal"},
         {"\"max_depth\": 4,", "\"max_depth\": 4, \"max_depth\": 5,",
          "s.json: $: found the key \"max_depth\" twice, allowed: once"},
@@ -317,6 +319,7 @@ TEST(SceneJsonErrors, Camera) {
 }
 
 TEST(SceneJsonErrors, Materials) {
+    const std::string types = R"("diffuse", "emitter", "mirror", "mix", "dielectric", "subsurface")";
     const std::string fraction = "a number from 0 to 1";
     const std::string sigma = "a number from 0 to 1e18";
     expect_messages({
@@ -324,10 +327,8 @@ TEST(SceneJsonErrors, Materials) {
         {material_line, R"({"albedo": [1, 1, 1]})",
          "s.json: $.materials.m: found no key \"type\", allowed: it is required: diffuse, emitter, mirror, mix, "
          "dielectric, subsurface"},
-        {"\"diffuse\"", "\"glossy\"",
-         R"(s.json: $.materials.m.type: found "glossy", allowed: "diffuse", "emitter", "mirror", "mix", "dielectric", "subsurface")"},
-        {"\"diffuse\"", "null",
-         R"(s.json: $.materials.m.type: found null, allowed: "diffuse", "emitter", "mirror", "mix", "dielectric", "subsurface")"},
+        {"\"diffuse\"", "\"glossy\"", R"(s.json: $.materials.m.type: found "glossy", allowed: )" + types},
+        {"\"diffuse\"", "null", "s.json: $.materials.m.type: found null, allowed: " + types},
         {material_line, R"({"type": "diffuse"})",
          "s.json: $.materials.m: found no key \"albedo\", allowed: it is required"},
         {material_line, R"({"type": "diffuse", "albedo": [1, 1, 1], "ior": 1})",
