@@ -21,13 +21,16 @@ PT_HD inline LightSample<Real> sample_point(const Sphere<Real>& sphere, Real u, 
     return {sphere.centre + normal * sphere.radius, normal, Real(4) * pi<Real> * sphere.radius * sphere.radius};
 }
 
-// Uniform on the unit sphere; the area element of the image is |det| |A^-T f|.
+// Uniform on the unit sphere; the area element of the image is the length of the cofactor matrix times f, which points along
+// the normal. Its columns are products of two lengths: they stay in range where a determinant (three) or a square (four)
+// leaves it, from 1e-18 to 1e18 scene units.
 template <class Real>
 PT_HD inline LightSample<Real> sample_point(const Ellipsoid<Real>& e, Real u, Real v, Real) {
     const Vec3<Real> f = uniform_sphere(u, v);
-    const Vec3<Real> cofactor = e.inverse_axis[0] * f.x + e.inverse_axis[1] * f.y + e.inverse_axis[2] * f.z;
-    const Real length = square_root(dot(cofactor, cofactor));
-    return {e.centre + e.to_world(f), cofactor * (Real(1) / length), Real(4) * pi<Real> * e.determinant * length};
+    const Vec3<Real> normal = e.normal(f);
+    const Vec3<Real> cofactor = cross(e.semi_axis[1], e.semi_axis[2]) * f.x + cross(e.semi_axis[2], e.semi_axis[0]) * f.y +
+                                cross(e.semi_axis[0], e.semi_axis[1]) * f.z;
+    return {e.centre + e.to_world(f), normal, Real(4) * pi<Real> * dot(cofactor, normal)};
 }
 
 template <class Real>

@@ -29,16 +29,14 @@ Journal::Journal(std::string file, const Json& identity, bool resume) : file_(st
         std::filesystem::create_directories(folder, ignored);
     }
     const bool exists = std::filesystem::exists(file_) && std::filesystem::file_size(file_) > 0;
-    descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-    if (descriptor_ < 0) {
+    descriptor_ = std::make_unique<OpenFile>(::open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
+    if (*descriptor_ < 0) {
         throw MachineError(fmt::format("{}: cannot be written: {}", file_, std::strerror(errno)));
     }
-    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-        ::close(descriptor_);
+    if (::flock(*descriptor_, LOCK_EX | LOCK_NB) != 0) {
         throw MachineError(fmt::format("{}: another run is writing it", file_));
     }
     if (exists && !resume) {
-        ::close(descriptor_);
         throw InputError(fmt::format("{}: found an unfinished run, allowed: go on with --resume, or remove the file", file_));
     }
     if (exists) {
@@ -48,7 +46,7 @@ Journal::Journal(std::string file, const Json& identity, bool resume) : file_(st
     }
 }
 
-Journal::~Journal() {
+Journal::OpenFile::~OpenFile() {
     if (descriptor_ >= 0) {
         ::close(descriptor_);
     }
@@ -77,7 +75,7 @@ void Journal::read(const Json& identity) {
             throw InputError(file_, fmt::format("byte {}", start), "a damaged line", "lines that ptbench wrote; remove the file to start over");
         }
     }
-    if (start != text.size() && ::ftruncate(descriptor_, static_cast<off_t>(start)) != 0) {
+    if (start != text.size() && ::ftruncate(*descriptor_, static_cast<off_t>(start)) != 0) {
         throw MachineError(fmt::format("{}: cannot be written: {}", file_, std::strerror(errno)));
     }
     if (is_first) {
@@ -87,12 +85,12 @@ void Journal::read(const Json& identity) {
 
 void Journal::append(const Json& line) {
     const std::string text = line.dump() + "\n";
-    const off_t end = ::lseek(descriptor_, 0, SEEK_END);
+    const off_t end = ::lseek(*descriptor_, 0, SEEK_END);
     // One write: a line is whole, or it is the last and cut off.
-    const ssize_t written = ::write(descriptor_, text.data(), text.size());
+    const ssize_t written = ::write(*descriptor_, text.data(), text.size());
     if (written != static_cast<ssize_t>(text.size())) {
         std::string why = written < 0 ? std::strerror(errno) : "disk full";
-        if (written > 0 && ::ftruncate(descriptor_, end) != 0) {  // no half line in front of the next one
+        if (written > 0 && ::ftruncate(*descriptor_, end) != 0) {  // no half line in front of the next one
             why += fmt::format("; {}", std::strerror(errno));
         }
         throw MachineError(fmt::format("{}: cannot be written: {}", file_, why));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,9 +16,6 @@ public:
     // Opens `file` and locks it. A journal that is there already must be resumed (same `identity`) or is refused; a last
     // line that was cut off is dropped. Throws InputError (unfinished run, other identity), MachineError (cannot write).
     Journal(std::string file, const Json& identity, bool resume);
-    ~Journal();
-    Journal(const Journal&) = delete;
-    Journal& operator=(const Journal&) = delete;
 
     // One sample of a cell, in the order of its index.
     void add_sample(const std::string& cell, const Json& sample);
@@ -35,8 +33,21 @@ private:
     void read(const Json& identity);
     void append(const Json& line);
 
+    // Closed, and so unlocked, also where the constructor throws.
+    class OpenFile {
+    public:
+        explicit OpenFile(int descriptor) : descriptor_(descriptor) {}
+        ~OpenFile();
+        OpenFile(const OpenFile&) = delete;
+        OpenFile& operator=(const OpenFile&) = delete;
+        operator int() const { return descriptor_; }  // NOLINT: a descriptor, for the system's calls
+
+    private:
+        int descriptor_;
+    };
+
     std::string file_;
-    int descriptor_ = -1;
+    std::unique_ptr<OpenFile> descriptor_;
     std::map<std::string, std::vector<Json>> samples_;
     std::map<std::string, Json> cells_;
 };

@@ -19,7 +19,8 @@ protected:
     // A Bernoulli mean: the light is seen or not.
     static void expect_coverage(const Scene& scene, double exact, std::uint32_t samples, double where) {
         const test::Mean mean = mean_radiance<Real>(scene, {.samples = samples}).channel[0];
-        EXPECT_NEAR(mean.value(), exact, test::tolerated_errors * std::sqrt(exact * (1 - exact) / samples) + 1e-9) << where;
+        EXPECT_NEAR(mean.value(), exact, test::tolerated_errors * std::sqrt(exact * (1 - exact) / samples) + 1e-9)
+            << where;
     }
 };
 using Reals = testing::Types<float, double>;
@@ -93,14 +94,14 @@ TYPED_TEST(CameraTest, ShutterCoverageFollowsItsDensity) {
 }
 
 TYPED_TEST(CameraTest, EveryKindOfObjectMoves) {
-    // The body covers the ray for t in [1/4, 1/2] of a uniform shutter from 1 to 2: the object's place at t = 1 is its own
-    // place and one velocity on.
+    // The body covers the ray for t in [1/4, 1/2] of a uniform shutter from 1 to 2: the object's place at t = 1 is its
+    // own place and one velocity on.
     for (int kind = 0; kind < 5; ++kind) {
         SceneBuilder builder;
         builder.scene.camera.shutter_open = 1;
         builder.scene.camera.shutter_close = 2;
         const std::uint32_t light = builder.emitter(Vec3d(1.0));
-        const double width = 2;  // crosses x = 0 in 1/4 second at 8 a second
+        const double width = 2;           // crosses x = 0 in 1/4 second at 8 a second
         const Vec3d start(-3 - 8, 0, 5);  // leading edge at -2 when the shutter opens
         SceneObject& object = kind == 0   ? builder.sphere(light, start, width)
                               : kind == 1 ? builder.ellipsoid(light, start, {width, 1, 3})
@@ -155,8 +156,8 @@ TYPED_TEST(CameraTest, TheImageIsUprightAndNotMirrored) {
     // A usual camera: looks along -z, y up, x to the right.
     SceneBuilder builder;
     builder.camera({0, 0, 0}, {0, 0, -1}).image(4, 2, 90, false);
-    builder.sphere(builder.emitter({1, 0, 0}), {3, 1, -2}, 0.5);     // right and up
-    builder.sphere(builder.emitter({0, 1, 0}), {-3, -1, -2}, 0.5);   // left and down
+    builder.sphere(builder.emitter({1, 0, 0}), {3, 1, -2}, 0.5);    // right and up
+    builder.sphere(builder.emitter({0, 1, 0}), {-3, -1, -2}, 0.5);  // left and down
     const Film film = test::render<TypeParam>(builder.scene, {});
     EXPECT_EQ(film.pixel(3), Vec3d(1, 0, 0));
     EXPECT_EQ(film.pixel(4), Vec3d(0, 1, 0));
@@ -164,7 +165,8 @@ TYPED_TEST(CameraTest, TheImageIsUprightAndNotMirrored) {
 }
 
 TYPED_TEST(CameraTest, FieldOfViewIsTheVerticalOne) {
-    // 60 degrees: the upper edge at tan 30 of the distance. Light just inside and just outside the top row's upper edge.
+    // 60 degrees: the upper edge at tan 30 of the distance. Light just inside and just outside the top row's upper
+    // edge.
     for (const double share : {0.995, 1.005}) {
         SceneBuilder builder;
         builder.camera({0, 0, 0}, {0, 0, -1}).image(3, 200, 60, false);

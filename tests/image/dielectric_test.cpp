@@ -55,7 +55,8 @@ TYPED_TEST(DielectricTest, ClearGlassInAnEvenEnvironmentIsInvisible) {
 
 TYPED_TEST(DielectricTest, CutOffPathsLoseExactlyTheirShare) {
     // k hits from within allowed: L = 1 - (1 - R) R^k. A path that leaves at hit k has k + 2 segments.
-    EXPECT_NEAR(reflectance(1.5, std::sqrt(1 - 0.99 * 0.99)) * (1 - reflectance(1.5, std::sqrt(1 - 0.99 * 0.99))), 1 - 0.75166,
+    EXPECT_NEAR(reflectance(1.5, std::sqrt(1 - 0.99 * 0.99)) * (1 - reflectance(1.5, std::sqrt(1 - 0.99 * 0.99))),
+                1 - 0.75166,
                 1e-5);  // the page's k = 1
     for (const double b : {0.0, 0.5, 0.9, 0.99}) {
         const double r = reflectance(1.5, std::sqrt(1 - b * b));
@@ -99,7 +100,8 @@ TYPED_TEST(DielectricTest, TintActsOnEachTransmissionAndOnNothingElse) {
 }
 
 // `plates` wide plates across the z axis in front of a lamp; only what passes them all is seen.
-Scene plate_scene(int plates, double ior, double thickness, double gap, double incidence_degrees = 0, double sigma_a = 0) {
+Scene plate_scene(int plates, double ior, double thickness, double gap, double incidence_degrees = 0,
+                  double sigma_a = 0) {
     SceneBuilder builder;
     const double angle = incidence_degrees * pi<double> / 180;
     builder.camera({0, 0, -1}, {0, std::sin(angle), -1 + std::cos(angle)}).depth(20000);
@@ -116,9 +118,10 @@ TYPED_TEST(DielectricTest, StackOfPlatesTransmitsItsSeries) {
         int plates;
         double ior, thickness, gap, page;
     };
-    for (const Case& c : {Case{1, 1.5, 0.1, 0.1, .923076923}, Case{4, 1.5, 0.1, 0.1, .75}, Case{16, 1.5, 0.1, 0.1, .428571429},
-                          Case{8, 2.4, 0.1, 0.1, .234375}, Case{4, 1.5, 0.1, 1e-6, .75}, Case{4, 1.5, 1e-6, 0.1, .75},
-                          Case{4, 1.5, 1e-5, 1e-5, .75}, Case{1, 1000, 0.1, 0.1, .001999998}}) {
+    for (const Case& c :
+         {Case{1, 1.5, 0.1, 0.1, .923076923}, Case{4, 1.5, 0.1, 0.1, .75}, Case{16, 1.5, 0.1, 0.1, .428571429},
+          Case{8, 2.4, 0.1, 0.1, .234375}, Case{4, 1.5, 0.1, 1e-6, .75}, Case{4, 1.5, 1e-6, 0.1, .75},
+          Case{4, 1.5, 1e-5, 1e-5, .75}, Case{1, 1000, 0.1, 0.1, .001999998}}) {
         const double r = (c.ior - 1) * (c.ior - 1) / ((c.ior + 1) * (c.ior + 1));
         const double exact = (1 - r) / (1 + (2 * c.plates - 1) * r);
         EXPECT_NEAR(exact, c.page, 1e-9);
@@ -131,7 +134,8 @@ TYPED_TEST(DielectricTest, StackOfPlatesTransmitsItsSeries) {
 }
 
 TYPED_TEST(DielectricTest, ObliquePlateTransmitsItsSeries) {
-    for (const auto& [degrees, page] : {std::pair{30.0, .92026553}, std::pair{60.0, .83623246}, std::pair{80.0, .44122918}}) {
+    for (const auto& [degrees, page] :
+         {std::pair{30.0, .92026553}, std::pair{60.0, .83623246}, std::pair{80.0, .44122918}}) {
         const double r = reflectance(1.5, std::cos(degrees * pi<double> / 180));
         const double exact = (1 - r) / (1 + r);
         EXPECT_NEAR(exact, page, 1e-8);
@@ -174,7 +178,8 @@ TYPED_TEST(DielectricTest, MatchedAbsorberFollowsBeerAndLambertAlongEachRay) {
             turned.box(turned.dielectric(1, Vec3d(sigma)), {0, 0, 0}, Vec3d(1.0), {0, 45, 0});
             const double chord = 2 * std::sqrt(1 - b * b);
             // The chord is right to a few roundings of the radius at distance 5, magnified by 1 / cos towards the limb.
-            const double tolerance = 32 * std::numeric_limits<TypeParam>::epsilon() * (1 + 5 * sigma / std::sqrt(1 - b * b));
+            const double tolerance =
+                32 * std::numeric_limits<TypeParam>::epsilon() * (1 + 5 * sigma / std::sqrt(1 - b * b));
             const auto expect = [&](const SceneBuilder& builder, double length) {
                 const double value = mean_radiance<TypeParam>(builder.scene, {}).channel[0].value();
                 EXPECT_NEAR(value / std::exp(-sigma * length), 1, tolerance) << "sigma " << sigma << " b " << b;
@@ -205,7 +210,8 @@ TEST(DielectricTest, MatchedAbsorbingSphereHasItsDiscMean) {
         EXPECT_NEAR(exact, page, 1e-8);
         SceneBuilder builder;
         const double distance = 1e5, half = 1.05;
-        builder.camera({0, 0, -distance}, {0, 0, 0}).image(64, 64, 2 * std::atan(half / distance) * 180 / pi<double>, true);
+        builder.camera({0, 0, -distance}, {0, 0, 0})
+            .image(64, 64, 2 * std::atan(half / distance) * 180 / pi<double>, true);
         builder.depth(3).environment(1);
         builder.sphere(builder.dielectric(1, Vec3d(t / 2)), {0, 0, 0}, 2);
         const auto mean = mean_radiance<double>(builder.scene, {.samples = 32}).channel[0];

@@ -1,5 +1,5 @@
-// A final bounce at depth D has the mean of plain paths of depth D + 1: by channel, over the image and over its blocks of
-// 16 x 16 pixels.
+// A final bounce at depth D has the mean of plain paths of depth D + 1: by channel, over the image and over its blocks
+// of 16 x 16 pixels.
 #include <cmath>
 #include <functional>
 #include <string>
@@ -44,7 +44,8 @@ void expect_same_mean(const Scene& scene, std::uint32_t depth, const std::string
             const test::Mean& a = off[i].channel[c];
             const test::Mean& b = on[i].channel[c];
             const double error = std::hypot(a.standard_error(), b.standard_error());
-            EXPECT_NEAR(b.value(), a.value(), test::tolerated_errors * error) << what << " depth " << depth << " block " << i;
+            EXPECT_NEAR(b.value(), a.value(), test::tolerated_errors * error)
+                << what << " depth " << depth << " block " << i;
         }
     }
     // A test that cannot see 3 % of the image is none.
@@ -54,8 +55,11 @@ void expect_same_mean(const Scene& scene, std::uint32_t depth, const std::string
 }
 
 // A floor, a wall and a ball, lit by what `add_lights` adds; the ball's material is the point of some scenes.
-Scene stage(const std::function<void(SceneBuilder&)>& add_lights,
-            const std::function<std::uint32_t(SceneBuilder&)>& ball = [](auto& b) { return b.diffuse({0.75, 0.5, 0.25}); }) {
+Scene stage(
+    const std::function<void(SceneBuilder&)>& add_lights,
+    const std::function<std::uint32_t(SceneBuilder&)>& ball = [](auto& b) {
+        return b.diffuse({0.75, 0.5, 0.25});
+    }) {
     SceneBuilder builder;
     builder.camera({0, 1.5, -4}, {0, 0.8, 0}).image(side, side, 55, true);
     builder.quad(builder.diffuse({0.75, 0.5, 0.25}), {0, 0, 0}, 8, 8);
@@ -65,9 +69,7 @@ Scene stage(const std::function<void(SceneBuilder&)>& add_lights,
     return builder.scene;
 }
 
-void lamp(SceneBuilder& builder) {
-    builder.sphere(builder.emitter({4, 5, 6}), {0.5, 3, -1}, 1.2);
-}
+void lamp(SceneBuilder& builder) { builder.sphere(builder.emitter({4, 5, 6}), {0.5, 3, -1}, 1.2); }
 
 template <class Real>
 class FinalBounceTest : public testing::Test {};
@@ -81,26 +83,35 @@ TYPED_TEST(FinalBounceTest, SphereLight) {
 }
 
 TYPED_TEST(FinalBounceTest, BoxLights) {
-    expect_same_mean<TypeParam>(
-        stage([](auto& b) { b.box(b.emitter({4, 5, 6}), {0.5, 2.8, -1}, {1, 0.5, 2}); }), 1, "axis box");
-    expect_same_mean<TypeParam>(
-        stage([](auto& b) { b.box(b.emitter({4, 5, 6}), {0.5, 2.8, -1}, {1, 0.5, 2}, {20, 30, 40}); }), 2, "oriented box");
+    expect_same_mean<TypeParam>(stage([](auto& b) {
+                                    b.box(b.emitter({4, 5, 6}), {0.5, 2.8, -1}, {1, 0.5, 2});
+                                }),
+                                1, "axis box");
+    expect_same_mean<TypeParam>(stage([](auto& b) {
+                                    b.box(b.emitter({4, 5, 6}), {0.5, 2.8, -1}, {1, 0.5, 2}, {20, 30, 40});
+                                }),
+                                2, "oriented box");
 }
 
 TYPED_TEST(FinalBounceTest, EllipsoidLight) {
     for (const std::uint32_t depth : {1u, 2u}) {
-        expect_same_mean<TypeParam>(
-            stage([](auto& b) { b.ellipsoid(b.emitter({4, 5, 6}), {0.5, 2.8, -1}, {2.5, 0.4, 1}, {20, 30, 40}); }), depth,
-            "ellipsoid");
+        expect_same_mean<TypeParam>(stage([](auto& b) {
+                                        b.ellipsoid(b.emitter({4, 5, 6}), {0.5, 2.8, -1}, {2.5, 0.4, 1}, {20, 30, 40});
+                                    }),
+                                    depth, "ellipsoid");
     }
 }
 
 TYPED_TEST(FinalBounceTest, QuadLight) {
-    expect_same_mean<TypeParam>(stage([](auto& b) { b.quad(b.emitter({4, 5, 6}), {0.5, 3, -1}, 1.5, 1, {160, 10, 0}); }), 1,
-                                "quad");
+    expect_same_mean<TypeParam>(stage([](auto& b) {
+                                    b.quad(b.emitter({4, 5, 6}), {0.5, 3, -1}, 1.5, 1, {160, 10, 0});
+                                }),
+                                1, "quad");
     // Free in the room: both of its sides shine.
-    expect_same_mean<TypeParam>(stage([](auto& b) { b.quad(b.emitter({4, 5, 6}), {-1.2, 1.5, -0.5}, 1.5, 1, {80, 50, 0}); }), 2,
-                                "upright quad");
+    expect_same_mean<TypeParam>(stage([](auto& b) {
+                                    b.quad(b.emitter({4, 5, 6}), {-1.2, 1.5, -0.5}, 1.5, 1, {80, 50, 0});
+                                }),
+                                2, "upright quad");
 }
 
 TYPED_TEST(FinalBounceTest, SeveralLightsAndAnEnvironment) {
@@ -132,10 +143,14 @@ TYPED_TEST(FinalBounceTest, MovingLightAndMovingShade) {
 
 TYPED_TEST(FinalBounceTest, GlowingDiffuseAndMixLights) {
     // Lights that reflect: they are met on the way and connected to at its end, also from their own inside.
-    expect_same_mean<TypeParam>(stage([](auto& b) { b.sphere(b.diffuse(Vec3d(0.5), {4, 5, 6}), {0.5, 3, -1}, 1.2); }), 2,
-                                "diffuse lamp");
-    expect_same_mean<TypeParam>(
-        stage([](auto& b) { b.sphere(b.mix(Vec3d(0.5), Vec3d(0.75), 0.5, {4, 5, 6}), {0.5, 3, -1}, 1.2); }), 2, "mix lamp");
+    expect_same_mean<TypeParam>(stage([](auto& b) {
+                                    b.sphere(b.diffuse(Vec3d(0.5), {4, 5, 6}), {0.5, 3, -1}, 1.2);
+                                }),
+                                2, "diffuse lamp");
+    expect_same_mean<TypeParam>(stage([](auto& b) {
+                                    b.sphere(b.mix(Vec3d(0.5), Vec3d(0.75), 0.5, {4, 5, 6}), {0.5, 3, -1}, 1.2);
+                                }),
+                                2, "mix lamp");
     SceneBuilder inside;
     inside.camera({0.2, 0.1, 0}, {0, 0, 1}).image(side, side, 90, true);
     inside.box(inside.diffuse({0.75, 0.5, 0.25}, {0.5, 0.25, 1}), {0, 0, 0}, {2, 3, 4});
@@ -145,9 +160,15 @@ TYPED_TEST(FinalBounceTest, GlowingDiffuseAndMixLights) {
 
 TYPED_TEST(FinalBounceTest, MirrorGlassAndMixAtTheLastVertex) {
     const std::function<std::uint32_t(SceneBuilder&)> balls[] = {
-        [](auto& b) { return b.mirror({0.9, 0.8, 0.7}); },
-        [](auto& b) { return b.dielectric(1.5, {0.2, 0.1, 0.4}); },
-        [](auto& b) { return b.mix({0.75, 0.5, 0.25}, {0.9, 0.8, 0.7}, 0.4); },
+        [](auto& b) {
+            return b.mirror({0.9, 0.8, 0.7});
+        },
+        [](auto& b) {
+            return b.dielectric(1.5, {0.2, 0.1, 0.4});
+        },
+        [](auto& b) {
+            return b.mix({0.75, 0.5, 0.25}, {0.9, 0.8, 0.7}, 0.4);
+        },
     };
     for (const auto& ball : balls) {
         for (const std::uint32_t depth : {1u, 2u, 3u}) {
@@ -157,8 +178,11 @@ TYPED_TEST(FinalBounceTest, MirrorGlassAndMixAtTheLastVertex) {
 }
 
 TYPED_TEST(FinalBounceTest, SubsurfaceAtTheLastVertex) {
-    expect_same_mean<TypeParam>(stage(lamp, [](auto& b) { return b.subsurface({4, 3, 2}, {0.1, 0.2, 0.3}, 0, 1.3); }), 2,
-                                "subsurface", 150, 100);
+    expect_same_mean<TypeParam>(stage(lamp,
+                                      [](auto& b) {
+                                          return b.subsurface({4, 3, 2}, {0.1, 0.2, 0.3}, 0, 1.3);
+                                      }),
+                                2, "subsurface", 150, 100);
 }
 
 TYPED_TEST(FinalBounceTest, LampInsideAbsorbingGlass) {

@@ -1,5 +1,5 @@
-// Closed rooms that shine evenly: every path returns the same number, so every pixel must be the same float and equal to the
-// geometric series. E sum rho^k over the segments 1..D. (numerics.md S1 to S3, S5, S39)
+// Closed rooms that shine evenly: every path returns the same number, so every pixel must be the same float and equal
+// to the geometric series. E sum rho^k over the segments 1..D. (numerics.md S1 to S3, S5, S39)
 #include <cmath>
 #include <functional>
 
@@ -71,9 +71,10 @@ TYPED_TEST(FurnaceTest, DiffuseCavitySumsTheSeries) {
                 const Scene scene = cavity_scene(
                     cavity, [&](auto& b) { return b.diffuse(Vec3d(rho), Vec3d(emission)); }, depth, depth > 9 ? 4 : 8);
                 const double exact = static_cast<double>(furnace(rho, emission, depth));
-                // Rounding of D products and sums: numerics.md S1 allows 1e-6 up to depth 1024. In double the film's quantum,
-                // 2^-40 of the bound, is the coarser one.
-                expect_every_pixel(test::render<TypeParam>(scene, {.samples = 2}), exact, sizeof(TypeParam) == 4 ? 1e-6 : 2e-12);
+                // Rounding of D products and sums: numerics.md S1 allows 1e-6 up to depth 1024. In double the film's
+                // quantum, 2^-40 of the bound, is the coarser one.
+                expect_every_pixel(test::render<TypeParam>(scene, {.samples = 2}), exact,
+                                   sizeof(TypeParam) == 4 ? 1e-6 : 2e-12);
             }
         }
     }
@@ -82,7 +83,8 @@ TYPED_TEST(FurnaceTest, DiffuseCavitySumsTheSeries) {
 TYPED_TEST(FurnaceTest, ShallowSeriesOfAHalfIsExact) {
     // rho = E = 1/2, nine segments: .998046875 has nine bits, so nothing may round.
     for (const Cavity cavity : all_cavities) {
-        const Scene scene = cavity_scene(cavity, [](auto& b) { return b.diffuse(Vec3d(0.5), Vec3d(0.5)); }, 9);
+        const Scene scene = cavity_scene(
+            cavity, [](auto& b) { return b.diffuse(Vec3d(0.5), Vec3d(0.5)); }, 9);
         expect_every_pixel(test::render<TypeParam>(scene, {.samples = 2}), 0.998046875, 0);
     }
 }
@@ -99,7 +101,11 @@ TYPED_TEST(FurnaceTest, AHundredThousandBouncesKeepTheSeries) {
 
 TYPED_TEST(FurnaceTest, ColoursAreSummedApart) {
     const Scene scene = cavity_scene(
-        Cavity::box, [](auto& b) { return b.diffuse({0.5, 0.25, 0}, {0.5, 1, 2}); }, 4);
+        Cavity::box,
+        [](auto& b) {
+            return b.diffuse({0.5, 0.25, 0}, {0.5, 1, 2});
+        },
+        4);
     const Film film = test::render<TypeParam>(scene, {.samples = 2});
     for (std::uint32_t i = 0; i < 64; ++i) {
         EXPECT_EQ(film.pixel(i), Vec3d(0.5 * 1.875, 1.328125, 2));
@@ -123,7 +129,8 @@ TYPED_TEST(FurnaceTest, MirrorAndMixSumTheSameSeries) {
 TYPED_TEST(FurnaceTest, LossyFilmOfABlackOrNearlyBlackWallIsItsEmission) {
     // numerics.md S39. 1e-40 is a denormal in float.
     for (const double rho : {0.0, 1e-30, 1e-38, 1e-40}) {
-        const Scene scene = cavity_scene(Cavity::sphere, [&](auto& b) { return b.diffuse(Vec3d(rho), Vec3d(0.75)); }, 8);
+        const Scene scene = cavity_scene(
+            Cavity::sphere, [&](auto& b) { return b.diffuse(Vec3d(rho), Vec3d(0.75)); }, 8);
         expect_every_pixel(test::render<TypeParam>(scene, {}), 0.75, 0);
     }
 }
@@ -137,13 +144,14 @@ TYPED_TEST(FurnaceTest, ObjectsOfTheSameMaterialDisappear) {
     builder.room(wall, {0, 0, 0}, Vec3d(2.0));
     builder.sphere(wall, {0.5, 0.5, 0}, 0.8);
     builder.ellipsoid(wall, {-0.5, 0.5, 0.5}, {0.5, 1, 0.7}, {10, 20, 30});
-    builder.box(wall, {-0.6, -1.5, 0}, Vec3d(1.0));             // stands on the floor
+    builder.box(wall, {-0.6, -1.5, 0}, Vec3d(1.0));  // stands on the floor
     builder.box(wall, {0.7, -0.8, 0.2}, Vec3d(0.6), {0, 30, 20});
     builder.quad(wall, {0, 0, 1}, 1, 1, {80, 10, 0});
     expect_every_pixel(test::render<TypeParam>(builder.scene, {.samples = 8}), 0.998046875, 0);
 }
 
-// Only a mirror shows the other lobe's colour, and only by the draw: p = 0 and p = 1 are the pure materials bit for bit.
+// Only a mirror shows the other lobe's colour, and only by the draw: p = 0 and p = 1 are the pure materials bit for
+// bit.
 Scene mix_scene(const std::function<std::uint32_t(SceneBuilder&)>& material) {
     SceneBuilder builder;
     builder.camera({0, 1, -4}, {0, 0.5, 0}).image(24, 16, 60, true).depth(6).environment(0.25);
@@ -198,8 +206,10 @@ TYPED_TEST(FurnaceTest, ConcentricLampLightsTheWallAtEveryDepth) {
             // Plain: depth D has D - 1 scatterings. With a final bounce, D.
             const auto plain = test::mean_radiance<TypeParam>(scene, {.samples = 100000, .depth = depth}).channel[0];
             const auto connected =
-                test::mean_radiance<TypeParam>(scene, {.samples = 20000, .depth = depth, .final_bounce = true}).channel[0];
-            EXPECT_NEAR(plain.value(), concentric_lamp(0.875, a, depth - 1), test::tolerated_errors * plain.standard_error());
+                test::mean_radiance<TypeParam>(scene, {.samples = 20000, .depth = depth, .final_bounce = true})
+                    .channel[0];
+            EXPECT_NEAR(plain.value(), concentric_lamp(0.875, a, depth - 1),
+                        test::tolerated_errors * plain.standard_error());
             EXPECT_NEAR(connected.value(), concentric_lamp(0.875, a, depth),
                         test::tolerated_errors * connected.standard_error() + 1e-6)
                 << "a " << a << " depth " << depth;
@@ -208,7 +218,8 @@ TYPED_TEST(FurnaceTest, ConcentricLampLightsTheWallAtEveryDepth) {
 }
 
 TEST(FurnaceTest, EveryVariantIntegratorKeepsTheSeries) {
-    const Scene scene = cavity_scene(Cavity::quads, [](auto& b) { return b.diffuse(Vec3d(0.5), Vec3d(0.5)); }, 9);
+    const Scene scene = cavity_scene(
+        Cavity::quads, [](auto& b) { return b.diffuse(Vec3d(0.5), Vec3d(0.5)); }, 9);
     for (const char* integrator : {"depth_first", "wavefront"}) {
         expect_every_pixel(test::render_variant(scene, {.samples = 4}, "integrator", integrator), 0.998046875, 0);
     }

@@ -1,5 +1,5 @@
-// Irradiance of a diffuse surface by one light, seen as radiance rho E / pi: numerics.md S6, S8, S10. By chance (the BSDF
-// finds the light, depth 2) and by connection (final bounce, depth 1).
+// Irradiance of a diffuse surface by one light, seen as radiance rho E / pi: numerics.md S6, S8, S10. By chance (the
+// BSDF finds the light, depth 2) and by connection (final bounce, depth 1).
 #include <cmath>
 #include <functional>
 
@@ -29,13 +29,14 @@ double sphere(double radius, double distance, double w) {
         return pi<double> * cosine / (h * h);  // wholly above the horizon
     }
     const double k2 = 1 - h * h * cosine * cosine;
-    return (cosine * std::acos(-cosine * std::sqrt((h * h - 1) / (1 - cosine * cosine))) - std::sqrt(k2 * (h * h - 1))) /
+    return (cosine * std::acos(-cosine * std::sqrt((h * h - 1) / (1 - cosine * cosine))) -
+            std::sqrt(k2 * (h * h - 1))) /
                (h * h) +
            std::atan(std::sqrt(k2 / (h * h - 1)));
 }
 
-// The camera sees the receiver's centre, the origin, from the side (-x, -z); the lights stay clear of that line. `size` of
-// the receiver: small where a light reaches below its horizon.
+// The camera sees the receiver's centre, the origin, from the side (-x, -z); the lights stay clear of that line. `size`
+// of the receiver: small where a light reaches below its horizon.
 Scene lit(double size, const std::function<void(SceneBuilder&)>& add_lights) {
     SceneBuilder builder;
     builder.camera({-3, 0.5, -3}, {0, 0, 0});
@@ -82,10 +83,16 @@ TYPED_TEST(IrradianceTest, RectangleAboveTheCorner) {
         double a, b, h;
     };
     for (const Case& c : {Case{1, 1, 1}, Case{2, 1, 0.5}, Case{0.5, 0.5, 1}}) {
-        this->expect(lit(10, [&](auto& b) { b.quad(b.emitter(Vec3d(1.0)), {c.a / 2, c.h, c.b / 2}, c.a, c.b); }),
+        this->expect(lit(10,
+                         [&](auto& b) {
+                             b.quad(b.emitter(Vec3d(1.0)), {c.a / 2, c.h, c.b / 2}, c.a, c.b);
+                         }),
                      rectangle(c.a, c.b, c.h), "from above");
         // Two-sided: its back shines as well.
-        this->expect(lit(10, [&](auto& b) { b.quad(b.emitter(Vec3d(1.0)), {c.a / 2, c.h, c.b / 2}, c.a, c.b, {180, 0, 0}); }),
+        this->expect(lit(10,
+                         [&](auto& b) {
+                             b.quad(b.emitter(Vec3d(1.0)), {c.a / 2, c.h, c.b / 2}, c.a, c.b, {180, 0, 0});
+                         }),
                      rectangle(c.a, c.b, c.h), "the other side");
     }
 }
@@ -93,9 +100,16 @@ TYPED_TEST(IrradianceTest, RectangleAboveTheCorner) {
 TYPED_TEST(IrradianceTest, RectangleAboveTheCentre) {
     this->expect(lit(10, [](auto& b) { b.quad(b.emitter(Vec3d(1.0)), {0, 1, 0}, 2, 2); }), 1.740839502734206, "quad");
     // Of a box straight above only the face below is seen.
-    this->expect(lit(10, [](auto& b) { b.box(b.emitter(Vec3d(1.0)), {0, 1.25, 0}, {2, 0.5, 2}); }), 1.740839502734206, "box");
+    this->expect(lit(10,
+                     [](auto& b) {
+                         b.box(b.emitter(Vec3d(1.0)), {0, 1.25, 0}, {2, 0.5, 2});
+                     }),
+                 1.740839502734206, "box");
     // Turned about y, and by a hair to take the oriented formula.
-    this->expect(lit(10, [](auto& b) { b.box(b.emitter(Vec3d(1.0)), {0, 1.25, 0}, {2, 0.5, 2}, {0, 30, 0}); }),
+    this->expect(lit(10,
+                     [](auto& b) {
+                         b.box(b.emitter(Vec3d(1.0)), {0, 1.25, 0}, {2, 0.5, 2}, {0, 30, 0});
+                     }),
                  1.740839502734206, "oriented box");
 }
 
@@ -114,15 +128,18 @@ TYPED_TEST(IrradianceTest, LightBehindTheReceiverDoesNotShineThrough) {
     builder.quad(builder.diffuse(Vec3d(albedo)), {0, 0, 0}, 10, 10);
     builder.quad(builder.emitter(Vec3d(1.0)), {0.5, -1, 0.5}, 1, 1);
     EXPECT_EQ(test::mean_radiance<TypeParam>(builder.scene, {.samples = 1000, .depth = 2}).channel[0].value(), 0);
-    EXPECT_EQ(
-        test::mean_radiance<TypeParam>(builder.scene, {.samples = 1000, .depth = 1, .final_bounce = true}).channel[0].value(), 0);
+    EXPECT_EQ(test::mean_radiance<TypeParam>(builder.scene, {.samples = 1000, .depth = 1, .final_bounce = true})
+                  .channel[0]
+                  .value(),
+              0);
 }
 
 TYPED_TEST(IrradianceTest, SphereAtEveryAngle) {
     const double quarter = pi<double> / 2;
     for (const double w : {0.0, 0.7, quarter - 0.2, quarter, quarter + 0.3}) {
         const Scene scene = lit(0.05, [&](auto& b) {
-            b.sphere(b.emitter(Vec3d(1.0)), {2 * std::sin(w) * std::sqrt(0.5), 2 * std::cos(w), 2 * std::sin(w) * std::sqrt(0.5)}, 2);
+            b.sphere(b.emitter(Vec3d(1.0)),
+                     {2 * std::sin(w) * std::sqrt(0.5), 2 * std::cos(w), 2 * std::sin(w) * std::sqrt(0.5)}, 2);
         });
         if (w < quarter) {
             this->expect(scene, sphere(1, 2, w), "sphere");
@@ -130,7 +147,8 @@ TYPED_TEST(IrradianceTest, SphereAtEveryAngle) {
             // Mostly below the horizon: rarely found by chance, and the connections vary. Seen to a few per cent.
             const double exact = albedo * sphere(1, 2, w) / pi<double>;
             const auto a = test::mean_radiance<TypeParam>(scene, {.samples = 200000, .depth = 2}).channel[0];
-            const auto b = test::mean_radiance<TypeParam>(scene, {.samples = 60000, .depth = 1, .final_bounce = true}).channel[0];
+            const auto b =
+                test::mean_radiance<TypeParam>(scene, {.samples = 60000, .depth = 1, .final_bounce = true}).channel[0];
             EXPECT_NEAR(a.value(), exact, test::tolerated_errors * a.standard_error()) << w;
             EXPECT_NEAR(b.value(), exact, test::tolerated_errors * b.standard_error()) << w;
             EXPECT_LT(b.standard_error(), 0.03 * exact);
@@ -145,7 +163,8 @@ TYPED_TEST(IrradianceTest, LightsAddUp) {
         b.sphere(b.emitter(Vec3d(2.0)), {1, 1.8, -1.4}, 0.5);
     });
     const double distance = std::sqrt(1 + 1.8 * 1.8 + 1.4 * 1.4);
-    this->expect(scene, 1.5 * rectangle(1, 1, 1) + 2 * sphere(0.25, distance, std::acos(1.8 / distance)), "three lights");
+    this->expect(scene, 1.5 * rectangle(1, 1, 1) + 2 * sphere(0.25, distance, std::acos(1.8 / distance)),
+                 "three lights");
 }
 
 TYPED_TEST(IrradianceTest, EvenEnvironmentLightsFully) {
@@ -154,7 +173,8 @@ TYPED_TEST(IrradianceTest, EvenEnvironmentLightsFully) {
     builder.camera({-3, 0.5, -3}, {0, 0, 0}).environment(1);
     builder.quad(builder.diffuse(Vec3d(albedo)), {0, 0, 0}, 10, 10);
     const auto off = test::mean_radiance<TypeParam>(builder.scene, {.samples = 100, .depth = 2}).channel[0];
-    const auto on = test::mean_radiance<TypeParam>(builder.scene, {.samples = 100, .depth = 1, .final_bounce = true}).channel[0];
+    const auto on =
+        test::mean_radiance<TypeParam>(builder.scene, {.samples = 100, .depth = 1, .final_bounce = true}).channel[0];
     EXPECT_EQ(off.value(), albedo);
     EXPECT_EQ(off.variance(), 0);
     EXPECT_EQ(on.value(), albedo);
@@ -165,7 +185,8 @@ TYPED_TEST(IrradianceTest, GlowingReceiverAddsItsOwnLight) {
     SceneBuilder builder;
     builder.camera({-3, 0.5, -3}, {0, 0, 0}).environment(1);
     builder.quad(builder.diffuse(Vec3d(albedo), Vec3d(0.125)), {0, 0, 0}, 10, 10);
-    EXPECT_EQ(test::mean_radiance<TypeParam>(builder.scene, {.samples = 10, .depth = 2}).channel[0].value(), albedo + 0.125);
+    EXPECT_EQ(test::mean_radiance<TypeParam>(builder.scene, {.samples = 10, .depth = 2}).channel[0].value(),
+              albedo + 0.125);
 }
 
 }  // namespace

@@ -47,7 +47,8 @@ TYPED_TEST(SubsurfaceTest, WhiteBodyInAnEvenEnvironmentIsInvisible) {
                     add_body(builder, shape, builder.subsurface(Vec3d(sigma), Vec3d(0.0), g, ior));
                     const Film film = test::render<TypeParam>(builder.scene, {.samples = sigma > 1 ? 1u : 4u});
                     for (std::uint32_t i = 0; i < 64; ++i) {
-                        ASSERT_EQ(film.pixel(i), Vec3d(1.0)) << shape << " ior " << ior << " sigma " << sigma << " g " << g;
+                        ASSERT_EQ(film.pixel(i), Vec3d(1.0))
+                            << shape << " ior " << ior << " sigma " << sigma << " g " << g;
                     }
                 }
             }
@@ -110,14 +111,17 @@ TYPED_TEST(SubsurfaceTest, SlabReflectsAndTransmitsItsShare) {
         double tau, albedo, mu, reflectance, transmittance;
     };
     // numerics.md S34: six digits.
-    for (const Case& c : {Case{.1, 1, 1, .047689, .952311}, Case{1, 1, 1, .341329, .658671}, Case{2, 1, 1, .517515, .482485},
-                          Case{5, 1, 1, .738721, .261279}, Case{1, 1, 0, .446594, .553406}, Case{2, 1, 0, .609940, .390060},
-                          Case{1, .99, 0, .435962, .544352}, Case{1, .9, 0, .352712, .474746}, Case{2, .9, 0, .437147, .265581},
-                          Case{5, .9, 0, .476338, .053421}}) {
+    for (const Case& c :
+         {Case{.1, 1, 1, .047689, .952311}, Case{1, 1, 1, .341329, .658671}, Case{2, 1, 1, .517515, .482485},
+          Case{5, 1, 1, .738721, .261279}, Case{1, 1, 0, .446594, .553406}, Case{2, 1, 0, .609940, .390060},
+          Case{1, .99, 0, .435962, .544352}, Case{1, .9, 0, .352712, .474746}, Case{2, .9, 0, .437147, .265581},
+          Case{5, .9, 0, .476338, .053421}}) {
         const Slab result = slab<TypeParam>(c.tau, c.albedo, c.mu, 60000);
-        EXPECT_NEAR(result.reflected.value(), c.reflectance, tolerated_errors * result.reflected.standard_error() + 1e-6)
+        EXPECT_NEAR(result.reflected.value(), c.reflectance,
+                    tolerated_errors * result.reflected.standard_error() + 1e-6)
             << c.tau << " " << c.albedo << " " << c.mu;
-        EXPECT_NEAR(result.transmitted.value(), c.transmittance, tolerated_errors * result.transmitted.standard_error() + 1e-6)
+        EXPECT_NEAR(result.transmitted.value(), c.transmittance,
+                    tolerated_errors * result.transmitted.standard_error() + 1e-6)
             << c.tau << " " << c.albedo << " " << c.mu;
     }
 }
@@ -136,8 +140,8 @@ TYPED_TEST(SubsurfaceTest, HalfSpaceHasChandrasekharsAlbedo) {
 }
 
 TYPED_TEST(SubsurfaceTest, CapLosesWhatScattersMoreOften) {
-    // numerics.md S33: escaped from a white half space after at most n scatterings. (Four digits, from a Monte Carlo run of
-    // unknown length: 3e-4 on top.)
+    // numerics.md S33: escaped from a white half space after at most n scatterings. (Four digits, from a Monte Carlo
+    // run of unknown length: 3e-4 on top.)
     struct Case {
         std::uint32_t cap;
         double mu, escaped;
@@ -147,21 +151,24 @@ TYPED_TEST(SubsurfaceTest, CapLosesWhatScattersMoreOften) {
         EXPECT_NEAR(result.reflected.value(), c.escaped, tolerated_errors * result.reflected.standard_error() + 3e-4)
             << c.cap << " " << c.mu;
     }
-    // No scattering... is not to be had from a scene file (1 is the least): then only what scatters once or not at all comes
-    // back. From normal incidence on a white half space that is 1/2 int e^-t int e^(-t/mu) dmu dt = (1 - ln 2) / 2.
+    // No scattering... is not to be had from a scene file (1 is the least): then only what scatters once or not at all
+    // comes back. From normal incidence on a white half space that is 1/2 int e^-t int e^(-t/mu) dmu dt = (1 - ln 2)
+    // / 2.
     const Slab once = slab<TypeParam>(2000, 1, 1, 100000, 1);
     EXPECT_NEAR(once.reflected.value(), 0.5 * (1 - std::log(2.0)), tolerated_errors * once.reflected.standard_error());
 }
 
 TYPED_TEST(SubsurfaceTest, SimilarSlabsOfForwardScatterersTransmitAlike) {
-    // Thick white slabs with equal (1 - g) tau transmit nearly alike (diffusion): within 2 % at reduced depth 10, where a phase
-    // function turned the wrong way round would be off by a factor of 10.
+    // Thick white slabs with equal (1 - g) tau transmit nearly alike (diffusion): within 2 % at reduced depth 10, where
+    // a phase function turned the wrong way round would be off by a factor of 10.
     const Slab forward = slab<TypeParam>(40, 1, 0, 8000, 1000000, 0.75);
-    EXPECT_NEAR(forward.transmitted.value(), .116745, 0.02 * .116745 + tolerated_errors * forward.transmitted.standard_error());
+    EXPECT_NEAR(forward.transmitted.value(), .116745,
+                0.02 * .116745 + tolerated_errors * forward.transmitted.standard_error());
 }
 
-// Light from everywhere alike on a convex body: the mean path inside is n^2 4V/S per photon that arrives (those that the
-// boundary reflects count 0). To first order in a weak absorption, that is the share lost over sigma_a. numerics.md S35.
+// Light from everywhere alike on a convex body: the mean path inside is n^2 4V/S per photon that arrives (those that
+// the boundary reflects count 0). To first order in a weak absorption, that is the share lost over sigma_a. numerics.md
+// S35.
 double mean_path(int shape, double ior, double sigma_s, double g, int count, double* error) {
     const double sigma_a = 1e-7;
     SceneBuilder builder;
@@ -189,7 +196,8 @@ double mean_path(int shape, double ior, double sigma_s, double g, int count, dou
 
 TEST(SubsurfaceTest, MeanPathDoesNotDependOnTheScattering) {
     const double pi_ = pi<double>;
-    const double four_v_over_s[] = {4.0 / 3.0 * 0.75, 0, 4 * 1.875 / (2 * (1.25 + 1.5 + 1.875)), 4 * 1.875 / (2 * (1.25 + 1.5 + 1.875))};
+    const double four_v_over_s[] = {4.0 / 3.0 * 0.75, 0, 4 * 1.875 / (2 * (1.25 + 1.5 + 1.875)),
+                                    4 * 1.875 / (2 * (1.25 + 1.5 + 1.875))};
     EXPECT_NEAR(four_v_over_s[0], 4 * (4.0 / 3.0 * pi_ * 0.421875) / (4 * pi_ * 0.5625), 1e-12);
     for (const int shape : {0, 2, 3}) {
         struct Case {
@@ -200,7 +208,8 @@ TEST(SubsurfaceTest, MeanPathDoesNotDependOnTheScattering) {
             const double length = mean_path(shape, c.ior, c.sigma_s, c.g, 40000, &error);
             const double exact = c.ior * c.ior * four_v_over_s[shape];
             // 1 - (1 - x)^k = k x to 1e-7 k; the throughput's own rounding is 1e-16 / 1e-7.
-            EXPECT_NEAR(length, exact, tolerated_errors * error + 1e-4) << shape << " " << c.ior << " " << c.sigma_s << " " << c.g;
+            EXPECT_NEAR(length, exact, tolerated_errors * error + 1e-4)
+                << shape << " " << c.ior << " " << c.sigma_s << " " << c.g;
             EXPECT_LT(error, 0.03 * exact);
         }
     }
@@ -216,10 +225,10 @@ TYPED_TEST(SubsurfaceTest, ColouredBodyIsThreeGreyBodies) {
                 add_body(builder, shape, builder.subsurface(s, a, 0.3, ior));
                 return builder.scene;
             };
-            const auto coloured = test::mean_radiance<TypeParam>(scene(sigma_s, sigma_a), {.samples = 2000, .seed = 2});
+            const auto coloured = test::mean_radiance<TypeParam>(scene(sigma_s, sigma_a), {.samples = 5000, .seed = 2});
             for (int i = 0; i < 3; ++i) {
-                const auto grey =
-                    test::mean_radiance<TypeParam>(scene(Vec3d(sigma_s[i]), Vec3d(sigma_a[i])), {.samples = 1000, .seed = 3});
+                const auto grey = test::mean_radiance<TypeParam>(scene(Vec3d(sigma_s[i]), Vec3d(sigma_a[i])),
+                                                                 {.samples = 1000, .seed = 3});
                 const double error = std::hypot(coloured.channel[i].standard_error(), grey.channel[i].standard_error());
                 EXPECT_NEAR(coloured.channel[i].value(), grey.channel[i].value(), tolerated_errors * error)
                     << shape << " ior " << ior << " channel " << i;
@@ -256,23 +265,25 @@ TYPED_TEST(SubsurfaceTest, PureAbsorberIsAMatchedDielectric) {
 }
 
 TYPED_TEST(SubsurfaceTest, ClearBodyWithAnIndexIsGlass) {
-    // numerics.md S37: without medium the boundary alone is left; L behind it as for a dielectric. A lamp seen through the
-    // body, so that bending shows: both must agree.
+    // numerics.md S37: without medium the boundary alone is left; L behind it as for a dielectric. A lamp seen through
+    // the body, so that bending shows: both must agree.
     const auto scene = [](bool subsurface) {
         SceneBuilder builder;
         builder.camera({0, 0, -5}, {0, 0, 0}).image(6, 6, 25, true).depth(50);
-        builder.sphere(subsurface ? builder.subsurface(Vec3d(0.0), Vec3d(0.0), 0, 1.5) : builder.dielectric(1.5), {0, 0, 0}, 2);
+        builder.sphere(subsurface ? builder.subsurface(Vec3d(0.0), Vec3d(0.0), 0, 1.5) : builder.dielectric(1.5),
+                       {0, 0, 0}, 2);
         builder.quad(builder.emitter({1, 0.5, 0.25}), {0.5, 0.25, 3}, 2, 1, {90, 0, 0});
         return builder.scene;
     };
     const auto body = test::mean_radiance<TypeParam>(scene(true), {.samples = 3000, .seed = 4}).channel[0];
     const auto glass = test::mean_radiance<TypeParam>(scene(false), {.samples = 3000, .seed = 5}).channel[0];
-    EXPECT_NEAR(body.value(), glass.value(), tolerated_errors * std::hypot(body.standard_error(), glass.standard_error()));
+    EXPECT_NEAR(body.value(), glass.value(),
+                tolerated_errors * std::hypot(body.standard_error(), glass.standard_error()));
 }
 
 TYPED_TEST(SubsurfaceTest, MovingBodyWalksInItsOwnFrame) {
-    // Moving with everything else still, in an even environment: white stays white, and a coloured body has the mean of the
-    // same body standing where it is at the only instant of the shutter.
+    // Moving with everything else still, in an even environment: white stays white, and a coloured body has the mean of
+    // the same body standing where it is at the only instant of the shutter.
     const Vec3d velocity(4, -2, 1);
     const auto scene = [&](bool moves) {
         SceneBuilder builder;

@@ -1,5 +1,5 @@
-// Every kernel header through nvcc, host and device: the four stages as kernels, for every feature in both precisions and
-// for one small feature set. Compiled by nvcc_test; never run.
+// Every kernel header through nvcc, host and device: the four stages as kernels, for every feature in both precisions
+// and for one small feature set. Compiled by nvcc_test; never run.
 #include "kernels/box.h"
 #include "kernels/camera.h"
 #include "kernels/config.h"
@@ -24,7 +24,8 @@
 namespace pt {
 
 template <class Config>
-__global__ void generate_paths(SceneView<typename Config::Real> scene, Path<typename Config::Real>* paths, std::uint32_t sample) {
+__global__ void generate_paths(SceneView<typename Config::Real> scene, Path<typename Config::Real>* paths,
+                               std::uint32_t sample) {
     const std::uint32_t pixel = blockIdx.x * blockDim.x + threadIdx.x;
     if (pixel < scene.pixel_count()) {
         paths[pixel] = generate<Config>(scene, pixel, sample);
@@ -66,13 +67,13 @@ void on_host(const SceneView<typename Config::Real>& scene, const FilmView& film
     accumulate(film, path);
 }
 
-#define PT_INSTANTIATE(CONFIG)                                                                                            \
-    template __global__ void generate_paths<CONFIG>(SceneView<CONFIG::Real>, Path<CONFIG::Real>*, std::uint32_t);         \
-    template __global__ void intersect_paths<CONFIG>(SceneView<CONFIG::Real>, const Path<CONFIG::Real>*, Hit<CONFIG::Real>*, \
-                                                     std::uint32_t);                                                      \
-    template __global__ void shade_paths<CONFIG>(SceneView<CONFIG::Real>, Path<CONFIG::Real>*, const Hit<CONFIG::Real>*,  \
-                                                 PathCounters*, std::uint32_t);                                           \
-    template __global__ void accumulate_paths<CONFIG>(FilmView, const Path<CONFIG::Real>*, std::uint32_t);                \
+#define PT_INSTANTIATE(CONFIG)                                                                                    \
+    template __global__ void generate_paths<CONFIG>(SceneView<CONFIG::Real>, Path<CONFIG::Real>*, std::uint32_t); \
+    template __global__ void intersect_paths<CONFIG>(SceneView<CONFIG::Real>, const Path<CONFIG::Real>*,          \
+                                                     Hit<CONFIG::Real>*, std::uint32_t);                          \
+    template __global__ void shade_paths<CONFIG>(SceneView<CONFIG::Real>, Path<CONFIG::Real>*,                    \
+                                                 const Hit<CONFIG::Real>*, PathCounters*, std::uint32_t);         \
+    template __global__ void accumulate_paths<CONFIG>(FilmView, const Path<CONFIG::Real>*, std::uint32_t);        \
     template void on_host<CONFIG>(const SceneView<CONFIG::Real>&, const FilmView&, PathCounters&);
 
 using Everything = Config<float, all_features>;

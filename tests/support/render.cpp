@@ -28,8 +28,8 @@ Film render(const Scene& scene, const RenderOptions& options) {
     PathCounters counters;
     for (std::uint32_t pixel = 0; pixel < settings.width * settings.height; ++pixel) {
         for (std::uint32_t i = 0; i < options.samples; ++i) {
-            integrator::depth_first::trace<Generic<Real>>(buffers.view(), film.view(), pixel, options.first_sample + i, nullptr,
-                                                          false, counters);
+            integrator::depth_first::trace<Generic<Real>>(buffers.view(), film.view(), pixel, options.first_sample + i,
+                                                          nullptr, false, counters);
         }
     }
     return film;

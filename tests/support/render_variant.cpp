@@ -3,7 +3,8 @@
 
 namespace pt::test {
 
-Film render_variant(const Scene& scene, const RenderOptions& options, const std::string& axis, const std::string& choice) {
+Film render_variant(const Scene& scene, const RenderOptions& options, const std::string& axis,
+                    const std::string& choice) {
     RenderRequest request;
     request.variant = Registry::instance().baseline();
     if (!axis.empty()) {

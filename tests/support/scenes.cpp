@@ -113,7 +113,8 @@ SceneObject& SceneBuilder::ellipsoid(std::uint32_t material, const Vec3d& centre
     return add(Shape::sphere, material, centre, scale, rotate_degrees);
 }
 
-SceneObject& SceneBuilder::box(std::uint32_t material, const Vec3d& centre, const Vec3d& scale, const Vec3d& rotate_degrees) {
+SceneObject& SceneBuilder::box(std::uint32_t material, const Vec3d& centre, const Vec3d& scale,
+                               const Vec3d& rotate_degrees) {
     return add(Shape::box, material, centre, scale, rotate_degrees);
 }
 
@@ -124,12 +125,12 @@ SceneObject& SceneBuilder::quad(std::uint32_t material, const Vec3d& centre, dou
 
 SceneBuilder& SceneBuilder::room(std::uint32_t material, const Vec3d& centre, const Vec3d& half) {
     const Vec3d size = half * 2.0;
-    quad(material, centre + Vec3d(0, -half.y, 0), size.x, size.z);                 // faces +y
-    quad(material, centre + Vec3d(0, half.y, 0), size.x, size.z, {180, 0, 0});     // faces -y
-    quad(material, centre + Vec3d(0, 0, -half.z), size.x, size.y, {90, 0, 0});     // faces +z
-    quad(material, centre + Vec3d(0, 0, half.z), size.x, size.y, {-90, 0, 0});     // faces -z
-    quad(material, centre + Vec3d(-half.x, 0, 0), size.y, size.z, {0, 0, -90});    // faces +x
-    quad(material, centre + Vec3d(half.x, 0, 0), size.y, size.z, {0, 0, 90});      // faces -x
+    quad(material, centre + Vec3d(0, -half.y, 0), size.x, size.z);               // faces +y
+    quad(material, centre + Vec3d(0, half.y, 0), size.x, size.z, {180, 0, 0});   // faces -y
+    quad(material, centre + Vec3d(0, 0, -half.z), size.x, size.y, {90, 0, 0});   // faces +z
+    quad(material, centre + Vec3d(0, 0, half.z), size.x, size.y, {-90, 0, 0});   // faces -z
+    quad(material, centre + Vec3d(-half.x, 0, 0), size.y, size.z, {0, 0, -90});  // faces +x
+    quad(material, centre + Vec3d(half.x, 0, 0), size.y, size.z, {0, 0, 90});    // faces -x
     return *this;
 }
 

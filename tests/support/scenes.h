@@ -7,8 +7,8 @@
 
 namespace pt::test {
 
-// A scene with a pinhole camera at the origin that looks along +z (y up, x to the left of the image: the camera's right is
-// -x), one pixel of 90 degrees, no jitter, depth 1. Members are set directly; materials and objects are added.
+// A scene with a pinhole camera at the origin that looks along +z (y up, x to the left of the image: the camera's right
+// is -x), one pixel of 90 degrees, no jitter, depth 1. Members are set directly; materials and objects are added.
 struct SceneBuilder {
     Scene scene;
 

@@ -7,9 +7,7 @@ namespace pt::test {
 namespace {
 
 // x^a e^-x / Gamma(a)
-double gamma_density_times_x(double a, double x) {
-    return std::exp(a * std::log(x) - x - std::lgamma(a));
-}
+double gamma_density_times_x(double a, double x) { return std::exp(a * std::log(x) - x - std::lgamma(a)); }
 
 // Series for the lower function; converges fast for x < a + 1.
 double lower_by_series(double a, double x) {

@@ -61,7 +61,8 @@ TEST(FilmTest, DyadicRadianceIsSummedExactly) {
 }
 
 TEST(FilmTest, ManySmallSamplesDoNotDrift) {
-    // numerics.md S43: a float sum of 0.1 is off by 1 % at 1e6 samples. Here the only error is the first rounding to a quantum.
+    // numerics.md S43: a float sum of 0.1 is off by 1 % at 1e6 samples. Here the only error is the first rounding to a
+    // quantum.
     constexpr int count = 1000000;
     Film film(1, 1, 1, count);
     for (int i = 0; i < count; ++i) {

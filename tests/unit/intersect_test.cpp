@@ -47,7 +47,8 @@ Wide undo_rotation(Wide v, const Vec3d& degrees) {
     return {v.x, v.y * cosl(x) - v.z * sinl(x), v.y * sinl(x) + v.z * cosl(x)};
 }
 
-// Parameters where the ray meets the surface of an object, in increasing order, and whether it only just does or does not.
+// Parameters where the ray meets the surface of an object, in increasing order, and whether it only just does or does
+// not.
 struct Crossings {
     long double t[2];
     int count = 0;
@@ -134,7 +135,8 @@ TYPED_TEST(IntersectTest, NearestHitIsThatOfTheSceneFormat) {
         std::size_t nearest_object = 0;
         bool from_inside = false, doubtful = false;
         for (std::size_t k = 0; k < builder.scene.objects.size(); ++k) {
-            const Crossings crossings = crossings_of(builder.scene.objects[k], Wide(ray.origin), Wide(ray.direction), doubt);
+            const Crossings crossings =
+                crossings_of(builder.scene.objects[k], Wide(ray.origin), Wide(ray.direction), doubt);
             doubtful |= crossings.doubtful;
             for (int j = 0; j < crossings.count; ++j) {
                 const long double t = crossings.t[j];
@@ -203,7 +205,8 @@ TYPED_TEST(IntersectTest, TiesGoToTheLowestObjectNumber) {
         const Stages<Real> stages(builder.scene);
         Random random(5);
         for (int i = 0; i < 2000; ++i) {
-            const Ray<Real> ray{{0, 0, 0}, normalize(Vec3<Real>(0, 0, 8) + random_in_cube<Real>(random, 0.5)), Real(0), {}};
+            const Ray<Real> ray{
+                {0, 0, 0}, normalize(Vec3<Real>(0, 0, 8) + random_in_cube<Real>(random, 0.5)), Real(0), {}};
             const Hit<Real> hit = stages.intersect(ray);
             ASSERT_TRUE(hit.side.exists());
             ASSERT_EQ(hit.side.object(), 0u);
@@ -270,12 +273,14 @@ TYPED_TEST(IntersectTest, OrientedBoxTurnedIntoPlaceIsTheAxisBox) {
     Random random(7);
     int hits = 0;
     for (int i = 0; i < 20000; ++i) {
-        const Ray<Real> ray{random_in_cube<Real>(random, 1), normalize(Vec3<Real>(0, 0, 3) + random_in_cube<Real>(random, 1.5)),
-                            Real(0), {}};
+        const Ray<Real> ray{random_in_cube<Real>(random, 1),
+                            normalize(Vec3<Real>(0, 0, 3) + random_in_cube<Real>(random, 1.5)),
+                            Real(0),
+                            {}};
         const Hit<Real> one = a.intersect(ray), two = b.intersect(ray);
         if (one.side.exists() && two.side.exists()) {
-            // A hit point moves by the hair (2e-11 radians) or a few roundings, times the slope of the face (at most some 20
-            // in these rays; a ray along a face is either met there or not).
+            // A hit point moves by the hair (2e-11 radians) or a few roundings, times the slope of the face (at most
+            // some 20 in these rays; a ray along a face is either met there or not).
             const Vec3<Real> p = a.surface(ray, one).position - b.surface(ray, two).position;
             ASSERT_LE(std::sqrt(dot(p, p)), sizeof(Real) == 4 ? Real(2e-4) : Real(1e-8));
             ++hits;
@@ -327,7 +332,8 @@ TYPED_TEST(IntersectTest, MovingObjectIsMetWhereItIsAtTheRaysTime) {
     EXPECT_GT(hits, 2000);
 }
 
-// --- Closed rooms -----------------------------------------------------------------------------------------------------
+// --- Closed rooms
+// -----------------------------------------------------------------------------------------------------
 
 template <class Real>
 struct LeakCount {
@@ -353,8 +359,8 @@ LeakCount<Real> walk_inside(const Scene& scene, const Vec3d& centre, const Vec3d
                 corner[k] = k == free_axis ? random.uniform(-1, 1) : (random.word() & 1u) != 0 ? 1 : -1;
             }
             const Vec3d local = corner * half;
-            const Vec3d target = centre - scene.camera.eye + rotation.column[0] * local.x + rotation.column[1] * local.y +
-                                 rotation.column[2] * local.z;
+            const Vec3d target = centre - scene.camera.eye + rotation.column[0] * local.x +
+                                 rotation.column[1] * local.y + rotation.column[2] * local.z;
             // Not along the wall that the ray starts on.
             const Vec3d direction = target - Vec3d(ray.origin);
             if (dot(direction, wall_normal) > 0.01 * std::sqrt(dot(direction, direction))) {
@@ -370,8 +376,8 @@ LeakCount<Real> walk_inside(const Scene& scene, const Vec3d& centre, const Vec3d
             // On the outside of the walls the way is as lost as without a hit: the normal must look at the centre.
             lost = dot(Vec3<Real>(centre - scene.camera.eye) - point.position, normal) < 0;
             ray.origin = point.position;
-            ray.direction = normalize(
-                Frame<Real>(normal).to_world(cosine_hemisphere(unit_interval<Real>(random.word()), unit_interval<Real>(random.word()))));
+            ray.direction = normalize(Frame<Real>(normal).to_world(
+                cosine_hemisphere(unit_interval<Real>(random.word()), unit_interval<Real>(random.word()))));
             ray.departed = ObjectSide::of(hit.side.object(), hit.side.inside());
             wall_normal = Vec3d(normal);
         }
@@ -385,17 +391,19 @@ LeakCount<Real> walk_inside(const Scene& scene, const Vec3d& centre, const Vec3d
 }
 
 template <class Real>
-void expect_no_leaks(const std::function<void(SceneBuilder&, std::uint32_t)>& add, const Vec3d& centre, const Vec3d& half,
-                     const Vec3d& degrees, std::uint64_t segments) {
+void expect_no_leaks(const std::function<void(SceneBuilder&, std::uint32_t)>& add, const Vec3d& centre,
+                     const Vec3d& half, const Vec3d& degrees, std::uint64_t segments) {
     SceneBuilder builder;
     add(builder, builder.diffuse(Vec3d(0.5)));
     builder.camera(centre + Vec3d(0.3, 0.2, 0.1) * half, centre + Vec3d(1, 0, 0));
     const LeakCount<Real> count = walk_inside<Real>(builder.scene, centre, half, degrees, segments, 11);
-    EXPECT_EQ(count.leaks, 0u) << "in " << count.segments << " segments; half " << half.x << " " << half.y << " " << half.z;
+    EXPECT_EQ(count.leaks, 0u) << "in " << count.segments << " segments; half " << half.x << " " << half.y << " "
+                               << half.z;
 }
 
 // Six quads, placed as SceneBuilder::room does and then turned together about the centre.
-void turned_room(SceneBuilder& builder, std::uint32_t material, const Vec3d& centre, const Vec3d& half, double degrees_z) {
+void turned_room(SceneBuilder& builder, std::uint32_t material, const Vec3d& centre, const Vec3d& half,
+                 double degrees_z) {
     SceneBuilder upright;
     upright.room(0, Vec3d(0.0), half);
     const Rotation rotation = rotation_of({0, 0, degrees_z});
@@ -413,7 +421,11 @@ constexpr std::uint64_t room_segments = 1000000;
 TYPED_TEST(IntersectTest, RoomOfSixQuadsDoesNotLeak) {
     using Real = TypeParam;
     for (const Vec3d half : {Vec3d(1.0), Vec3d(5.0), Vec3d(0.7, 1.3, 2.9)}) {
-        expect_no_leaks<Real>([&](auto& b, auto m) { b.room(m, {0, 0, 0}, half); }, {0, 0, 0}, half, Vec3d(0.0), room_segments);
+        expect_no_leaks<Real>(
+            [&](auto& b, auto m) {
+                b.room(m, {0, 0, 0}, half);
+            },
+            {0, 0, 0}, half, Vec3d(0.0), room_segments);
     }
 }
 
@@ -426,31 +438,53 @@ TYPED_TEST(IntersectTest, RoomOfSixQuadsElsewhereDoesNotLeak) {
 TYPED_TEST(IntersectTest, TurnedRoomOfSixQuadsDoesNotLeak) {
     using Real = TypeParam;
     const Vec3d half(1, 2, 1.5);
-    expect_no_leaks<Real>([&](auto& b, auto m) { turned_room(b, m, {0, 0, 0}, half, 33); }, {0, 0, 0}, half, {0, 0, 33},
-                          room_segments);
+    expect_no_leaks<Real>(
+        [&](auto& b, auto m) {
+            turned_room(b, m, {0, 0, 0}, half, 33);
+        },
+        {0, 0, 0}, half, {0, 0, 33}, room_segments);
 }
 
 TYPED_TEST(IntersectTest, LongRoomOfSixQuadsDoesNotLeak) {
     using Real = TypeParam;
     const Vec3d half(0.5, 0.5, 25);
-    expect_no_leaks<Real>([&](auto& b, auto m) { b.room(m, {0, 0, 0}, half); }, {0, 0, 0}, half, Vec3d(0.0), room_segments);
+    expect_no_leaks<Real>(
+        [&](auto& b, auto m) {
+            b.room(m, {0, 0, 0}, half);
+        },
+        {0, 0, 0}, half, Vec3d(0.0), room_segments);
 }
 
 TYPED_TEST(IntersectTest, BoxesDoNotLeak) {
     using Real = TypeParam;
     const Vec3d half(0.7, 1.3, 2.9);
     const Vec3d turn(20, 30, 40);
-    expect_no_leaks<Real>([&](auto& b, auto m) { b.box(m, {1, 2, 3}, half * 2.0); }, {1, 2, 3}, half, Vec3d(0.0), room_segments);
-    expect_no_leaks<Real>([&](auto& b, auto m) { b.box(m, {1, 2, 3}, half * 2.0, turn); }, {1, 2, 3}, half, turn, room_segments);
+    expect_no_leaks<Real>(
+        [&](auto& b, auto m) {
+            b.box(m, {1, 2, 3}, half * 2.0);
+        },
+        {1, 2, 3}, half, Vec3d(0.0), room_segments);
+    expect_no_leaks<Real>(
+        [&](auto& b, auto m) {
+            b.box(m, {1, 2, 3}, half * 2.0, turn);
+        },
+        {1, 2, 3}, half, turn, room_segments);
 }
 
 TYPED_TEST(IntersectTest, SpheresDoNotLeak) {
     using Real = TypeParam;
     const Vec3d half(0.7, 1.3, 2.9);
     const Vec3d turn(20, 30, 40);
-    expect_no_leaks<Real>([&](auto& b, auto m) { b.sphere(m, {1, 2, 3}, 2); }, {1, 2, 3}, Vec3d(1.0), Vec3d(0.0), room_segments);
-    expect_no_leaks<Real>([&](auto& b, auto m) { b.ellipsoid(m, {1, 2, 3}, half * 2.0, turn); }, {1, 2, 3}, half, turn,
-                          room_segments);
+    expect_no_leaks<Real>(
+        [&](auto& b, auto m) {
+            b.sphere(m, {1, 2, 3}, 2);
+        },
+        {1, 2, 3}, Vec3d(1.0), Vec3d(0.0), room_segments);
+    expect_no_leaks<Real>(
+        [&](auto& b, auto m) {
+            b.ellipsoid(m, {1, 2, 3}, half * 2.0, turn);
+        },
+        {1, 2, 3}, half, turn, room_segments);
 }
 
 }  // namespace

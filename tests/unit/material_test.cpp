@@ -54,7 +54,8 @@ std::vector<double> indices() {
 
 template <class Real>
 std::vector<Real> cosines(double relative_ior) {
-    std::vector<Real> all{0, 1, Real(0.5), Real(1e-6), Real(1e-4), Real(1e-3), Real(0.01), 1 - epsilon<Real>, Real(0.999)};
+    std::vector<Real> all{0,          1,          Real(0.5),         Real(1e-6), Real(1e-4),
+                          Real(1e-3), Real(0.01), 1 - epsilon<Real>, Real(0.999)};
     if (relative_ior < 1) {
         const double critical = std::sqrt((1 - relative_ior) * (1 + relative_ior));
         for (const double offset : {-1e-2, -1e-4, 1e-4, 1e-2}) {
@@ -82,12 +83,14 @@ TYPED_TEST(MaterialTest, FresnelMatchesTheTextbook) {
                     continue;
                 }
                 const long double q = n * exact.transmitted_cosine;
-                // Rounding of n moves q^2 by a few epsilon of max(1, n^2), so R, whose slope over q is at most 4 / (c + q),
-                // moves by that over q: numerics.md S26 measured 6e-7 in float, and 7e-6 near the critical angle.
+                // Rounding of n moves q^2 by a few epsilon of max(1, n^2), so R, whose slope over q is at most 4 / (c +
+                // q), moves by that over q: numerics.md S26 measured 6e-7 in float, and 7e-6 near the critical angle.
                 const long double size = std::max(1.0L, n);
-                const long double moved = q > 0 ? 4 * epsilon<Real> * std::min(1.0L, n * n + exact.transmitted_cosine) / q : 0;
+                const long double moved =
+                    q > 0 ? 4 * epsilon<Real> * std::min(1.0L, n * n + exact.transmitted_cosine) / q : 0;
                 const long double tolerance = 8 * epsilon<Real> + moved / (static_cast<long double>(cosine) + q) / size;
-                const bool near_critical = std::abs(n * n - 1 + static_cast<long double>(cosine) * cosine) < 8 * epsilon<Real>;
+                const bool near_critical =
+                    std::abs(n * n - 1 + static_cast<long double>(cosine) * cosine) < 8 * epsilon<Real>;
                 if (near_critical) {
                     continue;
                 }

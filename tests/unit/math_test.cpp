@@ -48,19 +48,21 @@ TYPED_TEST(MathTest, SinCosOctantIsWithinOneAndAHalfUnits) {
 TYPED_TEST(MathTest, SinCosTurnIsWithinThreeUnitsOfTheRotation) {
     using Real = TypeParam;
     constexpr int steps = 200000;
-    // The octant's argument carries the roundings of 2 pi and of one product: 1 unit more than the octant itself, where a
-    // unit of a small sine is worth up to 2 in relative terms.
+    // The octant's argument carries the roundings of 2 pi and of one product: 1 unit more than the octant itself, where
+    // a unit of a small sine is worth up to 2 in relative terms.
     long double worst = 0;
     for (int i = 0; i <= steps; ++i) {
         const Real u = static_cast<Real>(i) / static_cast<Real>(steps);
         // The reference reduces to an octant too, or the rounding of 2 pi u would spoil it near its zeros.
         const long quarter = lroundl(4 * static_cast<long double>(u));
-        const long double angle = 2 * exact_pi * (static_cast<long double>(u) - 0.25L * static_cast<long double>(quarter));
+        const long double angle =
+            2 * exact_pi * (static_cast<long double>(u) - 0.25L * static_cast<long double>(quarter));
         const long double sines[] = {sinl(angle), cosl(angle), -sinl(angle), -cosl(angle)};
         const SinCos<Real> result = sin_cos_turn(u);
         const long double sine = sines[quarter & 3], cosine = sines[(quarter + 1) & 3];
         worst = std::max(worst, sine == 0 ? std::abs(static_cast<long double>(result.sine)) : ulps(result.sine, sine));
-        worst = std::max(worst, cosine == 0 ? std::abs(static_cast<long double>(result.cosine)) : ulps(result.cosine, cosine));
+        worst = std::max(worst,
+                         cosine == 0 ? std::abs(static_cast<long double>(result.cosine)) : ulps(result.cosine, cosine));
     }
     EXPECT_LT(worst, 3.0L);
 }
@@ -78,8 +80,8 @@ TYPED_TEST(MathTest, SinCosTurnIsExactAtQuarterTurns) {
 
 TYPED_TEST(MathTest, SinCosTurnAddsQuarterTurnsExactly) {
     using Real = TypeParam;
-    // Multiples of 2^-20: u + 1/4 is exact, so the same octant must come out, bit for bit. Odd multiples only, so that no
-    // u lies on the border between two octants.
+    // Multiples of 2^-20: u + 1/4 is exact, so the same octant must come out, bit for bit. Odd multiples only, so that
+    // no u lies on the border between two octants.
     for (int i = 1; i < (1 << 20) / 4; i += 2) {
         const Real u = static_cast<Real>(i) * Real(0x1p-20);
         const SinCos<Real> here = sin_cos_turn(u);
@@ -97,7 +99,8 @@ Real frame_error(const Vec3<Real>& n) {
     const Frame<Real> frame(n);
     const Vec3<Real> t = frame.tangent, b = frame.bitangent;
     Real worst = 0;
-    for (const Real deviation : {dot(t, t) - 1, dot(b, b) - 1, dot(t, b), dot(t, n), dot(b, n), dot(cross(t, b), n) - 1}) {
+    for (const Real deviation :
+         {dot(t, t) - 1, dot(b, b) - 1, dot(t, b), dot(t, n), dot(b, n), dot(cross(t, b), n) - 1}) {
         worst = std::max(worst, std::abs(deviation));
     }
     return worst;
@@ -112,7 +115,8 @@ TYPED_TEST(MathTest, FrameIsOrthonormalAndRightHanded) {
         const Real z = static_cast<Real>(random.uniform(-1, 1));
         const Real azimuth = static_cast<Real>(random.uniform(0, 6.283185307179586));
         const Real radius = std::sqrt(std::max(Real(0), (1 - z) * (1 + z)));
-        ASSERT_LE(frame_error(normalize(Vec3<Real>{radius * std::cos(azimuth), radius * std::sin(azimuth), z})), tolerance);
+        ASSERT_LE(frame_error(normalize(Vec3<Real>{radius * std::cos(azimuth), radius * std::sin(azimuth), z})),
+                  tolerance);
     }
     // Towards -z, where Frisvad's frame fails, and towards the switch at z = 0.
     for (int exponent = 0; exponent <= 140; ++exponent) {
@@ -155,8 +159,8 @@ TEST(MathTest, MinMaxClampFollowTheTernary) {
     EXPECT_EQ(max(nan, 2.0f), 2.0f);
 }
 
-// The tests' own chi-square, against values of the distribution from Abramowitz and Stegun, table 26.7 and the closed forms
-// Q(1, x) = e^-x and Q(1/2, x) = erfc(sqrt x).
+// The tests' own chi-square, against values of the distribution from Abramowitz and Stegun, table 26.7 and the closed
+// forms Q(1, x) = e^-x and Q(1/2, x) = erfc(sqrt x).
 TEST(StatisticsTest, RegularisedGammaMatchesClosedForms) {
     for (const double x : {1e-6, 0.1, 0.9, 1.0, 1.9, 2.1, 5.0, 30.0, 200.0}) {
         EXPECT_NEAR(test::regularised_gamma_q(1, x) / std::exp(-x), 1, 1e-12) << x;

@@ -1,7 +1,7 @@
 // One primitive and one ray: against long double, from the surface, and where rounding decides.
 #include <array>
-#include <functional>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -28,7 +28,8 @@ template <class Real>
 Vec3<Real> random_direction(Random& random) {
     const Real u = static_cast<Real>(random.uniform()), v = static_cast<Real>(random.uniform());
     const long double z = 1 - 2 * static_cast<long double>(u), r = sqrtl(1 - z * z), phi = 6.283185307179586L * v;
-    return normalize(Vec3<Real>{static_cast<Real>(r * cosl(phi)), static_cast<Real>(r * sinl(phi)), static_cast<Real>(z)});
+    return normalize(
+        Vec3<Real>{static_cast<Real>(r * cosl(phi)), static_cast<Real>(r * sinl(phi)), static_cast<Real>(z)});
 }
 
 template <class Real>
@@ -37,9 +38,7 @@ Vec3<Real> random_in_cube(Random& random, double half) {
             static_cast<Real>(random.uniform(-half, half))};
 }
 
-Wide unit_quadratic_terms(const Wide& f, const Wide& g) {
-    return {dot(g, g), -dot(f, g), dot(f, f) - 1};
-}
+Wide unit_quadratic_terms(const Wide& f, const Wide& g) { return {dot(g, g), -dot(f, g), dot(f, f) - 1}; }
 
 // Compares an interval with the exact roots of |f + t g| = 1, given in units where the body is the unit sphere.
 template <class Real>
@@ -58,8 +57,10 @@ void expect_unit_roots(const Interval<Real>& got, const Wide& f, const Wide& g, 
         const long double root = sqrtl(discriminant / abc.x), middle = abc.y / abc.x;
         // d sqrt(D) = dD / 2 sqrt(D)
         const long double tolerance = unit * uncertain * (1 + 1 / sqrtl(discriminant)) / sqrtl(abc.x);
-        ASSERT_NEAR(static_cast<double>(got.near), static_cast<double>((middle - root) * unit), static_cast<double>(tolerance));
-        ASSERT_NEAR(static_cast<double>(got.far), static_cast<double>((middle + root) * unit), static_cast<double>(tolerance));
+        ASSERT_NEAR(static_cast<double>(got.near), static_cast<double>((middle - root) * unit),
+                    static_cast<double>(tolerance));
+        ASSERT_NEAR(static_cast<double>(got.far), static_cast<double>((middle + root) * unit),
+                    static_cast<double>(tolerance));
     }
 }
 
@@ -74,8 +75,8 @@ TYPED_TEST(PrimitivesTest, SphereRootsMatchLongDouble) {
         const Vec3<Real> origin = sphere.centre + random_direction<Real>(random) * (distance * radius);
         const Vec3<Real> target = sphere.centre + random_in_cube<Real>(random, 1.2) * radius;
         const Vec3<Real> direction = normalize(target - origin);
-        expect_unit_roots(interval(sphere, origin, direction), (Wide(origin) - Wide(sphere.centre)) / (long double)radius,
-                          Wide(direction), radius, 8);
+        expect_unit_roots(interval(sphere, origin, direction),
+                          (Wide(origin) - Wide(sphere.centre)) / (long double)radius, Wide(direction), radius, 8);
     }
 }
 
@@ -95,8 +96,10 @@ TYPED_TEST(PrimitivesTest, EllipsoidRootsMatchLongDouble) {
         const Vec3d degrees(random.uniform(-180, 180), random.uniform(-180, 180), random.uniform(-180, 180));
         const Vec3d centre = random_in_cube<double>(random, 3) * size;
         const Ellipsoid<Real> e = ellipsoid_of<Real>(scale, degrees, centre);
-        const Vec3<Real> origin = e.centre + random_direction<Real>(random) * static_cast<Real>(random.uniform(0, 10) * size);
-        const Vec3<Real> direction = normalize(e.centre + random_in_cube<Real>(random, 0.9) * static_cast<Real>(size) - origin);
+        const Vec3<Real> origin =
+            e.centre + random_direction<Real>(random) * static_cast<Real>(random.uniform(0, 10) * size);
+        const Vec3<Real> direction =
+            normalize(e.centre + random_in_cube<Real>(random, 0.9) * static_cast<Real>(size) - origin);
         // To the unit sphere by the definition: undo the translation, the rotation (exact to double) and the scale.
         const Rotation rotation = rotation_of(degrees);
         const auto to_unit = [&](const Wide& v) {
@@ -107,7 +110,8 @@ TYPED_TEST(PrimitivesTest, EllipsoidRootsMatchLongDouble) {
             return local;
         };
         // The axes are rounded to Real and mix coordinates whose sizes differ by the scales' ratio of up to 7.
-        expect_unit_roots(interval(e, origin, direction), to_unit(Wide(origin) - Wide(e.centre)), to_unit(Wide(direction)), 1, 64);
+        expect_unit_roots(interval(e, origin, direction), to_unit(Wide(origin) - Wide(e.centre)),
+                          to_unit(Wide(direction)), 1, 64);
     }
 }
 
@@ -150,7 +154,8 @@ TYPED_TEST(PrimitivesTest, RaysThroughBoxEdgesAreNotMissed) {
         Vec3<Real> target;
         const int free_axis = static_cast<int>(3 * random.uniform());
         for (int k = 0; k < 3; ++k) {
-            const Real share = k == free_axis ? static_cast<Real>(random.uniform()) : static_cast<Real>(random.word() & 1u);
+            const Real share =
+                k == free_axis ? static_cast<Real>(random.uniform()) : static_cast<Real>(random.word() & 1u);
             target[k] = share == 0 ? low[k] : share == 1 ? high[k] : low[k] + (high[k] - low[k]) * share;
         }
         const Vec3<Real> origin = random_in_cube<Real>(random, 10);
@@ -174,7 +179,8 @@ TYPED_TEST(PrimitivesTest, RaysThroughBoxEdgesAreNotMissed) {
 TYPED_TEST(PrimitivesTest, BoxRaysInAFacesPlaneAreDecided) {
     using Real = TypeParam;
     const Vec3<Real> low{-1, -1, -1}, high{1, 1, 1};
-    // A direction component of exactly +-0 and an origin on that component's plane: 0 * infinity. The face belongs to the box.
+    // A direction component of exactly +-0 and an origin on that component's plane: 0 * infinity. The face belongs to
+    // the box.
     for (const Real zero : {Real(0), Real(-0.0)}) {
         for (const Real side : {Real(-1), Real(1)}) {
             for (int axis = 0; axis < 3; ++axis) {
@@ -226,7 +232,8 @@ TYPED_TEST(PrimitivesTest, OrientedBoxMatchesItsFrameInLongDouble) {
             steepness = std::max(steepness, 1 / std::abs(d));
         }
         const Interval<Real> got = interval(box, origin, direction);
-        // Local coordinates are off by a few epsilon of 16; divided by the direction's component, twice for its own error.
+        // Local coordinates are off by a few epsilon of 16; divided by the direction's component, twice for its own
+        // error.
         const long double tolerance = 64 * epsilon<Real> * steepness * (1 + steepness);
         if (std::abs(near - far) < 4 * tolerance) {
             continue;
@@ -245,16 +252,20 @@ TYPED_TEST(PrimitivesTest, QuadMatchesItsPlaneInLongDouble) {
     for (int i = 0; i < 200000; ++i) {
         const Rotation rotation =
             rotation_of({random.uniform(-180, 180), random.uniform(-180, 180), random.uniform(-180, 180)});
-        const Quad<Real> quad{random_in_cube<Real>(random, 3),      Vec3<Real>(rotation.column[1]),
-                              Vec3<Real>(rotation.column[0]),       Vec3<Real>(rotation.column[2]),
-                              static_cast<Real>(random.uniform(0.2, 2)), static_cast<Real>(random.uniform(0.2, 2))};
+        const Quad<Real> quad{random_in_cube<Real>(random, 3),
+                              Vec3<Real>(rotation.column[1]),
+                              Vec3<Real>(rotation.column[0]),
+                              Vec3<Real>(rotation.column[2]),
+                              static_cast<Real>(random.uniform(0.2, 2)),
+                              static_cast<Real>(random.uniform(0.2, 2))};
         const Vec3<Real> origin = random_in_cube<Real>(random, 8);
         const Vec3<Real> direction = normalize(quad.centre + random_in_cube<Real>(random, 2) - origin);
         const Wide to_centre = Wide(quad.centre) - Wide(origin);
         const long double slope = dot(Wide(direction), Wide(rotation.column[1]));
         const long double t = dot(to_centre, Wide(rotation.column[1])) / slope;
         const Wide p = Wide(direction) * t - to_centre;
-        const long double u = std::abs(dot(p, Wide(rotation.column[0]))), v = std::abs(dot(p, Wide(rotation.column[2])));
+        const long double u = std::abs(dot(p, Wide(rotation.column[0]))),
+                          v = std::abs(dot(p, Wide(rotation.column[2])));
         const long double tolerance = 64 * epsilon<Real> / std::abs(slope) * (1 + std::abs(t));
         const Interval<Real> got = interval(quad, origin, direction);
         ASSERT_NEAR(got.near, t, tolerance);
@@ -278,9 +289,9 @@ void check_departures(const std::function<void(test::SceneBuilder&, std::uint32_
     const auto& view = stages.view();
     Random random(7);
     for (int i = 0; i < 20000; ++i) {
-        const LightSample<Real> point =
-            sample_light<Config<Real, all_features>>(view, 0, Real(0), unit_interval<Real>(random.word()),
-                                                     unit_interval<Real>(random.word()), unit_interval<Real>(random.word()));
+        const LightSample<Real> point = sample_light<Config<Real, all_features>>(
+            view, 0, Real(0), unit_interval<Real>(random.word()), unit_interval<Real>(random.word()),
+            unit_interval<Real>(random.word()));
         Vec3<Real> direction = random_direction<Real>(random);
         const Real slope = dot(direction, point.normal);
         direction = slope < 0 ? -direction : direction;
@@ -316,11 +327,22 @@ TYPED_TEST(PrimitivesTest, RaysLeaveTheirSurfaceAndChordsAreRight) {
         check_departures<Real>([](auto& b, auto m, double s) { b.sphere(m, Vec3d(0.0), s); }, size, tolerance);
         check_departures<Real>([&](auto& b, auto m, double s) { b.sphere(m, off, s); }, size, 10 * tolerance);
         check_departures<Real>(
-            [&](auto& b, auto m, double s) { b.ellipsoid(m, off, Vec3d(1, 0.5, 2) * s, {10, 20, 30}); }, size, 40 * tolerance);
-        check_departures<Real>([&](auto& b, auto m, double s) { b.box(m, off, Vec3d(1, 0.5, 2) * s); }, size, 10 * tolerance);
+            [&](auto& b, auto m, double s) {
+                b.ellipsoid(m, off, Vec3d(1, 0.5, 2) * s, {10, 20, 30});
+            },
+            size, 40 * tolerance);
+        check_departures<Real>([&](auto& b, auto m, double s) { b.box(m, off, Vec3d(1, 0.5, 2) * s); }, size,
+                               10 * tolerance);
         check_departures<Real>(
-            [&](auto& b, auto m, double s) { b.box(m, off, Vec3d(1, 0.5, 2) * s, {10, 20, 30}); }, size, 10 * tolerance);
-        check_departures<Real>([&](auto& b, auto m, double s) { b.quad(m, off, s, 2 * s, {10, 20, 30}); }, size, tolerance);
+            [&](auto& b, auto m, double s) {
+                b.box(m, off, Vec3d(1, 0.5, 2) * s, {10, 20, 30});
+            },
+            size, 10 * tolerance);
+        check_departures<Real>(
+            [&](auto& b, auto m, double s) {
+                b.quad(m, off, s, 2 * s, {10, 20, 30});
+            },
+            size, tolerance);
     }
 }
 

@@ -104,12 +104,14 @@ TEST(RngTest, KeysOnAGridGiveDistinctWords) {
 }
 
 TEST(RngTest, SeedsAreWhitened) {
-    const RandomSeed zero = RandomSeed::from(0), one = RandomSeed::from(1), high = RandomSeed::from(std::uint64_t{1} << 32);
+    const RandomSeed zero = RandomSeed::from(0), one = RandomSeed::from(1),
+                     high = RandomSeed::from(std::uint64_t{1} << 32);
     EXPECT_FALSE(zero.words == one.words);
     EXPECT_FALSE(zero.words == high.words);
     EXPECT_FALSE(one.words == high.words);
     // The words of neighbouring seeds differ by no simple shift of a key: some 64 of the 128 bits flip.
-    const int flipped = __builtin_popcount(zero.words.x ^ one.words.x) + __builtin_popcount(zero.words.y ^ one.words.y) +
+    const int flipped = __builtin_popcount(zero.words.x ^ one.words.x) +
+                        __builtin_popcount(zero.words.y ^ one.words.y) +
                         __builtin_popcount(zero.words.z ^ one.words.z) + __builtin_popcount(zero.words.w ^ one.words.w);
     EXPECT_GT(flipped, 32);
     EXPECT_LT(flipped, 96);
@@ -157,9 +159,9 @@ std::array<double, 4> numbers(const RandomSeed& seed, RandomKey key) {
 TEST(RngTest, MeansOverSamplesDisperseLikeIndependentNumbers) {
     constexpr std::uint32_t pixels = 64 * 64, samples = 64;
     const RandomSeed seed = RandomSeed::from(6);
-    for (const RandomKey base : {RandomKey{0, 0, 0, random_block::camera_position}, RandomKey{0, 0, 1, random_block::scatter},
-                                 RandomKey{0, 0, 2, random_block::scatter}, RandomKey{0, 0, 1, random_block::light},
-                                 RandomKey{0, 0, 7, random_block::walk + 5}}) {
+    for (const RandomKey base : {RandomKey{0, 0, 0, random_block::camera_position},
+                                 RandomKey{0, 0, 1, random_block::scatter}, RandomKey{0, 0, 2, random_block::scatter},
+                                 RandomKey{0, 0, 1, random_block::light}, RandomKey{0, 0, 7, random_block::walk + 5}}) {
         std::array<double, 4> squares{};
         for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) {
             std::array<double, 4> sum{};
@@ -183,8 +185,8 @@ TEST(RngTest, MeansOverSamplesDisperseLikeIndependentNumbers) {
 TEST(RngTest, NeighbouringKeysAreUncorrelated) {
     constexpr std::uint32_t count = 1 << 16;
     const RandomSeed seed = RandomSeed::from(7);
-    for (const RandomKey lag : {RandomKey{1, 0, 0, 0}, RandomKey{256, 0, 0, 0}, RandomKey{0, 1, 0, 0}, RandomKey{0, 0, 1, 0},
-                                RandomKey{0, 0, 0, 1}, RandomKey{1, 1, 0, 0}}) {
+    for (const RandomKey lag : {RandomKey{1, 0, 0, 0}, RandomKey{256, 0, 0, 0}, RandomKey{0, 1, 0, 0},
+                                RandomKey{0, 0, 1, 0}, RandomKey{0, 0, 0, 1}, RandomKey{1, 1, 0, 0}}) {
         std::array<double, 16> products{};
         for (std::uint32_t i = 0; i < count; ++i) {
             const RandomKey key{i, 3, 2, 0};

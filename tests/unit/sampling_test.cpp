@@ -30,9 +30,7 @@ class Grid {
 public:
     Grid(std::size_t columns, std::size_t rows) : columns_(columns), rows_(rows), counts_(columns * rows) {}
 
-    void add(double a, double b) {
-        counts_[cell(a, columns_) * rows_ + cell(b, rows_)] += 1;
-    }
+    void add(double a, double b) { counts_[cell(a, columns_) * rows_ + cell(b, rows_)] += 1; }
     double p_value() const { return chi_square_test(counts_); }
     double p_value(const std::vector<double>& probabilities) const { return chi_square_test(counts_, probabilities); }
 
@@ -41,7 +39,8 @@ private:
     static std::size_t cell(double value, std::size_t cells) {
         EXPECT_GE(value, -1e-6);
         EXPECT_LE(value, 1 + 1e-6);
-        return static_cast<std::size_t>(std::min(std::max(value, 0.0) * static_cast<double>(cells), static_cast<double>(cells) - 0.5));
+        return static_cast<std::size_t>(
+            std::min(std::max(value, 0.0) * static_cast<double>(cells), static_cast<double>(cells) - 0.5));
     }
     std::size_t columns_, rows_;
     std::vector<std::uint64_t> counts_;
@@ -76,8 +75,8 @@ TYPED_TEST(SamplingTest, ConcentricDiscIsUniform) {
 
 TYPED_TEST(SamplingTest, ConcentricDiscKeepsNeighboursTogether) {
     using Real = TypeParam;
-    // What sets the map apart from polar coordinates (where it is 2 pi / n): a step of 1/n in both numbers moves the point by
-    // at most sqrt(2^2 + pi^2) / n, reached at the corners: 2/n along the radius and pi/n across.
+    // What sets the map apart from polar coordinates (where it is 2 pi / n): a step of 1/n in both numbers moves the
+    // point by at most sqrt(2^2 + pi^2) / n, reached at the corners: 2/n along the radius and pi/n across.
     constexpr int n = 64;
     for (int i = 0; i < n; ++i) {
         for (int j = 0; j < n; ++j) {
@@ -201,7 +200,8 @@ TYPED_TEST(SamplingTest, HenyeyGreensteinReachesBothEnds) {
     }
 }
 
-// --- Points on lights -------------------------------------------------------------------------------------------------
+// --- Points on lights
+// -------------------------------------------------------------------------------------------------
 
 // The light of a scene with one object, as the kernels see it.
 template <class Real>
@@ -211,7 +211,8 @@ public:
         : scene_(make(add)), stages_(scene_) {}
 
     LightSample<Real> sample(Real u, Real v, Real w) const {
-        return sample_light<Config<Real, all_features>>(stages_.view(), stages_.view().lights[0].object, Real(0), u, v, w);
+        return sample_light<Config<Real, all_features>>(stages_.view(), stages_.view().lights[0].object, Real(0), u, v,
+                                                        w);
     }
 
 private:
@@ -302,7 +303,8 @@ TYPED_TEST(SamplingTest, LightPointsOnAnAxisBoxAreUniform) { check_box_light<Typ
 TYPED_TEST(SamplingTest, LightPointsOnAnOrientedBoxAreUniform) { check_box_light<TypeParam>(light_turn); }
 
 // The points of an ellipsoid are not uniform by area, so each carries its own density. Count in cells of latitude and
-// longitude against the integral of that density over each cell's area, the area element taken from the parametrisation.
+// longitude against the integral of that density over each cell's area, the area element taken from the
+// parametrisation.
 TYPED_TEST(SamplingTest, LightPointsOnAnEllipsoidFollowTheirDensity) {
     using Real = TypeParam;
     const Vec3d size{1, 3, 0.4};
@@ -356,14 +358,17 @@ TYPED_TEST(SamplingTest, MovingLightIsSampledWhereItIs) {
     test::SceneBuilder builder;
     builder.sphere(builder.emitter(Vec3d(1.0)), {0, 0, 4}, 2).velocity = {8, 0, -2};
     const test::Stages<Real> stages(builder.scene);
-    const auto still = sample_light<Config<Real, all_features>>(stages.view(), 0, Real(0), Real(0.3), Real(0.6), Real(0));
-    const auto moved = sample_light<Config<Real, all_features>>(stages.view(), 0, Real(0.5), Real(0.3), Real(0.6), Real(0));
+    const auto still =
+        sample_light<Config<Real, all_features>>(stages.view(), 0, Real(0), Real(0.3), Real(0.6), Real(0));
+    const auto moved =
+        sample_light<Config<Real, all_features>>(stages.view(), 0, Real(0.5), Real(0.3), Real(0.6), Real(0));
     EXPECT_NEAR(moved.position.x - still.position.x, Real(4), Real(1e-5));
     EXPECT_NEAR(moved.position.z - still.position.z, Real(-1), Real(1e-5));
     EXPECT_EQ(moved.normal, still.normal);
 }
 
-// --- The camera ---------------------------------------------------------------------------------------------------------
+// --- The camera
+// ---------------------------------------------------------------------------------------------------------
 
 TYPED_TEST(SamplingTest, PixelJitterFillsThePixelEvenly) {
     using Real = TypeParam;
@@ -374,7 +379,8 @@ TYPED_TEST(SamplingTest, PixelJitterFillsThePixelEvenly) {
     Grid grid(20, 20);
     for (std::uint32_t sample = 0; sample < draws; ++sample) {
         const Path<Real> path = stages.generate(row * 8 + column, sample);
-        // Back to pixels: at distance 1 the image spans [-1, 1] vertically in 4 rows, and x grows to the camera's right.
+        // Back to pixels: at distance 1 the image spans [-1, 1] vertically in 4 rows, and x grows to the camera's
+        // right.
         const auto& camera = stages.view().camera;
         const double x = dot(path.direction, camera.right) / dot(path.direction, camera.forward) * 2 + 4;
         const double y = -dot(path.direction, camera.up) / dot(path.direction, camera.forward) * 2 + 2;
@@ -430,7 +436,8 @@ TYPED_TEST(SamplingTest, ClosedShutterShowsItsInstant) {
     }
 }
 
-// --- Lobes, through the shading stage -------------------------------------------------------------------------------------
+// --- Lobes, through the shading stage
+// -------------------------------------------------------------------------------------
 
 TYPED_TEST(SamplingTest, MixPicksTheMirrorWithItsProbability) {
     using Real = TypeParam;

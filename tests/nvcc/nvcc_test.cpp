@@ -1,0 +1,67 @@
+// The kernels compile under nvcc, for host and device, without a warning; and they include nothing that NVRTC lacks.
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path source = PTBENCH_SOURCE_DIR;
+
+TEST(NvccTest, EveryStageCompilesForHostAndDevice) {
+#ifndef PTBENCH_NVCC
+    GTEST_SKIP() << "nvcc was not found when CMake ran";
+#else
+    const fs::path folder = fs::path(testing::TempDir()) / ("ptbench_nvcc_" + std::to_string(std::random_device()()));
+    fs::create_directories(folder);
+    const std::string object = (folder / "kernels.o").string(), log = (folder / "log").string();
+    // CUDA_VERSION: GLM 0.9.9 asks for it where only nvcc's own macros are set. 20012: GLM marks its defaulted members
+    // host and device, which nvcc reports as superfluous. Relaxed constexpr: std::numeric_limits in device code.
+    const std::string command =
+        std::string("\"" PTBENCH_NVCC "\" -std=c++20 -arch=sm_90 --fmad=false -Werror all-warnings ") +
+        "--expt-relaxed-constexpr -diag-suppress 20012 -DGLM_FORCE_CUDA -DCUDA_VERSION=13000 " + "-I\"" +
+        source.string() + "\" -I\"" PTBENCH_GLM_INCLUDE "\" -c \"" + (source / "tests/nvcc/kernels.cu").string() +
+        "\" -o \"" + object + "\" > \"" + log + "\" 2>&1";
+    const int status = std::system(command.c_str());
+    std::ostringstream messages;
+    messages << std::ifstream(log).rdbuf();
+    EXPECT_EQ(status, 0) << command << "\n" << messages.str();
+    EXPECT_TRUE(fs::exists(object));
+    fs::remove_all(folder);
+#endif
+}
+
+TEST(NvccTest, ListNamesEveryKernelHeader) {
+    std::ostringstream text;
+    text << std::ifstream(source / "tests/nvcc/kernels.cu").rdbuf();
+    for (const fs::directory_entry& entry : fs::directory_iterator(source / "kernels")) {
+        if (entry.path().extension() == ".h") {
+            EXPECT_NE(text.str().find("\"kernels/" + entry.path().filename().string() + "\""), std::string::npos)
+                << entry.path() << " is not in tests/nvcc/kernels.cu";
+        }
+    }
+}
+
+// NVRTC has no standard library: the runtime compiler is given stand-ins for exactly these.
+TEST(NvccTest, KernelsIncludeOnlyWhatNvrtcCanHave) {
+    const std::set<std::string> allowed{"<cmath>", "<cstdint>", "<limits>", "<glm/vec3.hpp>"};
+    for (const fs::directory_entry& entry : fs::directory_iterator(source / "kernels")) {
+        std::ifstream file(entry.path());
+        for (std::string line; std::getline(file, line);) {
+            if (line.rfind("#include ", 0) == 0) {
+                const std::string name = line.substr(9);
+                EXPECT_TRUE(name.rfind("\"kernels/", 0) == 0 || allowed.count(name) == 1)
+                    << entry.path() << ": " << line;
+            }
+        }
+    }
+}
+
+}  // namespace

@@ -1,0 +1,214 @@
+// The result file, from a plan and a journal made by hand: every row, aggregate and status that follows from them.
+#include "harness/bench/result_file.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/command.h"
+#include "tests/support/scenes.h"
+
+namespace pt {
+namespace {
+
+TEST(AggregateTest, MatchesNumbersWorkedOutByHand) {
+    const Aggregates odd = aggregate({6, 1, 2});
+    EXPECT_DOUBLE_EQ(odd.mean, 3);
+    EXPECT_DOUBLE_EQ(odd.median, 2);
+    EXPECT_DOUBLE_EQ(odd.stddev, std::sqrt(7.0));  // ((3)^2 + 2^2 + 1^2) / 2
+    EXPECT_DOUBLE_EQ(odd.cv, std::sqrt(7.0) / 3);
+    const Aggregates even = aggregate({4, 1, 2, 9});
+    EXPECT_DOUBLE_EQ(even.mean, 4);
+    EXPECT_DOUBLE_EQ(even.median, 3);
+    const Aggregates one = aggregate({5});
+    EXPECT_DOUBLE_EQ(one.mean, 5);
+    EXPECT_DOUBLE_EQ(one.median, 5);
+    EXPECT_DOUBLE_EQ(one.stddev, 0);
+    EXPECT_DOUBLE_EQ(one.cv, 0);
+    EXPECT_DOUBLE_EQ(aggregate({0, 0}).cv, 0);  // and not a NaN, which JSON cannot hold
+}
+
+Json sample(double wall, double cpu, int seed) {
+    return {{"pt_wall_ms", wall},       {"cpu_ms", cpu}, {"pt_device_ms", wall}, {"pt_seed", seed},
+            {"pt_rays_per_second", 5e7}, {"pt_rays", 77}, {"film_hash", "0123456789abcdef"}};
+}
+
+// Four cells: measured, failed, cut short, not reached.
+class ResultFileTest : public testing::Test {
+protected:
+    test::TemporaryFolder folder;
+    Plan plan;
+    Suite suite{.name = "hand", .description = "", .studies = {}};
+    Json result;
+
+    void SetUp() override {
+        suite.studies.push_back({.name = "a", .title = "Title", .figure = "compaction", .scenes = {}, .axes = {}, .depths = {}});
+        auto scene = std::make_shared<Scene>(test::SceneBuilder().scene);
+        scene->name = "dark";
+        scene->hash = "fedcba9876543210";
+        for (const char* name : {"ok", "failed", "short", "missing"}) {
+            plan.cells.push_back({.name = name,
+                                  .studies = {"a"},
+                                  .scene = scene,
+                                  .variant = Registry::instance().baseline(),
+                                  .settings = {.width = 20, .height = 10, .depth = 4},
+                                  .spp = 2});
+        }
+        Variant cached = Registry::instance().baseline();
+        cached.set("first_bounce", "cached");
+        plan.not_applicable.push_back({"a", "dark", cached, "first_bounce=cached needs jitter off"});
+        Journal journal(folder.file("journal"), Json("identity"), false);
+        journal.set_cell("ok", {{"status", "ok"}, {"reason", ""}, {"film_hash", "abc"}, {"instrumented", {{"spp", 2}}}});
+        journal.set_cell("failed", {{"status", "failed"}, {"reason", "film differs"}});
+        journal.set_cell("short", {{"status", "ok"}, {"reason", ""}});
+        int seed = 1;
+        for (const double wall : {6.0, 1.0, 2.0}) {
+            journal.add_sample("ok", sample(wall, 2 * wall, seed++));
+        }
+        journal.add_sample("short", sample(5, 7, 1));
+        const std::string text = result_json(
+            plan, suite, journal,
+            {.command_line = "ptbench run \"x\"", .suite = "hand", .date = "2026-01-02T03:04:05+0000", .completed = false, .repetitions = 3});
+        EXPECT_EQ(text.back(), '\n');
+        result = Json::parse(text);
+    }
+    std::vector<Json> rows_of(const std::string& cell, const std::string& run_type) const {
+        std::vector<Json> rows;
+        for (const Json& row : result.at("benchmarks")) {
+            if (row.at("run_name") == cell && row.at("run_type") == run_type) {
+                rows.push_back(row);
+            }
+        }
+        return rows;
+    }
+};
+
+TEST_F(ResultFileTest, HasOneRowASampleInOrder) {
+    const std::vector<Json> rows = rows_of("ok", "iteration");
+    ASSERT_EQ(rows.size(), 3u);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const Json& row = rows[i];
+        const double wall = std::vector{6.0, 1.0, 2.0}[i];
+        EXPECT_EQ(row.at("name"), "ok");
+        EXPECT_EQ(row.at("repetitions"), 3);
+        EXPECT_EQ(row.at("repetition_index"), i);
+        EXPECT_EQ(row.at("threads"), 1);
+        EXPECT_EQ(row.at("iterations"), 1);
+        EXPECT_EQ(row.at("real_time"), wall);
+        EXPECT_EQ(row.at("cpu_time"), 2 * wall);
+        EXPECT_EQ(row.at("time_unit"), "ms");
+        EXPECT_EQ(row.at("pt_wall_ms"), wall);
+        EXPECT_EQ(row.at("pt_seed"), i + 1);
+        EXPECT_EQ(row.at("pt_rays"), 77);
+        EXPECT_FALSE(row.contains("film_hash"));  // rows are flat numbers; the cell has the hash
+        EXPECT_FALSE(row.contains("error_occurred"));
+    }
+}
+
+TEST_F(ResultFileTest, HasTheAggregatesOfTheSamples) {
+    const std::vector<Json> rows = rows_of("ok", "aggregate");
+    ASSERT_EQ(rows.size(), 4u);
+    const double root = std::sqrt(7.0);
+    const struct {
+        const char* name;
+        double real, cpu;
+        const char* unit;
+    } expected[] = {
+        {"mean", 3, 6, "time"}, {"median", 2, 4, "time"}, {"stddev", root, 2 * root, "time"}, {"cv", root / 3, root / 3, "percentage"}};
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        EXPECT_EQ(rows[i].at("name"), std::string("ok_") + expected[i].name);
+        EXPECT_EQ(rows[i].at("aggregate_name"), expected[i].name);
+        EXPECT_EQ(rows[i].at("aggregate_unit"), expected[i].unit);
+        EXPECT_DOUBLE_EQ(rows[i].at("real_time"), expected[i].real);
+        EXPECT_DOUBLE_EQ(rows[i].at("cpu_time"), expected[i].cpu);
+        EXPECT_EQ(rows[i].at("time_unit"), "ms");
+        EXPECT_EQ(rows[i].at("iterations"), 3);
+    }
+}
+
+// What gbench/report.py and compare.py of Google Benchmark 1.7.1 read of a row.
+TEST_F(ResultFileTest, EveryRowHasWhatComparePyReads) {
+    for (const Json& row : result.at("benchmarks")) {
+        for (const char* key : {"name", "run_name", "run_type", "real_time", "cpu_time", "time_unit", "iterations", "repetitions"}) {
+            EXPECT_TRUE(row.contains(key)) << key << " in " << row.dump();
+        }
+        EXPECT_EQ(row.contains("repetition_index"), row.at("run_type") == "iteration");
+        EXPECT_EQ(row.contains("aggregate_name"), row.at("run_type") == "aggregate");
+        EXPECT_TRUE(row.at("family_index").is_number());
+    }
+}
+
+TEST_F(ResultFileTest, AFailedCellHasAnErrorRow) {
+    const std::vector<Json> rows = rows_of("failed", "iteration");
+    ASSERT_EQ(rows.size(), 1u);
+    EXPECT_EQ(rows[0].at("error_occurred"), true);
+    EXPECT_EQ(rows[0].at("error_message"), "film differs");
+    EXPECT_TRUE(rows_of("failed", "aggregate").empty());
+    EXPECT_TRUE(rows_of("missing", "iteration").empty());
+}
+
+TEST_F(ResultFileTest, CellsSayWhatTheyAreAndHowTheyEnded) {
+    const Json& cells = result.at("ptbench").at("cells");
+    ASSERT_EQ(cells.size(), 4u);
+    const Json& ok = cells[0];
+    EXPECT_EQ(ok.at("cell"), "ok");
+    EXPECT_EQ(ok.at("studies"), Json({"a"}));
+    EXPECT_EQ(ok.at("scene"), "dark");
+    EXPECT_EQ(ok.at("scene_hash"), "fedcba9876543210");
+    EXPECT_EQ(ok.at("backend"), "cpu");
+    EXPECT_EQ(ok.at("variant"), "wavefront.none.none.off.off.aos.features");
+    EXPECT_EQ(ok.at("axes"), Json::parse(R"({"integrator": "wavefront", "compaction": "none", "sorting": "none",
+        "first_bounce": "off", "direct_light": "off", "layout": "aos", "specialisation": "features"})"));
+    EXPECT_EQ(ok.at("resolution"), Json({20, 10}));
+    EXPECT_EQ(ok.at("depth"), 4);
+    EXPECT_EQ(ok.at("spp"), 2);
+    EXPECT_EQ(ok.at("claim"), "bitwise");
+    EXPECT_EQ(ok.at("film_hash"), "abc");
+    EXPECT_TRUE(ok.at("features").is_array());
+    EXPECT_EQ(ok.at("instrumented").at("spp"), 2);
+    const std::pair<std::string, std::string> ends[] = {
+        {"ok", ""},
+        {"failed", "film differs"},
+        {"interrupted", "the run ended before this cell had all its samples"},
+        {"interrupted", "the run ended before this cell was reached"},
+    };
+    for (std::size_t i = 0; i < std::size(ends); ++i) {
+        EXPECT_EQ(cells[i].at("status"), ends[i].first);
+        EXPECT_EQ(cells[i].at("reason"), ends[i].second);
+    }
+}
+
+TEST_F(ResultFileTest, StudiesAndWhatDoesNotApply) {
+    EXPECT_EQ(result.at("ptbench").at("studies"), Json::parse(R"([{"name": "a", "title": "Title", "figure": "compaction"}])"));
+    const Json& entries = result.at("ptbench").at("not_applicable");
+    ASSERT_EQ(entries.size(), 1u);
+    EXPECT_EQ(entries[0].at("study"), "a");
+    EXPECT_EQ(entries[0].at("scene"), "dark");
+    EXPECT_EQ(entries[0].at("variant"), "wavefront.none.none.cached.off.aos.features");
+    EXPECT_EQ(entries[0].at("axes").at("first_bounce"), "cached");
+    EXPECT_EQ(entries[0].at("reason"), "first_bounce=cached needs jitter off");
+}
+
+TEST_F(ResultFileTest, ContextHasGoogleBenchmarksKeysAndOurs) {
+    const Json& context = result.at("context");
+    EXPECT_EQ(context.at("date"), "2026-01-02T03:04:05+0000");
+    EXPECT_EQ(context.at("executable"), "ptbench");
+    EXPECT_TRUE(context.at("host_name").is_string());
+    EXPECT_TRUE(context.at("num_cpus").is_number());
+    EXPECT_TRUE(context.at("mhz_per_cpu").is_number());
+    EXPECT_TRUE(context.at("caches").is_array());
+    EXPECT_TRUE(context.at("load_avg").is_array());
+    for (const char* key : {"schema_version", "version", "git_sha", "git_dirty", "command_line", "machine", "cpu_model", "os", "compiler",
+                            "compiler_flags", "backend", "threads", "thrust_version", "suite", "status"}) {
+        const std::string prefixed = std::string("ptbench.") + key;
+        ASSERT_TRUE(context.contains(prefixed)) << key;
+        EXPECT_TRUE(context.at(prefixed).is_string()) << key;
+        EXPECT_FALSE(context.at(prefixed).get<std::string>().empty()) << key;
+    }
+    EXPECT_EQ(context.at("ptbench.schema_version"), "1");
+    EXPECT_EQ(context.at("ptbench.command_line"), "ptbench run \"x\"");
+    EXPECT_EQ(context.at("ptbench.suite"), "hand");
+    EXPECT_EQ(context.at("ptbench.backend"), "cpu");
+    EXPECT_EQ(context.at("ptbench.status"), "interrupted");
+}
+
+}  // namespace
+}  // namespace pt

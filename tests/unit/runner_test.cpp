@@ -1,0 +1,452 @@
+// Whole runs of a tiny suite, in this process: what they leave behind when all is well, when a choice fails, when they are
+// interrupted, and when they go on after a kill.
+#include "harness/bench/runner.h"
+
+#include <csignal>
+#include <cstdlib>
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "harness/bench/journal.h"
+#include "tests/support/command.h"
+#include "variants/cpu/thrust_compaction.h"
+
+namespace pt {
+namespace {
+
+// ---- Choices of this test: they work like thrust_remove_if, and call a hook when they are made, once a render ----
+
+std::function<void()> on_render;  // may throw
+std::function<void(PathQueue&)> on_compact;
+
+class HookedCompaction final : public Compaction {
+public:
+    void compact(PathQueue& queue) override {
+        original_->compact(queue);
+        if (on_compact) {
+            on_compact(queue);
+        }
+    }
+
+private:
+    std::unique_ptr<Compaction> original_ = Registry::instance().find("compaction", "thrust_remove_if")->hook.compaction();
+};
+
+const Registration hooked({.axis = "compaction",
+                           .name = "test_hooked",
+                           .summary = "calls back into a test",
+                           .origin = "this test",
+                           .work_missing = compacted_every_bounce},
+                          {.compaction = [] {
+                              if (on_render) {
+                                  on_render();
+                              }
+                              return std::make_unique<HookedCompaction>();
+                          }});
+
+// ---- Runs ----
+
+constexpr int repetitions = 3;
+constexpr const char* scene_text = R"({
+  "name": "tiny", "max_depth": 3, "environment": [1, 1, 1],
+  "camera": {"eye": [0, 0, 0], "look_at": [0, 0, 1], "up": [0, 1, 0], "vertical_fov_degrees": 60, "resolution": [8, 6]},
+  "materials": {"white": {"type": "diffuse", "albedo": [0.5, 0.5, 0.5]}},
+  "objects": [{"shape": "box", "material": "white", "translate": [0, 0, 3], "rotate_degrees": [10, 20, 30]},
+              {"shape": "box", "material": "white", "translate": [0, -1, 3], "scale": [9, 0.1, 9]}]
+})";
+
+class RunnerTest : public testing::Test {
+protected:
+    test::TemporaryFolder folder;
+    std::string out = folder.file("out/result.json");
+    std::string journal_file = out + ".journal.jsonl";
+
+    void SetUp() override {
+        std::filesystem::create_directories(folder.path() / "scenes" / "suites");
+        test::write_text(folder.file("scenes/tiny.json"), scene_text);
+        ::setenv("PTBENCH_HOME", folder.path().c_str(), 1);
+    }
+    void TearDown() override {
+        on_render = nullptr;
+        on_compact = nullptr;
+        ::unsetenv("PTBENCH_HOME");
+    }
+
+    Suite suite(const AxisChoices& axes) const {
+        Study study;
+        study.name = "study";
+        study.title = "Title";
+        study.figure = "compaction";
+        study.scenes = {"tiny"};
+        study.axes = axes;
+        study.spp = 2;
+        return {.name = "tiny_suite", .description = "", .repetitions = repetitions, .studies = {study}};
+    }
+    RunOptions options() const { return {.out = out, .command_line = "the test"}; }
+    // Runs with what it prints kept in `printed`.
+    int run(const Suite& what, const RunOptions& how) {
+        testing::internal::CaptureStdout();
+        testing::internal::CaptureStderr();
+        int code = -1;
+        std::exception_ptr failure;
+        try {
+            code = run_suite(what, how);
+        } catch (...) {
+            failure = std::current_exception();
+        }
+        printed = testing::internal::GetCapturedStdout();
+        progress = testing::internal::GetCapturedStderr();
+        if (failure) {
+            std::rethrow_exception(failure);
+        }
+        return code;
+    }
+    Json result() const { return Json::parse(test::content_of(out)); }
+
+    std::string printed, progress;
+};
+
+std::map<std::string, std::vector<Json>> sample_rows(const Json& result) {
+    std::map<std::string, std::vector<Json>> rows;
+    for (const Json& row : result.at("benchmarks")) {
+        if (row.at("run_type") == "iteration" && !row.contains("error_occurred")) {
+            rows[row.at("run_name")].push_back(row);
+        }
+    }
+    return rows;
+}
+
+std::map<std::string, std::string> statuses(const Json& result) {
+    std::map<std::string, std::string> found;
+    for (const Json& cell : result.at("ptbench").at("cells")) {
+        const std::string reason = cell.at("reason");
+        found[cell.at("axes").at("compaction")] = cell.at("status").get<std::string>() + (reason.empty() ? "" : ": " + reason);
+    }
+    return found;
+}
+
+const AxisChoices three_compactions{{"compaction", {"none", "thrust_remove_if", "test_hooked"}}};
+
+TEST_F(RunnerTest, ACompletedRunHasEveryRow) {
+    EXPECT_EQ(run(suite({{"compaction", {"none", "thrust_partition"}}, {"first_bounce", {"off", "cached"}},
+                         {"integrator", {"wavefront", "depth_first"}}, {"direct_light", {"off", "final_bounce"}}}),
+                  options()),
+              exit_good);
+    EXPECT_EQ(folder.content(), (std::vector<std::string>{"out", "out/result.json", "scenes", "scenes/suites", "scenes/tiny.json"}));
+    const Json file = result();
+    // wavefront with 2 compactions, depth_first; each with and without the final bounce; the cache does not apply.
+    const std::size_t cells = 6;
+    ASSERT_EQ(file.at("ptbench").at("cells").size(), cells);
+    EXPECT_EQ(file.at("ptbench").at("not_applicable").size(), 16 - cells);
+    EXPECT_EQ(file.at("benchmarks").size(), cells * (repetitions + 4));
+    EXPECT_EQ(file.at("context").at("ptbench.status"), "completed");
+    EXPECT_EQ(file.at("context").at("ptbench.suite"), "tiny_suite");
+    EXPECT_EQ(file.at("context").at("ptbench.command_line"), "the test");
+
+    std::set<std::int64_t> orders;
+    std::set<std::string> plain_hashes;
+    for (const Json& cell : file.at("ptbench").at("cells")) {
+        const std::string name = cell.at("cell");
+        SCOPED_TRACE(name);
+        EXPECT_EQ(cell.at("status"), "ok");
+        const bool is_lit = cell.at("axes").at("direct_light") == "final_bounce";
+        EXPECT_EQ(cell.at("claim"), is_lit ? "statistical" : "bitwise");
+        EXPECT_EQ(cell.at("claim_check").get<std::string>().find("film bits equal to depth_first.none.none.off."), 0u);
+        EXPECT_EQ(cell.at("film_hash").get<std::string>().size(), 16u);
+        if (!is_lit) {
+            plain_hashes.insert(cell.at("film_hash"));
+        }
+        EXPECT_GT(cell.at("mean_rgb")[0].get<double>(), 0.1);
+        EXPECT_EQ(cell.at("nonfinite"), 0);
+        EXPECT_EQ(cell.at("negative"), 0);
+        EXPECT_EQ(cell.at("unfinished_walks"), 0);
+        const Json& pass = cell.at("instrumented");
+        EXPECT_EQ(pass.at("paths"), 8 * 6 * 2);
+        EXPECT_EQ(pass.at("spp"), 2);
+        EXPECT_EQ(pass.at("live_paths")[0], 8 * 6 * 2);
+        EXPECT_GE(pass.at("live_paths").size(), 3u);
+        EXPECT_FALSE(pass.at("stage_ms").empty());
+
+        const std::vector<Json> rows = sample_rows(file)[name];
+        ASSERT_EQ(rows.size(), static_cast<std::size_t>(repetitions));
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            EXPECT_EQ(rows[i].at("repetition_index"), i);
+            EXPECT_EQ(rows[i].at("pt_seed"), i + 1);
+            EXPECT_EQ(rows[i].at("pt_spp"), 2);
+            EXPECT_EQ(rows[i].at("pt_paths"), 8 * 6 * 2);
+            EXPECT_EQ(rows[i].at("real_time"), rows[i].at("pt_wall_ms"));
+            EXPECT_GT(rows[i].at("real_time").get<double>(), 0);
+            EXPECT_GE(rows[i].at("pt_end_to_end_ms").get<double>(), rows[i].at("pt_wall_ms").get<double>());
+            EXPECT_GT(rows[i].at("pt_clock_mhz_before").get<double>(), 0);
+            EXPECT_GT(rows[i].at("pt_clock_mhz_after").get<double>(), 0);
+            EXPECT_GT(rows[i].at("pt_timestamp").get<double>(), 1.5e9);
+            orders.insert(rows[i].at("pt_order").get<std::int64_t>());
+        }
+    }
+    EXPECT_EQ(plain_hashes.size(), 1u);
+    EXPECT_EQ(orders.size(), cells * repetitions);  // 0, 1, 2, ...: each once
+    EXPECT_EQ(*orders.rbegin(), static_cast<std::int64_t>(cells * repetitions - 1));
+    EXPECT_NE(printed.find("6 cells, 18 samples, 0 failed, 10 not applicable\n"), std::string::npos) << printed;
+    EXPECT_NE(progress.find("[6/6] verify: "), std::string::npos) << progress;
+    EXPECT_NE(progress.find("[18/18] time: "), std::string::npos) << progress;
+}
+
+TEST_F(RunnerTest, TheSeedAndTheRepetitionsCanBeChosen) {
+    RunOptions how = options();
+    how.seed = 100;
+    how.repetitions = 2;
+    EXPECT_EQ(run(suite({}), how), exit_good);
+    const std::vector<Json> rows = sample_rows(result()).begin()->second;
+    ASSERT_EQ(rows.size(), 2u);
+    EXPECT_EQ(rows[0].at("pt_seed"), 100);
+    EXPECT_EQ(rows[1].at("pt_seed"), 101);
+}
+
+TEST_F(RunnerTest, RandomInterleavingMixesTheCells) {
+    RunOptions how = options();
+    how.repetitions = 20;
+    EXPECT_EQ(run(suite({{"layout", {"aos", "soa"}}}), how), exit_good);
+    std::map<std::int64_t, std::string> by_order;
+    for (const auto& [name, rows] : sample_rows(result())) {
+        for (const Json& row : rows) {
+            by_order[row.at("pt_order").get<std::int64_t>()] = name;
+        }
+    }
+    int changes = 0;
+    for (auto position = std::next(by_order.begin()); position != by_order.end(); ++position) {
+        changes += position->second != std::prev(position)->second ? 1 : 0;
+    }
+    EXPECT_GT(changes, 1);  // one would be all of one cell, then all of the other: 1 in 7e10
+}
+
+// ---- Failures ----
+
+TEST_F(RunnerTest, AChoiceThatFailsItsClaimLeavesTheOthersAlone) {
+    on_compact = [](PathQueue& queue) { queue.count -= queue.count > 0 ? 1 : 0; };
+    EXPECT_EQ(run(suite(three_compactions), options()), exit_check_failed);
+    const Json file = result();
+    std::map<std::string, std::string> found = statuses(file);
+    EXPECT_EQ(found["none"], "ok");
+    EXPECT_EQ(found["thrust_remove_if"], "ok");
+    EXPECT_EQ(found["test_hooked"].find("failed: film differs from depth_first.none.none.off.off.aos.generic: first at pixel "), 0u)
+        << found["test_hooked"];
+    EXPECT_EQ(sample_rows(file).size(), 2u);
+    EXPECT_EQ(file.at("benchmarks").size(), 2 * (repetitions + 4) + 1u);  // and the error row
+    EXPECT_EQ(file.at("context").at("ptbench.status"), "completed");
+    EXPECT_NE(printed.find("3 cells, 6 samples, 1 failed, 0 not applicable\n"), std::string::npos) << printed;
+    EXPECT_FALSE(std::filesystem::exists(journal_file));
+}
+
+TEST_F(RunnerTest, EveryCellFailingIsStillAResult) {
+    on_compact = [](PathQueue& queue) { queue.count -= queue.count > 0 ? 1 : 0; };
+    EXPECT_EQ(run(suite({{"compaction", {"test_hooked"}}}), options()), exit_check_failed);
+    EXPECT_EQ(result().at("benchmarks").size(), 1u);
+}
+
+// Verified, instrumented and warmed up, it throws in its second sample: Google Benchmark must not abort.
+TEST_F(RunnerTest, AChoiceThatFailsLateFailsAloneAndForGood) {
+    int renders = 0;
+    on_render = [&renders] {
+        if (++renders > 4) {
+            throw std::runtime_error("out of luck");
+        }
+    };
+    EXPECT_EQ(run(suite(three_compactions), options()), exit_check_failed);
+    const Json file = result();
+    std::map<std::string, std::string> found = statuses(file);
+    EXPECT_EQ(found["none"], "ok");
+    EXPECT_EQ(found["thrust_remove_if"], "ok");
+    EXPECT_EQ(found["test_hooked"], "failed: out of luck");
+    EXPECT_EQ(renders, 5);  // not tried again
+    for (const auto& [name, rows] : sample_rows(file)) {
+        EXPECT_EQ(rows.size(), name.find("test_hooked") != std::string::npos ? 1u : static_cast<std::size_t>(repetitions));
+    }
+    EXPECT_NE(progress.find("failed: wavefront.test_hooked.none.off.off.aos.features/scene:tiny/backend:cpu/resolution:8x6/depth:3/"
+                            "spp:2: out of luck\n"),
+              std::string::npos);
+}
+
+// Verification is done at small size; a film that is wrong only at full size is found when it is timed.
+TEST_F(RunnerTest, AFilmThatIsWrongAtFullSizeOnlyIsFound) {
+    on_compact = [](PathQueue& queue) {
+        if (queue.count > 48 * 48 / 2 && std::visit([](const auto& paths) { return paths.pixel(0); }, queue.paths) < 48 * 48) {
+            queue.count -= 1;
+        }
+    };
+    Suite large = suite(three_compactions);
+    large.studies[0].width = large.studies[0].height = 64;
+    EXPECT_EQ(run(large, options()), exit_check_failed);
+    std::map<std::string, std::string> found = statuses(result());
+    // Whichever is timed first sets the film of a sample; the two that agree cannot both be in the wrong.
+    int failed = 0;
+    for (const auto& [compaction, status] : found) {
+        if (status != "ok") {
+            ++failed;
+            EXPECT_EQ(status.find("failed: film "), 0u) << status;
+            EXPECT_NE(status.find(" differs from "), std::string::npos) << status;
+        }
+    }
+    EXPECT_GE(failed, 1);
+}
+
+// ---- Interrupts and resuming ----
+
+// Keeps what the journal held at every render of the hooked choice; the last is the fullest.
+std::function<void()> keep_journal(const std::string& file, std::string& kept) {
+    return [file, &kept] { kept = test::content_of(file); };
+}
+
+TEST_F(RunnerTest, ResumeKeepsTheSamplesThatWereTaken) {
+    std::string kept;
+    on_render = keep_journal(journal_file, kept);
+    RunOptions how = options();
+    ASSERT_EQ(run(suite(three_compactions), how), exit_good);
+    const auto complete = sample_rows(result());
+    on_render = nullptr;
+    how.resume = true;
+    std::vector<std::size_t> ends;  // of the journal's lines
+    for (std::size_t end = kept.find('\n'); end != std::string::npos; end = kept.find('\n', end + 1)) {
+        ends.push_back(end + 1);
+    }
+    ASSERT_GE(ends.size(), 1u + 3u + 3u);  // the run, the cells, and some samples
+
+    for (std::size_t lines = 0; lines <= ends.size(); ++lines) {
+        SCOPED_TRACE(lines);
+        // As a kill leaves it: whole lines, and half of the next.
+        const std::size_t size = lines == 0 ? 0 : ends[lines - 1];
+        test::write_text(journal_file, kept.substr(0, size + (lines < ends.size() ? (ends[lines] - size) / 2 : 0)));
+        ASSERT_EQ(run(suite(three_compactions), how), exit_good);
+        EXPECT_FALSE(std::filesystem::exists(journal_file));
+        const Json file = result();
+        const auto resumed = sample_rows(file);
+        EXPECT_EQ(file.at("benchmarks").size(), 3u * (repetitions + 4));
+        EXPECT_EQ(file.at("context").at("ptbench.status"), "completed");
+
+        std::size_t unchanged = 0;
+        std::set<std::int64_t> orders;
+        for (const auto& [name, rows] : resumed) {
+            ASSERT_EQ(rows.size(), static_cast<std::size_t>(repetitions));
+            for (std::size_t i = 0; i < rows.size(); ++i) {
+                EXPECT_EQ(rows[i].at("pt_seed"), i + 1);
+                EXPECT_EQ(rows[i].at("repetition_index"), i);
+                unchanged += rows[i] == complete.at(name)[i] ? 1u : 0u;  // the timestamp too
+                orders.insert(rows[i].at("pt_order").get<std::int64_t>());
+            }
+        }
+        EXPECT_EQ(unchanged, lines > 4 ? lines - 4 : 0);
+        EXPECT_EQ(orders.size(), 3u * repetitions);
+    }
+}
+
+TEST_F(RunnerTest, AnInterruptEndsTheRunWithAResultAndAJournal) {
+    for (const int renders_before : {0, 1, 2, 4}) {  // in verification, the instrumented pass, the warm-up, the second sample
+        SCOPED_TRACE(renders_before);
+        int renders = 0;
+        on_render = [&] {
+            if (renders++ == renders_before) {
+                std::raise(SIGINT);
+            }
+        };
+        RunOptions how = options();
+        ASSERT_EQ(run(suite(three_compactions), how), exit_check_failed);
+        const Json cut = result();
+        EXPECT_EQ(cut.at("context").at("ptbench.status"), "interrupted");
+        EXPECT_TRUE(std::filesystem::exists(journal_file));
+        EXPECT_NE(printed.find("; interrupted with "), std::string::npos) << printed;
+        EXPECT_NE(printed.find(" cells unfinished: go on with --resume\n"), std::string::npos) << printed;
+        bool any_interrupted = false;
+        for (const auto& [compaction, status] : statuses(cut)) {
+            EXPECT_TRUE(status == "ok" || status.find("interrupted: the run ended before this cell ") == 0) << status;
+            any_interrupted = any_interrupted || status != "ok";
+        }
+        EXPECT_TRUE(any_interrupted);
+
+        EXPECT_THROW(run(suite(three_compactions), how), InputError);  // unfinished, and not resumed
+        on_render = nullptr;
+        how.resume = true;
+        ASSERT_EQ(run(suite(three_compactions), how), exit_good);
+        EXPECT_EQ(result().at("benchmarks").size(), 3u * (repetitions + 4));
+        EXPECT_FALSE(std::filesystem::exists(journal_file));
+        for (const auto& [name, rows] : sample_rows(cut)) {
+            for (std::size_t i = 0; i < rows.size(); ++i) {
+                EXPECT_EQ(rows[i], sample_rows(result()).at(name)[i]);
+            }
+        }
+    }
+}
+
+TEST_F(RunnerTest, AnotherRunsJournalIsRefused) {
+    on_render = [] { std::raise(SIGINT); };
+    RunOptions how = options();
+    ASSERT_EQ(run(suite(three_compactions), how), exit_check_failed);
+    on_render = nullptr;
+    how.resume = true;
+    const std::string journal = test::content_of(journal_file);
+    const auto refusal = [&](const Suite& other, const RunOptions& other_options) -> std::string {
+        try {
+            run(other, other_options);
+        } catch (const InputError& error) {
+            EXPECT_EQ(test::content_of(journal_file), journal);
+            return error.what();
+        }
+        return "";
+    };
+    const std::string message = journal_file + ": line 1: found another run ";
+    EXPECT_EQ(refusal(suite({}), how).find(message), 0u);
+    RunOptions other_seed = how;
+    other_seed.seed = 2;
+    EXPECT_EQ(refusal(suite(three_compactions), other_seed).find(message), 0u);
+    // A scene of the same name that was edited in between.
+    std::string text = scene_text;
+    text.replace(text.find("0.5, 0.5, 0.5"), 13, "0.5, 0.5, 0.6");
+    test::write_text(folder.file("scenes/tiny.json"), text);
+    EXPECT_EQ(refusal(suite(three_compactions), how).find(message), 0u);
+}
+
+// ---- Filters and plans ----
+
+TEST_F(RunnerTest, AFilterChoosesCells) {
+    RunOptions how = options();
+    how.filter = "thrust_remove_if|test_hooked";
+    how.repetitions = 1;
+    EXPECT_EQ(run(suite(three_compactions), how), exit_good);
+    EXPECT_EQ(sample_rows(result()).size(), 2u);
+    how.filter = "-thrust_remove_if|test_hooked";
+    EXPECT_EQ(run(suite(three_compactions), how), exit_good);
+    ASSERT_EQ(sample_rows(result()).size(), 1u);
+    EXPECT_EQ(sample_rows(result()).begin()->first.find("wavefront.none."), 0u);
+    EXPECT_EQ(result().at("benchmarks").size(), 1 + 4u);
+}
+
+TEST_F(RunnerTest, RunsWithoutACellAreRefused) {
+    const auto refusal = [&](const Suite& what, const std::string& filter) -> std::string {
+        RunOptions how = options();
+        how.filter = filter;
+        try {
+            run(what, how);
+        } catch (const InputError& error) {
+            return error.what();
+        }
+        return "";
+    };
+    EXPECT_EQ(refusal(suite(three_compactions), "no_such_cell"), "the run has no cell: the filter matches none");
+    EXPECT_EQ(refusal(suite({{"first_bounce", {"cached"}}}), ""),
+              "the run has no cell: n/a: first_bounce=cached needs jitter off (camera.jitter is true in the scene)");
+    EXPECT_EQ(refusal(suite(three_compactions), "("),
+              "--benchmark_filter: argument: found \"(\", allowed: a regular expression");
+    EXPECT_FALSE(std::filesystem::exists(folder.file("out")));
+}
+
+TEST_F(RunnerTest, DescribesAPlan) {
+    const Plan plan = make_plan(suite({{"first_bounce", {"off", "cached"}}}));
+    EXPECT_EQ(describe_plan(plan, 5),
+              "wavefront.none.none.off.off.aos.features/scene:tiny/backend:cpu/resolution:8x6/depth:3/spp:2\n"
+              "n/a: wavefront.none.none.cached.off.aos.features on tiny: first_bounce=cached needs jitter off (camera.jitter is "
+              "true in the scene)\n"
+              "1 cells, 5 samples, 1 not applicable\n");
+}
+
+}  // namespace
+}  // namespace pt

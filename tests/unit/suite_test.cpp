@@ -1,0 +1,327 @@
+// Suites and plans: what a suite file may say, and which cells follow from it.
+#include "harness/bench/suite.h"
+
+#include <cstdlib>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "harness/error.h"
+#include "harness/places.h"
+#include "tests/support/command.h"
+
+namespace pt {
+namespace {
+
+std::string scene_text(const std::string& name, bool jitter, int depth = 3) {
+    return R"({"name": ")" + name + R"(", "max_depth": )" + std::to_string(depth) + R"(, "environment": [1, 1, 1],
+        "camera": {"eye": [0, 0, 0], "look_at": [0, 0, 1], "up": [0, 1, 0], "vertical_fov_degrees": 60,
+                   "resolution": [8, 6], "jitter": )" +
+           (jitter ? "true" : "false") + R"(},
+        "materials": {"white": {"type": "diffuse", "albedo": [0.5, 0.5, 0.5]}},
+        "objects": [{"shape": "sphere", "material": "white", "translate": [0, 0, 3]}]})";
+}
+
+template <class Call>
+std::string refusal(Call call) {
+    try {
+        call();
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+// A home with the scenes "jittered" and "still".
+class SuiteTest : public testing::Test {
+protected:
+    test::TemporaryFolder folder;
+    std::string file = folder.file("suite.json");
+
+    void SetUp() override {
+        std::filesystem::create_directories(folder.path() / "scenes" / "suites");
+        test::write_text(folder.file("scenes/jittered.json"), scene_text("jittered", true));
+        test::write_text(folder.file("scenes/still.json"), scene_text("still", false));
+        ::setenv("PTBENCH_HOME", folder.path().c_str(), 1);
+    }
+    void TearDown() override { ::unsetenv("PTBENCH_HOME"); }
+
+    Suite load(const std::string& text) const {
+        test::write_text(file, text);
+        return load_suite(file);
+    }
+    Suite load_studies(const std::string& studies) const {
+        return load(R"({"name": "s", "studies": [)" + studies + "]}");
+    }
+    Plan plan(const std::string& studies) const { return make_plan(load_studies(studies)); }
+};
+
+std::vector<std::string> cell_names(const Plan& plan) {
+    std::vector<std::string> names;
+    for (const Cell& cell : plan.cells) {
+        names.push_back(cell.name);
+    }
+    return names;
+}
+
+// ---- Files ----
+
+TEST_F(SuiteTest, ReadsEveryKey) {
+    const Suite suite = load(R"({"name": "n", "description": "d", "repetitions": 3, "studies": [
+        {"name": "one", "title": "t", "figure": "compaction", "scenes": ["jittered", "still"],
+         "axes": {"compaction": ["none", "thrust_remove_if"], "layout": ["soa"]},
+         "resolution": [20, 10], "depth": [2, 4], "spp": 5},
+        {"name": "two", "scenes": ["still"]}]})");
+    EXPECT_EQ(suite.name, "n");
+    EXPECT_EQ(suite.description, "d");
+    EXPECT_EQ(suite.repetitions, 3);
+    ASSERT_EQ(suite.studies.size(), 2u);
+    const Study& one = suite.studies[0];
+    EXPECT_EQ(one.title, "t");
+    EXPECT_EQ(one.figure, "compaction");
+    EXPECT_EQ(one.scenes, (std::vector<std::string>{"jittered", "still"}));
+    EXPECT_EQ(one.axes, (AxisChoices{{"compaction", {"none", "thrust_remove_if"}}, {"layout", {"soa"}}}));
+    EXPECT_EQ(one.width, 20u);
+    EXPECT_EQ(one.height, 10u);
+    EXPECT_EQ(one.depths, (std::vector<std::uint32_t>{2, 4}));
+    EXPECT_EQ(one.spp, 5u);
+    const Study& two = suite.studies[1];
+    EXPECT_EQ(two.title, "two");
+    EXPECT_EQ(two.figure, "");
+    EXPECT_TRUE(two.axes.empty());
+    EXPECT_EQ(two.width, 0u);
+    EXPECT_TRUE(two.depths.empty());
+    EXPECT_EQ(two.spp, 1u);
+    EXPECT_EQ(load_studies(R"({"name": "one", "scenes": ["still"]})").repetitions, 9);
+}
+
+TEST_F(SuiteTest, RefusesBadFilesWithTheirPlace) {
+    const std::string names = "none, thrust_copy_if_index, thrust_partition, thrust_remove_if, thrust_stable_partition";
+    const std::string axes = "integrator, compaction, sorting, first_bounce, direct_light, layout, specialisation";
+    const std::string depths = "a whole number from 1 to 1000000, or an array of such";
+    const struct {
+        std::string studies, message;
+    } cases[] = {
+        {R"(7)", "$.studies[0]: found 7, allowed: an object"},
+        {R"({"scenes": ["still"]})", "$.studies[0]: found no key \"name\", allowed: it is required"},
+        {R"({"name": "a"})", "$.studies[0]: found no key \"scenes\", allowed: it is required"},
+        {R"({"name": 5, "scenes": ["still"]})", "$.studies[0].name: found 5, allowed: a string"},
+        {R"({"name": "a", "scenes": ["still"], "sppp": 1})",
+         "$.studies[0]: found unknown key \"sppp\", allowed: name, title, figure, scenes, axes, resolution, depth, spp"},
+        {R"({"name": "a", "scenes": "still"})", "$.studies[0].scenes: found \"still\", allowed: an array"},
+        {R"({"name": "a", "scenes": []})", "$.studies[0].scenes: found [], allowed: at least one name"},
+        {R"({"name": "a", "scenes": ["still", 3]})", "$.studies[0].scenes[1]: found 3, allowed: a string"},
+        {R"({"name": "a", "scenes": ["still", "still"]})", "$.studies[0].scenes[1]: found \"still\" twice, allowed: once"},
+        {R"({"name": "a", "scenes": ["still"]}, {"name": "a", "scenes": ["still"]})",
+         "$.studies[1].name: found \"a\" twice, allowed: once"},
+        {R"({"name": "a", "scenes": ["still"], "figure": "pie"})",
+         "$.studies[0].figure: found \"pie\", allowed: \"remaining_paths\", "},
+        {R"({"name": "a", "scenes": ["still"], "axes": ["compaction"]})",
+         "$.studies[0].axes: found [\"compaction\"], allowed: an object of arrays of choices, by axis"},
+        {R"({"name": "a", "scenes": ["still"], "axes": {"compaction": "none"}})",
+         "$.studies[0].axes.compaction: found \"none\", allowed: an array"},
+        {R"({"name": "a", "scenes": ["still"], "axes": {"compaction": []}})",
+         "$.studies[0].axes.compaction: found [], allowed: at least one name"},
+        {R"({"name": "a", "scenes": ["still"], "axes": {"colour": ["red"]}})",
+         "$.studies[0].axes: found axis \"colour\", allowed: " + axes},
+        {R"({"name": "a", "scenes": ["still"], "axes": {"compaction": ["none", "magic"]}})",
+         "$.studies[0].axes.compaction: found \"magic\", allowed: " + names},
+        {R"({"name": "a", "scenes": ["still"], "axes": {"compaction": ["none", "none"]}})",
+         "$.studies[0].axes.compaction[1]: found \"none\" twice, allowed: once"},
+        {R"({"name": "a", "scenes": ["still"], "resolution": [5]})",
+         "$.studies[0].resolution: found [5], allowed: an array of 2 whole numbers, [width, height]"},
+        {R"({"name": "a", "scenes": ["still"], "resolution": 5})", "$.studies[0].resolution: found 5, allowed: an array"},
+        {R"({"name": "a", "scenes": ["still"], "resolution": [5, 0]})",
+         "$.studies[0].resolution[1]: found 0, allowed: a whole number from 1 to 8192"},
+        {R"({"name": "a", "scenes": ["still"], "resolution": [5.5, 5]})",
+         "$.studies[0].resolution[0]: found 5.5, allowed: a whole number from 1 to 8192"},
+        {R"({"name": "a", "scenes": ["still"], "depth": 0})", "$.studies[0].depth: found 0, allowed: " + depths},
+        {R"({"name": "a", "scenes": ["still"], "depth": "8"})", "$.studies[0].depth: found \"8\", allowed: " + depths},
+        {R"({"name": "a", "scenes": ["still"], "depth": []})", "$.studies[0].depth: found [], allowed: at least one depth"},
+        {R"({"name": "a", "scenes": ["still"], "depth": [2, -1]})", "$.studies[0].depth[1]: found -1, allowed: " + depths},
+        {R"({"name": "a", "scenes": ["still"], "depth": [2, 2]})",
+         "$.studies[0].depth[1]: found 2 twice, allowed: once"},
+        {R"({"name": "a", "scenes": ["still"], "spp": 0})",
+         "$.studies[0].spp: found 0, allowed: a whole number from 1 to 1000000"},
+        {R"({"name": "a", "scenes": ["still"], "spp": 1.0})",
+         "$.studies[0].spp: found 1.0, allowed: a whole number from 1 to 1000000"},
+    };
+    for (const auto& c : cases) {
+        const std::string message = refusal([&] { load_studies(c.studies); });
+        EXPECT_EQ(message.find(file + ": " + c.message), 0u) << c.studies << "\n" << message;
+        EXPECT_EQ(message.find('\n'), std::string::npos);
+    }
+}
+
+TEST_F(SuiteTest, RefusesBadTopLevels) {
+    const struct {
+        std::string text, message;
+    } cases[] = {
+        {"", "cannot be read (no such file, a directory, empty or no permission)"},
+        {"{", "not valid JSON: "},
+        {"[]", "$: found [], allowed: an object"},
+        {"{}", "$: found no key \"name\", allowed: it is required"},
+        {R"({"name": "s"})", "$: found no key \"studies\", allowed: it is required"},
+        {R"({"name": "s", "studies": {}})", "$.studies: found an object, allowed: an array"},
+        {R"({"name": "s", "studies": []})", "$.studies: found [], allowed: at least one study"},
+        {R"({"name": "s", "studies": [], "reps": 1})",
+         "$: found unknown key \"reps\", allowed: name, description, repetitions, studies"},
+        {R"({"name": "s", "repetitions": 0, "studies": []})",
+         "$.repetitions: found 0, allowed: a whole number from 1 to 10000"},
+        {R"({"name": "s", "name": "t", "studies": []})", "$: found the key \"name\" twice, allowed: once"},
+    };
+    for (const auto& c : cases) {
+        const std::string message = refusal([&] { load(c.text); });
+        EXPECT_NE(message.find(c.message), std::string::npos) << c.text << "\n" << message;
+        EXPECT_EQ(message.find(file), 0u) << message;
+    }
+    EXPECT_EQ(refusal([&] { load_suite(folder.file("none.json")); }),
+              folder.file("none.json") + ": cannot be read (no such file, a directory, empty or no permission)");
+}
+
+TEST_F(SuiteTest, RefusesUnknownAndUnreadableScenes) {
+    EXPECT_EQ(refusal([&] { plan(R"({"name": "a", "scenes": ["nope"]})"); }),
+              "--scene: name: found \"nope\", allowed: a file that ends in .json, or one of jittered, still");
+    test::write_text(folder.file("broken.json"), "{");
+    EXPECT_NE(refusal([&] { plan(R"({"name": "a", "scenes": [")" + folder.file("broken.json") + "\"]}"); })
+                  .find("broken.json: not valid JSON"),
+              std::string::npos);
+}
+
+// Cells are known by their scene's name, so two scenes of one name would be taken for one.
+TEST_F(SuiteTest, RefusesTwoScenesOfOneName) {
+    const std::string other = folder.file("other.json");
+    test::write_text(other, scene_text("still", false, 5));
+    const std::string message = refusal([&] { plan(R"({"name": "a", "scenes": ["still", ")" + other + "\"]}"); });
+    EXPECT_EQ(message, other + ": $.name: found \"still\", the name of another scene (still), allowed: a name of its own");
+    // The same scene from two places is one scene.
+    test::write_text(other, scene_text("still", false));
+    EXPECT_EQ(plan(R"({"name": "a", "scenes": ["still", ")" + other + "\"]}").cells.size(), 1u);
+}
+
+// ---- Plans ----
+
+TEST_F(SuiteTest, ACellIsNamedAfterAllThatItIs) {
+    const Plan made = plan(R"({"name": "a", "scenes": ["jittered"], "axes": {"compaction": ["thrust_remove_if"]},
+                               "resolution": [20, 10], "depth": 4, "spp": 5})");
+    ASSERT_EQ(made.cells.size(), 1u);
+    const Cell& cell = made.cells[0];
+    EXPECT_EQ(cell.name,
+              "wavefront.thrust_remove_if.none.off.off.aos.features/scene:jittered/backend:cpu/resolution:20x10/depth:4/spp:5");
+    EXPECT_EQ(cell.studies, std::vector<std::string>{"a"});
+    EXPECT_EQ(cell.scene->name, "jittered");
+    EXPECT_EQ(cell.variant.name(), "wavefront.thrust_remove_if.none.off.off.aos.features");
+    EXPECT_EQ(cell.settings.width, 20u);
+    EXPECT_EQ(cell.settings.height, 10u);
+    EXPECT_EQ(cell.settings.depth, 4u);
+    EXPECT_EQ(cell.spp, 5u);
+}
+
+TEST_F(SuiteTest, TheScenesOwnSettingsAreTheDefault) {
+    const Plan made = plan(R"({"name": "a", "scenes": ["jittered"]})");
+    ASSERT_EQ(cell_names(made), std::vector<std::string>{"wavefront.none.none.off.off.aos.features/scene:jittered/"
+                                                         "backend:cpu/resolution:8x6/depth:3/spp:1"});
+}
+
+TEST_F(SuiteTest, TheProductIsFullAndWhatDoesNotApplyIsListedWithItsReason) {
+    const Plan made = plan(R"({"name": "a", "scenes": ["jittered", "still"], "depth": [2, 3],
+        "axes": {"first_bounce": ["off", "cached"], "layout": ["aos", "soa"], "integrator": ["wavefront", "depth_first"]}})");
+    // wavefront: 2 layouts, depth_first: aos only; cached only on the still scene; each at 2 depths.
+    EXPECT_EQ(made.cells.size(), 2u * (3u + 6u));
+    std::map<std::string, int> reasons;
+    for (const NotApplicable& entry : made.not_applicable) {
+        EXPECT_EQ(entry.study, "a");
+        reasons[entry.scene + ": " + entry.reason] += 1;
+    }
+    const std::string layout = "integrator=depth_first keeps one path in registers, no array of paths: needs layout=aos, not soa";
+    const std::string jitter = "first_bounce=cached needs jitter off (camera.jitter is true in the scene)";
+    // Once a variant, not once a depth; the first axis that does not apply gives the reason.
+    EXPECT_EQ(reasons, (std::map<std::string, int>{
+                           {"jittered: " + layout, 2}, {"jittered: " + jitter, 3}, {"still: " + layout, 2}}));
+    const std::vector<std::string> names = cell_names(made);
+    EXPECT_EQ(std::set<std::string>(names.begin(), names.end()).size(), names.size());
+}
+
+TEST_F(SuiteTest, ACellThatTwoStudiesShareIsOneCellOfBoth) {
+    const Plan made = plan(R"({"name": "a", "scenes": ["still"], "axes": {"layout": ["aos", "soa"]}},
+                              {"name": "b", "scenes": ["still"], "axes": {"first_bounce": ["off", "cached"]}})");
+    ASSERT_EQ(made.cells.size(), 3u);
+    EXPECT_EQ(made.cells[0].studies, (std::vector<std::string>{"a", "b"}));  // the baseline
+    EXPECT_EQ(made.cells[1].studies, std::vector<std::string>{"a"});
+    EXPECT_EQ(made.cells[2].studies, std::vector<std::string>{"b"});
+    // Other settings, other cells.
+    EXPECT_EQ(plan(R"({"name": "a", "scenes": ["still"]}, {"name": "b", "scenes": ["still"], "spp": 2})").cells.size(), 2u);
+}
+
+TEST_F(SuiteTest, ExpansionCounts) {
+    EXPECT_EQ(expand({}).size(), 1u);
+    EXPECT_EQ(expand({})[0], Registry::instance().baseline());
+    EXPECT_EQ(expand({{"layout", {"aos", "soa"}}, {"compaction", {"none", "thrust_partition", "thrust_remove_if"}}}).size(), 6u);
+    EXPECT_EQ(expand(all_choices()).size(), 2u * 5u * 3u * 2u * 2u * 2u * 2u);
+}
+
+TEST_F(SuiteTest, AxisArguments) {
+    AxisChoices axes;
+    add_axis_argument(axes, "compaction=none,thrust_partition");
+    EXPECT_EQ(axes.at("compaction"), (std::vector<std::string>{"none", "thrust_partition"}));
+    add_axis_argument(axes, "compaction=thrust_remove_if");  // the later one replaces the earlier
+    EXPECT_EQ(axes.at("compaction"), std::vector<std::string>{"thrust_remove_if"});
+    add_axis_argument(axes, "sorting=all");
+    EXPECT_EQ(axes.at("sorting"), (std::vector<std::string>{"none", "bucket", "thrust_sort_by_key"}));
+    EXPECT_EQ(axes.size(), 2u);
+
+    const std::string form = "allowed: NAME=CHOICE or NAME=CHOICE,CHOICE";
+    const std::string sortings = "allowed: none, bucket, thrust_sort_by_key";
+    const std::pair<std::string, std::string> cases[] = {
+        {"", "--axis: argument: found \"\", " + form},
+        {"sorting", "--axis: argument: found \"sorting\", " + form},
+        {"=none", "--axis: argument: found \"=none\", " + form},
+        {"sorting=", "--axis: argument: found \"sorting=\", " + form},
+        {"sorting=none,", "--axis: argument.sorting: found \"\", " + sortings},
+        {"sorting=,none", "--axis: argument.sorting: found \"\", " + sortings},
+        {"sorting=quick", "--axis: argument.sorting: found \"quick\", " + sortings},
+        {"sorting=all,none", "--axis: argument.sorting: found \"all\", " + sortings},
+        {"sorting=none,none", "--axis: argument.sorting: found \"none\" twice, allowed: once"},
+        {"colour=red", "--axis: argument: found axis \"colour\", allowed: integrator, compaction, sorting, first_bounce, "
+                       "direct_light, layout, specialisation"},
+        {"colour=all", "--axis: argument: found axis \"colour\", allowed: integrator, compaction, sorting, first_bounce, "
+                       "direct_light, layout, specialisation"},
+    };
+    const AxisChoices before = axes;
+    for (const auto& [argument, message] : cases) {
+        EXPECT_EQ(refusal([&, text = argument] { add_axis_argument(axes, text); }), message);
+        EXPECT_EQ(axes, before);
+    }
+}
+
+// ---- What is shipped ----
+
+TEST(ShippedSuitesTest, LoadAndPlan) {
+    ::setenv("PTBENCH_HOME", PTBENCH_SOURCE_DIR, 1);
+    const std::vector<std::string> names = suite_names();
+    EXPECT_NE(std::find(names.begin(), names.end(), "quick"), names.end());
+    EXPECT_NE(std::find(names.begin(), names.end(), "seeds"), names.end());
+    for (const std::string& name : names) {
+        SCOPED_TRACE(name);
+        const Suite suite = load_suite(find_suite_file(name));
+        EXPECT_EQ(suite.name, name);
+        EXPECT_FALSE(suite.description.empty());
+        EXPECT_GE(suite.repetitions, 9);  // fewer samples allow no verdict
+        const Plan made = make_plan(suite);
+        EXPECT_FALSE(made.cells.empty());
+        std::set<std::string> figures;
+        for (const Study& study : suite.studies) {
+            figures.insert(study.figure);
+            EXPECT_TRUE(std::any_of(made.cells.begin(), made.cells.end(), [&](const Cell& cell) {
+                return std::find(cell.studies.begin(), cell.studies.end(), study.name) != cell.studies.end();
+            })) << study.name;
+        }
+        for (const char* figure : {"remaining_paths", "sorting_by_depth", "first_bounce_by_depth", "compaction"}) {
+            EXPECT_TRUE(figures.contains(figure)) << figure;
+        }
+    }
+    ::unsetenv("PTBENCH_HOME");
+}
+
+}  // namespace
+}  // namespace pt

@@ -1,0 +1,56 @@
+// A file appears whole or not at all.
+#include "harness/write_file.h"
+
+#include <gtest/gtest.h>
+
+#include "harness/error.h"
+#include "tests/support/command.h"
+
+namespace pt {
+namespace {
+
+std::string refusal(const std::string& file) {
+    try {
+        write_file(file, "content");
+    } catch (const MachineError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+TEST(WriteFileTest, WritesEveryByteAndNothingElse) {
+    const test::TemporaryFolder folder;
+    const std::string content("a\0b\r\n\xff", 6);
+    write_file(folder.file("new"), content);
+    EXPECT_EQ(test::content_of(folder.file("new")), content);
+    write_file(folder.file("empty"), "");
+    EXPECT_EQ(test::content_of(folder.file("empty")), "");
+    EXPECT_EQ(folder.content(), (std::vector<std::string>{"empty", "new"}));
+}
+
+TEST(WriteFileTest, ReplacesAnOlderFile) {
+    const test::TemporaryFolder folder;
+    test::write_text(folder.file("result"), "the older one, which is longer");
+    write_file(folder.file("result"), "new");
+    EXPECT_EQ(test::content_of(folder.file("result")), "new");
+}
+
+TEST(WriteFileTest, CreatesMissingFolders) {
+    const test::TemporaryFolder folder;
+    write_file(folder.file("a/b/result"), "new");
+    EXPECT_EQ(test::content_of(folder.file("a/b/result")), "new");
+}
+
+TEST(WriteFileTest, LeavesNothingWhereItCannotWrite) {
+    const test::TemporaryFolder folder;
+    test::write_text(folder.file("plain"), "a file, not a folder");
+    EXPECT_EQ(refusal(folder.file("plain/result")),
+              folder.file("plain/result") + ": cannot be written (no such folder, no permission or disk full)");
+    std::filesystem::create_directory(folder.file("taken"));
+    EXPECT_EQ(refusal(folder.file("taken")), folder.file("taken") + ": cannot be written: Is a directory");
+    EXPECT_EQ(folder.content(), (std::vector<std::string>{"plain", "taken"}));
+    EXPECT_EQ(test::content_of(folder.file("plain")), "a file, not a folder");
+}
+
+}  // namespace
+}  // namespace pt
