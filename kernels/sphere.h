@@ -22,7 +22,6 @@ struct Ellipsoid {
     Vec3<Real> centre;
     Vec3<Real> semi_axis[3];      // columns of to_world
     Vec3<Real> inverse_axis[3];   // rows of its inverse
-    Real determinant;             // |det to_world|
 
     PT_HD Vec3<Real> to_unit(const Vec3<Real>& v) const {
         return {dot(inverse_axis[0], v), dot(inverse_axis[1], v), dot(inverse_axis[2], v)};

@@ -1,7 +1,9 @@
 // Subsurface scattering by a random walk through a homogeneous body, from where the path enters to where it leaves.
-// Free paths are drawn from one colour channel, chosen uniformly, and weighted by the mean of the three densities
-// (one-sample balance heuristic), so coloured coefficients bring no bias; a grey medium has the weight sigma_s / sigma_t
-// exactly. Phase function: Henyey and Greenstein 1941. Boundary: index-matched, or Fresnel with internal reflection.
+// Free paths are drawn from one colour channel, chosen in proportion to the path's throughput (as Cycles does), and weighted
+// by the mean of the three densities in the same proportion (one-sample balance heuristic). Coloured coefficients bring no
+// bias, and the sum of the three throughputs never grows; under a uniform choice their variance grows with every step.
+// A grey medium has the weight sigma_s / sigma_t exactly. Phase function: Henyey and Greenstein 1941. Boundary:
+// index-matched, or Fresnel with internal reflection.
 // The walk sees its own body only: objects inside the body are not met.
 #pragma once
 
@@ -33,6 +35,13 @@ PT_HD inline typename Config::Real distance_to_exit(const SceneView<typename Con
     return Real(0);
 }
 
+// The channel to draw a free path from; never one that carries nothing while another does.
+template <class Real>
+PT_HD inline std::uint32_t choose_channel(const Vec3<Real>& throughput, Real u) {
+    const Real target = u * (throughput.x + throughput.y + throughput.z);
+    return target < throughput.x ? 0u : target < throughput.x + throughput.y ? 1u : 2u;
+}
+
 template <class Real>
 PT_HD inline Real channel(const Vec3<Real>& v, std::uint32_t i) {
     return i == 0 ? v.x : i == 1 ? v.y : v.z;
@@ -41,7 +50,7 @@ PT_HD inline Real channel(const Vec3<Real>& v, std::uint32_t i) {
 // Weight of a flight of length t: transmittance over the mean density. `scattered`: the flight ended in a collision
 // (density sigma_t e^-sigma_t t), else it reached the surface (probability e^-sigma_t t).
 template <class Real>
-PT_HD inline Vec3<Real> flight_weight(const Material<Real>& medium, Real t, bool scattered) {
+PT_HD inline Vec3<Real> flight_weight(const Material<Real>& medium, const Vec3<Real>& throughput, Real t, bool scattered) {
     if (medium.grey != 0) {
         return scattered ? medium.scattering_albedo : Vec3<Real>{Real(1), Real(1), Real(1)};
     }
@@ -49,9 +58,9 @@ PT_HD inline Vec3<Real> flight_weight(const Material<Real>& medium, Real t, bool
     const Real least = min(medium.sigma_t.x, min(medium.sigma_t.y, medium.sigma_t.z));
     const Vec3<Real> transmittance{exponential((least - medium.sigma_t.x) * t), exponential((least - medium.sigma_t.y) * t),
                                    exponential((least - medium.sigma_t.z) * t)};
-    const Vec3<Real> density = scattered ? transmittance * medium.sigma_t : transmittance;
-    const Real mean = (density.x + density.y + density.z) * (Real(1) / Real(3));
-    return (scattered ? transmittance * medium.sigma_s : transmittance) * (Real(1) / mean);
+    const Real carried = dot(throughput, scattered ? transmittance * medium.sigma_t : transmittance);
+    const Real inverse_mean = carried > Real(0) ? (throughput.x + throughput.y + throughput.z) / carried : Real(0);
+    return (scattered ? transmittance * medium.sigma_s : transmittance) * inverse_mean;
 }
 
 // Walks from the vertex (the path has been let in along path.direction) until the path leaves the body; false if the cap on
@@ -67,12 +76,12 @@ PT_HD inline bool subsurface_walk(const SceneView<typename Config::Real>& scene,
     for (std::uint32_t step = 0; step <= medium.max_scatterings; ++step) {
         const RandomWords words = random_words(scene.seed, {path.pixel, path.sample, path.segment, random_block::walk + step});
         const Real to_exit = distance_to_exit<Config>(scene, vertex.object, position, direction, on_surface);
-        const std::uint32_t colour = static_cast<std::uint32_t>((static_cast<std::uint64_t>(words.y) * 3u) >> 32);
+        const std::uint32_t colour = choose_channel(path.throughput, unit_interval<Real>(words.y));
         const Real sigma = channel(medium.sigma_t, colour);
         const Real flight = sigma > Real(0) ? -logarithm(positive_unit_interval<Real>(words.x)) / sigma
                                             : std::numeric_limits<Real>::infinity();
         if (flight < to_exit) {
-            path.throughput *= flight_weight(medium, flight, true);
+            path.throughput *= flight_weight(medium, path.throughput, flight, true);
             position = position + direction * flight;
             on_surface = false;
             const Real cosine = henyey_greenstein_cosine(medium.g, unit_interval<Real>(words.z));
@@ -81,7 +90,7 @@ PT_HD inline bool subsurface_walk(const SceneView<typename Config::Real>& scene,
             direction = normalize(Frame<Real>(direction).to_world({sine * azimuth.cosine, sine * azimuth.sine, cosine}));
             continue;
         }
-        path.throughput *= flight_weight(medium, to_exit, false);
+        path.throughput *= flight_weight(medium, path.throughput, to_exit, false);
         const Ray<Real> ray{in_motion<Config>(scene, vertex.object, position, path.time), direction, path.time, ObjectSide{}};
         const SurfacePoint<Real> exit = surface_at<Config>(scene, ray, {to_exit, ObjectSide::of(vertex.object, true)});
         Vec3<Real> outgoing = direction;

@@ -127,7 +127,6 @@ Ellipsoid<Real> make_ellipsoid(const Vec3d& centre, const Rotation& rotation, co
         ellipsoid.semi_axis[axis] = narrow<Real>(rotation.column[axis] * (0.5 * scale[axis]));
         ellipsoid.inverse_axis[axis] = narrow<Real>(rotation.column[axis] / (0.5 * scale[axis]));
     }
-    ellipsoid.determinant = static_cast<Real>(scale.x * scale.y * scale.z / 8.0);
     return ellipsoid;
 }
 

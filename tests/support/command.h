@@ -142,6 +142,21 @@ inline CommandResult run_command(const std::vector<std::string>& arguments, cons
     return RunningCommand(arguments, options).wait();
 }
 
+// The arguments of a call of ptbench, and the environment in which it finds the repository's scenes.
+inline std::vector<std::string> ptbench_arguments(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), PTBENCH_BINARY);
+    return arguments;
+}
+
+inline CommandOptions in_repository(CommandOptions options = {}) {
+    options.environment.insert(options.environment.begin(), {"PTBENCH_HOME", PTBENCH_SOURCE_DIR});
+    return options;
+}
+
+inline CommandResult ptbench(std::vector<std::string> arguments, const CommandOptions& options = {}) {
+    return run_command(ptbench_arguments(std::move(arguments)), in_repository(options));
+}
+
 // Waits until `condition()` holds or the limit is over; returns whether it holds.
 template <class Condition>
 bool wait_until(Condition condition, std::chrono::seconds limit = std::chrono::seconds(30)) {

@@ -56,11 +56,14 @@ TEST_F(JournalTest, CreatesMissingFolders) {
 
 TEST_F(JournalTest, EveryFactIsInTheFileAtOnce) {
     Journal journal(file, identity, false);
-    EXPECT_EQ(test::content_of(file), R"({"identity":{"cells":["a","b"],"machine":"m"},"type":"run"})" "\n");
+    EXPECT_EQ(test::content_of(file), R"({"identity":{"cells":["a","b"],"machine":"m"},"type":"run"})"
+                                      "\n");
     journal.add_sample("a", {{"pt_wall_ms", 1.5}});
-    EXPECT_TRUE(test::content_of(file).ends_with(R"({"cell":"a","sample":{"pt_wall_ms":1.5},"type":"sample"})" "\n"));
+    EXPECT_TRUE(test::content_of(file).ends_with(R"({"cell":"a","sample":{"pt_wall_ms":1.5},"type":"sample"})"
+                                                 "\n"));
     journal.set_cell("b", {{"status", "ok"}});
-    EXPECT_TRUE(test::content_of(file).ends_with(R"({"cell":"b","facts":{"status":"ok"},"type":"cell"})" "\n"));
+    EXPECT_TRUE(test::content_of(file).ends_with(R"({"cell":"b","facts":{"status":"ok"},"type":"cell"})"
+                                                 "\n"));
     EXPECT_EQ(journal.samples("a").size(), 1u);
     EXPECT_EQ(*journal.cell("b"), Json({{"status", "ok"}}));
 }
@@ -132,9 +135,11 @@ TEST_F(JournalTest, AnUnfinishedRunIsRefusedWithoutResume) {
 TEST_F(JournalTest, AnotherRunIsRefused) {
     write_three_facts();
     const std::string before = test::content_of(file);
-    EXPECT_EQ(refusal<InputError>({{"machine", "n"}, {"cells", {"a", "b"}}}),
-              file + ": line 1: found another run (machine, build, suite or settings differ), allowed: the run that it was "
-                     "started with; remove the file to start over");
+    EXPECT_EQ(
+        refusal<InputError>({{"machine", "n"}, {"cells", {"a", "b"}}}),
+        file +
+            ": line 1: found another run (machine, build, suite or settings differ), allowed: the run that it was "
+            "started with; remove the file to start over");
     EXPECT_EQ(test::content_of(file), before);
     EXPECT_EQ(refusal<InputError>(), "");
 }
@@ -150,15 +155,16 @@ TEST_F(JournalTest, ADamagedLineIsRefusedWithItsPlace) {
     const std::string whole = test::content_of(file);
     const std::size_t second = whole.find('\n') + 1;
     for (const std::string damage :
-         {"\n", "garbage\n", "{\"type\":\"sample\"\n", "{}\n", "[1]\n", "7\n", "{\"type\":5}\n", "{\"type\":\"other\"}\n",
-          "{\"type\":\"sample\"}\n", "{\"type\":\"sample\",\"cell\":\"a\"}\n", "{\"type\":\"sample\",\"cell\":3,\"sample\":{}}\n",
-          "{\"type\":\"cell\",\"cell\":\"a\"}\n", "\xff\xfe\n"}) {
+         {"\n", "garbage\n", "{\"type\":\"sample\"\n", "{}\n", "[1]\n", "7\n", "{\"type\":5}\n",
+          "{\"type\":\"other\"}\n", "{\"type\":\"sample\"}\n", "{\"type\":\"sample\",\"cell\":\"a\"}\n",
+          "{\"type\":\"sample\",\"cell\":3,\"sample\":{}}\n", "{\"type\":\"cell\",\"cell\":\"a\"}\n", "\xff\xfe\n"}) {
         SCOPED_TRACE(damage);
         const std::string damaged = whole.substr(0, second) + damage + whole.substr(second);
         test::write_text(file, damaged);
-        EXPECT_EQ(refusal<InputError>(), file + ": byte " + std::to_string(second) +
-                                             ": found a damaged line, allowed: lines that ptbench wrote; remove the file to "
-                                             "start over");
+        EXPECT_EQ(refusal<InputError>(),
+                  file + ": byte " + std::to_string(second) +
+                      ": found a damaged line, allowed: lines that ptbench wrote; remove the file to "
+                      "start over");
         EXPECT_EQ(test::content_of(file), damaged);
     }
     test::write_text(file, "{\"type\":\"sample\"}\n");  // and a first line that is not the run's

@@ -72,8 +72,8 @@ TEST_F(PlacesTest, SaysWhichNamesThereAre) {
 TEST_F(PlacesTest, AHomeWithoutScenesIsAnError) {
     const test::TemporaryFolder empty;
     ::setenv("PTBENCH_HOME", empty.path().c_str(), 1);
-    EXPECT_EQ(refusal([] { home_folder(); }), "no folder scenes/ in " + empty.path().string() +
-                                                  ": set PTBENCH_HOME to the folder that holds it");
+    EXPECT_EQ(refusal([] { home_folder(); }),
+              "no folder scenes/ in " + empty.path().string() + ": set PTBENCH_HOME to the folder that holds it");
 }
 
 TEST_F(PlacesTest, EveryShippedSceneIsNamedAsItsFile) {

@@ -27,7 +27,7 @@ TEST(AggregateTest, MatchesNumbersWorkedOutByHand) {
 }
 
 Json sample(double wall, double cpu, int seed) {
-    return {{"pt_wall_ms", wall},       {"cpu_ms", cpu}, {"pt_device_ms", wall}, {"pt_seed", seed},
+    return {{"pt_wall_ms", wall},        {"cpu_ms", cpu}, {"pt_device_ms", wall},           {"pt_seed", seed},
             {"pt_rays_per_second", 5e7}, {"pt_rays", 77}, {"film_hash", "0123456789abcdef"}};
 }
 
@@ -40,7 +40,8 @@ protected:
     Json result;
 
     void SetUp() override {
-        suite.studies.push_back({.name = "a", .title = "Title", .figure = "compaction", .scenes = {}, .axes = {}, .depths = {}});
+        suite.studies.push_back(
+            {.name = "a", .title = "Title", .figure = "compaction", .scenes = {}, .axes = {}, .depths = {}});
         auto scene = std::make_shared<Scene>(test::SceneBuilder().scene);
         scene->name = "dark";
         scene->hash = "fedcba9876543210";
@@ -56,7 +57,8 @@ protected:
         cached.set("first_bounce", "cached");
         plan.not_applicable.push_back({"a", "dark", cached, "first_bounce=cached needs jitter off"});
         Journal journal(folder.file("journal"), Json("identity"), false);
-        journal.set_cell("ok", {{"status", "ok"}, {"reason", ""}, {"film_hash", "abc"}, {"instrumented", {{"spp", 2}}}});
+        journal.set_cell("ok",
+                         {{"status", "ok"}, {"reason", ""}, {"film_hash", "abc"}, {"instrumented", {{"spp", 2}}}});
         journal.set_cell("failed", {{"status", "failed"}, {"reason", "film differs"}});
         journal.set_cell("short", {{"status", "ok"}, {"reason", ""}});
         int seed = 1;
@@ -64,9 +66,12 @@ protected:
             journal.add_sample("ok", sample(wall, 2 * wall, seed++));
         }
         journal.add_sample("short", sample(5, 7, 1));
-        const std::string text = result_json(
-            plan, suite, journal,
-            {.command_line = "ptbench run \"x\"", .suite = "hand", .date = "2026-01-02T03:04:05+0000", .completed = false, .repetitions = 3});
+        const std::string text = result_json(plan, suite, journal,
+                                             {.command_line = "ptbench run \"x\"",
+                                              .suite = "hand",
+                                              .date = "2026-01-02T03:04:05+0000",
+                                              .completed = false,
+                                              .repetitions = 3});
         EXPECT_EQ(text.back(), '\n');
         result = Json::parse(text);
     }
@@ -111,8 +116,10 @@ TEST_F(ResultFileTest, HasTheAggregatesOfTheSamples) {
         const char* name;
         double real, cpu;
         const char* unit;
-    } expected[] = {
-        {"mean", 3, 6, "time"}, {"median", 2, 4, "time"}, {"stddev", root, 2 * root, "time"}, {"cv", root / 3, root / 3, "percentage"}};
+    } expected[] = {{"mean", 3, 6, "time"},
+                    {"median", 2, 4, "time"},
+                    {"stddev", root, 2 * root, "time"},
+                    {"cv", root / 3, root / 3, "percentage"}};
     for (std::size_t i = 0; i < rows.size(); ++i) {
         EXPECT_EQ(rows[i].at("name"), std::string("ok_") + expected[i].name);
         EXPECT_EQ(rows[i].at("aggregate_name"), expected[i].name);
@@ -127,7 +134,8 @@ TEST_F(ResultFileTest, HasTheAggregatesOfTheSamples) {
 // What gbench/report.py and compare.py of Google Benchmark 1.7.1 read of a row.
 TEST_F(ResultFileTest, EveryRowHasWhatComparePyReads) {
     for (const Json& row : result.at("benchmarks")) {
-        for (const char* key : {"name", "run_name", "run_type", "real_time", "cpu_time", "time_unit", "iterations", "repetitions"}) {
+        for (const char* key :
+             {"name", "run_name", "run_type", "real_time", "cpu_time", "time_unit", "iterations", "repetitions"}) {
             EXPECT_TRUE(row.contains(key)) << key << " in " << row.dump();
         }
         EXPECT_EQ(row.contains("repetition_index"), row.at("run_type") == "iteration");
@@ -177,7 +185,8 @@ TEST_F(ResultFileTest, CellsSayWhatTheyAreAndHowTheyEnded) {
 }
 
 TEST_F(ResultFileTest, StudiesAndWhatDoesNotApply) {
-    EXPECT_EQ(result.at("ptbench").at("studies"), Json::parse(R"([{"name": "a", "title": "Title", "figure": "compaction"}])"));
+    EXPECT_EQ(result.at("ptbench").at("studies"),
+              Json::parse(R"([{"name": "a", "title": "Title", "figure": "compaction"}])"));
     const Json& entries = result.at("ptbench").at("not_applicable");
     ASSERT_EQ(entries.size(), 1u);
     EXPECT_EQ(entries[0].at("study"), "a");
@@ -196,8 +205,9 @@ TEST_F(ResultFileTest, ContextHasGoogleBenchmarksKeysAndOurs) {
     EXPECT_TRUE(context.at("mhz_per_cpu").is_number());
     EXPECT_TRUE(context.at("caches").is_array());
     EXPECT_TRUE(context.at("load_avg").is_array());
-    for (const char* key : {"schema_version", "version", "git_sha", "git_dirty", "command_line", "machine", "cpu_model", "os", "compiler",
-                            "compiler_flags", "backend", "threads", "thrust_version", "suite", "status"}) {
+    for (const char* key :
+         {"schema_version", "version", "git_sha", "git_dirty", "command_line", "machine", "cpu_model", "os", "compiler",
+          "compiler_flags", "backend", "threads", "thrust_version", "suite", "status"}) {
         const std::string prefixed = std::string("ptbench.") + key;
         ASSERT_TRUE(context.contains(prefixed)) << key;
         EXPECT_TRUE(context.at(prefixed).is_string()) << key;

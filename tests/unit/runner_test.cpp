@@ -1,11 +1,12 @@
-// Whole runs of a tiny suite, in this process: what they leave behind when all is well, when a choice fails, when they are
-// interrupted, and when they go on after a kill.
+// Whole runs of a tiny suite, in this process: what they leave behind when all is well, when a choice fails, when they
+// are interrupted, and when they go on after a kill.
 #include "harness/bench/runner.h"
 
 #include <csignal>
 #include <cstdlib>
 #include <map>
 #include <set>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -31,7 +32,8 @@ public:
     }
 
 private:
-    std::unique_ptr<Compaction> original_ = Registry::instance().find("compaction", "thrust_remove_if")->hook.compaction();
+    std::unique_ptr<Compaction> original_ =
+        Registry::instance().find("compaction", "thrust_remove_if")->hook.compaction();
 };
 
 const Registration hooked({.axis = "compaction",
@@ -122,7 +124,8 @@ std::map<std::string, std::string> statuses(const Json& result) {
     std::map<std::string, std::string> found;
     for (const Json& cell : result.at("ptbench").at("cells")) {
         const std::string reason = cell.at("reason");
-        found[cell.at("axes").at("compaction")] = cell.at("status").get<std::string>() + (reason.empty() ? "" : ": " + reason);
+        found[cell.at("axes").at("compaction")] =
+            cell.at("status").get<std::string>() + (reason.empty() ? "" : ": " + reason);
     }
     return found;
 }
@@ -130,11 +133,14 @@ std::map<std::string, std::string> statuses(const Json& result) {
 const AxisChoices three_compactions{{"compaction", {"none", "thrust_remove_if", "test_hooked"}}};
 
 TEST_F(RunnerTest, ACompletedRunHasEveryRow) {
-    EXPECT_EQ(run(suite({{"compaction", {"none", "thrust_partition"}}, {"first_bounce", {"off", "cached"}},
-                         {"integrator", {"wavefront", "depth_first"}}, {"direct_light", {"off", "final_bounce"}}}),
+    EXPECT_EQ(run(suite({{"compaction", {"none", "thrust_partition"}},
+                         {"first_bounce", {"off", "cached"}},
+                         {"integrator", {"wavefront", "depth_first"}},
+                         {"direct_light", {"off", "final_bounce"}}}),
                   options()),
               exit_good);
-    EXPECT_EQ(folder.content(), (std::vector<std::string>{"out", "out/result.json", "scenes", "scenes/suites", "scenes/tiny.json"}));
+    EXPECT_EQ(folder.content(),
+              (std::vector<std::string>{"out", "out/result.json", "scenes", "scenes/suites", "scenes/tiny.json"}));
     const Json file = result();
     // wavefront with 2 compactions, depth_first; each with and without the final bounce; the cache does not apply.
     const std::size_t cells = 6;
@@ -230,7 +236,9 @@ TEST_F(RunnerTest, AChoiceThatFailsItsClaimLeavesTheOthersAlone) {
     std::map<std::string, std::string> found = statuses(file);
     EXPECT_EQ(found["none"], "ok");
     EXPECT_EQ(found["thrust_remove_if"], "ok");
-    EXPECT_EQ(found["test_hooked"].find("failed: film differs from depth_first.none.none.off.off.aos.generic: first at pixel "), 0u)
+    EXPECT_EQ(found["test_hooked"].find(
+                  "failed: film differs from depth_first.none.none.off.off.aos.generic: first at pixel "),
+              0u)
         << found["test_hooked"];
     EXPECT_EQ(sample_rows(file).size(), 2u);
     EXPECT_EQ(file.at("benchmarks").size(), 2 * (repetitions + 4) + 1u);  // and the error row
@@ -261,34 +269,37 @@ TEST_F(RunnerTest, AChoiceThatFailsLateFailsAloneAndForGood) {
     EXPECT_EQ(found["test_hooked"], "failed: out of luck");
     EXPECT_EQ(renders, 5);  // not tried again
     for (const auto& [name, rows] : sample_rows(file)) {
-        EXPECT_EQ(rows.size(), name.find("test_hooked") != std::string::npos ? 1u : static_cast<std::size_t>(repetitions));
+        EXPECT_EQ(rows.size(),
+                  name.find("test_hooked") != std::string::npos ? 1u : static_cast<std::size_t>(repetitions));
     }
-    EXPECT_NE(progress.find("failed: wavefront.test_hooked.none.off.off.aos.features/scene:tiny/backend:cpu/resolution:8x6/depth:3/"
-                            "spp:2: out of luck\n"),
-              std::string::npos);
+    EXPECT_NE(
+        progress.find(
+            "failed: wavefront.test_hooked.none.off.off.aos.features/scene:tiny/backend:cpu/resolution:8x6/depth:3/"
+            "spp:2: out of luck\n"),
+        std::string::npos);
 }
 
 // Verification is done at small size; a film that is wrong only at full size is found when it is timed.
 TEST_F(RunnerTest, AFilmThatIsWrongAtFullSizeOnlyIsFound) {
     on_compact = [](PathQueue& queue) {
-        if (queue.count > 48 * 48 / 2 && std::visit([](const auto& paths) { return paths.pixel(0); }, queue.paths) < 48 * 48) {
-            queue.count -= 1;
-        }
+        const auto pixel_in = [&](std::size_t slot) {
+            return std::visit([&](const auto& paths) { return paths.pixel(slot); }, queue.paths);
+        };
+        queue.count -= queue.count > 0 && pixel_in(queue.count - 1) >= 48 * 48 ? 1 : 0;
     };
     Suite large = suite(three_compactions);
     large.studies[0].width = large.studies[0].height = 64;
     EXPECT_EQ(run(large, options()), exit_check_failed);
-    std::map<std::string, std::string> found = statuses(result());
-    // Whichever is timed first sets the film of a sample; the two that agree cannot both be in the wrong.
-    int failed = 0;
-    for (const auto& [compaction, status] : found) {
+    // The cell that is timed first sets the film, so it may be the right ones that are called different.
+    std::size_t failed = 0;
+    for (const auto& [compaction, status] : statuses(result())) {
         if (status != "ok") {
             ++failed;
             EXPECT_EQ(status.find("failed: film "), 0u) << status;
-            EXPECT_NE(status.find(" differs from "), std::string::npos) << status;
+            EXPECT_NE(status.find(" of sample "), std::string::npos) << status;
         }
     }
-    EXPECT_GE(failed, 1);
+    EXPECT_GE(failed, 1u);
 }
 
 // ---- Interrupts and resuming ----
@@ -341,7 +352,8 @@ TEST_F(RunnerTest, ResumeKeepsTheSamplesThatWereTaken) {
 }
 
 TEST_F(RunnerTest, AnInterruptEndsTheRunWithAResultAndAJournal) {
-    for (const int renders_before : {0, 1, 2, 4}) {  // in verification, the instrumented pass, the warm-up, the second sample
+    for (const int renders_before :
+         {0, 1, 2, 4}) {  // in verification, the instrumented pass, the warm-up, the second sample
         SCOPED_TRACE(renders_before);
         int renders = 0;
         on_render = [&] {
@@ -378,7 +390,11 @@ TEST_F(RunnerTest, AnInterruptEndsTheRunWithAResultAndAJournal) {
 }
 
 TEST_F(RunnerTest, AnotherRunsJournalIsRefused) {
-    on_render = [] { std::raise(SIGINT); };
+    on_render = [raised = false]() mutable {
+        if (!std::exchange(raised, true)) {
+            std::raise(SIGINT);
+        }
+    };
     RunOptions how = options();
     ASSERT_EQ(run(suite(three_compactions), how), exit_check_failed);
     on_render = nullptr;
@@ -443,7 +459,8 @@ TEST_F(RunnerTest, DescribesAPlan) {
     const Plan plan = make_plan(suite({{"first_bounce", {"off", "cached"}}}));
     EXPECT_EQ(describe_plan(plan, 5),
               "wavefront.none.none.off.off.aos.features/scene:tiny/backend:cpu/resolution:8x6/depth:3/spp:2\n"
-              "n/a: wavefront.none.none.cached.off.aos.features on tiny: first_bounce=cached needs jitter off (camera.jitter is "
+              "n/a: wavefront.none.none.cached.off.aos.features on tiny: first_bounce=cached needs jitter off "
+              "(camera.jitter is "
               "true in the scene)\n"
               "1 cells, 5 samples, 1 not applicable\n");
 }

@@ -107,11 +107,13 @@ TEST_F(SuiteTest, RefusesBadFilesWithTheirPlace) {
         {R"({"name": "a"})", "$.studies[0]: found no key \"scenes\", allowed: it is required"},
         {R"({"name": 5, "scenes": ["still"]})", "$.studies[0].name: found 5, allowed: a string"},
         {R"({"name": "a", "scenes": ["still"], "sppp": 1})",
-         "$.studies[0]: found unknown key \"sppp\", allowed: name, title, figure, scenes, axes, resolution, depth, spp"},
+         "$.studies[0]: found unknown key \"sppp\", allowed: name, title, figure, scenes, axes, resolution, depth, "
+         "spp"},
         {R"({"name": "a", "scenes": "still"})", "$.studies[0].scenes: found \"still\", allowed: an array"},
         {R"({"name": "a", "scenes": []})", "$.studies[0].scenes: found [], allowed: at least one name"},
         {R"({"name": "a", "scenes": ["still", 3]})", "$.studies[0].scenes[1]: found 3, allowed: a string"},
-        {R"({"name": "a", "scenes": ["still", "still"]})", "$.studies[0].scenes[1]: found \"still\" twice, allowed: once"},
+        {R"({"name": "a", "scenes": ["still", "still"]})",
+         "$.studies[0].scenes[1]: found \"still\" twice, allowed: once"},
         {R"({"name": "a", "scenes": ["still"]}, {"name": "a", "scenes": ["still"]})",
          "$.studies[1].name: found \"a\" twice, allowed: once"},
         {R"({"name": "a", "scenes": ["still"], "figure": "pie"})",
@@ -130,15 +132,18 @@ TEST_F(SuiteTest, RefusesBadFilesWithTheirPlace) {
          "$.studies[0].axes.compaction[1]: found \"none\" twice, allowed: once"},
         {R"({"name": "a", "scenes": ["still"], "resolution": [5]})",
          "$.studies[0].resolution: found [5], allowed: an array of 2 whole numbers, [width, height]"},
-        {R"({"name": "a", "scenes": ["still"], "resolution": 5})", "$.studies[0].resolution: found 5, allowed: an array"},
+        {R"({"name": "a", "scenes": ["still"], "resolution": 5})",
+         "$.studies[0].resolution: found 5, allowed: an array"},
         {R"({"name": "a", "scenes": ["still"], "resolution": [5, 0]})",
          "$.studies[0].resolution[1]: found 0, allowed: a whole number from 1 to 8192"},
         {R"({"name": "a", "scenes": ["still"], "resolution": [5.5, 5]})",
          "$.studies[0].resolution[0]: found 5.5, allowed: a whole number from 1 to 8192"},
         {R"({"name": "a", "scenes": ["still"], "depth": 0})", "$.studies[0].depth: found 0, allowed: " + depths},
         {R"({"name": "a", "scenes": ["still"], "depth": "8"})", "$.studies[0].depth: found \"8\", allowed: " + depths},
-        {R"({"name": "a", "scenes": ["still"], "depth": []})", "$.studies[0].depth: found [], allowed: at least one depth"},
-        {R"({"name": "a", "scenes": ["still"], "depth": [2, -1]})", "$.studies[0].depth[1]: found -1, allowed: " + depths},
+        {R"({"name": "a", "scenes": ["still"], "depth": []})",
+         "$.studies[0].depth: found [], allowed: at least one depth"},
+        {R"({"name": "a", "scenes": ["still"], "depth": [2, -1]})",
+         "$.studies[0].depth[1]: found -1, allowed: " + depths},
         {R"({"name": "a", "scenes": ["still"], "depth": [2, 2]})",
          "$.studies[0].depth[1]: found 2 twice, allowed: once"},
         {R"({"name": "a", "scenes": ["still"], "spp": 0})",
@@ -183,8 +188,9 @@ TEST_F(SuiteTest, RefusesUnknownAndUnreadableScenes) {
     EXPECT_EQ(refusal([&] { plan(R"({"name": "a", "scenes": ["nope"]})"); }),
               "--scene: name: found \"nope\", allowed: a file that ends in .json, or one of jittered, still");
     test::write_text(folder.file("broken.json"), "{");
-    EXPECT_NE(refusal([&] { plan(R"({"name": "a", "scenes": [")" + folder.file("broken.json") + "\"]}"); })
-                  .find("broken.json: not valid JSON"),
+    EXPECT_NE(refusal([&] {
+                  plan(R"({"name": "a", "scenes": [")" + folder.file("broken.json") + "\"]}");
+              }).find("broken.json: not valid JSON"),
               std::string::npos);
 }
 
@@ -193,7 +199,8 @@ TEST_F(SuiteTest, RefusesTwoScenesOfOneName) {
     const std::string other = folder.file("other.json");
     test::write_text(other, scene_text("still", false, 5));
     const std::string message = refusal([&] { plan(R"({"name": "a", "scenes": ["still", ")" + other + "\"]}"); });
-    EXPECT_EQ(message, other + ": $.name: found \"still\", the name of another scene (still), allowed: a name of its own");
+    EXPECT_EQ(message,
+              other + ": $.name: found \"still\", the name of another scene (still), allowed: a name of its own");
     // The same scene from two places is one scene.
     test::write_text(other, scene_text("still", false));
     EXPECT_EQ(plan(R"({"name": "a", "scenes": ["still", ")" + other + "\"]}").cells.size(), 1u);
@@ -207,7 +214,8 @@ TEST_F(SuiteTest, ACellIsNamedAfterAllThatItIs) {
     ASSERT_EQ(made.cells.size(), 1u);
     const Cell& cell = made.cells[0];
     EXPECT_EQ(cell.name,
-              "wavefront.thrust_remove_if.none.off.off.aos.features/scene:jittered/backend:cpu/resolution:20x10/depth:4/spp:5");
+              "wavefront.thrust_remove_if.none.off.off.aos.features/scene:jittered/backend:cpu/resolution:20x10/"
+              "depth:4/spp:5");
     EXPECT_EQ(cell.studies, std::vector<std::string>{"a"});
     EXPECT_EQ(cell.scene->name, "jittered");
     EXPECT_EQ(cell.variant.name(), "wavefront.thrust_remove_if.none.off.off.aos.features");
@@ -233,7 +241,8 @@ TEST_F(SuiteTest, TheProductIsFullAndWhatDoesNotApplyIsListedWithItsReason) {
         EXPECT_EQ(entry.study, "a");
         reasons[entry.scene + ": " + entry.reason] += 1;
     }
-    const std::string layout = "integrator=depth_first keeps one path in registers, no array of paths: needs layout=aos, not soa";
+    const std::string layout =
+        "integrator=depth_first keeps one path in registers, no array of paths: needs layout=aos, not soa";
     const std::string jitter = "first_bounce=cached needs jitter off (camera.jitter is true in the scene)";
     // Once a variant, not once a depth; the first axis that does not apply gives the reason.
     EXPECT_EQ(reasons, (std::map<std::string, int>{
@@ -250,13 +259,16 @@ TEST_F(SuiteTest, ACellThatTwoStudiesShareIsOneCellOfBoth) {
     EXPECT_EQ(made.cells[1].studies, std::vector<std::string>{"a"});
     EXPECT_EQ(made.cells[2].studies, std::vector<std::string>{"b"});
     // Other settings, other cells.
-    EXPECT_EQ(plan(R"({"name": "a", "scenes": ["still"]}, {"name": "b", "scenes": ["still"], "spp": 2})").cells.size(), 2u);
+    EXPECT_EQ(plan(R"({"name": "a", "scenes": ["still"]}, {"name": "b", "scenes": ["still"], "spp": 2})").cells.size(),
+              2u);
 }
 
 TEST_F(SuiteTest, ExpansionCounts) {
     EXPECT_EQ(expand({}).size(), 1u);
     EXPECT_EQ(expand({})[0], Registry::instance().baseline());
-    EXPECT_EQ(expand({{"layout", {"aos", "soa"}}, {"compaction", {"none", "thrust_partition", "thrust_remove_if"}}}).size(), 6u);
+    EXPECT_EQ(
+        expand({{"layout", {"aos", "soa"}}, {"compaction", {"none", "thrust_partition", "thrust_remove_if"}}}).size(),
+        6u);
     EXPECT_EQ(expand(all_choices()).size(), 2u * 5u * 3u * 2u * 2u * 2u * 2u);
 }
 
@@ -282,10 +294,12 @@ TEST_F(SuiteTest, AxisArguments) {
         {"sorting=quick", "--axis: argument.sorting: found \"quick\", " + sortings},
         {"sorting=all,none", "--axis: argument.sorting: found \"all\", " + sortings},
         {"sorting=none,none", "--axis: argument.sorting: found \"none\" twice, allowed: once"},
-        {"colour=red", "--axis: argument: found axis \"colour\", allowed: integrator, compaction, sorting, first_bounce, "
-                       "direct_light, layout, specialisation"},
-        {"colour=all", "--axis: argument: found axis \"colour\", allowed: integrator, compaction, sorting, first_bounce, "
-                       "direct_light, layout, specialisation"},
+        {"colour=red",
+         "--axis: argument: found axis \"colour\", allowed: integrator, compaction, sorting, first_bounce, "
+         "direct_light, layout, specialisation"},
+        {"colour=all",
+         "--axis: argument: found axis \"colour\", allowed: integrator, compaction, sorting, first_bounce, "
+         "direct_light, layout, specialisation"},
     };
     const AxisChoices before = axes;
     for (const auto& [argument, message] : cases) {

@@ -21,9 +21,7 @@ constexpr std::size_t sizes[] = {0, 1, 2, 3, 1023, 1024, 1025, 4095, 4096, 4097,
 // Every scalar of a path, bit for bit. There is no padding to skip.
 using PathBits = std::array<std::uint32_t, 18>;
 static_assert(sizeof(PathBits) == sizeof(Path<float>));
-PathBits bits_of(const Path<float>& path) {
-    return std::bit_cast<PathBits>(path);
-}
+PathBits bits_of(const Path<float>& path) { return std::bit_cast<PathBits>(path); }
 
 Path<float> random_path(test::Random& random, std::uint32_t id, bool alive) {
     const auto vector = [&] {
@@ -67,7 +65,8 @@ bool is_alive(Pattern pattern, std::size_t i, std::size_t count, test::Random& r
     }
 }
 
-// A queue of paths that are told apart by `pixel`, each with a hit that says whose it is, and a copy of what was put in.
+// A queue of paths that are told apart by `pixel`, each with a hit that says whose it is, and a copy of what was put
+// in.
 struct HandMadeQueue {
     PathQueue queue;
     std::vector<Path<float>> paths;  // as put in, by slot
@@ -271,9 +270,7 @@ protected:
 };
 
 // The key of a path is a function of the path, so it can be asked for again after the payload has moved.
-std::uint32_t key_of(const Path<float>& path, std::uint32_t key_count) {
-    return path.medium % key_count;
-}
+std::uint32_t key_of(const Path<float>& path, std::uint32_t key_count) { return path.medium % key_count; }
 
 void fill_keys(HandMadeQueue& made, std::uint32_t key_count) {
     for (std::size_t i = 0; i < made.queue.count; ++i) {

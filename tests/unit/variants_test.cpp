@@ -1,5 +1,5 @@
-// What is compared: the registry's content, what each choice says of itself, and that every variant renders the film that
-// it claims to.
+// What is compared: the registry's content, what each choice says of itself, and that every variant renders the film
+// that it claims to.
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -16,9 +16,7 @@
 namespace pt {
 namespace {
 
-const Registry& registry() {
-    return Registry::instance();
-}
+const Registry& registry() { return Registry::instance(); }
 
 const Descriptor& descriptor(const std::string& axis, const std::string& choice) {
     return registry().find(axis, choice)->descriptor;
@@ -287,11 +285,17 @@ std::vector<WorkCase> work_cases() {
         return work;
     };
     std::vector<WorkCase> cases{
-        {"integrator", "wavefront", queued, {{with(queued, &WorkCounters::bounces, 1), "ran fewer bounces over the queue than samples"}}},
+        {"integrator",
+         "wavefront",
+         queued,
+         {{with(queued, &WorkCounters::bounces, 1), "ran fewer bounces over the queue than samples"}}},
         {"integrator", "depth_first", idle, {{queued, "ran a queue"}}},
         {"compaction", "none", queued, {{compacted, "a compaction ran"}}},
         {"sorting", "none", queued, {{ordered, "a sort ran"}}},
-        {"first_bounce", "off", idle, {{cached, "a cache was used"}, {with(idle, &WorkCounters::cache_hits, 1), "a cache was used"}}},
+        {"first_bounce",
+         "off",
+         idle,
+         {{cached, "a cache was used"}, {with(idle, &WorkCounters::cache_hits, 1), "a cache was used"}}},
         {"first_bounce",
          "cached",
          cached,
@@ -299,7 +303,8 @@ std::vector<WorkCase> work_cases() {
           {with(cached, &WorkCounters::cache_fills, 200), "200 cache fills for 200 paths"},
           {with(cached, &WorkCounters::cache_hits, 99), "not every camera ray came from the cache"}}},
     };
-    for (const char* name : {"thrust_copy_if_index", "thrust_partition", "thrust_remove_if", "thrust_stable_partition"}) {
+    for (const char* name :
+         {"thrust_copy_if_index", "thrust_partition", "thrust_remove_if", "thrust_stable_partition"}) {
         cases.push_back({"compaction",
                          name,
                          compacted,
@@ -443,7 +448,8 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
         ASSERT_EQ(result.film.faults().nonfinite + result.film.faults().negative, 0u) << variant.name();
         ++rendered;
     }
-    // 2 x 2 x 2 for depth_first and (5 x 3 - 1) x 2 x 2 x 2 x 2 for wavefront; half of them where the cache does not apply.
+    // 2 x 2 x 2 for depth_first and (5 x 3 - 1) x 2 x 2 x 2 x 2 for wavefront; half of them where the cache does not
+    // apply.
     EXPECT_EQ(rendered, scene.camera.jitter ? 116u : 232u);
     // The comparison means something only if there is light, and if the two expectations differ.
     ASSERT_EQ(references.size(), 2u);
@@ -452,13 +458,12 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
     EXPECT_NE(references.begin()->second.film.sums(), references.rbegin()->second.film.sums());
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Scenes, EveryVariantTest,
-    testing::Values(std::pair{"cornell_like", +[] { return cornell_like(true).scene; }},
-                    std::pair{"five_materials", +five_materials},
-                    std::pair{"jitter_off", +[] { return cornell_like(false).scene; }},
-                    std::pair{"lens_motion_environment", +lens_motion_environment}),
-    [](const auto& test) { return std::string(test.param.first); });
+INSTANTIATE_TEST_SUITE_P(Scenes, EveryVariantTest,
+                         testing::Values(std::pair{"cornell_like", +[] { return cornell_like(true).scene; }},
+                                         std::pair{"five_materials", +five_materials},
+                                         std::pair{"jitter_off", +[] { return cornell_like(false).scene; }},
+                                         std::pair{"lens_motion_environment", +lens_motion_environment}),
+                         [](const auto& test) { return std::string(test.param.first); });
 
 TEST(FilmTest, DoesNotDependOnTheNumberOfThreads) {
     const Scene scene = five_materials();
@@ -468,7 +473,8 @@ TEST(FilmTest, DoesNotDependOnTheNumberOfThreads) {
         variants.push_back(baseline_with({{"compaction", compaction}, {"sorting", "bucket"}, {"layout", "soa"}}));
     }
     for (const std::string& sorting : all.at("sorting")) {
-        variants.push_back(baseline_with({{"compaction", "thrust_partition"}, {"sorting", sorting}, {"direct_light", "final_bounce"}}));
+        variants.push_back(baseline_with(
+            {{"compaction", "thrust_partition"}, {"sorting", sorting}, {"direct_light", "final_bounce"}}));
     }
     const int threads_before = omp_get_max_threads();
     for (const Variant& variant : variants) {
@@ -514,10 +520,10 @@ TEST(CountersTest, EverySortPutsEveryTracedPathInOrder) {
 TEST(CountersTest, AnInstrumentedRenderCountsTheLivePathsAndTheStages) {
     const Scene scene = five_materials();
     const auto instrumented = [&](const Variant& variant) {
-        return render(scene, {.variant = variant, .settings = default_settings(scene), .samples = spp, .instrument = true});
+        return render(scene,
+                      {.variant = variant, .settings = default_settings(scene), .samples = spp, .instrument = true});
     };
-    const RenderResult queue =
-        instrumented(baseline_with({{"compaction", "thrust_remove_if"}, {"sorting", "bucket"}}));
+    const RenderResult queue = instrumented(baseline_with({{"compaction", "thrust_remove_if"}, {"sorting", "bucket"}}));
     const RenderResult loop = instrumented(baseline_with({{"integrator", "depth_first"}}));
     const std::vector<std::uint64_t>& live = queue.stages.live_paths;
     ASSERT_EQ(live.size(), 6u);  // one entry a segment

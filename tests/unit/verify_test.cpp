@@ -1,5 +1,5 @@
-// The gate before every timing, tried with faults: choices that this file registers (test_*), each wrong in one way that is
-// known, and what the gate says of them. A gate that lets one of them through would let a real one through.
+// The gate before every timing, tried with faults: choices that this file registers (test_*), each wrong in one way
+// that is known, and what the gate says of them. A gate that lets one of them through would let a real one through.
 #include "harness/bench/verify.h"
 
 #include <limits>
@@ -62,9 +62,7 @@ void at_the_bad_path(PathQueue& queue, std::uint32_t segments, Spoil spoil) {
         queue.paths);
 }
 
-void drop_the_last(PathQueue& queue) {
-    queue.count -= queue.count > 0 ? 1 : 0;
-}
+void drop_the_last(PathQueue& queue) { queue.count -= queue.count > 0 ? 1 : 0; }
 
 // The first path twice, in the slot of one that was taken out.
 void double_the_first(PathQueue& queue) {
@@ -117,7 +115,8 @@ const Registration overwrites(test_compaction("test_overwrites"), {.compaction =
                                   return std::make_unique<SpoiltCompaction>("thrust_remove_if", overwrite_the_second);
                               }});
 const Registration perturbs(test_compaction("test_perturbs"), {.compaction = [] {
-                                return std::make_unique<SpoiltCompaction>("thrust_stable_partition", perturb_throughput);
+                                return std::make_unique<SpoiltCompaction>("thrust_stable_partition",
+                                                                          perturb_throughput);
                             }});
 const Registration perturbs_in_place(test_compaction("test_perturbs_in_place"), {.compaction = [] {
                                          return std::make_unique<SpoiltCompaction>("thrust_copy_if_index",
@@ -128,11 +127,11 @@ class LazyCompaction final : public Compaction {
 public:
     void compact(PathQueue&) override {}
 };
-const Registration lazy(test_compaction("test_lazy"), {.compaction = [] { return std::make_unique<LazyCompaction>(); }});
+const Registration lazy(test_compaction("test_lazy"),
+                        {.compaction = [] { return std::make_unique<LazyCompaction>(); }});
 
-const Registration loses_a_hit(test_choice("sorting", "test_loses_a_hit"), {.sorting = [] {
-                                   return std::make_unique<SpoiltSorting>(lose_a_hit);
-                               }});
+const Registration loses_a_hit(test_choice("sorting", "test_loses_a_hit"),
+                               {.sorting = [] { return std::make_unique<SpoiltSorting>(lose_a_hit); }});
 
 // A light choice that claims bits but adds light, and one that claims light but adds none.
 const Registration brightens(test_choice("direct_light", "test_brightens"),
@@ -276,9 +275,10 @@ TEST(VerifyTest, GoodVariantsHold) {
     }
     const Verdict lit = verifier.check(with("direct_light", "final_bounce"));
     EXPECT_TRUE(lit.holds) << lit.message;
-    EXPECT_EQ(lit.message.find("film bits equal to depth_first.none.none.off.final_bounce.aos.generic; mean as declared (a "
-                               "bias of "),
-              0u)
+    EXPECT_EQ(
+        lit.message.find("film bits equal to depth_first.none.none.off.final_bounce.aos.generic; mean as declared (a "
+                         "bias of "),
+        0u)
         << lit.message;
     EXPECT_NE(lit.film_hash, hash);
 }
@@ -324,8 +324,8 @@ TEST(VerifyTest, NamesPixelSampleAndBounceOfALostHit) {
 TEST(VerifyTest, FirstDifferenceSpeaksOfTheSamplesTogetherWhereEachAloneAgrees) {
     const Verdict verdict = check(closed_room(), with("integrator", "test_spoilt_sum"));
     EXPECT_FALSE(verdict.holds);
-    EXPECT_EQ(verdict.message, "film differs from " + reference +
-                                   ": first at pixel 4,1, in how its samples are put together");
+    EXPECT_EQ(verdict.message,
+              "film differs from " + reference + ": first at pixel 4,1, in how its samples are put together");
 }
 
 TEST(VerifyTest, ANullKernelIsFound) {
@@ -346,7 +346,8 @@ TEST(VerifyTest, WorkThatWasNotDoneIsFound) {
               "compaction=test_lazy: 0 paths taken out of 576");
     EXPECT_EQ(check(closed_room(), with("integrator", "test_path_too_few")).message,
               "575 paths for 192 pixels of 3 samples");
-    EXPECT_EQ(check(closed_room(), with("integrator", "test_ray_too_many")).message, "3457 rays, but 3456 of " + reference);
+    EXPECT_EQ(check(closed_room(), with("integrator", "test_ray_too_many")).message,
+              "3457 rays, but 3456 of " + reference);
 }
 
 TEST(VerifyTest, FaultySamplesAreFound) {
@@ -387,8 +388,8 @@ public:
 
 private:
     static void set(RenderFunction function) {
-        Registry::instance().add_integrator(Registry::instance().find("integrator", "depth_first")->descriptor, all_features,
-                                            function);
+        Registry::instance().add_integrator(Registry::instance().find("integrator", "depth_first")->descriptor,
+                                            all_features, function);
     }
     static inline RenderFunction original_ = nullptr;
     static inline double factor_ = 1;
@@ -405,7 +406,9 @@ Variant lit_reference() {
 TEST(VerifyTest, AStatisticalIntegratorIsHeldToItsMean) {
     const Verdict good = check(closed_room(), with("integrator", "test_other_samples"));
     EXPECT_TRUE(good.holds) << good.message;
-    EXPECT_EQ(good.message.find("film bits equal to test_other_samples.none.none.off.off.aos.generic; mean as declared ("), 0u)
+    EXPECT_EQ(
+        good.message.find("film bits equal to test_other_samples.none.none.off.off.aos.generic; mean as declared ("),
+        0u)
         << good.message;
     const Verdict biased = check(closed_room(), with("integrator", "test_one_percent_brighter"));
     EXPECT_FALSE(biased.holds);

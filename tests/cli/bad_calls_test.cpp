@@ -1,0 +1,216 @@
+// Calls that are wrong: exit code 2 (or 3 where it is the machine that fails), one line on stderr that says what is
+// wrong, nothing on stdout, nothing left behind.
+#include <gtest/gtest.h>
+
+#include "tests/support/command.h"
+
+namespace pt::test {
+namespace {
+
+using Arguments = std::vector<std::string>;
+
+std::string joined(const Arguments& arguments) {
+    std::string text;
+    for (const std::string& argument : arguments) {
+        text += argument + " ";
+    }
+    return text;
+}
+
+// `message`: how the line goes on after "ptbench: ".
+void expect_refusal(const Arguments& arguments, int exit_code, const std::string& message) {
+    SCOPED_TRACE(joined(arguments));
+    const TemporaryFolder folder;
+    const CommandResult result = ptbench(arguments, {.folder = folder.path()});
+    EXPECT_EQ(result.exit_code, exit_code);
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(result.err.find("ptbench: " + message), 0u) << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_TRUE(result.err.ends_with('\n'));
+    EXPECT_EQ(folder.content(), Arguments());
+}
+
+// A render call that is right but for the arguments that are added.
+Arguments render_with(const Arguments& added) {
+    Arguments arguments{"render", "--scene", "cornell_open", "--resolution", "4x3", "--spp", "1", "--out", "image.png"};
+    arguments.insert(arguments.end(), added.begin(), added.end());
+    return arguments;
+}
+
+Arguments run_with(const Arguments& added) {
+    Arguments arguments{"run", "--resolution", "4x3", "--spp", "1", "--repetitions", "1", "--out", "result.json"};
+    arguments.insert(arguments.end(), added.begin(), added.end());
+    return arguments;
+}
+
+TEST(BadCallsTest, Subcommands) {
+    expect_refusal({}, 2, "command line: subcommand: found none, allowed: list, run, render, verify, import, machine");
+    expect_refusal({"frob"}, 2, "The following argument was not expected: frob (see ptbench --help)\n");
+    expect_refusal({"--frob"}, 2, "The following argument was not expected: --frob (see ptbench --help)\n");
+    expect_refusal({"list", "--frob"}, 2, "The following argument was not expected: --frob");
+    expect_refusal({"list", "extra"}, 2, "The following argument was not expected: extra");
+    expect_refusal(render_with({"--frob"}), 2, "The following argument was not expected: --frob");
+    expect_refusal(render_with({"extra"}), 2, "The following argument was not expected: extra");
+    expect_refusal({"verify", "--scene", "cornell_open", "--frob=1"}, 2,
+                   "The following argument was not expected: --frob=1");
+    expect_refusal({"run", "--scene", "cornell_open", "--frob"}, 2,
+                   "command line: argument: found \"--frob\", allowed: ");
+}
+
+TEST(BadCallsTest, MissingValues) {
+    expect_refusal({"render"}, 2, "--scene is required");
+    expect_refusal({"render", "--scene", "cornell_open"}, 2, "--out is required");
+    expect_refusal({"render", "--out", "image.png", "--scene"}, 2, "--scene: 1 required TEXT missing");
+    expect_refusal(render_with({"--axis"}), 2, "--axis: 1 required TEXT missing");
+    expect_refusal({"verify"}, 2, "--scene is required");
+    expect_refusal({"import"}, 2, "FILE is required");
+    expect_refusal({"import", "scene.txt"}, 2, "--out is required");
+    expect_refusal({"run", "--suite"}, 2, "--suite: 1 required TEXT missing");
+}
+
+TEST(BadCallsTest, SceneOrSuite) {
+    expect_refusal({"run"}, 2, "command line: options: found neither --suite nor --scene, allowed: one of them\n");
+    expect_refusal({"run", "--suite", "quick", "--scene", "cornell_open"}, 2,
+                   "command line: options: found both --suite and --scene, allowed: one of them\n");
+}
+
+TEST(BadCallsTest, UnknownNames) {
+    const std::string scenes = "--scene: name: found \"nope\", allowed: a file that ends in .json, or one of ";
+    expect_refusal({"render", "--scene", "nope", "--out", "image.png"}, 2, scenes);
+    expect_refusal({"verify", "--scene", "cornell_open,nope"}, 2, scenes);
+    expect_refusal({"list", "--scene", "nope"}, 2, scenes);
+    expect_refusal(run_with({"--scene", "nope"}), 2, scenes);
+    expect_refusal(run_with({"--suite", "nope"}), 2,
+                   "--suite: name: found \"nope\", allowed: a file that ends in .json, or one of ");
+    expect_refusal({"render", "--scene", "nope.json", "--out", "image.png"}, 2, "nope.json: cannot be read ");
+    expect_refusal(run_with({"--suite", "nope.json"}), 2, "nope.json: cannot be read ");
+    expect_refusal({"import", "nope.txt", "--out", "scene.json"}, 2, "nope.txt: cannot be read ");
+    for (const std::string empty : {",", "cornell_open,", "a,,b"}) {
+        const std::string message =
+            "--scene: argument: found \"" + empty + "\", allowed: names or files with a comma between them\n";
+        expect_refusal(run_with({"--scene", empty}), 2, message);
+        expect_refusal({"verify", "--scene", empty}, 2, message);
+        expect_refusal({"list", "--scene", empty}, 2, message);
+    }
+}
+
+TEST(BadCallsTest, Backends) {
+    expect_refusal(run_with({"--scene", "cornell_open", "--backend", "cuda"}), 2,
+                   "--backend: argument: found \"cuda\", allowed: cpu\n");
+    expect_refusal(run_with({"--scene", "cornell_open", "--backend", "abacus"}), 2,
+                   "--backend: argument: found \"abacus\", allowed: cpu\n");
+}
+
+TEST(BadCallsTest, Axes) {
+    const std::pair<std::string, std::string> cases[] = {
+        {"compaction", "--axis: argument: found \"compaction\", allowed: NAME=CHOICE or NAME=CHOICE,CHOICE\n"},
+        {"=none", "--axis: argument: found \"=none\", allowed: NAME=CHOICE or NAME=CHOICE,CHOICE\n"},
+        {"compaction=", "--axis: argument: found \"compaction=\", allowed: NAME=CHOICE or NAME=CHOICE,CHOICE\n"},
+        {"compaction=none,", "--axis: argument.compaction: found \"\", allowed: none, "},
+        {"compaction=magic", "--axis: argument.compaction: found \"magic\", allowed: none, thrust_copy_if_index, "},
+        {"colour=red", "--axis: argument: found axis \"colour\", allowed: integrator, compaction, "},
+    };
+    for (const auto& [argument, message] : cases) {
+        expect_refusal(render_with({"--axis", argument}), 2, message);
+        expect_refusal(run_with({"--scene", "cornell_open", "--axis", argument}), 2, message);
+        expect_refusal({"verify", "--scene", "cornell_open", "--axis", argument}, 2, message);
+    }
+    expect_refusal(render_with({"--axis", "layout=aos,soa"}), 2,
+                   "--axis: argument: found 2 variants, allowed: one choice an axis for render\n");
+    expect_refusal(
+        render_with({"--axis", "first_bounce=cached"}), 2,
+        "n/a: wavefront.none.none.cached.off.aos.features on cornell_open: first_bounce=cached needs jitter off "
+        "(camera.jitter is true in the scene)\n");
+    expect_refusal(
+        run_with({"--scene", "cornell_open", "--axis", "first_bounce=cached"}), 2,
+        "the run has no cell: n/a: first_bounce=cached needs jitter off (camera.jitter is true in the scene)\n");
+}
+
+TEST(BadCallsTest, Numbers) {
+    for (const std::string resolution : {"5", "5x", "x5", "0x5", "5x0", "5x5x5", "-5x5", "5.5x5", "5X5", "5x5 ",
+                                         "65537x1", "65536x65536", "99999999999x1"}) {
+        const std::string message =
+            "--resolution: argument: found \"" + resolution + "\", allowed: WxH with sides from 1 to 65536";
+        const std::string argument = "--resolution=" + resolution;
+        expect_refusal({"run", "--scene", "cornell_open", "--out", "result.json", argument}, 2, message);
+        expect_refusal({"render", "--scene", "cornell_open", "--out", "image.png", argument}, 2, message);
+        expect_refusal({"verify", "--scene", "cornell_open", argument}, 2, message);
+    }
+    for (const std::string value : {"0", "-1", "1.5", "many", "99999999999"}) {
+        for (const std::string option : {"--spp", "--depth"}) {
+            const std::string message = option + ": Value " + value + " not in range 1 to ";
+            expect_refusal({"render", "--scene", "cornell_open", "--out", "image.png", option + "=" + value}, 2,
+                           message);
+            expect_refusal({"verify", "--scene", "cornell_open", option + "=" + value}, 2, message);
+            expect_refusal({"run", "--scene", "cornell_open", "--out", "result.json", option + "=" + value}, 2,
+                           message);
+        }
+        expect_refusal({"run", "--scene", "cornell_open", "--out", "result.json", "--repetitions=" + value}, 2,
+                       "--repetitions: Value " + value + " not in range 1 to 10000");
+    }
+    for (const std::string seed : {"-1", "1.5", "x", "18446744073709551616"}) {
+        expect_refusal({"render", "--scene", "cornell_open", "--out", "image.png", "--seed=" + seed}, 2,
+                       "--seed: Value " + seed + " not a whole number from 0 to 2^64 - 1");
+    }
+    expect_refusal(run_with({"--scene", "cornell_open", "--benchmark_repetitions=0"}), 2,
+                   "--benchmark_repetitions: argument: found ");
+    expect_refusal(run_with({"--scene", "cornell_open", "--benchmark_filter=("}), 2,
+                   "--benchmark_filter: argument: found \"(\", allowed: a regular expression\n");
+    expect_refusal(run_with({"--scene", "cornell_open", "--benchmark_filter=nothing"}), 2,
+                   "the run has no cell: the filter matches none\n");
+}
+
+TEST(BadCallsTest, OutputFiles) {
+    for (const std::string name : {"image.jpg", "image", ".png", "png", "image.PNG"}) {
+        expect_refusal({"render", "--scene", "cornell_open", "--resolution", "4x3", "--out", name}, 2,
+                       "--out: file name: found \"" + name + "\", allowed: a name that ends in .png or .pfm\n");
+    }
+    // A folder cannot be made below a file.
+    expect_refusal(
+        {"render", "--scene", "cornell_open", "--resolution", "4x3", "--spp", "1", "--out", "/proc/version/image.png"},
+        3, "/proc/version/image.png: cannot be written");
+    expect_refusal({"run", "--scene", "cornell_open", "--resolution", "4x3", "--out", "/proc/version/result.json"}, 3,
+                   "/proc/version/result.json.journal.jsonl: cannot be written: Not a directory\n");
+}
+
+TEST(BadCallsTest, MalformedScenesAndSuites) {
+    const TemporaryFolder folder;
+    const std::string scene = folder.file("scene.json"), suite = folder.file("suite.json");
+    for (const auto& [text, message] : std::vector<std::pair<std::string, std::string>>{
+             {"{", ": not valid JSON: "},
+             {"{\"name\": \"a\", \"colour\": 1}",
+              ": $: found unknown key \"colour\", allowed: name, description, max_depth, "},
+             {"{\"name\": \"a\", \"max_depth\": 0}",
+              ": $.max_depth: found 0, allowed: a whole number from 1 to 1000000\n"},
+         }) {
+        write_text(scene, text);
+        expect_refusal({"render", "--scene", scene, "--out", "image.png"}, 2, scene + message);
+        expect_refusal({"verify", "--scene", scene}, 2, scene + message);
+        expect_refusal(run_with({"--scene", scene}), 2, scene + message);
+    }
+    write_text(suite,
+               R"({"name": "s", "studies": [{"name": "a", "scenes": ["cornell_open"], "axes": {"colour": ["red"]}}]})");
+    expect_refusal(run_with({"--suite", suite}), 2, suite + ": $.studies[0].axes: found axis \"colour\", allowed: ");
+}
+
+TEST(BadCallsTest, AHomeWithoutScenes) {
+    const TemporaryFolder home;
+    const CommandResult result = run_command(ptbench_arguments({"list"}),
+                                             {.folder = "", .environment = {{"PTBENCH_HOME", home.path().string()}}});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(result.err, "ptbench: no folder scenes/ in " + home.path().string() +
+                              ": set PTBENCH_HOME to the folder that holds it\n");
+}
+
+TEST(BadCallsTest, HelpIsGood) {
+    for (const Arguments& arguments :
+         {Arguments{"--help"}, Arguments{"render", "--help"}, Arguments{"run", "--help"}}) {
+        const CommandResult result = ptbench(arguments);
+        EXPECT_EQ(result.exit_code, 0);
+        EXPECT_EQ(result.err, "");
+        EXPECT_NE(result.out.find("Usage: "), std::string::npos);
+    }
+}
+
+}  // namespace
+}  // namespace pt::test

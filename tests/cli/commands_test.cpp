@@ -1,0 +1,260 @@
+// list, render and verify as a user calls them.
+#include <algorithm>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "harness/render/renderer.h"
+#include "tests/support/command.h"
+
+namespace pt::test {
+namespace {
+
+using nlohmann::json;
+
+std::vector<std::string> names_in(const json& array) {
+    std::vector<std::string> names;
+    for (const json& element : array) {
+        names.push_back(element.at("name"));
+    }
+    return names;
+}
+
+// ---- list ----
+
+TEST(ListTest, JsonHasAxesScenesSuitesAndBackends) {
+    const CommandResult result = ptbench({"list", "--json"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+    const json all = json::parse(result.out);
+    EXPECT_EQ(names_in(all.at("axes")), std::vector<std::string>(std::begin(axis_names), std::end(axis_names)));
+    for (const json& axis : all.at("axes")) {
+        EXPECT_TRUE(axis.at("choices").at(0).at("baseline").get<bool>());
+        for (const json& choice : axis.at("choices")) {
+            for (const char* key : {"name", "summary", "origin", "claim", "claim_note"}) {
+                EXPECT_TRUE(choice.at(key).is_string());
+            }
+            EXPECT_EQ(choice.at("backends"), json({"cpu"}));
+        }
+    }
+    const std::vector<std::string> scenes = names_in(all.at("scenes"));
+    EXPECT_GE(scenes.size(), 20u);
+    EXPECT_TRUE(std::is_sorted(scenes.begin(), scenes.end()));
+    for (const json& scene : all.at("scenes")) {
+        EXPECT_EQ(scene.at("hash").get<std::string>().size(), 16u);
+        EXPECT_FALSE(scene.at("features").empty());
+        const bool jitter = scene.at("features").dump().find("\"jitter\"") != std::string::npos;
+        EXPECT_EQ(scene.at("not_applicable").contains("first_bounce=cached"), jitter) << scene.at("name");
+    }
+    const std::vector<std::string> suites = names_in(all.at("suites"));
+    EXPECT_NE(std::find(suites.begin(), suites.end(), "quick"), suites.end());
+    EXPECT_NE(std::find(suites.begin(), suites.end(), "seeds"), suites.end());
+    EXPECT_EQ(names_in(all.at("backends")), (std::vector<std::string>{"cpu", "cuda"}));
+    EXPECT_EQ(all.at("backends").at(0).at("status"), "available");
+}
+
+TEST(ListTest, TextSaysTheSame) {
+    const CommandResult result = ptbench({"list", "--scene", "cornell_open"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    for (const char* text :
+         {"Axes (the first choice of each is the baseline)\n", "  compaction\n", "    thrust_remove_if ", "Scenes\n",
+          "  cornell_open ", "   n/a: first_bounce=cached needs jitter off (camera.jitter is true in the scene)\n",
+          "Suites\n", "  quick ", "Backends\n", "  cpu "}) {
+        EXPECT_NE(result.out.find(text), std::string::npos) << text;
+    }
+    EXPECT_EQ(result.out.find("cornell_closed"), std::string::npos);
+}
+
+// ---- render ----
+
+struct Rendered {
+    CommandResult command;
+    json summary;
+    std::string image;
+};
+
+Rendered render_image(const std::vector<std::string>& added, const std::string& name = "image.pfm") {
+    const TemporaryFolder folder;
+    std::vector<std::string> arguments{"render", "--scene", "cornell_open",   "--resolution",
+                                       "13x7",   "--out",   folder.file(name)};
+    arguments.insert(arguments.end(), added.begin(), added.end());
+    Rendered rendered{ptbench(arguments), {}, content_of(folder.file(name))};
+    EXPECT_EQ(rendered.command.exit_code, 0) << rendered.command.err;
+    EXPECT_EQ(rendered.command.err, "");
+    EXPECT_EQ(folder.content(), std::vector<std::string>{name});
+    rendered.summary = json::parse(rendered.command.out);
+    return rendered;
+}
+
+TEST(RenderTest, TheSummaryHasTheFixedKeys) {
+    const json summary = render_image({"--spp", "3"}).summary;
+    ASSERT_EQ(summary.at("mean_rgb").size(), 3u);
+    for (const json& mean : summary.at("mean_rgb")) {
+        EXPECT_GT(mean.get<double>(), 0);
+    }
+    EXPECT_EQ(summary.at("film_hash").get<std::string>().size(), 16u);
+    EXPECT_EQ(summary.at("nonfinite"), 0);
+    EXPECT_EQ(summary.at("negative"), 0);
+    EXPECT_EQ(summary.at("paths"), 13 * 7 * 3);
+    EXPECT_GE(summary.at("rays").get<int>(), 13 * 7 * 3);
+    EXPECT_EQ(summary.at("unfinished_walks"), 0);
+    EXPECT_GT(summary.at("seconds").get<double>(), 0);
+    EXPECT_EQ(summary.at("resolution"), json({13, 7}));
+    EXPECT_EQ(summary.at("spp"), 3);
+    EXPECT_EQ(summary.at("depth"), 8);  // the scene's
+    EXPECT_EQ(summary.at("seed"), 1);
+    EXPECT_EQ(summary.at("variant"), "wavefront.none.none.off.off.aos.features");
+}
+
+TEST(RenderTest, PngHasTheSizeThatWasAskedFor) {
+    const std::string png = render_image({"--spp", "1"}, "image.png").image;
+    ASSERT_GT(png.size(), 33u);
+    EXPECT_EQ(png.substr(0, 8), "\x89PNG\r\n\x1a\n");
+    // IHDR: width, height, 8 bits a channel, RGB.
+    EXPECT_EQ(png.substr(12, 14), std::string("IHDR\0\0\0\x0d\0\0\0\x07\x08\x02", 14));
+    EXPECT_EQ(png.substr(png.size() - 8, 4), "IEND");
+}
+
+TEST(RenderTest, PfmHasTheExactBytesOfTheFilm) {
+    const std::string pfm = render_image({"--spp", "2", "--seed", "5"}).image;
+    const Scene scene = load_scene(PTBENCH_SOURCE_DIR "/scenes/cornell_open.json");
+    RenderSettings settings = default_settings(scene);
+    settings.width = 13;
+    settings.height = 7;
+    settings.seed = 5;
+    const Film film =
+        render(scene, {.variant = Registry::instance().baseline(), .settings = settings, .samples = 2}).film;
+    std::string expected = "PF\n13 7\n-1.0\n";
+    const std::vector<float> values = film.radiance();
+    for (int y = 6; y >= 0; --y) {  // from bottom to top
+        expected.append(reinterpret_cast<const char*>(&values[static_cast<std::size_t>(y) * 13 * 3]),
+                        13 * 3 * sizeof(float));
+    }
+    EXPECT_TRUE(pfm == expected);
+}
+
+TEST(RenderTest, TheSeedDecidesTheFilm) {
+    const auto hash = [](const std::vector<std::string>& added) {
+        return render_image(added).summary.at("film_hash").get<std::string>();
+    };
+    const std::string first = hash({"--spp", "2", "--seed", "1"});
+    EXPECT_EQ(hash({"--spp", "2"}), first);  // the default
+    EXPECT_EQ(hash({"--spp", "2", "--seed", "1", "--axis", "integrator=depth_first"}), first);
+    EXPECT_EQ(hash({"--spp", "2", "--axis", "compaction=thrust_remove_if", "--axis", "layout=soa"}), first);
+    EXPECT_NE(hash({"--spp", "2", "--seed", "2"}), first);
+    EXPECT_NE(hash({"--spp", "2", "--seed", "18446744073709551615"}), first);
+}
+
+TEST(RenderTest, HonoursItsSettings) {
+    const json shallow = render_image({"--spp", "4", "--depth", "1"}).summary;
+    EXPECT_EQ(shallow.at("depth"), 1);
+    EXPECT_EQ(shallow.at("paths"), 13 * 7 * 4);
+    EXPECT_EQ(shallow.at("rays"), shallow.at("paths"));  // one segment a path
+    const json deep = render_image({"--spp", "4", "--depth", "3"}).summary;
+    EXPECT_GT(deep.at("rays").get<int>(), shallow.at("rays").get<int>());
+    EXPECT_LE(deep.at("rays").get<int>(), 3 * shallow.at("rays").get<int>());
+    const json lit = render_image({"--spp", "4", "--axis", "direct_light=final_bounce"}).summary;
+    EXPECT_EQ(lit.at("variant"), "wavefront.none.none.off.final_bounce.aos.features");
+    EXPECT_EQ(render_image({}).summary.at("spp"), 16);
+}
+
+TEST(RenderTest, ReplacesAnImageAndLeavesItWhereItFails) {
+    const TemporaryFolder folder;
+    const std::string image = folder.file("image.pfm");
+    write_text(image, "an older image");
+    EXPECT_EQ(ptbench({"render", "--scene", "cornell_open", "--axis", "first_bounce=cached", "--out", image}).exit_code,
+              2);
+    EXPECT_EQ(content_of(image), "an older image");
+    EXPECT_EQ(
+        ptbench({"render", "--scene", "cornell_open", "--resolution", "4x3", "--spp", "1", "--out", image}).exit_code,
+        0);
+    EXPECT_EQ(content_of(image).substr(0, 7), "PF\n4 3\n");
+}
+
+TEST(RenderTest, WorksFromAnotherFolderAndWithAnotherHome) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directories(folder.path() / "home" / "scenes" / "suites");
+    std::filesystem::create_directories(folder.path() / "work");
+    std::filesystem::copy_file(PTBENCH_SOURCE_DIR "/scenes/ball_glass.json",
+                               folder.path() / "home" / "scenes" / "mine.json");
+    const CommandOptions options{.folder = folder.file("work"), .environment = {{"PTBENCH_HOME", folder.file("home")}}};
+    const std::vector<std::string> call{"render", "--scene", "mine",  "--resolution", "4x3",
+                                        "--spp",  "1",       "--out", "new/image.png"};
+    const CommandResult result = run_command(ptbench_arguments(call), options);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_TRUE(std::filesystem::exists(folder.file("work/new/image.png")));
+    // And a scene by a path relative to the folder of the call.
+    std::filesystem::copy_file(PTBENCH_SOURCE_DIR "/scenes/ball_glass.json", folder.path() / "work" / "here.json");
+    EXPECT_EQ(run_command(ptbench_arguments({"render", "--scene", "here.json", "--resolution", "4x3", "--spp", "1",
+                                             "--out", "b.png"}),
+                          options)
+                  .exit_code,
+              0);
+}
+
+// A packaged or built binary finds the scenes beside itself or one folder up, wherever it is called from.
+TEST(RenderTest, FindsTheScenesFromWhereTheBinaryLies) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directories(folder.path() / "build");
+    std::filesystem::create_directories(folder.path() / "elsewhere");
+    std::filesystem::copy_file(PTBENCH_BINARY, folder.path() / "build" / "ptbench");
+    std::filesystem::create_directory_symlink(PTBENCH_SOURCE_DIR "/scenes", folder.path() / "scenes");
+    const CommandOptions options{.folder = folder.file("elsewhere"), .environment = {{"PTBENCH_HOME", ""}}};
+    const CommandResult result =
+        run_command({folder.file("build/ptbench"), "list", "--scene", "cornell_open"}, options);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    std::filesystem::remove(folder.path() / "scenes");
+    std::filesystem::create_directory_symlink(PTBENCH_SOURCE_DIR "/scenes", folder.path() / "build" / "scenes");
+    EXPECT_EQ(run_command({folder.file("build/ptbench"), "list", "--scene", "cornell_open"}, options).exit_code, 0);
+}
+
+// ---- verify ----
+
+TEST(VerifyCommandTest, PrintsAHashAVariantAndTheTally) {
+    const CommandResult result =
+        ptbench({"verify", "--scene", "cornell_open,ball_glass", "--resolution", "8x6", "--spp", "2", "--axis",
+                 "compaction=none,thrust_partition", "--axis", "direct_light=off", "--axis", "specialisation=features",
+                 "--axis", "sorting=none"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+    // A scene: wavefront, 2 compactions, 2 layouts; depth_first. The rest (cached, depth_first with a queue) does not
+    // apply.
+    EXPECT_NE(result.out.find("10 held, 0 failed, 22 not applicable; 8x6 at 2 spp, scenes: cornell_open, ball_glass\n"),
+              std::string::npos)
+        << result.out;
+    EXPECT_NE(result.out.find(
+                  " wavefront.thrust_partition.none.off.off.soa.features/scene:ball_glass  ok  film bits equal to "
+                  "depth_first.none.none.off.off.aos.generic\n"),
+              std::string::npos)
+        << result.out;
+    EXPECT_NE(result.out.find("n/a              wavefront.none.none.cached.off.aos.features/scene:cornell_open  "
+                              "first_bounce=cached needs "
+                              "jitter off (camera.jitter is true in the scene)\n"),
+              std::string::npos)
+        << result.out;
+    // Every hash of a scene is the same.
+    std::set<std::string> hashes;
+    for (std::size_t at = result.out.find("/scene:cornell_open  ok"); at != std::string::npos;
+         at = result.out.find("/scene:cornell_open  ok", at + 1)) {
+        hashes.insert(result.out.substr(result.out.rfind('\n', at) + 1, 16));
+    }
+    EXPECT_EQ(hashes.size(), 1u);
+}
+
+TEST(VerifyCommandTest, QuietPrintsTheTallyOnly) {
+    const CommandResult result = ptbench({"verify", "--scene", "jitter_off", "--resolution", "6x4", "--spp", "1",
+                                          "--depth", "2", "--seed", "9", "--quiet"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.out, "232 held, 0 failed, 248 not applicable; 6x4 at 1 spp, scenes: jitter_off\n");
+}
+
+TEST(VerifyCommandTest, NothingHeldIsNoSuccess) {
+    const CommandResult result = ptbench(
+        {"verify", "--scene", "cornell_open", "--resolution", "4x3", "--axis", "first_bounce=cached", "--quiet"});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_EQ(result.out, "0 held, 0 failed, 240 not applicable; 4x3 at 4 spp, scenes: cornell_open\n");
+}
+
+}  // namespace
+}  // namespace pt::test

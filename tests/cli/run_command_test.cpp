@@ -1,0 +1,202 @@
+// ptbench run as a user calls it: dry, whole, killed, interrupted, resumed.
+#include <set>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/command.h"
+
+namespace pt::test {
+namespace {
+
+using nlohmann::json;
+using Arguments = std::vector<std::string>;
+
+class RunCommandTest : public testing::Test {
+protected:
+    TemporaryFolder folder;
+    std::string out = folder.file("result.json");
+    std::string journal = out + ".journal.jsonl";
+
+    // Two cells of so many samples.
+    Arguments call(int repetitions, const Arguments& added = {}) const {
+        Arguments arguments{"run",
+                            "--scene",
+                            "cornell_open",
+                            "--resolution",
+                            "8x6",
+                            "--spp",
+                            "1",
+                            "--axis",
+                            "layout=aos,soa",
+                            "--repetitions",
+                            std::to_string(repetitions),
+                            "--out",
+                            out};
+        arguments.insert(arguments.end(), added.begin(), added.end());
+        return arguments;
+    }
+    json result() const { return json::parse(content_of(out)); }
+    std::size_t samples_in_journal() const {
+        const std::string text = content_of(journal);
+        std::size_t count = 0;
+        for (std::size_t at = text.find("\"type\":\"sample\"}\n"); at != std::string::npos;
+             at = text.find("\"type\":\"sample\"}\n", at + 1)) {
+            ++count;
+        }
+        return count;
+    }
+    static std::vector<json> samples(const json& file) {
+        std::vector<json> rows;
+        for (const json& row : file.at("benchmarks")) {
+            if (row.at("run_type") == "iteration") {
+                rows.push_back(row);
+            }
+        }
+        return rows;
+    }
+    void expect_complete(int repetitions) const {
+        EXPECT_FALSE(std::filesystem::exists(journal));
+        const json file = result();
+        EXPECT_EQ(file.at("context").at("ptbench.status"), "completed");
+        const std::vector<json> rows = samples(file);
+        EXPECT_EQ(rows.size(), 2u * static_cast<std::size_t>(repetitions));
+        std::set<std::pair<std::string, int>> ids;
+        for (const json& row : rows) {
+            ids.emplace(row.at("run_name"), row.at("repetition_index"));
+            EXPECT_EQ(row.at("pt_seed").get<int>(), row.at("repetition_index").get<int>() + 1);
+        }
+        EXPECT_EQ(ids.size(), rows.size());
+    }
+};
+
+TEST_F(RunCommandTest, DryRunListsTheCellsAndRunsNothing) {
+    const CommandResult result =
+        ptbench(call(7, {"--axis", "first_bounce=all", "--dry-run"}), {.folder = folder.path()});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+    EXPECT_EQ(result.out,
+              "wavefront.none.none.off.off.aos.features/scene:cornell_open/backend:cpu/resolution:8x6/depth:8/spp:1\n"
+              "wavefront.none.none.off.off.soa.features/scene:cornell_open/backend:cpu/resolution:8x6/depth:8/spp:1\n"
+              "n/a: wavefront.none.none.cached.off.aos.features on cornell_open: first_bounce=cached needs jitter off "
+              "(camera.jitter is true in the scene)\n"
+              "n/a: wavefront.none.none.cached.off.soa.features on cornell_open: first_bounce=cached needs jitter off "
+              "(camera.jitter is true in the scene)\n"
+              "2 cells, 14 samples, 2 not applicable\n");
+    EXPECT_EQ(folder.content(), Arguments());
+    for (const char* suite : {"quick", "seeds"}) {
+        const CommandResult planned = ptbench({"run", "--suite", suite, "--dry-run"}, {.folder = folder.path()});
+        EXPECT_EQ(planned.exit_code, 0) << planned.err;
+        EXPECT_NE(planned.out.find(" cells, "), std::string::npos);
+    }
+    EXPECT_EQ(folder.content(), Arguments());
+}
+
+TEST_F(RunCommandTest, AWholeRunWritesOneFile) {
+    const CommandResult run = ptbench(call(2));
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(folder.content(), Arguments{"result.json"});
+    expect_complete(2);
+    const json file = result();
+    EXPECT_EQ(file.at("benchmarks").size(), 2u * (2 + 4));
+    const std::string command_line = file.at("context").at("ptbench.command_line");
+    EXPECT_NE(command_line.find(" run --scene cornell_open --resolution 8x6 "), std::string::npos) << command_line;
+    EXPECT_NE(run.out.find(out + "\n2 cells, 4 samples, 0 failed, 0 not applicable\n"), std::string::npos) << run.out;
+}
+
+TEST_F(RunCommandTest, GoogleBenchmarksFlagsWork) {
+    EXPECT_EQ(ptbench(call(5, {"--benchmark_filter=\\.soa\\.", "--benchmark_repetitions=3"})).exit_code, 0);
+    const std::vector<json> rows = samples(result());
+    ASSERT_EQ(rows.size(), 3u);
+    EXPECT_EQ(rows[0].at("run_name"),
+              "wavefront.none.none.off.off.soa.features/scene:cornell_open/backend:cpu/resolution:8x6/depth:8/spp:1");
+}
+
+TEST_F(RunCommandTest, ASuiteFileCanBeOverriddenAndTheDefaultOutIsResults) {
+    write_text(folder.file("suite.json"), R"({"name": "mine", "repetitions": 2, "studies": [
+        {"name": "a", "scenes": ["cornell_open"], "axes": {"layout": ["aos"]}, "depth": [2, 3], "resolution": [8, 6]}]})");
+    const CommandResult run = ptbench(
+        {"run", "--suite", "suite.json", "--depth", "4", "--resolution", "6x5", "--spp", "3", "--axis", "layout=soa"},
+        {.folder = folder.path()});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    const std::string machine = ptbench({"machine"}).out;
+    out = folder.file("results/" + machine.substr(0, machine.size() - 1) + "/mine.json");
+    const json file = result();
+    ASSERT_EQ(file.at("ptbench").at("cells").size(), 1u);
+    EXPECT_EQ(file.at("ptbench").at("cells")[0].at("cell"),
+              "wavefront.none.none.off.off.soa.features/scene:cornell_open/backend:cpu/resolution:6x5/depth:4/spp:3");
+    EXPECT_EQ(file.at("context").at("ptbench.suite"), "mine");
+}
+
+TEST_F(RunCommandTest, AKilledRunGoesOnWhereItWasKilled) {
+    constexpr int repetitions = 600;
+    RunningCommand killed(ptbench_arguments(call(repetitions)), in_repository());
+    ASSERT_TRUE(wait_until([&] { return samples_in_journal() >= 20 || !killed.is_running(); }));
+    killed.signal(SIGKILL);
+    ASSERT_EQ(killed.wait().exit_code, 128 + SIGKILL);
+    EXPECT_EQ(folder.content(), Arguments{"result.json.journal.jsonl"});  // no half-written result
+    const std::size_t kept = samples_in_journal();
+    ASSERT_LT(kept, 2u * repetitions);
+    const std::string before = content_of(journal);
+
+    const CommandResult refused = ptbench(call(repetitions));
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_EQ(refused.err,
+              "ptbench: " + journal + ": found an unfinished run, allowed: go on with --resume, or remove the file\n");
+    const CommandResult other = ptbench(call(repetitions, {"--resume", "--seed", "4"}));
+    EXPECT_EQ(other.exit_code, 2);
+    EXPECT_EQ(other.err.find("ptbench: " + journal + ": line 1: found another run"), 0u) << other.err;
+    EXPECT_EQ(content_of(journal), before);
+
+    const CommandResult resumed = ptbench(call(repetitions, {"--resume"}));
+    EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+    expect_complete(repetitions);
+    // The samples from before the kill are in the result, unchanged.
+    std::set<double> timestamps;
+    for (const json& row : samples(result())) {
+        timestamps.insert(row.at("pt_timestamp").get<double>());
+    }
+    std::size_t found = 0;
+    for (std::size_t start = 0, end = before.find('\n'); end != std::string::npos;
+         start = end + 1, end = before.find('\n', start)) {
+        const json line = json::parse(before.substr(start, end - start));
+        found += line.at("type") == "sample" && timestamps.contains(line.at("sample").at("pt_timestamp").get<double>())
+                     ? 1u
+                     : 0u;
+    }
+    EXPECT_EQ(found, kept);
+}
+
+TEST_F(RunCommandTest, AnInterruptedRunEndsWithAFileAndGoesOn) {
+    constexpr int repetitions = 600;
+    for (const int number : {SIGINT, SIGTERM}) {
+        RunningCommand interrupted(ptbench_arguments(call(repetitions)), in_repository());
+        ASSERT_TRUE(wait_until([&] { return samples_in_journal() >= 20 || !interrupted.is_running(); }));
+        interrupted.signal(number);
+        const CommandResult ended = interrupted.wait();
+        EXPECT_EQ(ended.exit_code, 1);
+        EXPECT_NE(ended.out.find("; interrupted with 2 cells unfinished: go on with --resume\n"), std::string::npos)
+            << ended.out;
+        const json cut = result();
+        EXPECT_EQ(cut.at("context").at("ptbench.status"), "interrupted");
+        EXPECT_EQ(samples(cut).size(), samples_in_journal());
+        EXPECT_GE(samples(cut).size(), 20u);
+        EXPECT_EQ(folder.content(), (Arguments{"result.json", "result.json.journal.jsonl"}));
+
+        const CommandResult resumed = ptbench(call(repetitions, {"--resume"}));
+        EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+        expect_complete(repetitions);
+    }
+}
+
+TEST_F(RunCommandTest, ASecondRunOnTheSameFileIsRefused) {
+    RunningCommand first(ptbench_arguments(call(10000)), in_repository());
+    ASSERT_TRUE(wait_until([&] { return samples_in_journal() >= 1 || !first.is_running(); }));
+    const CommandResult second = ptbench(call(10000, {"--resume"}));
+    EXPECT_EQ(second.exit_code, 3);
+    EXPECT_EQ(second.err, "ptbench: " + journal + ": another run is writing it\n");
+    EXPECT_TRUE(first.is_running());
+}
+
+}  // namespace
+}  // namespace pt::test
