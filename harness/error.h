@@ -1,5 +1,5 @@
-// The two ways in which a command can fail that are not a failed check: the input is wrong (exit code 2), or the machine
-// failed (exit code 3). Each carries one clear line for the user.
+// The two ways in which a command can fail that are not a failed check: the input is wrong (exit code 2), or the
+// machine failed (exit code 3). Each carries one clear line for the user.
 #pragma once
 
 #include <stdexcept>

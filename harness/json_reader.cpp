@@ -1,6 +1,7 @@
 #include "harness/json_reader.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -53,9 +54,9 @@ public:
 private:
     struct Container {
         bool is_array = false;
-        std::size_t index = 0;           // of the element being read
-        std::string key = {};            // of the member being read
-        std::set<std::string> keys = {}; // met so far
+        std::size_t index = 0;            // of the element being read
+        std::string key = {};             // of the member being read
+        std::set<std::string> keys = {};  // met so far
     };
 
     // Put together only when asked for: files may nest deeply.
@@ -76,7 +77,7 @@ private:
     std::vector<Container> open_;
 };
 
-} // namespace
+}  // namespace
 
 Json parse_json(const std::string& text, const std::string& file) {
     DuplicateKeys duplicates(file);
@@ -87,7 +88,7 @@ Json parse_json(const std::string& text, const std::string& file) {
     try {
         return Json::parse(text, follow);
     } catch (const Json::exception& error) {
-        std::string message = error.what(); // "[json.exception.parse_error.101] parse error at line 1, column 2: ..."
+        std::string message = error.what();  // "[json.exception.parse_error.101] parse error at line 1, column 2: ..."
         if (const auto bracket = message.find("] "); bracket != std::string::npos) {
             message = message.substr(bracket + 2);
         }
@@ -152,6 +153,17 @@ std::string JsonValue::text() const {
     return json_->get<std::string>();
 }
 
+std::string JsonValue::plain_name() const {
+    const std::string name = text();
+    const bool plain = !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+        return std::isalnum(c) != 0 || c == '_' || c == '-';
+    });
+    if (!plain) {
+        fail("1 to 64 letters, digits, '_' and '-' (it becomes part of benchmark names)");
+    }
+    return name;
+}
+
 std::string JsonValue::one_of(const std::vector<std::string>& allowed) const {
     const bool known =
         json_->is_string() && std::find(allowed.begin(), allowed.end(), json_->get<std::string>()) != allowed.end();
@@ -194,4 +206,4 @@ JsonValue JsonObject::required(const std::string& key) const {
 
 JsonValue JsonObject::at(const std::string& key) const { return {json_->at(key), file_, path_ + "." + key}; }
 
-} // namespace pt
+}  // namespace pt

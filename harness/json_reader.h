@@ -1,5 +1,5 @@
-// Reads JSON objects strictly: every key is asked for by name, and what was not asked for is an error. Used for scenes and
-// suites alike. Errors name the file, the JSON path, what was found and what is allowed.
+// Reads JSON objects strictly: every key is asked for by name, and what was not asked for is an error. Used for scenes
+// and suites alike. Errors name the file, the JSON path, what was found and what is allowed.
 #pragma once
 
 #include <set>
@@ -25,7 +25,8 @@ std::string describe(const Json& value);
 
 class JsonValue {
 public:
-    JsonValue(const Json& json, std::string file, std::string path) : json_(&json), file_(std::move(file)), path_(std::move(path)) {}
+    JsonValue(const Json& json, std::string file, std::string path)
+        : json_(&json), file_(std::move(file)), path_(std::move(path)) {}
 
     const Json& json() const { return *json_; }
     const std::string& path() const { return path_; }
@@ -37,6 +38,8 @@ public:
     long long whole(long long low, long long high, const std::string& allowed) const;
     bool boolean() const;
     std::string text() const;
+    // Text that can be part of a benchmark's or a file's name: 1 to 64 letters, digits, '_' and '-'.
+    std::string plain_name() const;
     std::string one_of(const std::vector<std::string>& allowed) const;
     // The elements of an array.
     std::vector<JsonValue> elements() const;

@@ -35,7 +35,8 @@ int run(int argc, char** argv) {
             return command();
         }
     }
-    throw pt::InputError("command line", "subcommand", "none", "list, run, render, verify, import, machine (see ptbench --help)");
+    throw pt::InputError("command line", "subcommand", "none",
+                         "list, run, render, verify, import, machine (see ptbench --help)");
 }
 
 }  // namespace

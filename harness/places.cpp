@@ -56,16 +56,13 @@ fs::path home_folder() {
             return candidate;
         }
     }
-    throw InputError(fmt::format("no folder scenes/ in {}: set PTBENCH_HOME to the folder that holds it", candidates.front().string()));
+    throw InputError(fmt::format("no folder scenes/ in {}: set PTBENCH_HOME to the folder that holds it",
+                                 candidates.front().string()));
 }
 
-std::vector<std::string> scene_names() {
-    return json_stems(home_folder() / "scenes");
-}
+std::vector<std::string> scene_names() { return json_stems(home_folder() / "scenes"); }
 
-std::vector<std::string> suite_names() {
-    return json_stems(home_folder() / "scenes" / "suites");
-}
+std::vector<std::string> suite_names() { return json_stems(home_folder() / "scenes" / "suites"); }
 
 Scene find_scene(const std::string& name_or_file) {
     return load_scene(find_file("scene", name_or_file, home_folder() / "scenes"));

@@ -1,4 +1,5 @@
-// Where scenes and suites lie: in $PTBENCH_HOME, beside the binary, or one folder up (a build folder in the repository).
+// Where scenes and suites lie: in $PTBENCH_HOME, beside the binary, or one folder up (a build folder in the
+// repository).
 #pragma once
 
 #include <filesystem>

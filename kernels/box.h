@@ -1,6 +1,6 @@
 // Boxes: axis-aligned ones in scene coordinates, oriented ones in their own frame.
-// Slab test of Kay and Kajiya with Ize's rounding bound ("Robust BVH Ray Traversal", JCGT 2(2), 2013): without the factor
-// 1 + 2 gamma(3), 4 % of the rays through an edge miss (shared/numerics S21).
+// Slab test of Kay and Kajiya with Ize's rounding bound ("Robust BVH Ray Traversal", JCGT 2(2), 2013): without the
+// factor 1 + 2 gamma(3), 4 % of the rays through an edge miss (shared/numerics S21).
 #pragma once
 
 #include "kernels/sphere.h"
@@ -24,8 +24,8 @@ struct OrientedBox {
     PT_HD Vec3<Real> to_world(const Vec3<Real>& v) const { return axis[0] * v.x + axis[1] * v.y + axis[2] * v.z; }
 };
 
-// The planes to enter and to leave by are chosen by the sign of the direction, and every comparison is arranged so that a
-// NaN (0 * infinity: the ray lies in a face's plane) is passed over rather than kept.
+// The planes to enter and to leave by are chosen by the sign of the direction, and every comparison is arranged so that
+// a NaN (0 * infinity: the ray lies in a face's plane) is passed over rather than kept.
 template <class Real>
 PT_HD inline Interval<Real> slab_interval(const Vec3<Real>& low, const Vec3<Real>& high, const Vec3<Real>& origin,
                                           const Vec3<Real>& inverse) {
@@ -52,7 +52,8 @@ PT_HD inline Vec3<Real> reciprocal(const Vec3<Real>& v) {
 }
 
 template <class Real>
-PT_HD inline Interval<Real> interval(const OrientedBox<Real>& box, const Vec3<Real>& origin, const Vec3<Real>& direction) {
+PT_HD inline Interval<Real> interval(const OrientedBox<Real>& box, const Vec3<Real>& origin,
+                                     const Vec3<Real>& direction) {
     return slab_interval(-box.half, box.half, box.to_local(origin - box.centre), reciprocal(box.to_local(direction)));
 }
 
@@ -62,8 +63,8 @@ PT_HD inline Real chord(const OrientedBox<Real>& box, const Vec3<Real>& origin, 
     return max(Real(0), interval(box, origin, direction).far);
 }
 
-// The face through which the ray enters (or leaves, if `inside`) the box [low, high], as an axis. The same products as in
-// slab_interval, so the answer cannot contradict the hit.
+// The face through which the ray enters (or leaves, if `inside`) the box [low, high], as an axis. The same products as
+// in slab_interval, so the answer cannot contradict the hit.
 template <class Real>
 PT_HD inline int crossed_axis(const Vec3<Real>& low, const Vec3<Real>& high, const Vec3<Real>& origin,
                               const Vec3<Real>& inverse, bool inside) {

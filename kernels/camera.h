@@ -1,4 +1,5 @@
-// Pinhole and thin-lens camera with pixel jitter and a shutter. The eye is the origin: the loader subtracts it in double.
+// Pinhole and thin-lens camera with pixel jitter and a shutter. The eye is the origin: the loader subtracts it in
+// double.
 #pragma once
 
 #include "kernels/path.h"
@@ -12,18 +13,19 @@ struct Camera {
     Vec3<Real> right, up, forward;  // orthonormal; up points up in the image
     Real pixel_size;                // 2 tan(vertical_fov / 2) / height, at distance 1
     std::uint32_t width, height;
-    Real aperture_radius;           // scene units; 0: pinhole
-    Real focus_distance;            // along `forward`, scene units
+    Real aperture_radius;               // scene units; 0: pinhole
+    Real focus_distance;                // along `forward`, scene units
     Real shutter_open, shutter_length;  // seconds
-    std::uint32_t shutter_late;     // 1: density 2s/length^2, s = time since the opening
-    std::uint32_t jitter;           // 0: every sample through the pixel's centre
-    std::uint32_t initial_medium;   // material that absorbs where the eye is, or Path::no_medium
+    std::uint32_t shutter_late;         // 1: density 2s/length^2, s = time since the opening
+    std::uint32_t jitter;               // 0: every sample through the pixel's centre
+    std::uint32_t initial_medium;       // material that absorbs where the eye is, or Path::no_medium
 };
 
 // The start of a path: segment 0, on no surface.
 template <class Config>
-PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Config::Real>& camera, const RandomSeed& seed,
-                                                     std::uint32_t pixel, std::uint32_t sample) {
+PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Config::Real>& camera,
+                                                     const RandomSeed& seed, std::uint32_t pixel,
+                                                     std::uint32_t sample) {
     using Real = typename Config::Real;
     Path<Real> path;
     path.origin = {Real(0), Real(0), Real(0)};
@@ -50,13 +52,14 @@ PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Confi
     }
     // x - width/2 is exact, so a sample cannot round into the neighbouring pixel (shared/numerics S45).
     const Real x = (static_cast<Real>(pixel % camera.width) - Real(0.5) * static_cast<Real>(camera.width)) + in_pixel_x;
-    const Real y = (static_cast<Real>(pixel / camera.width) - Real(0.5) * static_cast<Real>(camera.height)) + in_pixel_y;
-    Vec3<Real> direction = camera.right * (x * camera.pixel_size) - camera.up * (y * camera.pixel_size) + camera.forward;
+    const Real y =
+        (static_cast<Real>(pixel / camera.width) - Real(0.5) * static_cast<Real>(camera.height)) + in_pixel_y;
+    Vec3<Real> direction =
+        camera.right * (x * camera.pixel_size) - camera.up * (y * camera.pixel_size) + camera.forward;
     if constexpr (has<Config>(Feature::lens)) {
         if (camera.aperture_radius > Real(0)) {
             const Vec2<Real> disc = concentric_disc(unit_interval<Real>(words.z), unit_interval<Real>(words.w));
-            const Vec3<Real> on_lens =
-                (camera.right * disc.x + camera.up * disc.y) * camera.aperture_radius;
+            const Vec3<Real> on_lens = (camera.right * disc.x + camera.up * disc.y) * camera.aperture_radius;
             path.origin = on_lens;
             direction = direction * camera.focus_distance - on_lens;
         }

@@ -48,15 +48,9 @@ inline constexpr FeatureSet all_features = (1u << 19) - 1u;
 PT_HD constexpr FeatureSet operator|(Feature a, Feature b) {
     return static_cast<FeatureSet>(a) | static_cast<FeatureSet>(b);
 }
-PT_HD constexpr FeatureSet operator|(FeatureSet a, Feature b) {
-    return a | static_cast<FeatureSet>(b);
-}
-PT_HD constexpr bool contains(FeatureSet set, Feature feature) {
-    return (set & static_cast<FeatureSet>(feature)) != 0;
-}
-PT_HD constexpr bool is_superset(FeatureSet set, FeatureSet subset) {
-    return (set & subset) == subset;
-}
+PT_HD constexpr FeatureSet operator|(FeatureSet a, Feature b) { return a | static_cast<FeatureSet>(b); }
+PT_HD constexpr bool contains(FeatureSet set, Feature feature) { return (set & static_cast<FeatureSet>(feature)) != 0; }
+PT_HD constexpr bool is_superset(FeatureSet set, FeatureSet subset) { return (set & subset) == subset; }
 
 template <class RealT, FeatureSet Features>
 struct Config {

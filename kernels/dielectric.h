@@ -1,8 +1,8 @@
-// Smooth dielectric boundary: Snell's law and the exact unpolarised Fresnel reflectance, with total internal reflection.
-// Stable form (shared/numerics S26): with n = index ahead / index behind, c = cosine of incidence, k = (n-1)(n+1),
-// q = sqrt(k + c^2) = n cos(theta_t):  r_s = -k / (c + q)^2,  r_p = r_s (c q - s^2) / (c q + s^2),  s^2 = (1-c)(1+c).
-// It is right to 6e-7 for every n >= 1 where the textbook's 1 - cos^2 turns index 1 into a mirror at grazing angles.
-// q^2 itself is n^2 - s^2 near normal incidence, where k + c^2 would cancel for n far below 1.
+// Smooth dielectric boundary: Snell's law and the exact unpolarised Fresnel reflectance, with total internal
+// reflection. Stable form (shared/numerics S26): with n = index ahead / index behind, c = cosine of incidence, k =
+// (n-1)(n+1), q = sqrt(k + c^2) = n cos(theta_t):  r_s = -k / (c + q)^2,  r_p = r_s (c q - s^2) / (c q + s^2),  s^2 =
+// (1-c)(1+c). It is right to 6e-7 for every n >= 1 where the textbook's 1 - cos^2 turns index 1 into a mirror at
+// grazing angles. q^2 itself is n^2 - s^2 near normal incidence, where k + c^2 would cancel for n far below 1.
 #pragma once
 
 #include "kernels/material.h"
@@ -48,7 +48,8 @@ PT_HD inline Real cosine_of_incidence(const Vec3<Real>& direction, const Vec3<Re
 }
 
 // u picks reflection or transmission in proportion to their energy, so the weight of either is 1 (and the tint of the
-// transmission). Radiance is not scaled by n^2: what enters must leave, and sources inside are not compared with outside.
+// transmission). Radiance is not scaled by n^2: what enters must leave, and sources inside are not compared with
+// outside.
 template <class Config>
 PT_HD inline void scatter_dielectric(Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
                                      const Material<typename Config::Real>& material, typename Config::Real u) {

@@ -33,7 +33,8 @@ PT_HD inline void leave_on_other_side(Path<Real>& path, const Vertex<Real>& vert
 }
 
 template <class Real>
-PT_HD inline void scatter_diffuse(Path<Real>& path, const Vertex<Real>& vertex, const Vec3<Real>& albedo, Real u, Real v) {
+PT_HD inline void scatter_diffuse(Path<Real>& path, const Vertex<Real>& vertex, const Vec3<Real>& albedo, Real u,
+                                  Real v) {
     path.throughput *= albedo;
     const Vec3<Real> direction = Frame<Real>(vertex.normal).to_world(cosine_hemisphere(u, v));
     leave_on_same_side(path, vertex, normalize(direction));

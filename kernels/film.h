@@ -1,6 +1,6 @@
 // A film whose sums do not depend on the order of the samples: 64-bit fixed point, integer addition.
-// The quantum is a power of two chosen from the scene's brightest source (film_scale), so a scene with emission x 2^k has
-// the same film shifted by k bits.
+// The quantum is a power of two chosen from the scene's brightest source (film_scale), so a scene with emission x 2^k
+// has the same film shifted by k bits.
 #pragma once
 
 #include "kernels/math.h"

@@ -1,6 +1,6 @@
 // The nearest object along a ray, and what its surface is like there.
-// Ties go to the lowest object number. There is no epsilon: a ray knows the surface that it starts on (Path::departed), and
-// a convex body is met again only from within, at its other root.
+// Ties go to the lowest object number. There is no epsilon: a ray knows the surface that it starts on (Path::departed),
+// and a convex body is met again only from within, at its other root.
 #pragma once
 
 #include "kernels/scene_view.h"
@@ -32,7 +32,8 @@ PT_HD inline Vec3<typename Config::Real> at_rest(const SceneView<typename Config
 
 template <class Config>
 PT_HD inline Vec3<typename Config::Real> in_motion(const SceneView<typename Config::Real>& scene, std::uint32_t object,
-                                                   const Vec3<typename Config::Real>& point, typename Config::Real time) {
+                                                   const Vec3<typename Config::Real>& point,
+                                                   typename Config::Real time) {
     if constexpr (has<Config>(Feature::motion)) {
         return point + scene.velocity[object] * time;
     } else {
@@ -101,7 +102,8 @@ PT_HD inline void closest_quad(Hit<typename Config::Real>& best, const SceneView
     for (std::uint32_t i = 0; i < scene.quads.size; ++i) {
         const std::uint32_t object = first + i;
         const Quad<Real>& quad = scene.quads[i];
-        const Interval<Real> crossing = interval(quad, at_rest<Config>(scene, object, ray.origin, ray.time), ray.direction);
+        const Interval<Real> crossing =
+            interval(quad, at_rest<Config>(scene, object, ray.origin, ray.time), ray.direction);
         const bool starts_here = ray.departed.exists() && ray.departed.object() == object;
         if (!starts_here && crossing.hits && crossing.near > Real(0) && crossing.near < best.t) {
             best.t = crossing.near;

@@ -1,7 +1,7 @@
-// Points on lights, and the connection of a path's last vertex to one of them (next-event estimation at the last vertex).
-// A light is chosen uniformly, a point on it by area; the estimate is BSDF * cos * cos' / (distance^2 * density) * radiance
-// where the point is visible (Veach 1997, eq. 8.9 with one sample).
-// Where the scene has an environment, it is chosen as one more light and sampled by the cosine.
+// Points on lights, and the connection of a path's last vertex to one of them (next-event estimation at the last
+// vertex). A light is chosen uniformly, a point on it by area; the estimate is BSDF * cos * cos' / (distance^2 *
+// density) * radiance where the point is visible (Veach 1997, eq. 8.9 with one sample). Where the scene has an
+// environment, it is chosen as one more light and sampled by the cosine.
 #pragma once
 
 #include "kernels/dielectric.h"
@@ -11,8 +11,8 @@ namespace pt {
 template <class Real>
 struct LightSample {
     Vec3<Real> position;
-    Vec3<Real> normal;       // outward unit normal
-    Real inverse_density;    // 1 / density by area, square scene units
+    Vec3<Real> normal;     // outward unit normal
+    Real inverse_density;  // 1 / density by area, square scene units
 };
 
 template <class Real>
@@ -21,14 +21,15 @@ PT_HD inline LightSample<Real> sample_point(const Sphere<Real>& sphere, Real u, 
     return {sphere.centre + normal * sphere.radius, normal, Real(4) * pi<Real> * sphere.radius * sphere.radius};
 }
 
-// Uniform on the unit sphere; the area element of the image is the length of the cofactor matrix times f, which points along
-// the normal. Its columns are products of two lengths: they stay in range where a determinant (three) or a square (four)
-// leaves it, from 1e-18 to 1e18 scene units.
+// Uniform on the unit sphere; the area element of the image is the length of the cofactor matrix times f, which points
+// along the normal. Its columns are products of two lengths: they stay in range where a determinant (three) or a square
+// (four) leaves it, from 1e-18 to 1e18 scene units.
 template <class Real>
 PT_HD inline LightSample<Real> sample_point(const Ellipsoid<Real>& e, Real u, Real v, Real) {
     const Vec3<Real> f = uniform_sphere(u, v);
     const Vec3<Real> normal = e.normal(f);
-    const Vec3<Real> cofactor = cross(e.semi_axis[1], e.semi_axis[2]) * f.x + cross(e.semi_axis[2], e.semi_axis[0]) * f.y +
+    const Vec3<Real> cofactor = cross(e.semi_axis[1], e.semi_axis[2]) * f.x +
+                                cross(e.semi_axis[2], e.semi_axis[0]) * f.y +
                                 cross(e.semi_axis[0], e.semi_axis[1]) * f.z;
     return {e.centre + e.to_world(f), normal, Real(4) * pi<Real> * dot(cofactor, normal)};
 }
@@ -78,9 +79,10 @@ PT_HD inline LightSample<Real> sample_point(const Quad<Real>& quad, Real u, Real
 }
 
 template <class Config>
-PT_HD inline LightSample<typename Config::Real> sample_light(const SceneView<typename Config::Real>& scene, std::uint32_t object,
-                                                             typename Config::Real time, typename Config::Real u,
-                                                             typename Config::Real v, typename Config::Real w) {
+PT_HD inline LightSample<typename Config::Real> sample_light(const SceneView<typename Config::Real>& scene,
+                                                             std::uint32_t object, typename Config::Real time,
+                                                             typename Config::Real u, typename Config::Real v,
+                                                             typename Config::Real w) {
     using Real = typename Config::Real;
     LightSample<Real> sample{{Real(0), Real(0), Real(0)}, {Real(0), Real(1), Real(0)}, Real(0)};
     if (has<Config>(Feature::sphere) && object < scene.first_ellipsoid()) {
@@ -101,14 +103,15 @@ PT_HD inline LightSample<typename Config::Real> sample_light(const SceneView<typ
 // The last vertex's expected light from one random light point, added to path.radiance; ends nothing itself.
 // Returns the number of rays traced (0 or 1). `albedo` is the diffuse lobe's.
 //
-// Visibility needs no epsilon: the point is seen if the nearest object along the ray is the light and is met on the side on
-// which the point lies; a convex light shows each ray exactly one point of each side.
+// Visibility needs no epsilon: the point is seen if the nearest object along the ray is the light and is met on the
+// side on which the point lies; a convex light shows each ray exactly one point of each side.
 template <class Config>
 PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
-                                   const Vertex<typename Config::Real>& vertex, const Vec3<typename Config::Real>& albedo,
-                                   const RandomWords& direction_words) {
+                                   const Vertex<typename Config::Real>& vertex,
+                                   const Vec3<typename Config::Real>& albedo, const RandomWords& direction_words) {
     using Real = typename Config::Real;
-    const std::uint32_t environment_light = has<Config>(Feature::environment) && scene.environment != Vec3<Real>(Real(0)) ? 1u : 0u;
+    const std::uint32_t environment_light =
+        has<Config>(Feature::environment) && scene.environment != Vec3<Real>(Real(0)) ? 1u : 0u;
     const std::uint32_t choices = scene.lights.size + environment_light;
     if (choices == 0) {
         return 0;
@@ -116,7 +119,8 @@ PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene
     const RandomWords words = random_words(scene.seed, {path.pixel, path.sample, path.segment, random_block::light});
     const std::uint32_t choice = static_cast<std::uint32_t>((static_cast<std::uint64_t>(words.x) * choices) >> 32);
     if (choice == scene.lights.size) {
-        scatter_diffuse(path, vertex, albedo, unit_interval<Real>(direction_words.y), unit_interval<Real>(direction_words.z));
+        scatter_diffuse(path, vertex, albedo, unit_interval<Real>(direction_words.y),
+                        unit_interval<Real>(direction_words.z));
         if (!closest_hit<Config>(scene, ray_of(path)).side.exists()) {
             path.radiance += path.throughput * scene.environment * static_cast<Real>(choices);
         }

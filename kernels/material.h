@@ -8,8 +8,8 @@ namespace pt {
 
 enum class MaterialType : std::uint32_t { diffuse, emitter, mirror, mix, dielectric, subsurface };
 
-// A dielectric boundary seen from one side. relative_ior = ior ahead / ior behind; `k` = (n - 1)(n + 1) is formed in double
-// at load, where 1 - n^2 cannot cancel.
+// A dielectric boundary seen from one side. relative_ior = ior ahead / ior behind; `k` = (n - 1)(n + 1) is formed in
+// double at load, where 1 - n^2 cannot cancel.
 template <class Real>
 struct Boundary {
     Real relative_ior;
@@ -20,22 +20,22 @@ struct Boundary {
 template <class Real>
 struct Material {
     MaterialType type;
-    std::uint32_t emits;             // 1 if emission is not black
-    Vec3<Real> emission;             // radiance, linear RGB
-    Vec3<Real> albedo;               // diffuse, mix
-    Vec3<Real> reflectance;          // mirror, mix
-    Real mirror_probability;         // mix
-    Vec3<Real> tint;                 // dielectric: factor on each transmission
+    std::uint32_t emits;               // 1 if emission is not black
+    Vec3<Real> emission;               // radiance, linear RGB
+    Vec3<Real> albedo;                 // diffuse, mix
+    Vec3<Real> reflectance;            // mirror, mix
+    Real mirror_probability;           // mix
+    Vec3<Real> tint;                   // dielectric: factor on each transmission
     Boundary<Real> entering, leaving;  // dielectric, subsurface
-    std::uint32_t has_boundary;      // subsurface: 1 if ior != 1
-    std::uint32_t absorbs;           // dielectric: 1 if sigma_a is not 0
-    Vec3<Real> sigma_a;              // 1 / scene unit
-    Vec3<Real> sigma_s;              // subsurface, 1 / scene unit
-    Vec3<Real> sigma_t;              // sigma_a + sigma_s
-    Vec3<Real> scattering_albedo;    // sigma_s / sigma_t, 0 where sigma_t is 0
-    std::uint32_t grey;              // 1 if the three sigma_t are equal
-    Real g;                          // Henyey-Greenstein mean cosine
-    std::uint32_t max_scatterings;   // cap of one walk
+    std::uint32_t has_boundary;        // subsurface: 1 if ior != 1
+    std::uint32_t absorbs;             // dielectric: 1 if sigma_a is not 0
+    Vec3<Real> sigma_a;                // 1 / scene unit
+    Vec3<Real> sigma_s;                // subsurface, 1 / scene unit
+    Vec3<Real> sigma_t;                // sigma_a + sigma_s
+    Vec3<Real> scattering_albedo;      // sigma_s / sigma_t, 0 where sigma_t is 0
+    std::uint32_t grey;                // 1 if the three sigma_t are equal
+    Real g;                            // Henyey-Greenstein mean cosine
+    std::uint32_t max_scatterings;     // cap of one walk
 };
 
 }  // namespace pt

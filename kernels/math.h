@@ -1,6 +1,6 @@
 // Vectors (GLM) and the few scalar functions whose rounding the kernels depend on.
-// min and max are ternaries: they compile to one instruction, stay IEEE, and on the host they vectorise (fminf does not).
-// Sine and cosine are our own polynomials (Cephes coefficients), so that host and device round alike.
+// min and max are ternaries: they compile to one instruction, stay IEEE, and on the host they vectorise (fminf does
+// not). Sine and cosine are our own polynomials (Cephes coefficients), so that host and device round alike.
 #pragma once
 
 #include "kernels/config.h"

@@ -38,7 +38,8 @@ struct RandomSeed {
     RandomWords words{0, 0, 0, 0};
 
     PT_HD static RandomSeed from(std::uint64_t seed) {
-        return {pcg4d({static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), 0x9e3779b9u, 0x7f4a7c15u})};
+        return {pcg4d(
+            {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), 0x9e3779b9u, 0x7f4a7c15u})};
     }
 };
 
@@ -62,7 +63,8 @@ struct RandomKey {
 };
 
 PT_HD inline RandomWords random_words(const RandomSeed& seed, RandomKey key) {
-    return pcg4d({key.pixel ^ seed.words.x, key.sample ^ seed.words.y, key.bounce ^ seed.words.z, key.block ^ seed.words.w});
+    return pcg4d(
+        {key.pixel ^ seed.words.x, key.sample ^ seed.words.y, key.bounce ^ seed.words.z, key.block ^ seed.words.w});
 }
 
 // A number in [0, 1): never 1, whatever the rounding mode.

@@ -36,9 +36,9 @@ PT_HD inline Vec3<Real> uniform_sphere(Real u, Real v) {
     return {radius * azimuth.cosine, radius * azimuth.sine, z};
 }
 
-// Cosine between the old and the new direction of travel. Henyey and Greenstein 1941, inverted in closed form and freed of
-// the division by g: (1 + g^2 - s^2) / 2g cancels for small g, where in float it moved the mean cosine by a few per cent.
-// g in (-1, 1); g = 0 is exactly isotropic.
+// Cosine between the old and the new direction of travel. Henyey and Greenstein 1941, inverted in closed form and freed
+// of the division by g: (1 + g^2 - s^2) / 2g cancels for small g, where in float it moved the mean cosine by a few per
+// cent. g in (-1, 1); g = 0 is exactly isotropic.
 template <class Real>
 PT_HD inline Real henyey_greenstein_cosine(Real g, Real u) {
     const Real isotropic = Real(1) - Real(2) * u;

@@ -1,5 +1,5 @@
-// A scene as flat arrays, ready for a kernel on either side. Objects are numbered by kind, in the order of the arrays below,
-// and canonically within a kind: an object's number does not depend on its place in the scene file.
+// A scene as flat arrays, ready for a kernel on either side. Objects are numbered by kind, in the order of the arrays
+// below, and canonically within a kind: an object's number does not depend on its place in the scene file.
 #pragma once
 
 #include "kernels/box.h"
@@ -38,7 +38,8 @@ struct SceneView {
     PT_HD std::uint32_t first_quad() const { return first_oriented_box() + oriented_boxes.size; }
     PT_HD std::uint32_t object_count() const { return first_quad() + quads.size; }
     PT_HD std::uint32_t pixel_count() const { return camera.width * camera.height; }
-    // Segments that the longest path can have: with a final bounce, a path whose last vertex is specular goes one further.
+    // Segments that the longest path can have: with a final bounce, a path whose last vertex is specular goes one
+    // further.
     PT_HD std::uint32_t longest_path() const { return depth + final_bounce; }
 };
 

@@ -1,8 +1,8 @@
-// The stages of a path: generate, intersect, shade, accumulate. Every integrator on every backend runs these functions and
-// no others; what differs between integrators is only when and for which path they are called.
+// The stages of a path: generate, intersect, shade, accumulate. Every integrator on every backend runs these functions
+// and no others; what differs between integrators is only when and for which path they are called.
 //
-// Depth counts ray segments, the camera ray included. Emission met by segments 1..depth counts; a path that is exhausted
-// contributes nothing more.
+// Depth counts ray segments, the camera ray included. Emission met by segments 1..depth counts; a path that is
+// exhausted contributes nothing more.
 #pragma once
 
 #include "kernels/film.h"
@@ -36,8 +36,8 @@ PT_HD inline void accumulate(const FilmView& film, const Path<Real>& path) {
     film.add(path.pixel, path.radiance);
 }
 
-// The diffuse lobe of the vertex: at the last vertex of a final-bounce path it is connected to a light instead of sampled.
-// Returns whether the path goes on.
+// The diffuse lobe of the vertex: at the last vertex of a final-bounce path it is connected to a light instead of
+// sampled. Returns whether the path goes on.
 template <class Config>
 PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
                                 const Vertex<typename Config::Real>& vertex, const Vec3<typename Config::Real>& albedo,
@@ -123,7 +123,8 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, Path<type
     }
     const SurfacePoint<Real> surface = surface_at<Config>(scene, ray_of(path), hit);
     const bool inside = hit.side.inside();
-    const Vertex<Real> vertex{surface.position, inside ? -surface.normal : surface.normal, hit.side.object(), inside, material_index};
+    const Vertex<Real> vertex{surface.position, inside ? -surface.normal : surface.normal, hit.side.object(), inside,
+                              material_index};
     return scatter<Config>(scene, path, vertex, material, last, counters);
 }
 

@@ -1,5 +1,5 @@
-// Spheres and ellipsoids. Both are solved as a unit sphere in the object's own frame, so the arithmetic does not see the
-// scene's scale. Discriminant and roots as in Haines, Günther and Akenine-Möller, "Precision Improvements for
+// Spheres and ellipsoids. Both are solved as a unit sphere in the object's own frame, so the arithmetic does not see
+// the scene's scale. Discriminant and roots as in Haines, Günther and Akenine-Möller, "Precision Improvements for
 // Ray/Sphere Intersection", Ray Tracing Gems ch. 7, 2019.
 // A ray that starts on the surface never uses an epsilon: it knows which root it starts from and takes the other one
 // (shared/numerics S15: no self-hit and chords to 3e-7 for radii 1e-6 to 1e6).
@@ -20,13 +20,15 @@ struct Sphere {
 template <class Real>
 struct Ellipsoid {
     Vec3<Real> centre;
-    Vec3<Real> semi_axis[3];      // columns of to_world
-    Vec3<Real> inverse_axis[3];   // rows of its inverse
+    Vec3<Real> semi_axis[3];     // columns of to_world
+    Vec3<Real> inverse_axis[3];  // rows of its inverse
 
     PT_HD Vec3<Real> to_unit(const Vec3<Real>& v) const {
         return {dot(inverse_axis[0], v), dot(inverse_axis[1], v), dot(inverse_axis[2], v)};
     }
-    PT_HD Vec3<Real> to_world(const Vec3<Real>& f) const { return semi_axis[0] * f.x + semi_axis[1] * f.y + semi_axis[2] * f.z; }
+    PT_HD Vec3<Real> to_world(const Vec3<Real>& f) const {
+        return semi_axis[0] * f.x + semi_axis[1] * f.y + semi_axis[2] * f.z;
+    }
     // Normals go by the inverse transpose.
     PT_HD Vec3<Real> normal(const Vec3<Real>& f) const {
         return normalize(inverse_axis[0] * f.x + inverse_axis[1] * f.y + inverse_axis[2] * f.z);
@@ -64,7 +66,8 @@ PT_HD inline Real unit_sphere_chord(const Vec3<Real>& f, const Vec3<Real>& g) {
 }
 
 template <class Real>
-PT_HD inline Interval<Real> interval(const Sphere<Real>& sphere, const Vec3<Real>& origin, const Vec3<Real>& direction) {
+PT_HD inline Interval<Real> interval(const Sphere<Real>& sphere, const Vec3<Real>& origin,
+                                     const Vec3<Real>& direction) {
     const Vec3<Real> f = (origin - sphere.centre) * sphere.inverse_radius;
     Interval<Real> unit = unit_sphere_interval(f, direction);
     return {unit.near * sphere.radius, unit.far * sphere.radius, unit.hits};

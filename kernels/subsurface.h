@@ -1,10 +1,10 @@
 // Subsurface scattering by a random walk through a homogeneous body, from where the path enters to where it leaves.
-// Free paths are drawn from one colour channel, chosen in proportion to the path's throughput (as Cycles does), and weighted
-// by the mean of the three densities in the same proportion (one-sample balance heuristic). Coloured coefficients bring no
-// bias, and the sum of the three throughputs never grows; under a uniform choice their variance grows with every step.
-// A grey medium has the weight sigma_s / sigma_t exactly. Phase function: Henyey and Greenstein 1941. Boundary:
-// index-matched, or Fresnel with internal reflection.
-// The walk sees its own body only: objects inside the body are not met.
+// Free paths are drawn from one colour channel, chosen in proportion to the path's throughput (as Cycles does), and
+// weighted by the mean of the three densities in the same proportion (one-sample balance heuristic). Coloured
+// coefficients bring no bias, and the sum of the three throughputs never grows; under a uniform choice their variance
+// grows with every step. A grey medium has the weight sigma_s / sigma_t exactly. Phase function: Henyey and Greenstein
+// 1941. Boundary: index-matched, or Fresnel with internal reflection. The walk sees its own body only: objects inside
+// the body are not met.
 #pragma once
 
 #include "kernels/dielectric.h"
@@ -23,7 +23,8 @@ PT_HD inline typename Config::Real distance_to_exit(const SceneView<typename Con
     }
     if (has<Config>(Feature::ellipsoid) && object < scene.first_axis_box()) {
         const Ellipsoid<Real>& ellipsoid = scene.ellipsoids[object - scene.first_ellipsoid()];
-        return on_surface ? chord(ellipsoid, origin, direction) : max(Real(0), interval(ellipsoid, origin, direction).far);
+        return on_surface ? chord(ellipsoid, origin, direction)
+                          : max(Real(0), interval(ellipsoid, origin, direction).far);
     }
     if (has<Config>(Feature::axis_box) && object < scene.first_oriented_box()) {
         const AxisBox<Real>& box = scene.axis_boxes[object - scene.first_axis_box()];
@@ -50,21 +51,23 @@ PT_HD inline Real channel(const Vec3<Real>& v, std::uint32_t i) {
 // Weight of a flight of length t: transmittance over the mean density. `scattered`: the flight ended in a collision
 // (density sigma_t e^-sigma_t t), else it reached the surface (probability e^-sigma_t t).
 template <class Real>
-PT_HD inline Vec3<Real> flight_weight(const Material<Real>& medium, const Vec3<Real>& throughput, Real t, bool scattered) {
+PT_HD inline Vec3<Real> flight_weight(const Material<Real>& medium, const Vec3<Real>& throughput, Real t,
+                                      bool scattered) {
     if (medium.grey != 0) {
         return scattered ? medium.scattering_albedo : Vec3<Real>{Real(1), Real(1), Real(1)};
     }
     // Relative to the most transparent channel, so that no transmittance underflows in all three at once.
     const Real least = min(medium.sigma_t.x, min(medium.sigma_t.y, medium.sigma_t.z));
-    const Vec3<Real> transmittance{exponential((least - medium.sigma_t.x) * t), exponential((least - medium.sigma_t.y) * t),
+    const Vec3<Real> transmittance{exponential((least - medium.sigma_t.x) * t),
+                                   exponential((least - medium.sigma_t.y) * t),
                                    exponential((least - medium.sigma_t.z) * t)};
     const Real carried = dot(throughput, scattered ? transmittance * medium.sigma_t : transmittance);
     const Real inverse_mean = carried > Real(0) ? (throughput.x + throughput.y + throughput.z) / carried : Real(0);
     return (scattered ? transmittance * medium.sigma_s : transmittance) * inverse_mean;
 }
 
-// Walks from the vertex (the path has been let in along path.direction) until the path leaves the body; false if the cap on
-// scatterings and internal reflections was met first. On return the path stands on the surface, heading out.
+// Walks from the vertex (the path has been let in along path.direction) until the path leaves the body; false if the
+// cap on scatterings and internal reflections was met first. On return the path stands on the surface, heading out.
 template <class Config>
 PT_HD inline bool subsurface_walk(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
                                   const Vertex<typename Config::Real>& vertex,
@@ -74,7 +77,8 @@ PT_HD inline bool subsurface_walk(const SceneView<typename Config::Real>& scene,
     Vec3<Real> direction = path.direction;
     bool on_surface = true;
     for (std::uint32_t step = 0; step <= medium.max_scatterings; ++step) {
-        const RandomWords words = random_words(scene.seed, {path.pixel, path.sample, path.segment, random_block::walk + step});
+        const RandomWords words =
+            random_words(scene.seed, {path.pixel, path.sample, path.segment, random_block::walk + step});
         const Real to_exit = distance_to_exit<Config>(scene, vertex.object, position, direction, on_surface);
         const std::uint32_t colour = choose_channel(path.throughput, unit_interval<Real>(words.y));
         const Real sigma = channel(medium.sigma_t, colour);
@@ -87,11 +91,13 @@ PT_HD inline bool subsurface_walk(const SceneView<typename Config::Real>& scene,
             const Real cosine = henyey_greenstein_cosine(medium.g, unit_interval<Real>(words.z));
             const Real sine = square_root(max(Real(0), (Real(1) - cosine) * (Real(1) + cosine)));
             const SinCos<Real> azimuth = sin_cos_turn(unit_interval<Real>(words.w));
-            direction = normalize(Frame<Real>(direction).to_world({sine * azimuth.cosine, sine * azimuth.sine, cosine}));
+            direction =
+                normalize(Frame<Real>(direction).to_world({sine * azimuth.cosine, sine * azimuth.sine, cosine}));
             continue;
         }
         path.throughput *= flight_weight(medium, path.throughput, to_exit, false);
-        const Ray<Real> ray{in_motion<Config>(scene, vertex.object, position, path.time), direction, path.time, ObjectSide{}};
+        const Ray<Real> ray{in_motion<Config>(scene, vertex.object, position, path.time), direction, path.time,
+                            ObjectSide{}};
         const SurfacePoint<Real> exit = surface_at<Config>(scene, ray, {to_exit, ObjectSide::of(vertex.object, true)});
         Vec3<Real> outgoing = direction;
         if constexpr (has<Config>(Feature::subsurface_boundary)) {
@@ -123,7 +129,7 @@ PT_HD inline bool scatter_subsurface(const SceneView<typename Config::Real>& sce
                                      const Vertex<typename Config::Real>& vertex,
                                      const Material<typename Config::Real>& medium, typename Config::Real u) {
     using Real = typename Config::Real;
-    // A path that meets the surface from within (the camera stands in the body) walks on from there.
+    // Walks start at surfaces: a path that meets one from within (the camera stands in the body) leaves unscattered.
     if constexpr (has<Config>(Feature::subsurface_boundary)) {
         if (medium.has_boundary != 0 && !vertex.inside) {
             const Real cosine = cosine_of_incidence(path.direction, vertex.normal);

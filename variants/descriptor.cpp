@@ -34,10 +34,11 @@ std::string_view to_string(Claim claim) {
 }
 
 std::vector<std::string> feature_names(FeatureSet features) {
-    static constexpr const char* names[] = {"sphere",     "ellipsoid", "axis_box",   "oriented_box",        "quad",
-                                            "motion",     "diffuse",   "emitter",    "mirror",              "mix",
-                                            "dielectric", "subsurface", "emission",  "absorption",          "subsurface_boundary",
-                                            "environment", "jitter",   "lens",       "final_bounce"};
+    static constexpr const char* names[] = {
+        "sphere",      "ellipsoid",  "axis_box", "oriented_box", "quad",
+        "motion",      "diffuse",    "emitter",  "mirror",       "mix",
+        "dielectric",  "subsurface", "emission", "absorption",   "subsurface_boundary",
+        "environment", "jitter",     "lens",     "final_bounce"};
     static_assert(all_features == (1u << std::size(names)) - 1u);
     std::vector<std::string> present;
     for (std::size_t bit = 0; bit < std::size(names); ++bit) {

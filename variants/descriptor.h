@@ -1,5 +1,5 @@
-// What a choice says of itself: which axis it is on, what it does and who proposed it, where it applies, what it promises
-// about the image, and how to tell afterwards that it did its work.
+// What a choice says of itself: which axis it is on, what it does and who proposed it, where it applies, what it
+// promises about the image, and how to tell afterwards that it did its work.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ enum class Claim { bitwise, statistical, biased };
 enum class Backend : std::uint32_t { cpu = 1, cuda = 2 };
 
 // The axes in the order in which a variant's name spells them.
-inline constexpr std::string_view axis_names[] = {"integrator",   "compaction", "sorting",        "first_bounce",
+inline constexpr std::string_view axis_names[] = {"integrator",   "compaction", "sorting",       "first_bounce",
                                                   "direct_light", "layout",     "specialisation"};
 
 // One choice per axis, in the order of axis_names. As a string: the choices joined by dots.
@@ -42,11 +42,11 @@ struct WorkCounters {
     std::uint64_t paths = 0;
     std::uint64_t rays = 0;
     std::uint64_t unfinished_walks = 0;
-    std::uint64_t bounces = 0;       // wavefront iterations over the queue
+    std::uint64_t bounces = 0;  // wavefront iterations over the queue
     std::uint64_t compactions = 0;
     std::uint64_t compacted_away = 0;  // ended paths taken out of the queue
     std::uint64_t sorts = 0;
-    std::uint64_t sorted = 0;        // paths put in order
+    std::uint64_t sorted = 0;  // paths put in order
     std::uint64_t cache_fills = 0;
     std::uint64_t cache_hits = 0;
 };

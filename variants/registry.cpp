@@ -25,8 +25,8 @@ void check_descriptor(const Descriptor& descriptor) {
 
 void Registry::add(const Descriptor& descriptor, Hook hook) {
     check_descriptor(descriptor);
-    const auto [position, inserted] =
-        axes_[std::string(descriptor.axis)].try_emplace(std::string(descriptor.name), Choice{descriptor, std::move(hook)});
+    const auto [position, inserted] = axes_[std::string(descriptor.axis)].try_emplace(
+        std::string(descriptor.name), Choice{descriptor, std::move(hook)});
     if (!inserted) {
         throw std::logic_error("choice registered twice: " + std::string(descriptor.axis) + "=" + position->first);
     }
@@ -34,7 +34,8 @@ void Registry::add(const Descriptor& descriptor, Hook hook) {
 
 void Registry::add_integrator(const Descriptor& descriptor, FeatureSet features, RenderFunction render) {
     check_descriptor(descriptor);
-    Choice& choice = axes_["integrator"].try_emplace(std::string(descriptor.name), Choice{descriptor, {}}).first->second;
+    Choice& choice =
+        axes_["integrator"].try_emplace(std::string(descriptor.name), Choice{descriptor, {}}).first->second;
     choice.hook.integrator[features] = render;
 }
 
@@ -89,7 +90,8 @@ Variant Registry::reference(const Variant& variant) const {
 std::string why_not_applicable(const Variant& variant, FeatureSet scene) {
     for (const std::string_view axis : axis_names) {
         const Descriptor& descriptor = Registry::instance().at(axis, variant).descriptor;
-        const std::string reason = descriptor.does_not_apply == nullptr ? "" : descriptor.does_not_apply(scene, variant);
+        const std::string reason =
+            descriptor.does_not_apply == nullptr ? "" : descriptor.does_not_apply(scene, variant);
         if (!reason.empty()) {
             return std::string(axis) + "=" + std::string(descriptor.name) + " " + reason;
         }

@@ -15,7 +15,8 @@ void PathQueue::reserve(std::size_t capacity) {
 }
 
 void StageTimes::add(std::string_view stage, double ms) {
-    const auto found = std::find_if(milliseconds.begin(), milliseconds.end(), [&](const auto& entry) { return entry.first == stage; });
+    const auto found =
+        std::find_if(milliseconds.begin(), milliseconds.end(), [&](const auto& entry) { return entry.first == stage; });
     if (found == milliseconds.end()) {
         milliseconds.emplace_back(stage, ms);
     } else {

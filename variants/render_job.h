@@ -15,16 +15,16 @@
 
 namespace pt {
 
-// The paths of a wavefront. A path lives in a slot; the paths in play are slots 0..count-1, or, if `indirect`, the slots
-// order[0..count-1] in that order.
+// The paths of a wavefront. A path lives in a slot; the paths in play are slots 0..count-1, or, if `indirect`, the
+// slots order[0..count-1] in that order.
 struct PathQueue {
     AnyPaths paths;
-    std::vector<Hit<float>> hits;       // by slot: where the path's current segment ends
-    std::vector<std::uint32_t> order;   // capacity entries
+    std::vector<Hit<float>> hits;      // by slot: where the path's current segment ends
+    std::vector<std::uint32_t> order;  // capacity entries
     bool indirect = false;
     std::size_t count = 0;
-    std::vector<std::uint32_t> keys;    // by position in play; filled for a sort only
-    std::vector<std::uint32_t> scratch; // for choices that need a second index array
+    std::vector<std::uint32_t> keys;     // by position in play; filled for a sort only
+    std::vector<std::uint32_t> scratch;  // for choices that need a second index array
 
     // Room for `capacity` paths; keeps its memory between renders, so that a timed render touches no fresh page.
     void reserve(std::size_t capacity);
@@ -73,7 +73,8 @@ public:
     }
     ~StageClock() {
         if (times_ != nullptr) {
-            times_->add(stage_, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count());
+            times_->add(stage_,
+                        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count());
         }
     }
     StageClock(const StageClock&) = delete;

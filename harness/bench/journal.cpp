@@ -37,7 +37,8 @@ Journal::Journal(std::string file, const Json& identity, bool resume) : file_(st
         throw MachineError(fmt::format("{}: another run is writing it", file_));
     }
     if (exists && !resume) {
-        throw InputError(fmt::format("{}: found an unfinished run, allowed: go on with --resume, or remove the file", file_));
+        throw InputError(
+            fmt::format("{}: found an unfinished run, allowed: go on with --resume, or remove the file", file_));
     }
     if (exists) {
         read(identity);
@@ -57,8 +58,8 @@ void Journal::read(const Json& identity) {
     std::size_t start = 0;
     bool is_first = true;
     for (std::size_t end = text.find('\n'); end != std::string::npos; start = end + 1, end = text.find('\n', start)) {
-        const Json line = Json::parse(text.begin() + static_cast<std::ptrdiff_t>(start), text.begin() + static_cast<std::ptrdiff_t>(end),
-                                      nullptr, false);
+        const Json line = Json::parse(text.begin() + static_cast<std::ptrdiff_t>(start),
+                                      text.begin() + static_cast<std::ptrdiff_t>(end), nullptr, false);
         const std::string type = text_in(line, "type");
         const std::string cell = text_in(line, "cell");
         if (is_first) {
@@ -72,7 +73,8 @@ void Journal::read(const Json& identity) {
         } else if (type == "cell" && !cell.empty() && line.contains("facts")) {
             cells_[cell] = line.at("facts");
         } else {
-            throw InputError(file_, fmt::format("byte {}", start), "a damaged line", "lines that ptbench wrote; remove the file to start over");
+            throw InputError(file_, fmt::format("byte {}", start), "a damaged line",
+                             "lines that ptbench wrote; remove the file to start over");
         }
     }
     if (start != text.size() && ::ftruncate(*descriptor_, static_cast<off_t>(start)) != 0) {

@@ -1,5 +1,5 @@
-// The journal of a run: one JSON line a fact, written as soon as it is known, so that a killed run loses at most the sample
-// in flight. The result file is made from it, and --resume goes on from it.
+// The journal of a run: one JSON line a fact, written as soon as it is known, so that a killed run loses at most the
+// sample in flight. The result file is made from it, and --resume goes on from it.
 #pragma once
 
 #include <map>
@@ -13,8 +13,9 @@ namespace pt {
 
 class Journal {
 public:
-    // Opens `file` and locks it. A journal that is there already must be resumed (same `identity`) or is refused; a last
-    // line that was cut off is dropped. Throws InputError (unfinished run, other identity), MachineError (cannot write).
+    // Opens `file` and locks it. A journal that is there already must be resumed (same `identity`) or is refused; a
+    // last line that was cut off is dropped. Throws InputError (unfinished run, other identity), MachineError (cannot
+    // write).
     Journal(std::string file, const Json& identity, bool resume);
 
     // One sample of a cell, in the order of its index.

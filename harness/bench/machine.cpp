@@ -58,13 +58,9 @@ std::string machine_name() {
     return fmt::format("{}-{}-threads", name, parallel_threads());
 }
 
-std::string git_sha() {
-    return PTBENCH_GIT_SHA;
-}
+std::string git_sha() { return PTBENCH_GIT_SHA; }
 
-bool git_dirty() {
-    return PTBENCH_GIT_DIRTY != 0;
-}
+bool git_dirty() { return PTBENCH_GIT_DIRTY != 0; }
 
 std::vector<std::pair<std::string, std::string>> machine_context() {
     return {
@@ -95,10 +91,12 @@ double measure_clock_mhz() {
         for (std::uint64_t i = 0; i < additions / 8; ++i) {
             // Opaque to the optimiser, and each addition waits for the one before it.
             asm volatile(
-                "add $1, %0\n\tadd $1, %0\n\tadd $1, %0\n\tadd $1, %0\n\tadd $1, %0\n\tadd $1, %0\n\tadd $1, %0\n\tadd $1, %0"
+                "add $1, %0\n\tadd $1, %0\n\tadd $1, %0\n\tadd $1, %0\n\tadd $1, %0\n\tadd $1, %0\n\tadd $1, %0\n\tadd "
+                "$1, %0"
                 : "+r"(sum));
         }
-        const double microseconds = std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+        const double microseconds =
+            std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
         best = std::max(best, static_cast<double>(additions) / microseconds);
     }
     return best;

@@ -16,8 +16,8 @@ std::vector<std::pair<std::string, std::string>> machine_context();
 std::string git_sha();
 bool git_dirty();
 
-// The clock of the core that this thread runs on, measured: a chain of additions, one a cycle, against the steady clock.
-// Takes about half a millisecond.
+// The clock of the core that this thread runs on, measured: a chain of additions, one a cycle, against the steady
+// clock. Takes about half a millisecond.
 double measure_clock_mhz();
 
 }  // namespace pt

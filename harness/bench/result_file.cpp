@@ -25,7 +25,8 @@ OrderedJson context(const RunFacts& facts) {
     json["cpu_scaling_enabled"] = cpu.scaling == benchmark::CPUInfo::ENABLED;
     json["caches"] = OrderedJson::array();
     for (const benchmark::CPUInfo::CacheInfo& cache : cpu.caches) {
-        json["caches"].push_back({{"type", cache.type}, {"level", cache.level}, {"size", cache.size}, {"num_sharing", cache.num_sharing}});
+        json["caches"].push_back(
+            {{"type", cache.type}, {"level", cache.level}, {"size", cache.size}, {"num_sharing", cache.num_sharing}});
     }
     json["load_avg"] = cpu.load_avg;
     for (const auto& [key, value] : machine_context()) {
@@ -47,11 +48,16 @@ OrderedJson axes_of(const Variant& variant) {
 }
 
 OrderedJson row_head(const std::string& cell, const std::string& suffix, std::size_t family, int repetitions) {
-    return {{"name", cell + suffix}, {"family_index", family}, {"per_family_instance_index", 0}, {"run_name", cell},
-            {"run_type", suffix.empty() ? "iteration" : "aggregate"}, {"repetitions", repetitions}};
+    return {{"name", cell + suffix},
+            {"family_index", family},
+            {"per_family_instance_index", 0},
+            {"run_name", cell},
+            {"run_type", suffix.empty() ? "iteration" : "aggregate"},
+            {"repetitions", repetitions}};
 }
 
-OrderedJson sample_row(const std::string& cell, std::size_t family, int repetitions, std::size_t index, const Json& sample) {
+OrderedJson sample_row(const std::string& cell, std::size_t family, int repetitions, std::size_t index,
+                       const Json& sample) {
     OrderedJson row = row_head(cell, "", family, repetitions);
     row["repetition_index"] = index;
     row["threads"] = 1;
@@ -67,7 +73,8 @@ OrderedJson sample_row(const std::string& cell, std::size_t family, int repetiti
     return row;
 }
 
-void add_aggregate_rows(OrderedJson& rows, const std::string& cell, std::size_t family, int repetitions, const std::vector<Json>& samples) {
+void add_aggregate_rows(OrderedJson& rows, const std::string& cell, std::size_t family, int repetitions,
+                        const std::vector<Json>& samples) {
     std::vector<double> wall, cpu;
     for (const Json& sample : samples) {
         wall.push_back(sample.at("pt_wall_ms"));

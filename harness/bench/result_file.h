@@ -1,5 +1,6 @@
 // The result file: Google Benchmark's JSON (context, one row a sample, aggregates), which its own tools read, and a
-// "ptbench" object with what rows cannot hold: axes, claims, hashes, live paths, stage times, what did not apply and why.
+// "ptbench" object with what rows cannot hold: axes, claims, hashes, live paths, stage times, what did not apply and
+// why.
 #pragma once
 
 #include "harness/bench/journal.h"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <csignal>
 #include <ctime>
+#include <filesystem>
 #include <regex>
 
 #include <benchmark/benchmark.h>
@@ -54,9 +55,10 @@ public:
         }
         last_shown_ = now;
         const double elapsed = now - start_;
-        const double left = elapsed / static_cast<double>(done_) * static_cast<double>(total_ - std::min(done_, total_));
-        fmt::print(stderr, "{}[{}/{}] {}: {} elapsed, about {} left  {}{}", is_terminal_ ? "\r\033[K" : "", done_, total_, what_,
-                   minutes(elapsed), minutes(left), name, is_terminal_ && done_ != total_ ? "" : "\n");
+        const double left =
+            elapsed / static_cast<double>(done_) * static_cast<double>(total_ - std::min(done_, total_));
+        fmt::print(stderr, "{}[{}/{}] {}: {} elapsed, about {} left  {}{}", is_terminal_ ? "\r\033[K" : "", done_,
+                   total_, what_, minutes(elapsed), minutes(left), name, is_terminal_ && done_ != total_ ? "" : "\n");
         std::fflush(stderr);
     }
 
@@ -85,8 +87,8 @@ std::string bitwise_group(const Cell& cell) {
     return Registry::instance().reference(cell.variant).name() + name.substr(name.find('/'));
 }
 
-// Google Benchmark's own table is as wide as our names are long, and under interleaving in the order in which cells happen
-// to end: the runner prints its own from the journal.
+// Google Benchmark's own table is as wide as our names are long, and under interleaving in the order in which cells
+// happen to end: the runner prints its own from the journal.
 class QuietReporter : public benchmark::BenchmarkReporter {
 public:
     bool ReportContext(const Context&) override { return true; }
@@ -132,12 +134,27 @@ private:
             }
             if (journal_.cell(cell.name) == nullptr) {
                 const RenderSettings small = verification_settings(cell.settings);
-                const std::string key = fmt::format("{}/{}x{}/{}", cell.scene->name, small.width, small.height, small.depth);
+                const std::string key =
+                    fmt::format("{}/{}x{}/{}", cell.scene->name, small.width, small.height, small.depth);
                 Verifier& verifier = verifiers.try_emplace(key, *cell.scene, small, verification_spp).first->second;
-                journal_.set_cell(cell.name, prepare_cell(cell, verifier));
+                journal_.set_cell(cell.name, prepare_or_fail(cell, verifier));
             }
             progress.step(cell.name);
         }
+    }
+
+    // A choice that throws fails its cell, not the run.
+    Json prepare_or_fail(const Cell& cell, Verifier& verifier) {
+        Json facts;
+        try {
+            facts = prepare_cell(cell, verifier);
+        } catch (const std::exception& exception) {
+            facts = {{"status", "failed"}, {"reason", exception.what()}};
+        }
+        if (facts.at("status") == "failed") {
+            fmt::print(stderr, "failed: {}: {}\n", cell.name, facts.at("reason").get<std::string>());
+        }
+        return facts;
     }
 
     Json prepare_cell(const Cell& cell, Verifier& verifier) {
@@ -149,13 +166,12 @@ private:
                    {"status", verdict.holds ? "ok" : "failed"},
                    {"reason", verdict.holds ? "" : verdict.message}};
         if (!verdict.holds) {
-            fmt::print(stderr, "failed: {}: {}\n", cell.name, verdict.message);
             return facts;
         }
         RenderSettings settings = cell.settings;
         settings.seed = options_.seed;
-        const RenderResult result =
-            render(*cell.scene, {.variant = cell.variant, .settings = settings, .samples = cell.spp, .instrument = true});
+        const RenderResult result = render(
+            *cell.scene, {.variant = cell.variant, .settings = settings, .samples = cell.spp, .instrument = true});
         const Vec3d mean = result.film.mean();
         facts["film_hash"] = result.film.hash();
         facts["mean_rgb"] = {mean.x, mean.y, mean.z};
@@ -163,9 +179,12 @@ private:
         facts["negative"] = result.film.faults().negative;
         facts["saturated"] = result.film.faults().saturated;
         facts["unfinished_walks"] = result.work.unfinished_walks;
-        facts["counters"] = {{"bounces", result.work.bounces},         {"compactions", result.work.compactions},
-                             {"compacted_away", result.work.compacted_away}, {"sorts", result.work.sorts},
-                             {"sorted", result.work.sorted},           {"cache_fills", result.work.cache_fills},
+        facts["counters"] = {{"bounces", result.work.bounces},
+                             {"compactions", result.work.compactions},
+                             {"compacted_away", result.work.compacted_away},
+                             {"sorts", result.work.sorts},
+                             {"sorted", result.work.sorted},
+                             {"cache_fills", result.work.cache_fills},
                              {"cache_hits", result.work.cache_hits}};
         Json stages = Json::object();
         double staged = 0;
@@ -184,23 +203,12 @@ private:
     }
 
     void time_samples() {
-        std::vector<std::string> arguments{"ptbench", fmt::format("--benchmark_repetitions={}", repetitions_),
-                                           "--benchmark_enable_random_interleaving=true", "--benchmark_display_aggregates_only=true"};
-        arguments.insert(arguments.end(), options_.benchmark_flags.begin(), options_.benchmark_flags.end());
-        std::vector<char*> argv;
-        for (std::string& argument : arguments) {
-            argv.push_back(argument.data());
-        }
-        int argc = static_cast<int>(argv.size());
-        benchmark::Initialize(&argc, argv.data());
-        if (argc > 1) {
-            throw InputError("command line", "flag", "\"" + std::string(argv[1]) + "\"", "Google Benchmark's --benchmark_* flags");
-        }
         std::size_t samples = 0;
         benchmark::ClearRegisteredBenchmarks();
         for (const Cell& cell : plan_.cells) {
             if (is_ok(cell)) {
-                samples += static_cast<std::size_t>(repetitions_) - std::min(journal_.samples(cell.name).size(), static_cast<std::size_t>(repetitions_));
+                samples += static_cast<std::size_t>(repetitions_) -
+                           std::min(journal_.samples(cell.name).size(), static_cast<std::size_t>(repetitions_));
                 register_cell(cell);
             }
         }
@@ -210,8 +218,9 @@ private:
             return;
         }
         QuietReporter reporter;
-        const bool own_format = std::any_of(options_.benchmark_flags.begin(), options_.benchmark_flags.end(),
-                                            [](const std::string& flag) { return flag.starts_with("--benchmark_format"); });
+        const bool own_format =
+            std::any_of(options_.benchmark_flags.begin(), options_.benchmark_flags.end(),
+                        [](const std::string& flag) { return flag.starts_with("--benchmark_format"); });
         benchmark::RunSpecifiedBenchmarks(own_format ? nullptr : &reporter);
     }
 
@@ -226,8 +235,8 @@ private:
             ->Unit(benchmark::kMillisecond);
     }
 
-    // The loop is entered whatever happens, and a failure stays for all later repetitions: Google Benchmark 1.7.1 aborts
-    // the process otherwise (google/benchmark#2206).
+    // The loop is entered whatever happens, and a failure stays for all later repetitions: Google Benchmark 1.7.1
+    // aborts the process otherwise (google/benchmark#2206).
     void benchmark_cell(benchmark::State& state, const Cell& cell, std::size_t index) {
         for (auto iteration : state) {
             (void)iteration;
@@ -276,7 +285,8 @@ private:
         const double clock_before = measure_clock_mhz();
         const auto render_begin = std::chrono::steady_clock::now();
         const RenderResult result = render(*cell.scene, request);
-        const double end_to_end = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - render_begin).count();
+        const double end_to_end =
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - render_begin).count();
         const double clock_after = measure_clock_mhz();
         if (const std::string missing = work_missing(cell.variant, result.work, cell.spp); !missing.empty()) {
             return missing;
@@ -285,28 +295,31 @@ private:
         const std::string hash = result.film.hash();
         const auto [position, is_first] = hashes_.try_emplace({bitwise_group(cell), index}, hash, cell.name);
         if (!is_first && position->second.first != hash) {
-            return fmt::format("film {} of sample {} differs from {} of {}", hash, index, position->second.first, position->second.second);
+            return fmt::format("film {} of sample {} differs from {} of {}", hash, index, position->second.first,
+                               position->second.second);
         }
         if (result.film.faults().nonfinite + result.film.faults().negative != 0) {
-            return fmt::format("{} non-finite and {} negative samples", result.film.faults().nonfinite, result.film.faults().negative);
+            return fmt::format("{} non-finite and {} negative samples", result.film.faults().nonfinite,
+                               result.film.faults().negative);
         }
         highest_clock_ = std::max({highest_clock_, clock_before, clock_after});
         const bool low_clock = std::min(clock_before, clock_after) < 0.9 * highest_clock_;
-        journal_.add_sample(cell.name, {{"pt_wall_ms", result.wall_ms},
-                                        {"pt_device_ms", result.device_ms},
-                                        {"pt_end_to_end_ms", end_to_end},
-                                        {"cpu_ms", result.cpu_ms},
-                                        {"pt_seed", request.settings.seed},
-                                        {"pt_spp", cell.spp},
-                                        {"pt_paths", result.work.paths},
-                                        {"pt_rays", result.work.rays},
-                                        {"pt_rays_per_second", static_cast<double>(result.work.rays) / (1e-3 * result.wall_ms)},
-                                        {"pt_order", order_++},
-                                        {"pt_timestamp", seconds_now()},
-                                        {"pt_clock_mhz_before", clock_before},
-                                        {"pt_clock_mhz_after", clock_after},
-                                        {"pt_low_clock", low_clock ? 1 : 0},
-                                        {"film_hash", hash}});
+        journal_.add_sample(cell.name,
+                            {{"pt_wall_ms", result.wall_ms},
+                             {"pt_device_ms", result.device_ms},
+                             {"pt_end_to_end_ms", end_to_end},
+                             {"cpu_ms", result.cpu_ms},
+                             {"pt_seed", request.settings.seed},
+                             {"pt_spp", cell.spp},
+                             {"pt_paths", result.work.paths},
+                             {"pt_rays", result.work.rays},
+                             {"pt_rays_per_second", static_cast<double>(result.work.rays) / (1e-3 * result.wall_ms)},
+                             {"pt_order", order_++},
+                             {"pt_timestamp", seconds_now()},
+                             {"pt_clock_mhz_before", clock_before},
+                             {"pt_clock_mhz_after", clock_after},
+                             {"pt_low_clock", low_clock ? 1 : 0},
+                             {"film_hash", hash}});
         return "";
     }
 
@@ -320,7 +333,8 @@ private:
             }
             if (!wall.empty()) {
                 const Aggregates time = aggregate(wall);
-                fmt::print("{:12.4g} {:6.1f}% {:9.2f}  {}\n", time.median / cell.spp, 100 * time.cv, 1e-6 * aggregate(rays).median, cell.name);
+                fmt::print("{:12.4g} {:6.1f}% {:9.2f}  {}\n", time.median / cell.spp, 100 * time.cv,
+                           1e-6 * aggregate(rays).median, cell.name);
             }
         }
     }
@@ -342,9 +356,10 @@ private:
                                               .completed = completed,
                                               .repetitions = repetitions_}));
         print_table();
-        fmt::print("{}\n{} cells, {} samples, {} failed, {} not applicable{}\n", options_.out, plan_.cells.size(), journal_.sample_count(),
-                   failed, plan_.not_applicable.size(),
-                   completed ? "" : fmt::format("; interrupted with {} cells unfinished: go on with --resume", unfinished));
+        fmt::print(
+            "{}\n{} cells, {} samples, {} failed, {} not applicable{}\n", options_.out, plan_.cells.size(),
+            journal_.sample_count(), failed, plan_.not_applicable.size(),
+            completed ? "" : fmt::format("; interrupted with {} cells unfinished: go on with --resume", unfinished));
         if (completed) {
             journal_.finish();
         }
@@ -364,6 +379,30 @@ private:
     std::uint64_t order_ = 0;
 };
 
+// Sets Google Benchmark's flags; throws InputError for one that it does not know.
+void initialize_benchmark(const RunOptions& options, int repetitions) {
+    std::vector<std::string> arguments{"ptbench", fmt::format("--benchmark_repetitions={}", repetitions),
+                                       "--benchmark_enable_random_interleaving=true",
+                                       "--benchmark_display_aggregates_only=true"};
+    arguments.insert(arguments.end(), options.benchmark_flags.begin(), options.benchmark_flags.end());
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) {
+        argv.push_back(argument.data());
+    }
+    int argc = static_cast<int>(argv.size());
+    benchmark::Initialize(&argc, argv.data());
+    if (argc > 1) {
+        throw InputError("command line", "flag", "\"" + std::string(argv[1]) + "\"",
+                         "Google Benchmark's --benchmark_* flags");
+    }
+}
+
+// The first interrupt lets the sample in flight end; a second one ends the process at once.
+void interrupt(int signal) {
+    interrupted = true;
+    std::signal(signal, SIG_DFL);
+}
+
 void apply_filter(Plan& plan, const std::string& filter) {
     if (filter.empty()) {
         return;
@@ -371,18 +410,20 @@ void apply_filter(Plan& plan, const std::string& filter) {
     const bool negated = filter.front() == '-';
     try {
         const std::regex expression(negated ? filter.substr(1) : filter);
-        std::erase_if(plan.cells, [&](const Cell& cell) { return std::regex_search(cell.name, expression) == negated; });
+        std::erase_if(plan.cells,
+                      [&](const Cell& cell) { return std::regex_search(cell.name, expression) == negated; });
     } catch (const std::regex_error&) {
         throw InputError("--benchmark_filter", "argument", "\"" + filter + "\"", "a regular expression");
     }
 }
 
-Json identity_of(const Plan& plan, const RunOptions& options) {
+Json identity_of(const Plan& plan, const RunOptions& options, int repetitions) {
     Json cells = Json::array();
     for (const Cell& cell : plan.cells) {
         cells.push_back(cell.name + "#" + cell.scene->hash);
     }
-    return {{"machine", machine_name()}, {"git_sha", git_sha()}, {"git_dirty", git_dirty()}, {"cells", cells}, {"seed", options.seed}};
+    return {{"machine", machine_name()}, {"git_sha", git_sha()},      {"git_dirty", git_dirty()}, {"cells", cells},
+            {"seed", options.seed},      {"repetitions", repetitions}};
 }
 
 }  // namespace
@@ -399,18 +440,28 @@ std::string describe_plan(const Plan& plan, int repetitions) {
                               plan.cells.size() * static_cast<std::size_t>(repetitions), plan.not_applicable.size());
 }
 
-int run_suite(const Suite& suite, const RunOptions& options) {
+Plan plan_run(const Suite& suite, const RunOptions& options) {
     Plan plan = make_plan(suite);
     apply_filter(plan, options.filter);
     if (plan.cells.empty()) {
-        throw InputError("the run has no cell: " + (plan.not_applicable.empty() ? std::string("the filter matches none")
-                                                                                : "n/a: " + plan.not_applicable.front().reason));
+        throw InputError("the run has no cell: " + (plan.not_applicable.empty()
+                                                        ? std::string("the filter matches none")
+                                                        : "n/a: " + plan.not_applicable.front().reason));
     }
-    interrupted = false;
-    std::signal(SIGINT, [](int) { interrupted = true; });
-    std::signal(SIGTERM, [](int) { interrupted = true; });
+    return plan;
+}
+
+int run_suite(const Suite& suite, const RunOptions& options) {
+    Plan plan = plan_run(suite, options);
+    if (std::filesystem::is_directory(options.out)) {
+        throw InputError("--out", "file name", "\"" + options.out + "\", a folder", "a file");
+    }
     const int repetitions = options.repetitions > 0 ? options.repetitions : suite.repetitions;
-    const Json identity = identity_of(plan, options);
+    initialize_benchmark(options, repetitions);
+    interrupted = false;
+    std::signal(SIGINT, interrupt);
+    std::signal(SIGTERM, interrupt);
+    const Json identity = identity_of(plan, options, repetitions);
     return Runner(suite, std::move(plan), options, repetitions, identity).run();
 }
 

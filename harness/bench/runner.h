@@ -14,14 +14,16 @@ struct RunOptions {
     std::string command_line;  // for the record
     int repetitions = 0;       // 0: the suite's
     bool resume = false;
-    std::uint64_t seed = 1;    // of sample 0; sample i has seed + i
-    std::string filter = {};        // regular expression on cell names; empty: all
+    std::uint64_t seed = 1;                         // of sample 0; sample i has seed + i
+    std::string filter = {};                        // regular expression on cell names; empty: all
     std::vector<std::string> benchmark_flags = {};  // --benchmark_*, passed on
 };
 
 // Returns an exit code: 0, 1 if a cell failed or the run was interrupted. Throws InputError, MachineError.
 int run_suite(const Suite& suite, const RunOptions& options);
 
+// The cells that run_suite would run. Throws InputError, also where no cell is left.
+Plan plan_run(const Suite& suite, const RunOptions& options);
 // The cells and what does not apply, as text.
 std::string describe_plan(const Plan& plan, int repetitions);
 

@@ -60,11 +60,11 @@ std::vector<std::uint32_t> read_depths(const JsonValue& value) {
 Study read_study(const JsonValue& value) {
     const JsonObject object(value, {"name", "title", "figure", "scenes", "axes", "resolution", "depth", "spp"});
     Study study;
-    study.name = object.required("name").text();
+    study.name = object.required("name").plain_name();
     study.title = object.has("title") ? object.at("title").text() : study.name;
     if (object.has("figure")) {
-        study.figure =
-            object.at("figure").one_of({"remaining_paths", "sorting_by_depth", "first_bounce_by_depth", "compaction", "integrator"});
+        study.figure = object.at("figure").one_of(
+            {"remaining_paths", "sorting_by_depth", "first_bounce_by_depth", "compaction", "integrator"});
     }
     study.scenes = read_names(object.required("scenes"));
     if (object.has("axes")) {
@@ -94,7 +94,8 @@ Study read_study(const JsonValue& value) {
     return study;
 }
 
-Cell make_cell(const std::shared_ptr<const Scene>& scene, const Variant& variant, const Study& study, std::uint32_t depth) {
+Cell make_cell(const std::shared_ptr<const Scene>& scene, const Variant& variant, const Study& study,
+               std::uint32_t depth) {
     Cell cell;
     cell.scene = scene;
     cell.variant = variant;
@@ -111,7 +112,8 @@ Cell make_cell(const std::shared_ptr<const Scene>& scene, const Variant& variant
 }
 
 void add_cell(Plan& plan, Cell cell, const std::string& study) {
-    const auto known = std::find_if(plan.cells.begin(), plan.cells.end(), [&](const Cell& c) { return c.name == cell.name; });
+    const auto known =
+        std::find_if(plan.cells.begin(), plan.cells.end(), [&](const Cell& c) { return c.name == cell.name; });
     Cell& target = known != plan.cells.end() ? *known : plan.cells.emplace_back(std::move(cell));
     if (target.studies.empty() || target.studies.back() != study) {
         target.studies.push_back(study);
@@ -127,7 +129,8 @@ std::shared_ptr<const Scene> scene_of(Scenes& scenes, const std::string& name_or
         position->second = std::make_shared<const Scene>(find_scene(name_or_file));
         for (const auto& [other_file, other] : scenes) {
             if (other->name == position->second->name && other->hash != position->second->hash) {
-                throw InputError(name_or_file, "$.name", "\"" + other->name + "\", the name of another scene (" + other_file + ")",
+                throw InputError(name_or_file, "$.name",
+                                 "\"" + other->name + "\", the name of another scene (" + other_file + ")",
                                  "a name of its own");
             }
         }
@@ -205,7 +208,7 @@ Suite load_suite(const std::string& file) {
     const Json json = parse_json(read_file(file), file);
     const JsonObject root(JsonValue(json, file, "$"), {"name", "description", "repetitions", "studies"});
     Suite suite;
-    suite.name = root.required("name").text();
+    suite.name = root.required("name").plain_name();
     suite.description = root.has("description") ? root.at("description").text() : "";
     if (root.has("repetitions")) {
         suite.repetitions = static_cast<int>(root.at("repetitions").whole(1, 10000, "a whole number from 1 to 10000"));

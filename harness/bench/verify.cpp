@@ -8,8 +8,8 @@ namespace pt {
 
 namespace {
 
-RenderResult render_samples(const Scene& scene, const RenderSettings& settings, const Variant& variant, std::uint32_t first,
-                            std::uint32_t count, std::uint32_t film_samples) {
+RenderResult render_samples(const Scene& scene, const RenderSettings& settings, const Variant& variant,
+                            std::uint32_t first, std::uint32_t count, std::uint32_t film_samples) {
     return render(scene, {.variant = variant,
                           .settings = settings,
                           .first_sample = first,
@@ -83,8 +83,8 @@ std::string Difference::text() const {
                        bounce ? fmt::format(", bounce {}", *bounce) : "");
 }
 
-Difference first_difference(const Scene& scene, const RenderSettings& settings, std::uint32_t spp, const Variant& reference,
-                            const Variant& variant) {
+Difference first_difference(const Scene& scene, const RenderSettings& settings, std::uint32_t spp,
+                            const Variant& reference, const Variant& variant) {
     const auto differs = [&](const RenderSettings& s, std::uint32_t first, std::uint32_t count, std::size_t pixel) {
         return !same_pixel(render_samples(scene, s, reference, first, count, spp).film,
                            render_samples(scene, s, variant, first, count, spp).film, pixel);
@@ -95,7 +95,8 @@ Difference first_difference(const Scene& scene, const RenderSettings& settings, 
     while (pixel + 1 < std::size_t{settings.width} * settings.height && same_pixel(a, b, pixel)) {
         ++pixel;
     }
-    Difference difference{static_cast<std::uint32_t>(pixel % settings.width), static_cast<std::uint32_t>(pixel / settings.width), {}, {}};
+    Difference difference{
+        static_cast<std::uint32_t>(pixel % settings.width), static_cast<std::uint32_t>(pixel / settings.width), {}, {}};
     for (std::uint32_t sample = 0; sample < spp && !difference.sample; ++sample) {
         if (differs(settings, sample, 1, pixel)) {
             difference.sample = sample;
@@ -116,12 +117,14 @@ const RenderResult& Verifier::reference(const Variant& reference_variant) {
     if (known != references_.end()) {
         return known->second;
     }
-    return references_.emplace(reference_variant, render_samples(scene_, settings_, reference_variant, 0, spp_, spp_)).first->second;
+    return references_.emplace(reference_variant, render_samples(scene_, settings_, reference_variant, 0, spp_, spp_))
+        .first->second;
 }
 
 // Two-sample Welch test of the image mean and of 16x16-block means, between `variant` and the one whose expectation it
-// claims (Descriptor::mean_of), over batches with their own seeds. 24 batches leave about 46 degrees of freedom; at |t| > 6 the chance of a false
-// alarm is 3e-7 a statistic, below 1e-3 for a whole image of blocks. Seeds are fixed: the verdict is the same every time.
+// claims (Descriptor::mean_of), over batches with their own seeds. 24 batches leave about 46 degrees of freedom; at |t|
+// > 6 the chance of a false alarm is 3e-7 a statistic, below 1e-3 for a whole image of blocks. Seeds are fixed: the
+// verdict is the same every time.
 Verifier::MeanCheck Verifier::check_statistical(const Variant& variant) {
     Variant plain = variant;
     RenderSettings deeper = settings_;
@@ -145,9 +148,10 @@ Verifier::MeanCheck Verifier::check_statistical(const Variant& variant) {
         // Blocks that rarely meet light are skewed: only those with enough contributions are near normal.
         const bool usable = is_image || error < 0.1 * std::max(a.mean[i], b.mean[i]);
         if (usable && std::abs(difference) > 6 * error + 1e-6 * std::abs(b.mean[i])) {
-            check.failure = fmt::format("{}, channel {}: mean {:.6g} against {:.6g} of {}at depth {} ({:.1f} standard errors)",
-                                        is_image ? "image" : fmt::format("16x16 block {}", i / 3), i % 3, a.mean[i], b.mean[i],
-                                        plain_text, deeper.depth, difference / error);
+            check.failure =
+                fmt::format("{}, channel {}: mean {:.6g} against {:.6g} of {}at depth {} ({:.1f} standard errors)",
+                            is_image ? "image" : fmt::format("16x16 block {}", i / 3), i % 3, a.mean[i], b.mean[i],
+                            plain_text, deeper.depth, difference / error);
             return check;
         }
         if (is_image && b.mean[i] > 0) {
@@ -174,14 +178,16 @@ Verdict Verifier::check(const Variant& variant) {
         return fail(missing);
     }
     if (result.work.paths != std::uint64_t{settings_.width} * settings_.height * spp_) {
-        return fail(fmt::format("{} paths for {} pixels of {} samples", result.work.paths, settings_.width * settings_.height, spp_));
+        return fail(fmt::format("{} paths for {} pixels of {} samples", result.work.paths,
+                                settings_.width * settings_.height, spp_));
     }
     if (result.film.sums() != expected.film.sums()) {
         const Difference difference = first_difference(scene_, settings_, spp_, reference_variant, variant);
         return fail(fmt::format("film differs from {}: {}", reference_variant.name(), difference.text()));
     }
     if (result.work.rays != expected.work.rays) {
-        return fail(fmt::format("{} rays, but {} of {}", result.work.rays, expected.work.rays, reference_variant.name()));
+        return fail(
+            fmt::format("{} rays, but {} of {}", result.work.rays, expected.work.rays, reference_variant.name()));
     }
     if (claim_of(variant) == Claim::statistical) {
         const auto [position, is_new] = statistical_.try_emplace(reference_variant);
@@ -191,7 +197,8 @@ Verdict Verifier::check(const Variant& variant) {
         if (!position->second.failure.empty()) {
             return fail("not the declared expectation: " + position->second.failure);
         }
-        verdict.message += fmt::format("; mean as declared (a bias of {:.2g} % would show)", 100 * position->second.detectable);
+        verdict.message +=
+            fmt::format("; mean as declared (a bias of {:.2g} % would show)", 100 * position->second.detectable);
     }
     return verdict;
 }

@@ -49,7 +49,7 @@ private:
 };
 
 // Precondition: the films of the two variants differ at these settings.
-Difference first_difference(const Scene& scene, const RenderSettings& settings, std::uint32_t spp, const Variant& reference,
-                            const Variant& variant);
+Difference first_difference(const Scene& scene, const RenderSettings& settings, std::uint32_t spp,
+                            const Variant& reference, const Variant& variant);
 
 }  // namespace pt

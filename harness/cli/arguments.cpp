@@ -14,8 +14,10 @@ std::pair<std::uint32_t, std::uint32_t> parse_resolution(const std::string& text
         const auto second = std::from_chars(first.ptr + 1, end, height);
         good = second.ec == std::errc() && second.ptr == end;
     }
-    if (!good || width == 0 || height == 0 || width > 65536 || height > 65536 || std::uint64_t{width} * height > (1u << 26)) {
-        throw InputError("--resolution", "argument", "\"" + text + "\"", "WxH with sides from 1 to 65536 and at most 2^26 pixels");
+    if (!good || width == 0 || height == 0 || width > 65536 || height > 65536 ||
+        std::uint64_t{width} * height > (1u << 26)) {
+        throw InputError("--resolution", "argument", "\"" + text + "\"",
+                         "WxH with sides from 1 to 65536 and at most 2^26 pixels");
     }
     return {width, height};
 }
@@ -38,7 +40,8 @@ std::string check_seed(const std::string& text) {
     std::uint64_t seed = 0;
     const char* const end = text.data() + text.size();
     const auto parsed = std::from_chars(text.data(), end, seed);
-    return parsed.ec == std::errc() && parsed.ptr == end ? "" : "Value " + text + " not a whole number from 0 to 2^64 - 1";
+    return parsed.ec == std::errc() && parsed.ptr == end ? ""
+                                                         : "Value " + text + " not a whole number from 0 to 2^64 - 1";
 }
 
 }  // namespace pt

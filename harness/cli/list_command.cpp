@@ -61,7 +61,10 @@ OrderedJson scene_json(const std::string& name) {
 
 OrderedJson suite_json(const std::string& name) {
     const Suite suite = load_suite(find_suite_file(name));
-    return {{"name", suite.name}, {"description", suite.description}, {"repetitions", suite.repetitions}, {"studies", suite.studies.size()}};
+    return {{"name", suite.name},
+            {"description", suite.description},
+            {"repetitions", suite.repetitions},
+            {"studies", suite.studies.size()}};
 }
 
 std::string text_of(const OrderedJson& all) {
@@ -70,14 +73,16 @@ std::string text_of(const OrderedJson& all) {
         text += fmt::format("  {}\n", axis["name"].get<std::string>());
         for (const OrderedJson& choice : axis["choices"]) {
             const std::string note = choice["claim_note"];
-            text += fmt::format("    {:<24} {} [{}{}] ({})\n", choice["name"].get<std::string>(), choice["summary"].get<std::string>(),
-                                choice["claim"].get<std::string>(), note.empty() ? "" : ": " + note, choice["origin"].get<std::string>());
+            text += fmt::format("    {:<24} {} [{}{}] ({})\n", choice["name"].get<std::string>(),
+                                choice["summary"].get<std::string>(), choice["claim"].get<std::string>(),
+                                note.empty() ? "" : ": " + note, choice["origin"].get<std::string>());
         }
     }
     text += "Scenes\n";
     for (const OrderedJson& scene : all["scenes"]) {
         text += fmt::format("  {:<26} {}\n", scene["name"].get<std::string>(), scene["description"].get<std::string>());
-        text += fmt::format("  {:<26}   needs {}\n", "", fmt::join(scene["features"].get<std::vector<std::string>>(), " "));
+        text +=
+            fmt::format("  {:<26}   needs {}\n", "", fmt::join(scene["features"].get<std::vector<std::string>>(), " "));
         for (const auto& [choice, reason] : scene["not_applicable"].items()) {
             text += fmt::format("  {:<26}   n/a: {}\n", "", reason.get<std::string>());
         }
@@ -102,10 +107,13 @@ int run(const std::string& only_scene, bool as_json) {
     for (const std::string& name : suite_names()) {
         suites.push_back(suite_json(name));
     }
-    const OrderedJson all{{"axes", axes_json()},
-                          {"scenes", scenes},
-                          {"suites", suites},
-                          {"backends", {{{"name", "cpu"}, {"status", "available"}}, {{"name", "cuda"}, {"status", "not available (this version of ptbench has no CUDA backend)"}}}}};
+    const OrderedJson all{
+        {"axes", axes_json()},
+        {"scenes", scenes},
+        {"suites", suites},
+        {"backends",
+         {{{"name", "cpu"}, {"status", "available"}},
+          {{"name", "cuda"}, {"status", "not available (this version of ptbench has no CUDA backend)"}}}}};
     fmt::print("{}", as_json ? all.dump(1) + "\n" : text_of(all));
     return exit_good;
 }
@@ -118,7 +126,8 @@ Command add_list_command(CLI::App& app) {
         bool json = false;
     };
     auto arguments = std::make_shared<ListArguments>();
-    CLI::App* command = app.add_subcommand("list", "Axes, choices, scenes, suites and backends, and what applies where");
+    CLI::App* command =
+        app.add_subcommand("list", "Axes, choices, scenes, suites and backends, and what applies where");
     command->add_option("--scene", arguments->scene, "Only these scenes, comma-separated");
     command->add_flag("--json", arguments->json, "As JSON");
     return [arguments] { return run(arguments->scene, arguments->json); };

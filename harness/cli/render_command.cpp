@@ -30,7 +30,8 @@ int run(const RenderArguments& arguments) {
     }
     const std::vector<Variant> variants = expand(axes);
     if (variants.size() != 1) {
-        throw InputError("--axis", "argument", fmt::format("{} variants", variants.size()), "one choice an axis for render");
+        throw InputError("--axis", "argument", fmt::format("{} variants", variants.size()),
+                         "one choice an axis for render");
     }
     const std::string reason = why_not_applicable(variants[0], features_of(scene));
     if (!reason.empty()) {
@@ -82,7 +83,8 @@ Command add_render_command(CLI::App& app) {
     command->add_option("--axis", arguments->axes, "AXIS=CHOICE, repeatable")->allow_extra_args(false);
     command->add_option("--resolution", arguments->resolution, "WxH (default: the scene's)");
     command->add_option("--spp", arguments->spp, "Samples per pixel (default 16)")->check(CLI::Range(1u, 100000000u));
-    command->add_option("--depth", arguments->depth, "Ray segments in a path (default: the scene's)")->check(CLI::Range(1u, 1000000u));
+    command->add_option("--depth", arguments->depth, "Ray segments in a path (default: the scene's)")
+        ->check(CLI::Range(1u, 1000000u));
     command->add_option("--seed", arguments->seed, "Seed (default 1)")->check(check_seed);
     command->add_option("--out", arguments->out, "Image to write: .png (sRGB) or .pfm (linear)")->required();
     return [arguments] { return run(*arguments); };

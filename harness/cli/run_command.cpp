@@ -51,8 +51,12 @@ void override_study(Study& study, const RunArguments& arguments) {
 }
 
 // Splits Google Benchmark's flags into those that ptbench owns and those that are passed on.
-RunOptions make_options(const RunArguments& arguments, const std::vector<std::string>& extras, const std::string& command_line) {
-    RunOptions options{.out = arguments.out, .command_line = command_line, .repetitions = arguments.repetitions, .resume = arguments.resume,
+RunOptions make_options(const RunArguments& arguments, const std::vector<std::string>& extras,
+                        const std::string& command_line) {
+    RunOptions options{.out = arguments.out,
+                       .command_line = command_line,
+                       .repetitions = arguments.repetitions,
+                       .resume = arguments.resume,
                        .seed = arguments.seed};
     for (const std::string& extra : extras) {
         if (extra.starts_with("--benchmark_filter=")) {
@@ -65,7 +69,8 @@ RunOptions make_options(const RunArguments& arguments, const std::vector<std::st
         } else if (extra.starts_with("--benchmark_")) {
             options.benchmark_flags.push_back(extra);
         } else {
-            throw InputError("command line", "argument", "\"" + extra + "\"", "the options of `ptbench run --help` and --benchmark_* flags");
+            throw InputError("command line", "argument", "\"" + extra + "\"",
+                             "the options of `ptbench run --help` and --benchmark_* flags");
         }
     }
     return options;
@@ -73,13 +78,15 @@ RunOptions make_options(const RunArguments& arguments, const std::vector<std::st
 
 int run(const RunArguments& arguments, const std::vector<std::string>& extras, const std::string& command_line) {
     if (arguments.suite.empty() == arguments.scenes.empty()) {
-        throw InputError("command line", "options", arguments.suite.empty() ? "neither --suite nor --scene" : "both --suite and --scene",
+        throw InputError("command line", "options",
+                         arguments.suite.empty() ? "neither --suite nor --scene" : "both --suite and --scene",
                          "one of them");
     }
     if (!arguments.backend.empty() && arguments.backend != "cpu") {
         throw InputError("--backend", "argument", "\"" + arguments.backend + "\"", "cpu");
     }
-    Suite suite = arguments.suite.empty() ? suite_from_arguments(arguments) : load_suite(find_suite_file(arguments.suite));
+    Suite suite =
+        arguments.suite.empty() ? suite_from_arguments(arguments) : load_suite(find_suite_file(arguments.suite));
     for (Study& study : suite.studies) {
         override_study(study, arguments);
     }
@@ -88,7 +95,8 @@ int run(const RunArguments& arguments, const std::vector<std::string>& extras, c
         options.out = fmt::format("results/{}/{}.json", machine_name(), suite.name);
     }
     if (arguments.dry_run) {
-        fmt::print("{}", describe_plan(make_plan(suite), options.repetitions > 0 ? options.repetitions : suite.repetitions));
+        fmt::print("{}", describe_plan(plan_run(suite, options),
+                                       options.repetitions > 0 ? options.repetitions : suite.repetitions));
         return exit_good;
     }
     return run_suite(suite, options);
@@ -101,12 +109,14 @@ Command add_run_command(CLI::App& app, const std::string& command_line) {
     CLI::App* command = app.add_subcommand("run", "Verify and time variants; write a result file");
     command->add_option("--suite", arguments->suite, "Suite by name or .json file");
     command->add_option("--scene", arguments->scenes, "Scenes by name or .json file, comma-separated");
-    command->add_option("--axis", arguments->axes, "AXIS=CHOICE,CHOICE or AXIS=all, repeatable")->allow_extra_args(false);
+    command->add_option("--axis", arguments->axes, "AXIS=CHOICE,CHOICE or AXIS=all, repeatable")
+        ->allow_extra_args(false);
     command->add_option("--backend", arguments->backend, "cpu");
     command->add_option("--resolution", arguments->resolution, "WxH (default: the suite's or the scene's)");
     command->add_option("--depth", arguments->depth, "Ray segments in a path")->check(CLI::Range(1u, 1000000u));
     command->add_option("--spp", arguments->spp, "Samples per pixel and timed sample")->check(CLI::Range(1u, 1000000u));
-    command->add_option("--repetitions", arguments->repetitions, "Timed samples a cell (default: the suite's, or 9)")->check(CLI::Range(1, 10000));
+    command->add_option("--repetitions", arguments->repetitions, "Timed samples a cell (default: the suite's, or 9)")
+        ->check(CLI::Range(1, 10000));
     command->add_option("--seed", arguments->seed, "Seed of the first sample (default 1)")->check(check_seed);
     command->add_option("--out", arguments->out, "Result file (default results/MACHINE/SUITE.json)");
     command->add_flag("--resume", arguments->resume, "Go on with an unfinished run");

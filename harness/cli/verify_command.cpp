@@ -24,7 +24,8 @@ struct Tally {
     std::size_t held = 0, failed = 0, not_applicable = 0;
 };
 
-void verify_scene(const Scene& scene, const std::vector<Variant>& variants, const VerifyArguments& arguments, Tally& tally) {
+void verify_scene(const Scene& scene, const std::vector<Variant>& variants, const VerifyArguments& arguments,
+                  Tally& tally) {
     RenderSettings settings = default_settings(scene);
     std::tie(settings.width, settings.height) = parse_resolution(arguments.resolution);
     settings.depth = arguments.depth != 0 ? arguments.depth : scene.max_depth;
@@ -42,8 +43,8 @@ void verify_scene(const Scene& scene, const std::vector<Variant>& variants, cons
         const Verdict verdict = verifier.check(variant);
         (verdict.holds ? tally.held : tally.failed) += 1;
         if (!verdict.holds || !arguments.quiet) {
-            fmt::print("{} {}/scene:{}  {}  {}\n", verdict.film_hash, variant.name(), scene.name, verdict.holds ? "ok" : "FAILED",
-                       verdict.message);
+            fmt::print("{} {}/scene:{}  {}  {}\n", verdict.film_hash, variant.name(), scene.name,
+                       verdict.holds ? "ok" : "FAILED", verdict.message);
         }
     }
 }
@@ -63,8 +64,8 @@ int run(const VerifyArguments& arguments) {
     for (const Scene& scene : scenes) {
         verify_scene(scene, variants, arguments, tally);
     }
-    fmt::print("{} held, {} failed, {} not applicable; {} at {} spp, scenes: {}\n", tally.held, tally.failed, tally.not_applicable,
-               arguments.resolution, arguments.spp, fmt::join(names, ", "));
+    fmt::print("{} held, {} failed, {} not applicable; {} at {} spp, scenes: {}\n", tally.held, tally.failed,
+               tally.not_applicable, arguments.resolution, arguments.spp, fmt::join(names, ", "));
     return tally.failed == 0 && tally.held > 0 ? exit_good : exit_check_failed;
 }
 
@@ -72,12 +73,16 @@ int run(const VerifyArguments& arguments) {
 
 Command add_verify_command(CLI::App& app) {
     auto arguments = std::make_shared<VerifyArguments>();
-    CLI::App* command = app.add_subcommand("verify", "Hold every applicable variant to its claim; exit code 1 if one fails");
-    command->add_option("--scene", arguments->scenes, "Scenes by name or .json file, comma-separated, or \"all\"")->required();
-    command->add_option("--axis", arguments->axes, "AXIS=CHOICE,CHOICE, repeatable (default: every choice)")->allow_extra_args(false);
+    CLI::App* command =
+        app.add_subcommand("verify", "Hold every applicable variant to its claim; exit code 1 if one fails");
+    command->add_option("--scene", arguments->scenes, "Scenes by name or .json file, comma-separated, or \"all\"")
+        ->required();
+    command->add_option("--axis", arguments->axes, "AXIS=CHOICE,CHOICE, repeatable (default: every choice)")
+        ->allow_extra_args(false);
     command->add_option("--resolution", arguments->resolution, "WxH (default 64x64)");
     command->add_option("--spp", arguments->spp, "Samples per pixel (default 4)")->check(CLI::Range(1u, 1000000u));
-    command->add_option("--depth", arguments->depth, "Ray segments in a path (default: the scene's)")->check(CLI::Range(1u, 1000000u));
+    command->add_option("--depth", arguments->depth, "Ray segments in a path (default: the scene's)")
+        ->check(CLI::Range(1u, 1000000u));
     command->add_option("--seed", arguments->seed, "Seed (default 1)")->check(check_seed);
     command->add_flag("--quiet", arguments->quiet, "Print failures and the tally only");
     return [arguments] { return run(*arguments); };

@@ -40,9 +40,7 @@ Vec3d Film::mean() const {
     return total / static_cast<double>(pixels);
 }
 
-std::string Film::hash() const {
-    return fmt::format("{:016x}", fnv1a(sums_.data(), sums_.size() * sizeof(sums_[0])));
-}
+std::string Film::hash() const { return fmt::format("{:016x}", fnv1a(sums_.data(), sums_.size() * sizeof(sums_[0]))); }
 
 std::vector<float> Film::radiance() const {
     std::vector<float> values(sums_.size());

@@ -11,7 +11,8 @@ namespace pt {
 
 class Film {
 public:
-    // `bound`: radiance that one sample can carry (radiance_bound); `samples`: samples a pixel that will be added in all.
+    // `bound`: radiance that one sample can carry (radiance_bound); `samples`: samples a pixel that will be added in
+    // all.
     Film(std::uint32_t width, std::uint32_t height, double bound, std::uint64_t samples);
 
     FilmView view() { return {sums_.data(), &faults_, scale_, limit_}; }

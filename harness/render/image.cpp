@@ -35,8 +35,8 @@ std::string encode_png(const Film& film) {
     const auto append = [](void* context, void* data, int size) {
         static_cast<std::string*>(context)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
     };
-    if (stbi_write_png_to_func(append, &encoded, static_cast<int>(film.width()), static_cast<int>(film.height()), 3, bytes.data(),
-                               static_cast<int>(3 * film.width())) == 0) {
+    if (stbi_write_png_to_func(append, &encoded, static_cast<int>(film.width()), static_cast<int>(film.height()), 3,
+                               bytes.data(), static_cast<int>(3 * film.width())) == 0) {
         throw MachineError("the PNG encoder failed");
     }
     return encoded;

@@ -7,7 +7,8 @@
 
 namespace pt {
 
-// Throws InputError for another ending, MachineError if the file cannot be written. The file appears whole or not at all.
+// Throws InputError for another ending, MachineError if the file cannot be written. The file appears whole or not at
+// all.
 void write_image(const Film& film, const std::string& file);
 void check_image_name(const std::string& file);
 

@@ -36,11 +36,12 @@ RenderResult render_unguarded(const Scene& scene, const RenderRequest& request) 
 
     const SceneBuffers<float> buffers(scene, settings);
     const std::uint64_t film_samples = request.film_samples != 0 ? request.film_samples : request.samples;
-    RenderResult result{.film = Film(settings.width, settings.height, radiance_bound(scene, settings.depth), film_samples),
-                        .work = {},
-                        .stages = {},
-                        .needed = kernel.needed,
-                        .compiled = kernel.compiled};
+    RenderResult result{
+        .film = Film(settings.width, settings.height, radiance_bound(scene, settings.depth), film_samples),
+        .work = {},
+        .stages = {},
+        .needed = kernel.needed,
+        .compiled = kernel.compiled};
     const auto compaction = registry.at("compaction", request.variant).hook.compaction();
     const auto sorting = registry.at("sorting", request.variant).hook.sorting();
     const auto cache = registry.at("first_bounce", request.variant).hook.first_bounce(settings.width * settings.height);

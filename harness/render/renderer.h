@@ -25,9 +25,9 @@ struct RenderResult {
     StageTimes stages;
     FeatureSet needed = no_features;    // by scene and variant
     FeatureSet compiled = no_features;  // in the kernel that ran
-    double wall_ms = 0;    // from the first stage to the end of the last
-    double device_ms = 0;  // on the CPU backend the same
-    double cpu_ms = 0;     // CPU time of all threads over the same span
+    double wall_ms = 0;                 // from the first stage to the end of the last
+    double device_ms = 0;               // on the CPU backend the same
+    double cpu_ms = 0;                  // CPU time of all threads over the same span
 };
 
 // The kernel that a variant runs for a scene: what is needed, and what the kernel that was compiled contains.

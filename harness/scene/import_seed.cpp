@@ -20,7 +20,7 @@ namespace pt {
 namespace {
 
 struct Line {
-    std::size_t number = 0; // from 1
+    std::size_t number = 0;  // from 1
     std::vector<std::string> words;
 };
 
@@ -98,7 +98,7 @@ void SeedReader::read_sections(const std::string& text) {
     Section* section = nullptr;
     for (std::size_t number = 1; std::getline(stream, content); ++number) {
         Line line{number, {}};
-        std::istringstream words(content); // white space includes the \r of files from Windows
+        std::istringstream words(content);  // white space includes the \r of files from Windows
         for (std::string word; words >> word;) {
             line.words.push_back(word);
         }
@@ -338,7 +338,7 @@ std::string SeedReader::camera_json(const Section& camera) const {
 std::string SeedReader::to_json() const {
     const Section& camera = *seed_.camera;
     if (camera.lines.contains("ITERATIONS")) {
-        number(camera, "ITERATIONS"); // of no use here, but it must be a number
+        number(camera, "ITERATIONS");  // of no use here, but it must be a number
     }
     const Line& name = required(camera, "FILE");
     if (name.words.size() != 2) {
@@ -373,7 +373,7 @@ void SeedReader::check(const std::string& json) const {
     try {
         parse_scene(json, file_);
     } catch (const InputError& error) {
-        const std::string message = std::string(error.what()).substr(file_.size() + 2); // without "FILE: "
+        const std::string message = std::string(error.what()).substr(file_.size() + 2);  // without "FILE: "
         Line line = seed_.camera->head;
         const auto blame = [&](const Line& candidate, const std::string& place) {
             const bool is_within =
@@ -392,7 +392,7 @@ void SeedReader::check(const std::string& json) const {
     }
 }
 
-} // namespace
+}  // namespace
 
 std::string import_seed_scene(const std::string& text, const std::string& file) {
     return SeedReader(text, file).to_json();
@@ -415,9 +415,9 @@ Vec3d rotation_x_first(const Vec3d& degrees) {
     const double cosine_x = cosine_z * matrix(1, 1) - sine_z * matrix(0, 1);
     const auto angle = [](double sine, double cosine) {
         const double value = std::atan2(sine, cosine) * (180.0 / pi<double>);
-        return std::round(value * 1e12) / 1e12; // 30.000000000000004 is 30
+        return std::round(value * 1e12) / 1e12;  // 30.000000000000004 is 30
     };
     return {angle(sine_x, cosine_x), angle(-matrix(2, 0), cosine_y), angle(sine_z, cosine_z)};
 }
 
-} // namespace pt
+}  // namespace pt

@@ -33,4 +33,4 @@ std::string import_seed_scene(const std::string& text, const std::string& file);
 // The angles for rotation_of that give the matrix Rx Ry Rz of `degrees`. Angles about a single axis stay as they are.
 Vec3d rotation_x_first(const Vec3d& degrees);
 
-} // namespace pt
+}  // namespace pt

@@ -23,13 +23,9 @@ SinCosDegrees sin_cos_degrees(double degrees) {
     return {std::sin(radians), std::cos(radians)};
 }
 
-bool is_black(const Vec3d& v) {
-    return v.x == 0 && v.y == 0 && v.z == 0;
-}
+bool is_black(const Vec3d& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
 
-bool is_quarter_turn(double degrees) {
-    return std::fmod(degrees, 90.0) == 0.0;
-}
+bool is_quarter_turn(double degrees) { return std::fmod(degrees, 90.0) == 0.0; }
 
 FeatureSet material_features(const SceneMaterial& material) {
     switch (material.type) {
@@ -56,7 +52,8 @@ Rotation rotation_of(const Vec3d& degrees) {
     const SinCosDegrees z = sin_cos_degrees(degrees.z);
     // Rz Ry Rx
     return {{{z.cosine * y.cosine, z.sine * y.cosine, -y.sine},
-             {z.cosine * y.sine * x.sine - z.sine * x.cosine, z.sine * y.sine * x.sine + z.cosine * x.cosine, y.cosine * x.sine},
+             {z.cosine * y.sine * x.sine - z.sine * x.cosine, z.sine * y.sine * x.sine + z.cosine * x.cosine,
+              y.cosine * x.sine},
              {z.cosine * y.sine * x.cosine + z.sine * x.sine, z.sine * y.sine * x.cosine - z.cosine * x.sine,
               y.cosine * x.cosine}}};
 }
@@ -65,7 +62,7 @@ PrimitiveKind classify(const SceneObject& object) {
     switch (object.shape) {
         case Shape::sphere:
             return object.scale.x == object.scale.y && object.scale.y == object.scale.z ? PrimitiveKind::sphere
-                                                                                       : PrimitiveKind::ellipsoid;
+                                                                                        : PrimitiveKind::ellipsoid;
         case Shape::box: {
             const Vec3d& r = object.rotate_degrees;
             return is_quarter_turn(r.x) && is_quarter_turn(r.y) && is_quarter_turn(r.z) ? PrimitiveKind::axis_box
@@ -77,7 +74,8 @@ PrimitiveKind classify(const SceneObject& object) {
 }
 
 FeatureSet features_of(const Scene& scene) {
-    static constexpr Feature by_kind[] = {Feature::sphere, Feature::ellipsoid, Feature::axis_box, Feature::oriented_box, Feature::quad};
+    static constexpr Feature by_kind[] = {Feature::sphere, Feature::ellipsoid, Feature::axis_box, Feature::oriented_box,
+                                          Feature::quad};
     const bool shutter_moves_objects = scene.camera.shutter_open != 0 || scene.camera.shutter_close != 0;
     FeatureSet features = no_features;
     for (const SceneObject& object : scene.objects) {

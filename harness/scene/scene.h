@@ -1,5 +1,5 @@
-// A scene as its file says it, validated, in double precision. Lengths in scene units, angles in degrees, velocity in units
-// a second, sigma in 1/unit, radiance linear RGB.
+// A scene as its file says it, validated, in double precision. Lengths in scene units, angles in degrees, velocity in
+// units a second, sigma in 1/unit, radiance linear RGB.
 #pragma once
 
 #include <cstdint>

@@ -10,13 +10,11 @@ namespace pt {
 
 namespace {
 
-std::array<double, 3> as_array(const Vec3d& v) {
-    return {v.x, v.y, v.z};
-}
+std::array<double, 3> as_array(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
 auto canonical_key(const SceneObject& object) {
-    return std::make_tuple(classify(object), as_array(object.translate), as_array(object.rotate_degrees), as_array(object.scale),
-                           as_array(object.velocity), object.material);
+    return std::make_tuple(classify(object), as_array(object.translate), as_array(object.rotate_degrees),
+                           as_array(object.scale), as_array(object.velocity), object.material);
 }
 
 template <class Real>
@@ -97,7 +95,8 @@ Camera<Real> make_camera(const Scene& scene, const RenderSettings& settings) {
     camera.forward = narrow<Real>(forward);
     camera.width = settings.width;
     camera.height = settings.height;
-    camera.pixel_size = static_cast<Real>(2.0 * std::tan(c.vertical_fov_degrees * pi<double> / 360.0) / settings.height);
+    camera.pixel_size =
+        static_cast<Real>(2.0 * std::tan(c.vertical_fov_degrees * pi<double> / 360.0) / settings.height);
     camera.aperture_radius = static_cast<Real>(c.aperture_radius);
     camera.focus_distance = static_cast<Real>(c.focus_distance);
     camera.shutter_open = static_cast<Real>(c.shutter_open);
@@ -113,7 +112,8 @@ AxisBox<Real> make_axis_box(const Vec3d& centre, const Rotation& rotation, const
     Vec3d half(0.0);
     for (int axis = 0; axis < 3; ++axis) {
         // Each column has one entry of 1 or -1.
-        half += Vec3d(std::abs(rotation.column[axis].x), std::abs(rotation.column[axis].y), std::abs(rotation.column[axis].z)) *
+        half += Vec3d(std::abs(rotation.column[axis].x), std::abs(rotation.column[axis].y),
+                      std::abs(rotation.column[axis].z)) *
                 (0.5 * scale[axis]);
     }
     return {narrow<Real>(centre - half), narrow<Real>(centre + half)};
@@ -158,7 +158,8 @@ void SceneBuffers<Real>::add_object(const Scene& scene, std::uint32_t index) {
     const Rotation rotation = rotation_of(object.rotate_degrees);
     switch (classify(object)) {
         case PrimitiveKind::sphere:
-            spheres_.push_back({narrow<Real>(centre), static_cast<Real>(0.5 * object.scale.x), static_cast<Real>(2.0 / object.scale.x)});
+            spheres_.push_back({narrow<Real>(centre), static_cast<Real>(0.5 * object.scale.x),
+                                static_cast<Real>(2.0 / object.scale.x)});
             break;
         case PrimitiveKind::ellipsoid:
             ellipsoids_.push_back(make_ellipsoid<Real>(centre, rotation, object.scale));
@@ -167,9 +168,10 @@ void SceneBuffers<Real>::add_object(const Scene& scene, std::uint32_t index) {
             axis_boxes_.push_back(make_axis_box<Real>(centre, rotation, object.scale));
             break;
         case PrimitiveKind::oriented_box:
-            oriented_boxes_.push_back({narrow<Real>(centre),
-                                       {narrow<Real>(rotation.column[0]), narrow<Real>(rotation.column[1]), narrow<Real>(rotation.column[2])},
-                                       narrow<Real>(object.scale * 0.5)});
+            oriented_boxes_.push_back(
+                {narrow<Real>(centre),
+                 {narrow<Real>(rotation.column[0]), narrow<Real>(rotation.column[1]), narrow<Real>(rotation.column[2])},
+                 narrow<Real>(object.scale * 0.5)});
             break;
         case PrimitiveKind::quad:
             quads_.push_back(make_quad<Real>(centre, rotation, object.scale));
@@ -226,7 +228,8 @@ double radiance_bound(const Scene& scene, std::uint32_t depth) {
     }
     brightest = std::max(brightest, largest(scene.environment));
     // Only reflecting emitters can be met more than once: a geometric series, cut off at the depth.
-    const double series = albedo < 1 ? std::min(1 / (1 - albedo), static_cast<double>(depth)) : static_cast<double>(depth);
+    const double series =
+        albedo < 1 ? std::min(1 / (1 - albedo), static_cast<double>(depth)) : static_cast<double>(depth);
     const double bound = brightest + brightest_reflector * series;
     return bound > 0 ? bound : 1;
 }

@@ -1,6 +1,6 @@
 // A scene turned into the flat arrays of one precision that kernels read. Positions are relative to the camera's eye
-// (subtracted in double), and objects are in canonical order: by kind, then by their numbers, so that their order in the
-// file cannot matter.
+// (subtracted in double), and objects are in canonical order: by kind, then by their numbers, so that their order in
+// the file cannot matter.
 #pragma once
 
 #include <optional>
@@ -48,8 +48,8 @@ private:
     SceneView<Real> view_;
 };
 
-// A bound on the radiance that one sample can carry by meeting light (connections to lights may exceed it): the brightest
-// source, times the number of times that a path may meet one.
+// A bound on the radiance that one sample can carry by meeting light (connections to lights may exceed it): the
+// brightest source, times the number of times that a path may meet one.
 double radiance_bound(const Scene& scene, std::uint32_t depth);
 
 extern template class SceneBuffers<float>;

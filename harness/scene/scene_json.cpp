@@ -1,6 +1,5 @@
 // The scene format, key by key: README, "Scene files".
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -23,21 +22,16 @@ Vec3d vector(const JsonValue& value, double low, double high, const std::string&
         value.fail("an array of 3 numbers");
     }
     const std::vector<JsonValue> elements = value.elements();
-    return {elements[0].number(low, high, allowed), elements[1].number(low, high, allowed), elements[2].number(low, high, allowed)};
+    return {elements[0].number(low, high, allowed), elements[1].number(low, high, allowed),
+            elements[2].number(low, high, allowed)};
 }
 
 Vec3d point(const JsonValue& value) {
     return vector(value, -largest_length, largest_length, "a number from -1e18 to 1e18");
 }
-Vec3d fraction_colour(const JsonValue& value) {
-    return vector(value, 0, 1, "a number from 0 to 1");
-}
-Vec3d radiance(const JsonValue& value) {
-    return vector(value, 0, largest_radiance, "a number from 0 to 1e30");
-}
-Vec3d sigma(const JsonValue& value) {
-    return vector(value, 0, 1e18, "a number from 0 to 1e18");
-}
+Vec3d fraction_colour(const JsonValue& value) { return vector(value, 0, 1, "a number from 0 to 1"); }
+Vec3d radiance(const JsonValue& value) { return vector(value, 0, largest_radiance, "a number from 0 to 1e30"); }
+Vec3d sigma(const JsonValue& value) { return vector(value, 0, 1e18, "a number from 0 to 1e18"); }
 
 void read_shutter(const JsonValue& value, SceneCamera& camera) {
     const JsonObject shutter(value, {"open", "close", "density"});
@@ -53,8 +47,8 @@ void read_shutter(const JsonValue& value, SceneCamera& camera) {
 }
 
 SceneCamera read_camera(const JsonValue& value) {
-    const JsonObject object(value, {"eye", "look_at", "up", "vertical_fov_degrees", "resolution", "jitter", "aperture_radius",
-                                    "focus_distance", "shutter"});
+    const JsonObject object(value, {"eye", "look_at", "up", "vertical_fov_degrees", "resolution", "jitter",
+                                    "aperture_radius", "focus_distance", "shutter"});
     SceneCamera camera;
     camera.eye = point(object.required("eye"));
     camera.look_at = point(object.required("look_at"));
@@ -93,9 +87,7 @@ SceneCamera read_camera(const JsonValue& value) {
     return camera;
 }
 
-double read_ior(const JsonValue& value) {
-    return value.number(0.01, 1e4, "a number from 0.01 to 1e4");
-}
+double read_ior(const JsonValue& value) { return value.number(0.01, 1e4, "a number from 0.01 to 1e4"); }
 
 SceneMaterial read_subsurface(const JsonValue& value) {
     const JsonObject object(value, {"type", "ior", "sigma_a", "sigma_s", "g", "max_scatterings"});
@@ -128,7 +120,8 @@ SceneMaterial read_material(const JsonValue& value) {
     }
     const std::vector<std::string> types{"diffuse", "emitter", "mirror", "mix", "dielectric", "subsurface"};
     if (!value.json().contains("type")) {
-        throw InputError(value.file(), value.path(), "no key \"type\"", fmt::format("it is required: {}", fmt::join(types, ", ")));
+        throw InputError(value.file(), value.path(), "no key \"type\"",
+                         fmt::format("it is required: {}", fmt::join(types, ", ")));
     }
     const std::string type = JsonValue(value.json().at("type"), value.file(), value.path() + ".type").one_of(types);
     SceneMaterial material;
@@ -182,7 +175,8 @@ SceneObject read_object(const JsonValue& value, const std::vector<SceneMaterial>
     result.shape = shape == "sphere" ? Shape::sphere : shape == "box" ? Shape::box : Shape::quad;
     const JsonValue material_value = object.required("material");
     const std::string name = material_value.text();
-    const auto material = std::find_if(materials.begin(), materials.end(), [&](const SceneMaterial& m) { return m.name == name; });
+    const auto material =
+        std::find_if(materials.begin(), materials.end(), [&](const SceneMaterial& m) { return m.name == name; });
     if (material == materials.end()) {
         std::vector<std::string> names;
         for (const SceneMaterial& m : materials) {
@@ -193,7 +187,8 @@ SceneObject read_object(const JsonValue& value, const std::vector<SceneMaterial>
     result.material = static_cast<std::uint32_t>(material - materials.begin());
     const bool needs_inside = material->type == MaterialType::dielectric || material->type == MaterialType::subsurface;
     if (result.shape == Shape::quad && needs_inside) {
-        material_value.fail("on a quad: diffuse, emitter, mirror or mix (dielectric and subsurface need a shape with an inside)");
+        material_value.fail(
+            "on a quad: diffuse, emitter, mirror or mix (dielectric and subsurface need a shape with an inside)");
     }
     result.translate = object.has("translate") ? point(object.at("translate")) : Vec3d(0.0);
     if (object.has("rotate_degrees")) {
@@ -204,16 +199,6 @@ SceneObject read_object(const JsonValue& value, const std::vector<SceneMaterial>
     return result;
 }
 
-void check_name(const JsonValue& value) {
-    const std::string name = value.text();
-    const bool plain = !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](unsigned char c) {
-        return std::isalnum(c) != 0 || c == '_' || c == '-';
-    });
-    if (!plain) {
-        value.fail("1 to 64 letters, digits, '_' and '-' (it becomes part of benchmark names)");
-    }
-}
-
 }  // namespace
 
 Scene parse_scene(const std::string& text, const std::string& file) {
@@ -221,8 +206,7 @@ Scene parse_scene(const std::string& text, const std::string& file) {
     const JsonObject root(JsonValue(json, file, "$"),
                           {"name", "description", "max_depth", "environment", "camera", "materials", "objects"});
     Scene scene;
-    check_name(root.required("name"));
-    scene.name = root.required("name").text();
+    scene.name = root.required("name").plain_name();
     scene.description = root.has("description") ? root.at("description").text() : "";
     scene.max_depth =
         static_cast<std::uint32_t>(root.required("max_depth").whole(1, 1000000, "a whole number from 1 to 1000000"));
@@ -245,8 +229,6 @@ Scene parse_scene(const std::string& text, const std::string& file) {
     return scene;
 }
 
-Scene load_scene(const std::string& file) {
-    return parse_scene(read_file(file), file);
-}
+Scene load_scene(const std::string& file) { return parse_scene(read_file(file), file); }
 
 }  // namespace pt

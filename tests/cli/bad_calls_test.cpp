@@ -158,6 +158,13 @@ TEST(BadCallsTest, Numbers) {
                    "--benchmark_filter: argument: found \"(\", allowed: a regular expression\n");
     expect_refusal(run_with({"--scene", "cornell_open", "--benchmark_filter=nothing"}), 2,
                    "the run has no cell: the filter matches none\n");
+    expect_refusal(run_with({"--scene", "cornell_open", "--dry-run", "--benchmark_filter=("}), 2,
+                   "--benchmark_filter: argument: found \"(\", allowed: a regular expression\n");
+    expect_refusal(
+        run_with({"--scene", "cornell_open", "--benchmark_frob=1"}), 2,
+        "command line: flag: found \"--benchmark_frob=1\", allowed: Google Benchmark's --benchmark_* flags\n");
+    expect_refusal({"run", "--scene", "cornell_open", "--resolution", "4x3", "--out", "/tmp"}, 2,
+                   "--out: file name: found \"/tmp\", a folder, allowed: a file\n");
 }
 
 TEST(BadCallsTest, OutputFiles) {

@@ -84,6 +84,10 @@ TEST_F(RunCommandTest, DryRunListsTheCellsAndRunsNothing) {
               "(camera.jitter is true in the scene)\n"
               "2 cells, 14 samples, 2 not applicable\n");
     EXPECT_EQ(folder.content(), Arguments());
+    const CommandResult filtered = ptbench(call(7, {"--dry-run", "--benchmark_filter=\\.soa\\."}));
+    EXPECT_EQ(filtered.out,
+              "wavefront.none.none.off.off.soa.features/scene:cornell_open/backend:cpu/resolution:8x6/depth:8/spp:1\n"
+              "1 cells, 7 samples, 0 not applicable\n");
     for (const char* suite : {"quick", "seeds"}) {
         const CommandResult planned = ptbench({"run", "--suite", suite, "--dry-run"}, {.folder = folder.path()});
         EXPECT_EQ(planned.exit_code, 0) << planned.err;

@@ -471,7 +471,7 @@ TEST(ImportSeed, QuarterTurnsStayExact) {
 }
 
 struct BadSeed {
-    std::string from, to; // what is replaced in the good text
+    std::string from, to;  // what is replaced in the good text
     std::string message;
 };
 
@@ -559,5 +559,5 @@ TEST(ImportSeed, ErrorsNameLineWhatWasFoundAndWhatIsAllowed) {
     }
 }
 
-} // namespace
-} // namespace pt
+}  // namespace
+}  // namespace pt

@@ -279,6 +279,23 @@ TEST_F(RunnerTest, AChoiceThatFailsLateFailsAloneAndForGood) {
         std::string::npos);
 }
 
+TEST_F(RunnerTest, AChoiceThatThrowsWhileItIsVerifiedFailsAlone) {
+    for (const int renders_before : {0, 1}) {  // in verification, in the instrumented pass
+        int renders = 0;
+        on_render = [&] {
+            if (renders++ == renders_before) {
+                throw std::runtime_error("out of luck");
+            }
+        };
+        EXPECT_EQ(run(suite(three_compactions), options()), exit_check_failed);
+        std::map<std::string, std::string> found = statuses(result());
+        EXPECT_EQ(found["none"], "ok");
+        EXPECT_EQ(found["thrust_remove_if"], "ok");
+        EXPECT_EQ(found["test_hooked"], "failed: out of luck");
+        EXPECT_EQ(result().at("benchmarks").size(), 2u * (repetitions + 4) + 1u);
+    }
+}
+
 // Verification is done at small size; a film that is wrong only at full size is found when it is timed.
 TEST_F(RunnerTest, AFilmThatIsWrongAtFullSizeOnlyIsFound) {
     on_compact = [](PathQueue& queue) {
@@ -414,6 +431,9 @@ TEST_F(RunnerTest, AnotherRunsJournalIsRefused) {
     RunOptions other_seed = how;
     other_seed.seed = 2;
     EXPECT_EQ(refusal(suite(three_compactions), other_seed).find(message), 0u);
+    RunOptions other_repetitions = how;
+    other_repetitions.repetitions = repetitions - 1;
+    EXPECT_EQ(refusal(suite(three_compactions), other_repetitions).find(message), 0u);
     // A scene of the same name that was edited in between.
     std::string text = scene_text;
     text.replace(text.find("0.5, 0.5, 0.5"), 13, "0.5, 0.5, 0.6");

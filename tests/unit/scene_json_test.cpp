@@ -201,7 +201,7 @@ TEST(SceneJson, HashIsThatOfTheContent) {
 }
 
 struct BadScene {
-    std::string from, to; // what is replaced in the good text
+    std::string from, to;  // what is replaced in the good text
     std::string message;
 };
 
@@ -448,5 +448,5 @@ TEST(SceneJsonErrors, MissingFile) {
     }
 }
 
-} // namespace
-} // namespace pt
+}  // namespace
+}  // namespace pt

@@ -173,5 +173,5 @@ TEST(ShippedScenes, PairsDifferOnlyInWhatTheyShow) {
     }
 }
 
-} // namespace
-} // namespace pt
+}  // namespace
+}  // namespace pt

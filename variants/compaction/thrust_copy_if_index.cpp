@@ -17,7 +17,8 @@ public:
                 std::uint32_t* const kept = queue.scratch.data();
                 std::uint32_t* end = kept;
                 if (queue.indirect) {
-                    end = thrust::copy_if(thrust::omp::par, queue.order.data(), queue.order.data() + count, kept, is_alive);
+                    end = thrust::copy_if(thrust::omp::par, queue.order.data(), queue.order.data() + count, kept,
+                                          is_alive);
                 } else {
                     const auto first = thrust::counting_iterator<std::uint32_t>(0);
                     end = thrust::copy_if(thrust::omp::par, first, first + count, kept, is_alive);

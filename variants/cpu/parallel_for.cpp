@@ -50,8 +50,6 @@ void run_chunks(std::size_t count, std::size_t chunk, void (*run)(void*, std::si
 
 }  // namespace detail
 
-int parallel_threads() {
-    return omp_get_max_threads();
-}
+int parallel_threads() { return omp_get_max_threads(); }
 
 }  // namespace pt

@@ -1,5 +1,5 @@
-// Runs a range over all cores through Thrust's OpenMP system, in chunks. Only the .cpp knows Thrust, so a kernel loop is
-// compiled as a plain loop over [begin, end).
+// Runs a range over all cores through Thrust's OpenMP system, in chunks. Only the .cpp knows Thrust, so a kernel loop
+// is compiled as a plain loop over [begin, end).
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,8 @@ template <class Body>
 void parallel_for(std::size_t count, std::size_t chunk, Body&& body) {
     using Stored = std::remove_reference_t<Body>;
     detail::run_chunks(
-        count, chunk, [](void* context, std::size_t begin, std::size_t end) { (*static_cast<Stored*>(context))(begin, end); },
+        count, chunk,
+        [](void* context, std::size_t begin, std::size_t end) { (*static_cast<Stored*>(context))(begin, end); },
         const_cast<void*>(static_cast<const void*>(&body)));
 }
 

@@ -25,8 +25,9 @@ inline std::string compacted_every_bounce(const WorkCounters& work, std::uint64_
     return "";
 }
 
-// A compaction that moves the payload: `algorithm(first, last)` works on the paths' iterator of whatever layout, brings the
-// live paths to the front and returns the end of the live ones. Slots stay contiguous, so an index order is dropped.
+// A compaction that moves the payload: `algorithm(first, last)` works on the paths' iterator of whatever layout, brings
+// the live paths to the front and returns the end of the live ones. Slots stay contiguous, so an index order is
+// dropped.
 template <class Algorithm>
 class PayloadCompaction final : public Compaction {
 public:
@@ -35,7 +36,8 @@ public:
         queue.count = std::visit(
             [&](auto& paths) {
                 const auto first = paths.begin();
-                return static_cast<std::size_t>(Algorithm()(first, first + static_cast<std::ptrdiff_t>(queue.count)) - first);
+                return static_cast<std::size_t>(Algorithm()(first, first + static_cast<std::ptrdiff_t>(queue.count)) -
+                                                first);
             },
             queue.paths);
     }

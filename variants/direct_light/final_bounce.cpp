@@ -1,6 +1,7 @@
-// Seed B's idea done right: the last vertex of an exhausted path is connected to a random light point, weighted by BSDF,
-// both cosines, distance, area and visibility (kernels/light.h). It sees one segment more than plain path tracing of the
-// same depth, so its expectation is that of depth + 1. A last vertex on a specular surface takes that segment by its BSDF.
+// Seed B's idea done right: the last vertex of an exhausted path is connected to a random light point, weighted by
+// BSDF, both cosines, distance, area and visibility (kernels/light.h). It sees one segment more than plain path tracing
+// of the same depth, so its expectation is that of depth + 1. A last vertex on a specular surface takes that segment by
+// its BSDF.
 #include "variants/registry.h"
 
 namespace pt {

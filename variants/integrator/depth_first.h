@@ -39,7 +39,8 @@ inline constexpr std::size_t pixels_a_chunk = 64;
 
 // The first segment's hit: from the cache where there is one and it is filled.
 template <class Config>
-Hit<typename Config::Real> first_hit(const SceneView<typename Config::Real>& scene, const Path<typename Config::Real>& path,
+Hit<typename Config::Real> first_hit(const SceneView<typename Config::Real>& scene,
+                                     const Path<typename Config::Real>& path,
                                      std::vector<Hit<typename Config::Real>>* cache, bool filled) {
     if (cache == nullptr) {
         return intersect<Config>(scene, path);

@@ -1,5 +1,6 @@
-// All paths of a sample advance together: generate once, then intersect, (sort,) shade, (compact) for every bounce, each
-// stage over the whole queue. Laine, Karras and Aila, "Megakernels Considered Harmful", HPG 2013; the seeds' shape.
+// All paths of a sample advance together: generate once, then intersect, (sort,) shade, (compact) for every bounce,
+// each stage over the whole queue. Laine, Karras and Aila, "Megakernels Considered Harmful", HPG 2013; the seeds'
+// shape.
 #pragma once
 
 #include <atomic>

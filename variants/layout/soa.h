@@ -37,11 +37,8 @@ struct Columns {
         real[column + 2][slot] = v.z;
     }
     Path<Real> load(std::size_t slot) const {
-        return {vector(0, slot),     vector(3, slot),
-                vector(6, slot),     vector(9, slot),
-                real[12][slot],      word[0][slot],
-                word[1][slot],       word[2][slot],
-                ObjectSide{word[3][slot]}, word[4][slot]};
+        return {vector(0, slot), vector(3, slot), vector(6, slot), vector(9, slot),           real[12][slot],
+                word[0][slot],   word[1][slot],   word[2][slot],   ObjectSide{word[3][slot]}, word[4][slot]};
     }
     void store(std::size_t slot, const Path<Real>& path) const {
         set_vector(0, slot, path.origin);
@@ -132,7 +129,8 @@ public:
     bool alive(std::size_t slot) const { return columns_.word[2][slot] != Path<Real>::ended; }
     std::uint32_t pixel(std::size_t slot) const { return columns_.word[0][slot]; }
     Ray<Real> ray(std::size_t slot) const {
-        return {columns_.vector(0, slot), columns_.vector(3, slot), columns_.real[12][slot], ObjectSide{columns_.word[3][slot]}};
+        return {columns_.vector(0, slot), columns_.vector(3, slot), columns_.real[12][slot],
+                ObjectSide{columns_.word[3][slot]}};
     }
     Iterator<Real> begin() { return {&columns_, 0}; }
 

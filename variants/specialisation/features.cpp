@@ -1,6 +1,6 @@
-// The kernel that contains what the scene needs and as little else as possible. On the CPU kernels are compiled ahead of
-// time, for the feature sets in cpu_feature_sets.txt; another scene gets the smallest of them that has all it needs, and
-// the output names what was compiled in for nothing.
+// The kernel that contains what the scene needs and as little else as possible. On the CPU kernels are compiled ahead
+// of time, for the feature sets in cpu_feature_sets.txt; another scene gets the smallest of them that has all it needs,
+// and the output names what was compiled in for nothing.
 #include <bit>
 
 #include "variants/registry.h"
