@@ -46,6 +46,7 @@ class Sample:
     clock_mhz_before: float | None = None
     clock_mhz_after: float | None = None
     low_clock: bool = False
+    contended: bool = False
 
     @property
     def ms_per_spp(self) -> float:
@@ -127,6 +128,10 @@ class Cell:
     @property
     def low_clock_samples(self) -> int:
         return sum(sample.low_clock for sample in self.samples)
+
+    @property
+    def contended_samples(self) -> int:
+        return sum(sample.contended for sample in self.samples)
 
     @property
     def resolution_text(self) -> str:
@@ -366,6 +371,7 @@ def _samples(rows: Node, cells: Node) -> tuple[dict[str, list[Sample]], dict[str
 
 def _sample(row: Node) -> Sample:
     low = row.maybe("pt_low_clock")
+    contended = row.maybe("pt_contended")
     return Sample(
         repetition=row.optional_integer("repetition_index") or 0,
         wall_ms=row.need("pt_wall_ms").number(above_zero=True),
@@ -380,6 +386,7 @@ def _sample(row: Node) -> Sample:
         clock_mhz_before=row.optional_number("pt_clock_mhz_before"),
         clock_mhz_after=row.optional_number("pt_clock_mhz_after"),
         low_clock=low is not None and low.number() != 0,
+        contended=contended is not None and contended.number() != 0,
     )
 
 

@@ -83,9 +83,15 @@ def _against_baseline(cell: Cell, cells: Sequence[Cell], question: Question) -> 
     ratio = ratio_estimate(cell.ms_per_spp, baseline.ms_per_spp)
     cycles, baseline_cycles = cell.mega_cycles_per_spp, baseline.mega_cycles_per_spp
     in_cycles = None
+    if _is_contended(cell) or _is_contended(baseline):
+        return ratio, Verdict("UNSURE", "other processes took CPU time during more than a tenth of the samples")
     if cycles is not None and baseline_cycles is not None:
         in_cycles = verdict_of_ratio(ratio_estimate(cycles, baseline_cycles))
     return ratio, confirmed(verdict_of_ratio(ratio), in_cycles)
+
+
+def _is_contended(cell: Cell) -> bool:
+    return cell.contended_samples > 0.1 * len(cell.samples)
 
 
 def baseline_of(cell: Cell, cells: Iterable[Cell], question: Question) -> Cell | None:
@@ -181,6 +187,12 @@ def notes_of(result: Result, study: Study | None, rows: Sequence[Row]) -> list[N
         text = f"{low} of {total} samples at a low clock, kept"
         where = _first([f"{cell.name} ({cell.low_clock_samples})" for cell in timed if cell.low_clock_samples])
         notes.append(Note("low clock", f"{text}.", f"{text}: {where}"))
+    contended = sum(cell.contended_samples for cell in timed)
+    if contended:
+        total = sum(len(cell.samples) for cell in timed)
+        text = f"{contended} of {total} samples while other processes took over a tenth of the CPU, kept"
+        where = _first([f"{cell.name} ({cell.contended_samples})" for cell in timed if cell.contended_samples])
+        notes.append(Note("contended", f"{text}.", f"{text}: {where}"))
     biased = list(dict.fromkeys(row.label for row in rows if row.cell.claim == "biased" and row.cell.measured))
     if biased:
         text = f"declared biased: {', '.join(biased)}"

@@ -30,7 +30,7 @@ def summary(result: Result, not_drawn: dict[str, str], notes: dict[str, Sequence
         lines += ["The file has no studies.", ""]
     if any(not cell.studies for cell in result.cells):
         lines += _section(result, None, "## Cells of no study", None, None)
-    lines += _not_applicable(result) + _failed(result.cells)
+    lines += _stages(result) + _not_applicable(result) + _failed(result.cells)
     return "\n".join(lines).rstrip() + "\n"
 
 
@@ -110,11 +110,33 @@ def _remarks(row: Row) -> Iterable[str]:
         yield row.verdict.reason
     if cell.low_clock_samples:
         yield f"{cell.low_clock_samples} low-clock"
+    if cell.contended_samples:
+        yield f"{cell.contended_samples} contended"
     if cell.claim == "biased":
         yield "biased" + (f": {cell.reason or cell.claim_check}" if cell.reason or cell.claim_check else "")
     for counter in ("nonfinite", "negative", "saturated", "unfinished_walks"):
         if getattr(cell, counter):
             yield f"{counter.replace('_', ' ')} {getattr(cell, counter)}"
+
+
+def _stages(result: Result) -> list[str]:
+    """Where the time of each cell's instrumented pass went; that pass is not a result, its shares are."""
+    cells = [cell for cell in result.cells if cell.instrumented is not None and cell.instrumented.wall_ms]
+    if not cells:
+        return []
+    names = list(dict.fromkeys(name for cell in cells for name in cell.instrumented.stage_ms))
+    lines = ["## Where the time goes", ""]
+    lines += ["Shares of the instrumented pass's wall time. Where they miss it by more than 5 %, the row says so.", ""]
+    head = ["Variant", "Scene", "Depth", *names, "rest", "Remarks"]
+    lines += [_table_line(head), _table_line(["---", "---", *["---:"] * (len(names) + 2), "---"])]
+    for cell in cells:
+        wall = cell.instrumented.wall_ms
+        stages = [cell.instrumented.stage_ms.get(name) for name in names]
+        rest = 1 - sum(ms for ms in stages if ms is not None) / wall
+        shares = ["—" if ms is None else f"{100 * ms / wall:.1f} %" for ms in stages]
+        remark = "stages do not add up to the wall time" if abs(rest) > 0.05 else ""
+        lines += [_table_line([cell.variant, cell.scene, str(cell.depth), *shares, f"{100 * rest:.1f} %", remark])]
+    return [*lines, ""]
 
 
 def _not_applicable(result: Result) -> list[str]:

@@ -4,10 +4,12 @@ add_library(ptbench_harness OBJECT ${harness_sources})
 target_link_libraries(ptbench_harness PUBLIC ptbench_options nlohmann_json::nlohmann_json CLI11::CLI11 benchmark::benchmark)
 target_include_directories(ptbench_harness SYSTEM PRIVATE ${PTBENCH_STB_INCLUDE})
 
+list(JOIN PTBENCH_ROUNDING_OPTIONS " " recorded_flags)
+string(STRIP "${PTBENCH_FLAGS} ${recorded_flags}" recorded_flags)
 add_custom_target(ptbench_build_info BYPRODUCTS ${PROJECT_BINARY_DIR}/generated/build_info.h
   COMMAND ${CMAKE_COMMAND} -DSOURCE_DIR=${PROJECT_SOURCE_DIR} -DOUTPUT=${PROJECT_BINARY_DIR}/generated/build_info.h
           -DVERSION=${PROJECT_VERSION} -DBUILD_TYPE=${CMAKE_BUILD_TYPE} "-DCOMPILER=${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}"
-          "-DFLAGS=${CMAKE_CXX_FLAGS_RELEASE} -march=${PTBENCH_MARCH} -ffp-contract=off -fno-math-errno -fno-trapping-math"
+          "-DFLAGS=${recorded_flags}"
           -DBENCHMARK_VERSION=${benchmark_VERSION} -P ${PROJECT_SOURCE_DIR}/cmake/build_info.cmake
   VERBATIM)
 add_dependencies(ptbench_harness ptbench_build_info)

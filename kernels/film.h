@@ -12,6 +12,8 @@ struct FilmFaults {
     std::uint64_t nonfinite = 0;  // samples with a NaN or an infinity: left out of the sums
     std::uint64_t negative = 0;   // samples with a negative channel: summed as they are
     std::uint64_t saturated = 0;  // samples beyond the film's limit: clamped to it
+
+    PT_HD bool none() const { return nonfinite == 0 && negative == 0 && saturated == 0; }
 };
 
 template <class T>

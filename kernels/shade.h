@@ -16,7 +16,8 @@ namespace pt {
 struct PathCounters {
     std::uint64_t paths = 0;
     std::uint64_t rays = 0;              // closest-hit queries: path segments and connections to lights
-    std::uint64_t unfinished_walks = 0;  // subsurface walks that met their cap
+    std::uint64_t connections = 0;       // of the rays, those to lights
+    std::uint64_t unfinished_walks = 0;  // paths lost in a subsurface body: the walk met its cap, or began inside
 };
 
 template <class Config>
@@ -45,7 +46,9 @@ PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene, P
     using Real = typename Config::Real;
     if constexpr (has<Config>(Feature::final_bounce)) {
         if (last) {
-            counters.rays += connect<Config>(scene, path, vertex, albedo, words);
+            const std::uint32_t connections = connect<Config>(scene, path, vertex, albedo, words);
+            counters.rays += connections;
+            counters.connections += connections;
             return false;
         }
     }

@@ -123,15 +123,19 @@ PT_HD inline bool subsurface_walk(const SceneView<typename Config::Real>& scene,
 }
 
 // One event of the path at a subsurface surface: reflected at the boundary, or through the body and out again.
-// False: the walk did not finish; the path is lost and must be counted.
+// False: the walk met its cap or could not begin; the path is lost and must be counted.
 template <class Config>
 PT_HD inline bool scatter_subsurface(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
                                      const Vertex<typename Config::Real>& vertex,
                                      const Material<typename Config::Real>& medium, typename Config::Real u) {
     using Real = typename Config::Real;
-    // Walks start at surfaces: a path that meets one from within (the camera stands in the body) leaves unscattered.
+    // Walks start at surfaces. A path that meets one from within came there through another body that reaches in: what
+    // it missed is not known, so it is lost and counted (the loader refuses an eye inside a body).
+    if (vertex.inside) {
+        return false;
+    }
     if constexpr (has<Config>(Feature::subsurface_boundary)) {
-        if (medium.has_boundary != 0 && !vertex.inside) {
+        if (medium.has_boundary != 0) {
             const Real cosine = cosine_of_incidence(path.direction, vertex.normal);
             const Refraction<Real> refraction = fresnel(medium.entering, cosine);
             if (u < refraction.reflectance) {
@@ -140,10 +144,6 @@ PT_HD inline bool scatter_subsurface(const SceneView<typename Config::Real>& sce
             }
             path.direction = refract(medium.entering, path.direction, vertex.normal, cosine, refraction.q);
         }
-    }
-    if (vertex.inside) {
-        leave_on_other_side(path, vertex, path.direction);
-        return true;
     }
     return subsurface_walk<Config>(scene, path, vertex, medium);
 }

@@ -40,15 +40,18 @@ private:
 // What a render did, counted where it was done. A choice checks its own claims against it.
 struct WorkCounters {
     std::uint64_t paths = 0;
-    std::uint64_t rays = 0;
+    std::uint64_t rays = 0;  // traced: a first hit that came from the cache is none
     std::uint64_t unfinished_walks = 0;
     std::uint64_t bounces = 0;  // wavefront iterations over the queue
     std::uint64_t compactions = 0;
     std::uint64_t compacted_away = 0;  // ended paths taken out of the queue
+    std::uint64_t last_bounces = 0;    // of the bounces, those at the longest path's last segment
+    std::uint64_t last_paths = 0;      // paths that were alive there: all of them end in it
     std::uint64_t sorts = 0;
     std::uint64_t sorted = 0;  // paths put in order
     std::uint64_t cache_fills = 0;
     std::uint64_t cache_hits = 0;
+    std::uint64_t connections = 0;  // rays to lights
 };
 
 struct Descriptor {
@@ -57,11 +60,14 @@ struct Descriptor {
     std::string_view summary;  // one line: what it is
     std::string_view origin;   // who proposed it, or where it was first seen
     bool baseline = false;     // the axis's value where nothing else is asked for
+    bool reference =
+        false;  // bitwise claims on this axis are held against this choice; where none says so, the baseline
     Claim claim = Claim::bitwise;
     std::string_view claim_note = "";  // for statistical and biased: against what, and why
     // For statistical: the choice of the same axis that has the same expectation, at a depth so many segments greater.
     std::string_view mean_of = "";
     std::uint32_t mean_at_extra_depth = 0;
+    bool keeps_payload_contiguous = true;  // of a compaction: the paths in play are slots 0 to count - 1 afterwards
     std::uint32_t backends = static_cast<std::uint32_t>(Backend::cpu);
     // Why the choice cannot run on a scene with these features in this variant; empty: it can.
     std::string (*does_not_apply)(FeatureSet scene, const Variant& variant) = nullptr;

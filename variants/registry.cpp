@@ -77,11 +77,15 @@ Variant Registry::baseline() const {
 
 Variant Registry::reference(const Variant& variant) const {
     Variant reference = baseline();
-    reference.set("integrator", "depth_first");
-    reference.set("specialisation", "generic");
     for (const std::string_view axis : axis_names) {
         if (at(axis, variant).descriptor.claim != Claim::bitwise) {
             reference.set(axis, variant[axis]);
+            continue;
+        }
+        for (const Choice* choice : choices(axis)) {
+            if (choice->descriptor.reference) {
+                reference.set(axis, std::string(choice->descriptor.name));
+            }
         }
     }
     return reference;

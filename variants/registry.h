@@ -55,7 +55,7 @@ public:
     // Every axis at its baseline.
     Variant baseline() const;
     // The variant that `variant` must equal bit for bit: every axis whose choices claim `bitwise` goes to the plainest
-    // choice (depth_first, generic kernel), the others stay.
+    // choice (Descriptor::reference, else the baseline), the others stay.
     Variant reference(const Variant& variant) const;
 
 private:

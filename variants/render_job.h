@@ -35,7 +35,7 @@ struct PathQueue {
 class Compaction {
 public:
     virtual ~Compaction() = default;
-    // Returns how many paths are in play afterwards; queue.count is set to it. `none` leaves the queue as it is.
+    // Sets queue.count to how many paths are in play afterwards. `none` leaves the queue as it is.
     virtual void compact(PathQueue& queue) = 0;
     virtual bool is_active() const { return true; }
 };

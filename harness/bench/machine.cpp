@@ -7,10 +7,16 @@
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/resource.h>
 #include <sys/utsname.h>
 #include <thrust/version.h>
 
+#include <unistd.h>
+
 #include "build_info.h"  // generated at every build
+#include "harness/json_reader.h"
+#include "harness/scene/scene.h"
 #include "variants/cpu/parallel_for.h"
 
 namespace pt {
@@ -58,6 +64,44 @@ std::string machine_name() {
     return fmt::format("{}-{}-threads", name, parallel_threads());
 }
 
+std::string program_hash() {
+    static const std::string hash = [] {
+        const std::string program = read_file("/proc/self/exe");
+        return fmt::format("{:016x}", fnv1a(program.data(), program.size()));
+    }();
+    return hash;
+}
+
+std::string openmp_environment() {
+    std::vector<std::string> settings;
+    for (char** variable = environ; *variable != nullptr; ++variable) {
+        const std::string setting = *variable;
+        if (setting.starts_with("OMP_") || setting.starts_with("GOMP_")) {
+            settings.push_back(setting);
+        }
+    }
+    std::sort(settings.begin(), settings.end());
+    return fmt::format("{}", fmt::join(settings, " "));
+}
+
+ForeignLoad ForeignLoad::now() {
+    ForeignLoad load;
+    std::ifstream stat("/proc/stat");
+    std::string name;
+    double user = 0, nice = 0, system = 0, idle = 0, io_wait = 0, interrupts = 0, soft_interrupts = 0, stolen = 0;
+    stat >> name >> user >> nice >> system >> idle >> io_wait >> interrupts >> soft_interrupts >> stolen;
+    rusage own{};
+    getrusage(RUSAGE_SELF, &own);
+    const auto milliseconds = [](const timeval& time) {
+        return 1e3 * static_cast<double>(time.tv_sec) + 1e-3 * static_cast<double>(time.tv_usec);
+    };
+    const double tick_ms = 1e3 / static_cast<double>(sysconf(_SC_CLK_TCK));
+    const double all = (user + nice + system + interrupts + soft_interrupts + stolen) * tick_ms;
+    load.cpu_ms = all - milliseconds(own.ru_utime) - milliseconds(own.ru_stime);
+    load.involuntary_switches = own.ru_nivcsw;
+    return load;
+}
+
 std::string git_sha() { return PTBENCH_GIT_SHA; }
 
 bool git_dirty() { return PTBENCH_GIT_DIRTY != 0; }
@@ -74,6 +118,8 @@ std::vector<std::pair<std::string, std::string>> machine_context() {
         {"ptbench.compiler", PTBENCH_COMPILER},
         {"ptbench.compiler_flags", PTBENCH_COMPILER_FLAGS},
         {"ptbench.build_type", PTBENCH_BUILD_TYPE},
+        {"ptbench.program_hash", program_hash()},
+        {"ptbench.openmp_environment", openmp_environment()},
         {"ptbench.threads", std::to_string(parallel_threads())},
         {"ptbench.thrust_version",
          fmt::format("{}.{}.{}", THRUST_MAJOR_VERSION, THRUST_MINOR_VERSION, THRUST_SUBMINOR_VERSION)},

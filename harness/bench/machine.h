@@ -16,6 +16,24 @@ std::vector<std::pair<std::string, std::string>> machine_context();
 std::string git_sha();
 bool git_dirty();
 
+// FNV-1a of the running program's file: two builds of one commit are told apart.
+std::string program_hash();
+// The OMP_* and GOMP_* variables that are set, "NAME=value" with spaces between.
+std::string openmp_environment();
+
+// What else the machine did: CPU time of other processes (and time stolen by a hypervisor's), and how often this
+// process had to give up a core. Sampled before and after a render, the difference says whether its time can be
+// trusted.
+struct ForeignLoad {
+    double cpu_ms = 0;  // resolution 10 ms
+    long involuntary_switches = 0;
+
+    static ForeignLoad now();
+    ForeignLoad operator-(const ForeignLoad& before) const {
+        return {cpu_ms - before.cpu_ms, involuntary_switches - before.involuntary_switches};
+    }
+};
+
 // The clock of the core that this thread runs on, measured: a chain of additions, one a cycle, against the steady
 // clock. Takes about half a millisecond.
 double measure_clock_mhz();

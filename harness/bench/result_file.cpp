@@ -56,8 +56,30 @@ OrderedJson row_head(const std::string& cell, const std::string& suffix, std::si
             {"repetitions", repetitions}};
 }
 
+// Judged over the whole run: a sample's clock against the highest that was seen, its foreign load against its own time.
+double highest_clock(const Plan& plan, const Journal& journal) {
+    double highest = 0;
+    for (const Cell& cell : plan.cells) {
+        for (const Json& sample : journal.samples(cell.name)) {
+            highest =
+                std::max({highest, sample.value("pt_clock_mhz_before", 0.0), sample.value("pt_clock_mhz_after", 0.0)});
+        }
+    }
+    return highest;
+}
+
+bool has_low_clock(const Json& sample, double highest) {
+    return std::min(sample.value("pt_clock_mhz_before", highest), sample.value("pt_clock_mhz_after", highest)) <
+           0.9 * highest;
+}
+
+// Another process took more than a tenth of the render's own CPU time, and more than the counter's resolution.
+bool is_contended(const Json& sample) {
+    return sample.value("pt_foreign_cpu_ms", 0.0) > std::max(20.0, 0.1 * sample.value("cpu_ms", 0.0));
+}
+
 OrderedJson sample_row(const std::string& cell, std::size_t family, int repetitions, std::size_t index,
-                       const Json& sample) {
+                       const Json& sample, double highest) {
     OrderedJson row = row_head(cell, "", family, repetitions);
     row["repetition_index"] = index;
     row["threads"] = 1;
@@ -70,6 +92,8 @@ OrderedJson sample_row(const std::string& cell, std::size_t family, int repetiti
             row[key] = value;
         }
     }
+    row["pt_low_clock"] = has_low_clock(sample, highest) ? 1 : 0;
+    row["pt_contended"] = is_contended(sample) ? 1 : 0;
     return row;
 }
 
@@ -157,6 +181,7 @@ Aggregates aggregate(std::vector<double> values) {
 }
 
 std::string result_json(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts) {
+    const double highest = highest_clock(plan, journal);
     OrderedJson rows = OrderedJson::array();
     OrderedJson cells = OrderedJson::array();
     for (std::size_t family = 0; family < plan.cells.size(); ++family) {
@@ -164,7 +189,7 @@ std::string result_json(const Plan& plan, const Suite& suite, const Journal& jou
         cells.push_back(cell_json(cell, journal, facts.repetitions));
         const std::vector<Json>& samples = journal.samples(cell.name);
         for (std::size_t i = 0; i < samples.size(); ++i) {
-            rows.push_back(sample_row(cell.name, family, facts.repetitions, i, samples[i]));
+            rows.push_back(sample_row(cell.name, family, facts.repetitions, i, samples[i], highest));
         }
         if (!samples.empty()) {
             add_aggregate_rows(rows, cell.name, family, facts.repetitions, samples);

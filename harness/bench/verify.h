@@ -38,6 +38,7 @@ private:
     struct MeanCheck {
         std::string failure = {};  // empty: the means agree
         double detectable = 0;     // relative bias of the image's mean that would have been a failure
+        double effect = 0;         // by how much the choice moves the image's mean from the plain one at the same depth
     };
     MeanCheck check_statistical(const Variant& variant);
 

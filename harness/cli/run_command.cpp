@@ -1,3 +1,5 @@
+#include <charconv>
+
 #include <fmt/format.h>
 
 #include "harness/bench/machine.h"
@@ -62,10 +64,13 @@ RunOptions make_options(const RunArguments& arguments, const std::vector<std::st
         if (extra.starts_with("--benchmark_filter=")) {
             options.filter = extra.substr(extra.find('=') + 1);
         } else if (extra.starts_with("--benchmark_repetitions=")) {
-            options.repetitions = std::atoi(extra.c_str() + extra.find('=') + 1);
-            if (options.repetitions < 1) {
+            const char* const end = extra.data() + extra.size();
+            const auto parsed = std::from_chars(extra.data() + extra.find('=') + 1, end, options.repetitions);
+            if (parsed.ec != std::errc() || parsed.ptr != end || options.repetitions < 1) {
                 throw InputError("--benchmark_repetitions", "argument", "\"" + extra + "\"", "a whole number from 1");
             }
+        } else if (extra.starts_with("--benchmark_list_tests")) {
+            throw InputError("command line", "flag", "\"" + extra + "\"", "--dry-run, which lists the cells");
         } else if (extra.starts_with("--benchmark_")) {
             options.benchmark_flags.push_back(extra);
         } else {

@@ -7,6 +7,11 @@
 
 namespace pt {
 
+std::string faults_text(const FilmFaults& faults) {
+    return fmt::format("{} non-finite, {} negative and {} saturated samples", faults.nonfinite, faults.negative,
+                       faults.saturated);
+}
+
 double film_scale(double bound, std::uint64_t samples) {
     int bound_exponent = 0;
     std::frexp(bound, &bound_exponent);  // bound < 2^bound_exponent

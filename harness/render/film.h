@@ -39,6 +39,9 @@ private:
     FilmFaults faults_;
 };
 
+// "1 non-finite, 0 negative and 2 saturated samples".
+std::string faults_text(const FilmFaults& faults);
+
 // Quanta a unit of radiance: a power of two such that 2^16 samples (or `samples`, if more) of 64 times the bound fit.
 double film_scale(double bound, std::uint64_t samples);
 

@@ -44,7 +44,6 @@ RenderResult render_unguarded(const Scene& scene, const RenderRequest& request) 
         .compiled = kernel.compiled};
     const auto compaction = registry.at("compaction", request.variant).hook.compaction();
     const auto sorting = registry.at("sorting", request.variant).hook.sorting();
-    const auto cache = registry.at("first_bounce", request.variant).hook.first_bounce(settings.width * settings.height);
     PathQueue& queue = queue_for(request.variant);
 
     RenderJob job;
@@ -55,11 +54,13 @@ RenderResult render_unguarded(const Scene& scene, const RenderRequest& request) 
     job.queue = &queue;
     job.compaction = compaction.get();
     job.sorting = sorting.get();
-    job.cache = cache.get();
     job.stages = request.instrument ? &result.stages : nullptr;
 
     const double cpu_start = process_cpu_ms();
     const auto start = std::chrono::steady_clock::now();
+    // A render pays for its cache, memory and filling both; queues stay from render to render.
+    const auto cache = registry.at("first_bounce", request.variant).hook.first_bounce(settings.width * settings.height);
+    job.cache = cache.get();
     kernel.render(job);
     result.wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     result.cpu_ms = process_cpu_ms() - cpu_start;

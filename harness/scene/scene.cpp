@@ -73,6 +73,21 @@ PrimitiveKind classify(const SceneObject& object) {
     }
 }
 
+bool contains_point(const SceneObject& object, const Vec3d& point) {
+    const Rotation rotation = rotation_of(object.rotate_degrees);
+    const Vec3d p = point - object.translate;
+    const Vec3d local{dot(rotation.column[0], p) / object.scale.x, dot(rotation.column[1], p) / object.scale.y,
+                      dot(rotation.column[2], p) / object.scale.z};
+    switch (object.shape) {
+        case Shape::sphere:
+            return dot(local, local) < 0.25;
+        case Shape::box:
+            return std::abs(local.x) < 0.5 && std::abs(local.y) < 0.5 && std::abs(local.z) < 0.5;
+        default:
+            return false;
+    }
+}
+
 FeatureSet features_of(const Scene& scene) {
     static constexpr Feature by_kind[] = {Feature::sphere, Feature::ellipsoid, Feature::axis_box, Feature::oriented_box,
                                           Feature::quad};

@@ -64,6 +64,9 @@ PrimitiveKind classify(const SceneObject& object);
 // Everything that rendering the scene needs, and nothing else.
 FeatureSet features_of(const Scene& scene);
 
+// Whether a point lies inside the object as it stands at time 0; never inside a quad.
+bool contains_point(const SceneObject& object, const Vec3d& point);
+
 // Columns of the rotation "about x, then y, then z"; exact at multiples of 90 degrees.
 struct Rotation {
     Vec3d column[3];

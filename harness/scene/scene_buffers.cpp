@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <tuple>
 
@@ -57,30 +58,20 @@ Material<Real> make_material(const SceneMaterial& m) {
     return material;
 }
 
-bool contains_point(const SceneObject& object, const Vec3d& point) {
-    const Rotation rotation = rotation_of(object.rotate_degrees);
-    const Vec3d p = point - object.translate;
-    const Vec3d local{dot(rotation.column[0], p) / object.scale.x, dot(rotation.column[1], p) / object.scale.y,
-                      dot(rotation.column[2], p) / object.scale.z};
-    switch (object.shape) {
-        case Shape::sphere:
-            return dot(local, local) < 0.25;
-        case Shape::box:
-            return std::abs(local.x) < 0.5 && std::abs(local.y) < 0.5 && std::abs(local.z) < 0.5;
-        default:
-            return false;
-    }
-}
-
+// The innermost dielectric around the eye (the one of least volume), if it absorbs.
 std::uint32_t medium_at_eye(const Scene& scene) {
+    std::uint32_t medium = Path<float>::no_medium;
+    double least_volume = std::numeric_limits<double>::infinity();
     for (const SceneObject& object : scene.objects) {
         const SceneMaterial& material = scene.materials[object.material];
-        const bool absorbs = material.type == MaterialType::dielectric && material.sigma_a != Vec3d(0.0);
-        if (absorbs && contains_point(object, scene.camera.eye)) {
-            return object.material;
+        const double volume = object.scale.x * object.scale.y * object.scale.z;
+        if (material.type == MaterialType::dielectric && volume < least_volume &&
+            contains_point(object, scene.camera.eye)) {
+            least_volume = volume;
+            medium = material.sigma_a != Vec3d(0.0) ? object.material : Path<float>::no_medium;
         }
     }
-    return Path<float>::no_medium;
+    return medium;
 }
 
 template <class Real>

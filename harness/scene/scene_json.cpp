@@ -224,6 +224,13 @@ Scene parse_scene(const std::string& text, const std::string& file) {
     for (const JsonValue& object : root.required("objects").elements()) {
         scene.objects.push_back(read_object(object, scene.materials));
     }
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        const bool is_body = scene.materials[scene.objects[i].material].type == MaterialType::subsurface;
+        if (is_body && contains_point(scene.objects[i], scene.camera.eye)) {
+            throw InputError(file, "$.camera.eye", fmt::format("a point inside $.objects[{}], a subsurface body", i),
+                             "a point outside of subsurface bodies");
+        }
+    }
     const std::string canonical = json.dump();
     scene.hash = fmt::format("{:016x}", fnv1a(canonical.data(), canonical.size()));
     return scene;

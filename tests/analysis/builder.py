@@ -66,6 +66,7 @@ class Builder:
         live_paths: list[int] | None = None,
         axes: dict[str, str] | None = None,
         low_clock: int = 0,
+        contended: int = 0,
         error: str = "",
         clock_mhz: float = 3690.0,
         **fields,
@@ -145,6 +146,7 @@ class Builder:
                     "pt_clock_mhz_before": clock_mhz,
                     "pt_clock_mhz_after": clock_mhz,
                     "pt_low_clock": 1.0 if index < low_clock else 0.0,
+                    "pt_contended": 1.0 if index < contended else 0.0,
                 }
             self.rows.append(row)
         if n and not error:

@@ -16,10 +16,11 @@ NAMES = ("remaining_paths", "sorting_by_depth", "first_bounce_by_depth", "compac
 
 
 def table_rows(summary: str) -> list[list[str]]:
-    """The cells of every table line that starts with a variant's name."""
+    """The cells of every line of the studies' tables: those that start with a variant's name."""
+    studies = summary.partition("## Where the time goes")[0]
     return [
         [cell.strip() for cell in line.split("|")[1:-1]]
-        for line in summary.splitlines()
+        for line in studies.splitlines()
         if line.startswith(("| wave", "| depth_first"))
     ]
 
@@ -148,6 +149,30 @@ def test_a_verdict_needs_the_cycles_consent(tmp_path, analysis):
     row = table_rows((tmp_path / "figures/clocks/summary.md").read_text())[1]
     assert row[10] == "0.500"
     assert row[12:] == ["UNSURE", "FASTER in time but SAME in cycles: the clocks differed"]
+
+
+def test_a_busy_machine_gives_no_verdict(tmp_path, analysis):
+    builder = Builder("busy").study("compaction")
+    builder.cell("compaction", ms_per_spp=2.0, noise=0.001)
+    builder.cell("compaction", ms_per_spp=1.0, noise=0.001, axes={"compaction": "quick"}, contended=2)
+    code, out, _ = analysis("plots", builder.write(tmp_path / "busy.json"))
+    assert code == 0
+    assert "contended: 2 of 18 samples while other processes took over a tenth of the CPU, kept" in out
+    row = table_rows((tmp_path / "figures/busy/summary.md").read_text())[1]
+    assert row[12:] == ["UNSURE", "other processes took CPU time during more than a tenth of the samples; 2 contended"]
+
+
+def test_the_summary_says_where_the_time_goes_and_what_is_missing(tmp_path, analysis):
+    builder = Builder("stages").study("compaction")
+    whole = builder.cell("compaction")
+    whole["instrumented"] |= {"stage_ms": {"intersect": 6.0, "shade": 3.9}, "wall_ms": 10.0}
+    lossy = builder.cell("compaction", axes={"compaction": "lossy"})
+    lossy["instrumented"] |= {"stage_ms": {"intersect": 6.0}, "wall_ms": 10.0}
+    code, _, _ = analysis("plots", builder.write(tmp_path / "stages.json"))
+    assert code == 0
+    table = (tmp_path / "figures/stages/summary.md").read_text().partition("## Where the time goes")[2]
+    assert "| cornell_open | 8 | 60.0 % | 39.0 % | 1.0 % |  |" in table
+    assert "| cornell_open | 8 | 60.0 % | — | 40.0 % | stages do not add up to the wall time |" in table
 
 
 def test_a_file_without_studies_still_gets_its_table(tmp_path, analysis):

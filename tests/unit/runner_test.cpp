@@ -307,16 +307,14 @@ TEST_F(RunnerTest, AFilmThatIsWrongAtFullSizeOnlyIsFound) {
     Suite large = suite(three_compactions);
     large.studies[0].width = large.studies[0].height = 64;
     EXPECT_EQ(run(large, options()), exit_check_failed);
-    // The cell that is timed first sets the film, so it may be the right ones that are called different.
-    std::size_t failed = 0;
+    // It is the wrong one that is blamed, whatever the order: the reference variant sets the film.
     for (const auto& [compaction, status] : statuses(result())) {
-        if (status != "ok") {
-            ++failed;
-            EXPECT_EQ(status.find("failed: film "), 0u) << status;
-            EXPECT_NE(status.find(" of sample "), std::string::npos) << status;
+        if (compaction == "test_hooked") {
+            EXPECT_EQ(status.find("failed: at full size the film "), 0u) << status;
+        } else {
+            EXPECT_EQ(status, "ok") << compaction;
         }
     }
-    EXPECT_GE(failed, 1u);
 }
 
 // ---- Interrupts and resuming ----
@@ -338,7 +336,8 @@ TEST_F(RunnerTest, ResumeKeepsTheSamplesThatWereTaken) {
     for (std::size_t end = kept.find('\n'); end != std::string::npos; end = kept.find('\n', end + 1)) {
         ends.push_back(end + 1);
     }
-    ASSERT_GE(ends.size(), 1u + 3u + 3u);  // the run, the cells, and some samples
+    // The run, the cells and, whatever the order of the samples, one of the hooked choice before its last render.
+    ASSERT_GE(ends.size(), 1u + 3u + 1u);
 
     for (std::size_t lines = 0; lines <= ends.size(); ++lines) {
         SCOPED_TRACE(lines);
@@ -369,9 +368,10 @@ TEST_F(RunnerTest, ResumeKeepsTheSamplesThatWereTaken) {
 }
 
 TEST_F(RunnerTest, AnInterruptEndsTheRunWithAResultAndAJournal) {
-    for (const int renders_before :
-         {0, 1, 2, 4}) {  // in verification, the instrumented pass, the warm-up, the second sample
+    // In verification, before and in the instrumented pass, in the warm-up, in the second sample.
+    for (const int renders_before : {0, 1, 2, 3, 5}) {
         SCOPED_TRACE(renders_before);
+        std::filesystem::remove(out);
         int renders = 0;
         on_render = [&] {
             if (renders++ == renders_before) {
@@ -380,9 +380,17 @@ TEST_F(RunnerTest, AnInterruptEndsTheRunWithAResultAndAJournal) {
         };
         RunOptions how = options();
         ASSERT_EQ(run(suite(three_compactions), how), exit_check_failed);
+        EXPECT_TRUE(std::filesystem::exists(journal_file));
+        if (renders_before < 3) {  // nothing was measured: an older result of this name would not be replaced by it
+            EXPECT_FALSE(std::filesystem::exists(out));
+            EXPECT_NE(printed.find("interrupted before the first sample"), std::string::npos) << printed;
+            on_render = nullptr;
+            how.resume = true;
+            ASSERT_EQ(run(suite(three_compactions), how), exit_good);
+            continue;
+        }
         const Json cut = result();
         EXPECT_EQ(cut.at("context").at("ptbench.status"), "interrupted");
-        EXPECT_TRUE(std::filesystem::exists(journal_file));
         EXPECT_NE(printed.find("; interrupted with "), std::string::npos) << printed;
         EXPECT_NE(printed.find(" cells unfinished: go on with --resume\n"), std::string::npos) << printed;
         bool any_interrupted = false;

@@ -1,9 +1,10 @@
-// What the Thrust compactions share: the check that they did their work, and the way to the payload's iterator.
+// What the Thrust compactions share: their predicates and the way to the payload's iterator.
 #pragma once
 
 #include <thrust/system/omp/execution_policy.h>
 
 #include "variants/registry.h"
+#include "variants/work_checks.h"
 
 namespace pt {
 
@@ -13,17 +14,6 @@ struct IsAlive {
 struct HasEnded {
     bool operator()(const Path<float>& path) const { return !path.alive(); }
 };
-
-// Every path of a finished render has ended, and a compaction runs after each bounce: so all paths were taken out.
-inline std::string compacted_every_bounce(const WorkCounters& work, std::uint64_t) {
-    if (work.compactions != work.bounces) {
-        return std::to_string(work.compactions) + " compactions in " + std::to_string(work.bounces) + " bounces";
-    }
-    if (work.compacted_away != work.paths) {
-        return std::to_string(work.compacted_away) + " paths taken out of " + std::to_string(work.paths);
-    }
-    return "";
-}
 
 // A compaction that moves the payload: `algorithm(first, last)` works on the paths' iterator of whatever layout, brings
 // the live paths to the front and returns the end of the live ones. Slots stay contiguous, so an index order is

@@ -11,6 +11,9 @@ const Registration registration(
         .summary = "light is met by BSDF sampling only",
         .origin = "Kajiya 1986",
         .baseline = true,
+        .work_missing = [](const WorkCounters& work, std::uint64_t) -> std::string {
+            return work.connections == 0 ? "" : "connected vertices to lights";
+        },
     },
     {.direct_light = [] { return no_features; }});
 

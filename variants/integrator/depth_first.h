@@ -31,6 +31,7 @@ inline constexpr Descriptor descriptor{
     .name = "depth_first",
     .summary = "a path at a time, state in registers (the megakernel's loop on a CPU core)",
     .origin = "Kajiya 1986",
+    .reference = true,
     .does_not_apply = does_not_apply,
     .work_missing = work_missing,
 };
@@ -69,7 +70,7 @@ std::uint32_t trace(const SceneView<typename Config::Real>& scene, const FilmVie
 
 template <class Config>
 void render(RenderJob& job) {
-    std::atomic<std::uint64_t> rays = 0, paths = 0, unfinished = 0, fills = 0, hits = 0;
+    std::atomic<std::uint64_t> rays = 0, paths = 0, connections = 0, unfinished = 0, fills = 0, hits = 0;
     std::vector<std::atomic<std::uint64_t>> ended_after(job.stages != nullptr ? job.scene.longest_path() + 1 : 0);
     std::vector<Hit<float>>* cache = job.cache != nullptr ? &job.cache->hits : nullptr;
     const bool filled_before = cache != nullptr && job.cache->filled;
@@ -91,6 +92,7 @@ void render(RenderJob& job) {
             }
             rays += counters.rays;
             paths += counters.paths;
+            connections += counters.connections;
             unfinished += counters.unfinished_walks;
             if (cache != nullptr) {
                 fills += chunk_fills;
@@ -101,7 +103,8 @@ void render(RenderJob& job) {
     if (cache != nullptr) {
         job.cache->filled = true;
     }
-    job.work.rays += rays;
+    job.work.rays += rays - hits;
+    job.work.connections += connections;
     job.work.paths += paths;
     job.work.unfinished_walks += unfinished;
     job.work.cache_fills += fills;

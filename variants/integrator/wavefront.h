@@ -1,6 +1,6 @@
 // All paths of a sample advance together: generate once, then intersect, (sort,) shade, (compact) for every bounce,
-// each stage over the whole queue. Laine, Karras and Aila, "Megakernels Considered Harmful", HPG 2013; the seeds'
-// shape.
+// each stage over the whole queue. The last possible segment is neither sorted nor compacted: every path ends there.
+// Laine, Karras and Aila, "Megakernels Considered Harmful", HPG 2013; the seeds' shape.
 #pragma once
 
 #include <atomic>
@@ -40,13 +40,15 @@ public:
             if (job_.stages != nullptr) {
                 job_.stages->add_live(segment, live);
             }
+            const bool last = segment + 1 == job_.scene.longest_path();
             job_.work.bounces += 1;
-            job_.work.rays += live;
-            if (job_.sorting->is_active()) {
+            job_.work.last_bounces += last ? 1u : 0u;
+            job_.work.last_paths += last ? live : 0u;
+            if (job_.sorting->is_active() && !last) {
                 sort(live);
             }
             shade_all();
-            if (job_.compaction->is_active()) {
+            if (job_.compaction->is_active() && !last) {
                 compact();
             }
         }
@@ -68,7 +70,7 @@ private:
         });
     }
 
-    // Returns how many paths were alive, and so how many rays were traced.
+    // Returns how many paths were alive; each traced a ray or took its hit from the cache.
     std::uint64_t intersect_all(bool first) {
         const StageClock clock(job_.stages, "intersect");
         std::atomic<std::uint64_t> live = 0;
@@ -93,9 +95,9 @@ private:
             }
             live += chunk_live;
         });
-        if (use_cache) {
-            (filled ? job_.work.cache_hits : job_.work.cache_fills) += live;
-        }
+        job_.work.rays += filled ? 0 : live.load();
+        job_.work.cache_hits += filled ? live.load() : 0;
+        job_.work.cache_fills += use_cache && !filled ? live.load() : 0;
         return live;
     }
 
@@ -119,7 +121,7 @@ private:
 
     void shade_all() {
         const StageClock clock(job_.stages, "shade");
-        std::atomic<std::uint64_t> rays = 0, unfinished = 0;
+        std::atomic<std::uint64_t> rays = 0, connections = 0, unfinished = 0;
         parallel_for(queue_.count, paths_a_chunk, [&](std::size_t begin, std::size_t end) {
             PathCounters counters;
             for (std::size_t i = begin; i < end; ++i) {
@@ -135,9 +137,11 @@ private:
                 paths_.store(slot, path);
             }
             rays += counters.rays;
+            connections += counters.connections;
             unfinished += counters.unfinished_walks;
         });
         job_.work.rays += rays;
+        job_.work.connections += connections;
         job_.work.unfinished_walks += unfinished;
     }
 

@@ -4,6 +4,7 @@
 
 #include "variants/cpu/parallel_for.h"
 #include "variants/registry.h"
+#include "variants/work_checks.h"
 
 namespace pt {
 namespace {
@@ -49,9 +50,7 @@ const Registration registration(
         .name = "bucket",
         .summary = "counting sort of slot numbers by material; the payload stays in place",
         .origin = "Cycles' sorted index array",
-        .work_missing = [](const WorkCounters& work, std::uint64_t) -> std::string {
-            return work.sorts == work.bounces && work.sorts > 0 ? "" : "did not sort in every bounce";
-        },
+        .work_missing = sorted_every_bounce,
     },
     {.sorting = [] { return std::make_unique<Bucket>(); }});
 

@@ -1,11 +1,14 @@
 // Sorts the paths and their hits by material before shading, moving the payload: what both seeds do.
 // Keys are unsigned: CCCL 3.0.1's host radix sort puts negative keys last.
+#include <stdexcept>
+
 #include <thrust/iterator/zip_iterator.h>
 #include <thrust/sort.h>
 #include <thrust/system/omp/execution_policy.h>
 #include <thrust/tuple.h>
 
 #include "variants/registry.h"
+#include "variants/work_checks.h"
 
 namespace pt {
 namespace {
@@ -13,6 +16,9 @@ namespace {
 class SortByKey final : public Sorting {
 public:
     void sort(PathQueue& queue, std::uint32_t) override {
+        if (queue.indirect) {
+            throw std::logic_error("thrust_sort_by_key needs a contiguous payload");
+        }
         std::visit(
             [&](auto& paths) {
                 thrust::sort_by_key(thrust::omp::par, queue.keys.data(), queue.keys.data() + queue.count,
@@ -29,13 +35,11 @@ const Registration registration(
         .summary = "thrust::sort_by_key by material, path and hit moved",
         .origin = "both seeds",
         .does_not_apply = [](FeatureSet, const Variant& variant) -> std::string {
-            return variant["compaction"] == "thrust_copy_if_index"
-                       ? "moves a contiguous payload, which compaction=thrust_copy_if_index does not keep"
-                       : "";
+            return Registry::instance().at("compaction", variant).descriptor.keeps_payload_contiguous
+                       ? ""
+                       : "moves a contiguous payload, which compaction=" + variant["compaction"] + " does not keep";
         },
-        .work_missing = [](const WorkCounters& work, std::uint64_t) -> std::string {
-            return work.sorts == work.bounces && work.sorts > 0 ? "" : "did not sort in every bounce";
-        },
+        .work_missing = sorted_every_bounce,
     },
     {.sorting = [] { return std::make_unique<SortByKey>(); }});
 

@@ -10,6 +10,7 @@ const Registration registration(
         .name = "generic",
         .summary = "one kernel with every feature, chosen at run time",
         .origin = "the usual renderer",
+        .reference = true,
     },
     {.specialisation = [](FeatureSet, const std::vector<FeatureSet>&) { return all_features; }});
 
