@@ -164,9 +164,9 @@ def test_a_busy_machine_gives_no_verdict(tmp_path, analysis):
 
 def test_the_summary_says_where_the_time_goes_and_what_is_missing(tmp_path, analysis):
     builder = Builder("stages").study("compaction")
-    whole = builder.cell("compaction")
+    whole = builder.cell("compaction", live_paths=[10, 5])
     whole["instrumented"] |= {"stage_ms": {"intersect": 6.0, "shade": 3.9}, "wall_ms": 10.0}
-    lossy = builder.cell("compaction", axes={"compaction": "lossy"})
+    lossy = builder.cell("compaction", axes={"compaction": "lossy"}, live_paths=[10, 5])
     lossy["instrumented"] |= {"stage_ms": {"intersect": 6.0}, "wall_ms": 10.0}
     code, _, _ = analysis("plots", builder.write(tmp_path / "stages.json"))
     assert code == 0
