@@ -25,11 +25,20 @@ class Question:
     baseline: str
 
 
+AXIS_BASELINES = {
+    "integrator": "wavefront",
+    "compaction": "none",
+    "sorting": "none",
+    "first_bounce": "off",
+    "direct_light": "off",
+    "layout": "aos",
+    "specialisation": "features",
+}
+
 QUESTIONS = {
     "sorting_by_depth": Question("sorting", "none"),
     "first_bounce_by_depth": Question("first_bounce", "off"),
-    "compaction": Question("compaction", "none"),
-    "integrator": Question("integrator", "wavefront"),
+    **{axis: Question(axis, baseline) for axis, baseline in AXIS_BASELINES.items()},
 }
 
 

@@ -9,15 +9,16 @@ from matplotlib.figure import Figure
 
 from analysis import style
 from analysis.errors import NotDrawable
-from analysis.figures import compaction, first_bounce_by_depth, integrator, remaining_paths, sorting_by_depth
+from analysis.figures import first_bounce_by_depth, remaining_paths, sorting_by_depth
+from analysis.figures.choices import Choices
 from analysis.results import Result, Study
+from analysis.studies import AXIS_BASELINES
 
 FIGURES = {
     "remaining_paths": remaining_paths,
     "sorting_by_depth": sorting_by_depth,
     "first_bounce_by_depth": first_bounce_by_depth,
-    "compaction": compaction,
-    "integrator": integrator,
+    **{axis: Choices(axis) for axis in AXIS_BASELINES},
 }
 
 

@@ -63,8 +63,9 @@ Study read_study(const JsonValue& value) {
     study.name = object.required("name").plain_name();
     study.title = object.has("title") ? object.at("title").text() : study.name;
     if (object.has("figure")) {
-        study.figure = object.at("figure").one_of(
-            {"remaining_paths", "sorting_by_depth", "first_bounce_by_depth", "compaction", "integrator"});
+        std::vector<std::string> figures{"remaining_paths", "sorting_by_depth", "first_bounce_by_depth"};
+        figures.insert(figures.end(), std::begin(axis_names), std::end(axis_names));
+        study.figure = object.at("figure").one_of(figures);
     }
     study.scenes = read_names(object.required("scenes"));
     if (object.has("axes")) {

@@ -16,7 +16,8 @@ using AxisChoices = std::map<std::string, std::vector<std::string>>;
 struct Study {
     std::string name;
     std::string title;
-    std::string figure;  // which figure analysis draws from it; empty: none
+    // Which figure analysis draws from it: one by name, or an axis whose choices are compared; empty: none.
+    std::string figure;
     std::vector<std::string> scenes;
     AxisChoices axes;
     std::uint32_t width = 0, height = 0;  // 0: the scene's own

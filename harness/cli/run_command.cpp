@@ -31,7 +31,6 @@ Suite suite_from_arguments(const RunArguments& arguments) {
     Study study;
     study.name = "adhoc";
     study.title = "From the command line";
-    study.figure = "compaction";
     study.scenes = split_names(arguments.scenes);
     study.spp = 4;
     return {.name = "adhoc", .description = "", .studies = {study}};
@@ -50,6 +49,17 @@ void override_study(Study& study, const RunArguments& arguments) {
     if (arguments.spp != 0) {
         study.spp = arguments.spp;
     }
+}
+
+// The axis that was given choices to compare: the first with more than one, or else the integrator.
+std::string compared_axis(const AxisChoices& axes) {
+    for (const std::string_view axis : axis_names) {
+        const auto choices = axes.find(std::string(axis));
+        if (choices != axes.end() && choices->second.size() > 1) {
+            return choices->first;
+        }
+    }
+    return "integrator";
 }
 
 // Splits Google Benchmark's flags into those that ptbench owns and those that are passed on.
@@ -94,6 +104,9 @@ int run(const RunArguments& arguments, const std::vector<std::string>& extras, c
         arguments.suite.empty() ? suite_from_arguments(arguments) : load_suite(find_suite_file(arguments.suite));
     for (Study& study : suite.studies) {
         override_study(study, arguments);
+        if (arguments.suite.empty()) {
+            study.figure = compared_axis(study.axes);
+        }
     }
     RunOptions options = make_options(arguments, extras, command_line);
     if (options.out.empty()) {

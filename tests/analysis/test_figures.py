@@ -11,8 +11,10 @@ from matplotlib.text import Text
 
 from analysis import style
 from analysis.errors import NotDrawable
-from analysis.figures import FIGURES, by_depth, collect_study, draw_study, rows
+from analysis.figures import by_depth, collect_study, draw_study, rows
 from analysis.results import load
+
+SMALL = ("remaining_paths", "sorting_by_depth", "first_bounce_by_depth", "compaction", "integrator")
 
 
 def collected(builder: Builder, tmp_path, name: str):
@@ -167,7 +169,7 @@ def test_other_axes_that_vary_become_lines_of_their_own_with_their_own_baseline(
 def test_the_caption_says_what_is_needed_to_trust_the_figure(tmp_path):
     builder = small()
     builder.context["ptbench.git_dirty"] = "true"
-    for name in FIGURES:
+    for name in SMALL:
         _, _, data = collected(builder, tmp_path, name)
         for needed in (
             "amd-epyc-2-cores",
@@ -303,3 +305,15 @@ def test_integrators_are_held_against_the_wavefront_of_the_same_layout(tmp_path)
     assert ratios["wavefront, layout=aos"] is None
     assert ratios["wavefront, layout=soa"] is None
     assert ratios["depth_first, layout=aos"] == pytest.approx(0.5, rel=0.1)
+
+
+def test_an_axis_is_a_figure_of_its_own(tmp_path):
+    builder = Builder().study("layout")
+    for layout, wall in (("aos", 8.0), ("soa", 6.0)):
+        builder.cell("layout", "cornell_open", wall, axes={"layout": layout}, n=9)
+    _, _, data = collected(builder, tmp_path, "layout")
+    assert data.title == "The choices of layout against each other"
+    aos, soa = data.groups[0].items
+    assert (aos.label, aos.is_baseline, aos.ratio) == ("aos", True, None)
+    assert (soa.label, soa.is_baseline) == ("soa", False)
+    assert soa.ratio.value == pytest.approx(0.75, rel=0.1)
