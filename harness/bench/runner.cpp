@@ -10,10 +10,10 @@
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "harness/bench/journal.h"
 #include "harness/bench/machine.h"
+#include "harness/bench/progress.h"
 #include "harness/bench/result_file.h"
 #include "harness/bench/verify.h"
 #include "harness/write_file.h"
@@ -25,10 +25,6 @@ namespace {
 
 std::atomic<bool> interrupted = false;
 
-double seconds_now() {
-    return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
-
 std::string iso_date() {
     const std::time_t now = std::time(nullptr);
     std::tm local{};
@@ -37,40 +33,6 @@ std::string iso_date() {
     std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S%z", &local);
     return text;
 }
-
-std::string minutes(double seconds) {
-    const long whole = std::lround(seconds);
-    return fmt::format("{}:{:02}", whole / 60, whole % 60);
-}
-
-// "[i/N] 0:31 elapsed, about 2:10 left  CELL" on stderr: in place on a terminal, now and then otherwise.
-class Progress {
-public:
-    Progress(std::string what, std::size_t total) : what_(std::move(what)), total_(total), start_(seconds_now()) {}
-
-    void step(const std::string& name) {
-        done_ += 1;
-        const double now = seconds_now();
-        if (!is_terminal_ && now - last_shown_ < 10 && done_ != total_) {
-            return;
-        }
-        last_shown_ = now;
-        const double elapsed = now - start_;
-        const double left =
-            elapsed / static_cast<double>(done_) * static_cast<double>(total_ - std::min(done_, total_));
-        fmt::print(stderr, "{}[{}/{}] {}: {} elapsed, about {} left  {}{}", is_terminal_ ? "\r\033[K" : "", done_,
-                   total_, what_, minutes(elapsed), minutes(left), name, is_terminal_ && done_ != total_ ? "" : "\n");
-        std::fflush(stderr);
-    }
-
-private:
-    std::string what_;
-    std::size_t total_;
-    std::size_t done_ = 0;
-    double start_;
-    double last_shown_ = 0;
-    bool is_terminal_ = ::isatty(STDERR_FILENO) != 0;
-};
 
 // The size at which a cell is verified before it is timed: enough pixels to meet every object, few enough to be quick.
 RenderSettings verification_settings(RenderSettings settings) {
