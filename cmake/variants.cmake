@@ -54,6 +54,15 @@ const IntegratorRegistration registration(integrator::${name}::descriptor, featu
   endforeach()
 endforeach()
 
+list(FILTER variant_sources EXCLUDE REGEX "/variants/cuda/")
+if(PTBENCH_CUDA)
+  list(APPEND integrator_sources ${cuda_sources})
+endif()
+
 # An object library: from an archive the linker would drop the registrations that nobody names.
 add_library(ptbench_variants OBJECT ${variant_sources} ${integrator_sources})
 target_link_libraries(ptbench_variants PUBLIC ptbench_options)
+if(PTBENCH_CUDA)
+  target_link_libraries(ptbench_variants PUBLIC ptbench_cudart)
+  target_include_directories(ptbench_variants SYSTEM PRIVATE ${PTBENCH_NVRTC_INCLUDE})
+endif()

@@ -21,11 +21,12 @@ struct Camera {
     std::uint32_t initial_medium;       // material that absorbs where the eye is, or Path::no_medium
 };
 
-// The start of a path: segment 0, on no surface.
+// The start of a path: segment 0, on no surface. Its numbers are those of the sample `camera_sample`, which is the
+// path's own unless camera rays are shared between samples (a first-bounce cache).
 template <class Config>
 PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Config::Real>& camera,
-                                                     const RandomSeed& seed, std::uint32_t pixel,
-                                                     std::uint32_t sample) {
+                                                     const RandomSeed& seed, std::uint32_t pixel, std::uint32_t sample,
+                                                     std::uint32_t camera_sample) {
     using Real = typename Config::Real;
     Path<Real> path;
     path.origin = {Real(0), Real(0), Real(0)};
@@ -40,7 +41,7 @@ PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Confi
 
     RandomWords words{0, 0, 0, 0};
     if constexpr (has<Config>(Feature::jitter) || has<Config>(Feature::lens)) {
-        words = random_words(seed, {pixel, sample, 0, random_block::camera_position});
+        words = random_words(seed, {pixel, camera_sample, 0, random_block::camera_position});
     }
     Real in_pixel_x = Real(0.5);
     Real in_pixel_y = Real(0.5);
@@ -66,7 +67,7 @@ PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Confi
     }
     path.direction = normalize(direction);
     if constexpr (has<Config>(Feature::motion)) {
-        const RandomWords time_words = random_words(seed, {pixel, sample, 0, random_block::camera_time});
+        const RandomWords time_words = random_words(seed, {pixel, camera_sample, 0, random_block::camera_time});
         const Real u = unit_interval<Real>(time_words.x);
         path.time = camera.shutter_open + camera.shutter_length * (camera.shutter_late != 0 ? square_root(u) : u);
     }

@@ -1,6 +1,7 @@
 // Vectors (GLM) and the few scalar functions whose rounding the kernels depend on.
 // min and max are ternaries: they compile to one instruction, stay IEEE, and on the host they vectorise (fminf does
-// not). Sine and cosine are our own polynomials (Cephes coefficients), so that host and device round alike.
+// not). Sine, cosine, exponential and logarithm are our own (coefficients of Cephes and fdlibm), from + - * / and the
+// bits of IEEE numbers alone, so that host and device round alike.
 #pragma once
 
 #include "kernels/config.h"
@@ -46,18 +47,93 @@ PT_HD inline Real square_root(Real x) {
     return sqrt(x);
 }
 template <class Real>
-PT_HD inline Real exponential(Real x) {
-    using std::exp;
-    return exp(x);
-}
-template <class Real>
-PT_HD inline Real logarithm(Real x) {
-    using std::log;
-    return log(x);
-}
-template <class Real>
 PT_HD inline Real absolute(Real x) {
     return x < Real(0) ? -x : x;
+}
+
+// The bits of a number and back; std::bit_cast is not to be had under NVRTC.
+PT_HD inline std::int32_t bits_of(float x) { return __builtin_bit_cast(std::int32_t, x); }
+PT_HD inline std::int64_t bits_of(double x) { return __builtin_bit_cast(std::int64_t, x); }
+PT_HD inline float number_of(std::int32_t bits) { return __builtin_bit_cast(float, bits); }
+PT_HD inline double number_of(std::int64_t bits) { return __builtin_bit_cast(double, bits); }
+
+template <class Real>
+inline constexpr int mantissa_bits = sizeof(Real) == 4 ? 23 : 52;
+template <class Real>
+inline constexpr int infinite_exponent = sizeof(Real) == 4 ? 128 : 1024;
+
+// 2^k for k from 2 - infinite_exponent, the smallest normal number, to infinite_exponent.
+template <class Real>
+PT_HD inline Real power_of_two(int k) {
+    return number_of(bits_of(Real(1)) + k * (bits_of(Real(2)) - bits_of(Real(1))));
+}
+
+// ln 2 in two parts. The first has so few bits that its product with an exponent is exact.
+template <class Real>
+inline constexpr Real ln2_high = sizeof(Real) == 4 ? Real(0x1.62e4p-1) : Real(0x1.62e42feep-1);
+template <class Real>
+inline constexpr Real ln2_low = sizeof(Real) == 4 ? Real(1.4286067653e-6) : Real(1.90821492927058770002e-10);
+
+// r coth(r/2) - 2 from z = r^2 for |r| <= ln(2)/2. Coefficients: fdlibm, e_exp.c (Sun Microsystems 1993), and its
+// single precision in FreeBSD's msun, e_expf.c.
+PT_HD inline float exponential_series(float z) { return (-2.7667332906e-3f * z + 1.6666625440e-1f) * z; }
+PT_HD inline double exponential_series(double z) {
+    double s = 4.13813679705723846039e-8 * z - 1.65339022054652515390e-6;
+    s = s * z + 6.61375632143793436117e-5;
+    s = s * z - 2.77777777770155933842e-3;
+    s = s * z + 1.66666666666666019037e-1;
+    return s * z;
+}
+
+// e^x, to less than one unit in the last place, through the denormal numbers down to 0; exactly 1 at 0.
+template <class Real>
+PT_HD inline Real exponential(Real x) {
+    constexpr Real log2_e = Real(1.44269504088896340736);
+    // Already here the result rounds to 0 or to infinity. NaN counts as the lower bound until the last line.
+    const Real within = sizeof(Real) == 4 ? clamp(x, Real(-104), Real(89)) : clamp(x, Real(-746), Real(710));
+    const int k = static_cast<int>(within * log2_e + (within < Real(0) ? Real(-0.5) : Real(0.5)));
+    const Real high = within - Real(k) * ln2_high<Real>;
+    const Real low = Real(k) * ln2_low<Real>;
+    const Real r = high - low;  // e^r = 1 + 2 r / (r coth(r/2) - r)
+    const Real c = r - exponential_series(r * r);
+    const Real power = Real(1) - ((low - r * c / (Real(2) - c)) - high);
+    // In two steps, for 2^k may be beyond the normal numbers; only the second can round.
+    const Real result = power * power_of_two<Real>(k / 2) * power_of_two<Real>(k - k / 2);
+    return x == x ? result : x;
+}
+
+// ln((1+s)/(1-s)) / s - 2 from z = s^2 for |s| <= 3 - sqrt(8). Coefficients: fdlibm, e_log.c, and msun, e_logf.c.
+PT_HD inline float logarithm_series(float z) {
+    return (((0.24279078841f * z + 0.28498786688f) * z + 0.40000972152f) * z + 0.66666662693f) * z;
+}
+PT_HD inline double logarithm_series(double z) {
+    double s = 1.479819860511658591e-1 * z + 1.531383769920937332e-1;
+    s = s * z + 1.818357216161805012e-1;
+    s = s * z + 2.222219843214978396e-1;
+    s = s * z + 2.857142874366239149e-1;
+    s = s * z + 3.999999999940941908e-1;
+    s = s * z + 6.666666666666735130e-1;
+    return s * z;
+}
+
+// The natural logarithm, to less than one unit in the last place; exactly 0 at 1. Minus infinity at 0, NaN below.
+template <class Real>
+PT_HD inline Real logarithm(Real x) {
+    const Real infinity = power_of_two<Real>(infinite_exponent<Real>);
+    if (!(x > Real(0) && x < infinity)) {
+        const Real not_a_number = number_of(~bits_of(Real(0)));  // a host's own NaN is not a device's
+        return x == Real(0) ? -infinity : x == infinity ? infinity : not_a_number;
+    }
+    const bool denormal = x < power_of_two<Real>(2 - infinite_exponent<Real>);
+    const auto bits = bits_of(denormal ? x * power_of_two<Real>(mantissa_bits<Real>) : x);
+    // 2^k (1 + f) with 1 + f from sqrt(1/2) to sqrt(2).
+    const auto k = (bits - bits_of(Real(0.70710678118654752440))) >> mantissa_bits<Real>;
+    const Real f = number_of(bits - (k << mantissa_bits<Real>)) - Real(1);
+    const Real exponent = Real(static_cast<int>(k) - (denormal ? mantissa_bits<Real> : 0));
+    const Real s = f / (Real(2) + f);
+    const Real half_square = Real(0.5) * f * f;
+    const Real correction = s * (half_square + logarithm_series(s * s)) + exponent * ln2_low<Real>;
+    return exponent * ln2_high<Real> - ((half_square - correction) - f);
 }
 
 template <class Real>

@@ -22,8 +22,14 @@ struct PathCounters {
 
 template <class Config>
 PT_HD inline Path<typename Config::Real> generate(const SceneView<typename Config::Real>& scene, std::uint32_t pixel,
+                                                  std::uint32_t sample, std::uint32_t camera_sample) {
+    return camera_path<Config>(scene.camera, scene.seed, pixel, sample, camera_sample);
+}
+
+template <class Config>
+PT_HD inline Path<typename Config::Real> generate(const SceneView<typename Config::Real>& scene, std::uint32_t pixel,
                                                   std::uint32_t sample) {
-    return camera_path<Config>(scene.camera, scene.seed, pixel, sample);
+    return generate<Config>(scene, pixel, sample, sample);
 }
 
 template <class Config>

@@ -6,6 +6,21 @@
 
 namespace pt {
 
+WorkCounters& WorkCounters::operator+=(const WorkCounters& other) {
+    static constexpr std::uint64_t WorkCounters::*fields[] = {
+        &WorkCounters::paths,       &WorkCounters::rays,           &WorkCounters::unfinished_walks,
+        &WorkCounters::bounces,     &WorkCounters::compactions,    &WorkCounters::compacted_away,
+        &WorkCounters::last_bounces, &WorkCounters::last_paths,    &WorkCounters::sorts,
+        &WorkCounters::sorted,      &WorkCounters::cache_fills,    &WorkCounters::cache_hits,
+        &WorkCounters::connections, &WorkCounters::launches,       &WorkCounters::graph_nodes,
+        &WorkCounters::host_waits};
+    static_assert(sizeof(WorkCounters) == std::size(fields) * sizeof(std::uint64_t));
+    for (const auto field : fields) {
+        this->*field += other.*field;
+    }
+    return *this;
+}
+
 std::size_t Variant::index(std::string_view axis) {
     const auto* found = std::find(std::begin(axis_names), std::end(axis_names), axis);
     if (found == std::end(axis_names)) {
@@ -18,6 +33,9 @@ std::string Variant::name() const {
     std::string joined;
     for (const std::string& choice : choices_) {
         joined += (joined.empty() ? "" : ".") + choice;
+    }
+    for (const auto& [tunable, value] : tuning) {
+        joined += "+" + tunable + "=" + std::to_string(value);
     }
     return joined;
 }
@@ -32,6 +50,8 @@ std::string_view to_string(Claim claim) {
             return "biased";
     }
 }
+
+std::string_view to_string(Backend backend) { return backend == Backend::cpu ? "cpu" : "cuda"; }
 
 std::vector<std::string> feature_names(FeatureSet features) {
     static constexpr const char* names[] = {

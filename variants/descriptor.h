@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,22 +17,50 @@ namespace pt {
 enum class Claim { bitwise, statistical, biased };
 
 enum class Backend : std::uint32_t { cpu = 1, cuda = 2 };
+inline constexpr Backend all_backends[] = {Backend::cpu, Backend::cuda};
+
+// Sets of backends, for descriptors.
+using BackendSet = std::uint32_t;
+inline constexpr BackendSet on_none = 0;
+inline constexpr BackendSet on_cpu = static_cast<BackendSet>(Backend::cpu);
+inline constexpr BackendSet on_cuda = static_cast<BackendSet>(Backend::cuda);
+inline constexpr BackendSet on_every_backend = on_cpu | on_cuda;
+constexpr bool contains(BackendSet set, Backend backend) { return (set & static_cast<BackendSet>(backend)) != 0; }
 
 // The axes in the order in which a variant's name spells them.
-inline constexpr std::string_view axis_names[] = {"integrator",   "compaction", "sorting",       "first_bounce",
-                                                  "direct_light", "layout",     "specialisation"};
+inline constexpr std::string_view axis_names[] = {"integrator",   "compaction",   "sorting", "sort_key",
+                                                  "first_bounce", "direct_light", "layout",  "specialisation",
+                                                  "launch",       "arithmetic",   "precision"};
 
-// One choice per axis, in the order of axis_names. As a string: the choices joined by dots.
+// A number that a choice may be tuned by. It never changes what is computed, unless the choice's claim says so.
+struct Tunable {
+    std::string_view name;
+    std::uint32_t standard = 0;  // where nothing else is asked for
+    std::uint32_t lowest = 0, highest = 0;
+    std::uint32_t multiple_of = 1;
+    std::string_view summary = "";
+
+    constexpr bool allows(std::uint32_t value) const {
+        return value >= lowest && value <= highest && value % multiple_of == 0;
+    }
+};
+
+// One choice per axis, in the order of axis_names, and the tunables that are not at their standard.
+// As a string: the choices joined by dots, then "+NAME=VALUE" for each of those tunables.
 class Variant {
 public:
     const std::string& operator[](std::string_view axis) const { return choices_.at(index(axis)); }
     void set(std::string_view axis, std::string choice) { choices_.at(index(axis)) = std::move(choice); }
     std::string name() const;
     bool operator==(const Variant&) const = default;
-    bool operator<(const Variant& other) const { return choices_ < other.choices_; }
+    bool operator<(const Variant& other) const {
+        return choices_ != other.choices_ ? choices_ < other.choices_ : tuning < other.tuning;
+    }
 
     // Position of an axis; throws std::out_of_range for a name that is none.
     static std::size_t index(std::string_view axis);
+
+    std::map<std::string, std::uint32_t, std::less<>> tuning;
 
 private:
     std::vector<std::string> choices_ = std::vector<std::string>(std::size(axis_names));
@@ -52,6 +81,11 @@ struct WorkCounters {
     std::uint64_t cache_fills = 0;
     std::uint64_t cache_hits = 0;
     std::uint64_t connections = 0;  // rays to lights
+    std::uint64_t launches = 0;     // kernels, copies and graphs that the integrator's host side enqueued (CUDA)
+    std::uint64_t graph_nodes = 0;  // nodes of the graphs launched (CUDA)
+    std::uint64_t host_waits = 0;   // times that it waited for the device within the render (CUDA)
+
+    WorkCounters& operator+=(const WorkCounters& other);
 };
 
 struct Descriptor {
@@ -59,16 +93,22 @@ struct Descriptor {
     std::string_view name;
     std::string_view summary;  // one line: what it is
     std::string_view origin;   // who proposed it, or where it was first seen
-    bool baseline = false;     // the axis's value where nothing else is asked for
-    bool reference =
-        false;  // bitwise claims on this axis are held against this choice; where none says so, the baseline
+    BackendSet baseline = on_none;  // where it is the axis's value if nothing else is asked for
+    // Where bitwise claims on this axis are held against this choice; where none says so, against the baseline.
+    BackendSet reference = on_none;
     Claim claim = Claim::bitwise;
     std::string_view claim_note = "";  // for statistical and biased: against what, and why
     // For statistical: the choice of the same axis that has the same expectation, at a depth so many segments greater.
     std::string_view mean_of = "";
     std::uint32_t mean_at_extra_depth = 0;
+    // The compiler may contract and reorder: two kernels of one formula need not round alike, so the variant is held
+    // to its twin with mean_of by its mean, and the twin to the reference by its bits.
+    bool rounds_freely = false;
     bool keeps_payload_contiguous = true;  // of a compaction: the paths in play are slots 0 to count - 1 afterwards
-    std::uint32_t backends = static_cast<std::uint32_t>(Backend::cpu);
+    // Of a compaction or sort on CUDA: the host waits for the device within it, so no graph can hold it.
+    bool waits_for_device = false;
+    BackendSet backends = on_cpu;
+    std::span<const Tunable> tunables = {};
     // Why the choice cannot run on a scene with these features in this variant; empty: it can.
     std::string (*does_not_apply)(FeatureSet scene, const Variant& variant) = nullptr;
     // What the counters say the choice left undone (or did although it must not); empty: it did its work.
@@ -76,6 +116,7 @@ struct Descriptor {
 };
 
 std::string_view to_string(Claim claim);
+std::string_view to_string(Backend backend);
 // "axis_box emitter sphere ...": the names of the features in a set, in the order of their bits.
 std::vector<std::string> feature_names(FeatureSet features);
 

@@ -12,78 +12,115 @@ Registry& Registry::instance() {
 
 namespace {
 
+std::string label(const Descriptor& descriptor) {
+    return std::string(descriptor.axis) + "=" + std::string(descriptor.name);
+}
+
 // Throws std::logic_error for a descriptor that verification could not work with.
 void check_descriptor(const Descriptor& descriptor) {
     Variant::index(descriptor.axis);
     if (descriptor.claim == Claim::statistical && descriptor.mean_of.empty()) {
-        throw std::logic_error("a statistical claim needs mean_of: " + std::string(descriptor.axis) + "=" +
-                               std::string(descriptor.name));
+        throw std::logic_error("a statistical claim needs mean_of: " + label(descriptor));
     }
+    if (descriptor.rounds_freely && descriptor.claim != Claim::statistical) {
+        throw std::logic_error("what rounds freely can claim its mean only: " + label(descriptor));
+    }
+    for (const Tunable& tunable : descriptor.tunables) {
+        if (!tunable.allows(tunable.standard)) {
+            throw std::logic_error("the standard of " + std::string(tunable.name) + " is not allowed: " +
+                                   label(descriptor));
+        }
+    }
+}
+
+const Descriptor& descriptor_at(std::string_view axis, const Variant& variant, Backend backend) {
+    return Registry::instance().at(axis, variant, backend).descriptor;
 }
 
 }  // namespace
 
-void Registry::add(const Descriptor& descriptor, Hook hook) {
+Choice& Registry::insert(Backend backend, const Descriptor& descriptor) {
+    auto& choices = backends_[backend][std::string(descriptor.axis)];
+    return choices.try_emplace(std::string(descriptor.name), Choice{descriptor, {}}).first->second;
+}
+
+void Registry::add(const Descriptor& descriptor, const Hook& hook) {
     check_descriptor(descriptor);
-    const auto [position, inserted] = axes_[std::string(descriptor.axis)].try_emplace(
-        std::string(descriptor.name), Choice{descriptor, std::move(hook)});
-    if (!inserted) {
-        throw std::logic_error("choice registered twice: " + std::string(descriptor.axis) + "=" + position->first);
+    for (const Backend backend : all_backends) {
+        if (!contains(descriptor.backends, backend)) {
+            continue;
+        }
+        if (find(descriptor.axis, descriptor.name, backend) != nullptr) {
+            throw std::logic_error("choice registered twice: " + label(descriptor));
+        }
+        insert(backend, descriptor).hook = hook;
     }
 }
 
 void Registry::add_integrator(const Descriptor& descriptor, FeatureSet features, RenderFunction render) {
     check_descriptor(descriptor);
-    Choice& choice =
-        axes_["integrator"].try_emplace(std::string(descriptor.name), Choice{descriptor, {}}).first->second;
-    choice.hook.integrator[features] = render;
+    insert(Backend::cpu, descriptor).hook.integrator[features] = render;
 }
 
-std::vector<const Choice*> Registry::choices(std::string_view axis) const {
+std::vector<const Choice*> Registry::choices(std::string_view axis, Backend backend) const {
     std::vector<const Choice*> found;
-    if (const auto position = axes_.find(std::string(axis)); position != axes_.end()) {
-        for (const auto& [name, choice] : position->second) {
-            found.push_back(&choice);
+    if (const auto axes = backends_.find(backend); axes != backends_.end()) {
+        if (const auto position = axes->second.find(axis); position != axes->second.end()) {
+            for (const auto& [name, choice] : position->second) {
+                found.push_back(&choice);
+            }
         }
     }
-    std::stable_partition(found.begin(), found.end(), [](const Choice* choice) { return choice->descriptor.baseline; });
+    std::stable_partition(found.begin(), found.end(),
+                          [=](const Choice* choice) { return contains(choice->descriptor.baseline, backend); });
     return found;
 }
 
-const Choice* Registry::find(std::string_view axis, std::string_view name) const {
-    const auto position = axes_.find(std::string(axis));
-    if (position == axes_.end()) {
+const Choice* Registry::find(std::string_view axis, std::string_view name, Backend backend) const {
+    const auto axes = backends_.find(backend);
+    if (axes == backends_.end()) {
         return nullptr;
     }
-    const auto choice = position->second.find(std::string(name));
+    const auto position = axes->second.find(axis);
+    if (position == axes->second.end()) {
+        return nullptr;
+    }
+    const auto choice = position->second.find(name);
     return choice == position->second.end() ? nullptr : &choice->second;
 }
 
-const Choice& Registry::at(std::string_view axis, const Variant& variant) const {
-    const Choice* choice = find(axis, variant[axis]);
+const Choice& Registry::at(std::string_view axis, const Variant& variant, Backend backend) const {
+    const Choice* choice = find(axis, variant[axis], backend);
     if (choice == nullptr) {
-        throw std::logic_error("no choice " + std::string(axis) + "=" + variant[axis]);
+        throw std::logic_error("no choice " + std::string(axis) + "=" + variant[axis] + " on " +
+                               std::string(to_string(backend)));
     }
     return *choice;
 }
 
-Variant Registry::baseline() const {
+Variant Registry::baseline(Backend backend) const {
     Variant variant;
     for (const std::string_view axis : axis_names) {
-        variant.set(axis, std::string(choices(axis).at(0)->descriptor.name));
+        variant.set(axis, std::string(choices(axis, backend).at(0)->descriptor.name));
     }
     return variant;
 }
 
-Variant Registry::reference(const Variant& variant) const {
-    Variant reference = baseline();
+Variant Registry::reference(const Variant& variant, Backend backend) const {
+    Variant reference = baseline(backend);
     for (const std::string_view axis : axis_names) {
-        if (at(axis, variant).descriptor.claim != Claim::bitwise) {
+        const Descriptor& descriptor = at(axis, variant, backend).descriptor;
+        if (descriptor.claim != Claim::bitwise) {
             reference.set(axis, variant[axis]);
+            for (const Tunable& tunable : descriptor.tunables) {
+                if (const auto tuned = variant.tuning.find(tunable.name); tuned != variant.tuning.end()) {
+                    reference.tuning.insert(*tuned);
+                }
+            }
             continue;
         }
-        for (const Choice* choice : choices(axis)) {
-            if (choice->descriptor.reference) {
+        for (const Choice* choice : choices(axis, backend)) {
+            if (contains(choice->descriptor.reference, backend)) {
                 reference.set(axis, std::string(choice->descriptor.name));
             }
         }
@@ -91,32 +128,104 @@ Variant Registry::reference(const Variant& variant) const {
     return reference;
 }
 
-std::string why_not_applicable(const Variant& variant, FeatureSet scene) {
+std::string why_not_applicable(const Variant& variant, FeatureSet scene, Backend backend) {
+    const Registry& registry = Registry::instance();
     for (const std::string_view axis : axis_names) {
-        const Descriptor& descriptor = Registry::instance().at(axis, variant).descriptor;
+        if (registry.find(axis, variant[axis], backend) == nullptr) {
+            return std::string(axis) + "=" + variant[axis] + " is not there on the backend " +
+                   std::string(to_string(backend));
+        }
+    }
+    for (const std::string_view axis : axis_names) {
+        const Descriptor& descriptor = descriptor_at(axis, variant, backend);
         const std::string reason =
             descriptor.does_not_apply == nullptr ? "" : descriptor.does_not_apply(scene, variant);
         if (!reason.empty()) {
-            return std::string(axis) + "=" + std::string(descriptor.name) + " " + reason;
+            return label(descriptor) + " " + reason;
+        }
+    }
+    const std::vector<Tunable> known = tunables_of(variant, backend);
+    for (const auto& [name, value] : variant.tuning) {
+        const auto position =
+            std::find_if(known.begin(), known.end(), [&](const Tunable& tunable) { return tunable.name == name; });
+        if (position == known.end()) {
+            return name + "=" + std::to_string(value) + " tunes none of the variant's choices";
+        }
+        if (!position->allows(value)) {
+            return name + "=" + std::to_string(value) + " is out of its range";
         }
     }
     return "";
 }
 
-Claim claim_of(const Variant& variant) {
+Claim claim_of(const Variant& variant, Backend backend) {
     Claim weakest = Claim::bitwise;
     for (const std::string_view axis : axis_names) {
-        weakest = std::max(weakest, Registry::instance().at(axis, variant).descriptor.claim);
+        weakest = std::max(weakest, descriptor_at(axis, variant, backend).claim);
     }
     return weakest;
 }
 
-std::string work_missing(const Variant& variant, const WorkCounters& work, std::uint64_t samples) {
+bool rounds_freely(const Variant& variant, Backend backend) {
+    return std::any_of(std::begin(axis_names), std::end(axis_names), [&](std::string_view axis) {
+        return descriptor_at(axis, variant, backend).rounds_freely;
+    });
+}
+
+Variant exact_twin(const Variant& variant, Backend backend) {
+    Variant twin = variant;
     for (const std::string_view axis : axis_names) {
-        const Descriptor& descriptor = Registry::instance().at(axis, variant).descriptor;
+        const Descriptor& descriptor = descriptor_at(axis, variant, backend);
+        if (descriptor.rounds_freely) {
+            twin.set(axis, std::string(descriptor.mean_of));
+        }
+    }
+    return twin;
+}
+
+std::vector<Tunable> tunables_of(const Variant& variant, Backend backend) {
+    std::vector<Tunable> all;
+    for (const std::string_view axis : axis_names) {
+        const std::span<const Tunable> tunables = descriptor_at(axis, variant, backend).tunables;
+        all.insert(all.end(), tunables.begin(), tunables.end());
+    }
+    return all;
+}
+
+std::vector<Tunable> all_tunables(Backend backend) {
+    std::vector<Tunable> all;
+    for (const std::string_view axis : axis_names) {
+        for (const Choice* choice : Registry::instance().choices(axis, backend)) {
+            for (const Tunable& tunable : choice->descriptor.tunables) {
+                const bool known =
+                    std::any_of(all.begin(), all.end(), [&](const Tunable& t) { return t.name == tunable.name; });
+                if (!known) {
+                    all.push_back(tunable);
+                }
+            }
+        }
+    }
+    return all;
+}
+
+std::uint32_t tunable(const Variant& variant, std::string_view name, Backend backend) {
+    if (const auto tuned = variant.tuning.find(name); tuned != variant.tuning.end()) {
+        return tuned->second;
+    }
+    for (const Tunable& tunable : tunables_of(variant, backend)) {
+        if (tunable.name == name) {
+            return tunable.standard;
+        }
+    }
+    throw std::logic_error(variant.name() + " has no tunable " + std::string(name));
+}
+
+std::string work_missing(const Variant& variant, const WorkCounters& work, std::uint64_t samples, Backend backend) {
+    for (const std::string_view axis : axis_names) {
+        const Descriptor& descriptor = descriptor_at(axis, variant, backend);
         const std::string missing = descriptor.work_missing == nullptr ? "" : descriptor.work_missing(work, samples);
         if (!missing.empty()) {
-            return std::string(axis) + "=" + std::string(descriptor.name) + ": " + missing;
+            return label(descriptor) + ": " + missing;
         }
     }
     return "";

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "variants/cuda/hooks.h"
 #include "variants/descriptor.h"
 #include "variants/render_job.h"
 
@@ -13,7 +14,8 @@ namespace pt {
 
 using MakeCompaction = std::function<std::unique_ptr<Compaction>()>;
 using MakeSorting = std::function<std::unique_ptr<Sorting>()>;
-using MakeFirstBounceCache = std::function<std::unique_ptr<FirstBounceCache>(std::uint32_t pixels)>;  // may return null
+// How many camera rays of a pixel have their hits kept; 0: none.
+using KeepCameraRays = std::function<std::uint32_t(const Variant& variant, Backend backend)>;
 using MakePaths = std::function<AnyPaths()>;
 using RenderFunction = void (*)(RenderJob&);
 // The features that a direct-light choice adds to those of the scene.
@@ -21,15 +23,17 @@ using AddFeatures = std::function<FeatureSet()>;
 // Picks, from the feature sets that an integrator was compiled for, the one to run for a scene that needs `needed`.
 using ChooseFeatures = std::function<FeatureSet(FeatureSet needed, const std::vector<FeatureSet>& compiled)>;
 
-// What a choice brings; exactly one member is set, by its axis.
+// What a choice brings; at most one member is set, by its axis and backend. A choice that is a name and nothing else
+// (`none`, an option of the compiler) brings none.
 struct Hook {
     MakeCompaction compaction = {};
     MakeSorting sorting = {};
-    MakeFirstBounceCache first_bounce = {};
+    KeepCameraRays first_bounce = {};
     MakePaths layout = {};
     AddFeatures direct_light = {};
     ChooseFeatures specialisation = {};
     std::map<FeatureSet, RenderFunction> integrator = {};
+    cuda::Hooks cuda = {};
 };
 
 struct Choice {
@@ -41,29 +45,33 @@ class Registry {
 public:
     static Registry& instance();
 
-    // Throws std::logic_error if the axis is unknown or already has a choice of this name.
-    void add(const Descriptor& descriptor, Hook hook);
-    // An integrator is registered once for each feature set that it was compiled for.
+    // Adds a choice on every backend that its descriptor names. Throws std::logic_error if the axis is unknown or
+    // already has a choice of this name there.
+    void add(const Descriptor& descriptor, const Hook& hook);
+    // A CPU integrator is registered once for each feature set that it was compiled for.
     void add_integrator(const Descriptor& descriptor, FeatureSet features, RenderFunction render);
 
     // The choices of an axis: its baseline first, then by name.
-    std::vector<const Choice*> choices(std::string_view axis) const;
+    std::vector<const Choice*> choices(std::string_view axis, Backend backend = Backend::cpu) const;
     // Null if there is none of this name.
-    const Choice* find(std::string_view axis, std::string_view name) const;
-    const Choice& at(std::string_view axis, const Variant& variant) const;
+    const Choice* find(std::string_view axis, std::string_view name, Backend backend = Backend::cpu) const;
+    const Choice& at(std::string_view axis, const Variant& variant, Backend backend = Backend::cpu) const;
 
     // Every axis at its baseline.
-    Variant baseline() const;
+    Variant baseline(Backend backend = Backend::cpu) const;
     // The variant that `variant` must equal bit for bit: every axis whose choices claim `bitwise` goes to the plainest
-    // choice (Descriptor::reference, else the baseline), the others stay.
-    Variant reference(const Variant& variant) const;
+    // choice (Descriptor::reference, else the baseline) and its tunables to their standards, the others stay.
+    Variant reference(const Variant& variant, Backend backend = Backend::cpu) const;
 
 private:
-    std::map<std::string, std::map<std::string, Choice>> axes_;
+    using Axes = std::map<std::string, std::map<std::string, Choice, std::less<>>, std::less<>>;
+    Choice& insert(Backend backend, const Descriptor& descriptor);
+
+    std::map<Backend, Axes> backends_;
 };
 
 struct Registration {
-    Registration(const Descriptor& descriptor, Hook hook) { Registry::instance().add(descriptor, std::move(hook)); }
+    Registration(const Descriptor& descriptor, const Hook& hook) { Registry::instance().add(descriptor, hook); }
 };
 
 struct IntegratorRegistration {
@@ -72,13 +80,27 @@ struct IntegratorRegistration {
     }
 };
 
-// Why a variant cannot run on a scene with these features ("axis=choice reason"); empty: it can.
-std::string why_not_applicable(const Variant& variant, FeatureSet scene);
+// Why a variant cannot run on a scene with these features ("axis=choice reason"); empty: it can. A choice that the
+// backend lacks and a tunable that none of the choices has are such reasons.
+std::string why_not_applicable(const Variant& variant, FeatureSet scene, Backend backend = Backend::cpu);
 
 // The weakest claim among the variant's choices.
-Claim claim_of(const Variant& variant);
+Claim claim_of(const Variant& variant, Backend backend = Backend::cpu);
+
+// The compiler may round the variant's arithmetic as it likes (Descriptor::rounds_freely).
+bool rounds_freely(const Variant& variant, Backend backend);
+// The same variant with each choice that rounds freely replaced by the one whose mean it claims.
+Variant exact_twin(const Variant& variant, Backend backend);
+
+// The tunables that the variant's choices have, those of the integrator first.
+std::vector<Tunable> tunables_of(const Variant& variant, Backend backend);
+// Every tunable that some choice of the backend has, each name once.
+std::vector<Tunable> all_tunables(Backend backend);
+// The value of a tunable in a variant. Throws std::logic_error if none of its choices has it.
+std::uint32_t tunable(const Variant& variant, std::string_view name, Backend backend);
 
 // What the choices of a variant left undone in a render of `samples` samples a pixel; empty: all did their work.
-std::string work_missing(const Variant& variant, const WorkCounters& work, std::uint64_t samples);
+std::string work_missing(const Variant& variant, const WorkCounters& work, std::uint64_t samples,
+                         Backend backend = Backend::cpu);
 
 }  // namespace pt

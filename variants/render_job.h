@@ -49,10 +49,17 @@ public:
     virtual bool is_active() const { return true; }
 };
 
-// The first segment's hit of every pixel, kept between samples.
+// The first hits of a few camera rays of every pixel, kept between samples: sample s uses ray s mod rays.
 struct FirstBounceCache {
-    std::vector<Hit<float>> hits;
-    bool filled = false;
+    std::vector<Hit<float>> hits;  // pixel-major
+    std::uint32_t rays = 1;
+    std::uint32_t samples_seen = 0;  // a ray is there once the first sample that uses it has been traced
+
+    std::size_t index(std::uint32_t pixel, std::uint32_t sample) const {
+        return std::size_t{pixel} * rays + sample % rays;
+    }
+    // Whether the hit of the sample numbered `turn` (from 0, since the cache was made) is there already.
+    bool has(std::uint32_t turn) const { return turn >= rays; }
 };
 
 // Where the time of a render goes. Only instrumented renders have one: it is never part of a timed sample.

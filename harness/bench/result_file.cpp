@@ -7,6 +7,7 @@
 #include <benchmark/benchmark.h>
 
 #include "harness/bench/machine.h"
+#include "harness/cuda/backend.h"
 
 namespace pt {
 
@@ -32,9 +33,15 @@ OrderedJson context(const RunFacts& facts) {
     for (const auto& [key, value] : machine_context()) {
         json[key] = value;
     }
+    if (facts.backend == Backend::cuda) {
+        for (const auto& [key, value] : cuda::context()) {
+            json[key] = value;
+        }
+        json["ptbench.machine"] = cuda::machine_name();
+    }
     json["ptbench.command_line"] = facts.command_line;
     json["ptbench.suite"] = facts.suite;
-    json["ptbench.backend"] = "cpu";
+    json["ptbench.backend"] = to_string(facts.backend);
     json["ptbench.status"] = facts.completed ? "completed" : "interrupted";
     return json;
 }
@@ -136,19 +143,29 @@ OrderedJson failed_row(const std::string& cell, std::size_t family, int repetiti
     return row;
 }
 
+// Every tunable of the cell's choices with the value that it had.
+OrderedJson tunables_json(const Cell& cell) {
+    OrderedJson json = OrderedJson::object();
+    for (const Tunable& t : tunables_of(cell.variant, cell.backend)) {
+        json[std::string(t.name)] = tunable(cell.variant, t.name, cell.backend);
+    }
+    return json;
+}
+
 OrderedJson cell_json(const Cell& cell, const Journal& journal, int repetitions) {
     const FeatureSet features = features_of(*cell.scene);
     OrderedJson json{{"cell", cell.name},
                      {"studies", cell.studies},
                      {"scene", cell.scene->name},
                      {"scene_hash", cell.scene->hash},
-                     {"backend", "cpu"},
+                     {"backend", to_string(cell.backend)},
                      {"variant", cell.variant.name()},
                      {"axes", axes_of(cell.variant)},
+                     {"tunables", tunables_json(cell)},
                      {"resolution", {cell.settings.width, cell.settings.height}},
                      {"depth", cell.settings.depth},
                      {"spp", cell.spp},
-                     {"claim", to_string(claim_of(cell.variant))},
+                     {"claim", to_string(claim_of(cell.variant, cell.backend))},
                      {"features", feature_names(features)}};
     const Json* facts = journal.cell(cell.name);
     if (facts == nullptr) {
@@ -210,9 +227,17 @@ std::string result_json(const Plan& plan, const Suite& suite, const Journal& jou
                                   {"axes", axes_of(entry.variant)},
                                   {"reason", entry.reason}});
     }
+    OrderedJson baselines;
+    for (const std::string_view axis : axis_names) {
+        baselines[std::string(axis)] = Registry::instance().baseline(facts.backend)[axis];
+    }
     const OrderedJson result{{"context", context(facts)},
                              {"benchmarks", rows},
-                             {"ptbench", {{"studies", studies}, {"cells", cells}, {"not_applicable", not_applicable}}}};
+                             {"ptbench",
+                              {{"studies", studies},
+                               {"baselines", baselines},
+                               {"cells", cells},
+                               {"not_applicable", not_applicable}}}};
     return result.dump(1) + "\n";
 }
 

@@ -12,6 +12,7 @@ struct RunFacts {
     std::string command_line;
     std::string suite;
     std::string date;  // ISO 8601, of the run's end
+    Backend backend = Backend::cpu;
     bool completed = true;
     int repetitions = 1;
 };

@@ -11,13 +11,14 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
+#include "harness/bench/compile_ahead.h"
 #include "harness/bench/journal.h"
 #include "harness/bench/machine.h"
 #include "harness/bench/progress.h"
 #include "harness/bench/result_file.h"
 #include "harness/bench/verify.h"
+#include "harness/cuda/backend.h"
 #include "harness/write_file.h"
-#include "variants/cpu/parallel_for.h"
 
 namespace pt {
 
@@ -46,8 +47,12 @@ constexpr std::uint32_t verification_spp = 2;
 
 // All cells whose films must be equal bit for bit.
 std::string bitwise_group(const Cell& cell) {
-    const std::string name = cell.name;
-    return Registry::instance().reference(cell.variant).name() + name.substr(name.find('/'));
+    const std::string& name = cell.name;
+    // Two kernels that round freely need not agree: each is a group of its own.
+    const Variant variant = rounds_freely(cell.variant, cell.backend)
+                                 ? cell.variant
+                                 : Registry::instance().reference(cell.variant, cell.backend);
+    return variant.name() + name.substr(name.find('/'));
 }
 
 // Google Benchmark's own table is as wide as our names are long, and under interleaving in the order in which cells
@@ -57,6 +62,19 @@ public:
     bool ReportContext(const Context&) override { return true; }
     void ReportRuns(const std::vector<Run>&) override {}
 };
+
+double clock_mhz(Backend backend) { return backend == Backend::cuda ? cuda::measure_clock_mhz() : measure_clock_mhz(); }
+
+Json cuda_json(const CudaFacts& facts) {
+    Json kernels = Json::object();
+    for (const CudaFacts::Kernel& kernel : facts.kernels) {
+        kernels[kernel.name] = {{"registers", kernel.registers},
+                                {"local_bytes", kernel.local_bytes},
+                                {"shared_bytes", kernel.shared_bytes}};
+    }
+    return {{"device_bytes", facts.device_bytes}, {"path_bytes", facts.path_bytes}, {"block", facts.threads},
+            {"prepare_ms", facts.prepare_ms},     {"options", facts.options},       {"kernels", kernels}};
+}
 
 class Runner {
 public:
@@ -89,6 +107,7 @@ private:
 
     // Verification and the instrumented pass, for the cells that the journal does not know yet.
     void prepare() {
+        compile_kernels();
         Progress progress("verify", plan_.cells.size());
         std::map<std::string, Verifier> verifiers;
         for (const Cell& cell : plan_.cells) {
@@ -99,11 +118,21 @@ private:
                 const RenderSettings small = verification_settings(cell.settings);
                 const std::string key =
                     fmt::format("{}/{}x{}/{}", cell.scene->name, small.width, small.height, small.depth);
-                Verifier& verifier = verifiers.try_emplace(key, *cell.scene, small, verification_spp).first->second;
+                Verifier& verifier = verifiers.try_emplace(key, *cell.scene, small, verification_spp, cell.backend).first->second;
                 journal_.set_cell(cell.name, prepare_or_fail(cell, verifier));
             }
             progress.step(cell.name);
         }
+    }
+
+    void compile_kernels() const {
+        std::vector<CompileTask> tasks;
+        for (const Cell& cell : plan_.cells) {
+            if (cell.backend == Backend::cuda && journal_.cell(cell.name) == nullptr) {
+                tasks.push_back({cell.scene.get(), cell.variant});
+            }
+        }
+        compile_ahead(tasks);
     }
 
     // A choice that throws fails its cell, not the run.
@@ -122,7 +151,7 @@ private:
 
     Json prepare_cell(const Cell& cell, Verifier& verifier) {
         const Verdict verdict = verifier.check(cell.variant);
-        const KernelChoice kernel = choose_kernel(*cell.scene, cell.variant);
+        const KernelChoice kernel = choose_kernel(*cell.scene, cell.variant, cell.backend);
         Json facts{{"claim_check", verdict.message},
                    {"kernel_features", feature_names(kernel.compiled)},
                    {"specialisation_note", kernel.note()},
@@ -134,13 +163,17 @@ private:
         RenderSettings settings = cell.settings;
         settings.seed = options_.seed;
         // Queues grow and pages are touched in a first render: not in one whose stages are looked at.
-        (void)render(*cell.scene, {.variant = cell.variant, .settings = settings, .samples = 1});
-        const RenderResult result = render(
-            *cell.scene, {.variant = cell.variant, .settings = settings, .samples = cell.spp, .instrument = true});
+        (void)render(*cell.scene,
+                     {.variant = cell.variant, .backend = cell.backend, .settings = settings, .samples = 1});
+        const RenderResult result = render(*cell.scene, {.variant = cell.variant,
+                                                         .backend = cell.backend,
+                                                         .settings = settings,
+                                                         .samples = cell.spp,
+                                                         .instrument = true});
         if (const std::string& expected = full_size_hash(cell); result.film.hash() != expected) {
             facts["status"] = "failed";
             facts["reason"] = fmt::format("at full size the film {} differs from {} of {}", result.film.hash(),
-                                          expected, Registry::instance().reference(cell.variant).name());
+                                          expected, full_size_reference(cell).name());
             return facts;
         }
         const Vec3d mean = result.film.mean();
@@ -156,7 +189,14 @@ private:
                              {"sorts", result.work.sorts},
                              {"sorted", result.work.sorted},
                              {"cache_fills", result.work.cache_fills},
-                             {"cache_hits", result.work.cache_hits}};
+                             {"cache_hits", result.work.cache_hits},
+                             {"connections", result.work.connections},
+                             {"launches", result.work.launches},
+                             {"graph_nodes", result.work.graph_nodes},
+                             {"host_waits", result.work.host_waits}};
+        if (cell.backend == Backend::cuda) {
+            facts["cuda"] = cuda_json(result.cuda);
+        }
         Json stages = Json::object();
         double staged = 0;
         for (const auto& [stage, ms] : result.stages.milliseconds) {
@@ -173,6 +213,12 @@ private:
         return facts;
     }
 
+    // A variant that rounds freely is held to itself: its film must be the same every time.
+    static Variant full_size_reference(const Cell& cell) {
+        return rounds_freely(cell.variant, cell.backend) ? cell.variant
+                                                         : Registry::instance().reference(cell.variant, cell.backend);
+    }
+
     // The film of the cell's reference variant at the cell's own size, for the first sample's seed.
     const std::string& full_size_hash(const Cell& cell) {
         const std::pair<std::string, std::size_t> key{bitwise_group(cell), 0};
@@ -180,11 +226,12 @@ private:
         if (known != hashes_.end()) {
             return known->second.first;
         }
-        const Variant reference = Registry::instance().reference(cell.variant);
+        const Variant reference = full_size_reference(cell);
         RenderSettings settings = cell.settings;
         settings.seed = options_.seed;
         const RenderResult result =
-            render(*cell.scene, {.variant = reference, .settings = settings, .samples = cell.spp});
+            render(*cell.scene,
+                   {.variant = reference, .backend = cell.backend, .settings = settings, .samples = cell.spp});
         return hashes_.try_emplace(key, result.film.hash(), reference.name()).first->second.first;
     }
 
@@ -260,22 +307,23 @@ private:
     }
 
     std::string render_sample(const Cell& cell, std::size_t index) {
-        RenderRequest request{.variant = cell.variant, .settings = cell.settings, .samples = cell.spp};
+        RenderRequest request{
+            .variant = cell.variant, .backend = cell.backend, .settings = cell.settings, .samples = cell.spp};
         request.settings.seed = options_.seed + index;
         if (warm_.insert(cell.name).second) {
             RenderRequest warm_up = request;
             warm_up.samples = 1;
             (void)render(*cell.scene, warm_up);
         }
-        const double clock_before = measure_clock_mhz();
+        const double clock_before = clock_mhz(cell.backend);
         const ForeignLoad load_before = ForeignLoad::now();
         const auto render_begin = std::chrono::steady_clock::now();
         const RenderResult result = render(*cell.scene, request);
         const double end_to_end =
             std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - render_begin).count();
         const ForeignLoad foreign = ForeignLoad::now() - load_before;
-        const double clock_after = measure_clock_mhz();
-        if (const std::string missing = work_missing(cell.variant, result.work, cell.spp); !missing.empty()) {
+        const double clock_after = clock_mhz(cell.backend);
+        if (const std::string missing = work_missing(cell.variant, result.work, cell.spp, cell.backend); !missing.empty()) {
             return missing;
         }
         // At full size too, every film of a group has the same bits, seed by seed.
@@ -309,7 +357,7 @@ private:
     }
 
     void print_table() const {
-        fmt::print("{:>12} {:>7} {:>9} {:>9}  cell (median of the samples)\n", "ms/spp", "cv", "Mrays/s", "a thread");
+        fmt::print("{:>12} {:>7} {:>9}  cell (median of the samples)\n", "ms/spp", "cv", "Mrays/s");
         for (const Cell& cell : plan_.cells) {
             std::vector<double> wall, rays;
             for (const Json& sample : journal_.samples(cell.name)) {
@@ -318,9 +366,8 @@ private:
             }
             if (!wall.empty()) {
                 const Aggregates time = aggregate(wall);
-                const double mega_rays = 1e-6 * aggregate(rays).median;
-                fmt::print("{:12.4g} {:6.1f}% {:9.2f} {:9.2f}  {}\n", time.median / cell.spp, 100 * time.cv, mega_rays,
-                           mega_rays / parallel_threads(), cell.name);
+                fmt::print("{:12.4g} {:6.1f}% {:9.2f}  {}\n", time.median / cell.spp, 100 * time.cv,
+                           1e-6 * aggregate(rays).median, cell.name);
             }
         }
     }
@@ -343,6 +390,7 @@ private:
                                              {.command_line = options_.command_line,
                                               .suite = suite_.name,
                                               .date = iso_date(),
+                                              .backend = options_.backend,
                                               .completed = completed,
                                               .repetitions = repetitions_}));
         print_table();
@@ -406,12 +454,16 @@ void apply_filter(Plan& plan, const std::string& filter) {
     }
 }
 
+std::string plan_machine(const Plan& plan) {
+    return plan.cells.front().backend == Backend::cuda ? cuda::machine_name() : machine_name();
+}
+
 Json identity_of(const Plan& plan, const RunOptions& options, int repetitions) {
     Json cells = Json::array();
     for (const Cell& cell : plan.cells) {
         cells.push_back(cell.name + "#" + cell.scene->hash);
     }
-    return {{"machine", machine_name()}, {"program", program_hash()}, {"openmp", openmp_environment()},
+    return {{"machine", plan_machine(plan)}, {"program", program_hash()}, {"openmp", openmp_environment()},
             {"git_sha", git_sha()},      {"git_dirty", git_dirty()},  {"cells", cells},
             {"seed", options.seed},      {"repetitions", repetitions}};
 }
@@ -431,7 +483,7 @@ std::string describe_plan(const Plan& plan, int repetitions) {
 }
 
 Plan plan_run(const Suite& suite, const RunOptions& options) {
-    Plan plan = make_plan(suite);
+    Plan plan = make_plan(suite, options.backend);
     apply_filter(plan, options.filter);
     if (plan.cells.empty()) {
         throw InputError("the run has no cell: " + (plan.not_applicable.empty()

@@ -10,6 +10,7 @@
 namespace pt {
 
 struct RunOptions {
+    Backend backend = Backend::cpu;
     std::string out;           // result file
     std::string command_line;  // for the record
     int repetitions = 0;       // 0: the suite's

@@ -1,6 +1,8 @@
 #include "harness/bench/suite.h"
 
 #include <algorithm>
+#include <charconv>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,6 +13,17 @@
 namespace pt {
 
 namespace {
+
+// The choices of an axis on any backend, each name once.
+std::vector<std::string> names_on_any_backend(std::string_view axis) {
+    std::set<std::string> names;
+    for (const Backend backend : all_backends) {
+        for (const Choice* choice : Registry::instance().choices(axis, backend)) {
+            names.emplace(choice->descriptor.name);
+        }
+    }
+    return {names.begin(), names.end()};
+}
 
 std::vector<std::string> names_of(const std::vector<const Choice*>& choices) {
     std::vector<std::string> names;
@@ -57,8 +70,52 @@ std::vector<std::uint32_t> read_depths(const JsonValue& value) {
     return depths;
 }
 
+std::pair<std::uint32_t, std::uint32_t> read_size(const JsonValue& value) {
+    const std::vector<JsonValue> sides = value.elements();
+    if (sides.size() != 2) {
+        value.fail("an array of 2 whole numbers, [width, height]");
+    }
+    return {static_cast<std::uint32_t>(sides[0].whole(1, 8192, "a whole number from 1 to 8192")),
+            static_cast<std::uint32_t>(sides[1].whole(1, 8192, "a whole number from 1 to 8192"))};
+}
+
+// [width, height], or an array of such.
+void read_sizes(const JsonValue& value, Study& study) {
+    if (!value.json().is_array() || value.json().empty() || !value.json().front().is_array()) {
+        std::tie(study.width, study.height) = read_size(value);
+        return;
+    }
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> sizes;
+    for (const JsonValue& element : value.elements()) {
+        sizes.push_back(read_size(element));
+        check_new(sizes, element.file(), element.path());
+    }
+    std::tie(study.width, study.height) = sizes.front();
+    study.more_sizes.assign(sizes.begin() + 1, sizes.end());
+}
+
+TunableValues read_tunables(const JsonValue& value) {
+    if (!value.json().is_object()) {
+        value.fail("an object of arrays of whole numbers, by tunable");
+    }
+    TunableValues tunables;
+    for (const auto& [name, json] : value.json().items()) {
+        std::vector<std::uint32_t>& values = tunables[name];
+        const std::string path = value.path() + "." + name;
+        for (const JsonValue& element : JsonValue(json, value.file(), path).elements()) {
+            values.push_back(static_cast<std::uint32_t>(element.whole(0, 1000000000, "a whole number")));
+            check_tunable(name, values.back(), element.file(), element.path());
+            check_new(values, element.file(), element.path());
+        }
+        if (values.empty()) {
+            JsonValue(json, value.file(), path).fail("at least one value");
+        }
+    }
+    return tunables;
+}
+
 Study read_study(const JsonValue& value) {
-    const JsonObject object(value, {"name", "title", "figure", "scenes", "axes", "resolution", "depth", "spp"});
+    const JsonObject object(value, {"name", "title", "figure", "scenes", "axes", "tunables", "resolution", "depth", "spp"});
     Study study;
     study.name = object.required("name").plain_name();
     study.title = object.has("title") ? object.at("title").text() : study.name;
@@ -78,13 +135,11 @@ Study read_study(const JsonValue& value) {
         }
         check_choices(study.axes, axes.file(), axes.path());
     }
+    if (object.has("tunables")) {
+        study.tunables = read_tunables(object.at("tunables"));
+    }
     if (object.has("resolution")) {
-        const std::vector<JsonValue> sides = object.at("resolution").elements();
-        if (sides.size() != 2) {
-            object.at("resolution").fail("an array of 2 whole numbers, [width, height]");
-        }
-        study.width = static_cast<std::uint32_t>(sides[0].whole(1, 8192, "a whole number from 1 to 8192"));
-        study.height = static_cast<std::uint32_t>(sides[1].whole(1, 8192, "a whole number from 1 to 8192"));
+        read_sizes(object.at("resolution"), study);
     }
     if (object.has("depth")) {
         study.depths = read_depths(object.at("depth"));
@@ -95,20 +150,28 @@ Study read_study(const JsonValue& value) {
     return study;
 }
 
-Cell make_cell(const std::shared_ptr<const Scene>& scene, const Variant& variant, const Study& study,
-               std::uint32_t depth) {
+// {0, 0} stands for the scene's own size.
+std::vector<std::pair<std::uint32_t, std::uint32_t>> sizes_of(const Study& study) {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> sizes{{study.width, study.height}};
+    sizes.insert(sizes.end(), study.more_sizes.begin(), study.more_sizes.end());
+    return sizes;
+}
+
+Cell make_cell(const std::shared_ptr<const Scene>& scene, Backend backend, const Variant& variant, const Study& study,
+               std::uint32_t width, std::uint32_t height, std::uint32_t depth) {
     Cell cell;
     cell.scene = scene;
+    cell.backend = backend;
     cell.variant = variant;
     cell.settings = default_settings(*scene);
-    if (study.width != 0) {
-        cell.settings.width = study.width;
-        cell.settings.height = study.height;
+    if (width != 0) {
+        cell.settings.width = width;
+        cell.settings.height = height;
     }
     cell.settings.depth = depth;
     cell.spp = study.spp;
-    cell.name = fmt::format("{}/scene:{}/backend:cpu/resolution:{}x{}/depth:{}/spp:{}", variant.name(), scene->name,
-                            cell.settings.width, cell.settings.height, depth, cell.spp);
+    cell.name = fmt::format("{}/scene:{}/backend:{}/resolution:{}x{}/depth:{}/spp:{}", variant.name(), scene->name,
+                            to_string(backend), cell.settings.width, cell.settings.height, depth, cell.spp);
     return cell;
 }
 
@@ -142,21 +205,21 @@ std::shared_ptr<const Scene> scene_of(Scenes& scenes, const std::string& name_or
 }  // namespace
 
 void check_choices(const AxisChoices& axes, const std::string& file, const std::string& place) {
-    const Registry& registry = Registry::instance();
     for (const auto& [axis, names] : axes) {
         if (std::find(std::begin(axis_names), std::end(axis_names), axis) == std::end(axis_names)) {
             throw InputError(file, place, "axis \"" + axis + "\"", fmt::format("{}", fmt::join(axis_names, ", ")));
         }
+        const std::vector<std::string> known = names_on_any_backend(axis);
         for (const std::string& name : names) {
-            if (registry.find(axis, name) == nullptr) {
+            if (std::find(known.begin(), known.end(), name) == known.end()) {
                 throw InputError(file, place + "." + axis, "\"" + name + "\"",
-                                 fmt::format("{}", fmt::join(names_of(registry.choices(axis)), ", ")));
+                                 fmt::format("{}", fmt::join(known, ", ")));
             }
         }
     }
 }
 
-void add_axis_argument(AxisChoices& axes, const std::string& argument) {
+void add_axis_argument(AxisChoices& axes, const std::string& argument, Backend backend) {
     const std::size_t equals = argument.find('=');
     if (equals == std::string::npos || equals == 0 || equals + 1 == argument.size()) {
         throw InputError("--axis", "argument", "\"" + argument + "\"", "NAME=CHOICE or NAME=CHOICE,CHOICE");
@@ -172,22 +235,86 @@ void add_axis_argument(AxisChoices& axes, const std::string& argument) {
     }
     if (names == std::vector<std::string>{"all"}) {
         check_choices({{axis, {}}}, "--axis", "argument");
-        names = names_of(Registry::instance().choices(axis));
+        names = names_of(Registry::instance().choices(axis, backend));
     }
     check_choices({{axis, names}}, "--axis", "argument");
     axes[axis] = names;
 }
 
-AxisChoices all_choices() {
+// What every tunable of this name, on any backend, allows; throws InputError if there is none.
+void check_tunable(const std::string& name, std::uint32_t value, const std::string& file, const std::string& place) {
+    std::set<std::string> known;
+    for (const Backend backend : all_backends) {
+        for (const Tunable& tunable : all_tunables(backend)) {
+            known.emplace(tunable.name);
+            if (tunable.name == name && !tunable.allows(value)) {
+                throw InputError(file, place, std::to_string(value),
+                                 fmt::format("a whole number from {} to {}{}", tunable.lowest, tunable.highest,
+                                             tunable.multiple_of > 1
+                                                 ? fmt::format(", a multiple of {}", tunable.multiple_of)
+                                                 : ""));
+            }
+        }
+    }
+    if (!known.contains(name)) {
+        throw InputError(file, place, "tunable \"" + name + "\"", fmt::format("{}", fmt::join(known, ", ")));
+    }
+}
+
+void add_tunable_argument(TunableValues& tunables, const std::string& argument) {
+    const std::size_t equals = argument.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == argument.size()) {
+        throw InputError("--tune", "argument", "\"" + argument + "\"", "NAME=VALUE or NAME=VALUE,VALUE");
+    }
+    const std::string name = argument.substr(0, equals);
+    std::vector<std::uint32_t> values;
+    const char* begin = argument.data() + equals + 1;
+    const char* const end = argument.data() + argument.size();
+    while (begin <= end) {
+        std::uint32_t value = 0;
+        const auto parsed = std::from_chars(begin, end, value);
+        if (parsed.ec != std::errc() || (parsed.ptr != end && *parsed.ptr != ',')) {
+            throw InputError("--tune", "argument." + name, "\"" + argument + "\"", "whole numbers, comma-separated");
+        }
+        check_tunable(name, value, "--tune", "argument." + name);
+        values.push_back(value);
+        check_new(values, "--tune", "argument." + name);
+        begin = parsed.ptr + 1;
+    }
+    tunables[name] = values;
+}
+
+AxisChoices all_choices(Backend backend) {
     AxisChoices all;
     for (const std::string_view axis : axis_names) {
-        all[std::string(axis)] = names_of(Registry::instance().choices(axis));
+        all[std::string(axis)] = names_of(Registry::instance().choices(axis, backend));
     }
     return all;
 }
 
-std::vector<Variant> expand(const AxisChoices& axes) {
-    std::vector<Variant> variants{Registry::instance().baseline()};
+namespace {
+
+// Every variant of `variants` with every value of a tunable. Standards are left out: one variant has one name.
+std::vector<Variant> with_values(const std::vector<Variant>& variants, const std::string& name,
+                                 const std::vector<std::uint32_t>& values, Backend backend) {
+    const std::vector<Tunable> known = all_tunables(backend);
+    const auto tunable = std::find_if(known.begin(), known.end(), [&](const Tunable& t) { return t.name == name; });
+    std::vector<Variant> next;
+    for (const Variant& variant : variants) {
+        for (const std::uint32_t value : values) {
+            next.push_back(variant);
+            if (tunable == known.end() || tunable->standard != value) {
+                next.back().tuning[name] = value;
+            }
+        }
+    }
+    return next;
+}
+
+}  // namespace
+
+std::vector<Variant> expand(const AxisChoices& axes, Backend backend, const TunableValues& tunables) {
+    std::vector<Variant> variants{Registry::instance().baseline(backend)};
     for (const std::string_view axis : axis_names) {
         const auto position = axes.find(std::string(axis));
         if (position == axes.end()) {
@@ -201,6 +328,9 @@ std::vector<Variant> expand(const AxisChoices& axes) {
             }
         }
         variants = std::move(next);
+    }
+    for (const auto& [name, values] : tunables) {
+        variants = with_values(variants, name, values, backend);
     }
     return variants;
 }
@@ -225,7 +355,7 @@ Suite load_suite(const std::string& file) {
     return suite;
 }
 
-Plan make_plan(const Suite& suite) {
+Plan make_plan(const Suite& suite, Backend backend) {
     Plan plan;
     Scenes scenes;
     for (const Study& study : suite.studies) {
@@ -233,14 +363,16 @@ Plan make_plan(const Suite& suite) {
             const std::shared_ptr<const Scene> scene = scene_of(scenes, name);
             const std::vector<std::uint32_t> depths =
                 study.depths.empty() ? std::vector<std::uint32_t>{scene->max_depth} : study.depths;
-            for (const Variant& variant : expand(study.axes)) {
-                const std::string reason = why_not_applicable(variant, features_of(*scene));
+            for (const Variant& variant : expand(study.axes, backend, study.tunables)) {
+                const std::string reason = why_not_applicable(variant, features_of(*scene), backend);
                 if (!reason.empty()) {
                     plan.not_applicable.push_back({study.name, scene->name, variant, reason});
                     continue;
                 }
-                for (const std::uint32_t depth : depths) {
-                    add_cell(plan, make_cell(scene, variant, study, depth), study.name);
+                for (const auto& [width, height] : sizes_of(study)) {
+                    for (const std::uint32_t depth : depths) {
+                        add_cell(plan, make_cell(scene, backend, variant, study, width, height, depth), study.name);
+                    }
                 }
             }
         }

@@ -13,6 +13,9 @@ namespace pt {
 // Choices by axis; an axis that is not named stays at its baseline.
 using AxisChoices = std::map<std::string, std::vector<std::string>>;
 
+// Values by tunable; one that is not named stays at its standard.
+using TunableValues = std::map<std::string, std::vector<std::uint32_t>>;
+
 struct Study {
     std::string name;
     std::string title;
@@ -20,8 +23,10 @@ struct Study {
     std::string figure;
     std::vector<std::string> scenes;
     AxisChoices axes;
+    TunableValues tunables;
     std::uint32_t width = 0, height = 0;  // 0: the scene's own
-    std::vector<std::uint32_t> depths;    // empty: the scene's own
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> more_sizes;  // resolutions besides width x height
+    std::vector<std::uint32_t> depths;                                // empty: the scene's own
     std::uint32_t spp = 1;
 };
 
@@ -33,9 +38,10 @@ struct Suite {
 };
 
 struct Cell {
-    std::string name;  // VARIANT/scene:NAME/backend:cpu/resolution:WxH/depth:D/spp:N
+    std::string name;  // VARIANT/scene:NAME/backend:NAME/resolution:WxH/depth:D/spp:N
     std::vector<std::string> studies;
     std::shared_ptr<const Scene> scene;
+    Backend backend = Backend::cpu;
     Variant variant;
     RenderSettings settings;
     std::uint32_t spp = 1;
@@ -55,15 +61,24 @@ struct Plan {
 
 // Throws InputError.
 Suite load_suite(const std::string& file);
-// Loads the scenes; throws InputError for an unknown scene, axis or choice.
-Plan make_plan(const Suite& suite);
+// Loads the scenes; throws InputError for an unknown scene, axis, choice or tunable. A choice that only another backend
+// has is not applicable on this one.
+Plan make_plan(const Suite& suite, Backend backend = Backend::cpu);
 
-// Every variant of the product of the given choices; unnamed axes at their baseline.
-std::vector<Variant> expand(const AxisChoices& axes);
+// Every variant of the product of the given choices and values; unnamed axes at the backend's baseline. A value that is
+// a tunable's standard is left out of the variant.
+std::vector<Variant> expand(const AxisChoices& axes, Backend backend = Backend::cpu, const TunableValues& tunables = {});
 // Every choice of every axis.
-AxisChoices all_choices();
-// "NAME=c1,c2" -> adds to `axes`; throws InputError with the allowed names.
-void add_axis_argument(AxisChoices& axes, const std::string& argument);
+AxisChoices all_choices(Backend backend = Backend::cpu);
+// Variants that apply to a scene with these features such that every two choices of two axes that can go together do so
+// in one of them: what all_choices() would be too many for.
+std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet features, Backend backend);
+// "NAME=c1,c2" -> adds to `axes`; throws InputError with the allowed names. "NAME=all": the backend's.
+void add_axis_argument(AxisChoices& axes, const std::string& argument, Backend backend = Backend::cpu);
+// "NAME=v1,v2" -> adds to `tunables`; throws InputError with what is allowed.
+void add_tunable_argument(TunableValues& tunables, const std::string& argument);
+// Throws InputError if no backend has such a tunable, or its range does not hold the value.
+void check_tunable(const std::string& name, std::uint32_t value, const std::string& file, const std::string& place);
 void check_choices(const AxisChoices& axes, const std::string& file, const std::string& place);
 
 }  // namespace pt

@@ -1,5 +1,7 @@
 #include "harness/bench/verify.h"
 
+#include "harness/bench/suite.h"
+
 #include <cmath>
 
 #include <fmt/format.h>
@@ -9,8 +11,9 @@ namespace pt {
 namespace {
 
 RenderResult render_samples(const Scene& scene, const RenderSettings& settings, const Variant& variant,
-                            std::uint32_t first, std::uint32_t count, std::uint32_t film_samples) {
+                            Backend backend, std::uint32_t first, std::uint32_t count, std::uint32_t film_samples) {
     return render(scene, {.variant = variant,
+                          .backend = backend,
                           .settings = settings,
                           .first_sample = first,
                           .samples = count,
@@ -53,11 +56,11 @@ constexpr double failing_t = 7;
 
 // Block means of the batches, seed by seed.
 std::vector<std::vector<double>> batch_means(const Scene& scene, RenderSettings settings, const Variant& variant,
-                                             std::uint32_t spp) {
+                                             Backend backend, std::uint32_t spp) {
     std::vector<std::vector<double>> means;
     for (int batch = 0; batch < batches; ++batch) {
         settings.seed = 1000 + static_cast<std::uint64_t>(batch);
-        means.push_back(block_means(render_samples(scene, settings, variant, 0, spp, spp).film));
+        means.push_back(block_means(render_samples(scene, settings, variant, backend, 0, spp, spp).film));
     }
     return means;
 }
@@ -95,13 +98,13 @@ std::string Difference::text() const {
 }
 
 Difference first_difference(const Scene& scene, const RenderSettings& settings, std::uint32_t spp,
-                            const Variant& reference, const Variant& variant) {
+                            const Variant& reference, const Variant& variant, Backend backend) {
     const auto differs = [&](const RenderSettings& s, std::uint32_t first, std::uint32_t count, std::size_t pixel) {
-        return !same_pixel(render_samples(scene, s, reference, first, count, spp).film,
-                           render_samples(scene, s, variant, first, count, spp).film, pixel);
+        return !same_pixel(render_samples(scene, s, reference, backend, first, count, spp).film,
+                           render_samples(scene, s, variant, backend, first, count, spp).film, pixel);
     };
-    const Film a = render_samples(scene, settings, reference, 0, spp, spp).film;
-    const Film b = render_samples(scene, settings, variant, 0, spp, spp).film;
+    const Film a = render_samples(scene, settings, reference, backend, 0, spp, spp).film;
+    const Film b = render_samples(scene, settings, variant, backend, 0, spp, spp).film;
     std::size_t pixel = 0;
     while (pixel + 1 < std::size_t{settings.width} * settings.height && same_pixel(a, b, pixel)) {
         ++pixel;
@@ -128,8 +131,42 @@ const RenderResult& Verifier::reference(const Variant& reference_variant) {
     if (known != references_.end()) {
         return known->second;
     }
-    return references_.emplace(reference_variant, render_samples(scene_, settings_, reference_variant, 0, spp_, spp_))
-        .first->second;
+    return references_.emplace(reference_variant, render_part(reference_variant, 0, spp_)).first->second;
+}
+
+RenderResult Verifier::render_part(const Variant& variant, std::uint32_t first, std::uint32_t count) const {
+    return render_samples(scene_, settings_, variant, backend_, first, count, spp_);
+}
+
+// The CPU's reference variant is the same mathematics in the same rounding, so all films should be equal bit for bit.
+// What is allowed is a sample in 1e5 that went another way (shared/numerics.md 4): pixels that differ are counted, each
+// for one sample at least.
+std::string Verifier::against_cpu(const Variant& reference_variant) {
+    const auto known = against_cpu_.find(reference_variant);
+    if (known != against_cpu_.end()) {
+        return known->second;
+    }
+    std::string& verdict = against_cpu_[reference_variant];
+    Variant plain = reference_variant;
+    for (const std::string_view axis : {"integrator", "layout", "launch"}) {
+        plain.set(axis, expand({}, Backend::cpu).front()[axis]);
+    }
+    if (!why_not_applicable(plain, features_of(scene_), Backend::cpu).empty()) {
+        return verdict;  // no such choice there (precision=double)
+    }
+    plain = Registry::instance().reference(plain, Backend::cpu);
+    const RenderResult expected = render_samples(scene_, settings_, plain, Backend::cpu, 0, spp_, spp_);
+    const Film& film = reference(reference_variant).film;
+    std::size_t differing = 0;
+    for (std::size_t pixel = 0; pixel < std::size_t{settings_.width} * settings_.height; ++pixel) {
+        differing += same_pixel(film, expected.film, pixel) ? 0u : 1u;
+    }
+    const double paths = static_cast<double>(settings_.width) * settings_.height * spp_;
+    if (static_cast<double>(differing) > 1e-5 * paths) {
+        verdict = fmt::format("the film of {} differs from the CPU's in {} pixels of {:.0f} paths (allowed: 1e-5)",
+                              reference_variant.name(), differing, paths);
+    }
+    return verdict;
 }
 
 // Paired test of the image mean and of 16x16-block means, between `variant` and the one whose expectation it claims
@@ -142,7 +179,7 @@ Verifier::MeanCheck Verifier::check_statistical(const Variant& variant) {
     RenderSettings deeper = settings_;
     std::string plain_text;
     for (const std::string_view axis : axis_names) {
-        const Descriptor& descriptor = Registry::instance().at(axis, variant).descriptor;
+        const Descriptor& descriptor = Registry::instance().at(axis, variant, backend_).descriptor;
         if (descriptor.claim == Claim::statistical) {
             plain.set(axis, std::string(descriptor.mean_of));
             deeper.depth += descriptor.mean_at_extra_depth;
@@ -150,9 +187,9 @@ Verifier::MeanCheck Verifier::check_statistical(const Variant& variant) {
         }
     }
     const std::uint32_t spp = std::max(4u, spp_);
-    const auto claimed = batch_means(scene_, settings_, variant, spp);
-    const auto expected = batch_means(scene_, deeper, plain, spp);
-    const auto without = batch_means(scene_, settings_, plain, spp);
+    const auto claimed = batch_means(scene_, settings_, variant, backend_, spp);
+    const auto expected = batch_means(scene_, deeper, plain, backend_, spp);
+    const auto without = batch_means(scene_, settings_, plain, backend_, spp);
     MeanCheck check;
     for (std::size_t i = 0; i < claimed.front().size(); ++i) {
         const PairedDifference pair = paired_difference(claimed, expected, i);
@@ -175,9 +212,21 @@ Verifier::MeanCheck Verifier::check_statistical(const Variant& variant) {
     return check;
 }
 
+const Verifier::MeanCheck& Verifier::mean_check(const Variant& variant) {
+    const auto [position, is_new] = statistical_.try_emplace(variant);
+    if (is_new) {
+        position->second = check_statistical(variant);
+    }
+    return position->second;
+}
+
 Verdict Verifier::check(const Variant& variant) {
-    const Variant reference_variant = Registry::instance().reference(variant);
-    const RenderResult result = render_samples(scene_, settings_, variant, 0, spp_, spp_);
+    return rounds_freely(variant, backend_) ? check_freely_rounded(variant) : check_bits(variant);
+}
+
+Verdict Verifier::check_bits(const Variant& variant) {
+    const Variant reference_variant = Registry::instance().reference(variant, backend_);
+    const RenderResult result = render_part(variant, 0, spp_);
     const RenderResult& expected = reference(reference_variant);
     Verdict verdict{true, result.film.hash(), "film bits equal to " + reference_variant.name()};
     const auto fail = [&](const std::string& message) {
@@ -188,7 +237,7 @@ Verdict Verifier::check(const Variant& variant) {
     if (const FilmFaults& faults = result.film.faults(); !faults.none()) {
         return fail(faults_text(faults));
     }
-    if (const std::string missing = work_missing(variant, result.work, spp_); !missing.empty()) {
+    if (const std::string missing = work_missing(variant, result.work, spp_, backend_); !missing.empty()) {
         return fail(missing);
     }
     if (result.work.paths != std::uint64_t{settings_.width} * settings_.height * spp_) {
@@ -196,7 +245,8 @@ Verdict Verifier::check(const Variant& variant) {
                                 settings_.width * settings_.height, spp_));
     }
     if (result.film.sums() != expected.film.sums()) {
-        const Difference difference = first_difference(scene_, settings_, spp_, reference_variant, variant);
+        const Difference difference =
+            first_difference(scene_, settings_, spp_, reference_variant, variant, backend_);
         return fail(fmt::format("film differs from {}: {}", reference_variant.name(), difference.text()));
     }
     const auto segments = [](const WorkCounters& work) { return work.rays + work.cache_hits; };
@@ -204,17 +254,42 @@ Verdict Verifier::check(const Variant& variant) {
         return fail(fmt::format("{} path segments, but {} of {}", segments(result.work), segments(expected.work),
                                 reference_variant.name()));
     }
-    if (claim_of(variant) == Claim::statistical) {
-        const auto [position, is_new] = statistical_.try_emplace(reference_variant);
-        if (is_new) {
-            position->second = check_statistical(reference_variant);
+    if (backend_ == Backend::cuda) {
+        if (const std::string difference = against_cpu(reference_variant); !difference.empty()) {
+            return fail(difference);
         }
-        if (!position->second.failure.empty()) {
-            return fail("not the declared expectation: " + position->second.failure);
+        verdict.message += " and to the CPU's";
+    }
+    if (claim_of(variant, backend_) == Claim::statistical) {
+        const MeanCheck& check = mean_check(reference_variant);
+        if (!check.failure.empty()) {
+            return fail("not the declared expectation: " + check.failure);
         }
         verdict.message +=
             fmt::format("; mean as declared (a bias of {:.2g} % would show; the choice moves the mean by {:.2g} %)",
-                        100 * position->second.detectable, 100 * position->second.effect);
+                        100 * check.detectable, 100 * check.effect);
+    }
+    return verdict;
+}
+
+Verdict Verifier::check_freely_rounded(const Variant& variant) {
+    const Variant twin = exact_twin(variant, backend_);
+    const auto known = bits_.find(twin);
+    const Verdict& bits = known != bits_.end() ? known->second : bits_.emplace(twin, check_bits(twin)).first->second;
+    const RenderResult result = render_part(variant, 0, spp_);
+    Verdict verdict{false, result.film.hash(), ""};
+    if (!bits.holds) {
+        verdict.message = "its twin " + twin.name() + " fails: " + bits.message;
+    } else if (!result.film.faults().none()) {
+        verdict.message = faults_text(result.film.faults());
+    } else if (const std::string missing = work_missing(variant, result.work, spp_, backend_); !missing.empty()) {
+        verdict.message = missing;
+    } else if (const MeanCheck& check = mean_check(variant); !check.failure.empty()) {
+        verdict.message = "not the declared expectation: " + check.failure;
+    } else {
+        verdict.holds = true;
+        verdict.message = fmt::format("{}: {}; mean as declared (a bias of {:.2g} % would show)", twin.name(),
+                                      bits.message, 100 * check.detectable);
     }
     return verdict;
 }

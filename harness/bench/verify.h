@@ -25,15 +25,21 @@ struct Verdict {
 // Renders variants of one scene at one size and remembers the references.
 class Verifier {
 public:
-    Verifier(const Scene& scene, const RenderSettings& settings, std::uint32_t spp)
-        : scene_(scene), settings_(settings), spp_(spp) {}
+    Verifier(const Scene& scene, const RenderSettings& settings, std::uint32_t spp, Backend backend = Backend::cpu)
+        : scene_(scene), settings_(settings), spp_(spp), backend_(backend) {}
 
-    // Checks the film's faults, that every choice did its work, and the variant's claim.
-    // Precondition: the variant applies to the scene.
+    // Checks the film's faults, that every choice did its work, and the variant's claim. On CUDA the reference's film is
+    // also held to the CPU's. A variant that rounds freely has its twin in exact arithmetic held to the reference's
+    // bits, and its own mean to its twin's. Precondition: the variant applies to the scene.
     Verdict check(const Variant& variant);
 
 private:
+    Verdict check_bits(const Variant& variant);
+    Verdict check_freely_rounded(const Variant& variant);
     const RenderResult& reference(const Variant& reference_variant);
+    // What the CPU's film says of a reference variant on CUDA; empty: nothing against it.
+    std::string against_cpu(const Variant& reference_variant);
+    RenderResult render_part(const Variant& variant, std::uint32_t first, std::uint32_t count) const;
 
     struct MeanCheck {
         std::string failure = {};  // empty: the means agree
@@ -41,16 +47,20 @@ private:
         double effect = 0;         // by how much the choice moves the image's mean from the plain one at the same depth
     };
     MeanCheck check_statistical(const Variant& variant);
+    const MeanCheck& mean_check(const Variant& variant);
 
     const Scene& scene_;
     RenderSettings settings_;
     std::uint32_t spp_;
+    Backend backend_;
     std::map<Variant, RenderResult> references_;
-    std::map<Variant, MeanCheck> statistical_;  // by reference variant
+    std::map<Variant, MeanCheck> statistical_;
+    std::map<Variant, std::string> against_cpu_;  // by reference variant
+    std::map<Variant, Verdict> bits_;             // of exact twins
 };
 
 // Precondition: the films of the two variants differ at these settings.
 Difference first_difference(const Scene& scene, const RenderSettings& settings, std::uint32_t spp,
-                            const Variant& reference, const Variant& variant);
+                            const Variant& reference, const Variant& variant, Backend backend = Backend::cpu);
 
 }  // namespace pt

@@ -1,6 +1,7 @@
 #include <charconv>
 
 #include "harness/cli/commands.h"
+#include "harness/cuda/backend.h"
 #include "harness/error.h"
 
 namespace pt {
@@ -34,6 +35,24 @@ std::vector<std::string> split_names(const std::string& text) {
         start = comma + 1;
     }
     return names;
+}
+
+Backend parse_backend(const std::string& text) {
+    if (text.empty()) {
+        return cuda::not_available().empty() ? Backend::cuda : Backend::cpu;
+    }
+    for (const Backend backend : all_backends) {
+        if (text == to_string(backend)) {
+            return backend;
+        }
+    }
+    throw InputError("--backend", "argument", "\"" + text + "\"", "cpu, cuda");
+}
+
+void require_backend(Backend backend) {
+    if (backend == Backend::cuda && !cuda::not_available().empty()) {
+        throw MachineError("cuda: not available (" + cuda::not_available() + ")");
+    }
 }
 
 std::string check_seed(const std::string& text) {

@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "harness/error.h"
+#include "variants/descriptor.h"
 
 namespace pt {
 
@@ -25,6 +26,10 @@ Command add_machine_command(CLI::App& app);
 std::pair<std::uint32_t, std::uint32_t> parse_resolution(const std::string& text);
 // "A,B" -> {A, B}, the scenes of --scene; throws InputError for an empty name.
 std::vector<std::string> split_names(const std::string& text);
+// "cpu" or "cuda"; "": cuda where it is available, else cpu. Throws InputError for another name.
+Backend parse_backend(const std::string& text);
+// Throws MachineError with the reason if the backend is not available here.
+void require_backend(Backend backend);
 // For CLI::Option::check: what is wrong with a seed, or nothing. (CLI11 alone takes -1 for 2^64 - 1.)
 std::string check_seed(const std::string& text);
 

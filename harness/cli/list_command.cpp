@@ -1,9 +1,13 @@
+#include <algorithm>
+#include <set>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "harness/bench/suite.h"
 #include "harness/cli/commands.h"
+#include "harness/cuda/backend.h"
 #include "harness/places.h"
 
 namespace pt {
@@ -12,40 +16,100 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
+// Backends that have any choice at all on an axis: a build without a CUDA toolkit has none on some.
+bool is_built(Backend backend) {
+    return std::all_of(std::begin(axis_names), std::end(axis_names), [&](std::string_view axis) {
+        return !Registry::instance().choices(axis, backend).empty();
+    });
+}
+
+// A choice that several backends have is one entry; its claim and words are those of the first.
+OrderedJson choice_json(std::string_view axis, const std::string& name) {
+    const Registry& registry = Registry::instance();
+    OrderedJson backends = OrderedJson::array();
+    OrderedJson baseline_on = OrderedJson::array();
+    OrderedJson tunables = OrderedJson::array();
+    std::set<std::string_view> tunables_seen;
+    const Descriptor* first = nullptr;
+    for (const Backend backend : all_backends) {
+        const Choice* choice = registry.find(axis, name, backend);
+        if (choice == nullptr) {
+            continue;
+        }
+        first = first == nullptr ? &choice->descriptor : first;
+        backends.push_back(to_string(backend));
+        if (contains(choice->descriptor.baseline, backend)) {
+            baseline_on.push_back(to_string(backend));
+        }
+        for (const Tunable& t : choice->descriptor.tunables) {
+            if (tunables_seen.insert(t.name).second) {
+                tunables.push_back({{"name", t.name},
+                                    {"standard", t.standard},
+                                    {"lowest", t.lowest},
+                                    {"highest", t.highest},
+                                    {"multiple_of", t.multiple_of},
+                                    {"summary", t.summary}});
+            }
+        }
+    }
+    return {{"name", name},
+            {"baseline", !baseline_on.empty()},
+            {"baseline_on", baseline_on},
+            {"summary", first->summary},
+            {"origin", first->origin},
+            {"backends", backends},
+            {"claim", to_string(first->claim)},
+            {"claim_note", first->claim_note},
+            {"tunables", tunables}};
+}
+
 OrderedJson axes_json() {
     OrderedJson axes = OrderedJson::array();
     for (const std::string_view axis : axis_names) {
+        std::vector<std::string> names;
+        for (const Backend backend : all_backends) {
+            for (const Choice* choice : Registry::instance().choices(axis, backend)) {
+                if (std::find(names.begin(), names.end(), choice->descriptor.name) == names.end()) {
+                    names.emplace_back(choice->descriptor.name);
+                }
+            }
+        }
         OrderedJson choices = OrderedJson::array();
-        for (const Choice* choice : Registry::instance().choices(axis)) {
-            const Descriptor& d = choice->descriptor;
-            choices.push_back({{"name", d.name},
-                               {"baseline", d.baseline},
-                               {"summary", d.summary},
-                               {"origin", d.origin},
-                               {"backends", {"cpu"}},
-                               {"claim", to_string(d.claim)},
-                               {"claim_note", d.claim_note}});
+        for (const std::string& name : names) {
+            choices.push_back(choice_json(axis, name));
         }
         axes.push_back({{"name", axis}, {"choices", choices}});
     }
     return axes;
 }
 
-// Per choice: why it does not apply to the scene with everything else at its baseline.
+// Per backend and choice: why it does not apply to the scene with everything else at its baseline.
+OrderedJson reasons_json(FeatureSet features) {
+    OrderedJson all = OrderedJson::object();
+    for (const Backend backend : all_backends) {
+        if (!is_built(backend)) {
+            continue;
+        }
+        OrderedJson reasons = OrderedJson::object();
+        for (const std::string_view axis : axis_names) {
+            for (const Choice* choice : Registry::instance().choices(axis, backend)) {
+                Variant variant = Registry::instance().baseline(backend);
+                variant.set(axis, std::string(choice->descriptor.name));
+                const std::string reason = why_not_applicable(variant, features, backend);
+                if (!reason.empty()) {
+                    reasons[fmt::format("{}={}", axis, choice->descriptor.name)] = reason;
+                }
+            }
+        }
+        all[std::string(to_string(backend))] = reasons;
+    }
+    return all;
+}
+
 OrderedJson scene_json(const std::string& name) {
     const Scene scene = find_scene(name);
     const FeatureSet features = features_of(scene);
-    OrderedJson reasons = OrderedJson::object();
-    for (const std::string_view axis : axis_names) {
-        for (const Choice* choice : Registry::instance().choices(axis)) {
-            Variant variant = Registry::instance().baseline();
-            variant.set(axis, std::string(choice->descriptor.name));
-            const std::string reason = why_not_applicable(variant, features);
-            if (!reason.empty()) {
-                reasons[fmt::format("{}={}", axis, choice->descriptor.name)] = reason;
-            }
-        }
-    }
+    const OrderedJson reasons = reasons_json(features);
     return {{"name", scene.name},
             {"description", scene.description},
             {"hash", scene.hash},
@@ -56,7 +120,8 @@ OrderedJson scene_json(const std::string& name) {
             {"features", feature_names(features)},
             {"left_out", feature_names(all_features & ~features)},
             {"kernel", choose_kernel(scene, Registry::instance().baseline()).note()},
-            {"not_applicable", reasons}};
+            {"not_applicable", reasons.at("cpu")},
+            {"not_applicable_on", reasons}};
 }
 
 OrderedJson suite_json(const std::string& name) {
@@ -73,9 +138,15 @@ std::string text_of(const OrderedJson& all) {
         text += fmt::format("  {}\n", axis["name"].get<std::string>());
         for (const OrderedJson& choice : axis["choices"]) {
             const std::string note = choice["claim_note"];
-            text += fmt::format("    {:<24} {} [{}{}] ({})\n", choice["name"].get<std::string>(),
+            text += fmt::format("    {:<24} {} [{}{}] ({}) {}\n", choice["name"].get<std::string>(),
                                 choice["summary"].get<std::string>(), choice["claim"].get<std::string>(),
-                                note.empty() ? "" : ": " + note, choice["origin"].get<std::string>());
+                                note.empty() ? "" : ": " + note, choice["origin"].get<std::string>(),
+                                fmt::join(choice["backends"].get<std::vector<std::string>>(), "+"));
+            for (const OrderedJson& t : choice["tunables"]) {
+                text += fmt::format("    {:<24}   tunable {}={} ({} to {}): {}\n", "", t["name"].get<std::string>(),
+                                    t["standard"].get<std::uint32_t>(), t["lowest"].get<std::uint32_t>(),
+                                    t["highest"].get<std::uint32_t>(), t["summary"].get<std::string>());
+            }
         }
     }
     text += "Scenes\n";
@@ -98,6 +169,11 @@ std::string text_of(const OrderedJson& all) {
     return text;
 }
 
+std::string cuda_status() {
+    const std::string reason = cuda::not_available();
+    return reason.empty() ? "available: " + cuda::machine_name() : "not available (" + reason + ")";
+}
+
 int run(const std::string& only_scene, bool as_json) {
     OrderedJson scenes = OrderedJson::array();
     for (const std::string& name : only_scene.empty() ? scene_names() : split_names(only_scene)) {
@@ -112,8 +188,7 @@ int run(const std::string& only_scene, bool as_json) {
         {"scenes", scenes},
         {"suites", suites},
         {"backends",
-         {{{"name", "cpu"}, {"status", "available"}},
-          {{"name", "cuda"}, {"status", "not available (this version of ptbench has no CUDA backend)"}}}}};
+         {{{"name", "cpu"}, {"status", "available"}}, {{"name", "cuda"}, {"status", cuda_status()}}}}};
     fmt::print("{}", as_json ? all.dump(1) + "\n" : text_of(all));
     return exit_good;
 }

@@ -13,6 +13,8 @@ namespace {
 struct RenderArguments {
     std::string scene;
     std::vector<std::string> axes;
+    std::vector<std::string> tunables;
+    std::string backend;
     std::string resolution;
     std::uint32_t spp = 16;
     std::uint32_t depth = 0;
@@ -24,20 +26,29 @@ int run(const RenderArguments& arguments) {
     check_image_name(arguments.out);
     const auto start = std::chrono::steady_clock::now();
     const Scene scene = find_scene(arguments.scene);
+    const Backend backend = parse_backend(arguments.backend);
     AxisChoices axes;
     for (const std::string& argument : arguments.axes) {
-        add_axis_argument(axes, argument);
+        add_axis_argument(axes, argument, backend);
     }
-    const std::vector<Variant> variants = expand(axes);
+    TunableValues tunables;
+    for (const std::string& argument : arguments.tunables) {
+        add_tunable_argument(tunables, argument);
+    }
+    const std::vector<Variant> variants = expand(axes, backend, tunables);
     if (variants.size() != 1) {
         throw InputError("--axis", "argument", fmt::format("{} variants", variants.size()),
-                         "one choice an axis for render");
+                         "one choice an axis and one value a tunable for render");
     }
-    const std::string reason = why_not_applicable(variants[0], features_of(scene));
+    const std::string reason = why_not_applicable(variants[0], features_of(scene), backend);
     if (!reason.empty()) {
         throw InputError(fmt::format("n/a: {} on {}: {}", variants[0].name(), scene.name, reason));
     }
-    RenderRequest request{.variant = variants[0], .settings = default_settings(scene), .samples = arguments.spp};
+    require_backend(backend);
+    RenderRequest request{.variant = variants[0],
+                          .backend = backend,
+                          .settings = default_settings(scene),
+                          .samples = arguments.spp};
     request.settings.seed = arguments.seed;
     if (!arguments.resolution.empty()) {
         std::tie(request.settings.width, request.settings.height) = parse_resolution(arguments.resolution);
@@ -52,7 +63,7 @@ int run(const RenderArguments& arguments) {
         {"scene", scene.name},
         {"scene_hash", scene.hash},
         {"variant", request.variant.name()},
-        {"backend", "cpu"},
+        {"backend", to_string(backend)},
         {"resolution", {request.settings.width, request.settings.height}},
         {"depth", request.settings.depth},
         {"spp", arguments.spp},
@@ -65,8 +76,11 @@ int run(const RenderArguments& arguments) {
         {"paths", result.work.paths},
         {"rays", result.work.rays},
         {"unfinished_walks", result.work.unfinished_walks},
-        {"kernel", choose_kernel(scene, request.variant).note()},
+        {"kernel", choose_kernel(scene, request.variant, backend).note()},
         {"render_seconds", 1e-3 * result.wall_ms},
+        {"device_seconds", 1e-3 * result.device_ms},
+        {"compile_seconds", result.cuda.compile_seconds},
+        {"kernels_from_cache", result.cuda.from_cache},
         {"seconds", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()},
         {"out", arguments.out},
     };
@@ -81,6 +95,8 @@ Command add_render_command(CLI::App& app) {
     CLI::App* command = app.add_subcommand("render", "Render one image; a JSON summary goes to stdout");
     command->add_option("--scene", arguments->scene, "Scene by name or .json file")->required();
     command->add_option("--axis", arguments->axes, "AXIS=CHOICE, repeatable")->allow_extra_args(false);
+    command->add_option("--tune", arguments->tunables, "TUNABLE=VALUE, repeatable")->allow_extra_args(false);
+    command->add_option("--backend", arguments->backend, "cpu or cuda (default: cuda where it is available)");
     command->add_option("--resolution", arguments->resolution, "WxH (default: the scene's)");
     command->add_option("--spp", arguments->spp, "Samples per pixel (default 16)")->check(CLI::Range(1u, 100000000u));
     command->add_option("--depth", arguments->depth, "Ray segments in a path (default: the scene's)")

@@ -5,6 +5,7 @@
 #include "harness/bench/machine.h"
 #include "harness/bench/runner.h"
 #include "harness/cli/commands.h"
+#include "harness/cuda/backend.h"
 #include "harness/places.h"
 
 namespace pt {
@@ -15,6 +16,7 @@ struct RunArguments {
     std::string suite;
     std::string scenes;
     std::vector<std::string> axes;
+    std::vector<std::string> tunables;
     std::string backend;
     std::string resolution;
     std::uint32_t depth = 0;
@@ -36,12 +38,16 @@ Suite suite_from_arguments(const RunArguments& arguments) {
     return {.name = "adhoc", .description = "", .studies = {study}};
 }
 
-void override_study(Study& study, const RunArguments& arguments) {
+void override_study(Study& study, const RunArguments& arguments, Backend backend) {
     for (const std::string& argument : arguments.axes) {
-        add_axis_argument(study.axes, argument);
+        add_axis_argument(study.axes, argument, backend);
+    }
+    for (const std::string& argument : arguments.tunables) {
+        add_tunable_argument(study.tunables, argument);
     }
     if (!arguments.resolution.empty()) {
         std::tie(study.width, study.height) = parse_resolution(arguments.resolution);
+        study.more_sizes.clear();
     }
     if (arguments.depth != 0) {
         study.depths = {arguments.depth};
@@ -97,25 +103,26 @@ int run(const RunArguments& arguments, const std::vector<std::string>& extras, c
                          arguments.suite.empty() ? "neither --suite nor --scene" : "both --suite and --scene",
                          "one of them");
     }
-    if (!arguments.backend.empty() && arguments.backend != "cpu") {
-        throw InputError("--backend", "argument", "\"" + arguments.backend + "\"", "cpu");
-    }
+    const Backend backend = parse_backend(arguments.backend);
     Suite suite =
         arguments.suite.empty() ? suite_from_arguments(arguments) : load_suite(find_suite_file(arguments.suite));
     for (Study& study : suite.studies) {
-        override_study(study, arguments);
+        override_study(study, arguments, backend);
         if (arguments.suite.empty()) {
             study.figure = compared_axis(study.axes);
         }
     }
     RunOptions options = make_options(arguments, extras, command_line);
-    if (options.out.empty()) {
-        options.out = fmt::format("results/{}/{}.json", machine_name(), suite.name);
-    }
+    options.backend = backend;
     if (arguments.dry_run) {
         fmt::print("{}", describe_plan(plan_run(suite, options),
                                        options.repetitions > 0 ? options.repetitions : suite.repetitions));
         return exit_good;
+    }
+    require_backend(backend);
+    if (options.out.empty()) {
+        options.out = fmt::format("results/{}/{}.json",
+                                  backend == Backend::cuda ? cuda::machine_name() : machine_name(), suite.name);
     }
     return run_suite(suite, options);
 }
@@ -129,7 +136,8 @@ Command add_run_command(CLI::App& app, const std::string& command_line) {
     command->add_option("--scene", arguments->scenes, "Scenes by name or .json file, comma-separated");
     command->add_option("--axis", arguments->axes, "AXIS=CHOICE,CHOICE or AXIS=all, repeatable")
         ->allow_extra_args(false);
-    command->add_option("--backend", arguments->backend, "cpu");
+    command->add_option("--tune", arguments->tunables, "TUNABLE=VALUE,VALUE, repeatable")->allow_extra_args(false);
+    command->add_option("--backend", arguments->backend, "cpu or cuda (default: cuda where it is available)");
     command->add_option("--resolution", arguments->resolution, "WxH (default: the suite's or the scene's)");
     command->add_option("--depth", arguments->depth, "Ray segments in a path")->check(CLI::Range(1u, 1000000u));
     command->add_option("--spp", arguments->spp, "Samples per pixel and timed sample")->check(CLI::Range(1u, 1000000u));

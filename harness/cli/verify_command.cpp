@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "harness/bench/compile_ahead.h"
 #include "harness/bench/suite.h"
 #include "harness/bench/verify.h"
 #include "harness/cli/commands.h"
@@ -13,6 +14,8 @@ namespace {
 struct VerifyArguments {
     std::string scenes;
     std::vector<std::string> axes;
+    std::vector<std::string> tunables;
+    std::string backend;
     std::string resolution = "64x64";
     std::uint32_t spp = 4;
     std::uint32_t depth = 0;
@@ -24,16 +27,16 @@ struct Tally {
     std::size_t held = 0, failed = 0, not_applicable = 0;
 };
 
-void verify_scene(const Scene& scene, const std::vector<Variant>& variants, const VerifyArguments& arguments,
-                  Tally& tally) {
+void verify_scene(const Scene& scene, Backend backend, const std::vector<Variant>& variants,
+                  const VerifyArguments& arguments, Tally& tally) {
     RenderSettings settings = default_settings(scene);
     std::tie(settings.width, settings.height) = parse_resolution(arguments.resolution);
     settings.depth = arguments.depth != 0 ? arguments.depth : scene.max_depth;
     settings.seed = arguments.seed;
-    Verifier verifier(scene, settings, arguments.spp);
+    Verifier verifier(scene, settings, arguments.spp, backend);
     const FeatureSet features = features_of(scene);
     for (const Variant& variant : variants) {
-        if (const std::string reason = why_not_applicable(variant, features); !reason.empty()) {
+        if (const std::string reason = why_not_applicable(variant, features, backend); !reason.empty()) {
             tally.not_applicable += 1;
             if (!arguments.quiet) {
                 fmt::print("n/a              {}/scene:{}  {}\n", variant.name(), scene.name, reason);
@@ -49,23 +52,55 @@ void verify_scene(const Scene& scene, const std::vector<Variant>& variants, cons
     }
 }
 
-int run(const VerifyArguments& arguments) {
-    AxisChoices axes = all_choices();
+// A product of all choices is small on the CPU backend. On CUDA it is half a million: without --axis a covering set is
+// verified instead, in which every two choices of two axes meet.
+std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backend backend, const Scene& scene) {
+    AxisChoices axes = all_choices(backend);
+    TunableValues tunables;
     for (const std::string& argument : arguments.axes) {
-        add_axis_argument(axes, argument);
+        add_axis_argument(axes, argument, backend);
     }
+    for (const std::string& argument : arguments.tunables) {
+        add_tunable_argument(tunables, argument);
+    }
+    if (backend == Backend::cpu) {
+        return expand(axes, backend, tunables);
+    }
+    if (!arguments.axes.empty() || !tunables.empty()) {
+        AxisChoices named;
+        for (const std::string& argument : arguments.axes) {
+            add_axis_argument(named, argument, backend);
+        }
+        return expand(named, backend, tunables);
+    }
+    return covering_variants(axes, features_of(scene), backend);
+}
+
+int run(const VerifyArguments& arguments) {
+    const Backend backend = parse_backend(arguments.backend);
+    require_backend(backend);
     const std::vector<std::string> names = arguments.scenes == "all" ? scene_names() : split_names(arguments.scenes);
     std::vector<Scene> scenes;
     for (const std::string& name : names) {
         scenes.push_back(find_scene(name));
     }
-    const std::vector<Variant> variants = expand(axes);
-    Tally tally;
+    std::vector<CompileTask> compilations;
+    std::vector<std::vector<Variant>> variants;
     for (const Scene& scene : scenes) {
-        verify_scene(scene, variants, arguments, tally);
+        variants.push_back(variants_to_verify(arguments, backend, scene));
+        for (const Variant& variant : variants.back()) {
+            compilations.push_back({&scene, variant});
+        }
     }
-    fmt::print("{} held, {} failed, {} not applicable; {} at {} spp, scenes: {}\n", tally.held, tally.failed,
-               tally.not_applicable, arguments.resolution, arguments.spp, fmt::join(names, ", "));
+    if (backend == Backend::cuda) {
+        compile_ahead(compilations);
+    }
+    Tally tally;
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+        verify_scene(scenes[i], backend, variants[i], arguments, tally);
+    }
+    fmt::print("{} held, {} failed, {} not applicable on {}; {} at {} spp, scenes: {}\n", tally.held, tally.failed,
+               tally.not_applicable, to_string(backend), arguments.resolution, arguments.spp, fmt::join(names, ", "));
     return tally.failed == 0 && tally.held > 0 ? exit_good : exit_check_failed;
 }
 
@@ -77,8 +112,10 @@ Command add_verify_command(CLI::App& app) {
         app.add_subcommand("verify", "Hold every applicable variant to its claim; exit code 1 if one fails");
     command->add_option("--scene", arguments->scenes, "Scenes by name or .json file, comma-separated, or \"all\"")
         ->required();
-    command->add_option("--axis", arguments->axes, "AXIS=CHOICE,CHOICE, repeatable (default: every choice)")
+    command->add_option("--axis", arguments->axes, "AXIS=CHOICE,CHOICE, repeatable (default: every choice; on cuda a set in which every two choices meet)")
         ->allow_extra_args(false);
+    command->add_option("--tune", arguments->tunables, "TUNABLE=VALUE,VALUE, repeatable")->allow_extra_args(false);
+    command->add_option("--backend", arguments->backend, "cpu or cuda (default: cuda where it is available)");
     command->add_option("--resolution", arguments->resolution, "WxH (default 64x64)");
     command->add_option("--spp", arguments->spp, "Samples per pixel (default 4)")->check(CLI::Range(1u, 1000000u));
     command->add_option("--depth", arguments->depth, "Ray segments in a path (default: the scene's)")

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -29,6 +30,14 @@ Film::Film(std::uint32_t width, std::uint32_t height, double bound, std::uint64_
       scale_(film_scale(bound, samples)),
       limit_(0x1p62 / static_cast<double>(std::max<std::uint64_t>(1, samples))),
       sums_(std::size_t{3} * width * height) {}
+
+void Film::set(std::vector<std::int64_t> sums, const FilmFaults& faults) {
+    if (sums.size() != sums_.size()) {
+        throw std::logic_error("film sums of another size");
+    }
+    sums_ = std::move(sums);
+    faults_ = faults;
+}
 
 Vec3d Film::pixel(std::uint32_t index) const {
     const double unit = 1.0 / (scale_ * static_cast<double>(samples_));

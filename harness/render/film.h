@@ -20,6 +20,8 @@ public:
     std::uint32_t height() const { return height_; }
     std::uint64_t samples() const { return samples_; }
     const std::vector<std::int64_t>& sums() const { return sums_; }
+    // Takes over what was summed elsewhere at this film's scale. Throws std::logic_error if the sizes differ.
+    void set(std::vector<std::int64_t> sums, const FilmFaults& faults);
     const FilmFaults& faults() const { return faults_; }
     double scale() const { return scale_; }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "harness/cuda/backend.h"
 #include "harness/error.h"
 
 namespace pt {
@@ -59,8 +60,12 @@ RenderResult render_unguarded(const Scene& scene, const RenderRequest& request) 
     const double cpu_start = process_cpu_ms();
     const auto start = std::chrono::steady_clock::now();
     // A render pays for its cache, memory and filling both; queues stay from render to render.
-    const auto cache = registry.at("first_bounce", request.variant).hook.first_bounce(settings.width * settings.height);
-    job.cache = cache.get();
+    FirstBounceCache cache;
+    cache.rays = registry.at("first_bounce", request.variant).hook.first_bounce(request.variant, Backend::cpu);
+    if (cache.rays > 0) {
+        cache.hits.resize(std::size_t{settings.width} * settings.height * cache.rays);
+        job.cache = &cache;
+    }
     kernel.render(job);
     result.wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     result.cpu_ms = process_cpu_ms() - cpu_start;
@@ -76,22 +81,30 @@ std::string KernelChoice::note() const {
     return surplus == 0 ? "exact" : fmt::format("has {} for nothing", fmt::join(feature_names(surplus), ", "));
 }
 
-KernelChoice choose_kernel(const Scene& scene, const Variant& variant) {
+KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend backend) {
     const Registry& registry = Registry::instance();
-    const auto& kernels = registry.at("integrator", variant).hook.integrator;
-    std::vector<FeatureSet> compiled;
-    for (const auto& [features, function] : kernels) {
-        compiled.push_back(features);
+    const FeatureSet needed =
+        features_of(scene) | registry.at("direct_light", variant, backend).hook.direct_light();
+    // On CUDA a kernel is compiled when it is needed, so there is one for every set.
+    std::vector<FeatureSet> compiled{needed, all_features};
+    const auto& kernels = registry.at("integrator", variant, backend).hook.integrator;
+    if (backend == Backend::cpu) {
+        compiled.clear();
+        for (const auto& [features, function] : kernels) {
+            compiled.push_back(features);
+        }
     }
-    const FeatureSet needed = features_of(scene) | registry.at("direct_light", variant).hook.direct_light();
-    const FeatureSet chosen = registry.at("specialisation", variant).hook.specialisation(needed, compiled);
+    const FeatureSet chosen = registry.at("specialisation", variant, backend).hook.specialisation(needed, compiled);
     if (!is_superset(chosen, needed)) {
         throw std::logic_error("a kernel was chosen that lacks a feature of the scene");
     }
-    return {needed, chosen, kernels.at(chosen)};
+    return {needed, chosen, backend == Backend::cpu ? kernels.at(chosen) : nullptr};
 }
 
 RenderResult render(const Scene& scene, const RenderRequest& request) {
+    if (request.backend == Backend::cuda) {
+        return cuda::render(scene, request);
+    }
     try {
         return render_unguarded(scene, request);
     } catch (const std::bad_alloc&) {

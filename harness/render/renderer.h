@@ -11,12 +11,31 @@ namespace pt {
 
 struct RenderRequest {
     Variant variant;
+    Backend backend = Backend::cpu;
     RenderSettings settings;  // final_bounce is set from the variant
     std::uint32_t first_sample = 0;
     std::uint32_t samples = 1;  // a pixel
     bool instrument = false;    // take stage times and live paths; such a render's time is no result
     // Samples that the whole film is for, if this render adds only a part of them; 0: `samples`.
     std::uint32_t film_samples = 0;
+};
+
+// What a render on CUDA had to do before its clock started, and what the compiler made of its kernels.
+struct CudaFacts {
+    struct Kernel {
+        std::string name;
+        int registers = 0;             // a thread
+        std::size_t local_bytes = 0;   // a thread: spills and arrays
+        std::size_t shared_bytes = 0;  // a block
+    };
+    double compile_seconds = 0;   // NVRTC, or reading the cache
+    bool from_cache = false;      // every module came from the cache on disk or was loaded already
+    double prepare_ms = 0;        // memory, upload and graph
+    std::size_t device_bytes = 0;  // the cell's arena
+    std::size_t path_bytes = 0;   // of device memory a path in the queue
+    std::uint32_t threads = 0;    // a block
+    std::vector<Kernel> kernels;
+    std::vector<std::string> options;  // for the compiler
 };
 
 struct RenderResult {
@@ -28,16 +47,17 @@ struct RenderResult {
     double wall_ms = 0;                 // from the first stage to the end of the last
     double device_ms = 0;               // on the CPU backend the same
     double cpu_ms = 0;                  // CPU time of all threads over the same span
+    CudaFacts cuda = {};                // of a render on CUDA
 };
 
 // The kernel that a variant runs for a scene: what is needed, and what the kernel that was compiled contains.
 struct KernelChoice {
     FeatureSet needed, compiled;
-    RenderFunction render;
+    RenderFunction render;  // CPU
     // "exact", or what the kernel contains for nothing.
     std::string note() const;
 };
-KernelChoice choose_kernel(const Scene& scene, const Variant& variant);
+KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend backend = Backend::cpu);
 
 // Precondition: why_not_applicable(variant, features) is empty. Throws MachineError if memory runs out.
 RenderResult render(const Scene& scene, const RenderRequest& request);

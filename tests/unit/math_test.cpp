@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "kernels/rng.h"
 #include "tests/support/statistics.h"
 
 namespace pt {
@@ -91,6 +92,123 @@ TYPED_TEST(MathTest, SinCosTurnAddsQuarterTurnsExactly) {
         ASSERT_EQ(later.cosine, -here.sine) << u;
         ASSERT_EQ(opposite.sine, -here.sine) << u;
         ASSERT_EQ(opposite.cosine, -here.cosine) << u;
+    }
+}
+
+TYPED_TEST(MathTest, ExponentialIsWithinOneUnit) {
+    using Real = TypeParam;
+    using Limits = std::numeric_limits<Real>;
+    const Real overflow = std::log(Limits::max()), underflow = std::log(Limits::denorm_min()) - 1;
+    // fdlibm promises less than one unit. Half a unit is the last addition, which the scaling to a denormal number
+    // rounds again, by half of the larger unit there; the rest is the polynomial and the reduction.
+    const auto check = [](Real x) { ASSERT_LT(ulps(exponential(x), expl(static_cast<long double>(x))), 1.0L) << x; };
+    test::Random random(11);
+    for (int i = 0; i < 300000; ++i) {
+        check(static_cast<Real>(random.uniform(underflow, 0)));
+        check(static_cast<Real>(random.uniform(0, overflow)));
+        check(static_cast<Real>(random.uniform(-1, 1)));
+        check(static_cast<Real>(random.uniform(underflow, std::log(Limits::min()))));  // to denormal numbers
+        check(std::ldexp(static_cast<Real>(random.uniform(-1, 1)), -static_cast<int>(random.word() % 1100)));
+    }
+    // Where the reduction turns to the next power of two: odd multiples of ln(2)/2.
+    for (int k = Limits::min_exponent - Limits::digits; k < Limits::max_exponent; ++k) {
+        const Real x = static_cast<Real>((k + 0.5L) * logl(2));
+        check(std::nextafter(x, -Limits::infinity()));
+        check(x);
+        check(std::nextafter(x, Limits::infinity()));
+    }
+}
+
+TYPED_TEST(MathTest, ExponentialKeepsItsLimits) {
+    using Real = TypeParam;
+    using Limits = std::numeric_limits<Real>;
+    EXPECT_EQ(exponential(Real(0)), Real(1));
+    EXPECT_EQ(exponential(Real(-0.0)), Real(1));
+    EXPECT_EQ(exponential(Limits::denorm_min()), Real(1));
+    EXPECT_EQ(exponential(-Limits::denorm_min()), Real(1));
+    EXPECT_EQ(exponential(-Limits::infinity()), Real(0));
+    EXPECT_EQ(exponential(Limits::lowest()), Real(0));
+    EXPECT_EQ(exponential(std::log(Limits::denorm_min()) - 1), Real(0));  // 1 / e of the smallest denormal number
+    EXPECT_EQ(exponential(std::log(Limits::denorm_min())), Limits::denorm_min());
+    EXPECT_EQ(exponential(Limits::infinity()), Limits::infinity());
+    EXPECT_EQ(exponential(Limits::max()), Limits::infinity());
+    EXPECT_EQ(exponential(std::log(Limits::max()) + Real(0.01)), Limits::infinity());
+    EXPECT_TRUE(std::isnan(exponential(Limits::quiet_NaN())));
+}
+
+TYPED_TEST(MathTest, LogarithmIsWithinOneUnit) {
+    using Real = TypeParam;
+    using Limits = std::numeric_limits<Real>;
+    // fdlibm promises less than one unit: half of it is the last subtraction, the rest the terms before.
+    const auto check = [](Real x) { ASSERT_LT(ulps(logarithm(x), logl(static_cast<long double>(x))), 1.0L) << x; };
+    test::Random random(12);
+    for (int i = 0; i < 300000; ++i) {
+        check(static_cast<Real>(1 - random.uniform()));
+        check(positive_unit_interval<Real>(random.word()));
+        check(Real(1) + std::ldexp(static_cast<Real>(random.uniform(-0.5, 1)), -static_cast<int>(random.word() % 60)));
+        const int exponents = Limits::max_exponent - Limits::min_exponent;
+        check(std::ldexp(static_cast<Real>(random.uniform(1, 2)),
+                         Limits::min_exponent - 1 + static_cast<int>(random.word() % exponents)));
+        check(static_cast<Real>(1 - random.uniform()) * Limits::min());  // a denormal number, but for a few
+    }
+    // Powers of two, and where the reduction turns to the next one: sqrt(1/2) times a power of two.
+    for (int k = Limits::min_exponent - Limits::digits; k < Limits::max_exponent; ++k) {
+        for (const Real x : {std::ldexp(Real(1), k), std::ldexp(std::sqrt(Real(0.5)), k + 1)}) {
+            check(std::nextafter(x, Limits::infinity()));
+            check(x);
+            check(std::max(Limits::denorm_min(), std::nextafter(x, Real(0))));
+        }
+    }
+    check(Limits::max());
+}
+
+TYPED_TEST(MathTest, LogarithmKeepsItsLimits) {
+    using Real = TypeParam;
+    using Limits = std::numeric_limits<Real>;
+    EXPECT_EQ(logarithm(Real(1)), Real(0));
+    EXPECT_FALSE(std::signbit(logarithm(Real(1))));
+    EXPECT_EQ(logarithm(Real(0)), -Limits::infinity());
+    EXPECT_EQ(logarithm(Real(-0.0)), -Limits::infinity());
+    EXPECT_EQ(logarithm(Limits::infinity()), Limits::infinity());
+    for (const Real x : {-Limits::denorm_min(), Real(-1), -Limits::infinity(), Limits::quiet_NaN()}) {
+        EXPECT_TRUE(std::isnan(logarithm(x))) << x;
+    }
+}
+
+// No neighbours in the wrong order within `steps` of x to either side.
+template <class Real, class Function>
+void expect_ascending(const Function& function, Real x, int steps) {
+    for (int i = 0; i < steps; ++i) {
+        x = std::nextafter(x, -std::numeric_limits<Real>::infinity());
+    }
+    for (int i = 0; i < 2 * steps; ++i) {
+        const Real next = std::nextafter(x, std::numeric_limits<Real>::infinity());
+        ASSERT_LE(function(x), function(next)) << x;
+        x = next;
+    }
+}
+
+TYPED_TEST(MathTest, ExponentialAndLogarithmAscend) {
+    using Real = TypeParam;
+    using Limits = std::numeric_limits<Real>;
+    constexpr int steps = 2000;
+    const auto e = [](Real x) { return exponential(x); };
+    const auto l = [](Real x) { return logarithm(x); };
+    // Where a step shows first: at 0 and 1, at the turns of both reductions, at the border to denormal numbers, at the
+    // ends of the range.
+    const Real half_ln2 = std::log(Real(2)) / 2, root_half = std::sqrt(Real(0.5));
+    for (const Real x : {Real(0), half_ln2, -half_ln2, 5 * half_ln2, -5 * half_ln2, -41 * half_ln2, Real(-1), Real(1),
+                         std::log(Limits::min()), std::log(Limits::denorm_min()), std::log(Limits::max())}) {
+        expect_ascending(e, x, steps);
+    }
+    for (const Real x : {Real(1), root_half, 2 * root_half, root_half / 1024, Real(0.5), Real(2), Limits::min(),
+                         Limits::min() * root_half, Limits::denorm_min() * (steps + 1), Real(0x1p-33)}) {
+        expect_ascending(l, x, steps);
+    }
+    test::Random random(13);
+    for (int i = 0; i < 200; ++i) {
+        expect_ascending(e, static_cast<Real>(random.uniform(-100, 0)), steps);
+        expect_ascending(l, static_cast<Real>(random.uniform()), steps);
     }
 }
 

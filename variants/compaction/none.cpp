@@ -16,7 +16,8 @@ const Registration registration(
         .name = "none",
         .summary = "ended paths stay where they are and are passed over",
         .origin = "both seeds, compaction off",
-        .baseline = true,
+        .baseline = on_every_backend,
+        .backends = on_every_backend,
         .work_missing = [](const WorkCounters& work, std::uint64_t) -> std::string {
             return work.compactions == 0 ? "" : "a compaction ran";
         },

@@ -17,6 +17,7 @@ const Registration registration(
         .claim_note = "same expectation as direct_light=off at depth + 1",
         .mean_of = "off",
         .mean_at_extra_depth = 1,
+        .backends = on_every_backend,
         .does_not_apply = [](FeatureSet scene, const Variant&) -> std::string {
             const FeatureSet lights = Feature::emitter | Feature::emission | Feature::environment;
             return (scene & lights) != 0 ? "" : "needs a light in the scene";

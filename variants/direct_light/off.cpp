@@ -10,7 +10,8 @@ const Registration registration(
         .name = "off",
         .summary = "light is met by BSDF sampling only",
         .origin = "Kajiya 1986",
-        .baseline = true,
+        .baseline = on_every_backend,
+        .backends = on_every_backend,
         .work_missing = [](const WorkCounters& work, std::uint64_t) -> std::string {
             return work.connections == 0 ? "" : "connected vertices to lights";
         },

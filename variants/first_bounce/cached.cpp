@@ -12,6 +12,7 @@ const Registration registration(
         .name = "cached",
         .summary = "the camera rays' hits are computed once and reused by every later sample",
         .origin = "both seeds (CIS 565 project 3)",
+        .backends = on_every_backend,
         .does_not_apply = [](FeatureSet scene, const Variant&) -> std::string {
             if (contains(scene, Feature::jitter)) {
                 return "needs jitter off (camera.jitter is true in the scene)";
@@ -31,11 +32,7 @@ const Registration registration(
             return work.cache_fills + work.cache_hits == work.paths ? "" : "not every camera ray came from the cache";
         },
     },
-    {.first_bounce = [](std::uint32_t pixels) {
-        auto cache = std::make_unique<FirstBounceCache>();
-        cache->hits.resize(pixels);
-        return cache;
-    }});
+    {.first_bounce = [](const Variant&, Backend) { return 1u; }});
 
 }  // namespace
 }  // namespace pt

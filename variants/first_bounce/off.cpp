@@ -10,12 +10,13 @@ const Registration registration(
         .name = "off",
         .summary = "every sample traces its camera ray",
         .origin = "both seeds, cache off",
-        .baseline = true,
+        .baseline = on_every_backend,
+        .backends = on_every_backend,
         .work_missing = [](const WorkCounters& work, std::uint64_t) -> std::string {
             return work.cache_fills + work.cache_hits == 0 ? "" : "a cache was used";
         },
     },
-    {.first_bounce = [](std::uint32_t) { return std::unique_ptr<FirstBounceCache>(); }});
+    {.first_bounce = [](const Variant&, Backend) { return 0u; }});
 
 }  // namespace
 }  // namespace pt

@@ -31,34 +31,25 @@ inline constexpr Descriptor descriptor{
     .name = "depth_first",
     .summary = "a path at a time, state in registers (the megakernel's loop on a CPU core)",
     .origin = "Kajiya 1986",
-    .reference = true,
+    .reference = on_cpu,
     .does_not_apply = does_not_apply,
     .work_missing = work_missing,
 };
 
 inline constexpr std::size_t pixels_a_chunk = 64;
 
-// The first segment's hit: from the cache where there is one and it is filled.
-template <class Config>
-Hit<typename Config::Real> first_hit(const SceneView<typename Config::Real>& scene,
-                                     const Path<typename Config::Real>& path,
-                                     std::vector<Hit<typename Config::Real>>* cache, bool filled) {
-    if (cache == nullptr) {
-        return intersect<Config>(scene, path);
-    }
-    if (!filled) {
-        (*cache)[path.pixel] = intersect<Config>(scene, path);
-    }
-    return (*cache)[path.pixel];
-}
-
-// Traces one path to its end and returns the number of segments it had.
+// Traces one path to its end and returns the number of segments it had. With a cache its camera ray is one of those
+// kept, and its first hit comes from there unless this path is the one that fills it.
 template <class Config>
 std::uint32_t trace(const SceneView<typename Config::Real>& scene, const FilmView& film, std::uint32_t pixel,
-                    std::uint32_t sample, std::vector<Hit<typename Config::Real>>* cache, bool cache_filled,
-                    PathCounters& counters) {
-    auto path = generate<Config>(scene, pixel, sample);
-    auto hit = first_hit<Config>(scene, path, cache, cache_filled);
+                    std::uint32_t sample, FirstBounceCache* cache, bool cache_has_it, PathCounters& counters) {
+    using Real = typename Config::Real;
+    const std::uint32_t camera_sample = cache != nullptr ? sample % cache->rays : sample;
+    auto path = generate<Config>(scene, pixel, sample, camera_sample);
+    Hit<Real> hit = cache_has_it ? cache->hits[cache->index(pixel, sample)] : intersect<Config>(scene, path);
+    if (cache != nullptr && !cache_has_it) {
+        cache->hits[cache->index(pixel, sample)] = hit;
+    }
     while (shade<Config>(scene, path, hit, counters)) {
         hit = intersect<Config>(scene, path);
     }
@@ -72,8 +63,7 @@ template <class Config>
 void render(RenderJob& job) {
     std::atomic<std::uint64_t> rays = 0, paths = 0, connections = 0, unfinished = 0, fills = 0, hits = 0;
     std::vector<std::atomic<std::uint64_t>> ended_after(job.stages != nullptr ? job.scene.longest_path() + 1 : 0);
-    std::vector<Hit<float>>* cache = job.cache != nullptr ? &job.cache->hits : nullptr;
-    const bool filled_before = cache != nullptr && job.cache->filled;
+    FirstBounceCache* const cache = job.cache;
     {
         const StageClock clock(job.stages, "trace");
         parallel_for(job.scene.pixel_count(), pixels_a_chunk, [&](std::size_t begin, std::size_t end) {
@@ -81,10 +71,10 @@ void render(RenderJob& job) {
             std::uint64_t chunk_fills = 0;
             for (std::size_t pixel = begin; pixel < end; ++pixel) {
                 for (std::uint32_t i = 0; i < job.samples; ++i) {
-                    const bool filled = filled_before || i > 0;
-                    chunk_fills += filled ? 0u : 1u;
+                    const bool has_it = cache != nullptr && cache->has(cache->samples_seen + i);
+                    chunk_fills += has_it ? 0u : 1u;
                     const std::uint32_t length = trace<Config>(job.scene, job.film, static_cast<std::uint32_t>(pixel),
-                                                               job.first_sample + i, cache, filled, counters);
+                                                               job.first_sample + i, cache, has_it, counters);
                     if (!ended_after.empty()) {
                         ended_after[length].fetch_add(1, std::memory_order_relaxed);
                     }
@@ -101,7 +91,7 @@ void render(RenderJob& job) {
         });
     }
     if (cache != nullptr) {
-        job.cache->filled = true;
+        cache->samples_seen += job.samples;
     }
     job.work.rays += rays - hits;
     job.work.connections += connections;

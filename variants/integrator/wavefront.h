@@ -19,7 +19,7 @@ inline constexpr Descriptor descriptor{
     .name = "wavefront",
     .summary = "separate generate, intersect and shade over a queue of all paths, one sample a pixel in flight",
     .origin = "Laine, Karras and Aila 2013; both seeds",
-    .baseline = true,
+    .baseline = on_cpu,
     .work_missing = work_missing,
 };
 
@@ -33,7 +33,7 @@ public:
     void render_sample(std::uint32_t sample) {
         generate_all(sample);
         for (std::uint32_t segment = 0; segment < job_.scene.longest_path() && queue_.count > 0; ++segment) {
-            const std::uint64_t live = intersect_all(segment == 0);
+            const std::uint64_t live = intersect_all(segment == 0, sample);
             if (live == 0) {
                 break;
             }
@@ -54,7 +54,7 @@ public:
         }
         job_.work.paths += job_.scene.pixel_count();
         if (job_.cache != nullptr) {
-            job_.cache->filled = true;
+            job_.cache->samples_seen += 1;
         }
     }
 
@@ -63,19 +63,20 @@ private:
         const StageClock clock(job_.stages, "generate");
         queue_.count = job_.scene.pixel_count();
         queue_.indirect = false;
+        const std::uint32_t camera_sample = job_.cache != nullptr ? sample % job_.cache->rays : sample;
         parallel_for(queue_.count, paths_a_chunk, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                paths_.store(i, generate<Config>(job_.scene, static_cast<std::uint32_t>(i), sample));
+                paths_.store(i, generate<Config>(job_.scene, static_cast<std::uint32_t>(i), sample, camera_sample));
             }
         });
     }
 
     // Returns how many paths were alive; each traced a ray or took its hit from the cache.
-    std::uint64_t intersect_all(bool first) {
+    std::uint64_t intersect_all(bool first, std::uint32_t sample) {
         const StageClock clock(job_.stages, "intersect");
         std::atomic<std::uint64_t> live = 0;
         const bool use_cache = first && job_.cache != nullptr;
-        const bool filled = use_cache && job_.cache->filled;
+        const bool filled = use_cache && job_.cache->has(job_.cache->samples_seen);
         parallel_for(queue_.count, paths_a_chunk, [&](std::size_t begin, std::size_t end) {
             std::uint64_t chunk_live = 0;
             for (std::size_t i = begin; i < end; ++i) {
@@ -85,12 +86,12 @@ private:
                 }
                 chunk_live += 1;
                 if (filled) {
-                    queue_.hits[slot] = job_.cache->hits[paths_.pixel(slot)];
+                    queue_.hits[slot] = job_.cache->hits[job_.cache->index(paths_.pixel(slot), sample)];
                     continue;
                 }
                 queue_.hits[slot] = closest_hit<Config>(job_.scene, paths_.ray(slot));
                 if (use_cache) {
-                    job_.cache->hits[paths_.pixel(slot)] = queue_.hits[slot];
+                    job_.cache->hits[job_.cache->index(paths_.pixel(slot), sample)] = queue_.hits[slot];
                 }
             }
             live += chunk_live;

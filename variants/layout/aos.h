@@ -13,7 +13,7 @@ inline constexpr Descriptor descriptor{
     .name = "aos",
     .summary = "array of structures: the fields of a path lie together",
     .origin = "both seeds (CIS 565 path tracers)",
-    .baseline = true,
+    .baseline = on_cpu,
 };
 
 template <class Real>

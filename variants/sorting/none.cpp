@@ -16,7 +16,8 @@ const Registration registration(
         .name = "none",
         .summary = "paths are shaded in the order in which they lie",
         .origin = "both seeds, sorting off",
-        .baseline = true,
+        .baseline = on_every_backend,
+        .backends = on_every_backend,
         .work_missing = [](const WorkCounters& work, std::uint64_t) -> std::string {
             return work.sorts == 0 ? "" : "a sort ran";
         },

@@ -24,7 +24,8 @@ const Registration registration(
         .name = "features",
         .summary = "a kernel with only the features that the scene needs",
         .origin = "Cycles' kernel feature masks",
-        .baseline = true,
+        .baseline = on_every_backend,
+        .backends = on_every_backend,
     },
     {.specialisation = smallest_superset});
 

@@ -10,7 +10,8 @@ const Registration registration(
         .name = "generic",
         .summary = "one kernel with every feature, chosen at run time",
         .origin = "the usual renderer",
-        .reference = true,
+        .reference = on_every_backend,
+        .backends = on_every_backend,
     },
     {.specialisation = [](FeatureSet, const std::vector<FeatureSet>&) { return all_features; }});
 

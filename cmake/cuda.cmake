@@ -1,0 +1,122 @@
+# The CUDA backend, where there is a toolkit: the static runtime (which finds the driver when it is first called, so the
+# binary starts without one), NVRTC by dlopen, the sources that it compiles, and the choices that nvcc compiles.
+set(PTBENCH_CUDA OFF)
+option(PTBENCH_WITH_CUDA "Build the CUDA backend where a toolkit is found" ON)
+set(PTBENCH_CUDA_ARCHITECTURES "90-real" CACHE STRING "GPUs that Thrust and CUB are compiled for (path kernels are compiled at run time)")
+if(PTBENCH_NVCC AND PTBENCH_WITH_CUDA)
+  find_library(PTBENCH_CUDART cudart_static HINTS ${PTBENCH_CUDA_ROOT}/lib64 ${PTBENCH_CUDA_ROOT}/targets/x86_64-linux/lib)
+  find_path(PTBENCH_CUDA_INCLUDE cuda_runtime_api.h HINTS ${PTBENCH_CUDA_ROOT}/include ${PTBENCH_CUDA_ROOT}/targets/x86_64-linux/include)
+  find_path(PTBENCH_NVRTC_INCLUDE nvrtc.h HINTS ${PTBENCH_CUDA_INCLUDE})
+  find_path(PTBENCH_CCCL_INCLUDE cub/version.cuh HINTS ${PTBENCH_CUDA_INCLUDE}/cccl ${PTBENCH_CUDA_INCLUDE} NO_DEFAULT_PATH)
+  if(PTBENCH_CUDART AND PTBENCH_CUDA_INCLUDE AND PTBENCH_NVRTC_INCLUDE AND PTBENCH_CCCL_INCLUDE)
+    set(PTBENCH_CUDA ON)
+  endif()
+endif()
+message(STATUS "CUDA backend: ${PTBENCH_CUDA}")
+if(NOT PTBENCH_CUDA)
+  return()
+endif()
+
+find_package(Threads REQUIRED)
+add_library(ptbench_cudart INTERFACE)
+target_include_directories(ptbench_cudart SYSTEM INTERFACE ${PTBENCH_CUDA_INCLUDE})
+target_link_libraries(ptbench_cudart INTERFACE ${PTBENCH_CUDART} Threads::Threads ${CMAKE_DL_LIBS} rt)
+
+file(STRINGS ${PTBENCH_CCCL_INCLUDE}/cub/version.cuh cub_version REGEX "#[ ]*define CUB_VERSION [0-9]+")
+string(REGEX REPLACE ".*CUB_VERSION ([0-9]+).*" "\\1" cub_version "${cub_version}")
+math(EXPR cub_major "${cub_version} / 100000")
+math(EXPR cub_minor "${cub_version} / 100 % 1000")
+math(EXPR cub_patch "${cub_version} % 100")
+set(PTBENCH_CCCL_VERSION "${cub_major}.${cub_minor}.${cub_patch}")
+
+# What NVRTC compiles: kernels/, the device side of choices, and the GLM headers behind glm/vec3.hpp.
+file(GLOB embedded_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/kernels/*.h ${PROJECT_SOURCE_DIR}/variants/*/*.cuh
+     ${PROJECT_SOURCE_DIR}/variants/cuda/totals.h ${PROJECT_SOURCE_DIR}/variants/cuda/path_store.h)
+get_target_property(glm_include glm::glm INTERFACE_INCLUDE_DIRECTORIES)
+list(GET glm_include 0 glm_include)
+file(GLOB glm_headers ${glm_include}/glm/vec3.hpp ${glm_include}/glm/ext/vector_bool3*.hpp ${glm_include}/glm/ext/vector_float3*.hpp
+     ${glm_include}/glm/ext/vector_double3*.hpp ${glm_include}/glm/ext/vector_int3*.hpp ${glm_include}/glm/ext/vector_uint3*.hpp
+     ${glm_include}/glm/ext/scalar_*int_sized.hpp ${glm_include}/glm/detail/*.hpp ${glm_include}/glm/detail/*.inl
+     ${glm_include}/glm/detail/*.h ${glm_include}/glm/simd/*.h)
+set(embedded "")
+foreach(header ${embedded_headers})
+  file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR} ${header})
+  list(APPEND embedded "${name}=${header}")
+endforeach()
+foreach(header ${glm_headers})
+  file(RELATIVE_PATH name ${glm_include} ${header})
+  list(APPEND embedded "${name}=${header}")
+endforeach()
+set(embedded_file ${PROJECT_BINARY_DIR}/generated/embedded_sources.cpp)
+add_custom_command(OUTPUT ${embedded_file}
+  COMMAND ${CMAKE_COMMAND} "-DFILES=${embedded}" -DOUTPUT=${embedded_file} -P ${PROJECT_SOURCE_DIR}/cmake/embed_sources.cmake
+  DEPENDS ${embedded_headers} ${PROJECT_SOURCE_DIR}/cmake/embed_sources.cmake VERBATIM)
+set(cuda_sources ${embedded_file})
+
+# A choice whose device side NVRTC compiles registers itself in a unit of its own, by the name of its file.
+function(add_cuda_registration axis name hooks)
+  set(unit ${PROJECT_BINARY_DIR}/generated/cuda_${axis}_${name}.cpp)
+  file(CONFIGURE OUTPUT ${unit} CONTENT
+"#include \"variants/registry.h\"
+#include \"variants/${axis}/${name}.cuh\"
+namespace pt { namespace {
+${hooks}
+} }
+")
+  set(cuda_sources ${cuda_sources} ${unit} PARENT_SCOPE)
+endfunction()
+
+file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/integrator/*.cuh)
+foreach(header ${headers})
+  get_filename_component(name ${header} NAME_WE)
+  add_cuda_registration(integrator ${name}
+    "const Registration registration(cuda::integrator::${name}::descriptor, {.cuda = {.integrator = cuda::integrator::${name}::hook}});")
+endforeach()
+file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/sort_key/*.cuh)
+foreach(header ${headers})
+  get_filename_component(name ${header} NAME_WE)
+  add_cuda_registration(sort_key ${name}
+    "const Registration registration(sort_key::${name}::descriptor, {.cuda = {.sort_key = sort_key::${name}::hook}});")
+endforeach()
+foreach(axis compaction sorting)
+  file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/${axis}/*.cuh)
+  foreach(header ${headers})
+    get_filename_component(name ${header} NAME_WE)
+    add_cuda_registration(${axis} ${name}
+      "const Registration registration(cuda::${axis}::${name}::descriptor, {.cuda = cuda::${axis}::${name}::hooks});")
+  endforeach()
+endforeach()
+file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/layout/*.cuh)
+foreach(header ${headers})
+  get_filename_component(name ${header} NAME_WE)
+  add_cuda_registration(layout ${name}
+"#define PATHS(Real) layout::${name}::DevicePaths<Real>
+const Registration registration(layout::${name}::cuda_descriptor, {.cuda = {.layout = {
+    .bytes = [](std::uint32_t capacity, std::size_t real_bytes) {
+        return real_bytes == 4 ? PATHS(float)::bytes(capacity) : PATHS(double)::bytes(capacity); },
+    .segment = [](const cuda::PathStore& store, std::size_t real_bytes) {
+        return real_bytes == 4 ? PATHS(float)(store).segment() : PATHS(double)(store).segment(); },
+    .departed = [](const cuda::PathStore& store, std::size_t real_bytes) {
+        return real_bytes == 4 ? PATHS(float)(store).departed() : PATHS(double)(store).departed(); }}}});")
+endforeach()
+file(GLOB cuda_host_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/cuda/*.cpp)
+list(APPEND cuda_sources ${cuda_host_sources})
+
+# What nvcc compiles: Thrust, CUB, and the clock.
+set(CMAKE_CUDA_COMPILER ${PTBENCH_NVCC})
+set(CMAKE_CUDA_ARCHITECTURES ${PTBENCH_CUDA_ARCHITECTURES})
+set(CMAKE_CUDA_RUNTIME_LIBRARY Static)
+enable_language(CUDA)
+# CMake before 3.26 does not know that this nvcc speaks C++20.
+set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION "-std=c++20")
+set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION "-std=c++20")
+set(CMAKE_CUDA_FLAGS_RELEASE "-O3 -DNDEBUG")
+file(GLOB nvcc_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/*/*.cu ${PROJECT_SOURCE_DIR}/harness/cuda/*.cu)
+add_library(ptbench_nvcc_options INTERFACE)
+target_include_directories(ptbench_nvcc_options INTERFACE ${PROJECT_SOURCE_DIR})
+target_include_directories(ptbench_nvcc_options SYSTEM INTERFACE ${glm_include})
+target_compile_options(ptbench_nvcc_options INTERFACE -include=cuda.h --expt-relaxed-constexpr --extended-lambda -diag-suppress=20012
+                       -Xcompiler=-Wall,-Wextra,-Wno-unused-parameter,-Wno-unknown-pragmas)
+target_compile_definitions(ptbench_nvcc_options INTERFACE GLM_FORCE_CUDA)
+add_library(ptbench_nvcc OBJECT ${nvcc_sources})
+target_link_libraries(ptbench_nvcc PRIVATE ptbench_nvcc_options)

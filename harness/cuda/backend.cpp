@@ -1,0 +1,118 @@
+#include "harness/cuda/backend.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include <fmt/format.h>
+
+#include "harness/cuda/cell.h"
+#include "harness/error.h"
+#include "variants/cuda/device.h"
+#include "variants/cuda/nvrtc.h"
+
+namespace pt::cuda {
+
+namespace {
+
+template <class Real>
+void render_in(const Scene& scene, const RenderRequest& request, const RenderSettings& settings,
+               const KernelChoice& kernel, RenderResult& result) {
+    RenderCell<Real> cell(scene, request, settings, kernel, result.film.view());
+    cell.run(result);
+    cell.collect(result);
+}
+
+}  // namespace
+
+std::string not_available() {
+    static const std::string reason = [] {
+        const std::string missing = device_missing();
+        return missing.empty() ? nvrtc_missing() : missing;
+    }();
+    return reason;
+}
+
+RenderResult render(const Scene& scene, const RenderRequest& request) {
+    if (!not_available().empty()) {
+        throw MachineError("cuda: not available (" + not_available() + ")");
+    }
+    const Registry& registry = Registry::instance();
+    const KernelChoice kernel = choose_kernel(scene, request.variant, Backend::cuda);
+    RenderSettings settings = request.settings;
+    settings.final_bounce = contains(kernel.needed, Feature::final_bounce);
+    const std::uint64_t film_samples = request.film_samples != 0 ? request.film_samples : request.samples;
+    RenderResult result{
+        .film = Film(settings.width, settings.height, radiance_bound(scene, settings.depth), film_samples),
+        .work = {},
+        .stages = {},
+        .needed = kernel.needed,
+        .compiled = kernel.compiled};
+    try {
+        if (registry.at("precision", request.variant, Backend::cuda).hook.cuda.real_bytes == sizeof(double)) {
+            render_in<double>(scene, request, settings, kernel, result);
+        } else {
+            render_in<float>(scene, request, settings, kernel, result);
+        }
+    } catch (const Error& error) {
+        throw MachineError(fmt::format("{} of {} at {}x{}, {} spp on {}: {}", request.variant.name(), scene.name,
+                                       settings.width, settings.height, request.samples, device().name,
+                                       error.what()));
+    }
+    return result;
+}
+
+std::size_t compile(const Scene& scene, const Variant& variant, const std::string& architecture) {
+    const KernelChoice kernel = choose_kernel(scene, variant, Backend::cuda);
+    return compile_module(module_request(variant, kernel.compiled, architecture)).cubin.size();
+}
+
+void collect_programs(const Scene& scene, const Variant& variant,
+                      std::map<std::string, std::function<void()>>& programs) {
+    if (!not_available().empty()) {
+        return;
+    }
+    // The variant's own, its twin's and the references': verification needs them all.
+    const Registry& registry = Registry::instance();
+    const Variant twin = exact_twin(variant, Backend::cuda);
+    for (const Variant& needed : {variant, twin, registry.reference(twin, Backend::cuda)}) {
+        const FeatureSet features = choose_kernel(scene, needed, Backend::cuda).compiled;
+        const ModuleRequest request = module_request(needed, features, device().architecture());
+        if (!is_cached(request)) {
+            programs.try_emplace(request.name + " " + module_key(request), [request] { (void)build_module(request); });
+        }
+    }
+}
+
+std::string machine_name() {
+    std::string name;
+    for (const char c : device().name) {
+        const auto byte = static_cast<unsigned char>(c);
+        name += std::isalnum(byte) != 0 ? static_cast<char>(std::tolower(byte)) : '-';
+    }
+    return name;
+}
+
+std::vector<std::pair<std::string, std::string>> context() {
+    if (!not_available().empty()) {
+        return {};
+    }
+    const Device& d = device();
+    return {
+        {"ptbench.cuda_device", d.name},
+        {"ptbench.cuda_compute_capability", fmt::format("{}.{}", d.major, d.minor)},
+        {"ptbench.cuda_multiprocessors", std::to_string(d.multiprocessors)},
+        {"ptbench.cuda_clock_mhz", std::to_string(d.clock_khz / 1000)},
+        {"ptbench.cuda_memory_clock_mhz", std::to_string(d.memory_clock_khz / 1000)},
+        {"ptbench.cuda_memory_bus_bits", std::to_string(d.memory_bus_bits)},
+        {"ptbench.cuda_memory_mib", std::to_string(d.memory_bytes >> 20)},
+        {"ptbench.cuda_l2_bytes", std::to_string(d.l2_bytes)},
+        {"ptbench.cuda_ecc", d.ecc ? "true" : "false"},
+        {"ptbench.cuda_driver", version_text(d.driver_version)},
+        {"ptbench.cuda_runtime", version_text(d.runtime_version)},
+        {"ptbench.cuda_nvrtc", nvrtc_version()},
+        {"ptbench.cuda_cccl", PTBENCH_CCCL_VERSION},
+        {"ptbench.cuda_kernel_source_hash", kernel_source_hash()},
+    };
+}
+
+}  // namespace pt::cuda

@@ -1,0 +1,39 @@
+// The CUDA backend as the harness sees it. A build without a CUDA toolkit has these functions too (without_cuda.cpp):
+// it says that the backend is not available.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "harness/render/renderer.h"
+
+namespace pt::cuda {
+
+// Why CUDA cannot be used here (no toolkit at build time, no driver, no device, no NVRTC); empty: it can.
+std::string not_available();
+
+// Renders on the first device. Throws MachineError if the backend is not available, if memory runs out (with the size
+// asked for) or if a call fails.
+RenderResult render(const Scene& scene, const RenderRequest& request);
+
+// Compiles the kernels of a variant for an architecture ("sm_90"), without a device, a driver or the cache; the
+// compiler's log is in the exception if it fails. Returns the size of the code.
+std::size_t compile(const Scene& scene, const Variant& variant, const std::string& architecture);
+
+// Adds the programs that a variant of a scene needs and that are not in the cache on disk: name -> compiles it and puts
+// it there. Does nothing if the backend is not available.
+void collect_programs(const Scene& scene, const Variant& variant,
+                      std::map<std::string, std::function<void()>>& programs);
+
+// A name for folders, e.g. "nvidia-h200". Precondition: not_available() is empty.
+std::string machine_name();
+// Keys ("ptbench.cuda_" prefixed) and values for the context of a result file; empty if not available.
+std::vector<std::pair<std::string, std::string>> context();
+
+// The multiprocessors' clock, measured on the device: a chain of dependent additions against its nanosecond timer.
+double measure_clock_mhz();
+
+}  // namespace pt::cuda

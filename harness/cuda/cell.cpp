@@ -1,0 +1,445 @@
+#include "harness/cuda/cell.h"
+
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <mutex>
+
+#include <fmt/format.h>
+
+#include "variants/cuda/device.h"
+
+namespace pt::cuda {
+
+namespace {
+
+const Hooks& hooks(std::string_view axis, const Variant& variant) {
+    return Registry::instance().at(axis, variant, Backend::cuda).hook.cuda;
+}
+
+// Modules stay loaded: a variant's kernels are compiled, or read from the cache on disk, once a process.
+struct LoadedModules {
+    std::map<std::string, std::unique_ptr<Module>> by_request;
+    static LoadedModules& instance() {
+        static LoadedModules modules;
+        return modules;
+    }
+};
+
+std::string request_text(const ModuleRequest& request) {
+    return fmt::format("{}|{}|{}|{}|{}|{}|{}|{}", request.name, request.features, request.real, request.layout,
+                       request.sort_key, request.architecture, fmt::join(request.options, " "),
+                       fmt::join(request.defines, " "));
+}
+
+template <class T>
+View<T> placed(Arena& arena, const View<T>& host) {
+    return {arena.take<T>(host.size), host.size};
+}
+
+template <class T>
+void copy_to_device(const View<T>& device, const View<T>& host, cudaStream_t stream) {
+    if (host.size != 0) {
+        PT_CUDA_CHECK(cudaMemcpyAsync(const_cast<T*>(device.data), host.data, host.size * sizeof(T),
+                                      cudaMemcpyHostToDevice, stream));
+    }
+}
+
+double process_cpu_ms() {
+    timespec time{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+// A box round all objects, relative to the eye: each within its half diagonal of its centre.
+KeyBounds key_bounds(const Scene& scene) {
+    Vec3d low(1e300), high(-1e300);
+    for (const SceneObject& object : scene.objects) {
+        const Vec3d centre = object.translate - scene.camera.eye;
+        const double reach = 0.5 * std::sqrt(dot(object.scale, object.scale));
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = std::min(low[axis], centre[axis] - reach);
+            high[axis] = std::max(high[axis], centre[axis] + reach);
+        }
+    }
+    KeyBounds bounds;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double extent = high[axis] - low[axis];
+        bounds.low[axis] = static_cast<float>(low[axis]);
+        bounds.inverse_extent[axis] = extent > 0 ? static_cast<float>(1 / extent) : 0.0f;
+    }
+    return bounds;
+}
+
+bool has_tunable(const Variant& variant, std::string_view name) {
+    for (const Tunable& tunable : tunables_of(variant, Backend::cuda)) {
+        if (tunable.name == name) {
+            return true;
+        }
+    }
+    return false;
+}
+
+std::uint32_t tuned(const Variant& variant, std::string_view name, std::uint32_t otherwise) {
+    return has_tunable(variant, name) ? tunable(variant, name, Backend::cuda) : otherwise;
+}
+
+ModuleRequest request_for(const Variant& variant, const std::string& source, const std::string& architecture) {
+    ModuleRequest request;
+    request.name = source;
+    request.includes = {source};
+    request.real = hooks("precision", variant).real;
+    request.layout = variant["layout"];
+    request.sort_key = variant["sort_key"];
+    request.architecture = architecture;
+    return request;
+}
+
+}  // namespace
+
+std::string integrator_source(const Variant& variant) {
+    return "variants/integrator/" + variant["integrator"] + ".cuh";
+}
+
+ModuleRequest module_request(const Variant& variant, FeatureSet features, const std::string& architecture) {
+    ModuleRequest request = request_for(variant, integrator_source(variant), architecture);
+    const Integrator& integrator = hooks("integrator", variant).integrator;
+    request.features = features;
+    request.options = hooks("arithmetic", variant).options;
+    const std::uint32_t kept = Registry::instance()
+                                   .at("first_bounce", variant, Backend::cuda)
+                                   .hook.first_bounce(variant, Backend::cuda);
+    request.defines = {fmt::format("-DPT_BLOCK={}", tuned(variant, "block", 128)),
+                       fmt::format("-DPT_CACHED={}", kept > 0 ? 1 : 0),
+                       fmt::format("-DPT_SHADING_FMAS={}", tuned(variant, "shading_fmas", 0))};
+    if (integrator.defines != nullptr) {
+        const std::vector<std::string> more = integrator.defines(variant);
+        request.defines.insert(request.defines.end(), more.begin(), more.end());
+    }
+    if (!integrator.has_queue) {
+        request.layout = "aos";  // not used: one compilation serves
+    }
+    if (!integrator.stores_hits) {
+        request.sort_key = "material";
+    }
+    return request;
+}
+
+// Stages move paths and count them; they do no arithmetic on them, so neither features nor arithmetic matter.
+ModuleRequest stage_request(const Variant& variant, const std::string& source, const std::string& architecture) {
+    ModuleRequest request = request_for(variant, source, architecture);
+    request.features = no_features;
+    request.sort_key = "material";
+    request.defines = {"-DPT_BLOCK=256", "-DPT_CACHED=0", "-DPT_SHADING_FMAS=0"};
+    return request;
+}
+
+template <class Real>
+const Module& RenderCell<Real>::module(const ModuleRequest& request) {
+    std::unique_ptr<Module>& module = LoadedModules::instance().by_request[request_text(request)];
+    if (module == nullptr) {
+        const ModuleImage image = build_module(request);
+        module = std::make_unique<Module>(image);
+        facts_.compile_seconds += image.compile_seconds;
+        facts_.from_cache = facts_.from_cache && image.from_cache;
+    }
+    return *module;
+}
+
+template <class Real>
+CellContext RenderCell<Real>::context() {
+    CellContext context;
+    context.layout = &layout_;
+    context.layout_name = request_.variant["layout"];
+    context.real_bytes = sizeof(Real);
+    context.materials = job_.materials;
+    context.multiprocessors = job_.multiprocessors;
+    context.stream = job_.stream;
+    context.tunable = [this](std::string_view name) { return tunable(request_.variant, name, Backend::cuda); };
+    context.module = [this](const std::string& source) -> const Module& {
+        return module(stage_request(request_.variant, source, device().architecture()));
+    };
+    context.launches = &choice_launches_;
+    context.host_waits = &choice_waits_;
+    return context;
+}
+
+template <class Real>
+RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, const RenderSettings& settings,
+                             const KernelChoice& kernel, const FilmView& film)
+    : scene_(scene),
+      request_(request),
+      kernel_(kernel),
+      buffers_(scene, settings),
+      host_film_(film),
+      layout_(hooks("layout", request.variant).layout) {
+    const Variant& variant = request.variant;
+    facts_.from_cache = true;
+    const Integrator& integrator = hooks("integrator", variant).integrator;
+    const ModuleRequest module_of_integrator = module_request(variant, kernel.compiled, device().architecture());
+    job_.module = &module(module_of_integrator);
+    const auto start = std::chrono::steady_clock::now();
+    PT_CUDA_CHECK(cudaStreamCreateWithFlags(&job_.stream, cudaStreamNonBlocking));
+    PT_CUDA_CHECK(cudaEventCreate(&begin_));
+    PT_CUDA_CHECK(cudaEventCreate(&end_));
+    PT_CUDA_CHECK(cudaMallocHost(reinterpret_cast<void**>(&job_.pinned_count), sizeof(std::uint32_t)));
+    job_.pixels = settings.width * settings.height;
+    job_.longest_path = buffers_.view().longest_path();
+    job_.materials = buffers_.view().materials.size;
+    job_.first_sample = request.first_sample;
+    job_.samples = request.samples;
+    job_.samples_in_flight = tuned(variant, "spp_in_flight", 1);
+    job_.block = tuned(variant, "block", 128);
+    job_.reads_back = tuned(variant, "read_back", 0) != 0;
+    job_.multiprocessors = static_cast<std::uint32_t>(device().multiprocessors);
+    job_.cache.rays = Registry::instance()
+                          .at("first_bounce", variant, Backend::cuda)
+                          .hook.first_bounce(variant, Backend::cuda);
+    job_.sort_key = hooks("sort_key", variant).sort_key;
+    job_.key_bounds = key_bounds(scene);
+    job_.is_captured = hooks("launch", variant).is_captured;
+    job_.stages = request.instrument ? &stages_ : nullptr;
+    job_.appends_in_kernel = integrator.appends_in_kernel != nullptr && integrator.appends_in_kernel(variant);
+    if (integrator.has_queue && hooks("compaction", variant).compaction != nullptr) {
+        compaction_ = hooks("compaction", variant).compaction(context());
+    }
+    if (integrator.has_queue && hooks("sorting", variant).sorting != nullptr) {
+        sorting_ = hooks("sorting", variant).sorting(context());
+    }
+    job_.compaction = compaction_.get();
+    job_.sorting = sorting_.get();
+
+    Arena measuring;
+    reserve(measuring);
+    arena_ = std::make_unique<Arena>(measuring.used());
+    reserve(*arena_);
+    upload();
+    facts_.device_bytes = measuring.used();
+    facts_.threads = job_.block;
+    facts_.options = job_.module->image().options;
+    if (integrator.prepare != nullptr) {
+        integrator.prepare(job_);
+    }
+    PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
+    facts_.prepare_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+template <class Real>
+RenderCell<Real>::~RenderCell() {
+    // Work that is still in flight after a failure must not outlive its memory.
+    if (job_.stream != nullptr) {
+        (void)cudaStreamSynchronize(job_.stream);
+    }
+    job_.graph.reset();
+    if (begin_ != nullptr) {
+        (void)cudaEventDestroy(begin_);
+    }
+    if (end_ != nullptr) {
+        (void)cudaEventDestroy(end_);
+    }
+    if (job_.pinned_count != nullptr) {
+        (void)cudaFreeHost(job_.pinned_count);
+    }
+    if (job_.stream != nullptr) {
+        (void)cudaStreamDestroy(job_.stream);
+    }
+}
+
+template <class Real>
+void RenderCell<Real>::reserve(Arena& arena) {
+    const SceneView<Real>& host = buffers_.view();
+    view_ = host;
+    view_.spheres = placed(arena, host.spheres);
+    view_.ellipsoids = placed(arena, host.ellipsoids);
+    view_.axis_boxes = placed(arena, host.axis_boxes);
+    view_.oriented_boxes = placed(arena, host.oriented_boxes);
+    view_.quads = placed(arena, host.quads);
+    view_.object_material = placed(arena, host.object_material);
+    view_.velocity = placed(arena, host.velocity);
+    view_.materials = placed(arena, host.materials);
+    view_.lights = placed(arena, host.lights);
+    job_.scene = {&view_};
+    job_.film = host_film_;
+    job_.film.sums = arena.take<std::int64_t>(std::size_t{3} * job_.pixels);
+    job_.film.faults = arena.take<FilmFaults>(1);
+    job_.totals = arena.take<Totals>(1);
+    job_.next_item = arena.take<std::uint64_t>(1);
+    job_.segments.live = arena.take<std::uint64_t>(job_.longest_path);
+    job_.segments.in_play = arena.take<std::uint64_t>(job_.longest_path);
+    job_.cache.hits = reinterpret_cast<Hit<float>*>(
+        arena.take_bytes(std::size_t{job_.pixels} * job_.cache.rays * sizeof(Hit<Real>)));
+    if (hooks("integrator", request_.variant).integrator.has_queue) {
+        reserve_queue(arena);
+    }
+}
+
+template <class Real>
+void RenderCell<Real>::reserve_queue(Arena& arena) {
+    const std::size_t before = arena.used();
+    Queue& queue = job_.queue;
+    const std::uint64_t pool = std::uint64_t{job_.pixels} * std::min(job_.samples_in_flight, job_.samples);
+    if (pool > 0x7fffffffu) {
+        throw Error(fmt::format("{} paths in flight: spp_in_flight is too large for {} pixels", pool, job_.pixels));
+    }
+    queue.capacity = static_cast<std::uint32_t>(pool);
+    const auto take_paths = [&]() -> PathStore {
+        return {arena.take_bytes(layout_.bytes(queue.capacity, sizeof(Real))), queue.capacity};
+    };
+    queue.paths = take_paths();
+    const bool needs_spare = job_.appends_in_kernel || (compaction_ != nullptr && compaction_->needs_spare_paths());
+    if (needs_spare) {
+        queue.spare = take_paths();
+    }
+    if (hooks("integrator", request_.variant).integrator.stores_hits) {
+        queue.hits = arena.take<Hit<Real>>(queue.capacity);
+    }
+    if (compaction_ != nullptr || sorting_ != nullptr) {
+        queue.order = arena.take<std::uint32_t>(queue.capacity);
+        queue.order_spare = arena.take<std::uint32_t>(queue.capacity);
+    }
+    if (sorting_ != nullptr) {
+        queue.keys = arena.take<std::uint32_t>(queue.capacity);
+        queue.keys_spare = arena.take<std::uint32_t>(queue.capacity);
+    }
+    queue.count = arena.take<std::uint32_t>(1);
+    queue.count_spare = arena.take<std::uint32_t>(1);
+    queue.bound = queue.capacity;
+    unsigned char* const classes = arena.take<unsigned char>(scene_.objects.size());
+    queue.object_class = classes;
+    if (compaction_ != nullptr && !job_.appends_in_kernel) {
+        compaction_->reserve(arena, queue);
+    }
+    if (sorting_ != nullptr) {
+        sorting_->reserve(arena, queue);
+    }
+    facts_.path_bytes = (arena.used() - before) / queue.capacity;
+}
+
+template <class Real>
+void RenderCell<Real>::upload() {
+    const SceneView<Real>& host = buffers_.view();
+    copy_to_device(view_.spheres, host.spheres, job_.stream);
+    copy_to_device(view_.ellipsoids, host.ellipsoids, job_.stream);
+    copy_to_device(view_.axis_boxes, host.axis_boxes, job_.stream);
+    copy_to_device(view_.oriented_boxes, host.oriented_boxes, job_.stream);
+    copy_to_device(view_.quads, host.quads, job_.stream);
+    copy_to_device(view_.object_material, host.object_material, job_.stream);
+    copy_to_device(view_.velocity, host.velocity, job_.stream);
+    copy_to_device(view_.materials, host.materials, job_.stream);
+    copy_to_device(view_.lights, host.lights, job_.stream);
+    const auto clear = [&](void* memory, std::size_t bytes) {
+        if (memory != nullptr && bytes != 0) {
+            PT_CUDA_CHECK(cudaMemsetAsync(memory, 0, bytes, job_.stream));
+        }
+    };
+    clear(job_.film.sums, std::size_t{3} * job_.pixels * sizeof(std::int64_t));
+    clear(job_.film.faults, sizeof(FilmFaults));
+    clear(job_.totals, sizeof(Totals));
+    clear(job_.segments.live, job_.longest_path * sizeof(std::uint64_t));
+    clear(job_.segments.in_play, job_.longest_path * sizeof(std::uint64_t));
+    Queue& queue = job_.queue;
+    if (queue.count == nullptr) {
+        return;
+    }
+    // Positions beyond the count are carried along by sorts though nobody looks at what they hold.
+    for (std::uint32_t* const index : {queue.order, queue.order_spare, queue.keys, queue.keys_spare}) {
+        clear(index, std::size_t{queue.capacity} * sizeof(std::uint32_t));
+    }
+    clear(queue.count, sizeof(std::uint32_t));
+    clear(queue.count_spare, sizeof(std::uint32_t));
+    std::vector<unsigned char> classes;
+    for (std::uint32_t object = 0; object < host.object_material.size; ++object) {
+        const MaterialType type = host.materials[host.object_material[object]].type;
+        classes.push_back(type == MaterialType::mirror || type == MaterialType::dielectric ? 1 : 0);
+    }
+    PT_CUDA_CHECK(cudaMemcpyAsync(const_cast<unsigned char*>(queue.object_class), classes.data(), classes.size(),
+                                  cudaMemcpyHostToDevice, job_.stream));
+    PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
+}
+
+template <class Real>
+void RenderCell<Real>::run(RenderResult& result) {
+    const Integrator& integrator = hooks("integrator", request_.variant).integrator;
+    const double cpu_start = process_cpu_ms();
+    const auto start = std::chrono::steady_clock::now();
+    PT_CUDA_CHECK(cudaEventRecord(begin_, job_.stream));
+    integrator.render(job_);
+    PT_CUDA_CHECK(cudaEventRecord(end_, job_.stream));
+    PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
+    result.wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    result.cpu_ms = process_cpu_ms() - cpu_start;
+    float milliseconds = 0;
+    PT_CUDA_CHECK(cudaEventElapsedTime(&milliseconds, begin_, end_));
+    result.device_ms = milliseconds;
+}
+
+template <class Real>
+void RenderCell<Real>::collect(RenderResult& result) {
+    const auto download = [&](auto* host, const auto* device, std::size_t count) {
+        PT_CUDA_CHECK(cudaMemcpyAsync(host, device, count * sizeof(*host), cudaMemcpyDeviceToHost, job_.stream));
+        PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
+    };
+    std::vector<std::int64_t> sums(std::size_t{3} * job_.pixels);
+    FilmFaults faults;
+    Totals totals;
+    std::vector<std::uint64_t> live(job_.longest_path), in_play(job_.longest_path);
+    download(sums.data(), job_.film.sums, sums.size());
+    download(&faults, job_.film.faults, 1);
+    download(&totals, job_.totals, 1);
+    download(live.data(), job_.segments.live, live.size());
+    download(in_play.data(), job_.segments.in_play, in_play.size());
+    result.film.set(std::move(sums), faults);
+
+    WorkCounters& work = result.work;
+    work = job_.work;
+    work.launches += choice_launches_;
+    work.host_waits += choice_waits_;
+    work.paths = totals.paths.paths;
+    work.connections = totals.paths.connections;
+    work.unfinished_walks = totals.paths.unfinished_walks;
+    work.cache_fills = totals.cache_fills;
+    work.sorted = totals.sorted;
+    std::uint64_t cache_uses = totals.cache_uses;
+    if (hooks("integrator", request_.variant).integrator.has_queue) {
+        std::uint64_t segments = 0;
+        for (const std::uint64_t count : live) {
+            segments += count;
+        }
+        cache_uses = job_.cache.rays > 0 ? live.front() : 0;
+        work.rays = segments - cache_uses + totals.cache_fills + totals.paths.connections;
+        work.last_paths = live.back();
+        work.compacted_away = work.compactions > 0 ? in_play.front() - in_play.back() : 0;
+    } else {
+        work.rays = totals.paths.rays;
+        // `live` holds paths by the number of their segments here.
+        std::uint64_t alive = 0;
+        for (std::size_t segment = live.size(); segment-- > 0;) {
+            alive += live[segment];
+            live[segment] = alive;
+        }
+    }
+    work.cache_hits = cache_uses - totals.cache_fills;
+    if (request_.instrument) {
+        result.stages.milliseconds = stages_.milliseconds();
+        for (const std::uint64_t count : live) {
+            if (count == 0) {
+                break;
+            }
+            result.stages.live_paths.push_back(count);
+        }
+    }
+    for (const char* name : {"megakernel", "megakernel_regen", "persistent", "generate_paths", "intersect_paths",
+                             "shade_paths", "write_keys", "first_bounce", "next_bounce"}) {
+        try {
+            const KernelFacts kernel = job_.module->facts(name);
+            facts_.kernels.push_back({name, kernel.registers, kernel.local_bytes, kernel.shared_bytes});
+        } catch (const Error&) {  // not in this module
+        }
+    }
+    result.cuda = facts_;
+}
+
+template class RenderCell<float>;
+template class RenderCell<double>;
+
+}  // namespace pt::cuda

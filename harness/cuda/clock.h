@@ -1,0 +1,8 @@
+// The clock of the multiprocessors, in MHz; takes a fraction of a millisecond.
+#pragma once
+
+namespace pt::cuda {
+
+double measure_clock_mhz();
+
+}  // namespace pt::cuda

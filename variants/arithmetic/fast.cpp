@@ -1,0 +1,22 @@
+// Approximate division, square root and reciprocal, denormals flushed to zero, contraction.
+#include "variants/registry.h"
+
+namespace pt {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "arithmetic",
+        .name = "fast",
+        .summary = "--use_fast_math: approximate division and square root, denormals flushed to zero",
+        .origin = "nvcc",
+        .claim = Claim::statistical,
+        .claim_note = "same expectation as arithmetic=exact; its twin in exact arithmetic is compared bit for bit",
+        .mean_of = "exact",
+        .rounds_freely = true,
+        .backends = on_cuda,
+    },
+    {.cuda = {.options = {"--use_fast_math"}}});
+
+}  // namespace
+}  // namespace pt

@@ -1,0 +1,37 @@
+// Live paths are appended to the next queue, with a scan in shared memory and one atomic operation a block.
+#pragma once
+
+#if defined(__CUDACC_RTC__)
+
+#include "variants/cuda/append.cuh"
+
+__device__ inline std::uint32_t append(std::uint32_t* count, bool keep) {
+    return pt::cuda::append_by_block(count, keep);
+}
+
+#include "variants/cuda/append_kernels.cuh"
+
+#else
+
+#include "variants/cuda/append_compaction.h"
+
+namespace pt::cuda::compaction::block_scan_append {
+
+inline constexpr Descriptor descriptor{
+    .axis = "compaction",
+    .name = "block_scan_append",
+    .summary = "live paths are appended to the next queue: shared-memory scan, one atomic operation a block",
+    .origin = "Billeter, Olsson and Assarsson 2009, with an atomic counter for the global scan",
+    .keeps_payload_contiguous = false,
+    .backends = on_cuda,
+    .tunables = append_tunables,
+    .work_missing = compacted_every_bounce,
+};
+
+inline const Hooks hooks{.compaction = [](const CellContext& context) -> std::unique_ptr<Compaction> {
+    return std::make_unique<AppendCompaction>(context, "variants/compaction/block_scan_append.cuh");
+}};
+
+}  // namespace pt::cuda::compaction::block_scan_append
+
+#endif

@@ -1,0 +1,39 @@
+// cub::DeviceSelect::If: a predicate on the item says whether it is kept. An item's position is not known to the
+// predicate, so positions from the count on are given items that it turns down.
+#include <cub/device/device_select.cuh>
+
+#include "variants/cuda/cub_compaction.h"
+
+namespace pt::cuda {
+namespace {
+
+struct Algorithm {
+    static cudaError_t slots(void* memory, std::size_t& bytes, const SlotAt& slot_at, const IsAlive& is_alive,
+                             std::uint32_t* kept, std::uint32_t* count, int items, cudaStream_t stream) {
+        return cub::DeviceSelect::If(memory, bytes, by_position(slot_at), kept, count, items, is_alive, stream);
+    }
+    template <class Paths>
+    static cudaError_t paths(void* memory, std::size_t& bytes, const PathStore& from, const PathStore& to,
+                             const SlotAt& slot_at, const IsAlive&, std::uint32_t* count, int items,
+                             cudaStream_t stream) {
+        return cub::DeviceSelect::If(memory, bytes, by_position(PathAt<Paths>{Paths(from), slot_at.count}),
+                                     payload_begin<Paths>(to), count, items, PathIsAlive(), stream);
+    }
+};
+
+const Registration registration(
+    {
+        .axis = "compaction",
+        .name = "cub_select_if",
+        .summary = "cub::DeviceSelect::If of slot numbers (payload=1: of paths); the count stays on the device",
+        .origin = "Merrill and Garland 2016 (single-pass scan)",
+        .keeps_payload_contiguous = false,
+        .backends = on_cuda,
+        .tunables = payload_tunables,
+        .does_not_apply = payload_needs_single_precision,
+        .work_missing = compacted_every_bounce,
+    },
+    {.compaction = &make_cub_compaction<Algorithm>});
+
+}  // namespace
+}  // namespace pt::cuda

@@ -1,0 +1,33 @@
+// The one check on calls of the CUDA runtime: evaluates its argument once and throws with file, line and expression.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+#include <cuda_runtime_api.h>
+
+namespace pt::cuda {
+
+class Error : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+class OutOfMemory : public Error {
+public:
+    OutOfMemory(std::size_t asked, std::size_t free)
+        : Error("out of device memory: asked for " + std::to_string(asked >> 20) + " MiB, free are " +
+                std::to_string(free >> 20) + " MiB") {}
+};
+
+inline void check(cudaError_t code, const char* expression, const char* file, int line) {
+    if (code != cudaSuccess) {
+        (void)cudaGetLastError();  // else it would be blamed on the next call
+        throw Error(std::string(file) + ":" + std::to_string(line) + ": " + expression + ": " +
+                    cudaGetErrorString(code));
+    }
+}
+
+}  // namespace pt::cuda
+
+#define PT_CUDA_CHECK(expression) ::pt::cuda::check((expression), #expression, __FILE__, __LINE__)

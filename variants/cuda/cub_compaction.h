@@ -1,0 +1,125 @@
+// What the CUB compactions share. The count stays on the device: CUB writes the new one beside the old one, which the
+// selection reads, and no host waits. Every call is over the bound, which stays what it was.
+#pragma once
+
+#include "variants/cuda/cub_storage.h"
+#include "variants/cuda/live_slots.h"
+#include "variants/cuda/payload_iterator.h"
+#include "variants/cuda/register.h"
+#include "variants/work_checks.h"
+
+namespace pt::cuda {
+
+// The path in a slot; from the count on an ended one, which is not read: what lies there is of no path in play.
+template <class Paths>
+struct PathAt {
+    Paths paths;
+    const std::uint32_t* count;  // device
+
+    PT_HD Path<float> operator()(std::uint32_t slot) const {
+        if (slot < *count) {
+            return paths.load(slot);
+        }
+        Path<float> ended{};
+        ended.segment = Path<float>::ended;
+        return ended;
+    }
+};
+
+// Moves slot numbers. Algorithm::slots(memory, bytes, slot_at, is_alive, kept, count, items, stream) calls CUB to
+// bring the live of the slots at positions 0 to items - 1 to the front of `kept`. Counts as one launch.
+template <class Algorithm>
+class CubIndexCompaction final : public Compaction {
+public:
+    explicit CubIndexCompaction(const CellContext& cell) : cell_(cell) {}
+
+    void reserve(Arena& arena, const Queue& queue) override {
+        storage_.reserve(arena, [&](void* memory, std::size_t& bytes) {
+            return Algorithm::slots(memory, bytes, SlotAt{}, IsAlive{}, nullptr, nullptr,
+                                    static_cast<int>(queue.capacity), cell_.stream);
+        });
+    }
+    void compact(Queue& queue) override {
+        if (queue.bound == 0) {
+            return;
+        }
+        storage_.run([&](void* memory, std::size_t& bytes) {
+            return Algorithm::slots(memory, bytes, slot_at(queue), is_alive(queue, cell_), queue.order_spare,
+                                    queue.count_spare, static_cast<int>(queue.bound), cell_.stream);
+        });
+        *cell_.launches += 1;
+        queue.swap_order();
+        queue.swap_count();
+        queue.indirect = true;
+    }
+
+private:
+    CellContext cell_;
+    CubStorage storage_;
+};
+
+// Moves the payload, for a choice whose tunable says so. Algorithm::paths<Paths>(memory, bytes, from, to, slot_at,
+// is_alive, count, items, stream) calls CUB to bring the live of the paths in slots 0 to items - 1 of one store to the
+// front of another. An order is dropped: it permutes the slots 0 to count - 1.
+template <class Algorithm>
+class CubPayloadCompaction final : public Compaction {
+public:
+    explicit CubPayloadCompaction(const CellContext& cell) : cell_(cell) {}
+
+    bool needs_spare_paths() const override { return true; }
+    void reserve(Arena& arena, const Queue& queue) override {
+        storage_.reserve(arena, [&](void* memory, std::size_t& bytes) {
+            return call(memory, bytes, PathStore{}, PathStore{}, SlotAt{}, IsAlive{}, nullptr, queue.capacity);
+        });
+    }
+    void compact(Queue& queue) override {
+        queue.indirect = false;
+        if (queue.bound == 0) {
+            return;
+        }
+        storage_.run([&](void* memory, std::size_t& bytes) {
+            return call(memory, bytes, queue.paths, queue.spare, slot_at(queue), is_alive(queue, cell_),
+                        queue.count_spare, queue.bound);
+        });
+        *cell_.launches += 1;
+        queue.swap_paths();
+        queue.swap_count();
+    }
+
+private:
+    cudaError_t call(void* memory, std::size_t& bytes, const PathStore& from, const PathStore& to,
+                     const SlotAt& slot_at, const IsAlive& is_alive, std::uint32_t* count, std::uint32_t items) const {
+        return visit_layout(cell_.layout_name, [&](auto paths) {
+            return Algorithm::template paths<typename decltype(paths)::type>(
+                memory, bytes, from, to, slot_at, is_alive, count, static_cast<int>(items), cell_.stream);
+        });
+    }
+
+    CellContext cell_;
+    CubStorage storage_;
+};
+
+inline constexpr Tunable payload_tunables[] = {
+    {.name = "payload",
+     .standard = 0,
+     .lowest = 0,
+     .highest = 1,
+     .summary = "1: the paths are moved, into a second store; 0: slot numbers are"},
+};
+
+// The does_not_apply of a choice with that tunable.
+inline std::string payload_needs_single_precision(FeatureSet features, const Variant& variant) {
+    const auto tuned = variant.tuning.find("payload");
+    return tuned != variant.tuning.end() && tuned->second != 0 ? needs_single_precision(features, variant) : "";
+}
+
+// A hook: by the tunable.
+template <class Algorithm>
+std::unique_ptr<Compaction> make_cub_compaction(const CellContext& cell) {
+    if (cell.tunable("payload") != 0) {
+        return std::make_unique<CubPayloadCompaction<Algorithm>>(cell);
+    }
+    return std::make_unique<CubIndexCompaction<Algorithm>>(cell);
+}
+
+}  // namespace pt::cuda

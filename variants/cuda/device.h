@@ -1,0 +1,29 @@
+// The GPU that the CUDA backend runs on: the first one.
+#pragma once
+
+#include <string>
+
+namespace pt::cuda {
+
+struct Device {
+    std::string name;
+    int major = 0, minor = 0;  // compute capability
+    int multiprocessors = 0;
+    int clock_khz = 0, memory_clock_khz = 0, memory_bus_bits = 0;
+    int l2_bytes = 0;
+    bool ecc = false;
+    std::size_t memory_bytes = 0;
+    int driver_version = 0, runtime_version = 0;  // 13000: 13.0
+    std::string architecture() const { return "sm_" + std::to_string(major) + std::to_string(minor); }
+};
+
+// Why no device can be used (no driver, no device); empty: one can.
+std::string device_missing();
+
+// Precondition: device_missing() is empty.
+const Device& device();
+
+// "13.0" of 13000.
+std::string version_text(int version);
+
+}  // namespace pt::cuda

@@ -1,0 +1,70 @@
+// What a choice brings on the CUDA backend. Names no CUDA header, so that the registry and the tests of the CPU side
+// compile without a toolkit.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace pt {
+class Variant;
+}
+
+namespace pt::cuda {
+
+class Compaction;    // variants/cuda/stages.h
+class Sorting;       // variants/cuda/stages.h
+struct CellContext;  // variants/cuda/stages.h
+struct Job;          // variants/cuda/job.h
+
+// The paths of a queue in device memory: one block whose inner order is the layout's.
+struct PathStore {
+    unsigned char* base = nullptr;
+    std::uint32_t capacity = 0;  // slots
+};
+
+// One 32-bit field of the paths of a store, whatever the layout: slot i is at base + i * stride.
+struct FieldView {
+    const unsigned char* base = nullptr;
+    std::uint32_t stride = 0;  // bytes
+};
+
+struct Layout {
+    std::size_t (*bytes)(std::uint32_t capacity, std::size_t real_bytes) = nullptr;
+    FieldView (*segment)(const PathStore& store, std::size_t real_bytes) = nullptr;   // Path::segment
+    FieldView (*departed)(const PathStore& store, std::size_t real_bytes) = nullptr;  // Path::departed
+};
+
+// A key is (material << bits) + rest, or rest alone; rest is below 2^bits.
+struct SortKey {
+    std::uint32_t bits = 0;
+    bool has_material = true;  // known after the hit only; without it paths are sorted before they are traced
+};
+
+// What an integrator compiles and runs.
+struct Integrator {
+    void (*render)(Job&) = nullptr;   // enqueues the whole render on the job's stream
+    void (*prepare)(Job&) = nullptr;  // before the clock starts: captures what can be replayed; may be null
+    // "-DNAME=VALUE" beyond those of every integrator; may be null.
+    std::vector<std::string> (*defines)(const Variant& variant) = nullptr;
+    bool has_queue = false;   // paths lie in device memory between kernels
+    bool stores_hits = false;  // so do hits
+    // The integrator's kernel does the variant's compaction itself; null: never.
+    bool (*appends_in_kernel)(const Variant& variant) = nullptr;
+};
+
+struct Hooks {
+    std::unique_ptr<Compaction> (*compaction)(const CellContext&) = nullptr;
+    std::unique_ptr<Sorting> (*sorting)(const CellContext&) = nullptr;
+    Layout layout = {};
+    Integrator integrator = {};
+    std::vector<std::string> options = {};  // arithmetic: for the compiler
+    std::string real = "";                  // precision: the type's name
+    std::size_t real_bytes = 0;             // precision
+    SortKey sort_key = {};
+    bool is_captured = false;  // launch: a batch of samples is a CUDA graph
+};
+
+}  // namespace pt::cuda

@@ -1,0 +1,43 @@
+// What the integrators that keep their paths in registers have in common: what they cannot be combined with, and what
+// their counters must say. (CUDA's host side.)
+#pragma once
+
+#include <algorithm>
+
+#include "variants/cuda/job.h"
+#include "variants/registry.h"
+
+namespace pt::cuda {
+
+inline constexpr Tunable block_tunable{"block", 128, 32, 1024, 32, "threads a block"};
+inline constexpr Tunable shading_tunable{
+    "shading_fmas", 0, 0, 1048576, 1, "injected cost of a material: dependent multiply-adds, executed material by material"};
+
+inline constexpr Tunable megakernel_tunables[] = {
+    block_tunable, shading_tunable, {"spp_in_flight", 1, 1, 1024, 1, "threads a pixel, each with its share of the samples"}};
+inline constexpr Tunable persistent_tunables[] = {block_tunable, shading_tunable};
+
+inline std::string megakernel_does_not_apply(FeatureSet, const Variant& variant) {
+    if (variant["compaction"] != "none") {
+        return "has no queue to compact: needs compaction=none, not " + variant["compaction"];
+    }
+    if (variant["sorting"] != "none") {
+        return "has no queue to sort: needs sorting=none, not " + variant["sorting"];
+    }
+    if (variant["layout"] != "aos") {
+        return "keeps one path in registers, no array of paths: needs layout=aos, not " + variant["layout"];
+    }
+    if (variant["launch"] != "stream") {
+        return "is one kernel, nothing to capture: needs launch=stream, not " + variant["launch"];
+    }
+    return "";
+}
+
+inline std::string megakernel_work_missing(const WorkCounters& work, std::uint64_t) {
+    if (work.bounces != 0) {
+        return "ran a queue";
+    }
+    return work.launches == 0 ? "launched no kernel" : "";
+}
+
+}  // namespace pt::cuda

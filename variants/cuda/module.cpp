@@ -1,0 +1,249 @@
+#include "variants/cuda/module.h"
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include "variants/cuda/nvrtc.h"
+#include "variants/cuda/sources.h"
+
+namespace pt::cuda {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// Standard headers that kernels and GLM ask for, by the ones that NVRTC can compile.
+constexpr std::pair<const char*, const char*> shims[] = {
+    {"cmath", "#include <cuda/std/cmath>\n"},       {"cstdint", "#include <cuda/std/cstdint>\n"},
+    {"cstddef", "#include <cuda/std/cstddef>\n"},   {"limits", "#include <cuda/std/limits>\n"},
+    {"type_traits", "#include <cuda/std/type_traits>\n"}, {"utility", "#include <cuda/std/utility>\n"},
+    {"array", "#include <cuda/std/array>\n"},       {"cassert", ""},
+    {"cfloat", ""},                                 {"climits", "#include <cuda/std/climits>\n"},
+};
+
+std::uint64_t hash_text(std::string_view text, std::uint64_t start = 0xcbf29ce484222325ull) {
+    std::uint64_t hash = start;
+    for (const char c : text) {
+        hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
+    }
+    return (hash ^ 0xff) * 0x100000001b3ull;  // so that the borders between texts count
+}
+
+std::uint64_t sources_hash() {
+    static const std::uint64_t hash = [] {
+        std::uint64_t h = hash_text(nvrtc_version());
+        for (const EmbeddedSource& source : embedded_sources()) {
+            h = hash_text(source.text, hash_text(source.name, h));
+        }
+        for (const auto& [name, text] : shims) {
+            h = hash_text(text, hash_text(name, h));
+        }
+        return h;
+    }();
+    return hash;
+}
+
+fs::path cache_folder() {
+    if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg != '\0') {
+        return fs::path(xdg) / "ptbench";
+    }
+    const char* home = std::getenv("HOME");
+    return fs::path(home != nullptr ? home : "/tmp") / ".cache" / "ptbench";
+}
+
+std::string read_whole(const fs::path& path) {
+    std::ifstream stream(path, std::ios::binary);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return stream ? text.str() : std::string();
+}
+
+// To a name of this process, then renamed: two processes cannot meet in one file.
+bool write_whole(const fs::path& path, std::string_view text) {
+    std::error_code error;
+    fs::create_directories(path.parent_path(), error);
+    const fs::path partial = path.string() + fmt::format(".partial{}", ::getpid());
+    std::ofstream stream(partial, std::ios::binary);
+    stream.write(text.data(), static_cast<std::streamsize>(text.size()));
+    stream.close();
+    if (stream) {
+        fs::rename(partial, path, error);
+    }
+    if (!stream || error) {
+        fs::remove(partial, error);
+        return false;
+    }
+    return true;
+}
+
+// NVRTC resolves GLM's relative includes only from files. A file that is there already is trusted only if it has the
+// right text: an unpacking may have been cut short, or someone may have edited it. Throws std::runtime_error.
+fs::path unpacked_sources() {
+    const fs::path folder = cache_folder() / fmt::format("include-{:016x}", sources_hash());
+    static const bool unpacked = [&] {
+        const auto put = [&](const fs::path& file, const std::string& text) {
+            if (read_whole(file) != text && !write_whole(file, text)) {
+                throw std::runtime_error(fmt::format("{}: cannot be written; set XDG_CACHE_HOME", file.string()));
+            }
+        };
+        for (const EmbeddedSource& source : embedded_sources()) {
+            put(folder / source.name, std::string(source.text));
+        }
+        for (const auto& [name, text] : shims) {
+            put(folder / "shims" / name, fmt::format("#pragma once\n{}namespace cuda {{ namespace std {{}} }}\n"
+                                                     "namespace std {{ using namespace cuda::std; }}\n",
+                                                     text));
+        }
+        return true;
+    }();
+    (void)unpacked;
+    return folder;
+}
+
+// A cache entry is the cubin and, last, its hash: a damaged one is built again.
+std::string from_cache(const fs::path& file) {
+    const std::string entry = read_whole(file);
+    if (entry.size() <= 16 || entry.substr(entry.size() - 16) != fmt::format("{:016x}", hash_text(std::string_view(entry).substr(0, entry.size() - 16)))) {
+        return "";
+    }
+    return entry.substr(0, entry.size() - 16);
+}
+
+// Includes in order, and the names by which device code knows the variant's choices.
+std::string program_text(const ModuleRequest& request) {
+    std::string text = fmt::format(
+        "#include \"variants/cuda/device.cuh\"\n"
+        "#include \"variants/layout/{0}.cuh\"\n"
+        "using Paths = pt::layout::{0}::DevicePaths<Real>;\n"
+        "#include \"variants/sort_key/{1}.cuh\"\n"
+        "namespace sort_key = pt::sort_key::{1};\n",
+        request.layout, request.sort_key);
+    for (const std::string& include : request.includes) {
+        text += fmt::format("#include \"{}\"\n", include);
+    }
+    return text;
+}
+
+std::vector<std::string> options_of(const ModuleRequest& request) {
+    std::vector<std::string> options{"-std=c++20",
+                                     "-default-device",
+                                     "-DGLM_FORCE_CUDA",
+                                     "-DCUDA_VERSION=12080",
+                                     "-diag-suppress=20012",
+                                     "-DPT_REAL=" + request.real,
+                                     fmt::format("-DPT_FEATURES={}u", request.features),
+                                     "--gpu-architecture=" + request.architecture};
+    for (const std::vector<std::string>& more : {request.options, request.defines}) {
+        options.insert(options.end(), more.begin(), more.end());
+    }
+    return options;
+}
+
+std::string key_of(const ModuleRequest& request, const std::vector<std::string>& options) {
+    std::uint64_t key = hash_text(program_text(request), sources_hash());
+    for (const std::string& option : options) {
+        key = hash_text(option, key);
+    }
+    return fmt::format("{:016x}", key);
+}
+
+}  // namespace
+
+std::string kernel_source_hash() { return fmt::format("{:016x}", sources_hash()); }
+
+std::string kernel_cache_folder() { return cache_folder().string(); }
+
+std::string module_key(const ModuleRequest& request) { return key_of(request, options_of(request)); }
+
+bool is_cached(const ModuleRequest& request) {
+    return !from_cache(cache_folder() / (module_key(request) + ".cubin")).empty();
+}
+
+ModuleImage compile_module(const ModuleRequest& request) {
+    if (const std::string missing = nvrtc_missing(); !missing.empty()) {
+        throw std::runtime_error(missing);
+    }
+    ModuleImage image;
+    image.options = options_of(request);
+    image.key = key_of(request, image.options);
+    const fs::path include = unpacked_sources();
+    std::vector<std::string> options = image.options;
+    options.push_back("-I" + include.string());
+    options.push_back("-I" + (include / "shims").string());
+    for (const std::string& option : toolkit_include_options()) {
+        options.push_back(option);
+    }
+    const Compilation compilation = compile(program_text(request), request.name + ".cu", options);
+    if (!compilation.succeeded) {
+        throw CompileError(fmt::format("{} does not compile for {} (options: {}):\n{}", request.name,
+                                       request.architecture, fmt::join(image.options, " "), compilation.log));
+    }
+    image.cubin = compilation.cubin;
+    image.compile_seconds = compilation.seconds;
+    return image;
+}
+
+ModuleImage build_module(const ModuleRequest& request) {
+    const auto start = std::chrono::steady_clock::now();
+    ModuleImage image;
+    image.options = options_of(request);
+    image.key = key_of(request, image.options);
+    const fs::path file = cache_folder() / (image.key + ".cubin");
+    image.cubin = from_cache(file);
+    if (!image.cubin.empty()) {
+        image.from_cache = true;
+        image.compile_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        return image;
+    }
+    image = compile_module(request);
+    write_whole(file, image.cubin + fmt::format("{:016x}", hash_text(image.cubin)));
+    return image;
+}
+
+Module::Module(const ModuleImage& image) : image_(image) {
+    PT_CUDA_CHECK(cudaLibraryLoadData(&library_, image_.cubin.data(), nullptr, nullptr, 0, nullptr, nullptr, 0));
+}
+
+Module::~Module() { (void)cudaLibraryUnload(library_); }
+
+cudaKernel_t Module::kernel(const char* name) const {
+    cudaKernel_t kernel = nullptr;
+    if (const cudaError_t error = cudaLibraryGetKernel(&kernel, library_, name); error != cudaSuccess) {
+        (void)cudaGetLastError();
+        throw Error(fmt::format("no kernel {}: {}", name, cudaGetErrorString(error)));
+    }
+    return kernel;
+}
+
+KernelFacts Module::facts(const char* name) const {
+    cudaFuncAttributes attributes{};
+    PT_CUDA_CHECK(cudaFuncGetAttributes(&attributes, static_cast<const void*>(kernel(name))));
+    return {attributes.numRegs, attributes.localSizeBytes, attributes.sharedSizeBytes, attributes.maxThreadsPerBlock};
+}
+
+int Module::blocks_a_multiprocessor(const char* name, unsigned threads) const {
+    int blocks = 0;
+    PT_CUDA_CHECK(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, static_cast<const void*>(kernel(name)),
+                                                                static_cast<int>(threads), 0));
+    return blocks;
+}
+
+void Module::launch_pointers(const char* name, unsigned blocks, unsigned threads, cudaStream_t stream,
+                             const void** parameters) const {
+    const cudaError_t error = cudaLaunchKernel(static_cast<const void*>(kernel(name)), dim3(blocks), dim3(threads),
+                                               const_cast<void**>(parameters), 0, stream);
+    if (error != cudaSuccess) {
+        (void)cudaGetLastError();
+        throw Error(fmt::format("kernel {}, {} blocks of {}: {}", name, blocks, threads, cudaGetErrorString(error)));
+    }
+}
+
+}  // namespace pt::cuda

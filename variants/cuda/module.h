@@ -1,0 +1,102 @@
+// A compiled set of kernels: sources, options and architecture in, launchable kernels out; kept on disk by a hash of
+// all three.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "kernels/config.h"
+#include "variants/cuda/check.h"
+
+namespace pt::cuda {
+
+// What a module is compiled for. Everything that can change the code is in here, and so in the cache's key.
+struct ModuleRequest {
+    std::string name;                       // for messages: what it is
+    std::vector<std::string> includes;      // embedded sources, in order, e.g. "variants/integrator/megakernel.cuh"
+    FeatureSet features = all_features;
+    std::string real = "float";
+    std::string layout = "aos";
+    std::string sort_key = "material";
+    std::vector<std::string> options = {};  // of the arithmetic
+    std::vector<std::string> defines = {};  // "-DNAME=VALUE", from tunables
+    std::string architecture;               // "sm_90"
+};
+
+struct ModuleImage {
+    std::string cubin;
+    std::string key;  // hash of sources, options, architecture
+    std::vector<std::string> options;
+    double compile_seconds = 0;
+    bool from_cache = false;
+};
+
+// Compiles or takes from the cache; a cache that cannot be written is done without. Throws CompileError with NVRTC's
+// log if the source does not compile, std::runtime_error if it would have to compile and NVRTC is missing.
+ModuleImage build_module(const ModuleRequest& request);
+// Without looking into the cache or writing it.
+ModuleImage compile_module(const ModuleRequest& request);
+
+std::string module_key(const ModuleRequest& request);
+// A sound image of the program is in the cache on disk.
+bool is_cached(const ModuleRequest& request);
+
+class CompileError : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+// FNV-1a over everything embedded and NVRTC's version: 16 hex digits.
+std::string kernel_source_hash();
+// $XDG_CACHE_HOME/ptbench, or ~/.cache/ptbench.
+std::string kernel_cache_folder();
+
+// What the compiler made of a kernel.
+struct KernelFacts {
+    int registers = 0;           // a thread
+    std::size_t local_bytes = 0;  // a thread: spills and arrays
+    std::size_t shared_bytes = 0;  // a block
+    int max_threads = 0;          // a block
+};
+
+// Wraps the parameter of a launch whose type the host knows only as bytes.
+struct ParameterBytes {
+    const void* data = nullptr;
+};
+
+class Module {
+public:
+    explicit Module(const ModuleImage& image);
+    ~Module();
+    Module(const Module&) = delete;
+    Module& operator=(const Module&) = delete;
+
+    // Throws Error if there is no kernel of this name.
+    cudaKernel_t kernel(const char* name) const;
+    KernelFacts facts(const char* name) const;
+    // Blocks of `threads` that one multiprocessor holds at once.
+    int blocks_a_multiprocessor(const char* name, unsigned threads) const;
+    const ModuleImage& image() const { return image_; }
+
+    // Parameters are passed by value, as the kernel declares them. Throws Error naming the kernel.
+    template <class... Parameters>
+    void launch(const char* name, unsigned blocks, unsigned threads, cudaStream_t stream,
+                const Parameters&... parameters) const {
+        const void* pointers[] = {address(parameters)...};
+        launch_pointers(name, blocks, threads, stream, pointers);
+    }
+
+private:
+    template <class T>
+    static const void* address(const T& parameter) {
+        return &parameter;
+    }
+    static const void* address(const ParameterBytes& parameter) { return parameter.data; }
+    void launch_pointers(const char* name, unsigned blocks, unsigned threads, cudaStream_t stream,
+                         const void** parameters) const;
+
+    ModuleImage image_;
+    cudaLibrary_t library_ = nullptr;
+};
+
+}  // namespace pt::cuda

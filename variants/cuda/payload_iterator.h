@@ -1,0 +1,106 @@
+// The paths of a store as a random-access iterator over Path<float>, for Thrust and CUB on the device: a pointer where
+// a path's fields lie together, else a proxy that gathers and scatters the fields.
+#pragma once
+
+#include <stdexcept>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+#include <thrust/detail/type_traits.h>
+#include <thrust/iterator/iterator_facade.h>
+
+#include "variants/layout/aos.cuh"
+#include "variants/layout/packed.cuh"
+#include "variants/layout/soa.cuh"
+
+namespace pt::cuda {
+
+// Stands for the path in a slot where an algorithm expects a reference to one.
+template <class Paths>
+class PathReference {
+public:
+    PT_HD PathReference(const Paths& paths, std::uint32_t slot) : paths_(paths), slot_(slot) {}
+    PathReference(const PathReference&) = default;
+    PT_HD operator Path<float>() const { return paths_.load(slot_); }  // NOLINT: a reference converts
+    PT_HD const PathReference& operator=(const Path<float>& path) const {
+        paths_.store(slot_, path);
+        return *this;
+    }
+    // Copies the path, not the place.
+    PT_HD const PathReference& operator=(const PathReference& other) const {
+        return *this = static_cast<Path<float>>(other);
+    }
+
+private:
+    Paths paths_;
+    std::uint32_t slot_;
+};
+
+template <class Paths>
+class PathIterator
+    : public thrust::iterator_facade<PathIterator<Paths>, Path<float>, thrust::any_system_tag,
+                                     thrust::random_access_traversal_tag, PathReference<Paths>, std::ptrdiff_t> {
+public:
+    PT_HD PathIterator() : paths_(PathStore{}) {}
+    PT_HD explicit PathIterator(const PathStore& store) : paths_(store) {}
+
+private:
+    friend class thrust::iterator_core_access;
+    PT_HD PathReference<Paths> dereference() const { return {paths_, static_cast<std::uint32_t>(slot_)}; }
+    PT_HD bool equal(const PathIterator& other) const { return slot_ == other.slot_; }
+    PT_HD void increment() { ++slot_; }
+    PT_HD void decrement() { --slot_; }
+    PT_HD void advance(std::ptrdiff_t n) { slot_ += n; }
+    PT_HD std::ptrdiff_t distance_to(const PathIterator& other) const { return other.slot_ - slot_; }
+
+    Paths paths_;
+    std::ptrdiff_t slot_ = 0;
+};
+
+// Slot 0.
+template <class Paths>
+auto payload_begin(const PathStore& store) {
+    if constexpr (std::is_same_v<Paths, layout::aos::DevicePaths<float>>) {
+        return reinterpret_cast<Path<float>*>(store.base);
+    } else {
+        return PathIterator<Paths>(store);
+    }
+}
+
+// Calls visit(std::type_identity<DevicePaths<float>>()) with the layout's own.
+template <class Visit>
+auto visit_layout(std::string_view name, Visit&& visit) {
+    if (name == "aos") {
+        return visit(std::type_identity<layout::aos::DevicePaths<float>>());
+    }
+    if (name == "soa") {
+        return visit(std::type_identity<layout::soa::DevicePaths<float>>());
+    }
+    if (name == "packed") {
+        return visit(std::type_identity<layout::packed::DevicePaths<float>>());
+    }
+    throw std::logic_error("no payload iterator for layout=" + std::string(name));
+}
+
+// A choice's does_not_apply: the iterators are for Path<float> alone.
+inline std::string needs_single_precision(FeatureSet, const Variant& variant) {
+    return variant["precision"] == "float" ? "" : "moves single-precision payloads: needs precision=float";
+}
+
+struct PathIsAlive {
+    PT_HD bool operator()(const Path<float>& path) const { return path.alive(); }
+};
+struct PathHasEnded {
+    PT_HD bool operator()(const Path<float>& path) const { return !path.alive(); }
+};
+
+}  // namespace pt::cuda
+
+// Thrust assigns through a proxy only where it is told of it; its own output iterators register in the same way.
+THRUST_NAMESPACE_BEGIN
+namespace detail {
+template <class Paths>
+struct is_proxy_reference<pt::cuda::PathReference<Paths>> : true_type {};
+}  // namespace detail
+THRUST_NAMESPACE_END

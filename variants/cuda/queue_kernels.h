@@ -1,0 +1,17 @@
+// The small kernels that choices compiled by nvcc need beside a library's. Each call enqueues one launch, which the
+// caller counts.
+#pragma once
+
+#include <cstdint>
+
+#include "variants/cuda/check.h"
+
+namespace pt::cuda {
+
+// *target = value. The value travels as a kernel's parameter: a copy from pageable memory would wait for the device.
+void set_value(std::uint32_t* target, std::uint32_t value, cudaStream_t stream);
+
+// order[i] = i for i below `count`, which is greater than 0.
+void write_identity(std::uint32_t* order, std::uint32_t count, cudaStream_t stream);
+
+}  // namespace pt::cuda

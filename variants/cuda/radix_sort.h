@@ -1,0 +1,25 @@
+// What the CUB radix sorts share: slot numbers are sorted by key, stably, and the payload stays in place.
+#pragma once
+
+#include "variants/cuda/cub_storage.h"
+#include "variants/cuda/stages.h"
+
+namespace pt::cuda {
+
+// Which bits of a key are looked at.
+enum class KeyBits { needed, all };
+
+// An order for every position up to the bound comes out; the keys are used up.
+class RadixSort final : public Sorting {
+public:
+    RadixSort(const CellContext& cell, KeyBits key_bits) : cell_(cell), key_bits_(key_bits) {}
+    void reserve(Arena& arena, const Queue& queue) override;
+    void sort(Queue& queue, std::uint32_t key_count) override;
+
+private:
+    CellContext cell_;
+    KeyBits key_bits_;
+    CubStorage storage_;
+};
+
+}  // namespace pt::cuda

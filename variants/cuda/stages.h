@@ -1,0 +1,84 @@
+// The queue of a wavefront on the device, and what compactions and sorts do to it between two stages. Host side: what
+// is called here enqueues work on a stream.
+#pragma once
+
+#include <functional>
+#include <string_view>
+
+#include "variants/cuda/arena.h"
+#include "variants/cuda/hooks.h"
+#include "variants/cuda/module.h"
+
+namespace pt::cuda {
+
+// The paths in play are slots 0..count-1, or, if `indirect`, the slots order[0..count-1] in that order. `count` lies on
+// the device; the host knows a bound on it, which is the count itself after a choice that waits for the device.
+struct Queue {
+    PathStore paths;
+    PathStore spare;                          // as large as `paths`, for choices that move the payload elsewhere
+    void* hits = nullptr;                     // Hit<Real> by slot, valid between intersect and shade
+    std::uint32_t* order = nullptr;           // capacity entries
+    std::uint32_t* order_spare = nullptr;     // capacity entries
+    std::uint32_t* keys = nullptr;            // capacity entries, by position in play; written before a sort only
+    std::uint32_t* keys_spare = nullptr;      // capacity entries
+    std::uint32_t* count = nullptr;           // device
+    std::uint32_t* count_spare = nullptr;     // device
+    std::uint32_t bound = 0;                  // paths in play are no more than this
+    bool indirect = false;
+    std::uint32_t capacity = 0;               // slots
+    const unsigned char* object_class = nullptr;  // device, by object: 0 diffuse-like, 1 delta-like
+
+    void swap_order() { std::swap(order, order_spare); }
+    void swap_paths() { std::swap(paths, spare); }
+    void swap_count() { std::swap(count, count_spare); }
+};
+
+// What a choice knows when it is made.
+struct CellContext {
+    const Layout* layout = nullptr;
+    std::string_view layout_name;
+    std::size_t real_bytes = 4;
+    std::uint32_t materials = 0;       // of the scene
+    std::uint32_t multiprocessors = 1;
+    cudaStream_t stream = nullptr;
+    // The value of a tunable in the variant.
+    std::function<std::uint32_t(std::string_view)> tunable;
+    // The kernels of an embedded source ("variants/compaction/atomic_append.cuh"), compiled for the cell's layout,
+    // precision and GPU.
+    std::function<const Module&(const std::string& source)> module;
+    // Counts kernels that the choice enqueues and waits for the device.
+    std::uint64_t* launches = nullptr;
+    std::uint64_t* host_waits = nullptr;
+};
+
+// Takes the ended paths out of play, between two bounces.
+class Compaction {
+public:
+    virtual ~Compaction() = default;
+    // Memory beyond the queue's; called with a measuring arena first, then with one that has it. Every pointer of the
+    // queue but its counts is null in the first call.
+    virtual void reserve(Arena&, const Queue&) {}
+    // Enqueues the work. Afterwards *queue.count paths are in play (device) and queue.bound is not less.
+    virtual void compact(Queue& queue) = 0;
+    virtual bool needs_spare_paths() const { return false; }
+};
+
+// A stretch of shading: the paths in slots order[0..*count-1]. Null order: the queue's own.
+struct ShadeRange {
+    const std::uint32_t* order = nullptr;
+    const std::uint32_t* count = nullptr;
+};
+
+// Brings paths of equal key together before they are shaded (or, with a ray key, before they are traced).
+class Sorting {
+public:
+    virtual ~Sorting() = default;
+    virtual void reserve(Arena&, const Queue&) {}
+    // queue.keys holds a key below key_count for the positions in play, and key_count - 1 for all others up to
+    // queue.bound. Enqueues the work.
+    virtual void sort(Queue& queue, std::uint32_t key_count) = 0;
+    // Empty: one launch over the queue. Otherwise one launch a range.
+    virtual std::vector<ShadeRange> shade_ranges() const { return {}; }
+};
+
+}  // namespace pt::cuda

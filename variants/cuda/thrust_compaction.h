@@ -1,0 +1,51 @@
+// What the Thrust compactions that move the payload share.
+#pragma once
+
+#include "variants/cuda/payload_iterator.h"
+#include "variants/cuda/queue_kernels.h"
+#include "variants/cuda/register.h"
+#include "variants/cuda/thrust_policy.h"
+#include "variants/work_checks.h"
+
+namespace pt::cuda {
+
+// What is known once Thrust has returned the count to the host.
+inline void set_count(Queue& queue, std::uint32_t count, const CellContext& cell) {
+    queue.bound = count;
+    set_value(queue.count, count, cell.stream);
+    *cell.launches += 1;
+}
+
+// `algorithm(policy, first, last)` works on the paths' iterator of whatever layout, brings the live paths to the front
+// and returns the end of the live ones. The slots in play are 0 to bound - 1 before: the bound is the count here,
+// because every Thrust compaction returns it, and a sort of indices only permutes. So an index order is dropped.
+template <class Algorithm>
+class ThrustPayloadCompaction final : public Compaction {
+public:
+    explicit ThrustPayloadCompaction(const CellContext& cell) : cell_(cell), thrust_(cell) {}
+
+    void compact(Queue& queue) override {
+        queue.indirect = false;
+        if (queue.bound == 0) {
+            return;
+        }
+        const std::ptrdiff_t count = visit_layout(cell_.layout_name, [&](auto paths) {
+            const auto first = payload_begin<typename decltype(paths)::type>(queue.paths);
+            return thrust_.for_count([&](const auto& policy) {
+                return static_cast<std::ptrdiff_t>(
+                    Algorithm()(policy, first, first + static_cast<std::ptrdiff_t>(queue.bound)) - first);
+            });
+        });
+        set_count(queue, static_cast<std::uint32_t>(count), cell_);
+    }
+
+    static std::unique_ptr<Compaction> make(const CellContext& cell) {
+        return std::make_unique<ThrustPayloadCompaction>(cell);
+    }
+
+private:
+    CellContext cell_;
+    ThrustCalls thrust_;
+};
+
+}  // namespace pt::cuda

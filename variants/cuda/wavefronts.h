@@ -1,0 +1,41 @@
+// What the integrators with a queue have in common on the host's side.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "variants/cuda/megakernels.h"
+
+namespace pt::cuda {
+
+inline constexpr Tunable wavefront_tunables[] = {
+    block_tunable,
+    shading_tunable,
+    {"spp_in_flight", 1, 1, 256, 1, "samples of every pixel in the queue at once"},
+    {"read_back", 0, 0, 1, 1, "1: the host waits for the count after each compaction and launches no more than that"},
+};
+
+inline std::string wavefront_work_missing(const WorkCounters& work, std::uint64_t) {
+    if (work.bounces == 0) {
+        return "ran no queue";
+    }
+    return work.launches == 0 ? "launched no kernel" : "";
+}
+
+// Runs the job's compaction, unless the integrator's kernel has done it. The host learns the count if it reads back.
+inline void compact(Job& job, Queue& queue) {
+    const Stage stage(job.stages, "compact", job.stream);
+    if (!job.appends_in_kernel) {
+        job.compaction->compact(queue);
+    }
+    job.work.compactions += 1;
+    if (job.reads_back) {
+        PT_CUDA_CHECK(cudaMemcpyAsync(job.pinned_count, queue.count, sizeof(std::uint32_t), cudaMemcpyDeviceToHost,
+                                      job.stream));
+        PT_CUDA_CHECK(cudaStreamSynchronize(job.stream));
+        queue.bound = *job.pinned_count;
+        job.work.host_waits += 1;
+    }
+}
+
+}  // namespace pt::cuda

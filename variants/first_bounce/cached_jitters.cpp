@@ -1,0 +1,35 @@
+// K camera rays of a pixel are drawn once, their hits kept, and every later sample uses one of the K in turn. Allowed
+// with jitter, lens and motion, because it says what it does: with more than K samples the pixel's filter, the lens and
+// the shutter are sampled at K points only, so the image converges to another one.
+#include "variants/registry.h"
+
+namespace pt {
+namespace {
+
+constexpr Tunable tunables[] = {{"jitters", 16, 1, 4096, 1, "camera rays of a pixel that are kept (K)"}};
+
+const Registration registration(
+    {
+        .axis = "first_bounce",
+        .name = "cached_jitters",
+        .summary = "the hits of K frozen camera rays a pixel are computed once, and used in turn",
+        .origin = "both seeds' cache, made to work with jitter",
+        .claim = Claim::biased,
+        .claim_note = "pixel, lens and shutter are sampled at K points, however many samples are taken",
+        .backends = on_every_backend,
+        .tunables = tunables,
+        .does_not_apply = [](FeatureSet scene, const Variant&) -> std::string {
+            const FeatureSet varying = (Feature::jitter | Feature::lens) | Feature::motion;
+            return (scene & varying) != 0 ? "" : "needs jitter, a lens or motion; without them first_bounce=cached is it";
+        },
+        .work_missing = [](const WorkCounters& work, std::uint64_t samples) -> std::string {
+            if (work.cache_fills == 0 || work.cache_fills * samples % work.paths != 0) {
+                return std::to_string(work.cache_fills) + " cache fills for " + std::to_string(work.paths) + " paths";
+            }
+            return work.cache_fills + work.cache_hits == work.paths ? "" : "not every camera ray came from the cache";
+        },
+    },
+    {.first_bounce = [](const Variant& variant, Backend backend) { return tunable(variant, "jitters", backend); }});
+
+}  // namespace
+}  // namespace pt

@@ -1,0 +1,22 @@
+// Each stage is launched by the host as its turn comes (on the CPU backend: called).
+#include "variants/registry.h"
+
+namespace pt {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "launch",
+        .name = "stream",
+        .summary = "each stage is launched by the host as its turn comes",
+        .origin = "both seeds",
+        .baseline = on_every_backend,
+        .backends = on_every_backend,
+        .work_missing = [](const WorkCounters& work, std::uint64_t) -> std::string {
+            return work.graph_nodes == 0 ? "" : "launched a graph";
+        },
+    },
+    {});
+
+}  // namespace
+}  // namespace pt

@@ -1,0 +1,19 @@
+// Single precision throughout, but for the film's sums.
+#include "variants/registry.h"
+
+namespace pt {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "precision",
+        .name = "float",
+        .summary = "single precision; the film sums 64-bit integers",
+        .origin = "the usual renderer",
+        .baseline = on_every_backend,
+        .backends = on_every_backend,
+    },
+    {.cuda = {.real = "float", .real_bytes = 4}});
+
+}  // namespace
+}  // namespace pt

@@ -1,0 +1,19 @@
+// The key that both seeds sort by: the material of the surface that was hit. (CPU backend.)
+#include "variants/registry.h"
+
+namespace pt {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "sort_key",
+        .name = "material",
+        .summary = "the material that was hit; paths that left the scene last",
+        .origin = "both seeds",
+        .baseline = on_cpu,
+        .backends = on_cpu,
+    },
+    {});
+
+}  // namespace
+}  // namespace pt

@@ -1,0 +1,35 @@
+// The key that both seeds sort by: the material of the surface that was hit.
+#pragma once
+
+#if defined(__CUDACC_RTC__)
+
+#include "variants/cuda/sort_keys.cuh"
+
+namespace pt::sort_key::material {
+
+inline constexpr bool has_material = true;
+
+// What follows the material in the key: nothing.
+__device__ inline std::uint32_t rest(const Ray<Real>&, const Hit&, const cuda::KeyBounds&) { return 0; }
+
+}  // namespace pt::sort_key::material
+
+#else
+
+#include "variants/registry.h"
+
+namespace pt::sort_key::material {
+
+inline constexpr Descriptor descriptor{
+    .axis = "sort_key",
+    .name = "material",
+    .summary = "the material that was hit; paths that left the scene last",
+    .origin = "both seeds",
+    .baseline = on_cuda,
+    .backends = on_cuda,
+};
+inline const cuda::SortKey hook{.bits = 0, .has_material = true};
+
+}  // namespace pt::sort_key::material
+
+#endif

@@ -1,0 +1,39 @@
+// The material that was hit, then where: a 15-bit Morton code of the hit point, so that lanes that shade together also
+// go on from nearby points.
+#pragma once
+
+#if defined(__CUDACC_RTC__)
+
+#include "variants/cuda/sort_keys.cuh"
+
+namespace pt::sort_key::material_hit {
+
+inline constexpr bool has_material = true;
+
+__device__ inline std::uint32_t rest(const Ray<Real>& ray, const Hit& hit, const cuda::KeyBounds& bounds) {
+    return hit.side.exists() ? cuda::morton(ray.origin + ray.direction * hit.t, bounds) : 0;
+}
+
+}  // namespace pt::sort_key::material_hit
+
+#else
+
+#include "variants/registry.h"
+
+namespace pt::sort_key::material_hit {
+
+inline constexpr Descriptor descriptor{
+    .axis = "sort_key",
+    .name = "material_hit",
+    .summary = "the material that was hit, then the hit point's Morton code (15 bits)",
+    .origin = "Laine, Karras and Aila 2013; Morton 1966",
+    .backends = on_cuda,
+    .does_not_apply = [](FeatureSet, const Variant& variant) -> std::string {
+        return variant["sorting"] == "none" ? "needs a sort, not sorting=none" : "";
+    },
+};
+inline const cuda::SortKey hook{.bits = 15, .has_material = true};
+
+}  // namespace pt::sort_key::material_hit
+
+#endif

@@ -1,0 +1,41 @@
+// The ray rather than the hit: its direction's octant, then a 15-bit Morton code of its origin. Known before the ray is
+// traced, so paths are sorted in front of the intersection stage and it gains as well.
+#pragma once
+
+#if defined(__CUDACC_RTC__)
+
+#include "variants/cuda/sort_keys.cuh"
+
+namespace pt::sort_key::ray {
+
+inline constexpr bool has_material = false;
+
+__device__ inline std::uint32_t rest(const Ray<Real>& ray, const Hit&, const cuda::KeyBounds& bounds) {
+    const std::uint32_t octant = (ray.direction.x < Real(0) ? 4u : 0u) | (ray.direction.y < Real(0) ? 2u : 0u) |
+                                 (ray.direction.z < Real(0) ? 1u : 0u);
+    return (octant << 15) | cuda::morton(ray.origin, bounds);
+}
+
+}  // namespace pt::sort_key::ray
+
+#else
+
+#include "variants/registry.h"
+
+namespace pt::sort_key::ray {
+
+inline constexpr Descriptor descriptor{
+    .axis = "sort_key",
+    .name = "ray",
+    .summary = "the ray's octant, then its origin's Morton code (15 bits); sorted before the ray is traced",
+    .origin = "Aila and Karras 2010; Meister et al. 2020 (ray reordering)",
+    .backends = on_cuda,
+    .does_not_apply = [](FeatureSet, const Variant& variant) -> std::string {
+        return variant["sorting"] == "none" ? "needs a sort, not sorting=none" : "";
+    },
+};
+inline const cuda::SortKey hook{.bits = 18, .has_material = false};
+
+}  // namespace pt::sort_key::ray
+
+#endif

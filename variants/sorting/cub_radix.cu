@@ -1,0 +1,23 @@
+// cub::DeviceRadixSort of slot numbers that looks only at the bits that the scene's keys have: one material, none.
+#include "variants/cuda/radix_sort.h"
+#include "variants/cuda/register.h"
+#include "variants/work_checks.h"
+
+namespace pt::cuda {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "sorting",
+        .name = "cub_radix",
+        .summary = "cub::DeviceRadixSort::SortPairs of slot numbers, by the bits that the keys need",
+        .origin = "Merrill and Grimshaw 2011; Adinets and Merrill 2022 (Onesweep)",
+        .backends = on_cuda,
+        .work_missing = sorted_every_bounce,
+    },
+    {.sorting = [](const CellContext& cell) -> std::unique_ptr<Sorting> {
+        return std::make_unique<RadixSort>(cell, KeyBits::needed);
+    }});
+
+}  // namespace
+}  // namespace pt::cuda

@@ -1,0 +1,23 @@
+// cub_radix with all 32 bits of a key, as who calls the library without a range of bits has it: what the bits cost.
+#include "variants/cuda/radix_sort.h"
+#include "variants/cuda/register.h"
+#include "variants/work_checks.h"
+
+namespace pt::cuda {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "sorting",
+        .name = "cub_radix_full",
+        .summary = "cub::DeviceRadixSort::SortPairs of slot numbers, by all 32 bits of the keys",
+        .origin = "Merrill and Grimshaw 2011; Adinets and Merrill 2022 (Onesweep)",
+        .backends = on_cuda,
+        .work_missing = sorted_every_bounce,
+    },
+    {.sorting = [](const CellContext& cell) -> std::unique_ptr<Sorting> {
+        return std::make_unique<RadixSort>(cell, KeyBits::all);
+    }});
+
+}  // namespace
+}  // namespace pt::cuda

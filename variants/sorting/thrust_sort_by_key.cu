@@ -1,0 +1,63 @@
+// Sorts the paths and their hits by key before shading, moving the payload: what both seeds do.
+#include <stdexcept>
+
+#include <thrust/iterator/zip_iterator.h>
+#include <thrust/sort.h>
+#include <thrust/tuple.h>
+
+#include "variants/cuda/payload_iterator.h"
+#include "variants/cuda/register.h"
+#include "variants/cuda/thrust_policy.h"
+#include "variants/work_checks.h"
+
+namespace pt::cuda {
+namespace {
+
+class SortByKey final : public Sorting {
+public:
+    explicit SortByKey(const CellContext& cell) : cell_(cell), thrust_(cell) {}
+
+    // Slots from the count to the bound have the largest key and lie last, so a stable sort leaves them last. For keys
+    // of 32 bits sort_by_key and stable_sort_by_key are one radix sort; the second promises what is needed.
+    void sort(Queue& queue, std::uint32_t) override {
+        if (queue.indirect) {
+            throw std::logic_error("thrust_sort_by_key needs a contiguous payload");
+        }
+        if (queue.bound == 0) {
+            return;
+        }
+        visit_layout(cell_.layout_name, [&](auto paths) {
+            const auto payload = thrust::make_zip_iterator(thrust::make_tuple(
+                payload_begin<typename decltype(paths)::type>(queue.paths), static_cast<Hit<float>*>(queue.hits)));
+            thrust_.for_effect([&](const auto& policy) {
+                thrust::stable_sort_by_key(policy, queue.keys, queue.keys + queue.bound, payload);
+            });
+        });
+    }
+
+private:
+    CellContext cell_;
+    ThrustCalls thrust_;
+};
+
+const Registration registration(
+    {
+        .axis = "sorting",
+        .name = "thrust_sort_by_key",
+        .summary = "thrust::stable_sort_by_key, path and hit moved",
+        .origin = "both seeds",
+        .waits_for_device = true,
+        .backends = on_cuda,
+        .tunables = thrust_tunables,
+        .does_not_apply = [](FeatureSet features, const Variant& variant) -> std::string {
+            if (!keeps_payload_contiguous(variant)) {
+                return "moves a contiguous payload, which compaction=" + variant["compaction"] + " does not keep";
+            }
+            return needs_single_precision(features, variant);
+        },
+        .work_missing = sorted_every_bounce,
+    },
+    {.sorting = [](const CellContext& cell) -> std::unique_ptr<Sorting> { return std::make_unique<SortByKey>(cell); }});
+
+}  // namespace
+}  // namespace pt::cuda
