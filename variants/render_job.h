@@ -50,8 +50,9 @@ public:
 };
 
 // The first hits of a few camera rays of every pixel, kept between samples: sample s uses ray s mod rays.
+template <class Real>
 struct FirstBounceCache {
-    std::vector<Hit<float>> hits;  // pixel-major
+    std::vector<Hit<Real>> hits;  // pixel-major
     std::uint32_t rays = 1;
     std::uint32_t samples_seen = 0;  // a ray is there once the first sample that uses it has been traced
 
@@ -101,7 +102,7 @@ struct RenderJob {
     PathQueue* queue = nullptr;
     Compaction* compaction = nullptr;
     Sorting* sorting = nullptr;
-    FirstBounceCache* cache = nullptr;  // null: the first bounce is computed
+    FirstBounceCache<float>* cache = nullptr;  // null: the first bounce is computed
     WorkCounters work;
     StageTimes* stages = nullptr;  // null: not instrumented
 };

@@ -1,14 +1,67 @@
 #include "harness/bench/compile_ahead.h"
 
-#include <atomic>
+#include <cerrno>
+#include <cstring>
 #include <functional>
-#include <mutex>
 #include <thread>
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "harness/bench/progress.h"
 #include "harness/cuda/backend.h"
+#include "harness/error.h"
 
 namespace pt {
+
+namespace {
+
+class Pipe {
+public:
+    Pipe() {
+        if (::pipe2(ends_, O_CLOEXEC) != 0) {
+            throw MachineError(std::string("no pipe: ") + std::strerror(errno));
+        }
+    }
+    ~Pipe() {
+        ::close(ends_[0]);
+        close_write_end();
+    }
+    Pipe(const Pipe&) = delete;
+    Pipe& operator=(const Pipe&) = delete;
+
+    int write_end() const { return ends_[1]; }
+    void close_write_end() {
+        if (ends_[1] >= 0) {
+            ::close(ends_[1]);
+            ends_[1] = -1;
+        }
+    }
+    // False when every writer is gone.
+    bool read(std::uint32_t& value) const { return ::read(ends_[0], &value, sizeof value) == sizeof value; }
+
+private:
+    int ends_[2] = {-1, -1};
+};
+
+using Programs = std::vector<std::pair<std::string, std::function<void()>>>;
+
+// In a child process: NVRTC compiles one program at a time in a process, whatever the threads (CUDA 13.0). The child
+// calls nothing of CUDA but the compiler, and leaves without running what its parent registered to run at exit.
+[[noreturn]] void compile_share(const Programs& programs, std::size_t worker, std::size_t workers, int done) {
+    for (std::size_t i = worker; i < programs.size(); i += workers) {
+        try {
+            programs[i].second();
+        } catch (const std::exception&) {  // reported by who needs the program
+        }
+        const auto index = static_cast<std::uint32_t>(i);
+        (void)!::write(done, &index, sizeof index);
+    }
+    ::_exit(0);
+}
+
+}  // namespace
 
 void compile_ahead(const std::vector<CompileTask>& tasks) {
     std::map<std::string, std::function<void()>> programs;
@@ -17,26 +70,29 @@ void compile_ahead(const std::vector<CompileTask>& tasks) {
             cuda::collect_programs(*task.scene, task.variant, programs);
         }
     }
-    std::vector<std::pair<std::string, std::function<void()>>> missing(programs.begin(), programs.end());
-    if (missing.empty()) {
+    const Programs missing(programs.begin(), programs.end());
+    const std::size_t workers = std::min<std::size_t>(missing.size(), std::thread::hardware_concurrency());
+    if (workers < 2) {
         return;
     }
     Progress progress("compile", missing.size());
-    std::mutex progress_mutex;
-    std::atomic<std::size_t> next = 0;
-    const auto work = [&] {
-        for (std::size_t i = next++; i < missing.size(); i = next++) {
-            try {
-                missing[i].second();
-            } catch (const std::exception&) {  // reported by who needs it
-            }
-            const std::lock_guard lock(progress_mutex);
-            progress.step(missing[i].first);
+    Pipe finished;
+    std::vector<pid_t> children;
+    for (std::size_t worker = 0; worker < workers; ++worker) {
+        const pid_t child = ::fork();
+        if (child == 0) {
+            compile_share(missing, worker, workers, finished.write_end());
         }
-    };
-    std::vector<std::jthread> threads;
-    for (unsigned i = 0; i < std::max(1u, std::thread::hardware_concurrency()); ++i) {
-        threads.emplace_back(work);
+        if (child > 0) {
+            children.push_back(child);
+        }
+    }
+    finished.close_write_end();
+    for (std::uint32_t index = 0; finished.read(index);) {
+        progress.step(missing[index].first);
+    }
+    for (const pid_t child : children) {
+        (void)::waitpid(child, nullptr, 0);
     }
 }
 

@@ -25,6 +25,20 @@ std::vector<std::string> names_on_any_backend(std::string_view axis) {
     return {names.begin(), names.end()};
 }
 
+// Those of every choice, so a name may be there several times.
+std::vector<Tunable> tunables_on_any_backend() {
+    std::vector<Tunable> all;
+    for (const Backend backend : all_backends) {
+        for (const std::string_view axis : axis_names) {
+            for (const Choice* choice : Registry::instance().choices(axis, backend)) {
+                const std::span<const Tunable> tunables = choice->descriptor.tunables;
+                all.insert(all.end(), tunables.begin(), tunables.end());
+            }
+        }
+    }
+    return all;
+}
+
 std::vector<std::string> names_of(const std::vector<const Choice*>& choices) {
     std::vector<std::string> names;
     for (const Choice* choice : choices) {
@@ -241,24 +255,24 @@ void add_axis_argument(AxisChoices& axes, const std::string& argument, Backend b
     axes[axis] = names;
 }
 
-// What every tunable of this name, on any backend, allows; throws InputError if there is none.
+// Choices may allow different values of a tunable of one name: what some of them allow is not applicable to the others.
 void check_tunable(const std::string& name, std::uint32_t value, const std::string& file, const std::string& place) {
-    std::set<std::string> known;
-    for (const Backend backend : all_backends) {
-        for (const Tunable& tunable : all_tunables(backend)) {
-            known.emplace(tunable.name);
-            if (tunable.name == name && !tunable.allows(value)) {
-                throw InputError(file, place, std::to_string(value),
-                                 fmt::format("a whole number from {} to {}{}", tunable.lowest, tunable.highest,
-                                             tunable.multiple_of > 1
-                                                 ? fmt::format(", a multiple of {}", tunable.multiple_of)
-                                                 : ""));
-            }
+    std::set<std::string> known, ranges;
+    for (const Tunable& tunable : tunables_on_any_backend()) {
+        known.emplace(tunable.name);
+        if (tunable.name != name) {
+            continue;
         }
+        if (tunable.allows(value)) {
+            return;
+        }
+        ranges.insert(fmt::format("a whole number from {} to {}{}", tunable.lowest, tunable.highest,
+                                  tunable.multiple_of > 1 ? fmt::format(", a multiple of {}", tunable.multiple_of) : ""));
     }
     if (!known.contains(name)) {
         throw InputError(file, place, "tunable \"" + name + "\"", fmt::format("{}", fmt::join(known, ", ")));
     }
+    throw InputError(file, place, std::to_string(value), fmt::format("{}", fmt::join(ranges, ", or ")));
 }
 
 void add_tunable_argument(TunableValues& tunables, const std::string& argument) {

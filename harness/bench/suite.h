@@ -77,7 +77,7 @@ std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet featu
 void add_axis_argument(AxisChoices& axes, const std::string& argument, Backend backend = Backend::cpu);
 // "NAME=v1,v2" -> adds to `tunables`; throws InputError with what is allowed.
 void add_tunable_argument(TunableValues& tunables, const std::string& argument);
-// Throws InputError if no backend has such a tunable, or its range does not hold the value.
+// Throws InputError if no choice on any backend has such a tunable, or none that has it allows the value.
 void check_tunable(const std::string& name, std::uint32_t value, const std::string& file, const std::string& place);
 void check_choices(const AxisChoices& axes, const std::string& file, const std::string& place);
 

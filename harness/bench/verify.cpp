@@ -20,6 +20,22 @@ RenderResult render_samples(const Scene& scene, const RenderSettings& settings, 
                           .film_samples = film_samples});
 }
 
+// What is wrong with a render whatever it is compared with; empty: nothing.
+std::string fault_of(const RenderResult& result, const Variant& variant, Backend backend, const RenderSettings& settings,
+                     std::uint32_t spp) {
+    if (const FilmFaults& faults = result.film.faults(); !faults.none()) {
+        return faults_text(faults);
+    }
+    if (const std::string missing = work_missing(variant, result.work, spp, backend); !missing.empty()) {
+        return missing;
+    }
+    if (result.work.paths != std::uint64_t{settings.width} * settings.height * spp) {
+        return fmt::format("{} paths for {} pixels of {} samples", result.work.paths, settings.width * settings.height,
+                           spp);
+    }
+    return "";
+}
+
 bool same_pixel(const Film& a, const Film& b, std::size_t pixel) {
     for (std::size_t channel = 0; channel < 3; ++channel) {
         if (a.sums()[3 * pixel + channel] != b.sums()[3 * pixel + channel]) {
@@ -234,15 +250,8 @@ Verdict Verifier::check_bits(const Variant& variant) {
         verdict.message = message;
         return verdict;
     };
-    if (const FilmFaults& faults = result.film.faults(); !faults.none()) {
-        return fail(faults_text(faults));
-    }
-    if (const std::string missing = work_missing(variant, result.work, spp_, backend_); !missing.empty()) {
-        return fail(missing);
-    }
-    if (result.work.paths != std::uint64_t{settings_.width} * settings_.height * spp_) {
-        return fail(fmt::format("{} paths for {} pixels of {} samples", result.work.paths,
-                                settings_.width * settings_.height, spp_));
+    if (const std::string fault = fault_of(result, variant, backend_, settings_, spp_); !fault.empty()) {
+        return fail(fault);
     }
     if (result.film.sums() != expected.film.sums()) {
         const Difference difference =
@@ -280,10 +289,8 @@ Verdict Verifier::check_freely_rounded(const Variant& variant) {
     Verdict verdict{false, result.film.hash(), ""};
     if (!bits.holds) {
         verdict.message = "its twin " + twin.name() + " fails: " + bits.message;
-    } else if (!result.film.faults().none()) {
-        verdict.message = faults_text(result.film.faults());
-    } else if (const std::string missing = work_missing(variant, result.work, spp_, backend_); !missing.empty()) {
-        verdict.message = missing;
+    } else if (const std::string fault = fault_of(result, variant, backend_, settings_, spp_); !fault.empty()) {
+        verdict.message = fault;
     } else if (const MeanCheck& check = mean_check(variant); !check.failure.empty()) {
         verdict.message = "not the declared expectation: " + check.failure;
     } else {

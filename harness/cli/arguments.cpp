@@ -3,6 +3,7 @@
 #include "harness/cli/commands.h"
 #include "harness/cuda/backend.h"
 #include "harness/error.h"
+#include "variants/registry.h"
 
 namespace pt {
 
@@ -43,6 +44,9 @@ Backend parse_backend(const std::string& text) {
     }
     for (const Backend backend : all_backends) {
         if (text == to_string(backend)) {
+            if (Registry::instance().choices("integrator", backend).empty()) {
+                require_backend(backend);  // built without it: there are no variants to speak of
+            }
             return backend;
         }
     }

@@ -26,7 +26,8 @@ Command add_machine_command(CLI::App& app);
 std::pair<std::uint32_t, std::uint32_t> parse_resolution(const std::string& text);
 // "A,B" -> {A, B}, the scenes of --scene; throws InputError for an empty name.
 std::vector<std::string> split_names(const std::string& text);
-// "cpu" or "cuda"; "": cuda where it is available, else cpu. Throws InputError for another name.
+// "cpu" or "cuda"; "": cuda where it is available, else cpu. Throws InputError for another name, MachineError for a
+// backend that this build lacks.
 Backend parse_backend(const std::string& text);
 // Throws MachineError with the reason if the backend is not available here.
 void require_backend(Backend backend);

@@ -27,6 +27,15 @@ struct Tally {
     std::size_t held = 0, failed = 0, not_applicable = 0;
 };
 
+// A variant that throws fails; the others go on.
+Verdict check_or_fail(Verifier& verifier, const Variant& variant) {
+    try {
+        return verifier.check(variant);
+    } catch (const std::exception& exception) {
+        return {false, "no film", exception.what()};
+    }
+}
+
 void verify_scene(const Scene& scene, Backend backend, const std::vector<Variant>& variants,
                   const VerifyArguments& arguments, Tally& tally) {
     RenderSettings settings = default_settings(scene);
@@ -43,7 +52,7 @@ void verify_scene(const Scene& scene, Backend backend, const std::vector<Variant
             }
             continue;
         }
-        const Verdict verdict = verifier.check(variant);
+        const Verdict verdict = check_or_fail(verifier, variant);
         (verdict.holds ? tally.held : tally.failed) += 1;
         if (!verdict.holds || !arguments.quiet) {
             fmt::print("{} {}/scene:{}  {}  {}\n", verdict.film_hash, variant.name(), scene.name,

@@ -62,8 +62,7 @@ RenderResult render(const Scene& scene, const RenderRequest& request) {
 }
 
 std::size_t compile(const Scene& scene, const Variant& variant, const std::string& architecture) {
-    const KernelChoice kernel = choose_kernel(scene, variant, Backend::cuda);
-    return compile_module(module_request(variant, kernel.compiled, architecture)).cubin.size();
+    return compile_module(module_request(scene, variant, architecture)).cubin.size();
 }
 
 void collect_programs(const Scene& scene, const Variant& variant,
@@ -75,8 +74,7 @@ void collect_programs(const Scene& scene, const Variant& variant,
     const Registry& registry = Registry::instance();
     const Variant twin = exact_twin(variant, Backend::cuda);
     for (const Variant& needed : {variant, twin, registry.reference(twin, Backend::cuda)}) {
-        const FeatureSet features = choose_kernel(scene, needed, Backend::cuda).compiled;
-        const ModuleRequest request = module_request(needed, features, device().architecture());
+        const ModuleRequest request = module_request(scene, needed, device().architecture());
         if (!is_cached(request)) {
             programs.try_emplace(request.name + " " + module_key(request), [request] { (void)build_module(request); });
         }

@@ -101,7 +101,52 @@ std::string integrator_source(const Variant& variant) {
     return "variants/integrator/" + variant["integrator"] + ".cuh";
 }
 
-ModuleRequest module_request(const Variant& variant, FeatureSet features, const std::string& architecture) {
+namespace {
+
+template <class Real, class Visit>
+void for_traced_arrays(const SceneView<Real>& scene, Visit&& visit) {
+    visit(scene.spheres);
+    visit(scene.ellipsoids);
+    visit(scene.axis_boxes);
+    visit(scene.oriented_boxes);
+    visit(scene.quads);
+    visit(scene.velocity);
+}
+
+template <class Real>
+std::vector<unsigned char> constant_scene(const SceneView<Real>& scene) {
+    std::vector<unsigned char> bytes;
+    for_traced_arrays(scene, [&](const auto& view) {
+        const auto* const begin = reinterpret_cast<const unsigned char*>(view.data);
+        bytes.insert(bytes.end(), begin, begin + view.size * sizeof(*view.data));
+        bytes.resize((bytes.size() + 15) / 16 * 16);
+    });
+    return bytes;
+}
+
+// Of the 64 KiB of constant memory that a module may have; larger scenes stay in global memory.
+constexpr std::size_t constant_bytes = 32768;
+
+// The scene's numbers of objects, as constants where the kernel has the scene's features only.
+template <class Real>
+std::vector<std::string> scene_defines(const SceneView<Real>& scene, bool fixes_counts) {
+    std::vector<std::string> defines{
+        fmt::format("-DPT_SCENE_BYTES={}", constant_scene(scene).size() <= constant_bytes ? constant_bytes : 0),
+        fmt::format("-DPT_FIXED_COUNTS={}", fixes_counts ? 1 : 0)};
+    if (fixes_counts) {
+        defines.push_back(fmt::format("-DPT_SPHERES={}u", scene.spheres.size));
+        defines.push_back(fmt::format("-DPT_ELLIPSOIDS={}u", scene.ellipsoids.size));
+        defines.push_back(fmt::format("-DPT_AXIS_BOXES={}u", scene.axis_boxes.size));
+        defines.push_back(fmt::format("-DPT_ORIENTED_BOXES={}u", scene.oriented_boxes.size));
+        defines.push_back(fmt::format("-DPT_QUADS={}u", scene.quads.size));
+    }
+    return defines;
+}
+
+}  // namespace
+
+ModuleRequest module_request(const Scene& scene, const Variant& variant, const std::string& architecture) {
+    const FeatureSet features = choose_kernel(scene, variant, Backend::cuda).compiled;
     ModuleRequest request = request_for(variant, integrator_source(variant), architecture);
     const Integrator& integrator = hooks("integrator", variant).integrator;
     request.features = features;
@@ -109,9 +154,15 @@ ModuleRequest module_request(const Variant& variant, FeatureSet features, const 
     const std::uint32_t kept = Registry::instance()
                                    .at("first_bounce", variant, Backend::cuda)
                                    .hook.first_bounce(variant, Backend::cuda);
-    request.defines = {fmt::format("-DPT_BLOCK={}", tuned(variant, "block", 128)),
+    request.defines = {fmt::format("-DPT_BLOCK={}", tunable(variant, "block", Backend::cuda)),
                        fmt::format("-DPT_CACHED={}", kept > 0 ? 1 : 0),
                        fmt::format("-DPT_SHADING_FMAS={}", tuned(variant, "shading_fmas", 0))};
+    const bool fixes_counts = features != all_features;
+    const std::vector<std::string> of_scene =
+        request.real == "double"
+            ? scene_defines(SceneBuffers<double>(scene, default_settings(scene)).view(), fixes_counts)
+            : scene_defines(SceneBuffers<float>(scene, default_settings(scene)).view(), fixes_counts);
+    request.defines.insert(request.defines.end(), of_scene.begin(), of_scene.end());
     if (integrator.defines != nullptr) {
         const std::vector<std::string> more = integrator.defines(variant);
         request.defines.insert(request.defines.end(), more.begin(), more.end());
@@ -130,7 +181,8 @@ ModuleRequest stage_request(const Variant& variant, const std::string& source, c
     ModuleRequest request = request_for(variant, source, architecture);
     request.features = no_features;
     request.sort_key = "material";
-    request.defines = {"-DPT_BLOCK=256", "-DPT_CACHED=0", "-DPT_SHADING_FMAS=0"};
+    request.defines = {"-DPT_BLOCK=256", "-DPT_CACHED=0", "-DPT_SHADING_FMAS=0", "-DPT_SCENE_BYTES=0",
+                       "-DPT_FIXED_COUNTS=0"};
     return request;
 }
 
@@ -176,8 +228,7 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
     const Variant& variant = request.variant;
     facts_.from_cache = true;
     const Integrator& integrator = hooks("integrator", variant).integrator;
-    const ModuleRequest module_of_integrator = module_request(variant, kernel.compiled, device().architecture());
-    job_.module = &module(module_of_integrator);
+    job_.module = &module(module_request(scene, variant, device().architecture()));
     const auto start = std::chrono::steady_clock::now();
     PT_CUDA_CHECK(cudaStreamCreateWithFlags(&job_.stream, cudaStreamNonBlocking));
     PT_CUDA_CHECK(cudaEventCreate(&begin_));
@@ -188,8 +239,8 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
     job_.materials = buffers_.view().materials.size;
     job_.first_sample = request.first_sample;
     job_.samples = request.samples;
-    job_.samples_in_flight = tuned(variant, "spp_in_flight", 1);
-    job_.block = tuned(variant, "block", 128);
+    job_.samples_in_flight = std::min(tuned(variant, "spp_in_flight", 1), request.samples);
+    job_.block = tunable(variant, "block", Backend::cuda);
     job_.reads_back = tuned(variant, "read_back", 0) != 0;
     job_.multiprocessors = static_cast<std::uint32_t>(device().multiprocessors);
     job_.cache.rays = Registry::instance()
@@ -262,10 +313,14 @@ void RenderCell<Real>::reserve(Arena& arena) {
     job_.film = host_film_;
     job_.film.sums = arena.take<std::int64_t>(std::size_t{3} * job_.pixels);
     job_.film.faults = arena.take<FilmFaults>(1);
-    job_.totals = arena.take<Totals>(1);
+    job_.totals = arena.take<Totals>(counter_copies);
     job_.next_item = arena.take<std::uint64_t>(1);
-    job_.segments.live = arena.take<std::uint64_t>(job_.longest_path);
-    job_.segments.in_play = arena.take<std::uint64_t>(job_.longest_path);
+    job_.next_sample = arena.take<std::uint32_t>(1);
+    job_.segments.copies = job_.longest_path <= 4096 ? counter_copies : 1;
+    const std::size_t segment_counts = std::size_t{job_.longest_path} * job_.segments.copies;
+    job_.segments.live = arena.take<std::uint64_t>(segment_counts);
+    job_.lengths = request_.instrument ? job_.segments.live : nullptr;
+    job_.segments.in_play = arena.take<std::uint64_t>(segment_counts);
     job_.cache.hits = reinterpret_cast<Hit<float>*>(
         arena.take_bytes(std::size_t{job_.pixels} * job_.cache.rays * sizeof(Hit<Real>)));
     if (hooks("integrator", request_.variant).integrator.has_queue) {
@@ -277,7 +332,7 @@ template <class Real>
 void RenderCell<Real>::reserve_queue(Arena& arena) {
     const std::size_t before = arena.used();
     Queue& queue = job_.queue;
-    const std::uint64_t pool = std::uint64_t{job_.pixels} * std::min(job_.samples_in_flight, job_.samples);
+    const std::uint64_t pool = std::uint64_t{job_.pixels} * job_.samples_in_flight;
     if (pool > 0x7fffffffu) {
         throw Error(fmt::format("{} paths in flight: spp_in_flight is too large for {} pixels", pool, job_.pixels));
     }
@@ -300,6 +355,9 @@ void RenderCell<Real>::reserve_queue(Arena& arena) {
     if (sorting_ != nullptr) {
         queue.keys = arena.take<std::uint32_t>(queue.capacity);
         queue.keys_spare = arena.take<std::uint32_t>(queue.capacity);
+    }
+    if (job_.appends_in_kernel) {
+        job_.append_counts = arena.take<std::uint32_t>(job_.longest_path);
     }
     queue.count = arena.take<std::uint32_t>(1);
     queue.count_spare = arena.take<std::uint32_t>(1);
@@ -327,6 +385,12 @@ void RenderCell<Real>::upload() {
     copy_to_device(view_.velocity, host.velocity, job_.stream);
     copy_to_device(view_.materials, host.materials, job_.stream);
     copy_to_device(view_.lights, host.lights, job_.stream);
+    const std::vector<unsigned char> constant = constant_scene(host);
+    if (!constant.empty() && constant.size() <= constant_bytes) {
+        PT_CUDA_CHECK(cudaMemcpyAsync(job_.module->global("pt_scene"), constant.data(), constant.size(),
+                                      cudaMemcpyHostToDevice, job_.stream));
+    }
+    PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));  // the host's copy ends with this function
     const auto clear = [&](void* memory, std::size_t bytes) {
         if (memory != nullptr && bytes != 0) {
             PT_CUDA_CHECK(cudaMemsetAsync(memory, 0, bytes, job_.stream));
@@ -334,9 +398,10 @@ void RenderCell<Real>::upload() {
     };
     clear(job_.film.sums, std::size_t{3} * job_.pixels * sizeof(std::int64_t));
     clear(job_.film.faults, sizeof(FilmFaults));
-    clear(job_.totals, sizeof(Totals));
-    clear(job_.segments.live, job_.longest_path * sizeof(std::uint64_t));
-    clear(job_.segments.in_play, job_.longest_path * sizeof(std::uint64_t));
+    clear(job_.totals, counter_copies * sizeof(Totals));
+    const std::size_t segment_bytes = std::size_t{job_.longest_path} * job_.segments.copies * sizeof(std::uint64_t);
+    clear(job_.segments.live, segment_bytes);
+    clear(job_.segments.in_play, segment_bytes);
     Queue& queue = job_.queue;
     if (queue.count == nullptr) {
         return;
@@ -373,6 +438,31 @@ void RenderCell<Real>::run(RenderResult& result) {
     result.device_ms = milliseconds;
 }
 
+namespace {
+
+Totals sum_of(const std::vector<Totals>& copies) {
+    Totals sum;
+    for (const Totals& copy : copies) {
+        sum.paths.paths += copy.paths.paths;
+        sum.paths.rays += copy.paths.rays;
+        sum.paths.connections += copy.paths.connections;
+        sum.paths.unfinished_walks += copy.paths.unfinished_walks;
+        sum.cache_fills += copy.cache_fills;
+        sum.cache_uses += copy.cache_uses;
+    }
+    return sum;
+}
+
+std::vector<std::uint64_t> sum_of_copies(const std::vector<std::uint64_t>& counts, std::uint32_t copies) {
+    std::vector<std::uint64_t> sums(counts.size() / copies);
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+        sums[i / copies] += counts[i];
+    }
+    return sums;
+}
+
+}  // namespace
+
 template <class Real>
 void RenderCell<Real>::collect(RenderResult& result) {
     const auto download = [&](auto* host, const auto* device, std::size_t count) {
@@ -381,13 +471,25 @@ void RenderCell<Real>::collect(RenderResult& result) {
     };
     std::vector<std::int64_t> sums(std::size_t{3} * job_.pixels);
     FilmFaults faults;
-    Totals totals;
-    std::vector<std::uint64_t> live(job_.longest_path), in_play(job_.longest_path);
+    std::vector<Totals> copies(counter_copies);
     download(sums.data(), job_.film.sums, sums.size());
     download(&faults, job_.film.faults, 1);
-    download(&totals, job_.totals, 1);
-    download(live.data(), job_.segments.live, live.size());
-    download(in_play.data(), job_.segments.in_play, in_play.size());
+    download(copies.data(), job_.totals, copies.size());
+    const Totals totals = sum_of(copies);
+    const auto by_segment = [&](const std::uint64_t* device_counts) {
+        std::vector<std::uint64_t> counts(std::size_t{job_.longest_path} * job_.segments.copies);
+        download(counts.data(), device_counts, counts.size());
+        return counts;
+    };
+    // Megakernels count path lengths in the place of `live`, without copies.
+    const bool has_queue = hooks("integrator", request_.variant).integrator.has_queue;
+    std::vector<std::uint64_t> live = by_segment(job_.segments.live);
+    std::vector<std::uint64_t> in_play = by_segment(job_.segments.in_play);
+    if (has_queue) {
+        live = sum_of_copies(live, job_.segments.copies);
+        in_play = sum_of_copies(in_play, job_.segments.copies);
+    }
+    live.resize(job_.longest_path);
     result.film.set(std::move(sums), faults);
 
     WorkCounters& work = result.work;
@@ -398,9 +500,8 @@ void RenderCell<Real>::collect(RenderResult& result) {
     work.connections = totals.paths.connections;
     work.unfinished_walks = totals.paths.unfinished_walks;
     work.cache_fills = totals.cache_fills;
-    work.sorted = totals.sorted;
     std::uint64_t cache_uses = totals.cache_uses;
-    if (hooks("integrator", request_.variant).integrator.has_queue) {
+    if (has_queue) {
         std::uint64_t segments = 0;
         for (const std::uint64_t count : live) {
             segments += count;
@@ -408,6 +509,7 @@ void RenderCell<Real>::collect(RenderResult& result) {
         cache_uses = job_.cache.rays > 0 ? live.front() : 0;
         work.rays = segments - cache_uses + totals.cache_fills + totals.paths.connections;
         work.last_paths = live.back();
+        work.sorted = work.sorts > 0 ? segments - live.back() : 0;
         work.compacted_away = work.compactions > 0 ? in_play.front() - in_play.back() : 0;
     } else {
         work.rays = totals.paths.rays;
@@ -429,7 +531,7 @@ void RenderCell<Real>::collect(RenderResult& result) {
         }
     }
     for (const char* name : {"megakernel", "megakernel_regen", "persistent", "generate_paths", "intersect_paths",
-                             "shade_paths", "write_keys", "first_bounce", "next_bounce"}) {
+                             "shade_paths", "write_ray_keys", "first_bounce", "next_bounce"}) {
         try {
             const KernelFacts kernel = job_.module->facts(name);
             facts_.kernels.push_back({name, kernel.registers, kernel.local_bytes, kernel.shared_bytes});

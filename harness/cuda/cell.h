@@ -10,7 +10,7 @@
 namespace pt::cuda {
 
 // What is compiled for a variant of a scene on a GPU ("sm_90"), for an integrator and the sources that choices ask for.
-ModuleRequest module_request(const Variant& variant, FeatureSet features, const std::string& architecture);
+ModuleRequest module_request(const Scene& scene, const Variant& variant, const std::string& architecture);
 ModuleRequest stage_request(const Variant& variant, const std::string& source, const std::string& architecture);
 // The embedded source of the variant's integrator.
 std::string integrator_source(const Variant& variant);

@@ -60,7 +60,7 @@ RenderResult render_unguarded(const Scene& scene, const RenderRequest& request) 
     const double cpu_start = process_cpu_ms();
     const auto start = std::chrono::steady_clock::now();
     // A render pays for its cache, memory and filling both; queues stay from render to render.
-    FirstBounceCache cache;
+    FirstBounceCache<float> cache;
     cache.rays = registry.at("first_bounce", request.variant).hook.first_bounce(request.variant, Backend::cpu);
     if (cache.rays > 0) {
         cache.hits.resize(std::size_t{settings.width} * settings.height * cache.rays);

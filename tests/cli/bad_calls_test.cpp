@@ -2,6 +2,7 @@
 // wrong, nothing on stdout, nothing left behind.
 #include <gtest/gtest.h>
 
+#include "tests/support/backends.h"
 #include "tests/support/command.h"
 
 namespace pt::test {
@@ -95,10 +96,58 @@ TEST(BadCallsTest, UnknownNames) {
 }
 
 TEST(BadCallsTest, Backends) {
-    expect_refusal(run_with({"--scene", "cornell_open", "--backend", "cuda"}), 2,
-                   "--backend: argument: found \"cuda\", allowed: cpu\n");
-    expect_refusal(run_with({"--scene", "cornell_open", "--backend", "abacus"}), 2,
-                   "--backend: argument: found \"abacus\", allowed: cpu\n");
+    const std::string unknown = "--backend: argument: found \"abacus\", allowed: cpu, cuda\n";
+    expect_refusal(run_with({"--scene", "cornell_open", "--backend", "abacus"}), 2, unknown);
+    expect_refusal(render_with({"--backend", "abacus"}), 2, unknown);
+    expect_refusal({"verify", "--scene", "cornell_open", "--backend", "abacus"}, 2, unknown);
+}
+
+// The machine's fault, with the reason that `list` gives too.
+TEST(BadCallsTest, CudaWithoutADevice) {
+    const std::string listed = ptbench({"list", "--scene", "cornell_open"}).out;
+    const std::size_t start = listed.rfind("not available (");
+    ASSERT_NE(start, std::string::npos) << listed;
+    const std::string message = "cuda: " + listed.substr(start);
+    EXPECT_TRUE(message.ends_with(")\n")) << message;
+    EXPECT_GT(message.size(), std::string("cuda: not available ()\n").size());
+    expect_refusal(run_with({"--scene", "cornell_open", "--backend", "cuda"}), 3, message);
+    expect_refusal(run_with({"--suite", "quick", "--backend=cuda"}), 3, message);
+    expect_refusal(render_with({"--backend", "cuda"}), 3, message);
+    expect_refusal({"verify", "--scene", "cornell_open", "--backend", "cuda"}, 3, message);
+    if (!cuda_is_built()) {
+        expect_refusal(run_with({"--scene", "cornell_open", "--backend", "cuda", "--dry-run"}), 3, message);
+        return;
+    }
+    // A call that is wrong anyway is wrong before it is the machine's fault.
+    expect_refusal(render_with({"--backend", "cuda", "--axis", "integrator=depth_first"}), 2,
+                   "n/a: depth_first.none.none.material.off.off.aos.features.stream.precise.float on cornell_open: "
+                   "integrator=depth_first is not there on the backend cuda\n");
+}
+
+TEST(BadCallsTest, Tunables) {
+    const std::pair<std::string, std::string> cases[] = {
+        {"jitters", "--tune: argument: found \"jitters\", allowed: NAME=VALUE or NAME=VALUE,VALUE\n"},
+        {"=4", "--tune: argument: found \"=4\", allowed: NAME=VALUE or NAME=VALUE,VALUE\n"},
+        {"jitters=four", "--tune: argument.jitters: found \"jitters=four\", allowed: whole numbers, comma-separated\n"},
+        {"jitters=4,", "--tune: argument.jitters: found \"jitters=4,\", allowed: whole numbers, comma-separated\n"},
+        {"jitters=0", "--tune: argument.jitters: found 0, allowed: a whole number from 1 to 4096\n"},
+        {"jitters=4,4", "--tune: argument.jitters: found 4 twice, allowed: once\n"},
+        {"colour=4", "--tune: argument.colour: found tunable \"colour\", allowed: " + tunable_names() + "\n"},
+    };
+    for (const auto& [argument, message] : cases) {
+        expect_refusal(render_with({"--tune", argument}), 2, message);
+        expect_refusal(run_with({"--scene", "cornell_open", "--tune", argument}), 2, message);
+        expect_refusal({"verify", "--scene", "cornell_open", "--tune", argument}, 2, message);
+    }
+    expect_refusal(render_with({"--tune"}), 2, "--tune: 1 required TEXT missing");
+    const std::string several = ", allowed: one choice an axis and one value a tunable for render\n";
+    expect_refusal(render_with({"--axis", "first_bounce=cached_jitters", "--tune", "jitters=4,8"}), 2,
+                   "--axis: argument: found 2 variants" + several);
+    expect_refusal(render_with({"--tune", "jitters=4"}), 2,
+                   "n/a: wavefront.none.none.material.off.off.aos.features.stream.exact.float+jitters=4 on "
+                   "cornell_open: jitters=4 tunes none of the variant's choices\n");
+    expect_refusal(run_with({"--scene", "cornell_open", "--tune", "jitters=4"}), 2,
+                   "the run has no cell: n/a: jitters=4 tunes none of the variant's choices\n");
 }
 
 TEST(BadCallsTest, Axes) {
@@ -106,8 +155,8 @@ TEST(BadCallsTest, Axes) {
         {"compaction", "--axis: argument: found \"compaction\", allowed: NAME=CHOICE or NAME=CHOICE,CHOICE\n"},
         {"=none", "--axis: argument: found \"=none\", allowed: NAME=CHOICE or NAME=CHOICE,CHOICE\n"},
         {"compaction=", "--axis: argument: found \"compaction=\", allowed: NAME=CHOICE or NAME=CHOICE,CHOICE\n"},
-        {"compaction=none,", "--axis: argument.compaction: found \"\", allowed: none, "},
-        {"compaction=magic", "--axis: argument.compaction: found \"magic\", allowed: none, thrust_copy_if_index, "},
+        {"compaction=none,", "--axis: argument.compaction: found \"\", allowed: " + compaction_names() + "\n"},
+        {"compaction=magic", "--axis: argument.compaction: found \"magic\", allowed: " + compaction_names() + "\n"},
         {"colour=red", "--axis: argument: found axis \"colour\", allowed: integrator, compaction, "},
     };
     for (const auto& [argument, message] : cases) {
@@ -116,11 +165,19 @@ TEST(BadCallsTest, Axes) {
         expect_refusal({"verify", "--scene", "cornell_open", "--axis", argument}, 2, message);
     }
     expect_refusal(render_with({"--axis", "layout=aos,soa"}), 2,
-                   "--axis: argument: found 2 variants, allowed: one choice an axis for render\n");
-    expect_refusal(
-        render_with({"--axis", "first_bounce=cached"}), 2,
-        "n/a: wavefront.none.none.cached.off.aos.features on cornell_open: first_bounce=cached needs jitter off "
-        "(camera.jitter is true in the scene)\n");
+                   "--axis: argument: found 2 variants, allowed: one choice an axis and one value a tunable for "
+                   "render\n");
+    expect_refusal(render_with({"--axis", "launch=graph"}), 2,
+                   "n/a: wavefront.none.none.material.off.off.aos.features.graph.exact.float on cornell_open: "
+                   "launch=graph is not there on the backend cpu\n");
+    expect_refusal(run_with({"--scene", "cornell_open", "--axis", "launch=graph"}), 2,
+                   "the run has no cell: n/a: launch=graph is not there on the backend cpu\n");
+    expect_refusal(render_with({"--scene", "jitter_off", "--axis", "first_bounce=cached_jitters"}), 2,
+                   "--scene: 1 required TEXT");
+    expect_refusal(render_with({"--axis", "first_bounce=cached"}), 2,
+                   "n/a: wavefront.none.none.material.cached.off.aos.features.stream.exact.float on cornell_open: "
+                   "first_bounce=cached needs jitter off "
+                   "(camera.jitter is true in the scene)\n");
     expect_refusal(
         run_with({"--scene", "cornell_open", "--axis", "first_bounce=cached"}), 2,
         "the run has no cell: n/a: first_bounce=cached needs jitter off (camera.jitter is true in the scene)\n");
@@ -198,6 +255,11 @@ TEST(BadCallsTest, MalformedScenesAndSuites) {
     write_text(suite,
                R"({"name": "s", "studies": [{"name": "a", "scenes": ["cornell_open"], "axes": {"colour": ["red"]}}]})");
     expect_refusal(run_with({"--suite", suite}), 2, suite + ": $.studies[0].axes: found axis \"colour\", allowed: ");
+    write_text(
+        suite,
+        R"({"name": "s", "studies": [{"name": "a", "scenes": ["cornell_open"], "tunables": {"jitters": [4, 0]}}]})");
+    expect_refusal(run_with({"--suite", suite}), 2,
+                   suite + ": $.studies[0].tunables.jitters[1]: found 0, allowed: a whole number from 1 to 4096\n");
 }
 
 TEST(BadCallsTest, AHomeWithoutScenes) {

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "harness/bench/machine.h"
 #include "harness/render/renderer.h"
+#include "tests/support/backends.h"
 #include "tests/support/command.h"
 
 namespace pt::test {
@@ -23,6 +25,17 @@ std::vector<std::string> names_in(const json& array) {
 
 // ---- list ----
 
+void expect_same_backends(const std::string& axis, const json& choice) {
+    json expected = json::array();
+    for (const Backend backend : all_backends) {
+        if (Registry::instance().find(axis, choice.at("name").get<std::string>(), backend) != nullptr) {
+            expected.push_back(to_string(backend));
+        }
+    }
+    EXPECT_EQ(choice.at("backends"), expected) << axis << "=" << choice.at("name");
+    EXPECT_FALSE(expected.empty());
+}
+
 TEST(ListTest, JsonHasAxesScenesSuitesAndBackends) {
     const CommandResult result = ptbench({"list", "--json"});
     ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -31,12 +44,21 @@ TEST(ListTest, JsonHasAxesScenesSuitesAndBackends) {
     EXPECT_EQ(names_in(all.at("axes")), std::vector<std::string>(std::begin(axis_names), std::end(axis_names)));
     for (const json& axis : all.at("axes")) {
         EXPECT_TRUE(axis.at("choices").at(0).at("baseline").get<bool>());
+        std::set<std::string> baseline_on;
         for (const json& choice : axis.at("choices")) {
             for (const char* key : {"name", "summary", "origin", "claim", "claim_note"}) {
                 EXPECT_TRUE(choice.at(key).is_string());
             }
-            EXPECT_EQ(choice.at("backends"), json({"cpu"}));
+            expect_same_backends(axis.at("name"), choice);
+            EXPECT_EQ(choice.at("baseline").get<bool>(), !choice.at("baseline_on").empty());
+            for (const json& backend : choice.at("baseline_on")) {
+                EXPECT_TRUE(baseline_on.insert(backend).second) << axis.at("name");
+            }
         }
+        EXPECT_TRUE(baseline_on.contains("cpu"));
+        EXPECT_TRUE(baseline_on.contains("cuda") || !cuda_is_built());
+        const std::vector<std::string> names = names_in(axis.at("choices"));
+        EXPECT_EQ(std::set<std::string>(names.begin(), names.end()).size(), names.size());
     }
     const std::vector<std::string> scenes = names_in(all.at("scenes"));
     EXPECT_GE(scenes.size(), 20u);
@@ -46,12 +68,56 @@ TEST(ListTest, JsonHasAxesScenesSuitesAndBackends) {
         EXPECT_FALSE(scene.at("features").empty());
         const bool jitter = scene.at("features").dump().find("\"jitter\"") != std::string::npos;
         EXPECT_EQ(scene.at("not_applicable").contains("first_bounce=cached"), jitter) << scene.at("name");
+        const json& by_backend = scene.at("not_applicable_on");
+        EXPECT_EQ(by_backend.at("cpu"), scene.at("not_applicable"));
+        EXPECT_EQ(by_backend.contains("cuda"), cuda_is_built());
+        for (const json& reasons : by_backend) {
+            EXPECT_EQ(reasons.contains("first_bounce=cached"), jitter) << scene.at("name");
+        }
+        if (cuda_is_built()) {
+            EXPECT_EQ(by_backend.at("cuda").at("sort_key=ray"), "sort_key=ray needs a sort, not sorting=none");
+        }
     }
     const std::vector<std::string> suites = names_in(all.at("suites"));
     EXPECT_NE(std::find(suites.begin(), suites.end(), "quick"), suites.end());
     EXPECT_NE(std::find(suites.begin(), suites.end(), "seeds"), suites.end());
     EXPECT_EQ(names_in(all.at("backends")), (std::vector<std::string>{"cpu", "cuda"}));
     EXPECT_EQ(all.at("backends").at(0).at("status"), "available");
+    const std::string cuda = all.at("backends").at(1).at("status");
+    EXPECT_EQ(cuda.find("not available ("), 0u) << cuda;
+    EXPECT_TRUE(cuda.size() > std::string("not available ()").size() && cuda.ends_with(")")) << cuda;
+}
+
+TEST(ListTest, JsonHasTheTunablesOfEveryChoice) {
+    const json all = json::parse(ptbench({"list", "--scene", "cornell_open", "--json"}).out);
+    std::set<std::string> names;
+    for (const json& axis : all.at("axes")) {
+        for (const json& choice : axis.at("choices")) {
+            for (const json& tunable : choice.at("tunables")) {
+                names.insert(tunable.at("name"));
+                EXPECT_TRUE(tunable.at("summary").is_string());
+                EXPECT_LE(tunable.at("lowest"), tunable.at("standard"));
+                EXPECT_LE(tunable.at("standard"), tunable.at("highest"));
+                EXPECT_GE(tunable.at("multiple_of"), 1);
+            }
+            if (choice.at("name") == "cached_jitters") {
+                EXPECT_EQ(choice.at("claim"), "biased");
+                EXPECT_EQ(choice.at("backends"), json({"cpu", "cuda"}));
+                ASSERT_EQ(choice.at("tunables").size(), 1u);
+                EXPECT_EQ(choice.at("tunables")[0], json({{"name", "jitters"},
+                                                          {"standard", 16},
+                                                          {"lowest", 1},
+                                                          {"highest", 4096},
+                                                          {"multiple_of", 1},
+                                                          {"summary", "camera rays of a pixel that are kept (K)"}}));
+            }
+        }
+    }
+    std::string joined;
+    for (const std::string& name : names) {
+        joined += (joined.empty() ? "" : ", ") + name;
+    }
+    EXPECT_EQ(joined, tunable_names());
 }
 
 TEST(ListTest, TextSaysTheSame) {
@@ -60,7 +126,8 @@ TEST(ListTest, TextSaysTheSame) {
     for (const char* text :
          {"Axes (the first choice of each is the baseline)\n", "  compaction\n", "    thrust_remove_if ", "Scenes\n",
           "  cornell_open ", "   n/a: first_bounce=cached needs jitter off (camera.jitter is true in the scene)\n",
-          "Suites\n", "  quick ", "Backends\n", "  cpu "}) {
+          "Suites\n", "  quick ", "Backends\n", "  cpu ", "  cuda                       not available (",
+          "   tunable jitters=16 (1 to 4096): camera rays of a pixel that are kept (K)\n"}) {
         EXPECT_NE(result.out.find(text), std::string::npos) << text;
     }
     EXPECT_EQ(result.out.find("cornell_closed"), std::string::npos);
@@ -104,7 +171,11 @@ TEST(RenderTest, TheSummaryHasTheFixedKeys) {
     EXPECT_EQ(summary.at("spp"), 3);
     EXPECT_EQ(summary.at("depth"), 8);  // the scene's
     EXPECT_EQ(summary.at("seed"), 1);
-    EXPECT_EQ(summary.at("variant"), "wavefront.none.none.off.off.aos.features");
+    EXPECT_EQ(summary.at("backend"), "cpu");
+    EXPECT_EQ(summary.at("kernel"), "exact");
+    EXPECT_EQ(summary.at("device_seconds"), summary.at("render_seconds"));
+    EXPECT_EQ(summary.at("compile_seconds"), 0);  // of kernels at run time: there are none on the CPU
+    EXPECT_EQ(summary.at("variant"), "wavefront.none.none.material.off.off.aos.features.stream.exact.float");
 }
 
 TEST(RenderTest, PngHasTheSizeThatWasAskedFor) {
@@ -146,6 +217,25 @@ TEST(RenderTest, TheSeedDecidesTheFilm) {
     EXPECT_NE(hash({"--spp", "2", "--seed", "18446744073709551615"}), first);
 }
 
+TEST(RenderTest, HonoursItsTunables) {
+    const auto rendered = [](const std::vector<std::string>& added) {
+        std::vector<std::string> arguments{"--spp", "3", "--backend", "cpu"};
+        arguments.insert(arguments.end(), added.begin(), added.end());
+        return render_image(arguments).summary;
+    };
+    const json off = rendered({});
+    const json standard = rendered({"--axis", "first_bounce=cached_jitters"});
+    const json one = rendered({"--axis", "first_bounce=cached_jitters", "--tune", "jitters=1"});
+    const std::string kept = "wavefront.none.none.material.cached_jitters.off.aos.features.stream.exact.float";
+    EXPECT_EQ(standard.at("variant"), kept);
+    EXPECT_EQ(one.at("variant"), kept + "+jitters=1");
+    EXPECT_EQ(rendered({"--axis", "first_bounce=cached_jitters", "--tune", "jitters=16"}).at("variant"), kept);
+    // A ray for each of the three samples is the film of no cache; one for all of them is another.
+    EXPECT_EQ(standard.at("film_hash"), off.at("film_hash"));
+    EXPECT_NE(one.at("film_hash"), off.at("film_hash"));
+    EXPECT_LT(one.at("rays"), off.at("rays"));  // two camera rays of a pixel were not traced
+}
+
 TEST(RenderTest, HonoursItsSettings) {
     const json shallow = render_image({"--spp", "4", "--depth", "1"}).summary;
     EXPECT_EQ(shallow.at("depth"), 1);
@@ -155,7 +245,7 @@ TEST(RenderTest, HonoursItsSettings) {
     EXPECT_GT(deep.at("rays").get<int>(), shallow.at("rays").get<int>());
     EXPECT_LE(deep.at("rays").get<int>(), 3 * shallow.at("rays").get<int>());
     const json lit = render_image({"--spp", "4", "--axis", "direct_light=final_bounce"}).summary;
-    EXPECT_EQ(lit.at("variant"), "wavefront.none.none.off.final_bounce.aos.features");
+    EXPECT_EQ(lit.at("variant"), "wavefront.none.none.material.off.final_bounce.aos.features.stream.exact.float");
     EXPECT_EQ(render_image({}).summary.at("spp"), 16);
 }
 
@@ -218,22 +308,25 @@ TEST(VerifyCommandTest, PrintsAHashAVariantAndTheTally) {
                  "--axis", "sorting=none"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.err, "");
-    // A scene: wavefront, 2 compactions, 2 layouts; depth_first. The rest (cached, depth_first with a queue) does not
-    // apply.
-    EXPECT_NE(result.out.find("10 held, 0 failed, 22 not applicable; 8x6 at 2 spp, scenes: cornell_open, ball_glass\n"),
-              std::string::npos)
-        << result.out;
+    // A scene: wavefront, 2 compactions, 2 layouts; depth_first; each with the first bounce off and with camera rays
+    // kept. The rest (cached, depth_first with a queue) does not apply.
     EXPECT_NE(result.out.find(
-                  " wavefront.thrust_partition.none.off.off.soa.features/scene:ball_glass  ok  film bits equal to "
-                  "depth_first.none.none.off.off.aos.generic\n"),
+                  "20 held, 0 failed, 28 not applicable on cpu; 8x6 at 2 spp, scenes: cornell_open, ball_glass\n"),
               std::string::npos)
         << result.out;
-    EXPECT_NE(result.out.find("n/a              wavefront.none.none.cached.off.aos.features/scene:cornell_open  "
-                              "first_bounce=cached needs "
-                              "jitter off (camera.jitter is true in the scene)\n"),
+    EXPECT_NE(result.out.find(" wavefront.thrust_partition.none.material.off.off.soa.features.stream.exact.float/"
+                              "scene:ball_glass  ok  film bits equal to "
+                              "depth_first.none.none.material.off.off.aos.generic.stream.exact.float\n"),
               std::string::npos)
         << result.out;
-    // Every hash of a scene is the same.
+    EXPECT_NE(
+        result.out.find("n/a              "
+                        "wavefront.none.none.material.cached.off.aos.features.stream.exact.float/scene:cornell_open  "
+                        "first_bounce=cached needs "
+                        "jitter off (camera.jitter is true in the scene)\n"),
+        std::string::npos)
+        << result.out;
+    // Every hash of a scene is the same: 16 camera rays are kept of the 2 that are traced.
     std::set<std::string> hashes;
     for (std::size_t at = result.out.find("/scene:cornell_open  ok"); at != std::string::npos;
          at = result.out.find("/scene:cornell_open  ok", at + 1)) {
@@ -246,14 +339,59 @@ TEST(VerifyCommandTest, QuietPrintsTheTallyOnly) {
     const CommandResult result = ptbench({"verify", "--scene", "jitter_off", "--resolution", "6x4", "--spp", "1",
                                           "--depth", "2", "--seed", "9", "--quiet"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_EQ(result.out, "232 held, 0 failed, 248 not applicable; 6x4 at 1 spp, scenes: jitter_off\n");
+    EXPECT_EQ(result.out, "232 held, 0 failed, 488 not applicable on cpu; 6x4 at 1 spp, scenes: jitter_off\n");
 }
 
 TEST(VerifyCommandTest, NothingHeldIsNoSuccess) {
     const CommandResult result = ptbench(
         {"verify", "--scene", "cornell_open", "--resolution", "4x3", "--axis", "first_bounce=cached", "--quiet"});
     EXPECT_EQ(result.exit_code, 1);
-    EXPECT_EQ(result.out, "0 held, 0 failed, 240 not applicable; 4x3 at 4 spp, scenes: cornell_open\n");
+    EXPECT_EQ(result.out, "0 held, 0 failed, 240 not applicable on cpu; 4x3 at 4 spp, scenes: cornell_open\n");
+}
+
+TEST(VerifyCommandTest, HoldsEveryValueOfATunable) {
+    const CommandResult result = ptbench({"verify",
+                                          "--scene",
+                                          "cornell_open",
+                                          "--resolution",
+                                          "8x6",
+                                          "--spp",
+                                          "3",
+                                          "--backend",
+                                          "cpu",
+                                          "--axis",
+                                          "first_bounce=cached_jitters",
+                                          "--axis",
+                                          "compaction=none",
+                                          "--axis",
+                                          "sorting=none",
+                                          "--axis",
+                                          "layout=aos",
+                                          "--axis",
+                                          "direct_light=off",
+                                          "--axis",
+                                          "specialisation=features",
+                                          "--tune",
+                                          "jitters=1,2,16"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_NE(result.out.find("6 held, 0 failed, 0 not applicable on cpu; "), std::string::npos) << result.out;
+    for (const char* tuning : {"+jitters=1", "+jitters=2", ""}) {
+        EXPECT_NE(result.out.find(" wavefront.none.none.material.cached_jitters.off.aos.features.stream.exact.float" +
+                                  std::string(tuning) +
+                                  "/scene:cornell_open  ok  film bits equal to "
+                                  "depth_first.none.none.material.cached_jitters.off.aos.generic.stream.exact.float" +
+                                  tuning + "\n"),
+                  std::string::npos)
+            << result.out;
+    }
+}
+
+// ---- machine ----
+
+TEST(MachineCommandTest, IsTheCpuWhereThereIsNoGpu) {
+    const CommandResult result = ptbench({"machine"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.out, machine_name() + "\n");
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/backends.h"
 #include "tests/support/command.h"
 
 namespace pt::test {
@@ -78,17 +79,22 @@ TEST_F(RunCommandTest, DryRunListsTheCellsAndRunsNothing) {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.err, "");
     EXPECT_EQ(result.out,
-              "wavefront.none.none.off.off.aos.features/scene:cornell_open/backend:cpu/resolution:8x6/depth:8/spp:1\n"
-              "wavefront.none.none.off.off.soa.features/scene:cornell_open/backend:cpu/resolution:8x6/depth:8/spp:1\n"
-              "n/a: wavefront.none.none.cached.off.aos.features on cornell_open: first_bounce=cached needs jitter off "
+              "wavefront.none.none.material.off.off.aos.features.stream.exact.float/scene:cornell_open/backend:cpu/"
+              "resolution:8x6/depth:8/spp:1\n"
+              "wavefront.none.none.material.off.off.soa.features.stream.exact.float/scene:cornell_open/backend:cpu/"
+              "resolution:8x6/depth:8/spp:1\n"
+              "n/a: wavefront.none.none.material.cached.off.aos.features.stream.exact.float on cornell_open: "
+              "first_bounce=cached needs jitter off "
               "(camera.jitter is true in the scene)\n"
-              "n/a: wavefront.none.none.cached.off.soa.features on cornell_open: first_bounce=cached needs jitter off "
+              "n/a: wavefront.none.none.material.cached.off.soa.features.stream.exact.float on cornell_open: "
+              "first_bounce=cached needs jitter off "
               "(camera.jitter is true in the scene)\n"
               "2 cells, 14 samples, 2 not applicable\n");
     EXPECT_EQ(folder.content(), Arguments());
     const CommandResult filtered = ptbench(call(7, {"--dry-run", "--benchmark_filter=\\.soa\\."}));
     EXPECT_EQ(filtered.out,
-              "wavefront.none.none.off.off.soa.features/scene:cornell_open/backend:cpu/resolution:8x6/depth:8/spp:1\n"
+              "wavefront.none.none.material.off.off.soa.features.stream.exact.float/scene:cornell_open/backend:cpu/"
+              "resolution:8x6/depth:8/spp:1\n"
               "1 cells, 7 samples, 0 not applicable\n");
     for (const char* suite : {"quick", "seeds"}) {
         const CommandResult planned = ptbench({"run", "--suite", suite, "--dry-run"}, {.folder = folder.path()});
@@ -98,12 +104,62 @@ TEST_F(RunCommandTest, DryRunListsTheCellsAndRunsNothing) {
     EXPECT_EQ(folder.content(), Arguments());
 }
 
+// A tunable's values, a study's resolutions and what only a GPU has, as cells.
+TEST_F(RunCommandTest, DryRunListsTunedCellsAndSizes) {
+    write_text(folder.file("suite.json"), R"({"name": "mine", "studies": [
+        {"name": "a", "scenes": ["cornell_open"], "axes": {"first_bounce": ["off", "cached_jitters"]},
+         "tunables": {"jitters": [2]}, "depth": 3, "resolution": [[8, 6], [4, 3]]},
+        {"name": "b", "scenes": ["cornell_open"], "axes": {"launch": ["graph"]}, "resolution": [8, 6]}]})");
+    const Arguments dry{"run", "--suite", "suite.json", "--dry-run", "--backend", "cpu"};
+    const auto planned = [&](const Arguments& added) {
+        Arguments arguments = dry;
+        arguments.insert(arguments.end(), added.begin(), added.end());
+        const CommandResult result = ptbench(arguments, {.folder = folder.path()});
+        EXPECT_EQ(result.exit_code, 0) << result.err;
+        return result.out;
+    };
+    const std::string off = "wavefront.none.none.material.off.off.aos.features.stream.exact.float";
+    const std::string kept = "wavefront.none.none.material.cached_jitters.off.aos.features.stream.exact.float";
+    const auto cell = [](const std::string& variant, const std::string& resolution) {
+        return variant + "/scene:cornell_open/backend:cpu/resolution:" + resolution + "/depth:3/spp:1\n";
+    };
+    const std::string nothing_tuned =
+        "n/a: " + off + "+jitters=2 on cornell_open: jitters=2 tunes none of the variant's choices\n";
+    const std::string no_graph =
+        "n/a: wavefront.none.none.material.off.off.aos.features.graph.exact.float on cornell_open: launch=graph is not "
+        "there on the backend cpu\n";
+    EXPECT_EQ(planned({}), cell(kept + "+jitters=2", "8x6") + cell(kept + "+jitters=2", "4x3") + nothing_tuned +
+                               no_graph + "2 cells, 18 samples, 2 not applicable\n");
+    // From the command line, for every study: one resolution instead of all, other values instead of the suite's.
+    EXPECT_EQ(planned({"--resolution", "5x5", "--tune", "jitters=16", "--axis", "launch=stream", "--depth", "3"}),
+              cell(off, "5x5") + cell(kept, "5x5") + "2 cells, 18 samples, 0 not applicable\n");
+    EXPECT_EQ(folder.content(), Arguments{"suite.json"});
+}
+
+// The cells of another machine can be listed on this one.
+TEST_F(RunCommandTest, DryRunListsTheCellsOfAGpuWithoutOne) {
+    if (!cuda_is_built()) {
+        GTEST_SKIP() << "built without a CUDA toolkit";
+    }
+    const CommandResult result =
+        ptbench({"run", "--scene", "cornell_open", "--resolution", "8x6", "--depth", "3", "--spp", "2", "--backend",
+                 "cuda", "--axis", "integrator=wavefront,megakernel,depth_first", "--tune", "block=64", "--dry-run"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const std::string rest = ".none.none.material.off.off.aos.features.stream.precise.float+block=64";
+    const std::string settings = "/scene:cornell_open/backend:cuda/resolution:8x6/depth:3/spp:2\n";
+    EXPECT_EQ(result.out, "wavefront" + rest + settings + "megakernel" + rest + settings + "n/a: depth_first" + rest +
+                              " on cornell_open: integrator=depth_first is not there on the backend cuda\n" +
+                              "2 cells, 18 samples, 1 not applicable\n");
+}
+
 TEST_F(RunCommandTest, AWholeRunWritesOneFile) {
     const CommandResult run = ptbench(call(2));
     EXPECT_EQ(run.exit_code, 0) << run.err;
     EXPECT_EQ(folder.content(), Arguments{"result.json"});
     expect_complete(2);
     const json file = result();
+    EXPECT_EQ(file.at("context").at("ptbench.backend"), "cpu");  // where no GPU is
+    EXPECT_EQ(file.at("ptbench").at("baselines").at("arithmetic"), "exact");
     EXPECT_EQ(file.at("benchmarks").size(), 2u * (2 + 4));
     const std::string command_line = file.at("context").at("ptbench.command_line");
     EXPECT_NE(command_line.find(" run --scene cornell_open --resolution 8x6 "), std::string::npos) << command_line;
@@ -115,7 +171,8 @@ TEST_F(RunCommandTest, GoogleBenchmarksFlagsWork) {
     const std::vector<json> rows = samples(result());
     ASSERT_EQ(rows.size(), 3u);
     EXPECT_EQ(rows[0].at("run_name"),
-              "wavefront.none.none.off.off.soa.features/scene:cornell_open/backend:cpu/resolution:8x6/depth:8/spp:1");
+              "wavefront.none.none.material.off.off.soa.features.stream.exact.float/scene:cornell_open/backend:cpu/"
+              "resolution:8x6/depth:8/spp:1");
 }
 
 TEST_F(RunCommandTest, ASuiteFileCanBeOverriddenAndTheDefaultOutIsResults) {
@@ -130,7 +187,8 @@ TEST_F(RunCommandTest, ASuiteFileCanBeOverriddenAndTheDefaultOutIsResults) {
     const json file = result();
     ASSERT_EQ(file.at("ptbench").at("cells").size(), 1u);
     EXPECT_EQ(file.at("ptbench").at("cells")[0].at("cell"),
-              "wavefront.none.none.off.off.soa.features/scene:cornell_open/backend:cpu/resolution:6x5/depth:4/spp:3");
+              "wavefront.none.none.material.off.off.soa.features.stream.exact.float/scene:cornell_open/backend:cpu/"
+              "resolution:6x5/depth:4/spp:3");
     EXPECT_EQ(file.at("context").at("ptbench.suite"), "mine");
 }
 

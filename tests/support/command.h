@@ -90,6 +90,8 @@ public:
         }
         // OpenMP threads that spin while they wait make small renders slow where tests share cores.
         ::setenv("OMP_WAIT_POLICY", "passive", 1);
+        // No device is seen, so that the outcome is the same with a GPU and without.
+        ::setenv("CUDA_VISIBLE_DEVICES", "-1", 1);
         for (const auto& [name, value] : options.environment) {
             ::setenv(name.c_str(), value.c_str(), 1);
         }

@@ -40,8 +40,14 @@ protected:
     Json result;
 
     void SetUp() override {
-        suite.studies.push_back(
-            {.name = "a", .title = "Title", .figure = "compaction", .scenes = {}, .axes = {}, .depths = {}});
+        suite.studies.push_back({.name = "a",
+                                 .title = "Title",
+                                 .figure = "compaction",
+                                 .scenes = {},
+                                 .axes = {},
+                                 .tunables = {},
+                                 .more_sizes = {},
+                                 .depths = {}});
         auto scene = std::make_shared<Scene>(test::SceneBuilder().scene);
         scene->name = "dark";
         scene->hash = "fedcba9876543210";
@@ -53,6 +59,11 @@ protected:
                                   .settings = {.width = 20, .height = 10, .depth = 4},
                                   .spp = 2});
         }
+        Variant tuned = Registry::instance().baseline();
+        tuned.set("first_bounce", "cached_jitters");
+        tuned.tuning["jitters"] = 4;
+        plan.cells[2].variant = tuned;
+        plan.cells[3].variant.set("first_bounce", "cached_jitters");
         Variant cached = Registry::instance().baseline();
         cached.set("first_bounce", "cached");
         plan.not_applicable.push_back({"a", "dark", cached, "first_bounce=cached needs jitter off"});
@@ -162,9 +173,10 @@ TEST_F(ResultFileTest, CellsSayWhatTheyAreAndHowTheyEnded) {
     EXPECT_EQ(ok.at("scene"), "dark");
     EXPECT_EQ(ok.at("scene_hash"), "fedcba9876543210");
     EXPECT_EQ(ok.at("backend"), "cpu");
-    EXPECT_EQ(ok.at("variant"), "wavefront.none.none.off.off.aos.features");
+    EXPECT_EQ(ok.at("variant"), "wavefront.none.none.material.off.off.aos.features.stream.exact.float");
     EXPECT_EQ(ok.at("axes"), Json::parse(R"({"integrator": "wavefront", "compaction": "none", "sorting": "none",
-        "first_bounce": "off", "direct_light": "off", "layout": "aos", "specialisation": "features"})"));
+        "sort_key": "material", "first_bounce": "off", "direct_light": "off", "layout": "aos",
+        "specialisation": "features", "launch": "stream", "arithmetic": "exact", "precision": "float"})"));
     EXPECT_EQ(ok.at("resolution"), Json({20, 10}));
     EXPECT_EQ(ok.at("depth"), 4);
     EXPECT_EQ(ok.at("spp"), 2);
@@ -184,6 +196,24 @@ TEST_F(ResultFileTest, CellsSayWhatTheyAreAndHowTheyEnded) {
     }
 }
 
+// With the value that each had, asked for or not.
+TEST_F(ResultFileTest, CellsSayHowTheyWereTuned) {
+    const Json& cells = result.at("ptbench").at("cells");
+    EXPECT_EQ(cells[0].at("tunables"), Json::object());
+    EXPECT_EQ(cells[2].at("tunables"), Json({{"jitters", 4}}));
+    EXPECT_EQ(cells[2].at("claim"), "biased");
+    EXPECT_EQ(cells[2].at("variant"),
+              "wavefront.none.none.material.cached_jitters.off.aos.features.stream.exact.float+jitters=4");
+    EXPECT_EQ(cells[3].at("tunables"), Json({{"jitters", 16}}));
+    EXPECT_EQ(cells[3].at("variant"),
+              "wavefront.none.none.material.cached_jitters.off.aos.features.stream.exact.float");
+}
+
+// What an axis is at where nothing was asked for: readers need no registry.
+TEST_F(ResultFileTest, HasTheBaselineOfEveryAxis) {
+    EXPECT_EQ(result.at("ptbench").at("baselines"), result.at("ptbench").at("cells")[0].at("axes"));
+}
+
 TEST_F(ResultFileTest, StudiesAndWhatDoesNotApply) {
     EXPECT_EQ(result.at("ptbench").at("studies"),
               Json::parse(R"([{"name": "a", "title": "Title", "figure": "compaction"}])"));
@@ -191,7 +221,7 @@ TEST_F(ResultFileTest, StudiesAndWhatDoesNotApply) {
     ASSERT_EQ(entries.size(), 1u);
     EXPECT_EQ(entries[0].at("study"), "a");
     EXPECT_EQ(entries[0].at("scene"), "dark");
-    EXPECT_EQ(entries[0].at("variant"), "wavefront.none.none.cached.off.aos.features");
+    EXPECT_EQ(entries[0].at("variant"), "wavefront.none.none.material.cached.off.aos.features.stream.exact.float");
     EXPECT_EQ(entries[0].at("axes").at("first_bounce"), "cached");
     EXPECT_EQ(entries[0].at("reason"), "first_bounce=cached needs jitter off");
 }

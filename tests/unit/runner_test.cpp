@@ -159,7 +159,9 @@ TEST_F(RunnerTest, ACompletedRunHasEveryRow) {
         EXPECT_EQ(cell.at("status"), "ok");
         const bool is_lit = cell.at("axes").at("direct_light") == "final_bounce";
         EXPECT_EQ(cell.at("claim"), is_lit ? "statistical" : "bitwise");
-        EXPECT_EQ(cell.at("claim_check").get<std::string>().find("film bits equal to depth_first.none.none.off."), 0u);
+        EXPECT_EQ(
+            cell.at("claim_check").get<std::string>().find("film bits equal to depth_first.none.none.material.off."),
+            0u);
         EXPECT_EQ(cell.at("film_hash").get<std::string>().size(), 16u);
         if (!is_lit) {
             plain_hashes.insert(cell.at("film_hash"));
@@ -173,6 +175,14 @@ TEST_F(RunnerTest, ACompletedRunHasEveryRow) {
         EXPECT_EQ(pass.at("spp"), 2);
         EXPECT_EQ(pass.at("live_paths")[0], 8 * 6 * 2);
         EXPECT_GE(pass.at("live_paths").size(), 3u);
+        EXPECT_EQ(cell.at("tunables"), Json::object());
+        const Json& counters = cell.at("counters");
+        EXPECT_EQ(counters.at("compactions") == 0, cell.at("axes").at("compaction") == "none");
+        EXPECT_EQ(counters.at("cache_fills"), 0);
+        for (const char* on_cuda : {"launches", "graph_nodes", "host_waits"}) {
+            EXPECT_EQ(counters.at(on_cuda), 0);
+        }
+        EXPECT_FALSE(cell.contains("cuda"));
         EXPECT_FALSE(pass.at("stage_ms").empty());
 
         const std::vector<Json> rows = sample_rows(file)[name];
@@ -210,6 +220,55 @@ TEST_F(RunnerTest, TheSeedAndTheRepetitionsCanBeChosen) {
     EXPECT_EQ(rows[1].at("pt_seed"), 101);
 }
 
+TEST_F(RunnerTest, EveryValueOfATunableIsACellOfItsOwn) {
+    Suite tuned = suite({{"first_bounce", {"off", "cached_jitters"}}});
+    tuned.studies[0].tunables = {{"jitters", {1, 16}}};
+    EXPECT_EQ(run(tuned, options()), exit_good);
+    const Json file = result();
+    ASSERT_EQ(file.at("ptbench").at("cells").size(), 3u);
+    ASSERT_EQ(file.at("ptbench").at("not_applicable").size(), 1u);
+    EXPECT_EQ(file.at("ptbench").at("not_applicable")[0].at("reason"), "jitters=1 tunes none of the variant's choices");
+    std::map<std::string, Json> cells;
+    for (const Json& cell : file.at("ptbench").at("cells")) {
+        EXPECT_EQ(cell.at("status"), "ok") << cell.at("reason");
+        cells[cell.at("axes").at("first_bounce").get<std::string>() + cell.at("tunables").dump()] = cell;
+        EXPECT_EQ(sample_rows(file)[cell.at("cell")].size(), static_cast<std::size_t>(repetitions));
+    }
+    const Json& off = cells.at("off{}");
+    const Json& one = cells.at("cached_jitters{\"jitters\":1}");
+    const Json& many = cells.at("cached_jitters{\"jitters\":16}");
+    EXPECT_EQ(off.at("claim"), "bitwise");
+    EXPECT_EQ(one.at("claim"), "biased");
+    EXPECT_EQ(one.at("claim_check"),
+              "film bits equal to "
+              "depth_first.none.none.material.cached_jitters.off.aos.generic.stream.exact.float+jitters=1");
+    // Two samples: 16 rays are the rays of no cache, one ray is another image.
+    EXPECT_EQ(many.at("film_hash"), off.at("film_hash"));
+    EXPECT_NE(one.at("film_hash"), off.at("film_hash"));
+    EXPECT_EQ(one.at("counters").at("cache_fills"), 8 * 6);
+    EXPECT_EQ(one.at("counters").at("cache_hits"), 8 * 6);
+    EXPECT_EQ(many.at("counters").at("cache_fills"), 8 * 6 * 2);
+    EXPECT_EQ(many.at("counters").at("cache_hits"), 0);
+}
+
+TEST_F(RunnerTest, SeveralResolutionsAreSoManyCells) {
+    Suite sized = suite({});
+    sized.studies[0].width = sized.studies[0].height = 5;
+    sized.studies[0].more_sizes = {{7, 4}, {60, 3}};
+    EXPECT_EQ(run(sized, options()), exit_good);
+    std::set<std::string> resolutions;
+    const Json file = result();
+    for (const Json& cell : file.at("ptbench").at("cells")) {
+        EXPECT_EQ(cell.at("status"), "ok") << cell.at("reason");
+        resolutions.insert(cell.at("resolution").dump());
+        const std::uint64_t pixels =
+            cell.at("resolution")[0].get<std::uint64_t>() * cell.at("resolution")[1].get<std::uint64_t>();
+        EXPECT_EQ(cell.at("instrumented").at("paths"), pixels * 2);
+    }
+    EXPECT_EQ(resolutions, (std::set<std::string>{"[5,5]", "[7,4]", "[60,3]"}));
+    EXPECT_EQ(sample_rows(file).size(), 3u);
+}
+
 TEST_F(RunnerTest, RandomInterleavingMixesTheCells) {
     RunOptions how = options();
     how.repetitions = 20;
@@ -237,7 +296,8 @@ TEST_F(RunnerTest, AChoiceThatFailsItsClaimLeavesTheOthersAlone) {
     EXPECT_EQ(found["none"], "ok");
     EXPECT_EQ(found["thrust_remove_if"], "ok");
     EXPECT_EQ(found["test_hooked"].find(
-                  "failed: film differs from depth_first.none.none.off.off.aos.generic: first at pixel "),
+                  "failed: film differs from depth_first.none.none.material.off.off.aos.generic.stream.exact.float: "
+                  "first at pixel "),
               0u)
         << found["test_hooked"];
     EXPECT_EQ(sample_rows(file).size(), 2u);
@@ -272,11 +332,11 @@ TEST_F(RunnerTest, AChoiceThatFailsLateFailsAloneAndForGood) {
         EXPECT_EQ(rows.size(),
                   name.find("test_hooked") != std::string::npos ? 1u : static_cast<std::size_t>(repetitions));
     }
-    EXPECT_NE(
-        progress.find(
-            "failed: wavefront.test_hooked.none.off.off.aos.features/scene:tiny/backend:cpu/resolution:8x6/depth:3/"
-            "spp:2: out of luck\n"),
-        std::string::npos);
+    EXPECT_NE(progress.find("failed: "
+                            "wavefront.test_hooked.none.material.off.off.aos.features.stream.exact.float/scene:tiny/"
+                            "backend:cpu/resolution:8x6/depth:3/"
+                            "spp:2: out of luck\n"),
+              std::string::npos);
 }
 
 TEST_F(RunnerTest, AChoiceThatThrowsWhileItIsVerifiedFailsAlone) {
@@ -486,8 +546,10 @@ TEST_F(RunnerTest, RunsWithoutACellAreRefused) {
 TEST_F(RunnerTest, DescribesAPlan) {
     const Plan plan = make_plan(suite({{"first_bounce", {"off", "cached"}}}));
     EXPECT_EQ(describe_plan(plan, 5),
-              "wavefront.none.none.off.off.aos.features/scene:tiny/backend:cpu/resolution:8x6/depth:3/spp:2\n"
-              "n/a: wavefront.none.none.cached.off.aos.features on tiny: first_bounce=cached needs jitter off "
+              "wavefront.none.none.material.off.off.aos.features.stream.exact.float/scene:tiny/backend:cpu/"
+              "resolution:8x6/depth:3/spp:2\n"
+              "n/a: wavefront.none.none.material.cached.off.aos.features.stream.exact.float on tiny: "
+              "first_bounce=cached needs jitter off "
               "(camera.jitter is "
               "true in the scene)\n"
               "1 cells, 5 samples, 1 not applicable\n");

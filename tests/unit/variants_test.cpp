@@ -10,6 +10,7 @@
 
 #include "harness/bench/suite.h"
 #include "harness/render/renderer.h"
+#include "tests/support/backends.h"
 #include "tests/support/render.h"
 #include "tests/support/scenes.h"
 
@@ -18,12 +19,8 @@ namespace {
 
 const Registry& registry() { return Registry::instance(); }
 
-const Descriptor& descriptor(const std::string& axis, const std::string& choice) {
-    return registry().find(axis, choice)->descriptor;
-}
-
-Variant baseline_with(const std::vector<std::pair<std::string, std::string>>& choices) {
-    Variant variant = registry().baseline();
+Variant baseline_with(const std::vector<std::pair<std::string, std::string>>& choices, Backend backend = Backend::cpu) {
+    Variant variant = registry().baseline(backend);
     for (const auto& [axis, choice] : choices) {
         variant.set(axis, choice);
     }
@@ -84,32 +81,74 @@ RenderResult render_variant(const Scene& scene, const Variant& variant) {
 
 // ---- The registry ----
 
-TEST(RegistryTest, HasEveryAxisAndChoice) {
-    const std::vector<std::pair<std::string, std::vector<std::string>>> expected{
-        {"integrator", {"wavefront", "depth_first"}},
-        {"compaction",
-         {"none", "thrust_copy_if_index", "thrust_partition", "thrust_remove_if", "thrust_stable_partition"}},
-        {"sorting", {"none", "bucket", "thrust_sort_by_key"}},
-        {"first_bounce", {"off", "cached"}},
-        {"direct_light", {"off", "final_bounce"}},
-        {"layout", {"aos", "soa"}},
-        {"specialisation", {"features", "generic"}},
-    };
+using AxisTable = std::vector<std::pair<std::string, std::vector<std::string>>>;
+
+// The baseline first, then by name.
+void expect_choices(const AxisTable& expected, Backend backend) {
     ASSERT_EQ(std::size(axis_names), expected.size());
-    const AxisChoices all = all_choices();
+    const AxisChoices all = all_choices(backend);
     for (std::size_t i = 0; i < expected.size(); ++i) {
         EXPECT_EQ(axis_names[i], expected[i].first);
-        EXPECT_EQ(all.at(expected[i].first), expected[i].second);  // the baseline first, then by name
+        EXPECT_EQ(all.at(expected[i].first), expected[i].second);
     }
 }
 
-TEST(RegistryTest, EveryAxisHasOneBaseline) {
-    for (const std::string_view axis : axis_names) {
-        const std::vector<const Choice*> choices = registry().choices(axis);
-        EXPECT_EQ(std::count_if(choices.begin(), choices.end(), [](const Choice* c) { return c->descriptor.baseline; }),
-                  1)
-            << axis;
-        EXPECT_TRUE(choices.front()->descriptor.baseline) << axis;
+TEST(RegistryTest, HasEveryAxisAndChoice) {
+    expect_choices(
+        {
+            {"integrator", {"wavefront", "depth_first"}},
+            {"compaction",
+             {"none", "thrust_copy_if_index", "thrust_partition", "thrust_remove_if", "thrust_stable_partition"}},
+            {"sorting", {"none", "bucket", "thrust_sort_by_key"}},
+            {"sort_key", {"material"}},
+            {"first_bounce", {"off", "cached", "cached_jitters"}},
+            {"direct_light", {"off", "final_bounce"}},
+            {"layout", {"aos", "soa"}},
+            {"specialisation", {"features", "generic"}},
+            {"launch", {"stream"}},
+            {"arithmetic", {"exact"}},
+            {"precision", {"float"}},
+        },
+        Backend::cpu);
+}
+
+TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
+    if (!test::cuda_is_built()) {
+        GTEST_SKIP() << "built without a CUDA toolkit";
+    }
+    expect_choices(
+        {
+            {"integrator", {"wavefront", "megakernel", "megakernel_regen", "persistent", "wavefront_fused"}},
+            {"compaction",
+             {"none", "atomic_append", "block_scan_append", "cub_partition", "cub_select_flagged", "cub_select_if",
+              "cub_three_way", "gap_fill", "thrust_copy_if_index", "thrust_partition", "thrust_remove_if",
+              "thrust_stable_partition"}},
+            {"sorting", {"none", "bucket", "cub_radix", "cub_radix_full", "per_material_queue", "thrust_sort_by_key"}},
+            {"sort_key", {"material", "material_hit", "ray"}},
+            {"first_bounce", {"off", "cached", "cached_jitters"}},
+            {"direct_light", {"off", "final_bounce"}},
+            {"layout", {"aos", "packed", "soa"}},
+            {"specialisation", {"features", "generic"}},
+            {"launch", {"stream", "graph"}},
+            {"arithmetic", {"precise", "exact", "fast"}},
+            {"precision", {"float", "double"}},
+        },
+        Backend::cuda);
+}
+
+TEST(RegistryTest, EveryAxisHasOneBaselineABackend) {
+    for (const Backend backend : test::built_backends()) {
+        for (const std::string_view axis : axis_names) {
+            SCOPED_TRACE(std::string(axis) + " on " + std::string(to_string(backend)));
+            const std::vector<const Choice*> choices = registry().choices(axis, backend);
+            EXPECT_EQ(std::count_if(choices.begin(), choices.end(),
+                                    [=](const Choice* c) { return contains(c->descriptor.baseline, backend); }),
+                      1);
+            EXPECT_TRUE(contains(choices.front()->descriptor.baseline, backend));
+            EXPECT_LE(std::count_if(choices.begin(), choices.end(),
+                                    [=](const Choice* c) { return contains(c->descriptor.reference, backend); }),
+                      1);
+        }
     }
 }
 
@@ -120,34 +159,59 @@ bool is_plain(std::string_view name) {
 }
 
 TEST(RegistryTest, EveryChoiceDescribesItself) {
-    for (const std::string_view axis : axis_names) {
-        for (const Choice* choice : registry().choices(axis)) {
-            const Descriptor& d = choice->descriptor;
-            SCOPED_TRACE(std::string(axis) + "=" + std::string(d.name));
-            EXPECT_EQ(d.axis, axis);
-            EXPECT_TRUE(is_plain(d.name));  // it becomes part of a dotted name
-            EXPECT_FALSE(d.summary.empty());
-            EXPECT_FALSE(d.origin.empty());
-            EXPECT_EQ(d.summary.find('\n'), std::string_view::npos);
-            EXPECT_NE(d.backends & static_cast<std::uint32_t>(Backend::cpu), 0u);
-            if (d.claim != Claim::bitwise) {
-                EXPECT_FALSE(d.claim_note.empty());
-            }
-            if (d.claim == Claim::statistical) {
-                EXPECT_NE(registry().find(axis, d.mean_of), nullptr);
+    for (const Backend backend : all_backends) {
+        for (const std::string_view axis : axis_names) {
+            for (const Choice* choice : registry().choices(axis, backend)) {
+                const Descriptor& d = choice->descriptor;
+                SCOPED_TRACE(std::string(axis) + "=" + std::string(d.name) + " on " + std::string(to_string(backend)));
+                EXPECT_EQ(d.axis, axis);
+                EXPECT_TRUE(is_plain(d.name));  // it becomes part of a dotted name
+                EXPECT_FALSE(d.summary.empty());
+                EXPECT_FALSE(d.origin.empty());
+                EXPECT_EQ(d.summary.find('\n'), std::string_view::npos);
+                EXPECT_TRUE(contains(d.backends, backend));
+                EXPECT_EQ(d.baseline & ~d.backends, 0u);
+                EXPECT_EQ(d.reference & ~d.backends, 0u);
+                if (d.claim != Claim::bitwise) {
+                    EXPECT_FALSE(d.claim_note.empty());
+                }
+                if (d.claim == Claim::statistical) {
+                    ASSERT_NE(registry().find(axis, d.mean_of, backend), nullptr);
+                    EXPECT_FALSE(registry().find(axis, d.mean_of, backend)->descriptor.rounds_freely);
+                }
+                std::set<std::string_view> tunables;
+                for (const Tunable& t : d.tunables) {
+                    EXPECT_TRUE(is_plain(t.name));
+                    EXPECT_TRUE(tunables.insert(t.name).second) << t.name;
+                    EXPECT_FALSE(t.summary.empty()) << t.name;
+                    EXPECT_TRUE(t.allows(t.standard)) << t.name;
+                    EXPECT_LT(t.lowest, t.highest) << t.name;
+                }
             }
         }
     }
 }
 
-TEST(RegistryTest, OnlyTheFinalBounceClaimsLessThanBits) {
-    for (const std::string_view axis : axis_names) {
-        for (const Choice* choice : registry().choices(axis)) {
-            const bool is_final_bounce = choice->descriptor.name == "final_bounce";
-            EXPECT_EQ(choice->descriptor.claim, is_final_bounce ? Claim::statistical : Claim::bitwise)
-                << choice->descriptor.name;
+TEST(RegistryTest, WhatClaimsLessThanBits) {
+    const std::map<std::string, Claim> expected{{"direct_light=final_bounce", Claim::statistical},
+                                                {"first_bounce=cached_jitters", Claim::biased},
+                                                {"arithmetic=precise", Claim::statistical},
+                                                {"arithmetic=fast", Claim::statistical},
+                                                {"precision=double", Claim::statistical}};
+    std::set<std::string> seen;
+    for (const Backend backend : all_backends) {
+        for (const std::string_view axis : axis_names) {
+            for (const Choice* choice : registry().choices(axis, backend)) {
+                const std::string label = std::string(axis) + "=" + std::string(choice->descriptor.name);
+                const auto known = expected.find(label);
+                EXPECT_EQ(choice->descriptor.claim, known != expected.end() ? known->second : Claim::bitwise) << label;
+                if (known != expected.end()) {
+                    seen.insert(label);
+                }
+            }
         }
     }
+    EXPECT_EQ(seen.size(), expected.size());
 }
 
 TEST(RegistryTest, RefusesUnknownAxesAndSecondChoicesOfOneName) {
@@ -167,9 +231,68 @@ TEST(RegistryTest, RefusesUnknownAxesAndSecondChoicesOfOneName) {
     } catch (const std::logic_error& error) {
         EXPECT_STREQ(error.what(), "a statistical claim needs mean_of: sorting=vague");
     }
+    try {
+        own.add({.axis = "sorting", .name = "rough", .summary = "", .origin = "", .rounds_freely = true}, {});
+        FAIL() << "no exception";
+    } catch (const std::logic_error& error) {
+        EXPECT_STREQ(error.what(), "what rounds freely can claim its mean only: sorting=rough");
+    }
+    static constexpr Tunable out_of_range[] = {{"size", 3, 1, 8, 2}};
+    try {
+        own.add({.axis = "sorting", .name = "odd", .summary = "", .origin = "", .tunables = out_of_range}, {});
+        FAIL() << "no exception";
+    } catch (const std::logic_error& error) {
+        EXPECT_STREQ(error.what(), "the standard of size is not allowed: sorting=odd");
+    }
     EXPECT_EQ(own.find("sorting", "bucket"), nullptr);
     EXPECT_EQ(own.find("colour", "red"), nullptr);
     EXPECT_TRUE(own.choices("layout").empty());
+}
+
+TEST(RegistryTest, ABackendHasItsOwnChoices) {
+    Registry own;
+    own.add({.axis = "sorting", .name = "quick", .summary = "host", .origin = ""}, {});
+    EXPECT_EQ(own.find("sorting", "quick", Backend::cuda), nullptr);
+    EXPECT_TRUE(own.choices("sorting", Backend::cuda).empty());
+    // Another choice of the name on the other backend, and one that is on both.
+    own.add({.axis = "sorting", .name = "quick", .summary = "device", .origin = "", .backends = on_cuda}, {});
+    EXPECT_EQ(own.find("sorting", "quick")->descriptor.summary, "host");
+    EXPECT_EQ(own.find("sorting", "quick", Backend::cuda)->descriptor.summary, "device");
+    own.add({.axis = "sorting",
+             .name = "a_last",
+             .summary = "",
+             .origin = "",
+             .baseline = on_cuda,
+             .backends = on_every_backend},
+            {});
+    const auto names = [&](Backend backend) {
+        std::vector<std::string> found;
+        for (const Choice* choice : own.choices("sorting", backend)) {
+            found.emplace_back(choice->descriptor.name);
+        }
+        return found;
+    };
+    own.add({.axis = "sorting",
+             .name = "zero",
+             .summary = "",
+             .origin = "",
+             .baseline = on_cpu,
+             .backends = on_every_backend},
+            {});
+    // Each backend's own baseline first.
+    EXPECT_EQ(names(Backend::cpu), (std::vector<std::string>{"zero", "a_last", "quick"}));
+    EXPECT_EQ(names(Backend::cuda), (std::vector<std::string>{"a_last", "quick", "zero"}));
+    EXPECT_THROW(
+        own.add({.axis = "sorting", .name = "quick", .summary = "", .origin = "", .backends = on_every_backend}, {}),
+        std::logic_error);
+    Variant variant;
+    variant.set("sorting", "bogo");
+    try {
+        own.at("sorting", variant, Backend::cuda);
+        FAIL() << "no exception";
+    } catch (const std::logic_error& error) {
+        EXPECT_STREQ(error.what(), "no choice sorting=bogo on cuda");
+    }
 }
 
 TEST(RegistryTest, EveryIntegratorIsCompiledForTheSameFeatureSets) {
@@ -183,29 +306,119 @@ TEST(RegistryTest, EveryIntegratorIsCompiledForTheSameFeatureSets) {
 }
 
 TEST(VariantTest, NameJoinsTheChoicesByDots) {
-    EXPECT_EQ(registry().baseline().name(), "wavefront.none.none.off.off.aos.features");
+    EXPECT_EQ(registry().baseline().name(), "wavefront.none.none.material.off.off.aos.features.stream.exact.float");
     EXPECT_EQ(baseline_with({{"compaction", "thrust_remove_if"}, {"layout", "soa"}, {"first_bounce", "cached"}}).name(),
-              "wavefront.thrust_remove_if.none.cached.off.soa.features");
+              "wavefront.thrust_remove_if.none.material.cached.off.soa.features.stream.exact.float");
     EXPECT_THROW(Variant::index("colour"), std::out_of_range);
-    EXPECT_EQ(Variant::index("specialisation"), 6u);
+    EXPECT_EQ(Variant::index("specialisation"), 7u);
+    EXPECT_EQ(Variant::index("precision"), 10u);
+    if (test::cuda_is_built()) {
+        EXPECT_EQ(registry().baseline(Backend::cuda).name(),
+                  "wavefront.none.none.material.off.off.aos.features.stream.precise.float");
+    }
+}
+
+TEST(VariantTest, NameEndsWithTheTunablesByName) {
+    Variant variant = baseline_with({{"first_bounce", "cached_jitters"}});
+    const std::string choices = "wavefront.none.none.material.cached_jitters.off.aos.features.stream.exact.float";
+    EXPECT_EQ(variant.name(), choices);
+    variant.tuning["jitters"] = 4;
+    EXPECT_EQ(variant.name(), choices + "+jitters=4");
+    variant.tuning["block"] = 256;
+    EXPECT_EQ(variant.name(), choices + "+block=256+jitters=4");
+}
+
+TEST(VariantTest, VariantsAreOrderedByTheirChoicesThenByTheirTunables) {
+    Variant plain = registry().baseline();
+    Variant tuned = plain;
+    tuned.tuning["jitters"] = 4;
+    Variant tuned_higher = plain;
+    tuned_higher.tuning["jitters"] = 5;
+    const Variant other = baseline_with({{"precision", "half"}});
+    const std::vector<Variant> ascending{plain, tuned, tuned_higher, other};
+    for (std::size_t a = 0; a < ascending.size(); ++a) {
+        for (std::size_t b = 0; b < ascending.size(); ++b) {
+            EXPECT_EQ(ascending[a] < ascending[b], a < b);
+            EXPECT_EQ(ascending[a] == ascending[b], a == b);
+        }
+    }
 }
 
 TEST(VariantTest, ReferenceIsThePlainestVariantOfTheSameExpectation) {
     for (const Variant& variant : expand(all_choices())) {
         const Variant reference = registry().reference(variant);
-        EXPECT_EQ(reference.name(), "depth_first.none.none.off." + variant["direct_light"] + ".aos.generic");
+        const std::string first_bounce = variant["first_bounce"] == "cached_jitters" ? "cached_jitters" : "off";
+        EXPECT_EQ(reference.name(), "depth_first.none.none.material." + first_bounce + "." + variant["direct_light"] +
+                                        ".aos.generic.stream.exact.float");
         EXPECT_EQ(registry().reference(reference), reference);
         EXPECT_EQ(why_not_applicable(reference, all_features), "");
     }
 }
 
+TEST(VariantTest, ReferenceOnCudaIsThePlainestVariantOfTheSameExpectation) {
+    if (!test::cuda_is_built()) {
+        GTEST_SKIP() << "built without a CUDA toolkit";
+    }
+    const std::vector<Variant> variants = covering_variants(all_choices(Backend::cuda), all_features, Backend::cuda);
+    ASSERT_FALSE(variants.empty());
+    for (const Variant& variant : variants) {
+        const Variant reference = registry().reference(variant, Backend::cuda);
+        const std::string first_bounce = variant["first_bounce"] == "cached_jitters" ? "cached_jitters" : "off";
+        // A variant that rounds freely keeps its arithmetic: it is its twin that is held to bits.
+        EXPECT_EQ(reference.name(), "megakernel.none.none.material." + first_bounce + "." + variant["direct_light"] +
+                                        ".aos.generic.stream." + variant["arithmetic"] + "." + variant["precision"]);
+        EXPECT_EQ(registry().reference(reference, Backend::cuda), reference);
+        EXPECT_EQ(why_not_applicable(reference, all_features, Backend::cuda), "") << reference.name();
+    }
+}
+
 TEST(VariantTest, ClaimIsTheWeakestOfItsChoices) {
     for (const Variant& variant : expand(all_choices())) {
-        EXPECT_EQ(claim_of(variant), variant["direct_light"] == "off" ? Claim::bitwise : Claim::statistical);
+        EXPECT_EQ(claim_of(variant), variant["first_bounce"] == "cached_jitters" ? Claim::biased
+                                     : variant["direct_light"] == "off"          ? Claim::bitwise
+                                                                                 : Claim::statistical);
     }
     EXPECT_EQ(to_string(Claim::bitwise), "bitwise");
     EXPECT_EQ(to_string(Claim::statistical), "statistical");
     EXPECT_EQ(to_string(Claim::biased), "biased");
+}
+
+TEST(VariantTest, NothingRoundsFreelyOnTheCpu) {
+    for (const Variant& variant : expand(all_choices())) {
+        EXPECT_FALSE(rounds_freely(variant, Backend::cpu));
+        EXPECT_EQ(exact_twin(variant, Backend::cpu), variant);
+    }
+}
+
+TEST(VariantTest, WhatRoundsFreelyOnCudaHasATwinInExactArithmetic) {
+    if (!test::cuda_is_built()) {
+        GTEST_SKIP() << "built without a CUDA toolkit";
+    }
+    const struct {
+        const char *arithmetic, *precision;
+        bool rounds_freely;
+        Claim claim;
+    } cases[] = {{"exact", "float", false, Claim::bitwise},       {"precise", "float", true, Claim::statistical},
+                 {"fast", "float", true, Claim::statistical},     {"exact", "double", false, Claim::statistical},
+                 {"precise", "double", true, Claim::statistical}, {"fast", "double", true, Claim::statistical}};
+    for (const auto& c : cases) {
+        for (const char* integrator : {"wavefront", "persistent"}) {
+            Variant variant = baseline_with(
+                {{"integrator", integrator}, {"arithmetic", c.arithmetic}, {"precision", c.precision}}, Backend::cuda);
+            variant.tuning["block"] = 256;
+            SCOPED_TRACE(variant.name());
+            EXPECT_EQ(rounds_freely(variant, Backend::cuda), c.rounds_freely);
+            EXPECT_EQ(claim_of(variant, Backend::cuda), c.claim);
+            // The twin differs in the arithmetic alone: its choices and tunables stay.
+            Variant expected = variant;
+            expected.set("arithmetic", "exact");
+            const Variant twin = exact_twin(variant, Backend::cuda);
+            EXPECT_EQ(twin, expected);
+            EXPECT_FALSE(rounds_freely(twin, Backend::cuda));
+            EXPECT_EQ(exact_twin(twin, Backend::cuda), twin);
+            EXPECT_EQ(registry().reference(twin, Backend::cuda)["arithmetic"], "exact");
+        }
+    }
 }
 
 TEST(VariantTest, FeatureNamesAreInTheOrderOfTheirBits) {
@@ -239,6 +452,21 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApply) {
         {{{"first_bounce", "cached"}},
          plain_features | Feature::motion,
          "first_bounce=cached needs still objects (the scene has moving ones and an open shutter)"},
+        {{{"first_bounce", "cached_jitters"}}, plain_features | Feature::jitter, ""},
+        {{{"first_bounce", "cached_jitters"}}, plain_features | Feature::lens, ""},
+        {{{"first_bounce", "cached_jitters"}}, plain_features | Feature::motion, ""},
+        {{{"first_bounce", "cached_jitters"}},
+         plain_features,
+         "first_bounce=cached_jitters needs jitter, a lens or motion; without them first_bounce=cached is it"},
+        {{{"launch", "graph"}}, plain_features, "launch=graph is not there on the backend cpu"},
+        {{{"sort_key", "ray"}}, plain_features, "sort_key=ray is not there on the backend cpu"},
+        {{{"precision", "double"}}, plain_features, "precision=double is not there on the backend cpu"},
+        {{{"arithmetic", "fast"}}, plain_features, "arithmetic=fast is not there on the backend cpu"},
+        {{{"integrator", "megakernel"}}, plain_features, "integrator=megakernel is not there on the backend cpu"},
+        // What is not there comes before what does not go together.
+        {{{"integrator", "depth_first"}, {"sorting", "bucket"}, {"launch", "graph"}},
+         plain_features,
+         "launch=graph is not there on the backend cpu"},
         {{{"integrator", "depth_first"}}, all_features, ""},
         {{{"integrator", "depth_first"}, {"compaction", "thrust_remove_if"}},
          plain_features,
@@ -265,13 +493,68 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApply) {
     }
 }
 
+TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApplyOnCuda) {
+    if (!test::cuda_is_built()) {
+        GTEST_SKIP() << "built without a CUDA toolkit";
+    }
+    const auto needs_sort = [](const std::string& key) {
+        return "sort_key=" + key + " needs a sort, not sorting=none";
+    };
+    const struct {
+        std::vector<std::pair<std::string, std::string>> choices;
+        std::string reason;
+    } cases[] = {
+        {{}, ""},
+        {{{"integrator", "depth_first"}}, "integrator=depth_first is not there on the backend cuda"},
+        {{{"integrator", "megakernel"}, {"compaction", "gap_fill"}},
+         "integrator=megakernel has no queue to compact: needs compaction=none, not gap_fill"},
+        {{{"integrator", "megakernel_regen"}, {"sorting", "bucket"}},
+         "integrator=megakernel_regen has no queue to sort: needs sorting=none, not bucket"},
+        {{{"integrator", "persistent"}, {"layout", "packed"}},
+         "integrator=persistent keeps one path in registers, no array of paths: needs layout=aos, not packed"},
+        {{{"integrator", "megakernel"}, {"launch", "graph"}},
+         "integrator=megakernel is one kernel, nothing to capture: needs launch=stream, not graph"},
+        {{{"integrator", "wavefront_fused"}, {"sorting", "bucket"}},
+         "integrator=wavefront_fused intersects and shades in one kernel, there is no point at which to sort: needs "
+         "sorting=none, not bucket"},
+        {{{"sort_key", "ray"}}, needs_sort("ray")},
+        {{{"sort_key", "material_hit"}}, needs_sort("material_hit")},
+        {{{"sort_key", "ray"}, {"sorting", "cub_radix"}}, ""},
+        {{{"sort_key", "ray"}, {"sorting", "bucket"}},
+         "sorting=bucket has a bucket a material: needs sort_key=material, not ray"},
+        {{{"sort_key", "material_hit"}, {"sorting", "per_material_queue"}},
+         "sorting=per_material_queue has a queue a material: needs sort_key=material, not material_hit"},
+        {{{"launch", "graph"}}, ""},
+        {{{"launch", "graph"}, {"compaction", "cub_select_if"}, {"sorting", "cub_radix"}}, ""},
+        {{{"launch", "graph"}, {"compaction", "thrust_partition"}},
+         "launch=graph cannot hold compaction=thrust_partition, which waits for the device"},
+        {{{"launch", "graph"}, {"sorting", "thrust_sort_by_key"}},
+         "launch=graph cannot hold sorting=thrust_sort_by_key, which waits for the device"},
+        {{{"sorting", "thrust_sort_by_key"}, {"compaction", "gap_fill"}}, ""},
+        {{{"sorting", "thrust_sort_by_key"}, {"compaction", "cub_partition"}},
+         "sorting=thrust_sort_by_key moves a contiguous payload, which compaction=cub_partition does not keep"},
+        {{{"precision", "double"}, {"layout", "soa"}}, ""},
+        {{{"precision", "double"}, {"layout", "packed"}},
+         "layout=packed packs single-precision fields: needs precision=float"},
+    };
+    for (const auto& c : cases) {
+        const Variant variant = baseline_with(c.choices, Backend::cuda);
+        EXPECT_EQ(why_not_applicable(variant, plain_features, Backend::cuda), c.reason) << variant.name();
+    }
+    Variant reading_back = baseline_with({{"launch", "graph"}}, Backend::cuda);
+    reading_back.tuning["read_back"] = 1;
+    EXPECT_EQ(why_not_applicable(reading_back, plain_features, Backend::cuda),
+              "launch=graph cannot hold read_back=1, which waits for the device");
+}
+
 // ---- What a choice left undone ----
 
 struct WorkCase {
-    const char* axis;
-    const char* choice;
-    WorkCounters good;
+    std::string_view axis;
+    std::string_view choice;
+    WorkCounters good;                                      // in 2 samples
     std::vector<std::pair<WorkCounters, std::string>> bad;  // and what is said of it
+    BackendSet backends = on_cpu;
 };
 
 std::vector<WorkCase> work_cases() {
@@ -288,69 +571,124 @@ std::vector<WorkCase> work_cases() {
         work.*counter = value;
         return work;
     };
+    // On CUDA the host counts what it launched; an integrator without a queue has no bounces.
+    const WorkCounters launched = with(queued, &WorkCounters::launches, 30);
+    const WorkCounters one_kernel = with(idle, &WorkCounters::launches, 1);
+    const WorkCounters replayed = with(one_kernel, &WorkCounters::graph_nodes, 25);
     std::vector<WorkCase> cases{
         {"integrator",
          "wavefront",
          queued,
          {{with(queued, &WorkCounters::bounces, 1), "ran fewer bounces over the queue than samples"}}},
         {"integrator", "depth_first", idle, {{queued, "ran a queue"}}},
-        {"compaction", "none", queued, {{compacted, "a compaction ran"}}},
-        {"sorting", "none", queued, {{ordered, "a sort ran"}}},
-        {"direct_light", "off", idle, {{with(idle, &WorkCounters::connections, 1), "connected vertices to lights"}}},
+        {"compaction", "none", queued, {{compacted, "a compaction ran"}}, on_every_backend},
+        {"sorting", "none", queued, {{ordered, "a sort ran"}}, on_every_backend},
+        {"direct_light",
+         "off",
+         idle,
+         {{with(idle, &WorkCounters::connections, 1), "connected vertices to lights"}},
+         on_every_backend},
         {"first_bounce",
          "off",
          idle,
-         {{cached, "a cache was used"}, {with(idle, &WorkCounters::cache_hits, 1), "a cache was used"}}},
+         {{cached, "a cache was used"}, {with(idle, &WorkCounters::cache_hits, 1), "a cache was used"}},
+         on_every_backend},
         {"first_bounce",
          "cached",
          cached,
          {{idle, "0 cache fills for 200 paths"},
           {with(cached, &WorkCounters::cache_fills, 200), "200 cache fills for 200 paths"},
-          {with(cached, &WorkCounters::cache_hits, 99), "not every camera ray came from the cache"}}},
+          {with(cached, &WorkCounters::cache_hits, 99), "not every camera ray came from the cache"}},
+         on_every_backend},
+        {"first_bounce",
+         "cached_jitters",
+         cached,
+         {{idle, "0 cache fills for 200 paths"},
+          {with(cached, &WorkCounters::cache_fills, 99), "99 cache fills for 200 paths"},
+          {with(cached, &WorkCounters::cache_hits, 99), "not every camera ray came from the cache"},
+          {with(cached, &WorkCounters::cache_fills, 200), "not every camera ray came from the cache"}},
+         on_every_backend},
+        {"launch", "stream", one_kernel, {{replayed, "launched a graph"}}, on_every_backend},
+        {"launch", "graph", replayed, {{one_kernel, "launched no graph"}}, on_cuda},
     };
-    for (const char* name :
-         {"thrust_copy_if_index", "thrust_partition", "thrust_remove_if", "thrust_stable_partition"}) {
+    for (const char* name : {"wavefront", "wavefront_fused"}) {
         cases.push_back(
-            {"compaction",
-             name,
-             compacted,
-             {{queued, "0 compactions in 9 bounces, 2 of them last ones"},
-              {with(compacted, &WorkCounters::compactions, 9), "9 compactions in 9 bounces, 2 of them last ones"},
-              {with(compacted, &WorkCounters::compacted_away, 179),
-               "179 paths taken out and 20 ended in the last segment, of 200"}}});
+            {"integrator", name, launched, {{one_kernel, "ran no queue"}, {queued, "launched no kernel"}}, on_cuda});
     }
-    for (const char* name : {"bucket", "thrust_sort_by_key"}) {
-        cases.push_back({"sorting",
-                         name,
-                         ordered,
-                         {{queued, "did not sort in every bounce but the last"},
-                          {with(ordered, &WorkCounters::sorts, 6), "did not sort in every bounce but the last"}}});
+    for (const char* name : {"megakernel", "megakernel_regen", "persistent"}) {
+        cases.push_back(
+            {"integrator", name, one_kernel, {{launched, "ran a queue"}, {idle, "launched no kernel"}}, on_cuda});
+    }
+    for (const Backend backend : all_backends) {
+        for (const Choice* choice : registry().choices("compaction", backend)) {
+            if (choice->descriptor.name != "none") {
+                cases.push_back({"compaction",
+                                 choice->descriptor.name,
+                                 compacted,
+                                 {{queued, "0 compactions in 9 bounces, 2 of them last ones"},
+                                  {with(compacted, &WorkCounters::compactions, 9),
+                                   "9 compactions in 9 bounces, 2 of them last ones"},
+                                  {with(compacted, &WorkCounters::compacted_away, 179),
+                                   "179 paths taken out and 20 ended in the last segment, of 200"}},
+                                 static_cast<BackendSet>(backend)});
+            }
+        }
+        for (const Choice* choice : registry().choices("sorting", backend)) {
+            if (choice->descriptor.name != "none") {
+                cases.push_back(
+                    {"sorting",
+                     choice->descriptor.name,
+                     ordered,
+                     {{queued, "did not sort in every bounce but the last"},
+                      {with(ordered, &WorkCounters::sorts, 6), "did not sort in every bounce but the last"}},
+                     static_cast<BackendSet>(backend)});
+            }
+        }
     }
     return cases;
 }
 
 TEST(WorkTest, EveryChoiceNoticesWhatItLeftUndone) {
     for (const WorkCase& c : work_cases()) {
-        const Descriptor& d = descriptor(c.axis, c.choice);
-        SCOPED_TRACE(std::string(c.axis) + "=" + c.choice);
-        ASSERT_NE(d.work_missing, nullptr);
-        EXPECT_EQ(d.work_missing(c.good, 2), "");
-        for (const auto& [work, message] : c.bad) {
-            EXPECT_EQ(d.work_missing(work, 2), message);
+        for (const Backend backend : test::built_backends()) {
+            if (!contains(c.backends, backend)) {
+                continue;
+            }
+            SCOPED_TRACE(std::string(c.axis) + "=" + std::string(c.choice) + " on " + std::string(to_string(backend)));
+            const Choice* choice = registry().find(c.axis, c.choice, backend);
+            ASSERT_NE(choice, nullptr);
+            const Descriptor& d = choice->descriptor;
+            ASSERT_NE(d.work_missing, nullptr);
+            EXPECT_EQ(d.work_missing(c.good, 2), "");
+            for (const auto& [work, message] : c.bad) {
+                EXPECT_EQ(d.work_missing(work, 2), message);
+            }
         }
     }
 }
 
 TEST(WorkTest, EveryCheckIsTriedAbove) {
     const std::vector<WorkCase> cases = work_cases();
-    for (const std::string_view axis : axis_names) {
-        for (const Choice* choice : registry().choices(axis)) {
-            const bool tried = std::any_of(cases.begin(), cases.end(), [&](const WorkCase& c) {
-                return axis == c.axis && choice->descriptor.name == c.choice;
-            });
-            EXPECT_EQ(tried, choice->descriptor.work_missing != nullptr) << choice->descriptor.name;
+    for (const Backend backend : test::built_backends()) {
+        for (const std::string_view axis : axis_names) {
+            for (const Choice* choice : registry().choices(axis, backend)) {
+                const bool tried = std::any_of(cases.begin(), cases.end(), [&](const WorkCase& c) {
+                    return axis == c.axis && choice->descriptor.name == c.choice && contains(c.backends, backend);
+                });
+                EXPECT_EQ(tried, choice->descriptor.work_missing != nullptr)
+                    << choice->descriptor.name << " on " << to_string(backend);
+            }
         }
     }
+}
+
+// As many camera rays are kept as there are samples, or fewer: both are the cache's work.
+TEST(WorkTest, ACacheOfSeveralRaysMayBeFilledByEverySample) {
+    const Descriptor& d = registry().find("first_bounce", "cached_jitters")->descriptor;
+    EXPECT_EQ(d.work_missing({.paths = 200, .rays = 500, .cache_fills = 200, .cache_hits = 0}, 2), "");
+    EXPECT_EQ(d.work_missing({.paths = 700, .rays = 900, .cache_fills = 300, .cache_hits = 400}, 7), "");
+    EXPECT_EQ(d.work_missing({.paths = 700, .rays = 900, .cache_fills = 350, .cache_hits = 350}, 7),
+              "350 cache fills for 700 paths");
 }
 
 TEST(WorkTest, TheVariantNamesTheChoice) {
@@ -358,6 +696,11 @@ TEST(WorkTest, TheVariantNamesTheChoice) {
     EXPECT_EQ(work_missing(variant, {.paths = 4, .rays = 4, .bounces = 3}, 1),
               "compaction=thrust_partition: 0 compactions in 3 bounces, 0 of them last ones");
     EXPECT_EQ(work_missing(variant, {.paths = 4, .bounces = 3, .compactions = 3, .compacted_away = 4}, 1), "");
+    if (test::cuda_is_built()) {
+        EXPECT_EQ(work_missing(baseline_with({{"launch", "graph"}}, Backend::cuda),
+                               {.paths = 4, .bounces = 3, .launches = 9}, 1, Backend::cuda),
+                  "launch=graph: launched no graph");
+    }
 }
 
 // ---- Kernels ----
@@ -436,7 +779,8 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
     const FeatureSet features = features_of(scene);
     std::map<Variant, RenderResult> references;
     std::size_t rendered = 0;
-    for (const Variant& variant : expand(all_choices())) {
+    // A cache of camera rays also with fewer rays than samples, so that it is used.
+    for (const Variant& variant : expand(all_choices(), Backend::cpu, {{"jitters", {16, 2}}})) {
         if (!why_not_applicable(variant, features).empty()) {
             continue;
         }
@@ -455,11 +799,11 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
         ASSERT_EQ(result.film.faults().nonfinite + result.film.faults().negative, 0u) << variant.name();
         ++rendered;
     }
-    // 2 x 2 x 2 for depth_first and (5 x 3 - 1) x 2 x 2 x 2 x 2 for wavefront; half of them where the cache does not
-    // apply.
-    EXPECT_EQ(rendered, scene.camera.jitter ? 116u : 232u);
-    // The comparison means something only if there is light, and if the two expectations differ.
-    ASSERT_EQ(references.size(), 2u);
+    // 2 x 2 for depth_first and (5 x 3 - 1) x 2 x 2 x 2 for wavefront; each with the first bounce off, and cached, or,
+    // with jitter, with 16 and with 2 camera rays kept.
+    EXPECT_EQ(rendered, scene.camera.jitter ? 3u * 116u : 2u * 116u);
+    // The comparison means something only if there is light, and if the expectations differ.
+    ASSERT_EQ(references.size(), scene.camera.jitter ? 3u * 2u : 2u);
     const Vec3d plain = references.begin()->second.film.mean();
     EXPECT_GT(plain.x, 0.01);
     EXPECT_NE(references.begin()->second.film.sums(), references.rbegin()->second.film.sums());
@@ -563,44 +907,78 @@ TEST(CountersTest, AnInstrumentedRenderCountsTheLivePathsAndTheStages) {
 
 // ---- The cache ----
 
-TEST(FirstBounceCacheTest, HoldsTheHitsThatWouldBeComputed) {
-    const Scene scene = cornell_like(false).scene;
-    for (const std::string integrator : {"wavefront", "depth_first"}) {
-        SCOPED_TRACE(integrator);
-        const Variant variant = baseline_with({{"integrator", integrator}, {"first_bounce", "cached"}});
-        const RenderSettings settings = default_settings(scene);
-        const SceneBuffers<float> buffers(scene, settings);
-        Film film(settings.width, settings.height, radiance_bound(scene, settings.depth), 2);
-        PathQueue queue;
-        queue.paths = registry().at("layout", variant).hook.layout();
-        const auto compaction = registry().at("compaction", variant).hook.compaction();
-        const auto sorting = registry().at("sorting", variant).hook.sorting();
-        const auto cache = registry().at("first_bounce", variant).hook.first_bounce(settings.width * settings.height);
-        ASSERT_NE(cache, nullptr);
-        EXPECT_FALSE(cache->filled);
-        RenderJob job;
-        job.scene = buffers.view();
-        job.film = film.view();
-        job.samples = 2;
-        job.queue = &queue;
-        job.compaction = compaction.get();
-        job.sorting = sorting.get();
-        job.cache = cache.get();
-        choose_kernel(scene, variant).render(job);
+// Renders `samples` samples from `first_sample` on with a cache that the caller keeps.
+WorkCounters render_with_cache(const Scene& scene, const Variant& variant, FirstBounceCache<float>& cache,
+                               std::uint32_t first_sample, std::uint32_t samples) {
+    const RenderSettings settings = default_settings(scene);
+    const SceneBuffers<float> buffers(scene, settings);
+    Film film(settings.width, settings.height, radiance_bound(scene, settings.depth), samples);
+    PathQueue queue;
+    queue.paths = registry().at("layout", variant).hook.layout();
+    const auto compaction = registry().at("compaction", variant).hook.compaction();
+    const auto sorting = registry().at("sorting", variant).hook.sorting();
+    RenderJob job;
+    job.scene = buffers.view();
+    job.film = film.view();
+    job.first_sample = first_sample;
+    job.samples = samples;
+    job.queue = &queue;
+    job.compaction = compaction.get();
+    job.sorting = sorting.get();
+    job.cache = &cache;
+    choose_kernel(scene, variant).render(job);
+    return job.work;
+}
 
-        EXPECT_TRUE(cache->filled);
-        EXPECT_EQ(job.work.cache_fills, 24u * 18u);
-        EXPECT_EQ(job.work.cache_hits, 24u * 18u);
-        const test::Stages<float> stages(scene);
-        for (std::uint32_t pixel = 0; pixel < 24 * 18; ++pixel) {
-            for (const std::uint32_t sample : {0u, 1u, 77u}) {  // the camera ray is the same for all
-                const Hit<float> expected = stages.intersect(stages.generate(pixel, sample));
-                ASSERT_EQ(cache->hits[pixel].t, expected.t) << pixel;
-                ASSERT_EQ(cache->hits[pixel].side.code, expected.side.code) << pixel;
+TEST(FirstBounceCacheTest, HoldsTheHitsThatWouldBeComputed) {
+    constexpr std::uint32_t pixels = 24 * 18;
+    for (const std::uint32_t rays : {1u, 3u}) {
+        const Scene scene = cornell_like(rays > 1).scene;
+        for (const std::string integrator : {"wavefront", "depth_first"}) {
+            SCOPED_TRACE(integrator);
+            Variant variant =
+                baseline_with({{"integrator", integrator}, {"first_bounce", rays > 1 ? "cached_jitters" : "cached"}});
+            if (rays > 1) {
+                variant.tuning["jitters"] = rays;
+            }
+            ASSERT_EQ(registry().at("first_bounce", variant).hook.first_bounce(variant, Backend::cpu), rays);
+            FirstBounceCache<float> cache;
+            cache.rays = rays;
+            cache.hits.resize(std::size_t{pixels} * rays);
+            EXPECT_FALSE(cache.has(0));
+            const WorkCounters filling = render_with_cache(scene, variant, cache, 0, rays);
+            EXPECT_EQ(filling.cache_fills, pixels * rays);
+            EXPECT_EQ(filling.cache_hits, 0u);
+            EXPECT_EQ(cache.samples_seen, rays);
+            EXPECT_TRUE(cache.has(cache.samples_seen));
+
+            const test::Stages<float> stages(scene, {.seed = default_settings(scene).seed});
+            for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) {
+                for (std::uint32_t sample = 0; sample < rays; ++sample) {
+                    const Hit<float> expected = stages.intersect(stages.generate(pixel, sample));
+                    ASSERT_EQ(cache.hits[cache.index(pixel, sample)].t, expected.t) << pixel;
+                    ASSERT_EQ(cache.hits[cache.index(pixel, sample)].side.code, expected.side.code) << pixel;
+                    ASSERT_EQ(cache.index(pixel, sample + 5 * rays), cache.index(pixel, sample));
+                }
+                for (const std::uint32_t sample : {1u, 77u}) {  // without jitter the camera ray is the same for all
+                    const Hit<float> later = stages.intersect(stages.generate(pixel, sample));
+                    ASSERT_TRUE(rays > 1 || later.t == cache.hits[pixel].t) << pixel;
+                    ASSERT_TRUE(rays > 1 || later.side.code == cache.hits[pixel].side.code) << pixel;
+                }
+            }
+            // Later samples change nothing in it and trace no camera ray.
+            const std::vector<Hit<float>> before = cache.hits;
+            const WorkCounters using_it = render_with_cache(scene, variant, cache, rays, 4);
+            EXPECT_EQ(using_it.cache_fills, 0u);
+            EXPECT_EQ(using_it.cache_hits, pixels * 4u);
+            for (std::size_t i = 0; i < before.size(); ++i) {
+                ASSERT_EQ(cache.hits[i].t, before[i].t);
+                ASSERT_EQ(cache.hits[i].side.code, before[i].side.code);
             }
         }
     }
-    EXPECT_EQ(registry().find("first_bounce", "off")->hook.first_bounce(10), nullptr);
+    const Variant off = registry().baseline();
+    EXPECT_EQ(registry().at("first_bounce", off).hook.first_bounce(off, Backend::cpu), 0u);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "harness/bench/verify.h"
 
 #include <limits>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -203,7 +204,34 @@ void take_other_samples_one_percent_brighter(RenderJob& job) {
     }
 }
 
+// The film is right where there are at least as many rays as samples.
+void ignore_the_cache(RenderJob& job) {
+    job.cache = nullptr;
+    generic_kernel("depth_first")(job);
+}
+
+void use_one_ray_too_few(RenderJob& job) {
+    job.cache->rays -= 1;
+    generic_kernel("depth_first")(job);
+}
+
+// A kernel that the compiler rounds as it likes, and that may do so wrongly.
+Descriptor freely_rounded(std::string_view axis, std::string_view name, std::string_view mean_of) {
+    Descriptor descriptor = statistical_choice(axis, name, mean_of, 0);
+    descriptor.rounds_freely = true;
+    return descriptor;
+}
+const Registration rounds_freely_by_name(freely_rounded("arithmetic", "test_freely", "exact"), {});
+
 const IntegratorRegistration integrators[] = {
+    {test_choice("integrator", "test_ignores_cache"), all_features, ignore_the_cache},
+    {test_choice("integrator", "test_ray_too_few"), all_features, use_one_ray_too_few},
+    {freely_rounded("integrator", "test_freely", "depth_first"), all_features, take_other_samples},
+    {freely_rounded("integrator", "test_freely_brighter", "depth_first"), all_features,
+     take_other_samples_one_percent_brighter},
+    {freely_rounded("integrator", "test_freely_nan", "depth_first"), all_features, add_a_nan},
+    {freely_rounded("integrator", "test_freely_no_cache", "depth_first"), all_features, ignore_the_cache},
+    {freely_rounded("integrator", "test_freely_path_too_few", "depth_first"), all_features, count_a_path_too_few},
     {statistical_choice("integrator", "test_other_samples", "depth_first", 0), all_features, take_other_samples},
     {statistical_choice("integrator", "test_one_percent_brighter", "depth_first", 0), all_features,
      take_other_samples_one_percent_brighter},
@@ -249,7 +277,16 @@ Verdict check(const Scene& scene, const Variant& variant) {
     return Verifier(scene, default_settings(scene), spp).check(variant);
 }
 
-const std::string reference = "depth_first.none.none.off.off.aos.generic";
+Variant keeping_camera_rays(std::uint32_t rays, const std::string& integrator = "wavefront") {
+    Variant variant = with("first_bounce", "cached_jitters");
+    variant.set("integrator", integrator);
+    if (rays != 16) {  // the standard
+        variant.tuning["jitters"] = rays;
+    }
+    return variant;
+}
+
+const std::string reference = "depth_first.none.none.material.off.off.aos.generic.stream.exact.float";
 
 // ---- Good variants ----
 
@@ -275,12 +312,32 @@ TEST(VerifyTest, GoodVariantsHold) {
     }
     const Verdict lit = verifier.check(with("direct_light", "final_bounce"));
     EXPECT_TRUE(lit.holds) << lit.message;
-    EXPECT_EQ(
-        lit.message.find("film bits equal to depth_first.none.none.off.final_bounce.aos.generic; mean as declared (a "
-                         "bias of "),
-        0u)
+    EXPECT_EQ(lit.message.find(
+                  "film bits equal to depth_first.none.none.material.off.final_bounce.aos.generic.stream.exact.float; "
+                  "mean as declared (a "
+                  "bias of "),
+              0u)
         << lit.message;
     EXPECT_NE(lit.film_hash, hash);
+}
+
+// A biased choice is held to the plainest variant with the same bias: the same choice, tuned alike.
+TEST(VerifyTest, ABiasedVariantIsHeldToTheBitsOfItsOwnReference) {
+    const Scene scene = closed_room();
+    Verifier verifier(scene, default_settings(scene), spp);
+    const std::string biased = "depth_first.none.none.material.cached_jitters.off.aos.generic.stream.exact.float";
+    std::set<std::string> hashes;
+    for (const std::uint32_t rays : {1u, 2u, 16u}) {
+        const Verdict verdict = verifier.check(keeping_camera_rays(rays));
+        EXPECT_TRUE(verdict.holds) << verdict.message;
+        EXPECT_EQ(verdict.message,
+                  "film bits equal to " + biased + (rays == 16 ? "" : "+jitters=" + std::to_string(rays)));
+        EXPECT_EQ(verifier.check(keeping_camera_rays(rays, "depth_first")).film_hash, verdict.film_hash);
+        hashes.insert(verdict.film_hash);
+    }
+    EXPECT_EQ(hashes.size(), 3u);
+    // 3 samples have 3 of the 16 rays: the film of first_bounce=off.
+    EXPECT_TRUE(hashes.contains(verifier.check(with("integrator", "wavefront")).film_hash));
 }
 
 // ---- Planted faults ----
@@ -351,6 +408,25 @@ TEST(VerifyTest, WorkThatWasNotDoneIsFound) {
               "3457 path segments, but 3456 of " + reference);
 }
 
+// The film cannot tell: with 16 rays for 3 samples it is the right one.
+TEST(VerifyTest, ACacheThatWasNotUsedIsFound) {
+    for (const std::uint32_t rays : {1u, 3u, 16u}) {
+        const Verdict verdict = check(closed_room(), keeping_camera_rays(rays, "test_ignores_cache"));
+        EXPECT_FALSE(verdict.holds);
+        EXPECT_EQ(verdict.message, "first_bounce=cached_jitters: 0 cache fills for 576 paths");
+    }
+}
+
+TEST(VerifyTest, AWrongRayOfTheCacheIsFound) {
+    const Verdict verdict = check(closed_room(), keeping_camera_rays(2, "test_ray_too_few"));
+    EXPECT_FALSE(verdict.holds);
+    EXPECT_EQ(verdict.message.find("film differs from depth_first.none.none.material.cached_jitters.off.aos.generic."
+                                   "stream.exact.float+jitters=2: first at pixel "),
+              0u)
+        << verdict.message;
+    EXPECT_NE(verdict.message.find(", sample 1, bounce "), std::string::npos) << verdict.message;
+}
+
 TEST(VerifyTest, FaultySamplesAreFound) {
     EXPECT_EQ(check(closed_room(), with("integrator", "test_nan")).message,
               "1 non-finite, 0 negative and 0 saturated samples");
@@ -409,13 +485,63 @@ Variant lit_reference() {
 TEST(VerifyTest, AStatisticalIntegratorIsHeldToItsMean) {
     const Verdict good = check(closed_room(), with("integrator", "test_other_samples"));
     EXPECT_TRUE(good.holds) << good.message;
-    EXPECT_EQ(
-        good.message.find("film bits equal to test_other_samples.none.none.off.off.aos.generic; mean as declared ("),
-        0u)
+    EXPECT_EQ(good.message.find(
+                  "film bits equal to test_other_samples.none.none.material.off.off.aos.generic.stream.exact.float; "
+                  "mean as declared ("),
+              0u)
         << good.message;
     const Verdict biased = check(closed_room(), with("integrator", "test_one_percent_brighter"));
     EXPECT_FALSE(biased.holds);
     EXPECT_NE(biased.message.find(" of integrator=depth_first at depth 6 ("), std::string::npos) << biased.message;
+}
+
+// ---- Kernels that round freely: their twin is held to bits, they to their twin's mean ----
+
+TEST(VerifyTest, WhatRoundsFreelyIsHeldToItsTwinsMean) {
+    const Verdict same = check(closed_room(), with("arithmetic", "test_freely"));
+    EXPECT_TRUE(same.holds) << same.message;
+    EXPECT_EQ(same.message.find(Registry::instance().baseline().name() + ": film bits equal to " + reference +
+                                "; mean as declared (a bias of "),
+              0u)
+        << same.message;
+    const Verdict other = check(closed_room(), with("integrator", "test_freely"));
+    EXPECT_TRUE(other.holds) << other.message;
+    EXPECT_EQ(other.message.find("depth_first.none.none.material.off.off.aos.features.stream.exact.float: film bits "
+                                 "equal to " +
+                                 reference + "; mean as declared (a bias of "),
+              0u)
+        << other.message;
+    EXPECT_NE(other.film_hash, same.film_hash);  // its own, not its twin's
+}
+
+TEST(VerifyTest, WhatRoundsFreelyAndWrongIsFound) {
+    const std::pair<const char*, const char*> cases[] = {
+        {"test_freely_brighter", "not the declared expectation: "},
+        {"test_freely_nan", "1 non-finite, 0 negative and 0 saturated samples"},
+        {"test_freely_path_too_few", "575 paths for 192 pixels of 3 samples"},
+    };
+    for (const auto& [integrator, message] : cases) {
+        const Verdict verdict = check(closed_room(), with("integrator", integrator));
+        EXPECT_FALSE(verdict.holds) << integrator;
+        EXPECT_EQ(verdict.message.find(message), 0u) << verdict.message;
+    }
+    const Verdict uncached = check(closed_room(), keeping_camera_rays(16, "test_freely_no_cache"));
+    EXPECT_FALSE(uncached.holds);
+    EXPECT_EQ(uncached.message, "first_bounce=cached_jitters: 0 cache fills for 576 paths");
+}
+
+TEST(VerifyTest, WhatRoundsFreelyFailsWithItsTwin) {
+    Variant variant = with("compaction", "test_perturbs");
+    variant.set("arithmetic", "test_freely");
+    const Scene scene = closed_room();
+    Verifier verifier(scene, default_settings(scene), spp);
+    for (int call = 0; call < 2; ++call) {  // the twin's verdict is remembered
+        const Verdict verdict = verifier.check(variant);
+        EXPECT_FALSE(verdict.holds);
+        EXPECT_EQ(verdict.message, "its twin " + with("compaction", "test_perturbs").name() +
+                                       " fails: film differs from " + reference +
+                                       ": first at pixel 13,4, sample 2, bounce 4");
+    }
 }
 
 // The bias of the image's mean that a passing verdict says it would have seen, in percent.

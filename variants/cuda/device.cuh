@@ -2,6 +2,7 @@
 // The program's text (variants/cuda/module.cpp) goes on with the layout (Paths) and the sort key.
 #pragma once
 
+#include "variants/cuda/path_store.h"
 #include "variants/cuda/totals.h"
 
 using Real = PT_REAL;
@@ -34,8 +35,8 @@ __device__ inline std::uint32_t warp_sum(std::uint32_t value) {
 #endif
 }
 
-// Adds each thread's values to totals in global memory, with one atomic operation a block and value: thousands of
-// warps adding to one address would wait for each other. Every thread of the block must call it, once.
+// Adds each thread's values to totals in global memory, with one atomic operation a block and value. Every thread of the
+// block must call it, once.
 template <int count>
 __device__ inline void add_over_block(const std::uint32_t (&values)[count], std::uint64_t* const (&totals)[count]) {
     __shared__ std::uint32_t sums[count];
@@ -57,18 +58,124 @@ __device__ inline void add_over_block(const std::uint32_t (&values)[count], std:
     }
 }
 
+// The block's copy of the totals.
+__device__ inline Totals* own_copy(Totals* totals) { return totals + blockIdx.x % counter_copies; }
+
+// How many threads of the block say yes, added to a total in global memory. Every thread must call it.
+__device__ inline void add_votes(std::uint64_t* total, bool vote) {
+    const int votes = __syncthreads_count(vote ? 1 : 0);
+    if (threadIdx.x == 0 && votes != 0) {
+        atomic_add(total, static_cast<std::uint64_t>(votes));
+    }
+}
+
+// Of a kernel that shades one segment a thread: whether the thread's path ended and, where the features know them, rare
+// events. Rays are told from how many paths were traced. Every thread of the block must call it.
+__device__ inline void add_shade_counters(Totals* totals, const PathCounters& counters) {
+    Totals* const mine = own_copy(totals);
+    add_votes(&mine->paths.paths, counters.paths != 0);
+    if constexpr (has<Configuration>(Feature::final_bounce) || has<Configuration>(Feature::subsurface)) {
+        add_votes(&mine->paths.connections, counters.connections != 0);
+        add_votes(&mine->paths.unfinished_walks, counters.unfinished_walks != 0);
+    }
+}
+
+// Of a kernel that traces one segment a thread. Every thread of the block must call it.
+__device__ inline void add_segment_counts(const SegmentCounts& segments, std::uint32_t segment, bool live,
+                                          std::uint32_t in_play) {
+    const std::size_t copy = static_cast<std::size_t>(segment) * segments.copies + blockIdx.x % segments.copies;
+    add_votes(&segments.live[copy], live);
+    if (thread_number() == 0) {
+        atomic_add(&segments.in_play[copy], static_cast<std::uint64_t>(in_play));
+    }
+}
+
 // A thread's counters of one kernel fit in 32 bits: the host splits longer renders into several launches.
 __device__ inline void add_counters(Totals* totals, const PathCounters& counters, std::uint32_t cache_uses) {
     const std::uint32_t values[] = {static_cast<std::uint32_t>(counters.paths),
                                     static_cast<std::uint32_t>(counters.rays),
                                     static_cast<std::uint32_t>(counters.connections),
                                     static_cast<std::uint32_t>(counters.unfinished_walks), cache_uses};
-    std::uint64_t* const sums[] = {&totals->paths.paths, &totals->paths.rays, &totals->paths.connections,
-                                   &totals->paths.unfinished_walks, &totals->cache_uses};
+    Totals* const mine = own_copy(totals);
+    std::uint64_t* const sums[] = {&mine->paths.paths, &mine->paths.rays, &mine->paths.connections,
+                                   &mine->paths.unfinished_walks, &mine->cache_uses};
     add_over_block(values, sums);
 }
 
 }  // namespace pt::cuda
+
+// The arrays that every ray walks through, side by side in constant memory: all lanes read one element at a time there,
+// and an instruction takes its operand from it without a load. 0: the scene is too large, they stay where they are.
+#if PT_SCENE_BYTES > 0
+extern "C" {
+__constant__ alignas(16) unsigned char pt_scene[PT_SCENE_BYTES];
+}
+#endif
+
+// A scene as kernels use it: `shade` for a surface that each lane chooses for itself, `trace` for all objects in turn.
+// Where the variant fixes the numbers of objects, they are constants from here on.
+struct SceneViews {
+    Scene shade, trace;
+
+    __device__ explicit SceneViews(const Scene& scene) : shade(scene), trace(scene) {
+#if PT_FIXED_COUNTS
+        fix_counts(shade);
+#endif
+        trace = shade;
+#if PT_SCENE_BYTES > 0
+        std::uint32_t offset = 0;
+        place(trace.spheres, offset);
+        place(trace.ellipsoids, offset);
+        place(trace.axis_boxes, offset);
+        place(trace.oriented_boxes, offset);
+        place(trace.quads, offset);
+        place(trace.velocity, offset);
+#endif
+    }
+
+private:
+#if PT_FIXED_COUNTS
+    __device__ static void fix_counts(Scene& scene) {
+        scene.spheres.size = PT_SPHERES;
+        scene.ellipsoids.size = PT_ELLIPSOIDS;
+        scene.axis_boxes.size = PT_AXIS_BOXES;
+        scene.oriented_boxes.size = PT_ORIENTED_BOXES;
+        scene.quads.size = PT_QUADS;
+        scene.object_material.size = PT_SPHERES + PT_ELLIPSOIDS + PT_AXIS_BOXES + PT_ORIENTED_BOXES + PT_QUADS;
+        scene.velocity.size = scene.object_material.size;
+    }
+#endif
+#if PT_SCENE_BYTES > 0
+    // As the host lays them out (constant_scene_bytes): each array on a border of 16 bytes.
+    template <class T>
+    __device__ static void place(pt::View<T>& view, std::uint32_t& offset) {
+        view.data = reinterpret_cast<const T*>(pt_scene + offset);
+        offset += (static_cast<std::uint32_t>(sizeof(T)) * view.size + 15u) / 16u * 16u;
+    }
+#endif
+};
+
+// What a path between two bounces has to remember in this variant; the rest has one value that everybody knows.
+namespace path_fields {
+inline constexpr bool radiance = pt::has<Configuration>(pt::Feature::emission);  // else gathered at its end only
+inline constexpr bool medium = pt::has<Configuration>(pt::Feature::absorption);
+inline constexpr bool time = pt::has<Configuration>(pt::Feature::motion);
+}  // namespace path_fields
+
+// A path as it lies in the queue. What this variant does not carry is not read.
+__device__ inline Path load_path(const Paths& paths, std::uint32_t slot, const Scene& scene) {
+    Path path = paths.load(slot);
+    if constexpr (!path_fields::radiance) {
+        path.radiance = {Real(0), Real(0), Real(0)};
+    }
+    if constexpr (!path_fields::medium) {
+        path.medium = scene.camera.initial_medium;
+    }
+    if constexpr (!path_fields::time) {
+        path.time = scene.camera.shutter_open;
+    }
+    return path;
+}
 
 // The camera ray of a path: its own, or with a first-bounce cache that of the kept one which the sample uses.
 __device__ inline Path first_path(const Scene& scene, std::uint32_t pixel, std::uint32_t sample,
@@ -79,28 +186,35 @@ __device__ inline Path first_path(const Scene& scene, std::uint32_t pixel, std::
     return pt::generate<Configuration>(scene, pixel, sample);
 }
 
-__device__ inline Hit first_hit(const Scene& scene, const Path& path, const HitCache& cache) {
+__device__ inline Hit trace(const SceneViews& scene, const Path& path) {
+    return pt::intersect<Configuration>(scene.trace, path);
+}
+
+__device__ inline Hit first_hit(const SceneViews& scene, const Path& path, const HitCache& cache) {
     if (PT_CACHED) {
         return cache.hits[static_cast<std::size_t>(path.pixel) * cache.rays + path.sample % cache.rays];
     }
-    return pt::intersect<Configuration>(scene, path);
+    return trace(scene, path);
 }
 
-// Traces the camera rays that the cache keeps: one thread a ray.
+// Traces the camera rays that `samples` samples, no more than the cache keeps, will use: one thread a pixel.
 #if PT_CACHED
-extern "C" __global__ void fill_cache(Scene scene, HitCache cache, std::uint32_t rays_used, Totals* totals) {
+extern "C" __global__ void fill_cache(Scene parameter, HitCache cache, std::uint32_t first_sample,
+                                      std::uint32_t samples, Totals* totals) {
+    const SceneViews scene(parameter);
     const std::uint32_t pixel = pt::cuda::thread_number();
     std::uint32_t fills = 0;
-    if (pixel < scene.pixel_count()) {
-        for (std::uint32_t ray = 0; ray < rays_used; ++ray) {
-            const Path path = pt::generate<Configuration>(scene, pixel, ray, ray);
-            cache.hits[static_cast<std::size_t>(pixel) * cache.rays + ray] =
-                pt::intersect<Configuration>(scene, path);
+    if (pixel < scene.shade.pixel_count()) {
+        for (std::uint32_t i = 0; i < samples; ++i) {
+            const std::uint32_t ray = (first_sample + i) % cache.rays;
+            const Path path = pt::generate<Configuration>(scene.shade, pixel, ray, ray);
+            cache.hits[static_cast<std::size_t>(pixel) * cache.rays + ray] = trace(scene, path);
             fills += 1;
         }
     }
     const std::uint32_t values[] = {fills, fills};
-    std::uint64_t* const sums[] = {&totals->cache_fills, &totals->paths.rays};
+    Totals* const mine = pt::cuda::own_copy(totals);
+    std::uint64_t* const sums[] = {&mine->cache_fills, &mine->paths.rays};
     pt::cuda::add_over_block(values, sums);
 }
 #endif
@@ -125,7 +239,7 @@ __device__ inline void injected_cost(const Scene& scene, const Hit& hit) {
 #endif
 }
 
-__device__ inline bool shade(const Scene& scene, Path& path, const Hit& hit, PathCounters& counters) {
-    injected_cost(scene, hit);
-    return pt::shade<Configuration>(scene, path, hit, counters);
+__device__ inline bool shade(const SceneViews& scene, Path& path, const Hit& hit, PathCounters& counters) {
+    injected_cost(scene.shade, hit);
+    return pt::shade<Configuration>(scene.shade, path, hit, counters);
 }

@@ -19,7 +19,7 @@ struct KeyBounds {
     float inverse_extent[3] = {1, 1, 1};
 };
 
-// A captured batch of samples.
+// A captured batch of samples. Its kernels read the first sample from device memory, and its last one moves it on.
 class Graph {
 public:
     Graph() = default;
@@ -27,18 +27,14 @@ public:
     Graph(const Graph&) = delete;
     Graph& operator=(const Graph&) = delete;
 
-    // Records what `enqueue` puts on the stream. `kernel` is the one whose parameter `sample_parameter` is the batch's
-    // first sample; it must be launched exactly once.
-    void capture(cudaStream_t stream, cudaKernel_t kernel, int sample_parameter, const std::function<void()>& enqueue);
-    void launch(cudaStream_t stream, std::uint32_t first_sample);
+    // Records what `enqueue` puts on the stream.
+    void capture(cudaStream_t stream, const std::function<void()>& enqueue);
+    void launch(cudaStream_t stream) const;
     std::size_t nodes() const { return nodes_; }
 
 private:
     cudaGraph_t graph_ = nullptr;
     cudaGraphExec_t executable_ = nullptr;
-    cudaGraphNode_t sample_node_ = nullptr;
-    cudaKernelNodeParams parameters_{};
-    int sample_parameter_ = 0;
     std::size_t nodes_ = 0;
 };
 
@@ -59,6 +55,7 @@ struct Job {
     HitCache<float> cache;  // of Hit<Real>; rays 0: none
     Totals* totals = nullptr;
     SegmentCounts segments;
+    std::uint64_t* lengths = nullptr;    // megakernels: paths by number of segments; null where nobody asked
     std::uint64_t* next_item = nullptr;  // for persistent threads
 
     // For integrators with a queue.
@@ -68,11 +65,14 @@ struct Job {
     Sorting* sorting = nullptr;        // null: none
     SortKey sort_key;
     KeyBounds key_bounds;
+    std::uint32_t* append_counts = nullptr;  // by segment, where appends_in_kernel
     bool reads_back = false;                // the host learns the count after each compaction
     std::uint32_t* pinned_count = nullptr;  // host memory that the device can write
 
     bool is_captured = false;
     std::unique_ptr<Graph> graph;
+    std::uint32_t* next_sample = nullptr;    // device: where a graph finds its first sample
+    const std::uint32_t* cursor = nullptr;   // next_sample while a batch is captured, else null: use the parameter
     WorkCounters work_a_graph;  // what the host's side of one captured batch counts
     StageEvents* stages = nullptr;  // null: not instrumented
     WorkCounters work;
@@ -99,7 +99,7 @@ std::uint32_t samples_a_launch(const Job& job);
 // Runs `enqueue_batch(first_sample, samples)` for all samples of the job, samples_in_flight at a time; full batches as
 // a graph where the job is captured. prepare_batches must have run before the clock.
 using EnqueueBatch = std::function<void(std::uint32_t first_sample, std::uint32_t samples)>;
-void prepare_batches(Job& job, const char* first_kernel, int sample_parameter, const EnqueueBatch& enqueue_batch);
+void prepare_batches(Job& job, const EnqueueBatch& enqueue_batch);
 void run_batches(Job& job, const EnqueueBatch& enqueue_batch);
 
 }  // namespace pt::cuda

@@ -120,9 +120,9 @@ std::string from_cache(const fs::path& file) {
 // Includes in order, and the names by which device code knows the variant's choices.
 std::string program_text(const ModuleRequest& request) {
     std::string text = fmt::format(
-        "#include \"variants/cuda/device.cuh\"\n"
         "#include \"variants/layout/{0}.cuh\"\n"
-        "using Paths = pt::layout::{0}::DevicePaths<Real>;\n"
+        "using Paths = pt::layout::{0}::DevicePaths<PT_REAL>;\n"
+        "#include \"variants/cuda/device.cuh\"\n"
         "#include \"variants/sort_key/{1}.cuh\"\n"
         "namespace sort_key = pt::sort_key::{1};\n",
         request.layout, request.sort_key);
@@ -221,6 +221,13 @@ cudaKernel_t Module::kernel(const char* name) const {
         throw Error(fmt::format("no kernel {}: {}", name, cudaGetErrorString(error)));
     }
     return kernel;
+}
+
+void* Module::global(const char* name) const {
+    void* address = nullptr;
+    std::size_t bytes = 0;
+    PT_CUDA_CHECK(cudaLibraryGetGlobal(&address, &bytes, library_, name));
+    return address;
 }
 
 KernelFacts Module::facts(const char* name) const {

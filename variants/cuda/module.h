@@ -74,6 +74,8 @@ public:
     // Throws Error if there is no kernel of this name.
     cudaKernel_t kernel(const char* name) const;
     KernelFacts facts(const char* name) const;
+    // Where a variable of the module lies on the device. Throws Error if there is none of this name.
+    void* global(const char* name) const;
     // Blocks of `threads` that one multiprocessor holds at once.
     int blocks_a_multiprocessor(const char* name, unsigned threads) const;
     const ModuleImage& image() const { return image_; }

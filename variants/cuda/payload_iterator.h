@@ -62,7 +62,7 @@ private:
 template <class Paths>
 auto payload_begin(const PathStore& store) {
     if constexpr (std::is_same_v<Paths, layout::aos::DevicePaths<float>>) {
-        return reinterpret_cast<Path<float>*>(store.base);
+        return Paths(store).records();
     } else {
         return PathIterator<Paths>(store);
     }

@@ -5,17 +5,22 @@
 
 namespace pt::cuda {
 
+// Counters are kept in several copies, and a block adds to the one of its number: thousands of blocks adding to one
+// address would wait for each other. The host adds the copies up.
+inline constexpr std::uint32_t counter_copies = 64;
+
 struct Totals {
-    PathCounters paths;               // paths.rays: rays traced, connections to lights included
-    std::uint64_t cache_fills = 0;    // camera rays traced for the first-bounce cache
-    std::uint64_t cache_uses = 0;     // paths that took their first hit from it
-    std::uint64_t sorted = 0;         // paths that were given a sort key
+    PathCounters paths;             // paths.rays: rays traced, connections to lights included
+    std::uint64_t cache_fills = 0;  // camera rays traced for the first-bounce cache
+    std::uint64_t cache_uses = 0;   // paths that took their first hit from it
 };
 
-// Counts by segment (0: the camera ray's), over all batches of a render.
+// Counts by segment (0: the camera ray's), over all batches of a render; copy c of a segment's count is at
+// segment * copies + c.
 struct SegmentCounts {
     std::uint64_t* live = nullptr;     // paths that were alive when the segment was traced
     std::uint64_t* in_play = nullptr;  // paths that were looked at, alive or not
+    std::uint32_t copies = 1;
 };
 
 // Kept first hits: `rays` camera rays a pixel, of which sample s uses number s % rays. Null hits: no cache.

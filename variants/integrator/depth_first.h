@@ -42,7 +42,8 @@ inline constexpr std::size_t pixels_a_chunk = 64;
 // kept, and its first hit comes from there unless this path is the one that fills it.
 template <class Config>
 std::uint32_t trace(const SceneView<typename Config::Real>& scene, const FilmView& film, std::uint32_t pixel,
-                    std::uint32_t sample, FirstBounceCache* cache, bool cache_has_it, PathCounters& counters) {
+                    std::uint32_t sample, FirstBounceCache<typename Config::Real>* cache, bool cache_has_it,
+                    PathCounters& counters) {
     using Real = typename Config::Real;
     const std::uint32_t camera_sample = cache != nullptr ? sample % cache->rays : sample;
     auto path = generate<Config>(scene, pixel, sample, camera_sample);
@@ -63,7 +64,7 @@ template <class Config>
 void render(RenderJob& job) {
     std::atomic<std::uint64_t> rays = 0, paths = 0, connections = 0, unfinished = 0, fills = 0, hits = 0;
     std::vector<std::atomic<std::uint64_t>> ended_after(job.stages != nullptr ? job.scene.longest_path() + 1 : 0);
-    FirstBounceCache* const cache = job.cache;
+    FirstBounceCache<float>* const cache = job.cache;
     {
         const StageClock clock(job.stages, "trace");
         parallel_for(job.scene.pixel_count(), pixels_a_chunk, [&](std::size_t begin, std::size_t end) {

@@ -9,17 +9,18 @@
 // Thread t takes the samples t / pixels, t / pixels + stride, ... of pixel t mod pixels.
 // `ended`: paths by their number of segments, or null.
 extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    megakernel(Scene scene, FilmView film, std::uint32_t first_sample, std::uint32_t samples, std::uint32_t stride,
+    megakernel(Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples, std::uint32_t stride,
                HitCache cache, Totals* totals, std::uint64_t* ended) {
+    const SceneViews scene(parameter);
     PathCounters counters;
-    const std::uint32_t pixel = pt::cuda::thread_number() % scene.pixel_count();
-    const std::uint32_t part = pt::cuda::thread_number() / scene.pixel_count();
+    const std::uint32_t pixel = pt::cuda::thread_number() % scene.shade.pixel_count();
+    const std::uint32_t part = pt::cuda::thread_number() / scene.shade.pixel_count();
     if (part < stride) {
         for (std::uint32_t i = part; i < samples; i += stride) {
-            Path path = first_path(scene, pixel, first_sample + i, cache);
+            Path path = first_path(scene.shade, pixel, first_sample + i, cache);
             bool alive = shade(scene, path, first_hit(scene, path, cache), counters);
             while (alive) {
-                alive = shade(scene, path, pt::intersect<Configuration>(scene, path), counters);
+                alive = shade(scene, path, trace(scene, path), counters);
             }
             pt::accumulate(film, path);
             counters.rays += path.segment - PT_CACHED;
@@ -58,7 +59,7 @@ inline void render(Job& job) {
         const std::uint32_t samples = std::min(most, job.samples - done);
         const std::uint32_t stride = std::min(job.samples_in_flight, samples);
         job.launch("megakernel", job.pixels * stride, job.scene, job.film, job.first_sample + done, samples, stride,
-                   job.cache, job.totals, job.segments.live);
+                   job.cache, job.totals, job.lengths);
         done += samples;
     }
 }

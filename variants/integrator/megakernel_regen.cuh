@@ -9,18 +9,19 @@
 // Samples as in megakernel. The loop ends at its condition: nvcc 13.0's ptxas miscompiles the form that breaks out
 // from the middle (shared/DESIGN.md, traps).
 extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    megakernel_regen(Scene scene, FilmView film, std::uint32_t first_sample, std::uint32_t samples,
+    megakernel_regen(Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples,
                      std::uint32_t stride, HitCache cache, Totals* totals, std::uint64_t* ended) {
+    const SceneViews scene(parameter);
     PathCounters counters;
-    const std::uint32_t pixel = pt::cuda::thread_number() % scene.pixel_count();
-    const std::uint32_t part = pt::cuda::thread_number() / scene.pixel_count();
+    const std::uint32_t pixel = pt::cuda::thread_number() % scene.shade.pixel_count();
+    const std::uint32_t part = pt::cuda::thread_number() / scene.shade.pixel_count();
     std::uint32_t todo = part < stride && part < samples ? (samples - part + stride - 1) / stride : 0;
     if (todo > 0) {
         std::uint32_t sample = first_sample + part;
-        Path path = first_path(scene, pixel, sample, cache);
+        Path path = first_path(scene.shade, pixel, sample, cache);
         while (todo > 0) {
             const Hit hit = PT_CACHED && path.segment == 0 ? first_hit(scene, path, cache)
-                                                           : pt::intersect<Configuration>(scene, path);
+                                                           : trace(scene, path);
             if (!shade(scene, path, hit, counters)) {
                 pt::accumulate(film, path);
                 counters.rays += path.segment - PT_CACHED;
@@ -29,7 +30,7 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
                     pt::atomic_add(&ended[path.segment - 1], std::uint64_t{1});
                 }
                 sample += stride;
-                path = first_path(scene, pixel, sample, cache);
+                path = first_path(scene.shade, pixel, sample, cache);
                 --todo;
             }
         }
@@ -62,7 +63,7 @@ inline void render(Job& job) {
         const std::uint32_t samples = std::min(most, job.samples - done);
         const std::uint32_t stride = std::min(job.samples_in_flight, samples);
         job.launch("megakernel_regen", job.pixels * stride, job.scene, job.film, job.first_sample + done, samples,
-                   stride, job.cache, job.totals, job.segments.live);
+                   stride, job.cache, job.totals, job.lengths);
         done += samples;
     }
 }

@@ -21,17 +21,18 @@ __device__ inline std::uint64_t take_item(std::uint64_t* next_item) {
 
 // Items are numbered sample by sample, pixels within: neighbouring lanes start at neighbouring pixels.
 extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    persistent(Scene scene, FilmView film, std::uint32_t first_sample, std::uint32_t samples, HitCache cache,
+    persistent(Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples, HitCache cache,
                Totals* totals, std::uint64_t* ended, std::uint64_t* next_item) {
+    const SceneViews scene(parameter);
     PathCounters counters;
-    const std::uint32_t pixels = scene.pixel_count();
+    const std::uint32_t pixels = scene.shade.pixel_count();
     const std::uint64_t items = static_cast<std::uint64_t>(pixels) * samples;
     std::uint64_t item = take_item(next_item);
-    Path path = first_path(scene, static_cast<std::uint32_t>(item % pixels),
+    Path path = first_path(scene.shade, static_cast<std::uint32_t>(item % pixels),
                            first_sample + static_cast<std::uint32_t>(item / pixels), cache);
     while (item < items) {
         const Hit hit = PT_CACHED && path.segment == 0 ? first_hit(scene, path, cache)
-                                                       : pt::intersect<Configuration>(scene, path);
+                                                       : trace(scene, path);
         if (!shade(scene, path, hit, counters)) {
             pt::accumulate(film, path);
             counters.rays += path.segment - PT_CACHED;
@@ -40,7 +41,7 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
                 pt::atomic_add(&ended[path.segment - 1], std::uint64_t{1});
             }
             item = take_item(next_item);
-            path = first_path(scene, static_cast<std::uint32_t>(item % pixels),
+            path = first_path(scene.shade, static_cast<std::uint32_t>(item % pixels),
                               first_sample + static_cast<std::uint32_t>(item / pixels), cache);
         }
     }
@@ -79,7 +80,7 @@ inline void render(Job& job) {
         const std::uint32_t samples = std::min(most, job.samples - done);
         PT_CUDA_CHECK(cudaMemsetAsync(job.next_item, 0, sizeof(std::uint64_t), job.stream));
         job.launch_blocks("persistent", blocks, job.scene, job.film, job.first_sample + done, samples, job.cache,
-                          job.totals, job.segments.live, job.next_item);
+                          job.totals, job.lengths, job.next_item);
         done += samples;
     }
 }

@@ -7,98 +7,108 @@
 #include "variants/cuda/device.cuh"
 #include "variants/cuda/sort_keys.cuh"
 
+// Moves a graph's first sample on.
+extern "C" __global__ void advance(std::uint32_t* cursor, std::uint32_t samples) {
+    if (threadIdx.x == 0) {
+        *cursor += samples;
+    }
+}
+
 // The slot of the path at position i; no order: slot i.
 __device__ inline std::uint32_t slot_at(const std::uint32_t* order, std::uint32_t i) {
     return order != nullptr ? order[i] : i;
 }
 
-// Path i: pixel i mod pixels, sample first_sample + i / pixels.
+// Path i: pixel i mod pixels, sample first_sample + i / pixels; with a cursor the first sample is there.
 extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    generate_paths(Scene scene, PathStore store, std::uint32_t* count, std::uint32_t pool, std::uint32_t first_sample,
-                   HitCache cache) {
+    generate_paths(Scene parameter, PathStore store, std::uint32_t* count, std::uint32_t pool, std::uint32_t first_sample,
+                   const std::uint32_t* cursor, HitCache cache) {
+    const SceneViews scene(parameter);
     const std::uint32_t i = pt::cuda::thread_number();
     if (i == 0) {
         *count = pool;
     }
     if (i < pool) {
-        const std::uint32_t pixels = scene.pixel_count();
-        Paths(store).store(i, first_path(scene, i % pixels, first_sample + i / pixels, cache));
+        const std::uint32_t pixels = scene.shade.pixel_count();
+        const std::uint32_t first = cursor != nullptr ? *cursor : first_sample;
+        Paths(store).store(i, first_path(scene.shade, i % pixels, first + i / pixels, cache));
     }
 }
 
+// With `keys`, also writes the sort key of every position below `bound`: ended paths and positions beyond the count have
+// the last one.
 extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    intersect_paths(Scene scene, PathStore store, const std::uint32_t* order, const std::uint32_t* count, Hit* hits,
-                    HitCache cache, std::uint32_t segment, SegmentCounts segments) {
+    intersect_paths(Scene parameter, PathStore store, const std::uint32_t* order, const std::uint32_t* count,
+                    std::uint32_t bound, Hit* hits, HitCache cache, std::uint32_t segment, SegmentCounts segments,
+                    std::uint32_t* keys, std::uint32_t bits, std::uint32_t last_key, pt::cuda::KeyBounds bounds) {
+    const SceneViews scene(parameter);
     const Paths paths(store);
     const std::uint32_t i = pt::cuda::thread_number();
-    std::uint32_t live = 0;
+    std::uint32_t key = last_key;
+    bool live = false;
     if (i < *count) {
         const std::uint32_t slot = slot_at(order, i);
         if (paths.alive(slot)) {
-            live = 1;
+            live = true;
+            const pt::Ray<Real> ray = paths.ray(slot);
+            Hit hit;
             if (PT_CACHED && segment == 0) {
-                hits[slot] = cache.hits[static_cast<std::size_t>(paths.pixel(slot)) * cache.rays +
-                                        paths.sample(slot) % cache.rays];
+                hit = cache.hits[static_cast<std::size_t>(paths.pixel(slot)) * cache.rays +
+                                 paths.sample(slot) % cache.rays];
             } else {
-                hits[slot] = pt::closest_hit<Configuration>(scene, paths.ray(slot));
+                hit = pt::closest_hit<Configuration>(scene.trace, ray);
+            }
+            hits[slot] = hit;
+            if (keys != nullptr) {
+                const std::uint32_t material =
+                    hit.side.exists() ? scene.shade.object_material[hit.side.object()] : scene.shade.materials.size;
+                key = (material << bits) | sort_key::rest(ray, hit, bounds);
             }
         }
     }
-    if (i == 0) {
-        pt::atomic_add(&segments.in_play[segment], static_cast<std::uint64_t>(*count));
+    if (keys != nullptr && i < bound) {
+        keys[i] = key;
     }
-    const std::uint32_t values[] = {live};
-    std::uint64_t* const sums[] = {&segments.live[segment]};
-    pt::cuda::add_over_block(values, sums);
+    pt::cuda::add_segment_counts(segments, segment, live, *count);
 }
 
-// A key for every position below `bound`: those beyond the count, and ended paths, have the last.
+// The key of a ray that is yet to be traced, by the same rules.
 extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    write_keys(Scene scene, PathStore store, const std::uint32_t* order, const std::uint32_t* count,
-               std::uint32_t bound, const Hit* hits, std::uint32_t* keys, std::uint32_t bits,
-               std::uint32_t last_key, pt::cuda::KeyBounds bounds, Totals* totals) {
+    write_ray_keys(PathStore store, const std::uint32_t* order, const std::uint32_t* count, std::uint32_t bound,
+                   std::uint32_t* keys, std::uint32_t last_key, pt::cuda::KeyBounds bounds) {
     const Paths paths(store);
     const std::uint32_t i = pt::cuda::thread_number();
-    std::uint32_t sorted = 0;
     if (i < bound) {
         std::uint32_t key = last_key;
         const std::uint32_t slot = i < *count ? slot_at(order, i) : 0;
         if (i < *count && paths.alive(slot)) {
-            Hit hit;
-            std::uint32_t material = 0;
-            if (sort_key::has_material) {
-                hit = hits[slot];
-                material = hit.side.exists() ? scene.object_material[hit.side.object()] : scene.materials.size;
-            }
-            key = (material << bits) | sort_key::rest(paths.ray(slot), hit, bounds);
-            sorted = 1;
+            key = sort_key::rest(paths.ray(slot), Hit(), bounds);
         }
         keys[i] = key;
     }
-    const std::uint32_t values[] = {sorted};
-    std::uint64_t* const sums[] = {&totals->sorted};
-    pt::cuda::add_over_block(values, sums);
 }
 
 extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    shade_paths(Scene scene, FilmView film, PathStore store, const std::uint32_t* order, const std::uint32_t* count,
-                const Hit* hits, Totals* totals) {
+    shade_paths(Scene parameter, FilmView film, PathStore store, const std::uint32_t* order,
+                const std::uint32_t* count, const Hit* hits, Totals* totals) {
+    const SceneViews scene(parameter);
     const Paths paths(store);
     PathCounters counters;
     const std::uint32_t i = pt::cuda::thread_number();
     if (i < *count) {
         const std::uint32_t slot = slot_at(order, i);
         if (paths.alive(slot)) {
-            Path path = paths.load(slot);
-            if (!shade(scene, path, hits[slot], counters)) {
+            Path path = load_path(paths, slot, scene.shade);
+            if (shade(scene, path, hits[slot], counters)) {
+                paths.template update<path_fields::radiance, path_fields::medium>(slot, path);
+            } else {
                 pt::accumulate(film, path);
                 counters.paths += 1;
-                path.segment = Path::ended;
+                paths.end(slot);
             }
-            paths.store(slot, path);
         }
     }
-    pt::cuda::add_counters(totals, counters, 0);
+    pt::cuda::add_shade_counters(totals, counters);
 }
 
 #else
@@ -128,7 +138,7 @@ public:
         {
             const Stage stage(job_.stages, "generate", job_.stream);
             job_.launch("generate_paths", queue_.bound, job_.scene, queue_.paths, queue_.count, queue_.bound,
-                        first_sample, job_.cache);
+                        first_sample, job_.cursor, job_.cache);
         }
         for (std::uint32_t segment = 0; segment < job_.longest_path && queue_.bound > 0; ++segment) {
             enqueue_segment(segment);
@@ -139,18 +149,25 @@ private:
     void enqueue_segment(std::uint32_t segment) {
         const bool last = segment + 1 == job_.longest_path;
         const bool sorts = job_.sorting != nullptr && !last;
-        if (sorts && !job_.sort_key.has_material) {
+        const bool by_hit = job_.sort_key.has_material;
+        if (sorts && !by_hit) {
+            const Stage stage(job_.stages, "sort", job_.stream);
+            job_.launch("write_ray_keys", queue_.bound, queue_.paths, order(), queue_.count, queue_.bound, queue_.keys,
+                        last_key(), job_.key_bounds);
             sort();
         }
         {
             const Stage stage(job_.stages, "intersect", job_.stream);
-            job_.launch("intersect_paths", queue_.bound, job_.scene, queue_.paths, order(), queue_.count, queue_.hits,
-                        job_.cache, segment, job_.segments);
+            std::uint32_t* const keys = sorts && by_hit ? queue_.keys : nullptr;
+            job_.launch("intersect_paths", queue_.bound, job_.scene, queue_.paths, order(), queue_.count, queue_.bound,
+                        queue_.hits, job_.cache, segment, job_.segments, keys, job_.sort_key.bits, last_key(),
+                        job_.key_bounds);
         }
-        if (sorts && job_.sort_key.has_material) {
+        if (sorts && by_hit) {
+            const Stage stage(job_.stages, "sort", job_.stream);
             sort();
         }
-        shade(sorts && job_.sort_key.has_material);
+        shade(sorts && by_hit);
         job_.work.bounces += 1;
         job_.work.last_bounces += last ? 1u : 0u;
         if (job_.compaction != nullptr && !last) {
@@ -158,13 +175,13 @@ private:
         }
     }
 
+    // One material more than the scene has: "missed".
+    std::uint32_t last_key() const {
+        return (job_.sort_key.has_material ? job_.materials + 1 : 1) << job_.sort_key.bits;
+    }
+
     void sort() {
-        const Stage stage(job_.stages, "sort", job_.stream);
-        const std::uint32_t materials = job_.sort_key.has_material ? job_.materials + 1 : 1;  // one for "missed"
-        const std::uint32_t last_key = materials << job_.sort_key.bits;
-        job_.launch("write_keys", queue_.bound, job_.scene, queue_.paths, order(), queue_.count, queue_.bound,
-                    queue_.hits, queue_.keys, job_.sort_key.bits, last_key, job_.key_bounds, job_.totals);
-        job_.sorting->sort(queue_, last_key + 1);
+        job_.sorting->sort(queue_, last_key() + 1);
         job_.work.sorts += 1;
     }
 
@@ -191,7 +208,7 @@ inline void enqueue_batch(Job& job, std::uint32_t first_sample, std::uint32_t sa
 }
 
 inline void prepare(Job& job) {
-    prepare_batches(job, "generate_paths", 4, [&](std::uint32_t first_sample, std::uint32_t samples) {
+    prepare_batches(job, [&](std::uint32_t first_sample, std::uint32_t samples) {
         enqueue_batch(job, first_sample, samples);
     });
 }

@@ -8,79 +8,87 @@
 #include "variants/cuda/append.cuh"
 
 // PT_APPEND: 0 paths stay in their slots, 1 warp-aggregated append, 2 block-scan append.
-// Puts a path that was shaded where the next bounce finds it. Every thread of the block must call it.
+// Puts a path where the next bounce finds it. `is_new`: nothing of it lies in its slot yet. Every thread of the block
+// must call it.
+template <bool is_new>
 __device__ inline void put_path(const Path& path, bool shaded, bool alive, std::uint32_t slot, const PathStore& out,
                                 std::uint32_t* out_count) {
+    using namespace path_fields;
+    const Paths paths(out);
+#if PT_APPEND > 0
 #if PT_APPEND == 1
     const std::uint32_t position = pt::cuda::append_by_warp(out_count, alive);
-#elif PT_APPEND == 2
-    const std::uint32_t position = pt::cuda::append_by_block(out_count, alive);
 #else
-    const std::uint32_t position = slot;
-    alive = shaded;  // an ended path is marked in place
+    const std::uint32_t position = pt::cuda::append_by_block(out_count, alive);
 #endif
     if (alive) {
-        Paths(out).store(position, path);
+        paths.template put<radiance, medium, time>(position, path);
     }
+#else
+    if (alive && is_new) {
+        paths.store(slot, path);
+    } else if (alive) {
+        paths.template update<radiance, medium>(slot, path);
+    } else if (shaded && is_new) {
+        Path ended = path;
+        ended.segment = Path::ended;
+        paths.store(slot, ended);
+    } else if (shaded) {
+        paths.end(slot);
+    }
+#endif
 }
 
-// Traces and shades one segment; marks and accumulates a path that ends. Returns whether it lives.
-__device__ inline bool bounce(const Scene& scene, const FilmView& film, Path& path, const Hit& hit,
+// Traces and shades one segment; accumulates a path that ends. Returns whether it lives.
+__device__ inline bool bounce(const SceneViews& scene, const FilmView& film, Path& path, const Hit& hit,
                               PathCounters& counters) {
     if (shade(scene, path, hit, counters)) {
         return true;
     }
     pt::accumulate(film, path);
     counters.paths += 1;
-    path.segment = Path::ended;
     return false;
 }
 
-__device__ inline void count_segment(Totals* totals, const PathCounters& counters, bool live, std::uint32_t segment,
-                                     std::uint32_t in_play, const SegmentCounts& segments) {
-    if (pt::cuda::thread_number() == 0) {
-        pt::atomic_add(&segments.in_play[segment], static_cast<std::uint64_t>(in_play));
-    }
-    const std::uint32_t values[] = {live ? 1u : 0u, static_cast<std::uint32_t>(counters.paths)};
-    std::uint64_t* const sums[] = {&segments.live[segment], &totals->paths.paths};
-    pt::cuda::add_over_block(values, sums);
-    if constexpr (pt::has<Configuration>(pt::Feature::final_bounce) ||
-                  pt::has<Configuration>(pt::Feature::subsurface)) {
-        const std::uint32_t rare[] = {static_cast<std::uint32_t>(counters.connections),
-                                      static_cast<std::uint32_t>(counters.unfinished_walks)};
-        std::uint64_t* const rare_sums[] = {&totals->paths.connections, &totals->paths.unfinished_walks};
-        pt::cuda::add_over_block(rare, rare_sums);
+// Moves a graph's first sample on.
+extern "C" __global__ void advance(std::uint32_t* cursor, std::uint32_t samples) {
+    if (threadIdx.x == 0) {
+        *cursor += samples;
     }
 }
 
-// Path i: pixel i mod pixels, sample first_sample + i / pixels.
+// Path i: pixel i mod pixels, sample first_sample + i / pixels; with a cursor the first sample is there.
 extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    first_bounce(Scene scene, FilmView film, PathStore out, std::uint32_t* out_count, std::uint32_t pool,
-                 std::uint32_t first_sample, HitCache cache, Totals* totals, SegmentCounts segments) {
+    first_bounce(Scene parameter, FilmView film, PathStore out, std::uint32_t* out_count, std::uint32_t pool,
+                 std::uint32_t first_sample, const std::uint32_t* cursor, HitCache cache, Totals* totals, SegmentCounts segments) {
+    const SceneViews scene(parameter);
     PathCounters counters;
     const std::uint32_t i = pt::cuda::thread_number();
     const bool mine = i < pool;
     bool alive = false;
     Path path;
     if (mine) {
-        const std::uint32_t pixels = scene.pixel_count();
-        path = first_path(scene, i % pixels, first_sample + i / pixels, cache);
+        const std::uint32_t pixels = scene.shade.pixel_count();
+        const std::uint32_t first = cursor != nullptr ? *cursor : first_sample;
+        path = first_path(scene.shade, i % pixels, first + i / pixels, cache);
         alive = bounce(scene, film, path, first_hit(scene, path, cache), counters);
     }
-    put_path(path, mine, alive, i, out, out_count);
+    put_path<true>(path, mine, alive, i, out, out_count);
 #if PT_APPEND == 0
     if (i == 0) {
         *out_count = pool;
     }
 #endif
-    count_segment(totals, counters, mine, 0, pool, segments);
+    pt::cuda::add_segment_counts(segments, 0, mine, pool);
+    pt::cuda::add_shade_counters(totals, counters);
 }
 
 // One bounce of the paths at order[0..*in_count-1] of `in` (no order: at 0..*in_count-1).
 extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    next_bounce(Scene scene, FilmView film, PathStore in, const std::uint32_t* order, const std::uint32_t* in_count,
+    next_bounce(Scene parameter, FilmView film, PathStore in, const std::uint32_t* order, const std::uint32_t* in_count,
                 PathStore out, std::uint32_t* out_count, std::uint32_t segment, Totals* totals,
                 SegmentCounts segments) {
+    const SceneViews scene(parameter);
     PathCounters counters;
     const std::uint32_t i = pt::cuda::thread_number();
     bool live = false;
@@ -91,12 +99,13 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
         slot = order != nullptr ? order[i] : i;
         live = Paths(in).alive(slot);
         if (live) {
-            path = Paths(in).load(slot);
-            alive = bounce(scene, film, path, pt::intersect<Configuration>(scene, path), counters);
+            path = load_path(Paths(in), slot, scene.shade);
+            alive = bounce(scene, film, path, trace(scene, path), counters);
         }
     }
-    put_path(path, live, alive, slot, out, out_count);
-    count_segment(totals, counters, live, segment, *in_count, segments);
+    put_path<false>(path, live, alive, slot, out, out_count);
+    pt::cuda::add_segment_counts(segments, segment, live, *in_count);
+    pt::cuda::add_shade_counters(totals, counters);
 }
 
 #else
@@ -133,12 +142,15 @@ public:
     void enqueue(std::uint32_t first_sample, std::uint32_t samples) {
         queue_.bound = job_.pixels * samples;
         if (appends_) {
-            clear(queue_.count);
+            // A counter a segment, all cleared at once: clearing one between two bounces would cost a gap each time.
+            PT_CUDA_CHECK(cudaMemsetAsync(job_.append_counts, 0, job_.longest_path * sizeof(std::uint32_t),
+                                          job_.stream));
+            queue_.count = job_.append_counts;
         }
         {
             const Stage stage(job_.stages, "first bounce", job_.stream);
             job_.launch("first_bounce", queue_.bound, job_.scene, job_.film, queue_.paths, queue_.count, queue_.bound,
-                        first_sample, job_.cache, job_.totals, job_.segments);
+                        first_sample, job_.cursor, job_.cache, job_.totals, job_.segments);
         }
         ended(0);
         for (std::uint32_t segment = 1; segment < job_.longest_path && queue_.bound > 0; ++segment) {
@@ -150,10 +162,7 @@ public:
 private:
     void enqueue_segment(std::uint32_t segment) {
         const PathStore out = appends_ ? queue_.spare : queue_.paths;
-        std::uint32_t* const out_count = appends_ ? queue_.count_spare : queue_.count;
-        if (appends_) {
-            clear(out_count);
-        }
+        std::uint32_t* const out_count = appends_ ? job_.append_counts + segment : queue_.count;
         {
             const Stage stage(job_.stages, "bounce", job_.stream);
             job_.launch("next_bounce", queue_.bound, job_.scene, job_.film, queue_.paths,
@@ -162,7 +171,7 @@ private:
         }
         if (appends_) {
             queue_.swap_paths();
-            queue_.swap_count();
+            queue_.count = out_count;
         }
     }
 
@@ -176,10 +185,6 @@ private:
         }
     }
 
-    void clear(std::uint32_t* count) {
-        PT_CUDA_CHECK(cudaMemsetAsync(count, 0, sizeof(std::uint32_t), job_.stream));
-    }
-
     Job& job_;
     Queue queue_;
     bool appends_;
@@ -190,7 +195,7 @@ inline void enqueue_batch(Job& job, std::uint32_t first_sample, std::uint32_t sa
 }
 
 inline void prepare(Job& job) {
-    prepare_batches(job, "first_bounce", 5, [&](std::uint32_t first_sample, std::uint32_t samples) {
+    prepare_batches(job, [&](std::uint32_t first_sample, std::uint32_t samples) {
         enqueue_batch(job, first_sample, samples);
     });
 }

@@ -1,30 +1,73 @@
-// Array of structures on the device: a path's fields lie together, as in both seeds.
+// Array of structures on the device: a path's fields lie together, as in both seeds (whose record is not padded).
 #pragma once
 
 #include "variants/cuda/path_store.h"
 
 namespace pt::layout::aos {
 
+struct alignas(16) Piece {
+    std::uint32_t x, y, z, w;
+};
+
+// A path padded to whole 16-byte pieces: a lane reads it in five accesses, and Thrust moves it in five.
+template <class Real>
+struct alignas(16) Record {
+    Path<Real> path;
+    std::uint32_t padding[(16 - sizeof(Path<Real>) % 16) / 4];
+
+    Record() = default;
+    PT_HD Record(const Path<Real>& p) : path(p), padding{} {}            // NOLINT: algorithms move either
+    PT_HD operator const Path<Real>&() const { return path; }  // NOLINT
+};
+
 template <class Real>
 struct DevicePaths {
     cuda::PathStore store_;
 
     PT_HD explicit DevicePaths(const cuda::PathStore& store) : store_(store) {}
-    PT_HD Path<Real>& at(std::uint32_t slot) const { return reinterpret_cast<Path<Real>*>(store_.base)[slot]; }
-    PT_HD Path<Real> load(std::uint32_t slot) const { return at(slot); }
-    PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { at(slot) = path; }
+    PT_HD Record<Real>* records() const { return reinterpret_cast<Record<Real>*>(store_.base); }
+    PT_HD Path<Real> load(std::uint32_t slot) const {
+        const Piece* const source = pieces(slot);
+        Pieces copy;
+        for (std::size_t i = 0; i < piece_count; ++i) {
+            copy.piece[i] = source[i];
+        }
+        return __builtin_bit_cast(Record<Real>, copy).path;
+    }
+    PT_HD void store(std::uint32_t slot, const Path<Real>& path) const {
+        const Pieces copy = __builtin_bit_cast(Pieces, Record<Real>(path));
+        for (std::size_t i = 0; i < piece_count; ++i) {
+            pieces(slot)[i] = copy.piece[i];
+        }
+    }
+    // A record is written whole: its pieces mix what a bounce changes and what it does not.
+    template <bool radiance, bool medium, bool time>
+    PT_HD void put(std::uint32_t slot, const Path<Real>& path) const {
+        store(slot, path);
+    }
+    template <bool radiance, bool medium>
+    PT_HD void update(std::uint32_t slot, const Path<Real>& path) const {
+        store(slot, path);
+    }
+    PT_HD void end(std::uint32_t slot) const { at(slot).segment = Path<Real>::ended; }
     PT_HD bool alive(std::uint32_t slot) const { return at(slot).segment != Path<Real>::ended; }
     PT_HD std::uint32_t pixel(std::uint32_t slot) const { return at(slot).pixel; }
     PT_HD std::uint32_t sample(std::uint32_t slot) const { return at(slot).sample; }
-    PT_HD Ray<Real> ray(std::uint32_t slot) const { return ray_of(at(slot)); }
+    PT_HD Ray<Real> ray(std::uint32_t slot) const { return ray_of(load(slot)); }
 
-    static std::size_t bytes(std::uint32_t capacity) { return sizeof(Path<Real>) * std::size_t{capacity}; }
+    static std::size_t bytes(std::uint32_t capacity) { return sizeof(Record<Real>) * std::size_t{capacity}; }
     cuda::FieldView segment() const { return field(offsetof(Path<Real>, segment)); }
     cuda::FieldView departed() const { return field(offsetof(Path<Real>, departed)); }
 
 private:
+    static constexpr std::size_t piece_count = sizeof(Record<Real>) / sizeof(Piece);
+    struct Pieces {
+        Piece piece[piece_count];
+    };
+    PT_HD Piece* pieces(std::uint32_t slot) const { return reinterpret_cast<Piece*>(&records()[slot]); }
+    PT_HD Path<Real>& at(std::uint32_t slot) const { return records()[slot].path; }
     cuda::FieldView field(std::size_t offset) const {
-        return {store_.base + offset, static_cast<std::uint32_t>(sizeof(Path<Real>))};
+        return {store_.base + offset, static_cast<std::uint32_t>(sizeof(Record<Real>))};
     }
 };
 

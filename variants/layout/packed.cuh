@@ -25,13 +25,24 @@ struct DevicePaths {
         return {{a.x, a.y, a.z}, {b.x, b.y, b.z}, {c.x, c.y, c.z}, {d.x, d.y, d.z},    bits_to_float(a.w),
                 key.pixel,       key.sample,      c.w,             ObjectSide{b.w}, d.w};
     }
-    PT_HD void store(std::uint32_t slot, const Path<Real>& path) const {
+    PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { put<true, true, true>(slot, path); }
+    // A path that is new in its slot; of radiance and medium only what is asked for (time comes with the origin).
+    template <bool radiance, bool medium, bool time>
+    PT_HD void put(std::uint32_t slot, const Path<Real>& path) const {
+        update<radiance, medium>(slot, path);
+        keys()[slot] = {path.pixel, path.sample};
+    }
+    // What a bounce changes.
+    template <bool radiance, bool medium>
+    PT_HD void update(std::uint32_t slot, const Path<Real>& path) const {
         column(0)[slot] = {path.origin.x, path.origin.y, path.origin.z, float_to_bits(path.time)};
         column(1)[slot] = {path.direction.x, path.direction.y, path.direction.z, path.departed.code};
         column(2)[slot] = {path.throughput.x, path.throughput.y, path.throughput.z, path.segment};
-        column(3)[slot] = {path.radiance.x, path.radiance.y, path.radiance.z, path.medium};
-        keys()[slot] = {path.pixel, path.sample};
+        if constexpr (radiance || medium) {
+            column(3)[slot] = {path.radiance.x, path.radiance.y, path.radiance.z, path.medium};
+        }
     }
+    PT_HD void end(std::uint32_t slot) const { column(2)[slot].w = Path<Real>::ended; }
     PT_HD bool alive(std::uint32_t slot) const { return column(2)[slot].w != Path<Real>::ended; }
     PT_HD std::uint32_t pixel(std::uint32_t slot) const { return keys()[slot].pixel; }
     PT_HD std::uint32_t sample(std::uint32_t slot) const { return keys()[slot].sample; }

@@ -15,18 +15,33 @@ struct DevicePaths {
         return {vector(0, slot), vector(3, slot),  vector(6, slot), vector(9, slot),           real(12)[slot],
                 word(0)[slot],   word(1)[slot],    word(2)[slot],   ObjectSide{word(3)[slot]}, word(4)[slot]};
     }
-    PT_HD void store(std::uint32_t slot, const Path<Real>& path) const {
+    PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { put<true, true, true>(slot, path); }
+    // A path that is new in its slot; of radiance, medium and time only what is asked for.
+    template <bool radiance, bool medium, bool time>
+    PT_HD void put(std::uint32_t slot, const Path<Real>& path) const {
+        update<radiance, medium>(slot, path);
+        if constexpr (time) {
+            real(12)[slot] = path.time;
+        }
+        word(0)[slot] = path.pixel;
+        word(1)[slot] = path.sample;
+    }
+    // What a bounce changes.
+    template <bool radiance, bool medium>
+    PT_HD void update(std::uint32_t slot, const Path<Real>& path) const {
         set_vector(0, slot, path.origin);
         set_vector(3, slot, path.direction);
         set_vector(6, slot, path.throughput);
-        set_vector(9, slot, path.radiance);
-        real(12)[slot] = path.time;
-        word(0)[slot] = path.pixel;
-        word(1)[slot] = path.sample;
+        if constexpr (radiance) {
+            set_vector(9, slot, path.radiance);
+        }
         word(2)[slot] = path.segment;
         word(3)[slot] = path.departed.code;
-        word(4)[slot] = path.medium;
+        if constexpr (medium) {
+            word(4)[slot] = path.medium;
+        }
     }
+    PT_HD void end(std::uint32_t slot) const { word(2)[slot] = Path<Real>::ended; }
     PT_HD bool alive(std::uint32_t slot) const { return word(2)[slot] != Path<Real>::ended; }
     PT_HD std::uint32_t pixel(std::uint32_t slot) const { return word(0)[slot]; }
     PT_HD std::uint32_t sample(std::uint32_t slot) const { return word(1)[slot]; }

@@ -10,7 +10,7 @@ namespace pt::sort_key::material_hit {
 
 inline constexpr bool has_material = true;
 
-__device__ inline std::uint32_t rest(const Ray<Real>& ray, const Hit& hit, const cuda::KeyBounds& bounds) {
+__device__ inline std::uint32_t rest(const Ray<Real>& ray, const pt::Hit<Real>& hit, const cuda::KeyBounds& bounds) {
     return hit.side.exists() ? cuda::morton(ray.origin + ray.direction * hit.t, bounds) : 0;
 }
 

@@ -10,7 +10,7 @@ namespace pt::sort_key::ray {
 
 inline constexpr bool has_material = false;
 
-__device__ inline std::uint32_t rest(const Ray<Real>& ray, const Hit&, const cuda::KeyBounds& bounds) {
+__device__ inline std::uint32_t rest(const Ray<Real>& ray, const pt::Hit<Real>&, const cuda::KeyBounds& bounds) {
     const std::uint32_t octant = (ray.direction.x < Real(0) ? 4u : 0u) | (ray.direction.y < Real(0) ? 2u : 0u) |
                                  (ray.direction.z < Real(0) ? 1u : 0u);
     return (octant << 15) | cuda::morton(ray.origin, bounds);

@@ -1,0 +1,200 @@
+// Covering variants: every two choices that can go together do so in one of them, against brute force.
+#include <algorithm>
+#include <random>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "harness/bench/suite.h"
+#include "tests/support/backends.h"
+
+namespace pt {
+namespace {
+
+using Place = std::pair<std::size_t, std::string>;  // axis and choice
+using Pair = std::pair<Place, Place>;
+
+void add_pairs(const Variant& variant, std::set<Pair>& pairs) {
+    for (std::size_t a = 0; a < std::size(axis_names); ++a) {
+        for (std::size_t b = a + 1; b < std::size(axis_names); ++b) {
+            pairs.insert({{a, variant[axis_names[a]]}, {b, variant[axis_names[b]]}});
+        }
+    }
+}
+
+std::set<Pair> pairs_in(const std::vector<Variant>& variants) {
+    std::set<Pair> pairs;
+    for (const Variant& variant : variants) {
+        add_pairs(variant, pairs);
+    }
+    return pairs;
+}
+
+std::vector<Pair> pairs_of(const AxisChoices& axes) {
+    std::vector<Pair> pairs;
+    for (std::size_t a = 0; a < std::size(axis_names); ++a) {
+        for (std::size_t b = a + 1; b < std::size(axis_names); ++b) {
+            for (const std::string& first : axes.at(std::string(axis_names[a]))) {
+                for (const std::string& second : axes.at(std::string(axis_names[b]))) {
+                    pairs.push_back({{a, first}, {b, second}});
+                }
+            }
+        }
+    }
+    return pairs;
+}
+
+constexpr FeatureSet plain = Feature::sphere | Feature::diffuse | Feature::emitter;
+constexpr FeatureSet scenes[] = {plain, plain | Feature::jitter, plain & ~static_cast<FeatureSet>(Feature::emitter),
+                                 all_features};
+
+bool applies(const Variant& variant, FeatureSet scene, Backend backend) {
+    return why_not_applicable(variant, scene, backend).empty();
+}
+
+TEST(CoveringTest, AllApplyAndNoneIsThereTwice) {
+    for (const Backend backend : test::built_backends()) {
+        for (const FeatureSet scene : scenes) {
+            const std::vector<Variant> variants = covering_variants(all_choices(backend), scene, backend);
+            std::set<std::string> names;
+            for (const Variant& variant : variants) {
+                EXPECT_EQ(why_not_applicable(variant, scene, backend), "") << variant.name();
+                EXPECT_TRUE(variant.tuning.empty());
+                EXPECT_TRUE(names.insert(variant.name()).second) << variant.name();
+            }
+            EXPECT_TRUE(names.contains(Registry::instance().baseline(backend).name()));
+        }
+    }
+}
+
+TEST(CoveringTest, IsTheSameEveryTime) {
+    for (const Backend backend : test::built_backends()) {
+        const std::vector<Variant> first = covering_variants(all_choices(backend), plain, backend);
+        EXPECT_EQ(covering_variants(all_choices(backend), plain, backend), first);
+    }
+}
+
+// The CPU's product is small: all of it is looked at.
+TEST(CoveringTest, OnTheCpuHasExactlyThePairsOfTheWholeProduct) {
+    for (const FeatureSet scene : scenes) {
+        std::vector<Variant> all = expand(all_choices());
+        std::erase_if(all, [&](const Variant& variant) { return !applies(variant, scene, Backend::cpu); });
+        const std::vector<Variant> chosen = covering_variants(all_choices(), scene, Backend::cpu);
+        EXPECT_EQ(pairs_in(chosen), pairs_in(all));
+        EXPECT_LT(chosen.size(), all.size() / 2);
+    }
+}
+
+// Looks for an applicable variant with both choices of a pair: with up to two of the other axes away from the
+// baseline, then with all of them at random. Returns its name, or nothing.
+std::string find_completion(const Pair& pair, const AxisChoices& axes, FeatureSet scene, Backend backend,
+                            std::mt19937& random) {
+    Variant start = Registry::instance().baseline(backend);
+    start.set(axis_names[pair.first.first], pair.first.second);
+    start.set(axis_names[pair.second.first], pair.second.second);
+    std::vector<std::string> others;
+    for (std::size_t axis = 0; axis < std::size(axis_names); ++axis) {
+        if (axis != pair.first.first && axis != pair.second.first) {
+            others.emplace_back(axis_names[axis]);
+        }
+    }
+    for (std::size_t a = 0; a < others.size(); ++a) {
+        for (std::size_t b = a + 1; b < others.size(); ++b) {
+            Variant variant = start;
+            for (const std::string& first : axes.at(others[a])) {
+                variant.set(others[a], first);
+                for (const std::string& second : axes.at(others[b])) {
+                    variant.set(others[b], second);
+                    if (applies(variant, scene, backend)) {
+                        return variant.name();
+                    }
+                }
+            }
+        }
+    }
+    for (int trial = 0; trial < 2000; ++trial) {
+        Variant variant = start;
+        for (const std::string& axis : others) {
+            const std::vector<std::string>& names = axes.at(axis);
+            variant.set(axis, names[random() % names.size()]);
+        }
+        if (applies(variant, scene, backend)) {
+            return variant.name();
+        }
+    }
+    return "";
+}
+
+TEST(CoveringTest, OnCudaLeavesNoPairOutThatCanBeFound) {
+    if (!test::cuda_is_built()) {
+        GTEST_SKIP() << "built without a CUDA toolkit";
+    }
+    const AxisChoices axes = all_choices(Backend::cuda);
+    std::mt19937 random(20);
+    for (const FeatureSet scene : scenes) {
+        const std::vector<Variant> variants = covering_variants(axes, scene, Backend::cuda);
+        const std::set<Pair> covered = pairs_in(variants);
+        std::size_t left_out = 0;
+        for (const Pair& pair : pairs_of(axes)) {
+            if (!covered.contains(pair)) {
+                ++left_out;
+                EXPECT_EQ(find_completion(pair, axes, scene, Backend::cuda, random), "")
+                    << axis_names[pair.first.first] << "=" << pair.first.second << " " << axis_names[pair.second.first]
+                    << "=" << pair.second.second;
+            }
+        }
+        // The search would be idle if nothing were left out, and the set worth nothing if it were large.
+        EXPECT_GT(left_out, 50u);
+        EXPECT_GT(covered.size(), 500u);
+        EXPECT_LT(variants.size(), 200u);
+    }
+}
+
+// Random variants that apply, found without a look at pairs: none may have a pair that is not covered.
+TEST(CoveringTest, NoRandomVariantHasAPairThatIsLeftOut) {
+    std::mt19937 random(21);
+    for (const Backend backend : test::built_backends()) {
+        const AxisChoices axes = all_choices(backend);
+        for (const FeatureSet scene : scenes) {
+            const std::set<Pair> covered = pairs_in(covering_variants(axes, scene, backend));
+            std::size_t found = 0;
+            for (int trial = 0; trial < 20000; ++trial) {
+                Variant variant;
+                for (const auto& [axis, names] : axes) {
+                    variant.set(axis, names[random() % names.size()]);
+                }
+                if (!applies(variant, scene, backend)) {
+                    continue;
+                }
+                ++found;
+                std::set<Pair> pairs;
+                add_pairs(variant, pairs);
+                EXPECT_TRUE(std::includes(covered.begin(), covered.end(), pairs.begin(), pairs.end()))
+                    << variant.name();
+            }
+            EXPECT_GT(found, 100u) << to_string(backend);
+        }
+    }
+}
+
+TEST(CoveringTest, KeepsToTheChoicesThatAreGiven) {
+    const AxisChoices axes{{"compaction", {"thrust_partition", "thrust_remove_if"}},
+                           {"layout", {"soa", "aos"}},
+                           {"integrator", {"depth_first", "wavefront"}}};
+    const std::vector<Variant> variants = covering_variants(axes, plain, Backend::cpu);
+    // depth_first has no queue: nothing goes with these compactions but a wavefront. 2 x 2 pairs, each on its own.
+    ASSERT_EQ(variants.size(), 4u);
+    for (const Variant& variant : variants) {
+        EXPECT_EQ(variant["integrator"], "wavefront");
+        EXPECT_NE(variant["compaction"], "none");
+        EXPECT_EQ(variant["sorting"], "none");
+        EXPECT_EQ(variant["first_bounce"], "off");
+        EXPECT_EQ(variant["specialisation"], "features");
+    }
+    EXPECT_TRUE(covering_variants({{"first_bounce", {"cached"}}}, plain | Feature::jitter, Backend::cpu).empty());
+    EXPECT_EQ(covering_variants({}, plain, Backend::cpu),
+              std::vector<Variant>{Registry::instance().baseline(Backend::cpu)});
+}
+
+}  // namespace
+}  // namespace pt
