@@ -11,7 +11,7 @@ import json
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -22,11 +22,18 @@ SCHEMA_VERSION = "1"
 CELL_STATUSES = ("ok", "failed", "interrupted")
 RUN_STATUSES = ("completed", "interrupted")
 CLAIMS = ("bitwise", "statistical", "biased")
+GPU_BACKEND = "cuda"
+# Counters that a sample may have of its own, as "pt_NAME".
+WORK_COUNTERS = ("launches", "graph_nodes", "host_waits")
 
 # Google Benchmark appends how it ran a benchmark to its name; ours is the part before.
 _BENCHMARK_SUFFIX = re.compile(
     r"(/(iterations|repeats|min_time|min_warmup_time|threads):[^/]*|/(manual|real|process)_time)+$"
 )
+
+# The harness's reasons for what is not applicable in a study that is written for more than one backend or choice.
+_ELSEWHERE = re.compile(r"(\S+=\S+) is not there on the backend \S+")
+_NOTHING_TO_TUNE = " tunes none of the variant's choices"
 
 
 @dataclass(frozen=True)
@@ -47,6 +54,7 @@ class Sample:
     clock_mhz_after: float | None = None
     low_clock: bool = False
     contended: bool = False
+    work: dict[str, float] = field(default_factory=dict)  # "launches" and its like, where the file has them a sample
 
     @property
     def ms_per_spp(self) -> float:
@@ -77,6 +85,33 @@ class Instrumented:
 
 
 @dataclass(frozen=True)
+class Kernel:
+    """What the compiler made of one CUDA kernel, a thread; shared memory is a block's."""
+
+    registers: int
+    local_bytes: int
+    shared_bytes: int
+
+
+@dataclass(frozen=True)
+class Cuda:
+    """A cell's facts on the device."""
+
+    block: int | None
+    device_bytes: int | None
+    path_bytes: int | None
+    prepare_ms: float | None
+    options: tuple[str, ...]
+    kernels: dict[str, Kernel]
+
+
+def tuned_in(variant: str) -> dict[str, str]:
+    """The tunables that are not at their choice's standard: a variant's name spells those and no others."""
+    pairs = (part.partition("=") for part in variant.split("+")[1:])
+    return {name: value for name, _, value in pairs}
+
+
+@dataclass(frozen=True)
 class Cell:
     """Scene x backend x variant x settings, with its samples."""
 
@@ -102,6 +137,9 @@ class Cell:
     instrumented: Instrumented | None
     samples: tuple[Sample, ...]
     errors: tuple[str, ...]
+    tunables: dict[str, int] = field(default_factory=dict)  # all that its choices have, at the values that they had
+    counters: dict[str, int] = field(default_factory=dict)  # of the instrumented pass, `spp` samples a pixel
+    cuda: Cuda | None = None
 
     @property
     def failed(self) -> bool:
@@ -137,6 +175,39 @@ class Cell:
     def resolution_text(self) -> str:
         return f"{self.resolution[0]}x{self.resolution[1]}"
 
+    @property
+    def pixels(self) -> int:
+        return self.resolution[0] * self.resolution[1]
+
+    @property
+    def on_gpu(self) -> bool:
+        return self.backend == GPU_BACKEND
+
+    @property
+    def tuned(self) -> dict[str, str]:
+        return tuned_in(self.variant)
+
+    @property
+    def device_share(self) -> float | None:
+        """Device time over render wall time, the median of the samples'."""
+        shares = [sample.device_ms / sample.wall_ms for sample in self.samples if sample.device_ms is not None]
+        return float(np.median(shares)) if shares and len(shares) == len(self.samples) else None
+
+    def work_per_spp(self, counter: str) -> float | None:
+        """How often the timed renders did `counter` a sample per pixel; None where the file does not say.
+
+        The samples' own counts where they have them. Otherwise the instrumented pass's, but not a graph launch's: the
+        events that time stages cannot be captured, so that pass runs without a graph.
+        """
+        counts = [sample.work.get(counter) for sample in self.samples]
+        if counts and None not in counts:
+            return float(np.median(counts)) / self.spp
+        if counter not in self.counters:
+            return None
+        if self.axes.get("launch", "stream") != "stream" and not self.counters.get("graph_nodes"):
+            return None
+        return self.counters[counter] / self.spp
+
 
 @dataclass(frozen=True)
 class Study:
@@ -157,6 +228,21 @@ class NotApplicable:
     axes: dict[str, str]
     reason: str
 
+    @property
+    def tuned(self) -> dict[str, str]:
+        return tuned_in(self.variant)
+
+    @property
+    def elsewhere(self) -> str:
+        """ "axis=choice" where the reason is that only another backend has that choice."""
+        match = _ELSEWHERE.fullmatch(self.reason)
+        return match[1] if match else ""
+
+    @property
+    def is_untuned_twin(self) -> bool:
+        """Left out because its choices lack a tunable of the study: the same choices without it were run."""
+        return self.reason.endswith(_NOTHING_TO_TUNE)
+
 
 @dataclass(frozen=True)
 class Result:
@@ -167,6 +253,7 @@ class Result:
     studies: tuple[Study, ...]
     cells: tuple[Cell, ...]
     not_applicable: tuple[NotApplicable, ...]
+    baselines: dict[str, str] = field(default_factory=dict)  # by axis, on the file's backend; empty in older files
 
     def about(self, key: str) -> str:
         """A ptbench context value, or "unknown" where the file does not have it."""
@@ -268,6 +355,9 @@ class Node:
     def texts(self) -> dict[str, str]:
         return {key: Node(self.file, value, f"{self.place}.{key}").text() for key, value in self.fields().items()}
 
+    def integers(self) -> dict[str, int]:
+        return {key: Node(self.file, value, f"{self.place}.{key}").integer() for key, value in self.fields().items()}
+
     def optional_text(self, key: str, default: str = "") -> str:
         node = self.maybe(key)
         return default if node is None else node.text()
@@ -315,12 +405,14 @@ def load(path: Path | str) -> Result:
     cells = tuple(_cell(node, study_names, samples, errors) for node in ptbench.need("cells").items())
     _refuse_twins(ptbench.need("cells"), [cell.name for cell in cells], "cell")
     absent = ptbench.maybe("not_applicable")
+    baselines = ptbench.maybe("baselines")
     return Result(
         path=path,
         context=context,
         studies=studies,
         cells=cells,
         not_applicable=() if absent is None else tuple(_not_applicable(node) for node in absent.items()),
+        baselines={} if baselines is None else baselines.texts(),
     )
 
 
@@ -387,6 +479,7 @@ def _sample(row: Node) -> Sample:
         clock_mhz_after=row.optional_number("pt_clock_mhz_after"),
         low_clock=low is not None and low.number() != 0,
         contended=contended is not None and contended.number() != 0,
+        work={key: row.need(f"pt_{key}").number() for key in WORK_COUNTERS if row.maybe(f"pt_{key}") is not None},
     )
 
 
@@ -400,6 +493,7 @@ def _cell(
     studies = node.maybe("studies")
     claim = node.maybe("claim")
     instrumented = node.maybe("instrumented")
+    tunables, counters, cuda = node.maybe("tunables"), node.maybe("counters"), node.maybe("cuda")
     return Cell(
         name=name,
         studies=() if studies is None else tuple(item.one_of(study_names) for item in studies.items()),
@@ -424,6 +518,29 @@ def _cell(
         instrumented=None if instrumented is None or instrumented.value == {} else _instrumented(instrumented),
         samples=tuple(samples[name]),
         errors=tuple(errors[name]),
+        tunables={} if tunables is None else tunables.integers(),
+        counters={} if counters is None else counters.integers(),
+        cuda=None if cuda is None or cuda.value == {} else _cuda(cuda),
+    )
+
+
+def _cuda(node: Node) -> Cuda:
+    options, kernels = node.maybe("options"), node.maybe("kernels")
+    return Cuda(
+        block=node.optional_integer("block"),
+        device_bytes=node.optional_integer("device_bytes"),
+        path_bytes=node.optional_integer("path_bytes"),
+        prepare_ms=node.optional_number("prepare_ms"),
+        options=() if options is None else tuple(item.text() for item in options.items()),
+        kernels={} if kernels is None else {name: _kernel(kernels.need(name)) for name in kernels.fields()},
+    )
+
+
+def _kernel(node: Node) -> Kernel:
+    return Kernel(
+        registers=node.need("registers").integer(),
+        local_bytes=node.optional_integer("local_bytes") or 0,
+        shared_bytes=node.optional_integer("shared_bytes") or 0,
     )
 
 

@@ -45,6 +45,7 @@ class Estimate:
 class Verdict:
     word: str
     reason: str = ""
+    needs_samples: bool = False  # more of them, nothing else, would settle it
 
 
 def _resampled_medians(values: np.ndarray, random: np.random.Generator) -> np.ndarray:
@@ -85,7 +86,7 @@ def ratio_estimate(values: np.ndarray, baseline: np.ndarray) -> Estimate:
 def verdict_of_ratio(ratio: Estimate) -> Verdict:
     """What the interval of a ratio of times allows to say."""
     if ratio.n < MINIMUM_SAMPLES or ratio.low is None or ratio.high is None:
-        return Verdict(UNSURE, f"n = {ratio.n}, a verdict needs {MINIMUM_SAMPLES}")
+        return Verdict(UNSURE, f"n = {ratio.n}, a verdict needs {MINIMUM_SAMPLES}", needs_samples=True)
     if ratio.high < 1 - THRESHOLD:
         return Verdict(FASTER)
     if ratio.low > 1 + THRESHOLD:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
 
 from analysis.results import Cell, Result, Study
@@ -25,21 +26,68 @@ class Question:
     baseline: str
 
 
+# In the order in which a variant's name spells them. The baselines are those of files that do not name their own.
 AXIS_BASELINES = {
     "integrator": "wavefront",
     "compaction": "none",
     "sorting": "none",
+    "sort_key": "material",
     "first_bounce": "off",
     "direct_light": "off",
     "layout": "aos",
     "specialisation": "features",
+    "launch": "stream",
+    "arithmetic": "precise",
+    "precision": "float",
 }
 
-QUESTIONS = {
-    "sorting_by_depth": Question("sorting", "none"),
-    "first_bounce_by_depth": Question("first_bounce", "off"),
-    **{axis: Question(axis, baseline) for axis, baseline in AXIS_BASELINES.items()},
+# The axis that a figure is about.
+FIGURE_AXES = {
+    "sorting_by_depth": "sorting",
+    "first_bounce_by_depth": "first_bounce",
+    **{axis: axis for axis in AXIS_BASELINES},
 }
+
+# What lies along the x axis of the figures that follow a cost: a setting of the cells, their scene or a tunable. They
+# are about the first axis that has more than one choice in their study.
+SWEPT = {
+    "scaling_by_resolution": "resolution",
+    "scaling_by_depth": "depth",
+    "scaling_by_materials": "scene",
+    "scaling_by_shading_fmas": "shading_fmas",
+}
+
+# More rows of one scene and depth, or lines of one panel, are split into groups.
+MOST_TOGETHER = 8
+
+
+def question_of(result: Result, study: Study | None) -> Question | None:
+    """What the study's figure asks; None where it compares no choices.
+
+    The baseline is the file's own for its backend. A study that was not run with it is held against the first choice
+    that it was run with.
+    """
+    if study is None:
+        return None
+    cells = result.cells_of(study)
+    axis = _varying_axis(cells) if study.figure in SWEPT else FIGURE_AXES.get(study.figure)
+    if axis is None:
+        return None
+    run = list(dict.fromkeys(cell.axes[axis] for cell in cells if axis in cell.axes))
+    baseline = usual_baseline(result, axis)
+    # Files that do not name their baselines are older than studies without one.
+    if run and baseline not in run and (result.baselines or baseline is None):
+        baseline = run[0]
+    return Question(axis, baseline or "?")
+
+
+def usual_baseline(result: Result, axis: str) -> str | None:
+    return result.baselines.get(axis) or AXIS_BASELINES.get(axis)
+
+
+def _varying_axis(cells: Sequence[Cell]) -> str | None:
+    names = dict.fromkeys([*AXIS_BASELINES, *(name for cell in cells for name in cell.axes)])
+    return next((name for name in names if len({cell.axes.get(name) for cell in cells}) > 1), None)
 
 
 @dataclass(frozen=True)
@@ -67,8 +115,8 @@ class Note:
 def measure(result: Result, study: Study | None) -> list[Row]:
     """Every cell of the study (None: the cells of no study), measured or not, in the file's order."""
     cells = result.cells_of(study) if study is not None else tuple(cell for cell in result.cells if not cell.studies)
-    question = QUESTIONS.get(study.figure) if study is not None else None
-    dimensions = varying_dimensions(cells, question)
+    question = question_of(result, study)
+    dimensions = varying_dimensions(cells, question, swept_by(study))
     rows = []
     for cell in cells:
         estimate = rays = ratio = verdict = None
@@ -78,7 +126,9 @@ def measure(result: Result, study: Study | None) -> list[Row]:
             rays = median_estimate([sample.mega_rays_per_second for sample in cell.samples])
             if question is not None and not is_baseline:
                 ratio, verdict = _against_baseline(cell, cells, question)
-        rows.append(Row(cell, label_of(cell, question, dimensions), is_baseline, estimate, rays, ratio, verdict))
+        compared = question is not None or (study is not None and study.figure in SWEPT)
+        label = label_of(cell, question, dimensions) if compared else cell.variant
+        rows.append(Row(cell, label, is_baseline, estimate, rays, ratio, verdict))
     return rows
 
 
@@ -104,36 +154,74 @@ def _is_contended(cell: Cell) -> bool:
 
 
 def baseline_of(cell: Cell, cells: Iterable[Cell], question: Question) -> Cell | None:
-    """The cell that differs in the question's axis only. Equal spp is preferred, not required: times are per spp."""
+    """The cell that differs in the question's axis only.
+
+    Equal spp is preferred, not required: times are per spp. Tunables that both cells have must be equal, or both at
+    their choice's standard (which two choices need not share); those that only the baseline has, at theirs if possible.
+    """
 
     def setting(other: Cell) -> tuple:
         axes = {name: choice for name, choice in other.axes.items() if name != question.axis}
         return other.scene, other.backend, other.depth, other.resolution, axes
 
+    def unlikeness(other: Cell) -> tuple:
+        differing = sum(cell.tunables[name] != other.tunables[name] for name in _shared_tunables(cell, other))
+        return differing, other.spp != cell.spp, len(other.tuned.keys() - cell.tunables.keys())
+
     matches = [
         other
         for other in cells
-        if other.axes.get(question.axis) == question.baseline and setting(other) == setting(cell)
+        if other.axes.get(question.axis) == question.baseline
+        and setting(other) == setting(cell)
+        and _equally_tuned(cell, other)
     ]
-    return next((other for other in matches if other.spp == cell.spp), matches[0] if matches else None)
+    return min(matches, key=unlikeness, default=None)
 
 
-def _dimension(cell: Cell, name: str) -> str:
-    settings = {"backend": cell.backend, "resolution": cell.resolution_text, "spp": str(cell.spp)}
-    return settings[name] if name in settings else cell.axes.get(name, "")
+def _shared_tunables(cell: Cell, other: Cell) -> list[str]:
+    return [name for name in cell.tunables if name in other.tunables]
 
 
-def varying_dimensions(cells: Sequence[Cell], question: Question | None) -> list[str]:
-    """What differs between cells of one scene and depth besides the question's axis: a label has to say it."""
-    names = list(dict.fromkeys(name for cell in cells for name in cell.axes))
+def _equally_tuned(cell: Cell, other: Cell) -> bool:
+    return all(
+        cell.tunables[name] == other.tunables[name] or (name not in cell.tuned and name not in other.tuned)
+        for name in _shared_tunables(cell, other)
+    )
+
+
+def swept_by(study: Study | None) -> str:
+    """What tells the points of one line apart."""
+    return SWEPT.get(study.figure, "depth") if study is not None else "depth"
+
+
+def dimension(cell: Cell, name: str) -> str | None:
+    """What a cell has of an axis, a setting or a tunable, as text; None: it has no such tunable."""
+    settings = {
+        "scene": cell.scene,
+        "backend": cell.backend,
+        "resolution": cell.resolution_text,
+        "depth": str(cell.depth),
+        "spp": str(cell.spp),
+    }
+    tunables = {tunable: str(value) for tunable, value in cell.tunables.items()}
+    return {**tunables, **cell.axes, **settings}.get(name)
+
+
+def varying_dimensions(cells: Sequence[Cell], question: Question | None, swept: str = "depth") -> list[str]:
+    """What differs between cells of one scene and x besides the question's axis: a label has to say it."""
+    axes = dict.fromkeys(name for cell in cells for name in cell.axes)
+    tunables = dict.fromkeys(name for cell in cells for name in cell.tunables)
+    settings = [name for name in ("backend", "resolution", "depth", "spp") if name != swept]
     varying = []
-    for name in [*names, "backend", "resolution", "spp"]:
-        if question is not None and name == question.axis:
+    for name in [*axes, *settings, *tunables]:
+        if name == swept or (question is not None and name == question.axis):
             continue
-        groups: dict[tuple, set[str]] = {}
+        groups: dict[tuple, set[str | None]] = {}
         for cell in cells:
-            groups.setdefault((cell.scene, cell.depth), set()).add(_dimension(cell, name))
-        if any(len(values) > 1 for values in groups.values()):
+            # Two choices may have other standards of one tunable: that alone is no difference to tell.
+            choices = tuple(cell.axes.items()) if name in tunables else ()
+            groups.setdefault((cell.scene, dimension(cell, swept), choices), set()).add(dimension(cell, name))
+        if any(len(values - {None}) > 1 for values in groups.values()):
             varying.append(name)
     return varying
 
@@ -149,16 +237,62 @@ def fixed_axes(cells: Sequence[Cell], question: Question | None) -> dict[str, st
     return fixed
 
 
+def fixed_tunables(cells: Sequence[Cell], dimensions: Sequence[str]) -> dict[str, list[int]]:
+    """The values of the tunables that are no dimension; several where choices have standards of their own."""
+    names = dict.fromkeys(name for cell in cells for name in cell.tunables if name not in dimensions)
+    return {name: sorted({cell.tunables[name] for cell in cells if name in cell.tunables}) for name in names}
+
+
 def label_of(cell: Cell, question: Question | None, dimensions: Sequence[str]) -> str:
-    if question is None:
-        return cell.variant
-    others = [f"{name}={_dimension(cell, name)}" for name in dimensions]
-    return ", ".join([cell.axes.get(question.axis, "?"), *others])
+    """The choice and what else varies; where no choices are compared, what varies."""
+    values = ((name, dimension(cell, name)) for name in dimensions)
+    others = [f"{name}={value}" for name, value in values if value is not None]
+    if question is not None:
+        others.insert(0, cell.axes.get(question.axis, "?"))
+    return ", ".join(others) or cell.axes.get("integrator", cell.variant)
 
 
-def series_order(rows: Sequence[Row]) -> list[str]:
-    """The labels, baselines first, then as the file has them: one order, so one colour a choice in every panel."""
-    return list(dict.fromkeys([row.label for row in rows if row.is_baseline] + [row.label for row in rows]))
+@dataclass(frozen=True)
+class Parts:
+    """How a figure's cells stand together: in groups that differ in `split`, each cell under its label."""
+
+    split: tuple[str, ...]
+    labels: dict[str, str]  # by cell name
+    order: tuple[str, ...]  # of the labels: baselines first, then as the file has them, so one colour a choice
+
+    def values(self, cell: Cell) -> tuple[str | None, ...]:
+        return tuple(dimension(cell, name) for name in self.split)
+
+    def suffix(self, values: Sequence[str | None]) -> str:
+        return "".join(f", {name}={value}" for name, value in zip(self.split, values, strict=True))
+
+
+def parts_of(
+    rows: Sequence[Row], question: Question | None, swept: str, place: Callable[[Row], Hashable], within: Sequence[Row]
+) -> Parts:
+    """How to show `rows`, of which those of one `place` would stand together.
+
+    Where they would be too many, they are split by all that varies besides the choice, but for tunables that some
+    choices do not have: each group is a list of choices with its own baseline. What varies is looked for `within` all
+    of the study's rows.
+    """
+    cells = [row.cell for row in within]
+    dimensions = varying_dimensions(cells, question, swept)
+    split: tuple[str, ...] = ()
+    if max(Counter(place(row) for row in rows).values()) > MOST_TOGETHER:
+        split = tuple(name for name in dimensions if all(dimension(cell, name) is not None for cell in cells))
+    told = [name for name in dimensions if name not in split]
+    labels = {row.cell.name: label_of(row.cell, question, told) for row in rows}
+    order = dict.fromkeys([labels[row.cell.name] for row in rows if row.is_baseline] + list(labels.values()))
+    return Parts(split, labels, tuple(order))
+
+
+def in_file_order(keys: Iterable[tuple]) -> list[tuple]:
+    """Each key once, by its first part, then the second, ...; each part in the order in which its values appear."""
+    once = list(dict.fromkeys(keys))
+    places = [dict.fromkeys(part) for part in zip(*once, strict=True)]
+    ranks = [{value: rank for rank, value in enumerate(part)} for part in places]
+    return sorted(once, key=lambda key: [rank[value] for rank, value in zip(ranks, key, strict=True)])
 
 
 def scenes_of(rows: Sequence[Row]) -> list[str]:
@@ -168,7 +302,7 @@ def scenes_of(rows: Sequence[Row]) -> list[str]:
 def notes_of(result: Result, study: Study | None, rows: Sequence[Row]) -> list[Note]:
     """All that keeps a figure or a table from being the whole story: nothing is left out in silence."""
     notes: list[Note] = []
-    question = QUESTIONS.get(study.figure) if study is not None else None
+    question = question_of(result, study)
     cells = [row.cell for row in rows]
     if result.interrupted:
         text = "the run was interrupted: cells and samples may be missing"
@@ -177,7 +311,7 @@ def notes_of(result: Result, study: Study | None, rows: Sequence[Row]) -> list[N
     for row in rows:
         if row.cell.failed:
             where = f"{row.label} in {row.cell.scene} at depth {row.cell.depth}"
-            short = f"Failed: {where} ({_clipped(row.cell.failure)})."
+            short = f"Failed: {where} ({_clipped(_gist(row.cell))})."
             notes.append(Note("failed", short, f"{row.cell.name}: {row.cell.failure}"))
     _note_cells(notes, "interrupted", [c for c in cells if c.status == "interrupted"], "interrupted while measuring")
     without = [c for c in cells if not c.failed and not c.samples]
@@ -220,8 +354,9 @@ def notes_of(result: Result, study: Study | None, rows: Sequence[Row]) -> list[N
 
 def _not_applicable_notes(result: Result, study: Study | None, question: Question | None) -> list[Note]:
     seen: dict[tuple[str, str], list[str]] = {}
-    for item in result.not_applicable:
-        if item.study == (study.name if study is not None else ""):
+    of_study = [item for item in result.not_applicable if item.study == (study.name if study is not None else "")]
+    for item in of_study:
+        if not item.elsewhere:
             what = item.axes.get(question.axis, item.variant) if question is not None else item.variant
             scenes = seen.setdefault((what, item.reason), [])
             if item.scene not in scenes:
@@ -230,6 +365,11 @@ def _not_applicable_notes(result: Result, study: Study | None, question: Questio
     for (what, reason), scenes in seen.items():
         where = f" in {', '.join(scenes)}" if any(scenes) else ""
         notes.append(Note("n/a", f"Not applicable: {what}{where} ({_clipped(reason)}).", f"{what}{where}: {reason}"))
+    # A suite may be written for two backends: what only the other one has is no news of this one.
+    elsewhere = list(dict.fromkeys(item.elsewhere for item in of_study if item.elsewhere))
+    if elsewhere:
+        text = f"not on the backend {result.about('backend')}: {', '.join(elsewhere)}"
+        notes.append(Note("other backend", f"{text[0].upper()}{text[1:]}.", text))
     return notes
 
 
@@ -244,6 +384,12 @@ def _first(names: Sequence[str], most: int = 3) -> str:
     """The first few: cell names are long, and the summary's table marks every one of them."""
     rest = len(names) - most
     return ", ".join(names[:most]) + (f" and {rest} more, marked in summary.md's table" if rest > 0 else "")
+
+
+def _gist(cell: Cell) -> str:
+    """Why a cell failed, without the cell's own name, with which the GPU's messages begin."""
+    head, _, message = cell.failure.partition(": ")
+    return message if message and head.startswith(cell.variant) else cell.failure
 
 
 def _clipped(text: str, length: int = 90) -> str:

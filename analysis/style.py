@@ -7,7 +7,7 @@ overlaps or is cut off, whatever the number of series.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -99,6 +99,13 @@ def interval(low: float | None, high: float | None, digits: int = 4) -> str:
 
 def ratio(value: float) -> str:
     return f"{value:.3f}" if abs(value) < 10 else f"{value:.2f}"
+
+
+def span(values: Iterable[int], unit: str = "") -> str:
+    """ "4", "1 to 8": the range of a setting."""
+    ordered = sorted(set(values))
+    text = str(ordered[0]) if len(ordered) == 1 else f"{ordered[0]} to {ordered[-1]}"
+    return f"{text} {unit}".strip()
 
 
 def count(value: float) -> str:
@@ -254,6 +261,11 @@ def draw_line(axes: Axes, xs: Sequence[float], estimates: Sequence[Estimate], st
             elinewidth=1.1,
             zorder=4,
         )
+
+
+def draw_ring(axes: Axes, x: float, y: float, style: Look) -> None:
+    """A ring round a point that the text speaks of."""
+    axes.plot([x], [y], marker="o", markersize=13, markerfacecolor="none", markeredgecolor=style.colour, zorder=5)
 
 
 def draw_row(axes: Axes, y: float, estimate: Estimate, style: Look) -> None:

@@ -5,16 +5,27 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from analysis.files import one_line
+from analysis.gpu import about_gpu, gpu_line, hottest_kernel
 from analysis.results import Cell, Result, Study
 from analysis.statistics import INTERVAL_TEXT, VERDICT_RULE, Estimate
-from analysis.studies import QUESTIONS, Note, Row, measure, notes_of
+from analysis.studies import Note, Row, measure, notes_of, question_of, usual_baseline
 from analysis.style import figures, interval, ratio
 
 _COLUMNS = (
     "Variant", "Scene", "Depth", "Resolution", "Backend", "spp", "n", "ms/spp", "95 % interval", "Mrays/s",
     "Ratio", "Ratio's 95 % interval", "Verdict", "Remarks",
 )  # fmt: skip
-_NUMERIC = {"Depth", "spp", "n", "ms/spp", "95 % interval", "Mrays/s", "Ratio", "Ratio's 95 % interval"}
+# Before the remarks, where a study ran on a GPU.
+_GPU_COLUMNS = ("Device/wall", "Launches/spp", "Host waits/spp", "Hottest kernel's registers")
+_NUMERIC = {
+    "Depth", "spp", "n", "ms/spp", "95 % interval", "Mrays/s", "Ratio", "Ratio's 95 % interval",
+    "Device/wall", "Launches/spp", "Host waits/spp", "Hottest kernel's registers",
+}  # fmt: skip
+_GPU_TEXT = (
+    "On a GPU: device time over render wall time is the median of the samples'; launches are kernels, copies and "
+    "graphs that the host enqueues, host waits how often it waits for the device meanwhile; the hottest kernel is that "
+    "of the longest stage whose kernel is ours."
+)
 
 
 def summary(result: Result, not_drawn: dict[str, str], notes: dict[str, Sequence[Note]]) -> str:
@@ -22,6 +33,8 @@ def summary(result: Result, not_drawn: dict[str, str], notes: dict[str, Sequence
     lines = [f"# {result.suite or result.path.stem}: what was measured", "", *_about(result), ""]
     lines += [f"Times are medians of render wall time per sample per pixel. Intervals: {INTERVAL_TEXT}.", ""]
     lines += [VERDICT_RULE, "Low-clock samples are flagged, never dropped.", ""]
+    if any(cell.on_gpu for cell in result.cells):
+        lines += [_GPU_TEXT, ""]
     for study in result.studies:
         lines += _section(
             result, study, f"## {study.title or study.name}", not_drawn.get(study.name), notes.get(study.name)
@@ -30,15 +43,18 @@ def summary(result: Result, not_drawn: dict[str, str], notes: dict[str, Sequence
         lines += ["The file has no studies.", ""]
     if any(not cell.studies for cell in result.cells):
         lines += _section(result, None, "## Cells of no study", None, None)
-    lines += _stages(result) + _not_applicable(result) + _failed(result.cells)
+    lines += _stages(result) + _on_device(result) + _not_applicable(result) + _failed(result.cells)
     return "\n".join(lines).rstrip() + "\n"
 
 
 def _about(result: Result) -> list[str]:
+    on_gpu = any(cell.on_gpu for cell in result.cells)
+    host = f"{result.about('cpu_model')}, {result.about('threads')} threads"
     facts = [
         ("Result file", result.path.name),
         ("Run", "INTERRUPTED: cells and samples may be missing" if result.interrupted else result.about("status")),
-        ("Machine", f"{result.about('machine')}: {result.about('cpu_model')}, {result.about('threads')} threads"),
+        ("Machine", result.about("machine") + ("" if on_gpu else f": {host}")),
+        *(about_gpu(result, host) if on_gpu else ()),
         ("Backend", result.about("backend")),
         (
             "System",
@@ -55,16 +71,22 @@ def _section(
 ) -> list[str]:
     rows = measure(result, study)
     lines = [heading, ""]
-    if study is not None and study.figure in QUESTIONS:
-        question = QUESTIONS[study.figure]
-        lines += [f"Baseline: {question.axis}={question.baseline}, all else equal.", ""]
+    question = question_of(result, study)
+    if question is not None:
+        usual = usual_baseline(result, question.axis)
+        instead = "" if usual == question.baseline else f" The study was not run with {question.axis}={usual}."
+        lines += [f"Baseline: {question.axis}={question.baseline}, all else equal.{instead}", ""]
     if not_drawn:
         lines += [f"Not drawn: {one_line(not_drawn)}", ""]
     if rows:
-        lines += [_table_line(_COLUMNS)]
-        lines += [_table_line("---:" if name in _NUMERIC else "---" for name in _COLUMNS)]
-        lines += [_table_line(_table_row(row)) for row in rows]
+        on_gpu = any(row.cell.on_gpu for row in rows)
+        columns = (*_COLUMNS[:-1], *_GPU_COLUMNS, _COLUMNS[-1]) if on_gpu else _COLUMNS
+        lines += [_table_line(columns)]
+        lines += [_table_line("---:" if name in _NUMERIC else "---" for name in columns)]
+        lines += [_table_line(_table_row(row, on_gpu)) for row in rows]
         lines += [""]
+        if on_gpu:
+            lines += [gpu_line(result, [row.cell for row in rows]), ""]
     else:
         lines += ["No cells.", ""]
     notes = notes_of(result, study, rows) if notes is None else notes
@@ -73,7 +95,7 @@ def _section(
     return lines
 
 
-def _table_row(row: Row) -> list[str]:
+def _table_row(row: Row, on_gpu: bool) -> list[str]:
     cell = row.cell
     verdict = "baseline" if row.is_baseline and row.estimate else row.verdict.word if row.verdict else "—"
     return [
@@ -90,7 +112,18 @@ def _table_row(row: Row) -> list[str]:
         ratio(row.ratio.value) if row.ratio else "—",
         f"[{ratio(row.ratio.low)}, {ratio(row.ratio.high)}]" if row.ratio and row.ratio.low is not None else "—",
         "FAILED" if cell.failed else verdict,
+        *(_gpu_columns(cell) if on_gpu else ()),
         "; ".join(_remarks(row)),
+    ]
+
+
+def _gpu_columns(cell: Cell) -> list[str]:
+    launches, nodes, waits = (cell.work_per_spp(name) for name in ("launches", "graph_nodes", "host_waits"))
+    return [
+        "—" if cell.device_share is None else f"{cell.device_share:.3f}",
+        "—" if launches is None else f"{launches:.4g}" + (f" ({nodes:.4g} graph nodes)" if nodes else ""),
+        "—" if waits is None else f"{waits:.4g}",
+        hottest_kernel(cell) or "—",
     ]
 
 
@@ -127,15 +160,53 @@ def _stages(result: Result) -> list[str]:
     names = list(dict.fromkeys(name for cell in cells for name in cell.instrumented.stage_ms))
     lines = ["## Where the time goes", ""]
     lines += ["Shares of the instrumented pass's wall time. Where they miss it by more than 5 %, the row says so.", ""]
-    head = ["Variant", "Scene", "Depth", *names, "rest", "Remarks"]
-    lines += [_table_line(head), _table_line(["---", "---", *["---:"] * (len(names) + 2), "---"])]
+    # Where it says nothing, an older table stays as it was.
+    sizes = len({cell.resolution for cell in cells}) > 1
+    head = ["Variant", "Scene", "Depth", *(["Resolution"] if sizes else []), *names, "rest", "Remarks"]
+    lines += [_table_line(head)]
+    lines += [_table_line("---" if name in ("Variant", "Scene", "Resolution", "Remarks") else "---:" for name in head)]
     for cell in cells:
         wall = cell.instrumented.wall_ms
         stages = [cell.instrumented.stage_ms.get(name) for name in names]
         rest = 1 - sum(ms for ms in stages if ms is not None) / wall
         shares = ["—" if ms is None else f"{100 * ms / wall:.1f} %" for ms in stages]
         remark = "stages do not add up to the wall time" if abs(rest) > 0.05 else ""
-        lines += [_table_line([cell.variant, cell.scene, str(cell.depth), *shares, f"{100 * rest:.1f} %", remark])]
+        size = [cell.resolution_text] if sizes else []
+        lines += [
+            _table_line([cell.variant, cell.scene, str(cell.depth), *size, *shares, f"{100 * rest:.1f} %", remark])
+        ]
+    return [*lines, ""]
+
+
+def _on_device(result: Result) -> list[str]:
+    """What each cell took of the device and what the compiler made of its kernels."""
+    cells = [cell for cell in result.cells if cell.cuda is not None]
+    if not cells:
+        return []
+    head = ("Variant", "Scene", "Resolution", "Threads a block", "Device MiB", "Bytes a path", "Prepare ms", "Kernels")
+    lines = ["## On the device", ""]
+    lines += [
+        "Kernels: registers a thread, bytes of local memory a thread (arrays, spills), bytes of shared memory a block.",
+        "",
+    ]
+    lines += [_table_line(head), _table_line(["---", "---", "---", *["---:"] * 4, "---"])]
+    for cell in cells:
+        cuda = cell.cuda
+        kernels = [f"{name} {k.registers}/{k.local_bytes}/{k.shared_bytes}" for name, k in cuda.kernels.items()]
+        lines += [
+            _table_line(
+                [
+                    cell.variant,
+                    cell.scene,
+                    cell.resolution_text,
+                    "—" if cuda.block is None else str(cuda.block),
+                    "—" if cuda.device_bytes is None else f"{cuda.device_bytes / 2**20:.1f}",
+                    "—" if cuda.path_bytes is None else str(cuda.path_bytes),
+                    "—" if cuda.prepare_ms is None else figures(cuda.prepare_ms),
+                    ", ".join(kernels) or "—",
+                ]
+            )
+        ]
     return [*lines, ""]
 
 

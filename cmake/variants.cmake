@@ -59,6 +59,31 @@ if(PTBENCH_CUDA)
   list(APPEND integrator_sources ${cuda_sources})
 endif()
 
+# choices_not_built.h: without a toolkit a choice of CUDA's is still known by the name of its file, so that a suite may
+# name it.
+set(choices_not_built "")
+if(NOT PTBENCH_CUDA)
+  file(GLOB device_sides CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/*/*.cu ${PROJECT_SOURCE_DIR}/variants/*/*.cuh)
+  list(FILTER device_sides EXCLUDE REGEX "/variants/cuda/")
+  foreach(source ${device_sides})
+    get_filename_component(name ${source} NAME_WE)
+    get_filename_component(axis ${source} DIRECTORY)
+    get_filename_component(axis ${axis} NAME)
+    string(APPEND choices_not_built "    {\"${axis}\", \"${name}\"},\n")
+  endforeach()
+endif()
+file(CONFIGURE OUTPUT ${generated}/choices_not_built.h CONTENT
+"#pragma once
+#include <string_view>
+#include <utility>
+#include <vector>
+namespace pt {
+// Axis and name of each choice that only a build with a CUDA toolkit has; none in such a build.
+inline const std::vector<std::pair<std::string_view, std::string_view>> choices_not_built{
+${choices_not_built}};
+}
+")
+
 # An object library: from an archive the linker would drop the registrations that nobody names.
 add_library(ptbench_variants OBJECT ${variant_sources} ${integrator_sources})
 target_link_libraries(ptbench_variants PUBLIC ptbench_options)

@@ -31,7 +31,9 @@ std::string find_file(const std::string& kind, const std::string& name_or_file, 
         return name_or_file;
     }
     const fs::path file = folder / (name_or_file + ".json");
-    if (name_or_file.find('/') != std::string::npos || !fs::is_regular_file(file)) {
+    // A name may lie in a folder of its own ("scaling/materials_08"), never outside.
+    const bool leaves = name_or_file.starts_with('/') || name_or_file.find("..") != std::string::npos;
+    if (leaves || !fs::is_regular_file(file)) {
         throw InputError("--" + kind, "name", "\"" + name_or_file + "\"",
                          fmt::format("a file that ends in .json, or one of {}", fmt::join(json_stems(folder), ", ")));
     }

@@ -11,6 +11,7 @@ from analysis import style
 from analysis.errors import NotDrawable
 from analysis.figures import first_bounce_by_depth, remaining_paths, sorting_by_depth
 from analysis.figures.choices import Choices
+from analysis.figures.scaling import SWEEPS, Scaling
 from analysis.results import Result, Study
 from analysis.studies import AXIS_BASELINES
 
@@ -18,6 +19,7 @@ FIGURES = {
     "remaining_paths": remaining_paths,
     "sorting_by_depth": sorting_by_depth,
     "first_bounce_by_depth": first_bounce_by_depth,
+    **{figure: Scaling(figure) for figure in SWEEPS},
     **{axis: Choices(axis) for axis in AXIS_BASELINES},
 }
 

@@ -2,53 +2,68 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
-from analysis.results import Cell, Result
+from analysis.gpu import KERNEL_AXES, gpu_line
+from analysis.results import Cell, Result, Study
 from analysis.statistics import INTERVAL_TEXT
-from analysis.studies import Note, Question, fixed_axes
+from analysis.studies import Note, Question, fixed_axes, fixed_tunables, swept_by, varying_dimensions
+from analysis.style import span
 
 # More of one kind are only counted under the figure; stdout and summary.md have all of them.
 SHOWN_NOTES_A_KIND = 3
 
 
-def span(values: Iterable[int], unit: str = "") -> str:
-    """ "4", "1 to 8": the range of a setting."""
-    ordered = sorted(set(values))
-    text = str(ordered[0]) if len(ordered) == 1 else f"{ordered[0]} to {ordered[-1]}"
-    return f"{text} {unit}".strip()
-
-
-def timing_caption(result: Result, cells: Sequence[Cell], question: Question, notes: Sequence[Note]) -> str:
+def timing_caption(
+    result: Result,
+    study: Study,
+    cells: Sequence[Cell],
+    question: Question | None,
+    notes: Sequence[Note],
+    remarks: Sequence[str] = (),
+) -> str:
     n = span(len(cell.samples) for cell in cells)
     what = (
         f"Points: median render wall time per sample per pixel, n = {n} samples each. Bars: {INTERVAL_TEXT}, hidden "
-        "where smaller than the marker; "
-        f"ratios: medians over that of {question.axis}={question.baseline}, both sides resampled."
+        "where smaller than the marker"
     )
-    return "\n".join([what, setting(result, cells, question), *note_lines(notes)])
+    if question is not None:
+        what += f"; ratios: medians over that of {question.axis}={question.baseline}, both sides resampled"
+    return "\n".join([f"{what}.", *remarks, setting(result, cells, question, study), *note_lines(notes)])
 
 
-def setting(result: Result, cells: Sequence[Cell], question: Question | None) -> str:
-    """What was run, on what; without a question its variants are named whole."""
+def setting(result: Result, cells: Sequence[Cell], question: Question | None = None, study: Study | None = None) -> str:
+    """What was run, on what; without a study its variants are named whole."""
     resolutions = ", ".join(dict.fromkeys(cell.resolution_text.replace("x", "×") for cell in cells))
     scenes = list(dict.fromkeys(cell.scene for cell in cells))
     backends = ", ".join(dict.fromkeys(cell.backend for cell in cells))
-    gpu = result.context.get("ptbench.gpu_name") or result.context.get("ptbench.gpu")
-    if question is None:
+    gpu = gpu_line(result, cells)
+    if study is None:
         fixed = "variant " + ", ".join(dict.fromkeys(cell.variant for cell in cells))
     else:
-        fixed = ", ".join(f"{axis}={choice}" for axis, choice in fixed_axes(cells, question).items())
+        fixed = _fixed(cells, question, study, told=KERNEL_AXES if gpu else ())
+    machine = f"Machine {result.about('machine')}: "
+    if not gpu:
+        machine += f"{result.about('cpu_model')}, {result.about('threads')} threads, "
     parts = [
         f"Scene{'s' if len(scenes) > 1 else ''} {', '.join(scenes)}; {resolutions} pixels; "
         f"{span(cell.spp for cell in cells)} spp a sample; depth {span(cell.depth for cell in cells)}"
         + (f"; {fixed}." if fixed else "."),
-        f"Machine {result.about('machine')}: " + (f"{gpu}, " if gpu else "") + f"{result.about('cpu_model')}, "
-        f"{result.about('threads')} threads, backend {backends}; "
+        f"{machine}backend {backends}; "
         f"ptbench {result.about('version')}, git {result.git}, suite {result.suite or 'none'}, "
         f"{result.context['date'] or 'no date'}.",
     ]
-    return " ".join(parts)
+    return " ".join(parts) + (f"\n{gpu}" if gpu else "")
+
+
+def _fixed(cells: Sequence[Cell], question: Question | None, study: Study, told: Sequence[str]) -> str:
+    axes = [f"{axis}={choice}" for axis, choice in fixed_axes(cells, question).items() if axis not in told]
+    varying = [*varying_dimensions(cells, question, swept_by(study)), swept_by(study)]
+    tunables = [
+        f"{name}={' or '.join(map(str, values))}{' by choice' if len(values) > 1 else ''}"
+        for name, values in fixed_tunables(cells, varying).items()
+    ]
+    return ", ".join(axes) + ("; tunables " + ", ".join(tunables) if tunables else "")
 
 
 def note_lines(notes: Sequence[Note]) -> list[str]:

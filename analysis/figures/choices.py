@@ -16,7 +16,7 @@ class Choices:
     axis: str
 
     def collect(self, result: Result, study: Study) -> Data:
-        return rows.collect(result, study, self.axis, f"The choices of {self.axis} against each other")
+        return rows.collect(result, study, f"The choices of {self.axis} against each other")
 
     def draw(self, data: Data) -> Figure:
         return rows.draw(data)

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from analysis import style
 from analysis.errors import NotDrawable
-from analysis.figures.caption import note_lines, setting, span
+from analysis.figures.caption import note_lines, setting
 from analysis.results import Cell, Result, Study
 from analysis.studies import Note, measure, notes_of
 
@@ -69,7 +69,7 @@ def collect(result: Result, study: Study) -> Data:
         lines.append(Line(scene, tuple(x / paths for x in live), tuple(x / spp for x in live)))
     if not lines:
         raise NotDrawable("; ".join(note.full for note in notes) or "no cell has live path counts")
-    passes = span(cell.instrumented.spp for cell in cells)
+    passes = style.span(cell.instrumented.spp for cell in cells)
     what = (
         "Paths that still trace a ray after k bounces (k = 0: the camera rays), as a share of all paths; below, their "
         f"number per spp. Counted exactly in one instrumented pass of {passes} spp a scene, apart from all timing, so "
@@ -77,7 +77,7 @@ def collect(result: Result, study: Study) -> Data:
     )
     # Nothing here is timed: what is amiss with times goes to stdout and the summary, not under this figure.
     told = [note for note in notes if note.kind not in ("few samples", "low clock")]
-    caption = "\n".join([what, setting(result, cells, None), *note_lines(told)])
+    caption = "\n".join([what, setting(result, cells), *note_lines(told)])
     return Data(study.title or "Paths that remain after each bounce", caption, tuple(notes), tuple(lines))
 
 

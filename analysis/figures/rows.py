@@ -10,14 +10,26 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocato
 from analysis import style
 from analysis.errors import NotDrawable
 from analysis.figures.caption import timing_caption
-from analysis.results import Result, Study
+from analysis.results import NotApplicable, Result, Study
 from analysis.statistics import Estimate, Verdict
-from analysis.studies import QUESTIONS, Note, measure, notes_of, scenes_of, series_order
+from analysis.studies import (
+    Note,
+    Row,
+    in_file_order,
+    measure,
+    notes_of,
+    parts_of,
+    question_of,
+    scenes_of,
+    swept_by,
+)
 
 _LOG_FROM = 8.0
-_ROW = 0.27
+_ROW, _TIGHT_ROW = 0.27, 0.22
+_TIGHT_FROM = 40  # rows: a long figure must not be longer than it has to be
 _HEAD = 0.34
 _GAP = 0.22
+_TITLE = 3.0  # inches of a group's title that may widen the labels' column; a longer one stands above the plot too
 
 
 @dataclass(frozen=True)
@@ -48,34 +60,49 @@ class Data:
     groups: tuple[Group, ...]
 
 
-def collect(result: Result, study: Study, figure: str, default_title: str) -> Data:
-    question = QUESTIONS[figure]
+def collect(result: Result, study: Study, default_title: str) -> Data:
+    question = question_of(result, study)
     measured = measure(result, study)
     notes = notes_of(result, study, measured)
     drawn = [row for row in measured if row.estimate is not None]
     if not drawn:
         raise NotDrawable("no cell has times: " + ("; ".join(note.full for note in notes) or "no samples"))
+    parts = parts_of(measured, question, swept_by(study), lambda row: (row.cell.scene, row.cell.depth), measured)
+
+    def key(row: Row) -> tuple:
+        return (row.cell.scene, row.cell.depth, *parts.values(row.cell))
+
+    scenes = scenes_of(measured)
+    keys = in_file_order(key(row) for row in measured)
     groups = []
-    for scene in scenes_of(measured):
-        depths = sorted({row.cell.depth for row in measured if row.cell.scene == scene})
-        for depth in depths:
-            items = []
-            for row in measured:
-                if row.cell.scene == scene and row.cell.depth == depth:
-                    instead = "" if row.estimate else "failed" if row.cell.failed else "no samples"
-                    items.append(Item(row.label, row.is_baseline, row.estimate, row.ratio, row.verdict, instead))
-            # Baselines first, then from fast to slow; what has no time comes last.
-            items.sort(key=lambda item: (not item.is_baseline, item.time is None, item.time.value if item.time else 0))
-            shown = {item.label for item in items}
-            for absent in result.not_applicable:
-                label = absent.axes.get(question.axis, absent.variant)
-                if absent.study == study.name and absent.scene == scene and label not in shown:
-                    shown.add(label)
-                    items.append(Item(label, False, None, None, None, "n/a"))
-            groups.append(Group(f"{scene}, depth {depth}", tuple(items)))
-    labels = dict.fromkeys([*series_order(measured), *(item.label for group in groups for item in group.items)])
-    caption = timing_caption(result, [row.cell for row in drawn], question, notes)
-    return Data(study.title or default_title, caption, tuple(notes), question.baseline, tuple(labels), tuple(groups))
+    for scene, depth, *values in sorted(keys, key=lambda key: (scenes.index(key[0]), key[1])):
+        items = []
+        for row in measured:
+            if key(row) == (scene, depth, *values):
+                instead = "" if row.estimate else "failed" if row.cell.failed else "no samples"
+                label = parts.labels[row.cell.name]
+                items.append(Item(label, row.is_baseline, row.estimate, row.ratio, row.verdict, instead))
+        # Baselines first, then from fast to slow; what has no time comes last.
+        items.sort(key=lambda item: (not item.is_baseline, item.time is None, item.time.value if item.time else 0))
+        shown = {item.label for item in items}
+        group_of = dict(zip(parts.split, values, strict=True))
+        for absent in result.not_applicable:
+            label = absent.axes.get(question.axis, absent.variant)
+            if absent.study == study.name and absent.scene == scene and label not in shown and _is_of(absent, group_of):
+                shown.add(label)
+                items.append(Item(label, False, None, None, None, "n/a"))
+        groups.append(Group(f"{scene}, depth {depth}{parts.suffix(values)}", tuple(items)))
+    order = dict.fromkeys([*parts.order, *(item.label for group in groups for item in group.items)])
+    caption = timing_caption(result, study, [row.cell for row in drawn], question, notes)
+    return Data(study.title or default_title, caption, tuple(notes), question.baseline, tuple(order), tuple(groups))
+
+
+def _is_of(absent: NotApplicable, group_of: dict[str, str]) -> bool:
+    """Whether the group is where it would stand, and whether it is missed there at all."""
+    if absent.elsewhere or absent.is_untuned_twin:
+        return False
+    known = {**absent.tuned, **absent.axes}
+    return all(known.get(name, value) == value for name, value in group_of.items())
 
 
 def draw(data: Data) -> Figure:
@@ -87,16 +114,17 @@ def draw(data: Data) -> Figure:
     def widest(texts, weight: str = "normal") -> float:
         return max(style.text_width(text, style.LABEL_SIZE, weight) for text in texts)
 
+    title_width = widest((group.title for group in data.groups), "bold")
     label_width = max(
-        widest(item.label for group in data.groups for item in group.items),
-        widest((group.title for group in data.groups), "bold") - 0.2,
+        widest(item.label for group in data.groups for item in group.items), min(title_width, _TITLE) - 0.2
     )
     time_width = max(widest(text for group in times for text in group), widest(headings[:1], "bold"))
     ratio_width = max(widest(text for group in ratios for text in group), widest(headings[1:], "bold"))
     left = style.MARGIN + label_width + 0.3
     right = 0.2 + time_width + 0.25 + ratio_width + style.MARGIN
-    plot_width = max(9.2 - left - right, 2.6)
-    heights = [_HEAD + _ROW * len(group.items) for group in data.groups]
+    plot_width = max(9.2 - left - right, 2.6, style.MARGIN + title_width - left)
+    pitch = _TIGHT_ROW if sum(len(group.items) for group in data.groups) >= _TIGHT_FROM else _ROW
+    heights = [_HEAD + pitch * len(group.items) for group in data.groups]
     body = sum(heights) + _GAP * (len(heights) - 1) + 0.58
     page = style.Page(left + plot_width + right, body, data.title, data.caption)
 
@@ -119,7 +147,7 @@ def draw(data: Data) -> Figure:
         for index, item in enumerate(group.items):
             y = count - 1 - index
             axes.axhline(y, color="#e4e4e4", linewidth=0.7, zorder=0)
-            centre = top - _HEAD - _ROW * (index + 0.5)
+            centre = top - _HEAD - pitch * (index + 0.5)
             page.text(left - 0.12, centre, item.label, size=style.LABEL_SIZE, va="center", ha="right")
             if item.time is None:
                 grey = {"size": style.LABEL_SIZE, "va": "center", "style": "italic", "color": "#444444"}

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from analysis.figures import by_depth, rows
+from analysis.figures import by_depth, lines, rows
 from analysis.figures.by_depth import draw
 from analysis.results import Result, Study
 
 __all__ = ["collect", "draw"]
 
 
-def collect(result: Result, study: Study) -> by_depth.Data | rows.Data:
-    return by_depth.collect(result, study, "sorting_by_depth", "Material sorting: time by depth")
+def collect(result: Result, study: Study) -> lines.Data | rows.Data:
+    return by_depth.collect(result, study, "Material sorting: time by depth")

@@ -2,7 +2,6 @@
 
 #include <cerrno>
 #include <cstring>
-#include <functional>
 #include <thread>
 
 #include <fcntl.h>
@@ -67,9 +66,13 @@ void compile_ahead(const std::vector<CompileTask>& tasks) {
     std::map<std::string, std::function<void()>> programs;
     for (const CompileTask& task : tasks) {
         if (why_not_applicable(task.variant, features_of(*task.scene), Backend::cuda).empty()) {
-            cuda::collect_programs(*task.scene, task.variant, programs);
+            cuda::collect_programs(*task.scene, task.variant, task.architecture, programs);
         }
     }
+    compile_programs(programs);
+}
+
+void compile_programs(const std::map<std::string, std::function<void()>>& programs) {
     const Programs missing(programs.begin(), programs.end());
     const std::size_t workers = std::min<std::size_t>(missing.size(), std::thread::hardware_concurrency());
     if (workers < 2) {

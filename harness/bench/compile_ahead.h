@@ -2,6 +2,9 @@
 // there. NVRTC takes seconds a program and one core.
 #pragma once
 
+#include <functional>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "harness/render/renderer.h"
@@ -11,10 +14,15 @@ namespace pt {
 struct CompileTask {
     const Scene* scene = nullptr;
     Variant variant;
+    std::string architecture = {};  // "sm_90"; empty: the device's
 };
 
 // On CUDA; what variants have in common is compiled once. What does not compile, or does not apply, is left to whoever
 // needs it: it fails there with its message. Shows progress on stderr.
 void compile_ahead(const std::vector<CompileTask>& tasks);
+
+// The same for programs by name, each a call that compiles it and puts it into the cache. Needs neither a device nor a
+// driver. A single program, or all of them on a single processor, are left to whoever needs them.
+void compile_programs(const std::map<std::string, std::function<void()>>& programs);
 
 }  // namespace pt

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <charconv>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "choices_not_built.h"  // generated
 #include "harness/json_reader.h"
 #include "harness/places.h"
 
@@ -14,12 +16,17 @@ namespace pt {
 
 namespace {
 
-// The choices of an axis on any backend, each name once.
+// The choices of an axis on any backend, each name once; those that this build lacks too.
 std::vector<std::string> names_on_any_backend(std::string_view axis) {
     std::set<std::string> names;
     for (const Backend backend : all_backends) {
         for (const Choice* choice : Registry::instance().choices(axis, backend)) {
             names.emplace(choice->descriptor.name);
+        }
+    }
+    for (const auto& [other_axis, name] : choices_not_built) {
+        if (other_axis == axis) {
+            names.emplace(name);
         }
     }
     return {names.begin(), names.end()};
@@ -108,6 +115,13 @@ void read_sizes(const JsonValue& value, Study& study) {
     study.more_sizes.assign(sizes.begin() + 1, sizes.end());
 }
 
+// A build without a CUDA toolkit does not know that backend's tunables: they tune nothing there.
+bool may_be_known_elsewhere(const std::string& name) {
+    const std::vector<Tunable> known = tunables_on_any_backend();
+    return !choices_not_built.empty() &&
+           std::none_of(known.begin(), known.end(), [&](const Tunable& tunable) { return tunable.name == name; });
+}
+
 TunableValues read_tunables(const JsonValue& value) {
     if (!value.json().is_object()) {
         value.fail("an object of arrays of whole numbers, by tunable");
@@ -118,7 +132,9 @@ TunableValues read_tunables(const JsonValue& value) {
         const std::string path = value.path() + "." + name;
         for (const JsonValue& element : JsonValue(json, value.file(), path).elements()) {
             values.push_back(static_cast<std::uint32_t>(element.whole(0, 1000000000, "a whole number")));
-            check_tunable(name, values.back(), element.file(), element.path());
+            if (!may_be_known_elsewhere(name)) {
+                check_tunable(name, values.back(), element.file(), element.path());
+            }
             check_new(values, element.file(), element.path());
         }
         if (values.empty()) {
@@ -128,13 +144,30 @@ TunableValues read_tunables(const JsonValue& value) {
     return tunables;
 }
 
+// A number, or an object with one by backend: a GPU needs more samples than a CPU for a time that can be measured.
+void read_spp(const JsonValue& value, Study& study) {
+    const auto count = [](const JsonValue& v) {
+        return static_cast<std::uint32_t>(v.whole(1, 1000000, "a whole number from 1 to 1000000"));
+    };
+    if (!value.json().is_object()) {
+        study.spp = count(value);
+        return;
+    }
+    const JsonObject object(value, {"cpu", "cuda"});
+    for (const Backend backend : all_backends) {
+        study.spp_on[backend] = count(object.required(std::string(to_string(backend))));
+    }
+}
+
 Study read_study(const JsonValue& value) {
     const JsonObject object(value, {"name", "title", "figure", "scenes", "axes", "tunables", "resolution", "depth", "spp"});
     Study study;
     study.name = object.required("name").plain_name();
     study.title = object.has("title") ? object.at("title").text() : study.name;
     if (object.has("figure")) {
-        std::vector<std::string> figures{"remaining_paths", "sorting_by_depth", "first_bounce_by_depth"};
+        std::vector<std::string> figures{"remaining_paths",      "sorting_by_depth",     "first_bounce_by_depth",
+                                         "scaling_by_resolution", "scaling_by_depth", "scaling_by_materials",
+                                         "scaling_by_shading_fmas"};
         figures.insert(figures.end(), std::begin(axis_names), std::end(axis_names));
         study.figure = object.at("figure").one_of(figures);
     }
@@ -159,7 +192,7 @@ Study read_study(const JsonValue& value) {
         study.depths = read_depths(object.at("depth"));
     }
     if (object.has("spp")) {
-        study.spp = static_cast<std::uint32_t>(object.at("spp").whole(1, 1000000, "a whole number from 1 to 1000000"));
+        read_spp(object.at("spp"), study);
     }
     return study;
 }
@@ -183,7 +216,7 @@ Cell make_cell(const std::shared_ptr<const Scene>& scene, Backend backend, const
         cell.settings.height = height;
     }
     cell.settings.depth = depth;
-    cell.spp = study.spp;
+    cell.spp = study.spp_for(backend);
     cell.name = fmt::format("{}/scene:{}/backend:{}/resolution:{}x{}/depth:{}/spp:{}", variant.name(), scene->name,
                             to_string(backend), cell.settings.width, cell.settings.height, depth, cell.spp);
     return cell;
@@ -308,16 +341,31 @@ AxisChoices all_choices(Backend backend) {
 
 namespace {
 
+// What a tunable is in a variant that does not name it: the standard of the choice that has it, which another choice of
+// the same axis need not share. Where none of the variant's has it, the first of the backend's that does.
+std::optional<std::uint32_t> standard_of(const Variant& variant, const std::string& name, Backend backend) {
+    std::vector<Tunable> tunables;
+    for (const std::string_view axis : axis_names) {
+        if (const Choice* choice = Registry::instance().find(axis, variant[axis], backend); choice != nullptr) {
+            tunables.insert(tunables.end(), choice->descriptor.tunables.begin(), choice->descriptor.tunables.end());
+        }
+    }
+    const std::vector<Tunable> others = all_tunables(backend);
+    tunables.insert(tunables.end(), others.begin(), others.end());
+    const auto position =
+        std::find_if(tunables.begin(), tunables.end(), [&](const Tunable& tunable) { return tunable.name == name; });
+    return position != tunables.end() ? std::optional(position->standard) : std::nullopt;
+}
+
 // Every variant of `variants` with every value of a tunable. Standards are left out: one variant has one name.
 std::vector<Variant> with_values(const std::vector<Variant>& variants, const std::string& name,
                                  const std::vector<std::uint32_t>& values, Backend backend) {
-    const std::vector<Tunable> known = all_tunables(backend);
-    const auto tunable = std::find_if(known.begin(), known.end(), [&](const Tunable& t) { return t.name == name; });
     std::vector<Variant> next;
     for (const Variant& variant : variants) {
+        const std::optional<std::uint32_t> standard = standard_of(variant, name, backend);
         for (const std::uint32_t value : values) {
             next.push_back(variant);
-            if (tunable == known.end() || tunable->standard != value) {
+            if (standard != value) {
                 next.back().tuning[name] = value;
             }
         }

@@ -28,6 +28,12 @@ struct Study {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> more_sizes;  // resolutions besides width x height
     std::vector<std::uint32_t> depths;                                // empty: the scene's own
     std::uint32_t spp = 1;
+    std::map<Backend, std::uint32_t> spp_on = {};  // where a backend has its own
+
+    std::uint32_t spp_for(Backend backend) const {
+        const auto own = spp_on.find(backend);
+        return own != spp_on.end() ? own->second : spp;
+    }
 };
 
 struct Suite {

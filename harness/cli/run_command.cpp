@@ -54,6 +54,7 @@ void override_study(Study& study, const RunArguments& arguments, Backend backend
     }
     if (arguments.spp != 0) {
         study.spp = arguments.spp;
+        study.spp_on.clear();
     }
 }
 

@@ -57,6 +57,7 @@ void verify_scene(const Scene& scene, Backend backend, const std::vector<Variant
         if (!verdict.holds || !arguments.quiet) {
             fmt::print("{} {}/scene:{}  {}  {}\n", verdict.film_hash, variant.name(), scene.name,
                        verdict.holds ? "ok" : "FAILED", verdict.message);
+            std::fflush(stdout);
         }
     }
 }

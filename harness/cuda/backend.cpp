@@ -65,16 +65,17 @@ std::size_t compile(const Scene& scene, const Variant& variant, const std::strin
     return compile_module(module_request(scene, variant, architecture)).cubin.size();
 }
 
-void collect_programs(const Scene& scene, const Variant& variant,
+void collect_programs(const Scene& scene, const Variant& variant, const std::string& architecture,
                       std::map<std::string, std::function<void()>>& programs) {
-    if (!not_available().empty()) {
+    if (architecture.empty() && !not_available().empty()) {
         return;
     }
+    const std::string target = architecture.empty() ? device().architecture() : architecture;
     // The variant's own, its twin's and the references': verification needs them all.
     const Registry& registry = Registry::instance();
     const Variant twin = exact_twin(variant, Backend::cuda);
     for (const Variant& needed : {variant, twin, registry.reference(twin, Backend::cuda)}) {
-        const ModuleRequest request = module_request(scene, needed, device().architecture());
+        const ModuleRequest request = module_request(scene, needed, target);
         if (!is_cached(request)) {
             programs.try_emplace(request.name + " " + module_key(request), [request] { (void)build_module(request); });
         }

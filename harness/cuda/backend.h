@@ -24,8 +24,9 @@ RenderResult render(const Scene& scene, const RenderRequest& request);
 std::size_t compile(const Scene& scene, const Variant& variant, const std::string& architecture);
 
 // Adds the programs that a variant of a scene needs and that are not in the cache on disk: name -> compiles it and puts
-// it there. Does nothing if the backend is not available.
-void collect_programs(const Scene& scene, const Variant& variant,
+// it there. For an architecture ("sm_90"), without a device or a driver; empty: for the device, and nothing is added if
+// the backend is not available.
+void collect_programs(const Scene& scene, const Variant& variant, const std::string& architecture,
                       std::map<std::string, std::function<void()>>& programs);
 
 // A name for folders, e.g. "nvidia-h200". Precondition: not_available() is empty.

@@ -233,7 +233,7 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
     PT_CUDA_CHECK(cudaStreamCreateWithFlags(&job_.stream, cudaStreamNonBlocking));
     PT_CUDA_CHECK(cudaEventCreate(&begin_));
     PT_CUDA_CHECK(cudaEventCreate(&end_));
-    PT_CUDA_CHECK(cudaMallocHost(reinterpret_cast<void**>(&job_.pinned_count), sizeof(std::uint32_t)));
+    PT_CUDA_CHECK(cudaMallocHost(reinterpret_cast<void**>(&job_.pinned_count), 64 * sizeof(std::uint32_t)));
     job_.pixels = settings.width * settings.height;
     job_.longest_path = buffers_.view().longest_path();
     job_.materials = buffers_.view().materials.size;
@@ -241,6 +241,7 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
     job_.samples = request.samples;
     job_.samples_in_flight = std::min(tuned(variant, "spp_in_flight", 1), request.samples);
     job_.block = tunable(variant, "block", Backend::cuda);
+    job_.append_counters = tuned(variant, "append_counters", 1);
     job_.reads_back = tuned(variant, "read_back", 0) != 0;
     job_.multiprocessors = static_cast<std::uint32_t>(device().multiprocessors);
     job_.cache.rays = Registry::instance()
@@ -337,6 +338,12 @@ void RenderCell<Real>::reserve_queue(Arena& arena) {
         throw Error(fmt::format("{} paths in flight: spp_in_flight is too large for {} pixels", pool, job_.pixels));
     }
     queue.capacity = static_cast<std::uint32_t>(pool);
+    if (job_.appends_in_kernel) {
+        // Each part has room for its share of the blocks.
+        const std::uint64_t blocks = (pool + job_.block - 1) / job_.block;
+        const std::uint64_t blocks_a_part = (blocks + job_.append_counters - 1) / job_.append_counters;
+        queue.capacity = static_cast<std::uint32_t>(blocks_a_part * job_.append_counters * job_.block);
+    }
     const auto take_paths = [&]() -> PathStore {
         return {arena.take_bytes(layout_.bytes(queue.capacity, sizeof(Real))), queue.capacity};
     };
@@ -357,7 +364,7 @@ void RenderCell<Real>::reserve_queue(Arena& arena) {
         queue.keys_spare = arena.take<std::uint32_t>(queue.capacity);
     }
     if (job_.appends_in_kernel) {
-        job_.append_counts = arena.take<std::uint32_t>(job_.longest_path);
+        job_.append_counts = arena.take<std::uint32_t>(std::size_t{job_.append_counters} * 32 * job_.longest_path);
     }
     queue.count = arena.take<std::uint32_t>(1);
     queue.count_spare = arena.take<std::uint32_t>(1);
@@ -530,13 +537,12 @@ void RenderCell<Real>::collect(RenderResult& result) {
             result.stages.live_paths.push_back(count);
         }
     }
-    for (const char* name : {"megakernel", "megakernel_regen", "persistent", "generate_paths", "intersect_paths",
-                             "shade_paths", "write_ray_keys", "first_bounce", "next_bounce"}) {
-        try {
-            const KernelFacts kernel = job_.module->facts(name);
-            facts_.kernels.push_back({name, kernel.registers, kernel.local_bytes, kernel.shared_bytes});
-        } catch (const Error&) {  // not in this module
+    for (const char* name : hooks("integrator", request_.variant).integrator.kernels) {
+        if (name == nullptr) {
+            break;
         }
+        const KernelFacts kernel = job_.module->facts(name);
+        facts_.kernels.push_back({name, kernel.registers, kernel.local_bytes, kernel.shared_bytes});
     }
     result.cuda = facts_;
 }

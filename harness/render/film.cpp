@@ -54,7 +54,15 @@ Vec3d Film::mean() const {
     return total / static_cast<double>(pixels);
 }
 
-std::string Film::hash() const { return fmt::format("{:016x}", fnv1a(sums_.data(), sums_.size() * sizeof(sums_[0]))); }
+// By words rather than bytes: a film may have hundreds of megabytes.
+std::string Film::hash() const {
+    std::uint64_t hash = 0xcbf29ce484222325ull;
+    for (const std::int64_t sum : sums_) {
+        hash = (hash ^ static_cast<std::uint64_t>(sum)) * 0x100000001b3ull;
+        hash ^= hash >> 32;
+    }
+    return fmt::format("{:016x}", hash);
+}
 
 std::vector<float> Film::radiance() const {
     std::vector<float> values(sums_.size());

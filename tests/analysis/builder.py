@@ -18,6 +18,21 @@ AXES = {
     "layout": "aos",
     "specialisation": "features",
 }
+GPU_AXES = {
+    "integrator": "wavefront",
+    "compaction": "none",
+    "sorting": "none",
+    "sort_key": "material",
+    "first_bounce": "off",
+    "direct_light": "off",
+    "layout": "aos",
+    "specialisation": "features",
+    "launch": "stream",
+    "arithmetic": "precise",
+    "precision": "float",
+}
+# What every variant on the GPU has; a variant's name spells the values that differ.
+STANDARDS = {"block": 256, "shading_fmas": 0, "spp_in_flight": 1}
 
 
 class Builder:
@@ -48,6 +63,27 @@ class Builder:
         self.cells: list[dict] = []
         self.rows: list[dict] = []
         self.not_applicable: list[dict] = []
+        self.axes = AXES
+        self.backend = "cpu"
+        self.baselines: dict[str, str] | None = None  # as in files from before there were two backends
+
+    def on_gpu(self) -> Builder:
+        """From here on the file is one from a GPU: four more axes, tunables, baselines, counters, device facts."""
+        self.axes, self.backend = GPU_AXES, "cuda"
+        self.baselines = dict(GPU_AXES)
+        self.context |= {
+            "ptbench.machine": "nvidia-h200",
+            "ptbench.cpu_model": "Intel(R) Xeon(R) CPU E5-2690",
+            "ptbench.backend": "cuda",
+            "ptbench.threads": "16",
+            "ptbench.cuda_device": "NVIDIA H200",
+            "ptbench.cuda_compute_capability": "9.0",
+            "ptbench.cuda_multiprocessors": "132",
+            "ptbench.cuda_clock_mhz": "1980",
+            "ptbench.cuda_driver": "13.0",
+            "ptbench.cuda_nvrtc": "13.1",
+        }
+        return self
 
     def study(self, name: str, figure: str | None = None, title: str = "") -> Builder:
         self.studies.append({"name": name, "figure": figure or name, "title": title})
@@ -69,19 +105,29 @@ class Builder:
         contended: int = 0,
         error: str = "",
         clock_mhz: float = 3690.0,
+        tunables: dict[str, int] | None = None,
+        standards: dict[str, int] | None = None,
+        sample_work: dict[str, float] | None = None,
         **fields,
     ) -> dict:
-        """Adds a cell and its samples: `n` of them, from (1 - noise) to (1 + 3 noise) times the centre."""
-        chosen = {**AXES, **(axes or {})}
+        """Adds a cell and its samples: `n` of them, from (1 - noise) to (1 + 3 noise) times the centre.
+
+        On the GPU, `tunables` are those that differ from STANDARDS and `standards`; the latter may name more.
+        """
+        chosen = {**self.axes, **(axes or {})}
         variant = ".".join(chosen.values())
+        usual = {**STANDARDS, **(standards or {})} if self.backend == "cuda" else {}
+        tuned = {**usual, **(tunables or {})}
+        variant += "".join(f"+{key}={value}" for key, value in tuned.items() if usual.get(key) != value)
         resolution = fields.pop("resolution", [200, 200])
-        name = f"{variant}/scene:{scene}/backend:cpu/resolution:{resolution[0]}x{resolution[1]}/depth:{depth}/spp:{spp}"
+        size = f"{resolution[0]}x{resolution[1]}"
+        name = f"{variant}/scene:{scene}/backend:{self.backend}/resolution:{size}/depth:{depth}/spp:{spp}"
         cell = {
             "cell": name,
             "studies": [] if study is None else [study],
             "scene": scene,
             "scene_hash": "0123456789abcdef",
-            "backend": "cpu",
+            "backend": self.backend,
             "variant": variant,
             "axes": chosen,
             "resolution": resolution,
@@ -101,6 +147,21 @@ class Builder:
             "kernel_features": ["axis_box"],
             "specialisation_note": "exact",
         }
+        if self.backend == "cuda":
+            cell["tunables"] = tuned
+            cell["counters"] = {"launches": 24 * spp, "graph_nodes": 0, "host_waits": 7 * spp, "connections": 0}
+            cell["cuda"] = {
+                "block": tuned["block"],
+                "device_bytes": 3 << 20,
+                "path_bytes": 96,
+                "prepare_ms": 0.5,
+                "options": ["--gpu-architecture=sm_90", f"-DPT_BLOCK={tuned['block']}"],
+                "kernels": {
+                    "generate_paths": {"registers": 26, "local_bytes": 0, "shared_bytes": 0},
+                    "intersect_paths": {"registers": 31, "local_bytes": 0, "shared_bytes": 4},
+                    "shade_paths": {"registers": 40, "local_bytes": 8, "shared_bytes": 4},
+                },
+            }
         if live_paths is not None:
             cell["instrumented"] = {
                 "live_paths": live_paths,
@@ -148,6 +209,7 @@ class Builder:
                     "pt_low_clock": 1.0 if index < low_clock else 0.0,
                     "pt_contended": 1.0 if index < contended else 0.0,
                 }
+                row |= {f"pt_{key}": value for key, value in (sample_work or {}).items()}
             self.rows.append(row)
         if n and not error:
             self.rows.append(
@@ -164,14 +226,17 @@ class Builder:
             )
         return cell
 
-    def skip(self, study: str, scene: str, reason: str, axes: dict[str, str]) -> Builder:
-        chosen = {**AXES, **axes}
-        entry = {"study": study, "scene": scene, "variant": ".".join(chosen.values()), "axes": chosen, "reason": reason}
+    def skip(self, study: str, scene: str, reason: str, axes: dict[str, str], tuned: str = "") -> Builder:
+        chosen = {**self.axes, **axes}
+        variant = ".".join(chosen.values()) + tuned
+        entry = {"study": study, "scene": scene, "variant": variant, "axes": chosen, "reason": reason}
         self.not_applicable.append(entry)
         return self
 
     def document(self) -> dict:
         ptbench = {"studies": self.studies, "cells": self.cells, "not_applicable": self.not_applicable}
+        if self.baselines is not None:
+            ptbench["baselines"] = self.baselines
         return {"context": self.context, "benchmarks": self.rows, "ptbench": ptbench}
 
     def write(self, path: Path) -> Path:
@@ -182,6 +247,33 @@ class Builder:
 OPEN = [40000, 32682, 22608, 17480, 13922, 11235, 9123, 7438]
 CLOSED = [40000, 39553, 38997, 38503, 38055, 37636, 37229, 36832]
 LIVE = {"cornell_open": OPEN, "cornell_closed": CLOSED}
+
+
+def crossing() -> Builder:
+    """A study for each figure that follows a cost, on the GPU, with times whose crossovers are known by heart.
+
+    With `none` taking b: `bucket` takes 1 + 0.8 b, so it is ahead where b is well above 5; `late` is half a millisecond
+    slower everywhere, `always` a third faster.
+    """
+    builder = Builder("scaling").on_gpu()
+
+    def choices(study: str, base: float, scene: str = "box", **where) -> None:
+        for choice, time in (("none", base), ("bucket", 1 + 0.8 * base), ("late", base + 0.5), ("always", 0.7 * base)):
+            builder.cell(study, scene, time, axes={"sorting": choice}, noise=0.01, **where)
+
+    builder.study("scaling_by_resolution")
+    for side in (64, 128, 256, 512):
+        choices("scaling_by_resolution", 0.5 * (side / 64) ** 2, resolution=[side, side])
+    builder.study("scaling_by_depth")
+    for depth in (2, 4, 8, 16, 32, 64):
+        choices("scaling_by_depth", depth / 2, depth=depth)
+    builder.study("scaling_by_materials")
+    for count in (1, 2, 4, 8, 16, 32, 64):
+        choices("scaling_by_materials", 0.9 * count, f"materials_{count:02}")
+    builder.study("scaling_by_shading_fmas")
+    for fmas in (0, 16, 64, 256, 1024, 4096):
+        choices("scaling_by_shading_fmas", 1 + fmas / 64, "heavy", tunables={"shading_fmas": fmas})
+    return builder
 
 
 def small(suite: str = "quick") -> Builder:

@@ -7,11 +7,11 @@ from itertools import combinations
 import numpy as np
 import pytest
 from builder import CLOSED, OPEN, Builder, small
-from matplotlib.text import Text
+from legibility import check_legible
 
 from analysis import style
 from analysis.errors import NotDrawable
-from analysis.figures import by_depth, collect_study, draw_study, rows
+from analysis.figures import collect_study, draw_study, lines, rows
 from analysis.results import load
 
 SMALL = ("remaining_paths", "sorting_by_depth", "first_bounce_by_depth", "compaction", "integrator")
@@ -77,12 +77,12 @@ def test_times_by_depth_are_the_files_medians(tmp_path, name, other, factor):
     _, _, data = collected(small(), tmp_path, name)
     baseline = "none" if name == "sorting_by_depth" else "off"
     assert data.order == (baseline, other)
-    assert [panel.scene for panel in data.panels] == ["cornell_open", "cornell_closed"]
+    assert [panel.title for panel in data.panels] == ["cornell_open", "cornell_closed"]
     for panel, slower in zip(data.panels, (1.0, 1.6), strict=True):
         base, varied = panel.lines
         assert (base.label, varied.label) == (baseline, other)
         assert base.is_baseline
-        assert base.depths == varied.depths == (2, 4, 8)
+        assert base.xs == varied.xs == (2, 4, 8)
         assert [t.value for t in base.times] == pytest.approx([slower * 0.4 * depth for depth in (2, 4, 8)])
         assert [t.value for t in varied.times] == pytest.approx(
             [slower * 0.4 * depth * factor(depth) for depth in (2, 4, 8)]
@@ -99,7 +99,7 @@ def test_the_lines_drawn_are_the_numbers_collected(tmp_path):
     axes = draw_study(study, data).axes[0]
     drawn = [line for line in axes.get_lines() if line.get_linestyle() != "None" and len(line.get_xdata()) == 3]
     for line, shown in zip(data.panels[0].lines, drawn, strict=True):
-        assert list(shown.get_xdata()) == list(line.depths)
+        assert list(shown.get_xdata()) == list(line.xs)
         assert list(shown.get_ydata()) == pytest.approx([time.value for time in line.times])
     looks = [(line.get_color(), line.get_marker(), line.get_linestyle()) for line in drawn]
     assert all(a != b for one, two in combinations(looks, 2) for a, b in zip(one, two, strict=True))
@@ -155,7 +155,7 @@ def test_other_axes_that_vary_become_lines_of_their_own_with_their_own_baseline(
                 axes = {"integrator": integrator, "sorting": sorting}
                 builder.cell("sorting_by_depth", ms_per_spp=depth * factor * more, depth=depth, axes=axes)
     _, _, data = collected(builder, tmp_path, "sorting_by_depth")
-    assert isinstance(data, by_depth.Data)
+    assert isinstance(data, lines.Data)
     assert data.order == (
         "none, integrator=wavefront",
         "none, integrator=megakernel",
@@ -233,29 +233,7 @@ def many(choices: int, depths: int, scenes: int, long_names: bool) -> Builder:
 def test_nothing_overlaps_or_is_cut_off(tmp_path, choices, depths, scenes, long_names):
     for name in ("remaining_paths", "sorting_by_depth", "compaction"):
         _, study, data = collected(many(choices, depths, scenes, long_names), tmp_path, name)
-        figure = draw_study(study, data)
-        with style.applied():
-            figure.draw_without_rendering()
-            renderer = figure.canvas.get_renderer()
-            # Tick objects outside the limits exist but are not drawn.
-            low_high = {axes: (axes.get_xlim(), axes.get_ylim()) for axes in figure.axes}
-            texts = [text for text in figure.findobj(Text) if text.get_visible() and text.get_text().strip()]
-            for axes, ((x0, x1), (y0, y1)) in low_high.items():
-                for axis, low, high in ((axes.xaxis, x0, x1), (axes.yaxis, y0, y1)):
-                    for tick in axis.get_major_ticks() + axis.get_minor_ticks():
-                        if not low <= tick.get_loc() <= high or not tick.label1.get_visible():
-                            texts = [text for text in texts if text is not tick.label1]
-                        texts = [text for text in texts if text is not tick.label2]
-            boxes = [(text.get_text(), text.get_window_extent(renderer)) for text in texts]
-            assert len(boxes) > 5
-            for text, box in boxes:
-                inside = box.x0 >= 0 and box.y0 >= 0 and box.x1 <= figure.bbox.x1 and box.y1 <= figure.bbox.y1
-                assert inside, f"{name}: {text!r} is cut off"
-            for (one, a), (two, b) in combinations(boxes, 2):
-                across = min(a.x1, b.x1) - max(a.x0, b.x0)
-                along = min(a.y1, b.y1) - max(a.y0, b.y0)
-                # A pixel of a hundred to the inch: boxes hold some air above and below their letters.
-                assert across <= 1 or along <= 2, f"{name}: {one!r} and {two!r} overlap"
+        check_legible(draw_study(study, data), name)
 
 
 def test_twelve_looks_differ_pairwise_in_marker_and_in_colour_or_line():

@@ -155,8 +155,9 @@ TEST(BadCallsTest, Axes) {
         {"compaction", "--axis: argument: found \"compaction\", allowed: NAME=CHOICE or NAME=CHOICE,CHOICE\n"},
         {"=none", "--axis: argument: found \"=none\", allowed: NAME=CHOICE or NAME=CHOICE,CHOICE\n"},
         {"compaction=", "--axis: argument: found \"compaction=\", allowed: NAME=CHOICE or NAME=CHOICE,CHOICE\n"},
-        {"compaction=none,", "--axis: argument.compaction: found \"\", allowed: " + compaction_names() + "\n"},
-        {"compaction=magic", "--axis: argument.compaction: found \"magic\", allowed: " + compaction_names() + "\n"},
+        {"compaction=none,", "--axis: argument.compaction: found \"\", allowed: " + choice_names("compaction") + "\n"},
+        {"compaction=magic",
+         "--axis: argument.compaction: found \"magic\", allowed: " + choice_names("compaction") + "\n"},
         {"colour=red", "--axis: argument: found axis \"colour\", allowed: integrator, compaction, "},
     };
     for (const auto& [argument, message] : cases) {
@@ -172,8 +173,11 @@ TEST(BadCallsTest, Axes) {
                    "launch=graph is not there on the backend cpu\n");
     expect_refusal(run_with({"--scene", "cornell_open", "--axis", "launch=graph"}), 2,
                    "the run has no cell: n/a: launch=graph is not there on the backend cpu\n");
-    expect_refusal(render_with({"--scene", "jitter_off", "--axis", "first_bounce=cached_jitters"}), 2,
-                   "--scene: 1 required TEXT");
+    expect_refusal({"render", "--scene", "jitter_off", "--axis", "first_bounce=cached_jitters", "--out", "image.png"},
+                   2,
+                   "n/a: wavefront.none.none.material.cached_jitters.off.aos.features.stream.exact.float on "
+                   "jitter_off: first_bounce=cached_jitters needs jitter, a lens or motion; without them "
+                   "first_bounce=cached is it\n");
     expect_refusal(render_with({"--axis", "first_bounce=cached"}), 2,
                    "n/a: wavefront.none.none.material.cached.off.aos.features.stream.exact.float on cornell_open: "
                    "first_bounce=cached needs jitter off "

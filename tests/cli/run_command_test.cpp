@@ -83,13 +83,17 @@ TEST_F(RunCommandTest, DryRunListsTheCellsAndRunsNothing) {
               "resolution:8x6/depth:8/spp:1\n"
               "wavefront.none.none.material.off.off.soa.features.stream.exact.float/scene:cornell_open/backend:cpu/"
               "resolution:8x6/depth:8/spp:1\n"
+              "wavefront.none.none.material.cached_jitters.off.aos.features.stream.exact.float/scene:cornell_open/"
+              "backend:cpu/resolution:8x6/depth:8/spp:1\n"
+              "wavefront.none.none.material.cached_jitters.off.soa.features.stream.exact.float/scene:cornell_open/"
+              "backend:cpu/resolution:8x6/depth:8/spp:1\n"
               "n/a: wavefront.none.none.material.cached.off.aos.features.stream.exact.float on cornell_open: "
               "first_bounce=cached needs jitter off "
               "(camera.jitter is true in the scene)\n"
               "n/a: wavefront.none.none.material.cached.off.soa.features.stream.exact.float on cornell_open: "
               "first_bounce=cached needs jitter off "
               "(camera.jitter is true in the scene)\n"
-              "2 cells, 14 samples, 2 not applicable\n");
+              "4 cells, 28 samples, 2 not applicable\n");
     EXPECT_EQ(folder.content(), Arguments());
     const CommandResult filtered = ptbench(call(7, {"--dry-run", "--benchmark_filter=\\.soa\\."}));
     EXPECT_EQ(filtered.out,

@@ -1,9 +1,13 @@
 // What this build has. Without a CUDA toolkit some axes have no choice on that backend, so it has no variants.
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
+#include <fmt/ranges.h>
+
+#include "choices_not_built.h"  // generated
 #include "variants/registry.h"
 
 namespace pt::test {
@@ -14,23 +18,35 @@ inline std::vector<Backend> built_backends() {
     return cuda_is_built() ? std::vector<Backend>{Backend::cpu, Backend::cuda} : std::vector<Backend>{Backend::cpu};
 }
 
-// The choices of an axis and the tunables on any backend of this build, as messages list them.
-inline std::string compaction_names() {
-    return (cuda_is_built() ? "atomic_append, block_scan_append, cub_partition, cub_select_flagged, cub_select_if, "
-                              "cub_three_way, gap_fill, none, "
-                            : "none, ") +
-           std::string("thrust_copy_if_index, thrust_partition, thrust_remove_if, thrust_stable_partition");
-}
-
-inline std::string sorting_names() {
-    return cuda_is_built() ? "bucket, cub_radix, cub_radix_full, none, per_material_queue, thrust_sort_by_key"
-                           : "bucket, none, thrust_sort_by_key";
+// The choices of an axis, and the tunables, of all backends as messages list them: each once, sorted. A choice that
+// this build lacks is listed too.
+inline std::string choice_names(std::string_view axis) {
+    std::set<std::string_view> names;
+    for (const Backend backend : all_backends) {
+        for (const Choice* choice : Registry::instance().choices(axis, backend)) {
+            names.insert(choice->descriptor.name);
+        }
+    }
+    for (const auto& [other_axis, name] : choices_not_built) {
+        if (other_axis == axis) {
+            names.insert(name);
+        }
+    }
+    return fmt::format("{}", fmt::join(names, ", "));
 }
 
 inline std::string tunable_names() {
-    return cuda_is_built()
-               ? "block, caching_allocator, jitters, par_nosync, payload, read_back, shading_fmas, spp_in_flight"
-               : "jitters";
+    std::set<std::string_view> names;
+    for (const Backend backend : all_backends) {
+        for (const std::string_view axis : axis_names) {
+            for (const Choice* choice : Registry::instance().choices(axis, backend)) {
+                for (const Tunable& tunable : choice->descriptor.tunables) {
+                    names.insert(tunable.name);
+                }
+            }
+        }
+    }
+    return fmt::format("{}", fmt::join(names, ", "));
 }
 
 }  // namespace pt::test

@@ -142,7 +142,7 @@ TEST_F(SuiteTest, RefusesBadFilesWithTheirPlace) {
         {R"({"name": "a", "scenes": ["still"], "axes": {"colour": ["red"]}})",
          "$.studies[0].axes: found axis \"colour\", allowed: " + known_axes},
         {R"({"name": "a", "scenes": ["still"], "axes": {"compaction": ["none", "magic"]}})",
-         "$.studies[0].axes.compaction: found \"magic\", allowed: " + test::compaction_names()},
+         "$.studies[0].axes.compaction: found \"magic\", allowed: " + test::choice_names("compaction")},
         {R"({"name": "a", "scenes": ["still"], "axes": {"compaction": ["none", "none"]}})",
          "$.studies[0].axes.compaction[1]: found \"none\" twice, allowed: once"},
         {R"({"name": "a", "scenes": ["still"], "resolution": [5]})",
@@ -183,8 +183,6 @@ TEST_F(SuiteTest, RefusesBadFilesWithTheirPlace) {
          "$.studies[0].tunables.jitters[0]: found 4097, allowed: a whole number from 1 to 4096"},
         {R"({"name": "a", "scenes": ["still"], "tunables": {"jitters": [4, 4]}})",
          "$.studies[0].tunables.jitters[1]: found 4 twice, allowed: once"},
-        {R"({"name": "a", "scenes": ["still"], "tunables": {"colour": [4]}})",
-         "$.studies[0].tunables.colour[0]: found tunable \"colour\", allowed: " + test::tunable_names()},
         {R"({"name": "a", "scenes": ["still"], "depth": 0})", "$.studies[0].depth: found 0, allowed: " + depths},
         {R"({"name": "a", "scenes": ["still"], "depth": "8"})", "$.studies[0].depth: found \"8\", allowed: " + depths},
         {R"({"name": "a", "scenes": ["still"], "depth": []})",
@@ -203,6 +201,40 @@ TEST_F(SuiteTest, RefusesBadFilesWithTheirPlace) {
         EXPECT_EQ(message.find(file + ": " + c.message), 0u) << c.studies << "\n" << message;
         EXPECT_EQ(message.find('\n'), std::string::npos);
     }
+}
+
+// A suite may name what only a build with a CUDA toolkit has: it does not apply, whatever this build is.
+TEST_F(SuiteTest, KnowsTheChoicesOfEveryBuildByName) {
+    const Plan made = plan(R"({"name": "a", "scenes": ["still"],
+        "axes": {"compaction": ["none", "gap_fill", "cub_select_if"], "integrator": ["wavefront", "persistent"]}})");
+    EXPECT_EQ(made.cells.size(), 1u);
+    std::set<std::string> reasons;
+    for (const NotApplicable& entry : made.not_applicable) {
+        reasons.insert(entry.reason);
+    }
+    EXPECT_EQ(reasons, (std::set<std::string>{"integrator=persistent is not there on the backend cpu",
+                                              "compaction=gap_fill is not there on the backend cpu",
+                                              "compaction=cub_select_if is not there on the backend cpu"}));
+    const std::string studies = R"({"name": "a", "scenes": ["still"], "tunables": {"payload": [0, 1]}})";
+    for (const NotApplicable& entry : plan(studies).not_applicable) {
+        EXPECT_EQ(entry.reason.find("payload="), 0u) << entry.reason;
+        EXPECT_TRUE(entry.reason.ends_with(" tunes none of the variant's choices")) << entry.reason;
+    }
+    EXPECT_TRUE(plan(studies).cells.empty());
+}
+
+TEST_F(SuiteTest, RefusesUnknownTunables) {
+    const std::string studies = R"({"name": "a", "scenes": ["still"], "tunables": {"colour": [4]}})";
+    const std::string message = refusal([&] { load_studies(studies); });
+    if (test::cuda_is_built()) {
+        EXPECT_EQ(message, file + ": $.studies[0].tunables.colour[0]: found tunable \"colour\", allowed: " +
+                               test::tunable_names());
+        return;
+    }
+    // It may be one of CUDA's, which this build does not know: it tunes nothing.
+    EXPECT_EQ(message, "");
+    EXPECT_TRUE(plan(studies).cells.empty());
+    EXPECT_EQ(plan(studies).not_applicable.at(0).reason, "colour=4 tunes none of the variant's choices");
 }
 
 TEST_F(SuiteTest, RefusesBadTopLevels) {
@@ -402,10 +434,10 @@ TEST_F(SuiteTest, AxisArguments) {
         {"sorting", "--axis: argument: found \"sorting\", " + form},
         {"=none", "--axis: argument: found \"=none\", " + form},
         {"sorting=", "--axis: argument: found \"sorting=\", " + form},
-        {"sorting=none,", "--axis: argument.sorting: found \"\", allowed: " + test::sorting_names()},
-        {"sorting=,none", "--axis: argument.sorting: found \"\", allowed: " + test::sorting_names()},
-        {"sorting=quick", "--axis: argument.sorting: found \"quick\", allowed: " + test::sorting_names()},
-        {"sorting=all,none", "--axis: argument.sorting: found \"all\", allowed: " + test::sorting_names()},
+        {"sorting=none,", "--axis: argument.sorting: found \"\", allowed: " + test::choice_names("sorting")},
+        {"sorting=,none", "--axis: argument.sorting: found \"\", allowed: " + test::choice_names("sorting")},
+        {"sorting=quick", "--axis: argument.sorting: found \"quick\", allowed: " + test::choice_names("sorting")},
+        {"sorting=all,none", "--axis: argument.sorting: found \"all\", allowed: " + test::choice_names("sorting")},
         {"sorting=none,none", "--axis: argument.sorting: found \"none\" twice, allowed: once"},
         {"colour=red", "--axis: argument: found axis \"colour\", allowed: " + known_axes},
         {"colour=all", "--axis: argument: found axis \"colour\", allowed: " + known_axes},

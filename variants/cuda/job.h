@@ -65,9 +65,10 @@ struct Job {
     Sorting* sorting = nullptr;        // null: none
     SortKey sort_key;
     KeyBounds key_bounds;
-    std::uint32_t* append_counts = nullptr;  // by segment, where appends_in_kernel
+    std::uint32_t* append_counts = nullptr;  // where appends_in_kernel: append_counters for every segment
+    std::uint32_t append_counters = 1;
     bool reads_back = false;                // the host learns the count after each compaction
-    std::uint32_t* pinned_count = nullptr;  // host memory that the device can write
+    std::uint32_t* pinned_count = nullptr;  // host memory that the device can write, 64 words
 
     bool is_captured = false;
     std::unique_ptr<Graph> graph;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <numeric>
 #include <vector>
 
 #include "variants/cuda/megakernels.h"
@@ -30,10 +31,12 @@ inline void compact(Job& job, Queue& queue) {
     }
     job.work.compactions += 1;
     if (job.reads_back) {
-        PT_CUDA_CHECK(cudaMemcpyAsync(job.pinned_count, queue.count, sizeof(std::uint32_t), cudaMemcpyDeviceToHost,
-                                      job.stream));
+        const std::uint32_t parts = job.appends_in_kernel ? job.append_counters : 1;
+        PT_CUDA_CHECK(cudaMemcpy2DAsync(job.pinned_count, sizeof(std::uint32_t), queue.count,
+                                        32 * sizeof(std::uint32_t), sizeof(std::uint32_t), parts,
+                                        cudaMemcpyDeviceToHost, job.stream));
         PT_CUDA_CHECK(cudaStreamSynchronize(job.stream));
-        queue.bound = *job.pinned_count;
+        queue.bound = std::accumulate(job.pinned_count, job.pinned_count + parts, 0u);
         job.work.host_waits += 1;
     }
 }

@@ -64,7 +64,7 @@ inline void render(Job& job) {
     }
 }
 
-inline const Integrator hook{.render = render};
+inline const Integrator hook{.render = render, .kernels = {"megakernel"}};
 
 }  // namespace pt::cuda::integrator::megakernel
 

@@ -68,7 +68,7 @@ inline void render(Job& job) {
     }
 }
 
-inline const Integrator hook{.render = render};
+inline const Integrator hook{.render = render, .kernels = {"megakernel_regen"}};
 
 }  // namespace pt::cuda::integrator::megakernel_regen
 

@@ -85,7 +85,7 @@ inline void render(Job& job) {
     }
 }
 
-inline const Integrator hook{.render = render};
+inline const Integrator hook{.render = render, .kernels = {"persistent"}};
 
 }  // namespace pt::cuda::integrator::persistent
 

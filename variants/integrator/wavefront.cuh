@@ -219,7 +219,13 @@ inline void render(Job& job) {
     });
 }
 
-inline const Integrator hook{.render = render, .prepare = prepare, .has_queue = true, .stores_hits = true};
+inline const Integrator hook{
+    .render = render,
+    .prepare = prepare,
+    .kernels = {"generate_paths", "intersect_paths", "shade_paths"},
+    .has_queue = true,
+    .stores_hits = true,
+};
 
 }  // namespace pt::cuda::integrator::wavefront
 

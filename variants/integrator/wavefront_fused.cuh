@@ -8,6 +8,38 @@
 #include "variants/cuda/append.cuh"
 
 // PT_APPEND: 0 paths stay in their slots, 1 warp-aggregated append, 2 block-scan append.
+//
+// An append to one counter waits for all others: a GPU does a few hundred million atomic operations a second on one
+// address. So the queue is in PT_COUNTERS parts, each with a counter of its own; block b appends to part b mod
+// PT_COUNTERS, which therefore never holds more than its share of the blocks.
+constexpr std::uint32_t counter_stride = 32;  // words: counters lie in different cache lines
+
+__device__ inline std::uint32_t part_capacity(const PathStore& store) { return store.capacity / PT_COUNTERS; }
+
+#if PT_APPEND > 0
+// Where the queue's paths lie: the total and, for the position of the calling thread, the slot. Every thread of the block
+// must call it.
+struct Located {
+    std::uint32_t total, slot;
+};
+__device__ inline Located locate(const PathStore& store, const std::uint32_t* counts, std::uint32_t position) {
+    __shared__ std::uint32_t part_count[PT_COUNTERS];
+    for (std::uint32_t part = threadIdx.x; part < PT_COUNTERS; part += PT_BLOCK) {
+        part_count[part] = counts[part * counter_stride];
+    }
+    __syncthreads();
+    Located located{0, 0};
+    for (std::uint32_t part = 0; part < PT_COUNTERS; ++part) {
+        const std::uint32_t before = located.total;
+        located.total += part_count[part];
+        if (position >= before && position < located.total) {
+            located.slot = part * part_capacity(store) + (position - before);
+        }
+    }
+    return located;
+}
+#endif
+
 // Puts a path where the next bounce finds it. `is_new`: nothing of it lies in its slot yet. Every thread of the block
 // must call it.
 template <bool is_new>
@@ -16,13 +48,15 @@ __device__ inline void put_path(const Path& path, bool shaded, bool alive, std::
     using namespace path_fields;
     const Paths paths(out);
 #if PT_APPEND > 0
+    const std::uint32_t part = blockIdx.x % PT_COUNTERS;
+    std::uint32_t* const count = out_count + part * counter_stride;
 #if PT_APPEND == 1
-    const std::uint32_t position = pt::cuda::append_by_warp(out_count, alive);
+    const std::uint32_t position = pt::cuda::append_by_warp(count, alive);
 #else
-    const std::uint32_t position = pt::cuda::append_by_block(out_count, alive);
+    const std::uint32_t position = pt::cuda::append_by_block(count, alive);
 #endif
     if (alive) {
-        paths.template put<radiance, medium, time>(position, path);
+        paths.template put<radiance, medium, time>(part * part_capacity(out) + position, path);
     }
 #else
     if (alive && is_new) {
@@ -83,7 +117,7 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
     pt::cuda::add_shade_counters(totals, counters);
 }
 
-// One bounce of the paths at order[0..*in_count-1] of `in` (no order: at 0..*in_count-1).
+// One bounce of the paths at order[0..*in_count-1] of `in` (no order: at 0..*in_count-1; PT_APPEND: as located).
 extern "C" __global__ void __launch_bounds__(PT_BLOCK)
     next_bounce(Scene parameter, FilmView film, PathStore in, const std::uint32_t* order, const std::uint32_t* in_count,
                 PathStore out, std::uint32_t* out_count, std::uint32_t segment, Totals* totals,
@@ -94,9 +128,15 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
     bool live = false;
     bool alive = false;
     Path path;
-    std::uint32_t slot = i;
-    if (i < *in_count) {
-        slot = order != nullptr ? order[i] : i;
+#if PT_APPEND > 0
+    const Located located = locate(in, in_count, i);
+    const std::uint32_t in_play = located.total;
+    const std::uint32_t slot = located.slot;
+#else
+    const std::uint32_t in_play = *in_count;
+    const std::uint32_t slot = i < in_play && order != nullptr ? order[i] : i;
+#endif
+    if (i < in_play) {
         live = Paths(in).alive(slot);
         if (live) {
             path = load_path(Paths(in), slot, scene.shade);
@@ -104,7 +144,7 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
         }
     }
     put_path<false>(path, live, alive, slot, out, out_count);
-    pt::cuda::add_segment_counts(segments, segment, live, *in_count);
+    pt::cuda::add_segment_counts(segments, segment, live, in_play);
     pt::cuda::add_shade_counters(totals, counters);
 }
 
@@ -114,13 +154,17 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
 
 namespace pt::cuda::integrator::wavefront_fused {
 
+inline constexpr Tunable tunables[] = {
+    wavefront_tunables[0], wavefront_tunables[1], wavefront_tunables[2], wavefront_tunables[3],
+    {"append_counters", 16, 1, 64, 1, "parts of the queue, with a counter each, where the kernel appends"}};
+
 inline constexpr Descriptor descriptor{
     .axis = "integrator",
     .name = "wavefront_fused",
     .summary = "one kernel a bounce over a queue of paths; appending compactions are part of it",
     .origin = "pbrt-v4's and Cycles' queues, taken to one kernel",
     .backends = on_cuda,
-    .tunables = wavefront_tunables,
+    .tunables = tunables,
     .does_not_apply = [](FeatureSet, const Variant& variant) -> std::string {
         return variant["sorting"] == "none"
                    ? ""
@@ -135,6 +179,12 @@ inline int append_in_kernel(const Variant& variant) {
     return variant["compaction"] == "atomic_append" ? 1 : variant["compaction"] == "block_scan_append" ? 2 : 0;
 }
 
+// In words, the stride between counters included (counter_stride).
+inline std::size_t counters_a_segment(const Job& job) { return std::size_t{job.append_counters} * 32; }
+inline std::size_t append_count_bytes(const Job& job) {
+    return counters_a_segment(job) * job.longest_path * sizeof(std::uint32_t);
+}
+
 class Batch {
 public:
     explicit Batch(Job& job) : job_(job), queue_(job.queue), appends_(job.appends_in_kernel) {}
@@ -142,9 +192,8 @@ public:
     void enqueue(std::uint32_t first_sample, std::uint32_t samples) {
         queue_.bound = job_.pixels * samples;
         if (appends_) {
-            // A counter a segment, all cleared at once: clearing one between two bounces would cost a gap each time.
-            PT_CUDA_CHECK(cudaMemsetAsync(job_.append_counts, 0, job_.longest_path * sizeof(std::uint32_t),
-                                          job_.stream));
+            // Counters for every segment, all cleared at once: clearing between two bounces would cost a gap each time.
+            PT_CUDA_CHECK(cudaMemsetAsync(job_.append_counts, 0, append_count_bytes(job_), job_.stream));
             queue_.count = job_.append_counts;
         }
         {
@@ -162,7 +211,8 @@ public:
 private:
     void enqueue_segment(std::uint32_t segment) {
         const PathStore out = appends_ ? queue_.spare : queue_.paths;
-        std::uint32_t* const out_count = appends_ ? job_.append_counts + segment : queue_.count;
+        std::uint32_t* const out_count =
+            appends_ ? job_.append_counts + std::size_t{segment} * counters_a_segment(job_) : queue_.count;
         {
             const Stage stage(job_.stages, "bounce", job_.stream);
             job_.launch("next_bounce", queue_.bound, job_.scene, job_.film, queue_.paths,
@@ -207,13 +257,15 @@ inline void render(Job& job) {
 }
 
 inline std::vector<std::string> defines(const Variant& variant) {
-    return {"-DPT_APPEND=" + std::to_string(append_in_kernel(variant))};
+    return {"-DPT_APPEND=" + std::to_string(append_in_kernel(variant)),
+            "-DPT_COUNTERS=" + std::to_string(tunable(variant, "append_counters", Backend::cuda))};
 }
 
 inline const Integrator hook{
     .render = render,
     .prepare = prepare,
     .defines = defines,
+    .kernels = {"first_bounce", "next_bounce"},
     .has_queue = true,
     .appends_in_kernel = [](const Variant& variant) { return append_in_kernel(variant) != 0; },
 };

@@ -1,0 +1,252 @@
+// The host side of the CUDA backend as far as it goes without a device.
+#include <cstdlib>
+#include <set>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "harness/bench/compile_ahead.h"
+#include "harness/cuda/backend.h"
+#include "harness/cuda/cell.h"
+#include "harness/error.h"
+#include "harness/places.h"
+#include "tests/support/command.h"
+#include "variants/cuda/arena.h"
+#include "variants/cuda/sources.h"
+
+namespace pt {
+namespace {
+
+// Before the runtime is first called: no device is seen, so that the outcome is the same with a GPU and without.
+class NoDevice : public testing::Environment {
+public:
+    void SetUp() override {
+        ::setenv("CUDA_VISIBLE_DEVICES", "-1", 1);
+        ::setenv("PTBENCH_HOME", PTBENCH_SOURCE_DIR, 1);
+        ::setenv("XDG_CACHE_HOME", cache_.path().c_str(), 1);
+    }
+
+private:
+    test::TemporaryFolder cache_;
+};
+const testing::Environment* const no_device = testing::AddGlobalTestEnvironment(new NoDevice);
+
+Variant baseline() { return Registry::instance().baseline(Backend::cuda); }
+
+Variant with(const std::string& axis, const std::string& choice) {
+    Variant variant = baseline();
+    variant.set(axis, choice);
+    return variant;
+}
+
+std::string define(const cuda::ModuleRequest& request, const std::string& name) {
+    for (const std::string& define : request.defines) {
+        if (define.starts_with("-D" + name + "=")) {
+            return define.substr(name.size() + 3);
+        }
+    }
+    return "not defined";
+}
+
+std::string render_failure(const std::function<void()>& call) {
+    try {
+        call();
+    } catch (const MachineError& error) {
+        return error.what();
+    }
+    return "no MachineError";
+}
+
+// --- the backend is not available -------------------------------------------------------------------------------------
+
+TEST(WithoutDeviceTest, SaysWhy) {
+    const std::string reason = cuda::not_available();
+    EXPECT_FALSE(reason.empty());
+    EXPECT_EQ(reason.find('\n'), std::string::npos) << reason;
+    EXPECT_EQ(cuda::not_available(), reason);
+    EXPECT_TRUE(cuda::context().empty());
+}
+
+TEST(WithoutDeviceTest, ARenderFailsWithTheReason) {
+    const Scene scene = find_scene("cornell_open");
+    RenderRequest request;
+    request.variant = baseline();
+    request.backend = Backend::cuda;
+    request.settings = default_settings(scene);
+    const std::string expected = "cuda: not available (" + cuda::not_available() + ")";
+    EXPECT_EQ(render_failure([&] { cuda::render(scene, request); }), expected);
+    EXPECT_EQ(render_failure([&] { render(scene, request); }), expected);
+}
+
+TEST(WithoutDeviceTest, NothingIsCompiledAheadForADeviceThatIsNotThere) {
+    const Scene scene = find_scene("cornell_open");
+    std::map<std::string, std::function<void()>> programs;
+    cuda::collect_programs(scene, baseline(), "", programs);
+    EXPECT_TRUE(programs.empty());
+    compile_ahead({{&scene, baseline()}});
+    EXPECT_FALSE(std::filesystem::exists(cuda::kernel_cache_folder()));
+}
+
+// --- compiling ahead for a GPU that is elsewhere ----------------------------------------------------------------------
+
+TEST(WithoutDeviceTest, CompilesAheadForAnArchitecture) {
+    const Scene scene = find_scene("cornell_open");
+    const auto missing = [&](const std::string& architecture) {
+        std::map<std::string, std::function<void()>> programs;
+        cuda::collect_programs(scene, baseline(), architecture, programs);
+        std::vector<std::string> names;
+        for (const auto& [name, compile] : programs) {
+            names.push_back(name.substr(0, name.find(' ')));
+        }
+        return names;
+    };
+    // Its own, its exact twin's, and the reference's.
+    const Variant reference = Registry::instance().reference(exact_twin(baseline(), Backend::cuda), Backend::cuda);
+    std::vector<std::string> expected{cuda::integrator_source(baseline()), cuda::integrator_source(baseline()),
+                                      cuda::integrator_source(reference)};
+    std::sort(expected.begin(), expected.end());
+    EXPECT_EQ(missing("sm_86"), expected);
+    // The second task needs nothing that the first does not.
+    compile_ahead({{&scene, baseline(), "sm_86"}, {&scene, with("launch", "graph"), "sm_86"}});
+    EXPECT_EQ(missing("sm_86"), std::vector<std::string>());
+    EXPECT_EQ(missing("sm_80"), expected);
+}
+
+TEST(WithoutDeviceTest, AProgramThatFailsLeavesTheOthersAlone) {
+    std::map<std::string, std::function<void()>> programs;
+    test::TemporaryFolder folder;
+    for (int i = 0; i < 8; ++i) {
+        programs["program " + std::to_string(i)] = [&folder, i] {
+            if (i % 3 == 0) {
+                throw std::runtime_error("does not compile");
+            }
+            test::write_text(folder.file(std::to_string(i)), "compiled");
+        };
+    }
+    compile_programs(programs);
+    EXPECT_EQ(folder.content(), (std::vector<std::string>{"1", "2", "4", "5", "7"}));
+}
+
+// --- what is asked of the compiler ------------------------------------------------------------------------------------
+
+bool is_embedded(const std::string& name) {
+    const auto sources = cuda::embedded_sources();
+    return std::any_of(sources.begin(), sources.end(), [&](const auto& source) { return source.name == name; });
+}
+
+TEST(ModuleRequestTest, EveryIntegratorsSourceIsEmbedded) {
+    for (const Choice* integrator : Registry::instance().choices("integrator", Backend::cuda)) {
+        const Variant variant = with("integrator", std::string(integrator->descriptor.name));
+        EXPECT_TRUE(is_embedded(cuda::integrator_source(variant))) << cuda::integrator_source(variant);
+    }
+    for (const char* header : {"kernels/shade.h", "variants/cuda/device.cuh", "variants/layout/soa.cuh", "glm/vec3.hpp"}) {
+        EXPECT_TRUE(is_embedded(header)) << header;
+    }
+}
+
+TEST(ModuleRequestTest, HoldsWhatTheVariantAsksFor) {
+    const Scene scene = find_scene("cornell_open_five");
+    Variant variant = baseline();
+    variant.set("layout", "soa");
+    variant.set("sort_key", "material_hit");
+    variant.set("sorting", "cub_radix");
+    variant.set("arithmetic", "exact");
+    variant.tuning["block"] = 128;
+    variant.tuning["shading_fmas"] = 64;
+    const cuda::ModuleRequest request = cuda::module_request(scene, variant, "sm_89");
+    EXPECT_EQ(request.includes, std::vector<std::string>{"variants/integrator/wavefront.cuh"});
+    EXPECT_EQ(request.features, features_of(scene));
+    EXPECT_EQ(request.real, "float");
+    EXPECT_EQ(request.layout, "soa");
+    EXPECT_EQ(request.sort_key, "material_hit");
+    EXPECT_EQ(request.architecture, "sm_89");
+    EXPECT_EQ(request.options, std::vector<std::string>{"--fmad=false"});
+    EXPECT_EQ(define(request, "PT_BLOCK"), "128");
+    EXPECT_EQ(define(request, "PT_SHADING_FMAS"), "64");
+    EXPECT_EQ(define(request, "PT_CACHED"), "0");
+}
+
+TEST(ModuleRequestTest, CountsAreConstantsWhereTheKernelIsTheScenes) {
+    const Scene scene = find_scene("cornell_open_five");
+    const SceneBuffers<float> buffers(scene, default_settings(scene));
+    const cuda::ModuleRequest own = cuda::module_request(scene, baseline(), "sm_90");
+    EXPECT_EQ(define(own, "PT_FIXED_COUNTS"), "1");
+    EXPECT_EQ(define(own, "PT_SPHERES"), fmt::format("{}u", buffers.view().spheres.size));
+    EXPECT_EQ(define(own, "PT_QUADS"), fmt::format("{}u", buffers.view().quads.size));
+    const cuda::ModuleRequest generic = cuda::module_request(scene, with("specialisation", "generic"), "sm_90");
+    EXPECT_EQ(generic.features, all_features);
+    EXPECT_EQ(define(generic, "PT_FIXED_COUNTS"), "0");
+    EXPECT_EQ(define(generic, "PT_SPHERES"), "not defined");
+}
+
+TEST(ModuleRequestTest, ACacheOfFirstHitsIsAnotherKernel) {
+    const Scene scene = find_scene("cornell_open_unjittered");
+    EXPECT_EQ(define(cuda::module_request(scene, with("first_bounce", "cached"), "sm_90"), "PT_CACHED"), "1");
+}
+
+TEST(ModuleRequestTest, StagesNeedNeitherFeaturesNorArithmetic) {
+    const std::string source = "variants/sorting/bucket.cuh";
+    const cuda::ModuleRequest request = cuda::stage_request(baseline(), source, "sm_90");
+    EXPECT_EQ(request.includes, std::vector<std::string>{source});
+    EXPECT_EQ(request.features, no_features);
+    EXPECT_TRUE(request.options.empty());
+    EXPECT_EQ(cuda::module_key(request), cuda::module_key(cuda::stage_request(with("arithmetic", "fast"), source, "sm_90")));
+    EXPECT_NE(cuda::module_key(request), cuda::module_key(cuda::stage_request(with("layout", "packed"), source, "sm_90")));
+    EXPECT_NE(cuda::module_key(request), cuda::module_key(cuda::stage_request(with("precision", "double"), source, "sm_90")));
+}
+
+// --- memory -----------------------------------------------------------------------------------------------------------
+
+TEST(ArenaTest, MeasuresPiecesOn256ByteBorders) {
+    cuda::Arena arena;
+    EXPECT_TRUE(arena.is_measuring());
+    EXPECT_EQ(arena.used(), 0u);
+    EXPECT_EQ(arena.take<char>(0), nullptr);
+    EXPECT_EQ(arena.used(), 0u);
+    EXPECT_EQ(arena.take<char>(1), nullptr);
+    EXPECT_EQ(arena.used(), 256u);
+    EXPECT_EQ(arena.take<double>(32), nullptr);  // 256 bytes exactly
+    EXPECT_EQ(arena.used(), 512u);
+    EXPECT_EQ(arena.take<std::uint32_t>(65), nullptr);  // 260 bytes
+    EXPECT_EQ(arena.used(), 1024u);
+    EXPECT_EQ(arena.take_bytes(std::size_t{1} << 40), nullptr);  // measuring takes nothing
+    EXPECT_EQ(arena.used(), 1024u + (std::size_t{1} << 40));
+}
+
+TEST(ArenaTest, WithoutADeviceThereIsNoMemory) { EXPECT_THROW(cuda::Arena(1 << 20), cuda::Error); }
+
+TEST(OutOfMemoryTest, SaysHowMuchWasAskedFor) {
+    EXPECT_STREQ(cuda::OutOfMemory(std::size_t{3} << 30, std::size_t{1} << 30).what(),
+                 "out of device memory: asked for 3072 MiB, free are 1024 MiB");
+}
+
+// Thrust and CUB read these two fields of a path whatever the layout: they lie in the store, and apart.
+TEST(LayoutTest, FieldsThatOthersReadLieInTheStore) {
+    for (const Choice* choice : Registry::instance().choices("layout", Backend::cuda)) {
+        const cuda::Layout& layout = choice->hook.cuda.layout;
+        for (const std::size_t real_bytes : {sizeof(float), sizeof(double)}) {
+            for (const std::uint32_t capacity : {1u, 31u, 640000u}) {
+                SCOPED_TRACE(fmt::format("{} of {} bytes, {} slots", choice->descriptor.name, real_bytes, capacity));
+                const std::size_t bytes = layout.bytes(capacity, real_bytes);
+                EXPECT_GE(bytes, capacity * (6 * real_bytes + 8));  // a ray, a pixel and a segment at the least
+                EXPECT_LE(bytes, capacity * std::size_t{256} + 65536);
+                // Never read here: only addresses are compared.
+                std::vector<unsigned char> memory(bytes);
+                const cuda::PathStore store{memory.data(), capacity};
+                const cuda::FieldView segment = layout.segment(store, real_bytes);
+                const cuda::FieldView departed = layout.departed(store, real_bytes);
+                for (const cuda::FieldView& field : {segment, departed}) {
+                    EXPECT_GE(field.base, memory.data());
+                    EXPECT_LE(field.base + std::size_t{capacity - 1} * field.stride + 4, memory.data() + bytes);
+                    EXPECT_GE(field.stride, 4u);
+                    EXPECT_EQ(field.stride % 4, 0u);
+                    EXPECT_EQ((field.base - memory.data()) % 4, 0);
+                }
+                EXPECT_NE(segment.base, departed.base);
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace pt
