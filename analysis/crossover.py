@@ -38,7 +38,7 @@ def crossover_of(points: Sequence[Point], xs: Sequence[int]) -> Crossover | None
     first = beyond[0][0]
     doubts = dict.fromkeys(doubt for _, row in beyond if (doubt := _doubt(row)))
     with_ratio = {x for x, _ in known}
-    missing = tuple(x for x in xs if x > first and x not in with_ratio)
+    missing = tuple(x for x in sorted(set(xs)) if x > first and x not in with_ratio)
     return Crossover(first, is_first=first == min(xs), doubts=tuple(doubts), missing=missing)
 
 

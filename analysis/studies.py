@@ -20,10 +20,21 @@ from analysis.statistics import (
 
 @dataclass(frozen=True)
 class Question:
-    """The axis that a figure varies and the choice that all others are held against."""
+    """The axis, or the tunable, that a figure varies and the choice that all others are held against."""
 
     axis: str
     baseline: str
+    is_tunable: bool = False
+
+    @property
+    def shown_baseline(self) -> str:
+        return f"{self.axis}={self.baseline}" if self.is_tunable else self.baseline
+
+    def choice_of(self, cell: Cell) -> str:
+        value = dimension(cell, self.axis)
+        if self.is_tunable:
+            return f"no {self.axis}" if value is None else f"{self.axis}={value}"
+        return value or "?"
 
 
 # In the order in which a variant's name spells them. The baselines are those of files that do not name their own.
@@ -64,12 +75,16 @@ MOST_TOGETHER = 8
 def question_of(result: Result, study: Study | None) -> Question | None:
     """What the study's figure asks; None where it compares no choices.
 
-    The baseline is the file's own for its backend. A study that was not run with it is held against the first choice
-    that it was run with.
+    The baseline is the file's own for its backend, or a tunable's standard. A study that was not run with it is held
+    against the first choice that it was run with.
     """
     if study is None:
         return None
     cells = result.cells_of(study)
+    if is_tunable(result, study):
+        tuned = [cell for cell in cells if study.figure in cell.tunables]
+        first = next((cell for cell in tuned if study.figure not in cell.tuned), tuned[0])
+        return Question(study.figure, str(first.tunables[study.figure]), is_tunable=True)
     axis = _varying_axis(cells) if study.figure in SWEPT else FIGURE_AXES.get(study.figure)
     if axis is None:
         return None
@@ -79,6 +94,12 @@ def question_of(result: Result, study: Study | None) -> Question | None:
     if run and baseline not in run and (result.baselines or baseline is None):
         baseline = run[0]
     return Question(axis, baseline or "?")
+
+
+def is_tunable(result: Result, study: Study) -> bool:
+    """Whether the study's figure is named for a tunable, whose values it holds against each other."""
+    known = study.figure in FIGURE_AXES or study.figure in SWEPT
+    return not known and any(study.figure in cell.tunables for cell in result.cells_of(study))
 
 
 def usual_baseline(result: Result, axis: str) -> str | None:
@@ -120,7 +141,7 @@ def measure(result: Result, study: Study | None) -> list[Row]:
     rows = []
     for cell in cells:
         estimate = rays = ratio = verdict = None
-        is_baseline = question is not None and cell.axes.get(question.axis) == question.baseline
+        is_baseline = question is not None and dimension(cell, question.axis) == question.baseline
         if cell.measured:
             estimate = median_estimate(cell.ms_per_spp)
             rays = median_estimate([sample.mega_rays_per_second for sample in cell.samples])
@@ -153,40 +174,44 @@ def _is_contended(cell: Cell) -> bool:
     return cell.contended_samples > 0.1 * len(cell.samples)
 
 
+# An axis that says how another one's choice works, and the choice with which it says nothing.
+_QUALIFIES = {"sort_key": ("sorting", "none")}
+
+
 def baseline_of(cell: Cell, cells: Iterable[Cell], question: Question) -> Cell | None:
-    """The cell that differs in the question's axis only.
+    """The cell that differs in what the question is about only.
 
     Equal spp is preferred, not required: times are per spp. Tunables that both cells have must be equal, or both at
     their choice's standard (which two choices need not share); those that only the baseline has, at theirs if possible.
     """
+    moot = [name for name, idle in _QUALIFIES.items() if idle == (question.axis, question.baseline)]
 
     def setting(other: Cell) -> tuple:
-        axes = {name: choice for name, choice in other.axes.items() if name != question.axis}
+        axes = {name: choice for name, choice in other.axes.items() if name not in (question.axis, *moot)}
         return other.scene, other.backend, other.depth, other.resolution, axes
 
+    def shared(other: Cell) -> list[str]:
+        return [name for name in cell.tunables if name in other.tunables and name != question.axis]
+
+    def equally_tuned(other: Cell) -> bool:
+        return all(
+            cell.tunables[name] == other.tunables[name] or (name not in cell.tuned and name not in other.tuned)
+            for name in shared(other)
+        )
+
     def unlikeness(other: Cell) -> tuple:
-        differing = sum(cell.tunables[name] != other.tunables[name] for name in _shared_tunables(cell, other))
-        return differing, other.spp != cell.spp, len(other.tuned.keys() - cell.tunables.keys())
+        axes = sum(cell.axes.get(name) != other.axes.get(name) for name in moot)
+        values = sum(cell.tunables[name] != other.tunables[name] for name in shared(other))
+        return axes, values, other.spp != cell.spp, len(other.tuned.keys() - cell.tunables.keys())
 
     matches = [
         other
         for other in cells
-        if other.axes.get(question.axis) == question.baseline
+        if dimension(other, question.axis) == question.baseline
         and setting(other) == setting(cell)
-        and _equally_tuned(cell, other)
+        and equally_tuned(other)
     ]
     return min(matches, key=unlikeness, default=None)
-
-
-def _shared_tunables(cell: Cell, other: Cell) -> list[str]:
-    return [name for name in cell.tunables if name in other.tunables]
-
-
-def _equally_tuned(cell: Cell, other: Cell) -> bool:
-    return all(
-        cell.tunables[name] == other.tunables[name] or (name not in cell.tuned and name not in other.tuned)
-        for name in _shared_tunables(cell, other)
-    )
 
 
 def swept_by(study: Study | None) -> str:
@@ -248,7 +273,7 @@ def label_of(cell: Cell, question: Question | None, dimensions: Sequence[str]) -
     values = ((name, dimension(cell, name)) for name in dimensions)
     others = [f"{name}={value}" for name, value in values if value is not None]
     if question is not None:
-        others.insert(0, cell.axes.get(question.axis, "?"))
+        others.insert(0, question.choice_of(cell))
     return ", ".join(others) or cell.axes.get("integrator", cell.variant)
 
 

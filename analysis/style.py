@@ -211,11 +211,16 @@ def spread(targets: Sequence[float], sizes: Sequence[float], low: float, high: f
 
 
 def label_lines(
-    page: Page, axes: Axes, ends: Sequence[tuple[float, float]], labels: Sequence[str], looks: Sequence[Look]
+    page: Page,
+    axes: Axes,
+    ends: Sequence[tuple[float, float]],
+    labels: Sequence[str],
+    looks: Sequence[Look],
+    above: float = 0.1,
 ) -> None:
     """Writes each line's name at the right of the axes, with its marker and a leader to the line's last point.
 
-    Call it when the limits are final: it works in inches.
+    The names stand no higher than `above` inches over the axes. Call it when the limits are final: it works in inches.
     """
     box = axes.get_position()
     right = box.x1 * page.width
@@ -223,7 +228,7 @@ def label_lines(
     dpi = page.figure.dpi
     points = [axes.transData.transform(end) / dpi for end in ends]
     sizes = [text_height(LABEL_SIZE, label.count("\n") + 1) * 1.05 for label in labels]
-    heights = spread([point[1] for point in points], sizes, low - 0.1, high + 0.1)
+    heights = spread([point[1] for point in points], sizes, low - 0.1, high + above)
     for point, height, label, style in zip(points, heights, labels, looks, strict=True):
         leader_x = np.array([point[0] + 0.05, right + 0.1, right + 0.26]) / page.width
         leader_y = np.array([point[1], height, height]) / page.height

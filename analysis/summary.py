@@ -74,7 +74,7 @@ def _section(
     question = question_of(result, study)
     if question is not None:
         usual = usual_baseline(result, question.axis)
-        instead = "" if usual == question.baseline else f" The study was not run with {question.axis}={usual}."
+        instead = "" if usual in (None, question.baseline) else f" The study was not run with {question.axis}={usual}."
         lines += [f"Baseline: {question.axis}={question.baseline}, all else equal.{instead}", ""]
     if not_drawn:
         lines += [f"Not drawn: {one_line(not_drawn)}", ""]

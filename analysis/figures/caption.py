@@ -59,6 +59,8 @@ def setting(result: Result, cells: Sequence[Cell], question: Question | None = N
 def _fixed(cells: Sequence[Cell], question: Question | None, study: Study, told: Sequence[str]) -> str:
     axes = [f"{axis}={choice}" for axis, choice in fixed_axes(cells, question).items() if axis not in told]
     varying = [*varying_dimensions(cells, question, swept_by(study)), swept_by(study)]
+    if question is not None:
+        varying.append(question.axis)
     tunables = [
         f"{name}={' or '.join(map(str, values))}{' by choice' if len(values) > 1 else ''}"
         for name, values in fixed_tunables(cells, varying).items()

@@ -120,7 +120,11 @@ def draw(data: Data) -> Figure:
     time_height, ratio_height, between = max(2.6, 1.15 * label_height), 0.0, 0.2
     if with_ratios:
         ratio_height = _LOG_RATIO_HEIGHT if data.log_times else _RATIO_HEIGHT
-    block = 0.3 + time_height + (between + ratio_height if with_ratios else 0) + 0.58
+    titles = [
+        style.wrapped(panel.title, style.BASE_SIZE + 0.5, plot_width + right - 0.1, "bold") for panel in data.panels
+    ]
+    more_title = style.text_height(style.BASE_SIZE + 0.5, max(map(len, titles)) - 1)
+    block = 0.3 + more_title + time_height + (between + ratio_height if with_ratios else 0) + 0.58
     page = style.Page(width, panel_rows * block, data.title, data.caption)
 
     log_time = data.log_times or _needs_log(data)
@@ -141,7 +145,7 @@ def draw(data: Data) -> Figure:
         _draw_times(time_axes, panel, looks)
         scale = _scale_x(time_axes, panel, data.abscissa, plot_width)
         _scale_times(time_axes, all_times, log_time)
-        time_axes.set_title(panel.title)
+        time_axes.set_title("\n".join(titles[index]), linespacing=style.LINE_SPACING)
         lowest = time_axes
         if with_ratios:
             time_axes.tick_params(labelbottom=False)
@@ -165,6 +169,8 @@ def draw(data: Data) -> Figure:
             ends,
             [labels[line.label] for line in panel.lines],
             [looks[line.label] for line in panel.lines],
+            # Where the title reaches over them, the names keep below it.
+            above=0.1 if style.text_width(titles[index][-1], style.BASE_SIZE + 0.5, "bold") < plot_width else 0.0,
         )
     return page.figure
 

@@ -14,6 +14,7 @@ from analysis.results import NotApplicable, Result, Study
 from analysis.statistics import Estimate, Verdict
 from analysis.studies import (
     Note,
+    Question,
     Row,
     in_file_order,
     measure,
@@ -87,14 +88,22 @@ def collect(result: Result, study: Study, default_title: str) -> Data:
         shown = {item.label for item in items}
         group_of = dict(zip(parts.split, values, strict=True))
         for absent in result.not_applicable:
-            label = absent.axes.get(question.axis, absent.variant)
+            label = _absent_label(absent, question)
             if absent.study == study.name and absent.scene == scene and label not in shown and _is_of(absent, group_of):
                 shown.add(label)
                 items.append(Item(label, False, None, None, None, "n/a"))
         groups.append(Group(f"{scene}, depth {depth}{parts.suffix(values)}", tuple(items)))
     order = dict.fromkeys([*parts.order, *(item.label for group in groups for item in group.items)])
     caption = timing_caption(result, study, [row.cell for row in drawn], question, notes)
-    return Data(study.title or default_title, caption, tuple(notes), question.baseline, tuple(order), tuple(groups))
+    return Data(
+        study.title or default_title, caption, tuple(notes), question.shown_baseline, tuple(order), tuple(groups)
+    )
+
+
+def _absent_label(absent: NotApplicable, question: Question) -> str:
+    if question.is_tunable and question.axis in absent.tuned:
+        return f"{question.axis}={absent.tuned[question.axis]}"
+    return absent.axes.get(question.axis, absent.variant)
 
 
 def _is_of(absent: NotApplicable, group_of: dict[str, str]) -> bool:

@@ -6,7 +6,7 @@ import pytest
 from builder import GPU_AXES, LIVE, Builder, small
 from legibility import check_legible, texts_of
 
-from analysis.errors import InputError
+from analysis.errors import InputError, NotDrawable
 from analysis.figures import FIGURES, collect_study, draw_study
 from analysis.gpu import hottest_kernel
 from analysis.results import Kernel, load
@@ -270,6 +270,64 @@ def test_old_cells_match_as_before(tmp_path):
     question = question_of(result, result.studies[0])
     found = [baseline_of(cell, result.cells, question).spp for cell in result.cells[2:]]
     assert found == [4, 8]
+
+
+def test_a_figure_may_be_named_for_a_tunable(tmp_path, analysis):
+    builder = Builder("tuned").on_gpu().study("payload")
+    for choice, base in (("cub_select_if", 2.0), ("gap", 3.0)):
+        for payload, slower in ((1, 1.5), (0, 1.0)):
+            axes, time = {"compaction": choice}, base * slower
+            builder.cell("payload", ms_per_spp=time, axes=axes, tunables={"payload": payload}, standards={"payload": 0})
+    builder.cell("payload")
+    data, figure = drawn(builder, tmp_path)
+    assert data.baseline == "payload=0"
+    assert "ratios: medians over that of payload=0," in data.caption
+    assert "tunables block=256, shading_fmas=0, spp_in_flight=1." in data.caption
+    ratios = {item.label: item.ratio and item.ratio.value for item in data.groups[0].items}
+    assert ratios == pytest.approx(
+        {
+            "payload=0, compaction=cub_select_if": None,
+            "payload=0, compaction=gap": None,
+            "payload=1, compaction=cub_select_if": 1.5,
+            "payload=1, compaction=gap": 1.5,
+            "no payload, compaction=none": None,
+        }
+    )
+    check_legible(figure, "payload")
+    assert analysis("plots", tmp_path / "result.json")[0] == 0
+    summary = (tmp_path / "figures" / "tuned-result" / "summary.md").read_text()
+    assert "Baseline: payload=0, all else equal.\n" in summary
+
+
+def test_a_tunable_without_its_standard_is_held_against_its_first_value(tmp_path):
+    builder = Builder().on_gpu().study("block")
+    for block in (64, 512):
+        builder.cell("block", ms_per_spp=block / 64, tunables={"block": block})
+    data, _ = drawn(builder, tmp_path)
+    assert [item.ratio and item.ratio.value for item in data.groups[0].items] == pytest.approx([None, 8])
+
+
+def test_a_figure_that_is_no_tunable_of_its_cells_is_unknown(tmp_path):
+    builder = Builder().on_gpu().study("payload")
+    builder.cell("payload")
+    with pytest.raises(NotDrawable, match='no figure is called "payload"; there are remaining_paths, '):
+        drawn(builder, tmp_path)
+
+
+def test_a_sort_key_says_nothing_without_a_sort(tmp_path):
+    builder = Builder().on_gpu().study("sorting")
+    builder.cell("sorting", ms_per_spp=2.0)
+    for key, time in (("material", 3.0), ("ray", 4.0)):
+        builder.cell("sorting", ms_per_spp=time, axes={"sorting": "cub_radix", "sort_key": key})
+    ratios = {row.label: row.ratio.value for row in rows_of(builder, tmp_path) if row.ratio}
+    assert ratios == pytest.approx({"cub_radix, sort_key=material": 1.5, "cub_radix, sort_key=ray": 2.0})
+
+
+def test_of_two_sorts_each_is_held_against_the_same_key(tmp_path):
+    builder = Builder().on_gpu().study("sorting")
+    builder.cell("sorting", axes={"sorting": "cub_radix"})
+    builder.cell("sorting", axes={"sorting": "bucket", "sort_key": "ray"})
+    assert rows_of(builder, tmp_path)[1].verdict.reason == "no cell with sorting=cub_radix and all else equal"
 
 
 # ---- Many rows ----

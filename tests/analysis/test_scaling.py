@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import pytest
 from builder import Builder, crossing
@@ -72,7 +73,7 @@ def test_no_multiply_adds_stand_at_the_left(tmp_path):
     axes = page.axes[1]
     places = [axes.transAxes.inverted().transform(axes.transData.transform((x, 1)))[0] for x in (0, 16, 64, 256)]
     assert 0 < places[0] < 0.1
-    steps = [b - a for a, b in zip(places, places[1:], strict=False)]
+    steps = [b - a for a, b in pairwise(places)]
     # Two octaves each, and the step from 0 as wide.
     assert steps == pytest.approx([steps[0]] * 3)
     assert axes.get_xlabel() == "Multiply-adds injected into a shading (log scale right of 0)"
@@ -181,7 +182,7 @@ def test_one_x_is_drawn_as_rows_or_not_at_all(tmp_path):
 def test_nothing_timed_is_not_drawable(tmp_path):
     builder = Builder().on_gpu().study(DEPTH)
     builder.cell(DEPTH, error="out of memory")
-    with pytest.raises(NotDrawable, match="no cell has times: .*out of memory"):
+    with pytest.raises(NotDrawable, match=r"no cell has times: .*out of memory"):
         drawn(builder, tmp_path, DEPTH)
 
 
@@ -320,7 +321,7 @@ def test_a_line_without_any_ratio_has_no_crossover_to_speak_of():
 
 def test_what_is_missing_beyond_a_crossover_is_told():
     points = [(1, row(ABOVE)), (2, row(BELOW)), (4, row(None)), (8, row(BELOW))]
-    assert crossover_of(points, [1, 2, 4, 8, 16]).missing == (4, 16)
+    assert crossover_of(points, [16, 1, 2, 4, 8, 16]).missing == (4, 16)
 
 
 def test_a_crossover_without_a_verdict_says_why():
@@ -388,5 +389,5 @@ def test_ratio_ticks_stand_apart_and_1_is_among_them(low, high):
     ticks = lines._ratio_ticks(low, high)
     assert 1.0 in ticks
     assert all(low <= tick <= high for tick in ticks)
-    apart = [math.log(b / a) for a, b in zip(ticks, ticks[1:], strict=False)]
+    apart = [math.log(b / a) for a, b in pairwise(ticks)]
     assert all(gap >= 0.1 * math.log(high / low) for gap in apart)

@@ -140,6 +140,16 @@ TEST_F(RunCommandTest, DryRunListsTunedCellsAndSizes) {
     EXPECT_EQ(folder.content(), Arguments{"suite.json"});
 }
 
+TEST_F(RunCommandTest, SamplesFromTheCommandLineReplaceThoseOfEveryBackend) {
+    write_text(folder.file("suite.json"), R"({"name": "mine", "studies": [
+        {"name": "a", "scenes": ["cornell_open"], "resolution": [8, 6], "spp": {"cpu": 2, "cuda": 50}}]})");
+    const std::string suite = folder.file("suite.json");
+    EXPECT_NE(ptbench({"run", "--suite", suite, "--backend", "cpu", "--dry-run"}).out.find("/spp:2\n"),
+              std::string::npos);
+    EXPECT_NE(ptbench({"run", "--suite", suite, "--backend", "cpu", "--spp", "7", "--dry-run"}).out.find("/spp:7\n"),
+              std::string::npos);
+}
+
 // The cells of another machine can be listed on this one.
 TEST_F(RunCommandTest, DryRunListsTheCellsOfAGpuWithoutOne) {
     if (!cuda_is_built()) {

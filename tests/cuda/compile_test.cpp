@@ -1,17 +1,24 @@
 // Every kernel that a shipped scene can ask for compiles, for every GPU that ptbench supports. No GPU is needed: NVRTC
-// compiles for any.
+// compiles for any. It takes a second or more a program, so not every combination is tried:
+// - sm_90 gets every scene with every integrator and both direct lights, every two choices that can go together
+//   (covering_variants, on two scenes: one with every material, one whose first hits can be cached), and every stage in
+//   every layout and precision.
+// - The others get every integrator's generic kernel, which contains all that the sources hold; every scene, with an
+//   integrator and a direct light that change from scene to scene and from GPU to GPU, so that over the GPUs every
+//   scene meets every integrator; and every stage in one layout. Nothing in the sources depends on the scene and the
+//   GPU at once.
+// What has compiled is kept in the build folder, so a second run takes seconds.
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <set>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "harness/bench/compile_ahead.h"
 #include "harness/bench/suite.h"
-#include "harness/cuda/backend.h"
 #include "harness/cuda/cell.h"
 #include "harness/places.h"
 #include "variants/cuda/nvrtc.h"
@@ -23,17 +30,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* architectures[] = {"sm_75", "sm_80", "sm_86", "sm_89", "sm_90", "sm_100", "sm_120"};
+constexpr std::string_view full_architecture = "sm_90";
 
-std::string stage_source(std::string_view axis, const std::string& choice) {
-    return fmt::format("variants/{}/{}.cuh", axis, choice);
-}
-
-bool is_embedded(const std::string& name) {
-    const auto sources = cuda::embedded_sources();
-    return std::any_of(sources.begin(), sources.end(), [&](const auto& source) { return source.name == name; });
-}
-
-Variant with(std::initializer_list<std::pair<const char*, std::string>> choices) {
+Variant baseline_with(const std::map<std::string, std::string>& choices) {
     Variant variant = Registry::instance().baseline(Backend::cuda);
     for (const auto& [axis, choice] : choices) {
         variant.set(axis, choice);
@@ -41,7 +40,7 @@ Variant with(std::initializer_list<std::pair<const char*, std::string>> choices)
     return variant;
 }
 
-std::vector<std::string> names_on(std::string_view axis) {
+std::vector<std::string> choices_of(std::string_view axis) {
     std::vector<std::string> names;
     for (const Choice* choice : Registry::instance().choices(axis, Backend::cuda)) {
         names.emplace_back(choice->descriptor.name);
@@ -52,6 +51,11 @@ std::vector<std::string> names_on(std::string_view axis) {
 // The programs of one GPU, each once.
 class Programs {
 public:
+    struct Program {
+        cuda::ModuleRequest request;
+        std::string asked_for_by;  // the first of them
+    };
+
     explicit Programs(std::string architecture) : architecture_(std::move(architecture)) {}
 
     // The integrator's program, if the variant applies to the scene.
@@ -64,10 +68,6 @@ public:
         add(cuda::stage_request(variant, source, architecture_), variant.name());
     }
 
-    struct Program {
-        cuda::ModuleRequest request;
-        std::string asked_for_by;  // the first of them
-    };
     const std::map<std::string, Program>& by_key() const { return programs_; }
 
 private:
@@ -79,37 +79,158 @@ private:
     std::map<std::string, Program> programs_;
 };
 
-const std::vector<Scene>& shipped_scenes() {
-    static const std::vector<Scene> scenes = [] {
-        std::vector<Scene> all;
-        for (const std::string& name : scene_names()) {
-            all.push_back(find_scene(name));
+// Those whose kernels differ: scenes with the same features and numbers of objects share them.
+std::vector<Scene> scenes_by_program() {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::recursive_directory_iterator(home_folder() / "scenes")) {
+        if (entry.path().extension() == ".json" && entry.path().parent_path().filename() != "suites") {
+            files.push_back(entry.path());
         }
-        return all;
-    }();
+    }
+    std::sort(files.begin(), files.end());
+    std::vector<Scene> scenes;
+    std::set<std::string> seen;
+    for (const fs::path& file : files) {
+        const Scene scene = load_scene(file.string());
+        if (seen.insert(cuda::module_key(cuda::module_request(scene, baseline_with({}), "sm_90"))).second) {
+            scenes.push_back(scene);
+        }
+    }
     return scenes;
 }
 
-TEST(Count, It) {
-    ::setenv("PTBENCH_HOME", PTBENCH_SOURCE_DIR, 1);
-    {
-        Programs p("sm_90");
-        for (const Scene& s : shipped_scenes()) {
-            const std::size_t before = p.by_key().size();
-            for (const auto& i : names_on("integrator")) {
-                p.add(s, with({{"integrator", i}}));
-            }
-            std::printf("%s %zu\n", s.name.c_str(), p.by_key().size() - before);
+// The sources that compactions and sorts ask for: each a file by the choice's name.
+std::vector<std::string> stage_sources() {
+    std::vector<std::string> sources;
+    for (const cuda::EmbeddedSource& source : cuda::embedded_sources()) {
+        if (source.name.starts_with("variants/compaction/") || source.name.starts_with("variants/sorting/")) {
+            sources.emplace_back(source.name);
         }
-        std::printf("off: %zu\n", p.by_key().size());
-        for (const Scene& s : shipped_scenes()) {
-            for (const auto& i : names_on("integrator")) {
-                p.add(s, with({{"integrator", i}, {"direct_light", "final_bounce"}}));
+    }
+    return sources;
+}
+
+void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
+    for (const Scene& scene : scenes) {
+        for (const std::string& integrator : choices_of("integrator")) {
+            for (const std::string& light : choices_of("direct_light")) {
+                programs.add(scene, baseline_with({{"integrator", integrator}, {"direct_light", light}}));
             }
         }
-        std::printf("+final: %zu\n", p.by_key().size());
+    }
+    for (const char* name : {"cornell_open_five", "cornell_open_unjittered"}) {
+        const Scene scene = find_scene(name);
+        for (const Variant& variant :
+             covering_variants(all_choices(Backend::cuda), features_of(scene), Backend::cuda)) {
+            programs.add(scene, variant);
+        }
+    }
+    for (const std::string& source : stage_sources()) {
+        for (const std::string& layout : choices_of("layout")) {
+            for (const std::string& precision : choices_of("precision")) {
+                programs.add_stage(source, baseline_with({{"layout", layout}, {"precision", precision}}));
+            }
+        }
     }
 }
+
+void add_pairs(Programs& programs, const std::vector<Scene>& scenes, std::size_t turn) {
+    const std::vector<std::string> integrators = choices_of("integrator");
+    const std::vector<std::string> lights = choices_of("direct_light");
+    for (const std::string& integrator : integrators) {
+        programs.add(scenes.front(), baseline_with({{"integrator", integrator}, {"specialisation", "generic"}}));
+    }
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+        const std::string& integrator = integrators[(i + turn) % integrators.size()];
+        programs.add(scenes[i],
+                     baseline_with({{"integrator", integrator},
+                                    {"direct_light", lights[(i / integrators.size() + turn) % lights.size()]}}));
+    }
+    for (const std::string& source : stage_sources()) {
+        programs.add_stage(source, baseline_with({}));
+    }
+}
+
+class CompileTest : public testing::TestWithParam<const char*> {
+protected:
+    // Everything at once: NVRTC compiles one program at a time in a process, so this is where the time goes.
+    static void SetUpTestSuite() {
+        ::setenv("PTBENCH_HOME", PTBENCH_SOURCE_DIR, 1);
+        ::setenv("XDG_CACHE_HOME", (fs::path(PTBENCH_BINARY).parent_path() / "kernel-cache").c_str(), 1);
+        ASSERT_EQ(cuda::nvrtc_missing(), "");
+        const std::vector<Scene> scenes = scenes_by_program();
+        ASSERT_GE(scenes.size(), 10u);
+        for (std::size_t turn = 0; turn < std::size(architectures); ++turn) {
+            Programs& programs = all().try_emplace(architectures[turn], architectures[turn]).first->second;
+            if (architectures[turn] == full_architecture) {
+                add_everything(programs, scenes);
+            } else {
+                add_pairs(programs, scenes, turn);
+            }
+        }
+        remove_what_others_left();
+        std::map<std::string, std::function<void()>> missing;
+        for (const auto& [architecture, programs] : all()) {
+            for (const auto& [key, program] : programs.by_key()) {
+                if (!cuda::is_cached(program.request)) {
+                    missing.emplace(fmt::format("{} {} {}", architecture, program.request.name, key),
+                                    [request = program.request] { (void)cuda::build_module(request); });
+                }
+            }
+        }
+        compile_programs(missing);
+    }
+
+    static std::map<std::string, Programs>& all() {
+        static std::map<std::string, Programs> programs;
+        return programs;
+    }
+
+    // Programs of earlier sources would fill the build folder.
+    static void remove_what_others_left() {
+        std::set<std::string> names{"include-" + cuda::kernel_source_hash()};
+        for (const auto& [architecture, programs] : all()) {
+            for (const auto& [key, program] : programs.by_key()) {
+                names.insert(key + ".cubin");
+            }
+        }
+        std::error_code ignored;
+        for (const auto& entry : fs::directory_iterator(cuda::kernel_cache_folder(), ignored)) {
+            if (!names.contains(entry.path().filename().string())) {
+                fs::remove_all(entry.path(), ignored);
+            }
+        }
+    }
+};
+
+// What is not in the cache by now is compiled once more, for the compiler's words.
+TEST_P(CompileTest, EveryProgram) {
+    const Programs& programs = all().at(GetParam());
+    int failures = 0;
+    for (const auto& [key, program] : programs.by_key()) {
+        if (cuda::is_cached(program.request)) {
+            continue;
+        }
+        failures += 1;
+        if (failures > 3) {
+            continue;
+        }
+        try {
+            EXPECT_TRUE(cuda::build_module(program.request)
+                            .cubin.starts_with("\x7f"
+                                               "ELF"));
+            failures -= 1;  // the process that should have compiled it did not get to it
+        } catch (const std::exception& error) {
+            ADD_FAILURE() << program.asked_for_by << ": " << error.what();
+        }
+    }
+    EXPECT_EQ(failures, 0) << "of " << programs.by_key().size() << " programs";
+    RecordProperty("programs", static_cast<int>(programs.by_key().size()));
+    std::printf("%zu programs\n", programs.by_key().size());
+}
+
+INSTANTIATE_TEST_SUITE_P(, CompileTest, testing::ValuesIn(architectures),
+                         [](const auto& instance) { return std::string(instance.param); });
 
 }  // namespace
 }  // namespace pt

@@ -85,16 +85,18 @@ protected:
     // Files in the cache but for the unpacked sources.
     std::vector<std::string> entries() const {
         std::vector<std::string> names = cache.content();
-        std::erase_if(names, [](const std::string& name) {
-            return name == "ptbench" || name.starts_with("ptbench/include-");
-        });
+        std::erase_if(
+            names, [](const std::string& name) { return name == "ptbench" || name.starts_with("ptbench/include-"); });
         return names;
     }
 };
 
 void expect_image(const Built& built, const std::string& outcome) {
     EXPECT_EQ(built.outcome, outcome) << built.text.substr(0, 2000);
-    EXPECT_TRUE(built.text.starts_with("\x7f""ELF")) << "no image";
+    EXPECT_TRUE(
+        built.text.starts_with("\x7f"
+                               "ELF"))
+        << "no image";
 }
 
 TEST_F(KernelCacheTest, TheSecondBuildComesFromTheCache) {
@@ -163,7 +165,9 @@ TEST_F(KernelCacheTest, ProcessesThatBuildAtOnceDoNotDisturbEachOther) {
         images.insert(built.text);
     }
     ASSERT_EQ(images.size(), 1u);
-    EXPECT_TRUE(images.begin()->starts_with("\x7f""ELF"));
+    EXPECT_TRUE(
+        images.begin()->starts_with("\x7f"
+                                    "ELF"));
     const Built later = build(request);
     expect_image(later, "cached");
     EXPECT_TRUE(later.text == *images.begin());
@@ -173,7 +177,8 @@ TEST_F(KernelCacheTest, ProcessesThatBuildAtOnceDoNotDisturbEachOther) {
     }
 }
 
-// --- a cache that cannot be written -----------------------------------------------------------------------------------
+// --- a cache that cannot be written
+// -----------------------------------------------------------------------------------
 
 void expect_one_line_naming(const fs::path& folder, const Built& built) {
     EXPECT_EQ(built.outcome, "error");
@@ -209,7 +214,8 @@ TEST_F(KernelCacheTest, AnEntryThatCannotBeWrittenIsDoneWithout) {
     }
 }
 
-// --- keys -------------------------------------------------------------------------------------------------------------
+// --- keys
+// -------------------------------------------------------------------------------------------------------------
 
 TEST(KernelKeyTest, EverythingThatChangesTheCodeChangesTheKey) {
     const ModuleRequest base = small_request();
@@ -235,7 +241,9 @@ TEST(KernelKeyTest, EverythingThatChangesTheCodeChangesTheKey) {
         changed([](ModuleRequest& r) { r.defines.push_back("-DPT_MORE=1"); }),
         changed([](ModuleRequest& r) { r.defines.push_back("-DPT_MORE=2"); }),
         changed([](ModuleRequest& r) { r.defines.push_back("-DPT_MORE=12"); }),
-        changed([](ModuleRequest& r) { r.defines.insert(r.defines.end(), {"-DPT_MORE=1", "2"}); }),
+        changed([](ModuleRequest& r) {
+            r.defines.insert(r.defines.end(), {"-DPT_MORE=1", "2"});
+        }),
         changed([](ModuleRequest& r) { r.defines.clear(); }),
     };
     EXPECT_EQ(std::set<std::string>(keys.begin(), keys.end()).size(), keys.size());
@@ -264,7 +272,8 @@ TEST(KernelKeyTest, VariantsShareProgramsWhereTheCodeIsTheSame) {
     EXPECT_NE(key("integrator", "megakernel"), base);
 }
 
-// --- what does not compile --------------------------------------------------------------------------------------------
+// --- what does not compile
+// --------------------------------------------------------------------------------------------
 
 class CompileErrorTest : public KernelCacheTest {
 protected:
@@ -303,9 +312,10 @@ TEST_F(CompileErrorTest, NamesTheLineInsideAnIncludedSource) {
 TEST_F(CompileErrorTest, NamesASourceThatIsNotThere) {
     ModuleRequest request = small_request();
     request.includes.push_back("variants/compaction/no_such.cuh");
-    (void)failure(request,
-                  R"(atomic_append\.cuh\.cu\([0-9]+\): .*error: cannot open source file "variants/compaction/no_such\.cuh")",
-                  "-DPT_REAL=float");
+    (void)failure(
+        request,
+        R"(atomic_append\.cuh\.cu\([0-9]+\): .*error: cannot open source file "variants/compaction/no_such\.cuh")",
+        "-DPT_REAL=float");
 }
 
 TEST_F(CompileErrorTest, NamesAnArchitectureThatTheCompilerDoesNotKnow) {

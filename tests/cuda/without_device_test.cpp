@@ -57,7 +57,8 @@ std::string render_failure(const std::function<void()>& call) {
     return "no MachineError";
 }
 
-// --- the backend is not available -------------------------------------------------------------------------------------
+// --- the backend is not available
+// -------------------------------------------------------------------------------------
 
 TEST(WithoutDeviceTest, SaysWhy) {
     const std::string reason = cuda::not_available();
@@ -87,7 +88,8 @@ TEST(WithoutDeviceTest, NothingIsCompiledAheadForADeviceThatIsNotThere) {
     EXPECT_FALSE(std::filesystem::exists(cuda::kernel_cache_folder()));
 }
 
-// --- compiling ahead for a GPU that is elsewhere ----------------------------------------------------------------------
+// --- compiling ahead for a GPU that is elsewhere
+// ----------------------------------------------------------------------
 
 TEST(WithoutDeviceTest, CompilesAheadForAnArchitecture) {
     const Scene scene = find_scene("cornell_open");
@@ -127,7 +129,8 @@ TEST(WithoutDeviceTest, AProgramThatFailsLeavesTheOthersAlone) {
     EXPECT_EQ(folder.content(), (std::vector<std::string>{"1", "2", "4", "5", "7"}));
 }
 
-// --- what is asked of the compiler ------------------------------------------------------------------------------------
+// --- what is asked of the compiler
+// ------------------------------------------------------------------------------------
 
 bool is_embedded(const std::string& name) {
     const auto sources = cuda::embedded_sources();
@@ -139,7 +142,8 @@ TEST(ModuleRequestTest, EveryIntegratorsSourceIsEmbedded) {
         const Variant variant = with("integrator", std::string(integrator->descriptor.name));
         EXPECT_TRUE(is_embedded(cuda::integrator_source(variant))) << cuda::integrator_source(variant);
     }
-    for (const char* header : {"kernels/shade.h", "variants/cuda/device.cuh", "variants/layout/soa.cuh", "glm/vec3.hpp"}) {
+    for (const char* header :
+         {"kernels/shade.h", "variants/cuda/device.cuh", "variants/layout/soa.cuh", "glm/vec3.hpp"}) {
         EXPECT_TRUE(is_embedded(header)) << header;
     }
 }
@@ -190,12 +194,16 @@ TEST(ModuleRequestTest, StagesNeedNeitherFeaturesNorArithmetic) {
     EXPECT_EQ(request.includes, std::vector<std::string>{source});
     EXPECT_EQ(request.features, no_features);
     EXPECT_TRUE(request.options.empty());
-    EXPECT_EQ(cuda::module_key(request), cuda::module_key(cuda::stage_request(with("arithmetic", "fast"), source, "sm_90")));
-    EXPECT_NE(cuda::module_key(request), cuda::module_key(cuda::stage_request(with("layout", "packed"), source, "sm_90")));
-    EXPECT_NE(cuda::module_key(request), cuda::module_key(cuda::stage_request(with("precision", "double"), source, "sm_90")));
+    EXPECT_EQ(cuda::module_key(request),
+              cuda::module_key(cuda::stage_request(with("arithmetic", "fast"), source, "sm_90")));
+    EXPECT_NE(cuda::module_key(request),
+              cuda::module_key(cuda::stage_request(with("layout", "packed"), source, "sm_90")));
+    EXPECT_NE(cuda::module_key(request),
+              cuda::module_key(cuda::stage_request(with("precision", "double"), source, "sm_90")));
 }
 
-// --- memory -----------------------------------------------------------------------------------------------------------
+// --- memory
+// -----------------------------------------------------------------------------------------------------------
 
 TEST(ArenaTest, MeasuresPiecesOn256ByteBorders) {
     cuda::Arena arena;

@@ -59,7 +59,8 @@ TEST_F(PlacesTest, FindsAShippedSceneByNameAndAnyFileByItsPath) {
 }
 
 TEST_F(PlacesTest, SaysWhichNamesThereAre) {
-    for (const std::string name : {"nope", "", "suites", "suites/small", "../scenes/tiny", "notes.txt"}) {
+    for (const std::string name :
+         {"nope", "", "suites", "suites/none", "../scenes/tiny", "suites/../tiny", "notes.txt"}) {
         EXPECT_EQ(refusal([&] { find_scene(name); }),
                   "--scene: name: found \"" + name + "\", allowed: a file that ends in .json, or one of a, tiny");
     }
@@ -67,6 +68,23 @@ TEST_F(PlacesTest, SaysWhichNamesThereAre) {
               "--suite: name: found \"nope\", allowed: a file that ends in .json, or one of small");
     EXPECT_EQ(refusal([] { find_scene("missing.json"); }),
               "missing.json: cannot be read (no such file, a directory, empty or no permission)");
+}
+
+// A group of scenes lies in a folder of its own; it is not listed with the others.
+TEST_F(PlacesTest, FindsASceneInAFolderOfScenes) {
+    std::filesystem::create_directories(folder.path() / "scenes" / "group");
+    test::write_text(folder.file("scenes/group/inner.json"), tiny_scene);
+    test::write_text(folder.file("outside.json"), tiny_scene);
+    EXPECT_EQ(find_scene("group/inner").name, "tiny");
+    EXPECT_EQ(scene_names(), (std::vector<std::string>{"a", "tiny"}));
+    for (const std::string name : {"group", "group/", "group/none", "../outside", "group/../../outside",
+                                   (folder.path() / "outside").string().c_str()}) {
+        EXPECT_EQ(refusal([&] { find_scene(name); }),
+                  "--scene: name: found \"" + name + "\", allowed: a file that ends in .json, or one of a, tiny");
+    }
+    // A suite is no scene.
+    const std::string file = folder.file("scenes/suites/small.json");
+    EXPECT_EQ(refusal([] { find_scene("suites/small"); }).find(file + ": $: found no key "), 0u);
 }
 
 TEST_F(PlacesTest, AHomeWithoutScenesIsAnError) {

@@ -195,6 +195,12 @@ TEST_F(SuiteTest, RefusesBadFilesWithTheirPlace) {
          "$.studies[0].spp: found 0, allowed: a whole number from 1 to 1000000"},
         {R"({"name": "a", "scenes": ["still"], "spp": 1.0})",
          "$.studies[0].spp: found 1.0, allowed: a whole number from 1 to 1000000"},
+        {R"({"name": "a", "scenes": ["still"], "spp": {"cpu": 1}})",
+         "$.studies[0].spp: found no key \"cuda\", allowed: it is required"},
+        {R"({"name": "a", "scenes": ["still"], "spp": {"cpu": 1, "cuda": 0}})",
+         "$.studies[0].spp.cuda: found 0, allowed: a whole number from 1 to 1000000"},
+        {R"({"name": "a", "scenes": ["still"], "spp": {"cpu": 1, "cuda": 2, "gpu": 3}})",
+         "$.studies[0].spp: found unknown key \"gpu\", allowed: cpu, cuda"},
     };
     for (const auto& c : cases) {
         const std::string message = refusal([&] { load_studies(c.studies); });
@@ -383,6 +389,27 @@ TEST_F(SuiteTest, SeveralResolutionsAreSoManyCells) {
     EXPECT_EQ(std::set<std::string>(names.begin(), names.end()).size(), names.size());
 }
 
+TEST_F(SuiteTest, ABackendMayHaveItsOwnSamples) {
+    const std::string studies = R"({"name": "a", "scenes": ["still"], "spp": {"cpu": 3, "cuda": 40}},
+                                   {"name": "b", "scenes": ["still"], "spp": 5})";
+    const Suite suite = load_studies(studies);
+    EXPECT_EQ(suite.studies[0].spp_for(Backend::cpu), 3u);
+    EXPECT_EQ(suite.studies[0].spp_for(Backend::cuda), 40u);
+    EXPECT_EQ(suite.studies[1].spp_for(Backend::cuda), 5u);
+    const auto samples = [&](Backend backend) {
+        std::vector<std::uint32_t> spp;
+        for (const Cell& cell : make_plan(suite, backend).cells) {
+            spp.push_back(cell.spp);
+            EXPECT_TRUE(cell.name.ends_with("/spp:" + std::to_string(cell.spp))) << cell.name;
+        }
+        return spp;
+    };
+    EXPECT_EQ(samples(Backend::cpu), (std::vector<std::uint32_t>{3, 5}));
+    if (test::cuda_is_built()) {
+        EXPECT_EQ(samples(Backend::cuda), (std::vector<std::uint32_t>{40, 5}));
+    }
+}
+
 TEST_F(SuiteTest, EveryValueOfATunableIsACell) {
     const Plan made = plan(R"({"name": "a", "scenes": ["jittered"], "axes": {"first_bounce": ["off", "cached_jitters"]},
                                "tunables": {"jitters": [4, 16]}})");
@@ -458,31 +485,62 @@ TEST_F(SuiteTest, AxisArguments) {
 
 // ---- What is shipped ----
 
-TEST(ShippedSuitesTest, LoadAndPlan) {
-    ::setenv("PTBENCH_HOME", PTBENCH_SOURCE_DIR, 1);
+// Studies that have a cell on a backend.
+std::set<std::string> studies_with_cells(const Suite& suite, Backend backend) {
+    std::set<std::string> studies;
+    for (const Cell& cell : make_plan(suite, backend).cells) {
+        studies.insert(cell.studies.begin(), cell.studies.end());
+    }
+    return studies;
+}
+
+class ShippedSuitesTest : public testing::Test {
+protected:
+    void SetUp() override { ::setenv("PTBENCH_HOME", PTBENCH_SOURCE_DIR, 1); }
+    void TearDown() override { ::unsetenv("PTBENCH_HOME"); }
+};
+
+TEST_F(ShippedSuitesTest, LoadAndPlan) {
     const std::vector<std::string> names = suite_names();
-    EXPECT_NE(std::find(names.begin(), names.end(), "quick"), names.end());
-    EXPECT_NE(std::find(names.begin(), names.end(), "seeds"), names.end());
+    for (const char* name : {"quick", "seeds"}) {
+        EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
+    }
     for (const std::string& name : names) {
         SCOPED_TRACE(name);
         const Suite suite = load_suite(find_suite_file(name));
         EXPECT_EQ(suite.name, name);
         EXPECT_FALSE(suite.description.empty());
         EXPECT_GE(suite.repetitions, 9);  // fewer samples allow no verdict
-        const Plan made = make_plan(suite);
-        EXPECT_FALSE(made.cells.empty());
+        std::set<std::string> studies = studies_with_cells(suite, Backend::cpu);
+        EXPECT_FALSE(studies.empty());
+        if (test::cuda_is_built()) {
+            const std::set<std::string> on_cuda = studies_with_cells(suite, Backend::cuda);
+            EXPECT_FALSE(on_cuda.empty());
+            studies.insert(on_cuda.begin(), on_cuda.end());
+            // A study is for one backend at least.
+            for (const Study& study : suite.studies) {
+                EXPECT_TRUE(studies.contains(study.name)) << study.name;
+            }
+        }
+    }
+}
+
+// The seeds' three graphs and their compactions, on the CPU too.
+TEST_F(ShippedSuitesTest, QuickAndSeedsDrawTheSeedsGraphs) {
+    for (const char* name : {"quick", "seeds"}) {
+        SCOPED_TRACE(name);
+        const Suite suite = load_suite(find_suite_file(name));
+        const std::set<std::string> studies = studies_with_cells(suite, Backend::cpu);
         std::set<std::string> figures;
         for (const Study& study : suite.studies) {
-            figures.insert(study.figure);
-            EXPECT_TRUE(std::any_of(made.cells.begin(), made.cells.end(), [&](const Cell& cell) {
-                return std::find(cell.studies.begin(), cell.studies.end(), study.name) != cell.studies.end();
-            })) << study.name;
+            if (studies.contains(study.name)) {
+                figures.insert(study.figure);
+            }
         }
         for (const char* figure : {"remaining_paths", "sorting_by_depth", "first_bounce_by_depth", "compaction"}) {
             EXPECT_TRUE(figures.contains(figure)) << figure;
         }
     }
-    ::unsetenv("PTBENCH_HOME");
 }
 
 }  // namespace
