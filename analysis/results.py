@@ -239,8 +239,8 @@ class NotApplicable:
         return match[1] if match else ""
 
     @property
-    def is_untuned_twin(self) -> bool:
-        """Left out because its choices lack a tunable of the study: the same choices without it were run."""
+    def has_nothing_to_tune(self) -> bool:
+        """Left out because its choices lack a tunable of the study."""
         return self.reason.endswith(_NOTHING_TO_TUNE)
 
 

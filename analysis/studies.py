@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
 
-from analysis.results import Cell, Result, Study
+from analysis.results import Cell, NotApplicable, Result, Study
 from analysis.statistics import (
     MINIMUM_SAMPLES,
     Estimate,
@@ -377,9 +377,20 @@ def notes_of(result: Result, study: Study | None, rows: Sequence[Row]) -> list[N
     return notes
 
 
+def missed(result: Result, study: Study | None) -> list[NotApplicable]:
+    """What was left out of the study, but for variants that were run in it without a tunable that they do not have."""
+    run = [(cell.scene, cell.axes) for cell in (result.cells_of(study) if study is not None else ())]
+    return [
+        item
+        for item in result.not_applicable
+        if item.study == (study.name if study is not None else "")
+        and not (item.has_nothing_to_tune and (item.scene, item.axes) in run)
+    ]
+
+
 def _not_applicable_notes(result: Result, study: Study | None, question: Question | None) -> list[Note]:
     seen: dict[tuple[str, str], list[str]] = {}
-    of_study = [item for item in result.not_applicable if item.study == (study.name if study is not None else "")]
+    of_study = missed(result, study)
     for item in of_study:
         if not item.elsewhere:
             what = item.axes.get(question.axis, item.variant) if question is not None else item.variant

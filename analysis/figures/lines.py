@@ -27,8 +27,8 @@ from analysis.studies import Note, Parts, Row
 # Where one choice takes this many times another's time, a linear axis would press the fast ones flat.
 _LOG_FROM = 5.0
 _RATIO_HEIGHT, _LOG_RATIO_HEIGHT = 1.35, 2.0  # inches
-_RATIO_TICKS = (0.1, 0.2, 0.3, 0.5, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.5, 2, 3, 5, 7, 10)
-_LEGEND_WIDTH = 1.9  # inches, before a line's name is wrapped
+_RATIO_TICKS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.3, 1.5, 2, 3, 4, 5, 7, 10)
+_LEGEND_WIDTH, _WIDEST_LEGEND = 1.9, 2.6  # inches, before a line's name is wrapped; for one long word
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,9 @@ def panel_of(title: str, points: Sequence[tuple[int, Row]], parts: Parts, with_c
 
 
 def draw(data: Data) -> Figure:
-    labels = {label: "\n".join(style.wrapped(label, style.LABEL_SIZE, _LEGEND_WIDTH)) for label in data.order}
+    words = [style.text_width(word, style.LABEL_SIZE) for label in data.order for word in label.split()]
+    legend_width = min(max(_LEGEND_WIDTH, *words), _WIDEST_LEGEND) + 0.01
+    labels = {label: "\n".join(style.wrapped(label, style.LABEL_SIZE, legend_width)) for label in data.order}
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
     label_width = max(style.text_width(part, style.LABEL_SIZE) for text in labels.values() for part in text.split("\n"))
     label_height = sum(style.text_height(style.LABEL_SIZE, text.count("\n") + 1) for text in labels.values())

@@ -18,6 +18,7 @@ from analysis.studies import (
     Row,
     in_file_order,
     measure,
+    missed,
     notes_of,
     parts_of,
     question_of,
@@ -86,10 +87,13 @@ def collect(result: Result, study: Study, default_title: str) -> Data:
         # Baselines first, then from fast to slow; what has no time comes last.
         items.sort(key=lambda item: (not item.is_baseline, item.time is None, item.time.value if item.time else 0))
         shown = {item.label for item in items}
+        if result.baselines:
+            # The note says why a choice was not run in some ways. Older files' figures have a row for that, too.
+            shown |= {question.choice_of(row.cell) for row in measured if key(row) == (scene, depth, *values)}
         group_of = dict(zip(parts.split, values, strict=True))
-        for absent in result.not_applicable:
+        for absent in missed(result, study):
             label = _absent_label(absent, question)
-            if absent.study == study.name and absent.scene == scene and label not in shown and _is_of(absent, group_of):
+            if absent.scene == scene and label not in shown and _is_of(absent, group_of):
                 shown.add(label)
                 items.append(Item(label, False, None, None, None, "n/a"))
         groups.append(Group(f"{scene}, depth {depth}{parts.suffix(values)}", tuple(items)))
@@ -107,8 +111,8 @@ def _absent_label(absent: NotApplicable, question: Question) -> str:
 
 
 def _is_of(absent: NotApplicable, group_of: dict[str, str]) -> bool:
-    """Whether the group is where it would stand, and whether it is missed there at all."""
-    if absent.elsewhere or absent.is_untuned_twin:
+    """Whether the group is where it would stand; what only another backend has stands nowhere."""
+    if absent.elsewhere:
         return False
     known = {**absent.tuned, **absent.axes}
     return all(known.get(name, value) == value for name, value in group_of.items())

@@ -98,7 +98,8 @@ ModuleRequest request_for(const Variant& variant, const std::string& source, con
 }  // namespace
 
 std::string integrator_source(const Variant& variant) {
-    return "variants/integrator/" + variant["integrator"] + ".cuh";
+    const char* const own = hooks("integrator", variant).integrator.source;
+    return own != nullptr ? own : "variants/integrator/" + variant["integrator"] + ".cuh";
 }
 
 namespace {

@@ -433,7 +433,7 @@ def test_choices_of_another_backend_are_one_note_and_no_rows(tmp_path, analysis)
     assert summary.count("is not there on the backend cuda") == 4
 
 
-def test_a_variant_without_the_studys_tunable_is_no_row_of_its_own(tmp_path):
+def test_a_variant_that_was_run_without_the_studys_tunable_is_not_missed(tmp_path):
     builder = Builder().on_gpu().study("compaction")
     builder.cell("compaction", axes={"layout": "aos"})
     builder.cell("compaction", axes={"layout": "soa"})
@@ -441,6 +441,33 @@ def test_a_variant_without_the_studys_tunable_is_no_row_of_its_own(tmp_path):
     builder.skip("compaction", "cornell_open", reason, {}, tuned="+payload=1")
     data, _ = drawn(builder, tmp_path)
     assert [item.label for item in data.groups[0].items] == ["none, layout=aos", "none, layout=soa"]
+    assert "Not applicable" not in data.caption
+    # One that was not run at all is.
+    builder.skip("compaction", "cornell_open", reason, {"compaction": "gap_fill"}, tuned="+payload=1")
+    data, _ = drawn(builder, tmp_path)
+    assert [item.label for item in data.groups[0].items if item.instead] == ["gap_fill"]
+    assert f"Not applicable: gap_fill in cornell_open ({reason})." in data.caption
+
+
+def test_a_choice_that_was_run_in_some_ways_is_not_shown_as_not_applicable(tmp_path):
+    builder = Builder().on_gpu().study("sorting")
+    builder.cell("sorting")
+    builder.cell("sorting", axes={"sorting": "cub_radix", "sort_key": "ray"})
+    builder.cell("sorting", axes={"sorting": "cub_radix"})
+    builder.skip("sorting", "cornell_open", "sort_key=ray needs a sort, not sorting=none", {"sort_key": "ray"})
+    data, _ = drawn(builder, tmp_path)
+    assert [item.label for item in data.groups[0].items if item.instead] == []
+    assert "Not applicable: none in cornell_open (sort_key=ray needs a sort, not sorting=none)." in data.caption
+
+
+def test_older_files_keep_the_row_of_such_a_choice(tmp_path):
+    builder = Builder().study("integrator")
+    builder.cell("integrator")
+    builder.cell("integrator", axes={"layout": "soa"})
+    builder.cell("integrator", axes={"integrator": "depth_first"})
+    builder.skip("integrator", "cornell_open", "needs layout=aos", {"integrator": "depth_first", "layout": "soa"})
+    data, _ = drawn(builder, tmp_path)
+    assert [item.label for item in data.groups[0].items if item.instead] == ["depth_first"]
 
 
 def test_what_does_not_apply_stands_in_its_own_group(tmp_path):

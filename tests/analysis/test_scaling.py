@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import pytest
 from builder import Builder, crossing
-from legibility import check_legible
+from legibility import check_legible, texts_of
 
 from analysis.crossover import crossover_of
 from analysis.errors import NotDrawable
@@ -361,6 +361,18 @@ def test_labels_with_commas_are_listed_apart(tmp_path):
 
 
 # ---- Legible ----
+
+
+def test_a_long_word_of_a_name_is_not_broken(tmp_path):
+    builder = Builder().on_gpu().study(DEPTH)
+    for depth in (2, 4):
+        for compaction in ("none", "thrust_stable_partition"):
+            for layout in ("aos", "soa"):
+                axes = {"integrator": f"wavefront_{layout}", "compaction": compaction, "layout": layout}
+                builder.cell(DEPTH, depth=depth, axes=axes)
+    _, page = drawn(builder, tmp_path, DEPTH)
+    assert any("\ncompaction=thrust_stable_partition,\n" in text.get_text() for text in texts_of(page))
+    check_legible(page, DEPTH)
 
 
 @pytest.mark.parametrize(("choices", "scenes", "long_names"), [(8, 1, True), (20, 2, False), (3, 5, True)])

@@ -47,6 +47,7 @@ struct SortKey {
 struct Integrator {
     void (*render)(Job&) = nullptr;   // enqueues the whole render on the job's stream
     void (*prepare)(Job&) = nullptr;  // before the clock starts: captures what can be replayed; may be null
+    const char* source = nullptr;  // embedded; null: variants/integrator/NAME.cuh
     // "-DNAME=VALUE" beyond those of every integrator; may be null.
     std::vector<std::string> (*defines)(const Variant& variant) = nullptr;
     const char* kernels[4] = {};  // those that do the work, for what the compiler made of them

@@ -1,0 +1,131 @@
+// The gate in front of the clock, on a GPU: integrators that are broken on purpose must not pass it, sound ones must,
+// and a cell that does not fit into memory fails by itself. Skipped where there is no GPU.
+#include <gtest/gtest.h>
+
+#include "harness/bench/suite.h"
+#include "harness/bench/verify.h"
+#include "harness/cuda/backend.h"
+#include "harness/error.h"
+#include "harness/places.h"
+#include "variants/cuda/megakernels.h"
+
+namespace pt {
+namespace {
+
+// The megakernel's code, launched wrongly.
+void launch_megakernel(cuda::Job& job, std::uint32_t threads, std::uint32_t samples) {
+    const std::uint32_t stride = 1;
+    job.launch("megakernel", threads, job.scene, job.film, job.first_sample, samples, stride, job.cache, job.totals,
+               job.lengths);
+}
+void launch_nothing(cuda::Job& job) { job.work.launches += 1; }
+void leave_out_the_last_rows(cuda::Job& job) { launch_megakernel(job, job.pixels * 3 / 4, job.samples); }
+void take_a_sample_twice(cuda::Job& job) {
+    launch_megakernel(job, job.pixels, job.samples);
+    launch_megakernel(job, job.pixels, 1);
+}
+// As many paths as there should be, but two times the same sample.
+void repeat_a_sample(cuda::Job& job) {
+    for (std::uint32_t i = 0; i < job.samples; ++i) {
+        launch_megakernel(job, job.pixels, 1);
+    }
+}
+
+Registration broken(std::string_view name, void (*render)(cuda::Job&)) {
+    return {{.axis = "integrator",
+             .name = name,
+             .summary = "broken on purpose",
+             .origin = "tests",
+             .backends = on_cuda,
+             .tunables = cuda::megakernel_tunables},
+            {.cuda = {.integrator = {.render = render, .source = "variants/integrator/megakernel.cuh"}}}};
+}
+
+const Registration registrations[] = {
+    broken("test_null", launch_nothing),
+    broken("test_truncated", leave_out_the_last_rows),
+    broken("test_twice", take_a_sample_twice),
+    broken("test_repeated", repeat_a_sample),
+};
+
+class Gate : public testing::Test {
+protected:
+    void SetUp() override {
+        if (const std::string reason = cuda::not_available(); !reason.empty()) {
+            GTEST_SKIP() << reason;
+        }
+    }
+
+    static Verdict verdict(const std::string& integrator) {
+        const Scene scene = find_scene("cornell_open");
+        RenderSettings settings = default_settings(scene);
+        settings.width = settings.height = 32;
+        settings.seed = 1;
+        Verifier verifier(scene, settings, 2, Backend::cuda);
+        Variant variant = expand({}, Backend::cuda).front();
+        variant.set("arithmetic", "exact");
+        variant.set("integrator", integrator);
+        return verifier.check(variant);
+    }
+};
+
+TEST_F(Gate, PassesASoundIntegrator) {
+    for (const char* integrator : {"megakernel", "megakernel_regen", "persistent", "wavefront", "wavefront_fused"}) {
+        const Verdict sound = verdict(integrator);
+        EXPECT_TRUE(sound.holds) << sound.message;
+        EXPECT_NE(sound.message.find("the CPU's"), std::string::npos) << sound.message;
+    }
+}
+
+TEST_F(Gate, RefusesAKernelThatDoesNothing) {
+    const Verdict nothing = verdict("test_null");
+    EXPECT_FALSE(nothing.holds);
+    EXPECT_NE(nothing.message.find("0 paths"), std::string::npos) << nothing.message;
+}
+
+TEST_F(Gate, RefusesATruncatedImage) {
+    const Verdict truncated = verdict("test_truncated");
+    EXPECT_FALSE(truncated.holds);
+    EXPECT_NE(truncated.message.find("1536 paths for 1024 pixels of 2 samples"), std::string::npos)
+        << truncated.message;
+}
+
+TEST_F(Gate, RefusesADoubledSample) {
+    const Verdict twice = verdict("test_twice");
+    EXPECT_FALSE(twice.holds);
+    EXPECT_NE(twice.message.find("3072 paths"), std::string::npos) << twice.message;
+    const Verdict repeated = verdict("test_repeated");  // the count is right, only the film tells
+    EXPECT_FALSE(repeated.holds);
+    EXPECT_NE(repeated.message.find("film differs"), std::string::npos) << repeated.message;
+}
+
+TEST_F(Gate, OutOfMemoryNamesTheSizeAndLeavesTheDeviceUsable) {
+    const Scene scene = find_scene("cornell_open");
+    RenderRequest request{.variant = expand({}, Backend::cuda).front(),
+                          .backend = Backend::cuda,
+                          .settings = default_settings(scene),
+                          .samples = 2};
+    request.variant.set("integrator", "wavefront");
+    std::size_t free_before = 0, free_after = 0, total = 0;
+    PT_CUDA_CHECK(cudaMemGetInfo(&free_before, &total));
+    // More paths in flight than memory holds: as many samples a pixel as it takes, up to the tunable's limit.
+    request.settings.width = request.settings.height = 4096;
+    request.samples = static_cast<std::uint32_t>(total / (std::size_t{4096} * 4096 * 80)) + 1;
+    if (std::uint64_t{4096} * 4096 * request.samples > 0x7fffffffu) {
+        request.settings.width = request.settings.height = 2048;
+    }
+    request.variant.tuning["spp_in_flight"] = std::min(256u, request.samples);
+    try {
+        (void)render(scene, request);
+        GTEST_SKIP() << "this GPU's memory holds " << request.samples << " samples of every pixel";
+    } catch (const MachineError& error) {
+        EXPECT_NE(std::string(error.what()).find("out of device memory: asked for"), std::string::npos)
+            << error.what();
+    }
+    PT_CUDA_CHECK(cudaMemGetInfo(&free_after, &total));
+    EXPECT_NEAR(static_cast<double>(free_after), static_cast<double>(free_before), 64.0 * (1 << 20));
+    EXPECT_TRUE(verdict("wavefront").holds);
+}
+
+}  // namespace
+}  // namespace pt
