@@ -1,8 +1,8 @@
 // Every kernel that a shipped scene can ask for compiles, for every GPU that ptbench supports. No GPU is needed: NVRTC
 // compiles for any. It takes a second or more a program, so not every combination is tried:
-// - sm_90 gets every scene with every integrator and both direct lights, every two choices that can go together
-//   (covering_variants, on two scenes: one with every material, one whose first hits can be cached), and every stage in
-//   every layout and precision.
+// - sm_90 gets every scene with every integrator, every two choices that can go together (covering_variants, on the
+//   scene with every material), both direct lights and the cache on a scene whose first hits can be cached, and every
+//   stage in every layout and precision.
 // - The others get every integrator's generic kernel, which contains all that the sources hold; every scene, with an
 //   integrator and a direct light that change from scene to scene and from GPU to GPU, so that over the GPUs every
 //   scene meets every integrator; and every stage in one layout. Nothing in the sources depends on the scene and the
@@ -19,6 +19,7 @@
 
 #include "harness/bench/compile_ahead.h"
 #include "harness/bench/suite.h"
+#include "harness/cuda/backend.h"
 #include "harness/cuda/cell.h"
 #include "harness/places.h"
 #include "variants/cuda/nvrtc.h"
@@ -113,17 +114,17 @@ std::vector<std::string> stage_sources() {
 void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
     for (const Scene& scene : scenes) {
         for (const std::string& integrator : choices_of("integrator")) {
-            for (const std::string& light : choices_of("direct_light")) {
-                programs.add(scene, baseline_with({{"integrator", integrator}, {"direct_light", light}}));
-            }
+            programs.add(scene, baseline_with({{"integrator", integrator}}));
         }
     }
-    for (const char* name : {"cornell_open_five", "cornell_open_unjittered"}) {
-        const Scene scene = find_scene(name);
-        for (const Variant& variant :
-             covering_variants(all_choices(Backend::cuda), features_of(scene), Backend::cuda)) {
-            programs.add(scene, variant);
-        }
+    const Scene five = find_scene("cornell_open_five");
+    for (const Variant& variant : covering_variants(all_choices(Backend::cuda), features_of(five), Backend::cuda)) {
+        programs.add(five, variant);
+    }
+    const Scene still = find_scene("cornell_open_unjittered");
+    for (const std::string& integrator : choices_of("integrator")) {
+        programs.add(still, baseline_with({{"integrator", integrator}, {"first_bounce", "cached"}}));
+        programs.add(still, baseline_with({{"integrator", integrator}, {"direct_light", "final_bounce"}}));
     }
     for (const std::string& source : stage_sources()) {
         for (const std::string& layout : choices_of("layout")) {
@@ -231,6 +232,20 @@ TEST_P(CompileTest, EveryProgram) {
 
 INSTANTIATE_TEST_SUITE_P(, CompileTest, testing::ValuesIn(architectures),
                          [](const auto& instance) { return std::string(instance.param); });
+
+// ptxas drops what nothing depends on, whatever the source says: the injected cost must be in the code.
+TEST(CudaCompileTest, InjectedCostIsInTheCode) {
+    if (!cuda::nvrtc_missing().empty()) {
+        GTEST_SKIP() << cuda::nvrtc_missing();
+    }
+    const Scene scene = find_scene("cornell_open");
+    Variant costly = baseline_with({{"integrator", "megakernel"}});
+    const std::size_t without = cuda::compile(scene, costly, "sm_90");
+    costly.tuning["shading_fmas"] = 4096;
+    const std::size_t with_cost = cuda::compile(scene, costly, "sm_90");
+    // Four multiply-adds of the unrolled loop are the least that it can be: 16 bytes each.
+    EXPECT_GE(with_cost, without + 4 * 16);
+}
 
 }  // namespace
 }  // namespace pt

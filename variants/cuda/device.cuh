@@ -220,26 +220,30 @@ extern "C" __global__ void fill_cache(Scene parameter, HitCache cache, std::uint
 #endif
 
 // Stands in for a costlier material: PT_SHADING_FMAS dependent multiply-adds, executed material by material, so that a
-// warp whose lanes hit k materials pays for k. The result is never used; the compiler cannot know.
-__device__ inline void injected_cost(const Scene& scene, const Hit& hit) {
+// warp whose lanes hit k materials pays for k. The path depends on the result as far as ptxas can tell (it drops unused
+// inline assembly, volatile or not): x starts at 0 or above and never falls, so it is never below 0 in fact.
+__device__ inline void injected_cost(const Scene& scene, const Hit& hit, Path& path) {
 #if PT_SHADING_FMAS > 0
-    const std::uint32_t mine =
-        hit.side.exists() ? scene.object_material[hit.side.object()] : 0xffffffffu;
+    const std::uint32_t mine = hit.side.exists() ? scene.object_material[hit.side.object()] : 0xffffffffu;
     for (std::uint32_t material = 0; material < scene.materials.size; ++material) {
         if (mine == material) {
-            float x = static_cast<float>(material);
+            float x = path.throughput.x < Real(0) ? 1.0f : 0.0f;
             for (int i = 0; i < PT_SHADING_FMAS; ++i) {
                 asm volatile("fma.rn.f32 %0, %0, %0, %0;" : "+f"(x));
+            }
+            if (x < 0.0f) {
+                path.throughput.x = Real(0);
             }
         }
     }
 #else
     (void)scene;
     (void)hit;
+    (void)path;
 #endif
 }
 
 __device__ inline bool shade(const SceneViews& scene, Path& path, const Hit& hit, PathCounters& counters) {
-    injected_cost(scene.shade, hit);
+    injected_cost(scene.shade, hit, path);
     return pt::shade<Configuration>(scene.shade, path, hit, counters);
 }

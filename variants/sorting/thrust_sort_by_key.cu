@@ -27,11 +27,8 @@ public:
             return;
         }
         visit_layout(cell_.layout_name, [&](auto paths) {
-            // Path<float> and Hit<float> make a tuple without padding; the padded record of aos would not, and moving
-            // bytes that nobody wrote is what compute-sanitizer's initcheck looks for.
-            const auto payload = thrust::make_zip_iterator(
-                thrust::make_tuple(PathIterator<typename decltype(paths)::type>(queue.paths),
-                                   static_cast<Hit<float>*>(queue.hits)));
+            const auto payload = thrust::make_zip_iterator(thrust::make_tuple(
+                payload_begin<typename decltype(paths)::type>(queue.paths), static_cast<Hit<float>*>(queue.hits)));
             thrust_.for_effect([&](const auto& policy) {
                 thrust::stable_sort_by_key(policy, queue.keys, queue.keys + queue.bound, payload);
             });
