@@ -55,8 +55,7 @@ RenderResult render(const Scene& scene, const RenderRequest& request) {
         }
     } catch (const Error& error) {
         throw MachineError(fmt::format("{} of {} at {}x{}, {} spp on {}: {}", request.variant.name(), scene.name,
-                                       settings.width, settings.height, request.samples, device().name,
-                                       error.what()));
+                                       settings.width, settings.height, request.samples, device().name, error.what()));
     }
     return result;
 }

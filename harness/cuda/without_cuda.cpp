@@ -11,7 +11,8 @@ constexpr const char* reason = "this ptbench was built without a CUDA toolkit";
 std::string not_available() { return reason; }
 RenderResult render(const Scene&, const RenderRequest&) { throw MachineError(reason); }
 std::size_t compile(const Scene&, const Variant&, const std::string&) { throw MachineError(reason); }
-void collect_programs(const Scene&, const Variant&, const std::string&, std::map<std::string, std::function<void()>>&) {}
+void collect_programs(const Scene&, const Variant&, const std::string&, std::map<std::string, std::function<void()>>&) {
+}
 std::string machine_name() { throw MachineError(reason); }
 std::vector<std::pair<std::string, std::string>> context() { return {}; }
 double measure_clock_mhz() { return 0; }

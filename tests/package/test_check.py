@@ -299,6 +299,19 @@ def test_an_nvrtc_that_the_loader_knows(machine):
     assert machine.missing() == {}
 
 
+@pytest.mark.parametrize(("version", "is_new_enough"), [("13.0", True), ("12.6", False)])
+def test_an_nvrtc_whose_file_has_no_minor_number(machine, version, is_new_enough):
+    machine.without("usr/local/cuda")
+    library = machine.toolkit("usr/local/cuda", version) / "lib64" / f"libnvrtc.so.{version.split('.')[0]}"
+    library.unlink()
+    library.write_text("")
+    (library.parent / f"libnvrtc.so.{version}.93").unlink()
+    (library.parent / f"libnvrtc-builtins.so.{version}").write_text("")
+    _, found, _ = machine.check()
+    said = f"{version} {library}" if is_new_enough else f"CUDA 12.8 or newer is needed, {library} is of {version}"
+    assert found["nvrtc"] == ("good" if is_new_enough else "missing", said)
+
+
 def test_headers_in_a_folder_of_their_own(machine):
     include = machine.root / "usr/local/cuda/include"
     (include / "cccl").mkdir()
