@@ -8,11 +8,11 @@ namespace pt {
 
 WorkCounters& WorkCounters::operator+=(const WorkCounters& other) {
     static constexpr std::uint64_t WorkCounters::*fields[] = {
-        &WorkCounters::paths,       &WorkCounters::rays,           &WorkCounters::unfinished_walks,
-        &WorkCounters::bounces,     &WorkCounters::compactions,    &WorkCounters::compacted_away,
-        &WorkCounters::last_bounces, &WorkCounters::last_paths,    &WorkCounters::sorts,
-        &WorkCounters::sorted,      &WorkCounters::cache_fills,    &WorkCounters::cache_hits,
-        &WorkCounters::connections, &WorkCounters::launches,       &WorkCounters::graph_nodes,
+        &WorkCounters::paths,        &WorkCounters::rays,        &WorkCounters::unfinished_walks,
+        &WorkCounters::bounces,      &WorkCounters::compactions, &WorkCounters::compacted_away,
+        &WorkCounters::last_bounces, &WorkCounters::last_paths,  &WorkCounters::sorts,
+        &WorkCounters::sorted,       &WorkCounters::cache_fills, &WorkCounters::cache_hits,
+        &WorkCounters::connections,  &WorkCounters::launches,    &WorkCounters::graph_nodes,
         &WorkCounters::host_waits};
     static_assert(sizeof(WorkCounters) == std::size(fields) * sizeof(std::uint64_t));
     for (const auto field : fields) {

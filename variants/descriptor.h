@@ -28,8 +28,8 @@ inline constexpr BackendSet on_every_backend = on_cpu | on_cuda;
 constexpr bool contains(BackendSet set, Backend backend) { return (set & static_cast<BackendSet>(backend)) != 0; }
 
 // The axes in the order in which a variant's name spells them.
-inline constexpr std::string_view axis_names[] = {"integrator",   "compaction",   "sorting", "sort_key",
-                                                  "first_bounce", "direct_light", "layout",  "specialisation",
+inline constexpr std::string_view axis_names[] = {"integrator",   "compaction",   "sorting",  "sort_key",
+                                                  "first_bounce", "direct_light", "layout",   "specialisation",
                                                   "launch",       "arithmetic",   "precision"};
 
 // A number that a choice may be tuned by. It never changes what is computed, unless the choice's claim says so.
@@ -91,8 +91,8 @@ struct WorkCounters {
 struct Descriptor {
     std::string_view axis;
     std::string_view name;
-    std::string_view summary;  // one line: what it is
-    std::string_view origin;   // who proposed it, or where it was first seen
+    std::string_view summary;       // one line: what it is
+    std::string_view origin;        // who proposed it, or where it was first seen
     BackendSet baseline = on_none;  // where it is the axis's value if nothing else is asked for
     // Where bitwise claims on this axis are held against this choice; where none says so, against the baseline.
     BackendSet reference = on_none;

@@ -27,8 +27,8 @@ void check_descriptor(const Descriptor& descriptor) {
     }
     for (const Tunable& tunable : descriptor.tunables) {
         if (!tunable.allows(tunable.standard)) {
-            throw std::logic_error("the standard of " + std::string(tunable.name) + " is not allowed: " +
-                                   label(descriptor));
+            throw std::logic_error("the standard of " + std::string(tunable.name) +
+                                   " is not allowed: " + label(descriptor));
         }
     }
 }
@@ -167,9 +167,8 @@ Claim claim_of(const Variant& variant, Backend backend) {
 }
 
 bool rounds_freely(const Variant& variant, Backend backend) {
-    return std::any_of(std::begin(axis_names), std::end(axis_names), [&](std::string_view axis) {
-        return descriptor_at(axis, variant, backend).rounds_freely;
-    });
+    return std::any_of(std::begin(axis_names), std::end(axis_names),
+                       [&](std::string_view axis) { return descriptor_at(axis, variant, backend).rounds_freely; });
 }
 
 Variant exact_twin(const Variant& variant, Backend backend) {

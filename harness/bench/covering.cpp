@@ -49,7 +49,7 @@ std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet featu
                 // Half of the axes stay where they are in the baseline: choices exclude each other too often.
                 const bool at_random = completion > 0 && random() % 2 == 0;
                 const bool has_baseline = std::find(names.begin(), names.end(), baseline[axis]) != names.end();
-                variant.set(axis, at_random ? names[random() % names.size()]
+                variant.set(axis, at_random      ? names[random() % names.size()]
                                   : has_baseline ? baseline[axis]
                                                  : names.front());
             }

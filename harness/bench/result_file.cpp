@@ -231,13 +231,11 @@ std::string result_json(const Plan& plan, const Suite& suite, const Journal& jou
     for (const std::string_view axis : axis_names) {
         baselines[std::string(axis)] = Registry::instance().baseline(facts.backend)[axis];
     }
-    const OrderedJson result{{"context", context(facts)},
-                             {"benchmarks", rows},
-                             {"ptbench",
-                              {{"studies", studies},
-                               {"baselines", baselines},
-                               {"cells", cells},
-                               {"not_applicable", not_applicable}}}};
+    const OrderedJson result{
+        {"context", context(facts)},
+        {"benchmarks", rows},
+        {"ptbench",
+         {{"studies", studies}, {"baselines", baselines}, {"cells", cells}, {"not_applicable", not_applicable}}}};
     return result.dump(1) + "\n";
 }
 

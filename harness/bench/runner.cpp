@@ -50,8 +50,8 @@ std::string bitwise_group(const Cell& cell) {
     const std::string& name = cell.name;
     // Two kernels that round freely need not agree: each is a group of its own.
     const Variant variant = rounds_freely(cell.variant, cell.backend)
-                                 ? cell.variant
-                                 : Registry::instance().reference(cell.variant, cell.backend);
+                                ? cell.variant
+                                : Registry::instance().reference(cell.variant, cell.backend);
     return variant.name() + name.substr(name.find('/'));
 }
 
@@ -118,7 +118,8 @@ private:
                 const RenderSettings small = verification_settings(cell.settings);
                 const std::string key =
                     fmt::format("{}/{}x{}/{}", cell.scene->name, small.width, small.height, small.depth);
-                Verifier& verifier = verifiers.try_emplace(key, *cell.scene, small, verification_spp, cell.backend).first->second;
+                Verifier& verifier =
+                    verifiers.try_emplace(key, *cell.scene, small, verification_spp, cell.backend).first->second;
                 journal_.set_cell(cell.name, prepare_or_fail(cell, verifier));
             }
             progress.step(cell.name);
@@ -229,9 +230,8 @@ private:
         const Variant reference = full_size_reference(cell);
         RenderSettings settings = cell.settings;
         settings.seed = options_.seed;
-        const RenderResult result =
-            render(*cell.scene,
-                   {.variant = reference, .backend = cell.backend, .settings = settings, .samples = cell.spp});
+        const RenderResult result = render(
+            *cell.scene, {.variant = reference, .backend = cell.backend, .settings = settings, .samples = cell.spp});
         return hashes_.try_emplace(key, result.film.hash(), reference.name()).first->second.first;
     }
 
@@ -323,7 +323,8 @@ private:
             std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - render_begin).count();
         const ForeignLoad foreign = ForeignLoad::now() - load_before;
         const double clock_after = clock_mhz(cell.backend);
-        if (const std::string missing = work_missing(cell.variant, result.work, cell.spp, cell.backend); !missing.empty()) {
+        if (const std::string missing = work_missing(cell.variant, result.work, cell.spp, cell.backend);
+            !missing.empty()) {
             return missing;
         }
         // At full size too, every film of a group has the same bits, seed by seed.
@@ -467,8 +468,8 @@ Json identity_of(const Plan& plan, const RunOptions& options, int repetitions) {
         cells.push_back(cell.name + "#" + cell.scene->hash);
     }
     return {{"machine", plan_machine(plan)}, {"program", program_hash()}, {"openmp", openmp_environment()},
-            {"git_sha", git_sha()},      {"git_dirty", git_dirty()},  {"cells", cells},
-            {"seed", options.seed},      {"repetitions", repetitions}};
+            {"git_sha", git_sha()},          {"git_dirty", git_dirty()},  {"cells", cells},
+            {"seed", options.seed},          {"repetitions", repetitions}};
 }
 
 }  // namespace

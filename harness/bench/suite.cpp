@@ -160,13 +160,14 @@ void read_spp(const JsonValue& value, Study& study) {
 }
 
 Study read_study(const JsonValue& value) {
-    const JsonObject object(value, {"name", "title", "figure", "scenes", "axes", "tunables", "resolution", "depth", "spp"});
+    const JsonObject object(value,
+                            {"name", "title", "figure", "scenes", "axes", "tunables", "resolution", "depth", "spp"});
     Study study;
     study.name = object.required("name").plain_name();
     study.title = object.has("title") ? object.at("title").text() : study.name;
     if (object.has("figure")) {
-        std::vector<std::string> figures{"remaining_paths",      "sorting_by_depth",     "first_bounce_by_depth",
-                                         "scaling_by_resolution", "scaling_by_depth", "scaling_by_materials",
+        std::vector<std::string> figures{"remaining_paths",        "sorting_by_depth", "first_bounce_by_depth",
+                                         "scaling_by_resolution",  "scaling_by_depth", "scaling_by_materials",
                                          "scaling_by_shading_fmas"};
         figures.insert(figures.end(), std::begin(axis_names), std::end(axis_names));
         study.figure = object.at("figure").one_of(figures);
@@ -299,8 +300,9 @@ void check_tunable(const std::string& name, std::uint32_t value, const std::stri
         if (tunable.allows(value)) {
             return;
         }
-        ranges.insert(fmt::format("a whole number from {} to {}{}", tunable.lowest, tunable.highest,
-                                  tunable.multiple_of > 1 ? fmt::format(", a multiple of {}", tunable.multiple_of) : ""));
+        ranges.insert(
+            fmt::format("a whole number from {} to {}{}", tunable.lowest, tunable.highest,
+                        tunable.multiple_of > 1 ? fmt::format(", a multiple of {}", tunable.multiple_of) : ""));
     }
     if (!known.contains(name)) {
         throw InputError(file, place, "tunable \"" + name + "\"", fmt::format("{}", fmt::join(known, ", ")));

@@ -24,7 +24,7 @@ struct Study {
     std::vector<std::string> scenes;
     AxisChoices axes;
     TunableValues tunables;
-    std::uint32_t width = 0, height = 0;  // 0: the scene's own
+    std::uint32_t width = 0, height = 0;                              // 0: the scene's own
     std::vector<std::pair<std::uint32_t, std::uint32_t>> more_sizes;  // resolutions besides width x height
     std::vector<std::uint32_t> depths;                                // empty: the scene's own
     std::uint32_t spp = 1;
@@ -73,7 +73,8 @@ Plan make_plan(const Suite& suite, Backend backend = Backend::cpu);
 
 // Every variant of the product of the given choices and values; unnamed axes at the backend's baseline. A value that is
 // a tunable's standard is left out of the variant.
-std::vector<Variant> expand(const AxisChoices& axes, Backend backend = Backend::cpu, const TunableValues& tunables = {});
+std::vector<Variant> expand(const AxisChoices& axes, Backend backend = Backend::cpu,
+                            const TunableValues& tunables = {});
 // Every choice of every axis.
 AxisChoices all_choices(Backend backend = Backend::cpu);
 // Variants that apply to a scene with these features such that every two choices of two axes that can go together do so

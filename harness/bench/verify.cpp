@@ -10,8 +10,8 @@ namespace pt {
 
 namespace {
 
-RenderResult render_samples(const Scene& scene, const RenderSettings& settings, const Variant& variant,
-                            Backend backend, std::uint32_t first, std::uint32_t count, std::uint32_t film_samples) {
+RenderResult render_samples(const Scene& scene, const RenderSettings& settings, const Variant& variant, Backend backend,
+                            std::uint32_t first, std::uint32_t count, std::uint32_t film_samples) {
     return render(scene, {.variant = variant,
                           .backend = backend,
                           .settings = settings,
@@ -21,8 +21,8 @@ RenderResult render_samples(const Scene& scene, const RenderSettings& settings, 
 }
 
 // What is wrong with a render whatever it is compared with; empty: nothing.
-std::string fault_of(const RenderResult& result, const Variant& variant, Backend backend, const RenderSettings& settings,
-                     std::uint32_t spp) {
+std::string fault_of(const RenderResult& result, const Variant& variant, Backend backend,
+                     const RenderSettings& settings, std::uint32_t spp) {
     if (const FilmFaults& faults = result.film.faults(); !faults.none()) {
         return faults_text(faults);
     }
@@ -206,8 +206,8 @@ Verifier::MeanCheck Verifier::check_statistical(const Variant& variant) {
     const auto claimed = batch_means(scene_, settings_, variant, backend_, spp);
     const auto expected = batch_means(scene_, deeper, plain, backend_, spp);
     // Without extra depth, what is expected is what there is without the choice.
-    const auto without = deeper.depth != settings_.depth ? batch_means(scene_, settings_, plain, backend_, spp)
-                                                         : expected;
+    const auto without =
+        deeper.depth != settings_.depth ? batch_means(scene_, settings_, plain, backend_, spp) : expected;
     MeanCheck check;
     for (std::size_t i = 0; i < claimed.front().size(); ++i) {
         const PairedDifference pair = paired_difference(claimed, expected, i);
@@ -256,8 +256,7 @@ Verdict Verifier::check_bits(const Variant& variant) {
         return fail(fault);
     }
     if (result.film.sums() != expected.film.sums()) {
-        const Difference difference =
-            first_difference(scene_, settings_, spp_, reference_variant, variant, backend_);
+        const Difference difference = first_difference(scene_, settings_, spp_, reference_variant, variant, backend_);
         return fail(fmt::format("film differs from {}: {}", reference_variant.name(), difference.text()));
     }
     const auto segments = [](const WorkCounters& work) { return work.rays + work.cache_hits; };

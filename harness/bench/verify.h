@@ -28,8 +28,8 @@ public:
     Verifier(const Scene& scene, const RenderSettings& settings, std::uint32_t spp, Backend backend = Backend::cpu)
         : scene_(scene), settings_(settings), spp_(spp), backend_(backend) {}
 
-    // Checks the film's faults, that every choice did its work, and the variant's claim. On CUDA the reference's film is
-    // also held to the CPU's. A variant that rounds freely has its twin in exact arithmetic held to the reference's
+    // Checks the film's faults, that every choice did its work, and the variant's claim. On CUDA the reference's film
+    // is also held to the CPU's. A variant that rounds freely has its twin in exact arithmetic held to the reference's
     // bits, and its own mean to its twin's. Precondition: the variant applies to the scene.
     Verdict check(const Variant& variant);
 

@@ -18,9 +18,8 @@ using OrderedJson = nlohmann::ordered_json;
 
 // Backends that have any choice at all on an axis: a build without a CUDA toolkit has none on some.
 bool is_built(Backend backend) {
-    return std::all_of(std::begin(axis_names), std::end(axis_names), [&](std::string_view axis) {
-        return !Registry::instance().choices(axis, backend).empty();
-    });
+    return std::all_of(std::begin(axis_names), std::end(axis_names),
+                       [&](std::string_view axis) { return !Registry::instance().choices(axis, backend).empty(); });
 }
 
 // A choice that several backends have is one entry; its claim and words are those of the first.
@@ -187,8 +186,7 @@ int run(const std::string& only_scene, bool as_json) {
         {"axes", axes_json()},
         {"scenes", scenes},
         {"suites", suites},
-        {"backends",
-         {{{"name", "cpu"}, {"status", "available"}}, {{"name", "cuda"}, {"status", cuda_status()}}}}};
+        {"backends", {{{"name", "cpu"}, {"status", "available"}}, {{"name", "cuda"}, {"status", cuda_status()}}}}};
     fmt::print("{}", as_json ? all.dump(1) + "\n" : text_of(all));
     return exit_good;
 }

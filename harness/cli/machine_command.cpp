@@ -8,7 +8,8 @@
 namespace pt {
 
 Command add_machine_command(CLI::App& app) {
-    app.add_subcommand("machine", "Print this machine's name (its GPU's, where there is one), as used for folders in results/");
+    app.add_subcommand("machine",
+                       "Print this machine's name (its GPU's, where there is one), as used for folders in results/");
     return [] {
         fmt::print("{}\n", cuda::not_available().empty() ? cuda::machine_name() : machine_name());
         return exit_good;

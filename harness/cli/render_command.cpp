@@ -45,10 +45,8 @@ int run(const RenderArguments& arguments) {
         throw InputError(fmt::format("n/a: {} on {}: {}", variants[0].name(), scene.name, reason));
     }
     require_backend(backend);
-    RenderRequest request{.variant = variants[0],
-                          .backend = backend,
-                          .settings = default_settings(scene),
-                          .samples = arguments.spp};
+    RenderRequest request{
+        .variant = variants[0], .backend = backend, .settings = default_settings(scene), .samples = arguments.spp};
     request.settings.seed = arguments.seed;
     if (!arguments.resolution.empty()) {
         std::tie(request.settings.width, request.settings.height) = parse_resolution(arguments.resolution);

@@ -122,7 +122,10 @@ Command add_verify_command(CLI::App& app) {
         app.add_subcommand("verify", "Hold every applicable variant to its claim; exit code 1 if one fails");
     command->add_option("--scene", arguments->scenes, "Scenes by name or .json file, comma-separated, or \"all\"")
         ->required();
-    command->add_option("--axis", arguments->axes, "AXIS=CHOICE,CHOICE, repeatable (default: every choice; on cuda a set in which every two choices meet)")
+    command
+        ->add_option(
+            "--axis", arguments->axes,
+            "AXIS=CHOICE,CHOICE, repeatable (default: every choice; on cuda a set in which every two choices meet)")
         ->allow_extra_args(false);
     command->add_option("--tune", arguments->tunables, "TUNABLE=VALUE,VALUE, repeatable")->allow_extra_args(false);
     command->add_option("--backend", arguments->backend, "cpu or cuda (default: cuda where it is available)");

@@ -152,9 +152,8 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
     const Integrator& integrator = hooks("integrator", variant).integrator;
     request.features = features;
     request.options = hooks("arithmetic", variant).options;
-    const std::uint32_t kept = Registry::instance()
-                                   .at("first_bounce", variant, Backend::cuda)
-                                   .hook.first_bounce(variant, Backend::cuda);
+    const std::uint32_t kept =
+        Registry::instance().at("first_bounce", variant, Backend::cuda).hook.first_bounce(variant, Backend::cuda);
     request.defines = {fmt::format("-DPT_BLOCK={}", tunable(variant, "block", Backend::cuda)),
                        fmt::format("-DPT_CACHED={}", kept > 0 ? 1 : 0),
                        fmt::format("-DPT_SHADING_FMAS={}", tuned(variant, "shading_fmas", 0))};
@@ -245,9 +244,8 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
     job_.append_counters = tuned(variant, "append_counters", 1);
     job_.reads_back = tuned(variant, "read_back", 0) != 0;
     job_.multiprocessors = static_cast<std::uint32_t>(device().multiprocessors);
-    job_.cache.rays = Registry::instance()
-                          .at("first_bounce", variant, Backend::cuda)
-                          .hook.first_bounce(variant, Backend::cuda);
+    job_.cache.rays =
+        Registry::instance().at("first_bounce", variant, Backend::cuda).hook.first_bounce(variant, Backend::cuda);
     job_.sort_key = hooks("sort_key", variant).sort_key;
     job_.key_bounds = key_bounds(scene);
     job_.is_captured = hooks("launch", variant).is_captured;
@@ -323,8 +321,8 @@ void RenderCell<Real>::reserve(Arena& arena) {
     job_.segments.live = arena.take<std::uint64_t>(segment_counts);
     job_.lengths = request_.instrument ? job_.segments.live : nullptr;
     job_.segments.in_play = arena.take<std::uint64_t>(segment_counts);
-    job_.cache.hits = reinterpret_cast<Hit<float>*>(
-        arena.take_bytes(std::size_t{job_.pixels} * job_.cache.rays * sizeof(Hit<Real>)));
+    job_.cache.hits =
+        reinterpret_cast<Hit<float>*>(arena.take_bytes(std::size_t{job_.pixels} * job_.cache.rays * sizeof(Hit<Real>)));
     if (hooks("integrator", request_.variant).integrator.has_queue) {
         reserve_queue(arena);
     }

@@ -28,7 +28,8 @@ public:
     // Mean radiance of a pixel over the samples.
     Vec3d pixel(std::uint32_t index) const;
     Vec3d mean() const;
-    // FNV-1a over the sums, a word at a time, with the high bits folded in: 16 hex digits. Equal hashes mean equal bits, whatever the variant.
+    // FNV-1a over the sums, a word at a time, with the high bits folded in: 16 hex digits. Equal hashes mean equal
+    // bits, whatever the variant.
     std::string hash() const;
     // Linear RGB, row-major.
     std::vector<float> radiance() const;

@@ -83,8 +83,7 @@ std::string KernelChoice::note() const {
 
 KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend backend) {
     const Registry& registry = Registry::instance();
-    const FeatureSet needed =
-        features_of(scene) | registry.at("direct_light", variant, backend).hook.direct_light();
+    const FeatureSet needed = features_of(scene) | registry.at("direct_light", variant, backend).hook.direct_light();
     // On CUDA a kernel is compiled when it is needed, so there is one for every set.
     std::vector<FeatureSet> compiled{needed, all_features};
     const auto& kernels = registry.at("integrator", variant, backend).hook.integrator;

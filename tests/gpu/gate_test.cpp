@@ -119,8 +119,7 @@ TEST_F(Gate, OutOfMemoryNamesTheSizeAndLeavesTheDeviceUsable) {
         (void)render(scene, request);
         GTEST_SKIP() << "this GPU's memory holds " << request.samples << " samples of every pixel";
     } catch (const MachineError& error) {
-        EXPECT_NE(std::string(error.what()).find("out of device memory: asked for"), std::string::npos)
-            << error.what();
+        EXPECT_NE(std::string(error.what()).find("out of device memory: asked for"), std::string::npos) << error.what();
     }
     PT_CUDA_CHECK(cudaMemGetInfo(&free_after, &total));
     EXPECT_NEAR(static_cast<double>(free_after), static_cast<double>(free_before), 64.0 * (1 << 20));

@@ -1,5 +1,5 @@
-// nvcc's default: IEEE division and square root; the compiler contracts a multiplication and an addition where it likes,
-// so two kernels of one formula may differ in the last bit, and a path that grazes an edge may go elsewhere.
+// nvcc's default: IEEE division and square root; the compiler contracts a multiplication and an addition where it
+// likes, so two kernels of one formula may differ in the last bit, and a path that grazes an edge may go elsewhere.
 #include "variants/registry.h"
 
 namespace pt {

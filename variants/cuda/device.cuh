@@ -35,8 +35,8 @@ __device__ inline std::uint32_t warp_sum(std::uint32_t value) {
 #endif
 }
 
-// Adds each thread's values to totals in global memory, with one atomic operation a block and value. Every thread of the
-// block must call it, once.
+// Adds each thread's values to totals in global memory, with one atomic operation a block and value. Every thread of
+// the block must call it, once.
 template <int count>
 __device__ inline void add_over_block(const std::uint32_t (&values)[count], std::uint64_t* const (&totals)[count]) {
     __shared__ std::uint32_t sums[count];

@@ -47,12 +47,12 @@ struct SortKey {
 struct Integrator {
     void (*render)(Job&) = nullptr;   // enqueues the whole render on the job's stream
     void (*prepare)(Job&) = nullptr;  // before the clock starts: captures what can be replayed; may be null
-    const char* source = nullptr;  // embedded; null: variants/integrator/NAME.cuh
+    const char* source = nullptr;     // embedded; null: variants/integrator/NAME.cuh
     // "-DNAME=VALUE" beyond those of every integrator; may be null.
     std::vector<std::string> (*defines)(const Variant& variant) = nullptr;
     const char* kernels[4] = {};  // those that do the work, for what the compiler made of them
-    bool has_queue = false;   // paths lie in device memory between kernels
-    bool stores_hits = false;  // so do hits
+    bool has_queue = false;       // paths lie in device memory between kernels
+    bool stores_hits = false;     // so do hits
     // The integrator's kernel does the variant's compaction itself; null: never.
     bool (*appends_in_kernel)(const Variant& variant) = nullptr;
 };

@@ -59,7 +59,7 @@ struct Job {
     std::uint64_t* next_item = nullptr;  // for persistent threads
 
     // For integrators with a queue.
-    Queue queue;  // in the state in which a batch starts
+    Queue queue;                       // in the state in which a batch starts
     Compaction* compaction = nullptr;  // null: none
     bool appends_in_kernel = false;    // the integrator's own kernel does what the compaction would
     Sorting* sorting = nullptr;        // null: none
@@ -72,10 +72,10 @@ struct Job {
 
     bool is_captured = false;
     std::unique_ptr<Graph> graph;
-    std::uint32_t* next_sample = nullptr;    // device: where a graph finds its first sample
-    const std::uint32_t* cursor = nullptr;   // next_sample while a batch is captured, else null: use the parameter
-    WorkCounters work_a_graph;  // what the host's side of one captured batch counts
-    StageEvents* stages = nullptr;  // null: not instrumented
+    std::uint32_t* next_sample = nullptr;   // device: where a graph finds its first sample
+    const std::uint32_t* cursor = nullptr;  // next_sample while a batch is captured, else null: use the parameter
+    WorkCounters work_a_graph;              // what the host's side of one captured batch counts
+    StageEvents* stages = nullptr;          // null: not instrumented
     WorkCounters work;
 
     template <class... Parameters>

@@ -11,10 +11,13 @@ namespace pt::cuda {
 
 inline constexpr Tunable block_tunable{"block", 128, 32, 1024, 32, "threads a block"};
 inline constexpr Tunable shading_tunable{
-    "shading_fmas", 0, 0, 1048576, 1, "injected cost of a material: dependent multiply-adds, executed material by material"};
+    "shading_fmas", 0, 0,
+    1048576,        1, "injected cost of a material: dependent multiply-adds, executed material by material"};
 
 inline constexpr Tunable megakernel_tunables[] = {
-    block_tunable, shading_tunable, {"spp_in_flight", 1, 1, 1024, 1, "threads a pixel, each with its share of the samples"}};
+    block_tunable,
+    shading_tunable,
+    {"spp_in_flight", 1, 1, 1024, 1, "threads a pixel, each with its share of the samples"}};
 inline constexpr Tunable persistent_tunables[] = {block_tunable, shading_tunable};
 
 inline std::string megakernel_does_not_apply(FeatureSet, const Variant& variant) {

@@ -22,11 +22,16 @@ namespace {
 
 // Standard headers that kernels and GLM ask for, by the ones that NVRTC can compile.
 constexpr std::pair<const char*, const char*> shims[] = {
-    {"cmath", "#include <cuda/std/cmath>\n"},       {"cstdint", "#include <cuda/std/cstdint>\n"},
-    {"cstddef", "#include <cuda/std/cstddef>\n"},   {"limits", "#include <cuda/std/limits>\n"},
-    {"type_traits", "#include <cuda/std/type_traits>\n"}, {"utility", "#include <cuda/std/utility>\n"},
-    {"array", "#include <cuda/std/array>\n"},       {"cassert", ""},
-    {"cfloat", ""},                                 {"climits", "#include <cuda/std/climits>\n"},
+    {"cmath", "#include <cuda/std/cmath>\n"},
+    {"cstdint", "#include <cuda/std/cstdint>\n"},
+    {"cstddef", "#include <cuda/std/cstddef>\n"},
+    {"limits", "#include <cuda/std/limits>\n"},
+    {"type_traits", "#include <cuda/std/type_traits>\n"},
+    {"utility", "#include <cuda/std/utility>\n"},
+    {"array", "#include <cuda/std/array>\n"},
+    {"cassert", ""},
+    {"cfloat", ""},
+    {"climits", "#include <cuda/std/climits>\n"},
 };
 
 std::uint64_t hash_text(std::string_view text, std::uint64_t start = 0xcbf29ce484222325ull) {
@@ -111,7 +116,9 @@ fs::path unpacked_sources() {
 // A cache entry is the cubin and, last, its hash: a damaged one is built again.
 std::string from_cache(const fs::path& file) {
     const std::string entry = read_whole(file);
-    if (entry.size() <= 16 || entry.substr(entry.size() - 16) != fmt::format("{:016x}", hash_text(std::string_view(entry).substr(0, entry.size() - 16)))) {
+    if (entry.size() <= 16 ||
+        entry.substr(entry.size() - 16) !=
+            fmt::format("{:016x}", hash_text(std::string_view(entry).substr(0, entry.size() - 16)))) {
         return "";
     }
     return entry.substr(0, entry.size() - 16);

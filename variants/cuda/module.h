@@ -12,8 +12,8 @@ namespace pt::cuda {
 
 // What a module is compiled for. Everything that can change the code is in here, and so in the cache's key.
 struct ModuleRequest {
-    std::string name;                       // for messages: what it is
-    std::vector<std::string> includes;      // embedded sources, in order, e.g. "variants/integrator/megakernel.cuh"
+    std::string name;                   // for messages: what it is
+    std::vector<std::string> includes;  // embedded sources, in order, e.g. "variants/integrator/megakernel.cuh"
     FeatureSet features = all_features;
     std::string real = "float";
     std::string layout = "aos";
@@ -53,10 +53,10 @@ std::string kernel_cache_folder();
 
 // What the compiler made of a kernel.
 struct KernelFacts {
-    int registers = 0;           // a thread
-    std::size_t local_bytes = 0;  // a thread: spills and arrays
+    int registers = 0;             // a thread
+    std::size_t local_bytes = 0;   // a thread: spills and arrays
     std::size_t shared_bytes = 0;  // a block
-    int max_threads = 0;          // a block
+    int max_threads = 0;           // a block
 };
 
 // Wraps the parameter of a launch whose type the host knows only as bytes.

@@ -98,7 +98,8 @@ std::string nvrtc_missing() {
     if (!library().missing.empty()) {
         return library().missing;
     }
-    return toolkit_include_options().empty() ? "the CUDA toolkit's headers (cuda/std) are not found; set CUDA_HOME" : "";
+    return toolkit_include_options().empty() ? "the CUDA toolkit's headers (cuda/std) are not found; set CUDA_HOME"
+                                             : "";
 }
 
 std::string nvrtc_version() {

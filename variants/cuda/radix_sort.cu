@@ -38,9 +38,8 @@ struct FewBitsHub {
 
 cudaError_t sort_few_bits(void* memory, std::size_t& bytes, Words& keys, Words& values, std::uint32_t count, int bits,
                           cudaStream_t stream) {
-    using Dispatch =
-        cub::DispatchRadixSort<cub::SortOrder::Ascending, std::uint32_t, std::uint32_t, std::uint32_t,
-                               cub::detail::identity_decomposer_t, FewBitsHub>;
+    using Dispatch = cub::DispatchRadixSort<cub::SortOrder::Ascending, std::uint32_t, std::uint32_t, std::uint32_t,
+                                            cub::detail::identity_decomposer_t, FewBitsHub>;
     return Dispatch::Dispatch(memory, bytes, keys, values, count, 0, bits, true, stream);
 }
 #else

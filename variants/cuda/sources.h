@@ -1,5 +1,5 @@
-// The sources that NVRTC compiles, embedded in the binary: kernels/, the device side of integrators, and the few GLM headers
-// that kernels include.
+// The sources that NVRTC compiles, embedded in the binary: kernels/, the device side of integrators, and the few GLM
+// headers that kernels include.
 #pragma once
 
 #include <span>

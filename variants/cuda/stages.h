@@ -15,17 +15,17 @@ namespace pt::cuda {
 // the device; the host knows a bound on it, which is the count itself after a choice that waits for the device.
 struct Queue {
     PathStore paths;
-    PathStore spare;                          // as large as `paths`, for choices that move the payload elsewhere
-    void* hits = nullptr;                     // Hit<Real> by slot, valid between intersect and shade
-    std::uint32_t* order = nullptr;           // capacity entries
-    std::uint32_t* order_spare = nullptr;     // capacity entries
-    std::uint32_t* keys = nullptr;            // capacity entries, by position in play; written before a sort only
-    std::uint32_t* keys_spare = nullptr;      // capacity entries
-    std::uint32_t* count = nullptr;           // device
-    std::uint32_t* count_spare = nullptr;     // device
-    std::uint32_t bound = 0;                  // paths in play are no more than this
+    PathStore spare;                       // as large as `paths`, for choices that move the payload elsewhere
+    void* hits = nullptr;                  // Hit<Real> by slot, valid between intersect and shade
+    std::uint32_t* order = nullptr;        // capacity entries
+    std::uint32_t* order_spare = nullptr;  // capacity entries
+    std::uint32_t* keys = nullptr;         // capacity entries, by position in play; written before a sort only
+    std::uint32_t* keys_spare = nullptr;   // capacity entries
+    std::uint32_t* count = nullptr;        // device
+    std::uint32_t* count_spare = nullptr;  // device
+    std::uint32_t bound = 0;               // paths in play are no more than this
     bool indirect = false;
-    std::uint32_t capacity = 0;               // slots
+    std::uint32_t capacity = 0;                   // slots
     const unsigned char* object_class = nullptr;  // device, by object: 0 diffuse-like, 1 delta-like
 
     void swap_order() { std::swap(order, order_spare); }
@@ -38,7 +38,7 @@ struct CellContext {
     const Layout* layout = nullptr;
     std::string_view layout_name;
     std::size_t real_bytes = 4;
-    std::uint32_t materials = 0;       // of the scene
+    std::uint32_t materials = 0;  // of the scene
     std::uint32_t multiprocessors = 1;
     cudaStream_t stream = nullptr;
     // The value of a tunable in the variant.

@@ -20,7 +20,8 @@ const Registration registration(
         .tunables = tunables,
         .does_not_apply = [](FeatureSet scene, const Variant&) -> std::string {
             const FeatureSet varying = (Feature::jitter | Feature::lens) | Feature::motion;
-            return (scene & varying) != 0 ? "" : "needs jitter, a lens or motion; without them first_bounce=cached is it";
+            return (scene & varying) != 0 ? ""
+                                          : "needs jitter, a lens or motion; without them first_bounce=cached is it";
         },
         .work_missing = [](const WorkCounters& work, std::uint64_t samples) -> std::string {
             if (work.cache_fills == 0 || work.cache_fills * samples % work.paths != 0) {

@@ -20,8 +20,7 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
         std::uint32_t sample = first_sample + part;
         Path path = first_path(scene.shade, pixel, sample, cache);
         while (todo > 0) {
-            const Hit hit = PT_CACHED && path.segment == 0 ? first_hit(scene, path, cache)
-                                                           : trace(scene, path);
+            const Hit hit = PT_CACHED && path.segment == 0 ? first_hit(scene, path, cache) : trace(scene, path);
             if (!shade(scene, path, hit, counters)) {
                 pt::accumulate(film, path);
                 counters.rays += path.segment - PT_CACHED;

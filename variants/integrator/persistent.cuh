@@ -31,8 +31,7 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
     Path path = first_path(scene.shade, static_cast<std::uint32_t>(item % pixels),
                            first_sample + static_cast<std::uint32_t>(item / pixels), cache);
     while (item < items) {
-        const Hit hit = PT_CACHED && path.segment == 0 ? first_hit(scene, path, cache)
-                                                       : trace(scene, path);
+        const Hit hit = PT_CACHED && path.segment == 0 ? first_hit(scene, path, cache) : trace(scene, path);
         if (!shade(scene, path, hit, counters)) {
             pt::accumulate(film, path);
             counters.rays += path.segment - PT_CACHED;
@@ -68,14 +67,13 @@ inline constexpr Descriptor descriptor{
 inline void render(Job& job) {
     fill_cache(job);
     const Stage stage(job.stages, "trace", job.stream);
-    const auto blocks = static_cast<std::uint32_t>(job.module->blocks_a_multiprocessor("persistent", job.block)) *
-                        job.multiprocessors;
+    const auto blocks =
+        static_cast<std::uint32_t>(job.module->blocks_a_multiprocessor("persistent", job.block)) * job.multiprocessors;
     const std::uint32_t threads = blocks * job.block;
     // A thread may take many more items than its share, but a block's counters must hold: as in samples_a_launch, with
     // a factor of 16 for the uneven shares.
     const std::uint64_t shares = std::max<std::uint64_t>(1, (std::uint64_t{job.pixels} + threads - 1) / threads);
-    const auto most = static_cast<std::uint32_t>(
-        std::max<std::uint64_t>(1, samples_a_launch(job) / (16 * shares)));
+    const auto most = static_cast<std::uint32_t>(std::max<std::uint64_t>(1, samples_a_launch(job) / (16 * shares)));
     for (std::uint32_t done = 0; done < job.samples;) {
         const std::uint32_t samples = std::min(most, job.samples - done);
         PT_CUDA_CHECK(cudaMemsetAsync(job.next_item, 0, sizeof(std::uint64_t), job.stream));

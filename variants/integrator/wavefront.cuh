@@ -21,8 +21,8 @@ __device__ inline std::uint32_t slot_at(const std::uint32_t* order, std::uint32_
 
 // Path i: pixel i mod pixels, sample first_sample + i / pixels; with a cursor the first sample is there.
 extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    generate_paths(Scene parameter, PathStore store, std::uint32_t* count, std::uint32_t pool, std::uint32_t first_sample,
-                   const std::uint32_t* cursor, HitCache cache) {
+    generate_paths(Scene parameter, PathStore store, std::uint32_t* count, std::uint32_t pool,
+                   std::uint32_t first_sample, const std::uint32_t* cursor, HitCache cache) {
     const SceneViews scene(parameter);
     const std::uint32_t i = pt::cuda::thread_number();
     if (i == 0) {
@@ -35,8 +35,8 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
     }
 }
 
-// With `keys`, also writes the sort key of every position below `bound`: ended paths and positions beyond the count have
-// the last one.
+// With `keys`, also writes the sort key of every position below `bound`: ended paths and positions beyond the count
+// have the last one.
 extern "C" __global__ void __launch_bounds__(PT_BLOCK)
     intersect_paths(Scene parameter, PathStore store, const std::uint32_t* order, const std::uint32_t* count,
                     std::uint32_t bound, Hit* hits, HitCache cache, std::uint32_t segment, SegmentCounts segments,
@@ -89,8 +89,8 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
 }
 
 extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    shade_paths(Scene parameter, FilmView film, PathStore store, const std::uint32_t* order,
-                const std::uint32_t* count, const Hit* hits, Totals* totals) {
+    shade_paths(Scene parameter, FilmView film, PathStore store, const std::uint32_t* order, const std::uint32_t* count,
+                const Hit* hits, Totals* totals) {
     const SceneViews scene(parameter);
     const Paths paths(store);
     PathCounters counters;
@@ -208,15 +208,13 @@ inline void enqueue_batch(Job& job, std::uint32_t first_sample, std::uint32_t sa
 }
 
 inline void prepare(Job& job) {
-    prepare_batches(job, [&](std::uint32_t first_sample, std::uint32_t samples) {
-        enqueue_batch(job, first_sample, samples);
-    });
+    prepare_batches(
+        job, [&](std::uint32_t first_sample, std::uint32_t samples) { enqueue_batch(job, first_sample, samples); });
 }
 
 inline void render(Job& job) {
-    run_batches(job, [&](std::uint32_t first_sample, std::uint32_t samples) {
-        enqueue_batch(job, first_sample, samples);
-    });
+    run_batches(job,
+                [&](std::uint32_t first_sample, std::uint32_t samples) { enqueue_batch(job, first_sample, samples); });
 }
 
 inline const Integrator hook{

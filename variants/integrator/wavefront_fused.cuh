@@ -17,8 +17,8 @@ constexpr std::uint32_t counter_stride = 32;  // words: counters lie in differen
 __device__ inline std::uint32_t part_capacity(const PathStore& store) { return store.capacity / PT_COUNTERS; }
 
 #if PT_APPEND > 0
-// Where the queue's paths lie: the total and, for the position of the calling thread, the slot. Every thread of the block
-// must call it.
+// Where the queue's paths lie: the total and, for the position of the calling thread, the slot. Every thread of the
+// block must call it.
 struct Located {
     std::uint32_t total, slot;
 };
@@ -94,7 +94,8 @@ extern "C" __global__ void advance(std::uint32_t* cursor, std::uint32_t samples)
 // Path i: pixel i mod pixels, sample first_sample + i / pixels; with a cursor the first sample is there.
 extern "C" __global__ void __launch_bounds__(PT_BLOCK)
     first_bounce(Scene parameter, FilmView film, PathStore out, std::uint32_t* out_count, std::uint32_t pool,
-                 std::uint32_t first_sample, const std::uint32_t* cursor, HitCache cache, Totals* totals, SegmentCounts segments) {
+                 std::uint32_t first_sample, const std::uint32_t* cursor, HitCache cache, Totals* totals,
+                 SegmentCounts segments) {
     const SceneViews scene(parameter);
     PathCounters counters;
     const std::uint32_t i = pt::cuda::thread_number();
@@ -155,7 +156,10 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
 namespace pt::cuda::integrator::wavefront_fused {
 
 inline constexpr Tunable tunables[] = {
-    wavefront_tunables[0], wavefront_tunables[1], wavefront_tunables[2], wavefront_tunables[3],
+    wavefront_tunables[0],
+    wavefront_tunables[1],
+    wavefront_tunables[2],
+    wavefront_tunables[3],
     {"append_counters", 16, 1, 64, 1, "parts of the queue, with a counter each, where the kernel appends"}};
 
 inline constexpr Descriptor descriptor{
@@ -166,10 +170,10 @@ inline constexpr Descriptor descriptor{
     .backends = on_cuda,
     .tunables = tunables,
     .does_not_apply = [](FeatureSet, const Variant& variant) -> std::string {
-        return variant["sorting"] == "none"
-                   ? ""
-                   : "intersects and shades in one kernel, there is no point at which to sort: needs sorting=none, not " +
-                         variant["sorting"];
+        return variant["sorting"] == "none" ? ""
+                                            : "intersects and shades in one kernel, there is no point at which to "
+                                              "sort: needs sorting=none, not " +
+                                                  variant["sorting"];
     },
     .work_missing = wavefront_work_missing,
 };
@@ -245,15 +249,13 @@ inline void enqueue_batch(Job& job, std::uint32_t first_sample, std::uint32_t sa
 }
 
 inline void prepare(Job& job) {
-    prepare_batches(job, [&](std::uint32_t first_sample, std::uint32_t samples) {
-        enqueue_batch(job, first_sample, samples);
-    });
+    prepare_batches(
+        job, [&](std::uint32_t first_sample, std::uint32_t samples) { enqueue_batch(job, first_sample, samples); });
 }
 
 inline void render(Job& job) {
-    run_batches(job, [&](std::uint32_t first_sample, std::uint32_t samples) {
-        enqueue_batch(job, first_sample, samples);
-    });
+    run_batches(job,
+                [&](std::uint32_t first_sample, std::uint32_t samples) { enqueue_batch(job, first_sample, samples); });
 }
 
 inline std::vector<std::string> defines(const Variant& variant) {

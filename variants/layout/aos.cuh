@@ -16,7 +16,7 @@ struct alignas(16) Record {
     std::uint32_t padding[(16 - sizeof(Path<Real>) % 16) / 4];
 
     Record() = default;
-    PT_HD Record(const Path<Real>& p) : path(p), padding{} {}            // NOLINT: algorithms move either
+    PT_HD Record(const Path<Real>& p) : path(p), padding{} {}  // NOLINT: algorithms move either
     PT_HD operator const Path<Real>&() const { return path; }  // NOLINT
 };
 

@@ -22,8 +22,11 @@ struct DevicePaths {
     PT_HD Path<Real> load(std::uint32_t slot) const {
         const Column a = column(0)[slot], b = column(1)[slot], c = column(2)[slot], d = column(3)[slot];
         const Key key = keys()[slot];
-        return {{a.x, a.y, a.z}, {b.x, b.y, b.z}, {c.x, c.y, c.z}, {d.x, d.y, d.z},    bits_to_float(a.w),
-                key.pixel,       key.sample,      c.w,             ObjectSide{b.w}, d.w};
+        return {{a.x, a.y, a.z},    {b.x, b.y, b.z},
+                {c.x, c.y, c.z},    {d.x, d.y, d.z},
+                bits_to_float(a.w), key.pixel,
+                key.sample,         c.w,
+                ObjectSide{b.w},    d.w};
     }
     PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { put<true, true, true>(slot, path); }
     // A path that is new in its slot; of radiance and medium only what is asked for (time comes with the origin).
@@ -73,7 +76,8 @@ private:
 inline constexpr Descriptor cuda_descriptor{
     .axis = "layout",
     .name = "packed",
-    .summary = "columns of 16 bytes: origin and time, direction and surface, throughput and segment, radiance and medium",
+    .summary =
+        "columns of 16 bytes: origin and time, direction and surface, throughput and segment, radiance and medium",
     .origin = "Laine, Karras and Aila 2013 (16-byte accesses)",
     .backends = on_cuda,
     .does_not_apply = [](FeatureSet, const Variant& variant) -> std::string {

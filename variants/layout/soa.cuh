@@ -12,8 +12,8 @@ struct DevicePaths {
 
     PT_HD explicit DevicePaths(const cuda::PathStore& store) : store_(store) {}
     PT_HD Path<Real> load(std::uint32_t slot) const {
-        return {vector(0, slot), vector(3, slot),  vector(6, slot), vector(9, slot),           real(12)[slot],
-                word(0)[slot],   word(1)[slot],    word(2)[slot],   ObjectSide{word(3)[slot]}, word(4)[slot]};
+        return {vector(0, slot), vector(3, slot), vector(6, slot), vector(9, slot),           real(12)[slot],
+                word(0)[slot],   word(1)[slot],   word(2)[slot],   ObjectSide{word(3)[slot]}, word(4)[slot]};
     }
     PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { put<true, true, true>(slot, path); }
     // A path that is new in its slot; of radiance, medium and time only what is asked for.

@@ -50,8 +50,8 @@ public:
     void sort(Queue& queue, std::uint32_t) override {
         PT_CUDA_CHECK(cudaMemsetAsync(counts_, 0, queue_count() * sizeof(std::uint32_t), context_.stream));
         const std::uint32_t* const order = queue.indirect ? queue.order : nullptr;
-        module_.launch("append_to_queues", (queue.bound + block - 1) / block, block, context_.stream, queue.keys,
-                       order, queue.count, queue_count(), capacity_, queues_, counts_);
+        module_.launch("append_to_queues", (queue.bound + block - 1) / block, block, context_.stream, queue.keys, order,
+                       queue.count, queue_count(), capacity_, queues_, counts_);
         *context_.launches += 1;
     }
 
