@@ -93,23 +93,24 @@ bool write_whole(const fs::path& path, std::string_view text) {
 // right text: an unpacking may have been cut short, or someone may have edited it. Throws std::runtime_error.
 fs::path unpacked_sources() {
     const fs::path folder = cache_folder() / fmt::format("include-{:016x}", sources_hash());
-    static const bool unpacked = [&] {
-        const auto put = [&](const fs::path& file, const std::string& text) {
-            if (read_whole(file) != text && !write_whole(file, text)) {
-                throw std::runtime_error(fmt::format("{}: cannot be written; set XDG_CACHE_HOME", file.string()));
-            }
-        };
-        for (const EmbeddedSource& source : embedded_sources()) {
-            put(folder / source.name, std::string(source.text));
+    static fs::path unpacked;  // the folder changes where XDG_CACHE_HOME does
+    if (unpacked == folder) {
+        return folder;
+    }
+    const auto put = [&](const fs::path& file, const std::string& text) {
+        if (read_whole(file) != text && !write_whole(file, text)) {
+            throw std::runtime_error(fmt::format("{}: cannot be written; set XDG_CACHE_HOME", file.string()));
         }
-        for (const auto& [name, text] : shims) {
-            put(folder / "shims" / name, fmt::format("#pragma once\n{}namespace cuda {{ namespace std {{}} }}\n"
-                                                     "namespace std {{ using namespace cuda::std; }}\n",
-                                                     text));
-        }
-        return true;
-    }();
-    (void)unpacked;
+    };
+    for (const EmbeddedSource& source : embedded_sources()) {
+        put(folder / source.name, std::string(source.text));
+    }
+    for (const auto& [name, text] : shims) {
+        put(folder / "shims" / name, fmt::format("#pragma once\n{}namespace cuda {{ namespace std {{}} }}\n"
+                                                 "namespace std {{ using namespace cuda::std; }}\n",
+                                                 text));
+    }
+    unpacked = folder;
     return folder;
 }
 
