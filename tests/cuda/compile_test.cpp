@@ -238,6 +238,8 @@ TEST(CudaCompileTest, InjectedCostIsInTheCode) {
     if (!cuda::nvrtc_missing().empty()) {
         GTEST_SKIP() << cuda::nvrtc_missing();
     }
+    ::setenv("PTBENCH_HOME", PTBENCH_SOURCE_DIR, 1);
+    ::setenv("XDG_CACHE_HOME", (fs::path(PTBENCH_BINARY).parent_path() / "kernel-cache").c_str(), 1);
     const Scene scene = find_scene("cornell_open");
     Variant costly = baseline_with({{"integrator", "megakernel"}});
     const std::size_t without = cuda::compile(scene, costly, "sm_90");
