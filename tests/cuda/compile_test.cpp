@@ -1,8 +1,8 @@
 // Every kernel that a shipped scene can ask for compiles, for every GPU that ptbench supports. No GPU is needed: NVRTC
 // compiles for any. It takes a second or more a program, so not every combination is tried:
-// - sm_90 gets every scene with every integrator, every two choices that can go together (covering_variants, on the
-//   scene with every material), both direct lights and the cache on a scene whose first hits can be cached, and every
-//   stage in every layout and precision.
+// - sm_90 gets every scene with every integrator, every choice that changes a program one at a time on the scene with
+//   every material, both direct lights and the cache on a scene whose first hits can be cached, and every stage in
+//   every layout and precision.
 // - The others get every integrator's generic kernel, which contains all that the sources hold; every scene, with an
 //   integrator and a direct light that change from scene to scene and from GPU to GPU, so that over the GPUs every
 //   scene meets every integrator; and every stage in one layout. Nothing in the sources depends on the scene and the
@@ -118,8 +118,22 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
         }
     }
     const Scene five = find_scene("cornell_open_five");
-    for (const Variant& variant : covering_variants(all_choices(Backend::cuda), features_of(five), Backend::cuda)) {
-        programs.add(five, variant);
+    for (const std::string& integrator : choices_of("integrator")) {
+        for (const auto& [axis, choice] :
+             std::initializer_list<std::pair<const char*, const char*>>{{"layout", "soa"},
+                                                                        {"layout", "packed"},
+                                                                        {"precision", "double"},
+                                                                        {"arithmetic", "exact"},
+                                                                        {"arithmetic", "fast"},
+                                                                        {"first_bounce", "cached_jitters"}}) {
+            programs.add(five, baseline_with({{"integrator", integrator}, {axis, choice}}));
+        }
+    }
+    for (const char* compaction : {"atomic_append", "block_scan_append"}) {
+        programs.add(five, baseline_with({{"integrator", "wavefront_fused"}, {"compaction", compaction}}));
+    }
+    for (const char* key : {"material_hit", "ray"}) {
+        programs.add(five, baseline_with({{"sorting", "cub_radix"}, {"sort_key", key}}));
     }
     const Scene still = find_scene("cornell_open_unjittered");
     for (const std::string& integrator : choices_of("integrator")) {
