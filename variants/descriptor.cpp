@@ -13,7 +13,7 @@ WorkCounters& WorkCounters::operator+=(const WorkCounters& other) {
         &WorkCounters::last_bounces, &WorkCounters::last_paths,  &WorkCounters::sorts,
         &WorkCounters::sorted,       &WorkCounters::cache_fills, &WorkCounters::cache_hits,
         &WorkCounters::connections,  &WorkCounters::launches,    &WorkCounters::graph_nodes,
-        &WorkCounters::host_waits};
+        &WorkCounters::loop_rounds,  &WorkCounters::host_waits};
     static_assert(sizeof(WorkCounters) == std::size(fields) * sizeof(std::uint64_t));
     for (const auto field : fields) {
         this->*field += other.*field;

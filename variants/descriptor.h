@@ -83,6 +83,7 @@ struct WorkCounters {
     std::uint64_t connections = 0;  // rays to lights
     std::uint64_t launches = 0;     // kernels, copies and graphs that the integrator's host side enqueued (CUDA)
     std::uint64_t graph_nodes = 0;  // nodes of the graphs launched (CUDA)
+    std::uint64_t loop_rounds = 0;  // of the loops within graphs (CUDA)
     std::uint64_t host_waits = 0;   // times that it waited for the device within the render (CUDA)
 
     WorkCounters& operator+=(const WorkCounters& other);

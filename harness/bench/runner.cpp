@@ -194,6 +194,7 @@ private:
                              {"connections", result.work.connections},
                              {"launches", result.work.launches},
                              {"graph_nodes", result.work.graph_nodes},
+                             {"loop_rounds", result.work.loop_rounds},
                              {"host_waits", result.work.host_waits}};
         if (cell.backend == Backend::cuda) {
             facts["cuda"] = cuda_json(result.cuda);
@@ -349,6 +350,7 @@ private:
                              {"pt_rays_per_second", static_cast<double>(result.work.rays) / (1e-3 * result.wall_ms)},
                              {"pt_launches", result.work.launches},
                              {"pt_graph_nodes", result.work.graph_nodes},
+                             {"pt_loop_rounds", result.work.loop_rounds},
                              {"pt_host_waits", result.work.host_waits},
                              {"pt_order", order_++},
                              {"pt_timestamp", seconds_now()},

@@ -249,6 +249,7 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
     job_.sort_key = hooks("sort_key", variant).sort_key;
     job_.key_bounds = key_bounds(scene);
     job_.is_captured = hooks("launch", variant).is_captured;
+    job_.loops = hooks("launch", variant).loops;
     job_.stages = request.instrument ? &stages_ : nullptr;
     job_.appends_in_kernel = integrator.appends_in_kernel != nullptr && integrator.appends_in_kernel(variant);
     if (integrator.has_queue && hooks("compaction", variant).compaction != nullptr) {
@@ -270,6 +271,7 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
     facts_.options = job_.module->image().options;
     if (integrator.prepare != nullptr) {
         integrator.prepare(job_);
+        choice_launches_ = 0;  // what was captured has not been launched
     }
     PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
     facts_.prepare_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -316,6 +318,8 @@ void RenderCell<Real>::reserve(Arena& arena) {
     job_.totals = arena.take<Totals>(counter_copies);
     job_.next_item = arena.take<std::uint64_t>(1);
     job_.next_sample = arena.take<std::uint32_t>(1);
+    job_.loop.offset = arena.take<std::uint32_t>(1);
+    job_.loop.rounds = arena.take<std::uint64_t>(1);
     job_.segments.copies = job_.longest_path <= 4096 ? counter_copies : 1;
     const std::size_t segment_counts = std::size_t{job_.longest_path} * job_.segments.copies;
     job_.segments.live = arena.take<std::uint64_t>(segment_counts);
@@ -404,6 +408,8 @@ void RenderCell<Real>::upload() {
     };
     clear(job_.film.sums, std::size_t{3} * job_.pixels * sizeof(std::int64_t));
     clear(job_.film.faults, sizeof(FilmFaults));
+    clear(job_.loop.offset, sizeof(std::uint32_t));
+    clear(job_.loop.rounds, sizeof(std::uint64_t));
     clear(job_.totals, counter_copies * sizeof(Totals));
     const std::size_t segment_bytes = std::size_t{job_.longest_path} * job_.segments.copies * sizeof(std::uint64_t);
     clear(job_.segments.live, segment_bytes);
@@ -500,6 +506,12 @@ void RenderCell<Real>::collect(RenderResult& result) {
 
     WorkCounters& work = result.work;
     work = job_.work;
+    std::uint64_t rounds = 0;
+    download(&rounds, job_.loop.rounds, 1);
+    for (std::uint64_t round = 0; round < rounds; ++round) {
+        work += job_.loop.work_a_round;
+    }
+    work.loop_rounds = rounds;
     work.launches += choice_launches_;
     work.host_waits += choice_waits_;
     work.paths = totals.paths.paths;

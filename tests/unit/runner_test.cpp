@@ -179,7 +179,7 @@ TEST_F(RunnerTest, ACompletedRunHasEveryRow) {
         const Json& counters = cell.at("counters");
         EXPECT_EQ(counters.at("compactions") == 0, cell.at("axes").at("compaction") == "none");
         EXPECT_EQ(counters.at("cache_fills"), 0);
-        for (const char* on_cuda : {"launches", "graph_nodes", "host_waits"}) {
+        for (const char* on_cuda : {"launches", "graph_nodes", "loop_rounds", "host_waits"}) {
             EXPECT_EQ(counters.at(on_cuda), 0);
         }
         EXPECT_FALSE(cell.contains("cuda"));

@@ -129,7 +129,7 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
             {"direct_light", {"off", "final_bounce"}},
             {"layout", {"aos", "packed", "soa"}},
             {"specialisation", {"features", "generic"}},
-            {"launch", {"stream", "graph"}},
+            {"launch", {"stream", "graph", "graph_while"}},
             {"arithmetic", {"precise", "exact", "fast"}},
             {"precision", {"float", "double"}},
         },
@@ -530,6 +530,14 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApplyOnCuda) {
          "launch=graph cannot hold compaction=thrust_partition, which waits for the device"},
         {{{"launch", "graph"}, {"sorting", "thrust_sort_by_key"}},
          "launch=graph cannot hold sorting=thrust_sort_by_key, which waits for the device"},
+        {{{"launch", "graph_while"}, {"compaction", "gap_fill"}}, ""},
+        {{{"launch", "graph_while"}, {"integrator", "wavefront_fused"}, {"compaction", "atomic_append"}}, ""},
+        {{{"launch", "graph_while"}},
+         "launch=graph_while ends when the count of paths in play is 0: needs a compaction, not none"},
+        {{{"launch", "graph_while"}, {"compaction", "thrust_partition"}},
+         "launch=graph_while cannot hold compaction=thrust_partition, which waits for the device"},
+        {{{"integrator", "persistent"}, {"launch", "graph_while"}},
+         "integrator=persistent is one kernel, nothing to capture: needs launch=stream, not graph_while"},
         {{{"sorting", "thrust_sort_by_key"}, {"compaction", "gap_fill"}}, ""},
         {{{"sorting", "thrust_sort_by_key"}, {"compaction", "cub_partition"}},
          "sorting=thrust_sort_by_key moves a contiguous payload, which compaction=cub_partition does not keep"},
@@ -575,6 +583,9 @@ std::vector<WorkCase> work_cases() {
     const WorkCounters launched = with(queued, &WorkCounters::launches, 30);
     const WorkCounters one_kernel = with(idle, &WorkCounters::launches, 1);
     const WorkCounters replayed = with(one_kernel, &WorkCounters::graph_nodes, 25);
+    const WorkCounters unrolled = with(queued, &WorkCounters::graph_nodes, 25);
+    const WorkCounters looped = with(unrolled, &WorkCounters::loop_rounds, 3);
+    const WorkCounters too_short_to_loop = with(unrolled, &WorkCounters::bounces, 6);
     std::vector<WorkCase> cases{
         {"integrator",
          "wavefront",
@@ -610,6 +621,12 @@ std::vector<WorkCase> work_cases() {
          on_every_backend},
         {"launch", "stream", one_kernel, {{replayed, "launched a graph"}}, on_every_backend},
         {"launch", "graph", replayed, {{one_kernel, "launched no graph"}}, on_cuda},
+        {"launch",
+         "graph_while",
+         looped,
+         {{one_kernel, "launched no graph"}, {unrolled, "no round of a loop ran"}},
+         on_cuda},
+        {"launch", "graph_while", too_short_to_loop, {{one_kernel, "launched no graph"}}, on_cuda},
     };
     for (const char* name : {"wavefront", "wavefront_fused"}) {
         cases.push_back(

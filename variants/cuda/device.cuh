@@ -15,6 +15,7 @@ using pt::FilmView;
 using pt::PathCounters;
 using pt::cuda::PathStore;
 using pt::cuda::SegmentCounts;
+using pt::cuda::SegmentNumber;
 using pt::cuda::Totals;
 
 namespace pt::cuda {

@@ -67,6 +67,7 @@ struct Hooks {
     std::size_t real_bytes = 0;             // precision
     SortKey sort_key = {};
     bool is_captured = false;  // launch: a batch of samples is a CUDA graph
+    bool loops = false;        // launch: the graph holds a loop over the segments that ends with the last path
 };
 
 }  // namespace pt::cuda

@@ -2,32 +2,9 @@
 
 #include <algorithm>
 
+#include "variants/cuda/queue_kernels.h"
+
 namespace pt::cuda {
-
-Graph::~Graph() {
-    if (executable_ != nullptr) {
-        (void)cudaGraphExecDestroy(executable_);
-    }
-    if (graph_ != nullptr) {
-        (void)cudaGraphDestroy(graph_);
-    }
-}
-
-void Graph::capture(cudaStream_t stream, const std::function<void()>& enqueue) {
-    // Relaxed: kernels that are launched for the first time may load meanwhile.
-    PT_CUDA_CHECK(cudaStreamBeginCapture(stream, cudaStreamCaptureModeRelaxed));
-    try {
-        enqueue();
-    } catch (...) {
-        (void)cudaStreamEndCapture(stream, &graph_);
-        throw;
-    }
-    PT_CUDA_CHECK(cudaStreamEndCapture(stream, &graph_));
-    PT_CUDA_CHECK(cudaGraphGetNodes(graph_, nullptr, &nodes_));
-    PT_CUDA_CHECK(cudaGraphInstantiate(&executable_, graph_, 0));
-}
-
-void Graph::launch(cudaStream_t stream) const { PT_CUDA_CHECK(cudaGraphLaunch(executable_, stream)); }
 
 void fill_cache(Job& job) {
     if (job.cache.rays == 0) {
@@ -52,10 +29,10 @@ void prepare_batches(Job& job, const EnqueueBatch& enqueue_batch) {
     PT_CUDA_CHECK(cudaMemcpyAsync(job.next_sample, &job.first_sample, sizeof job.first_sample, cudaMemcpyHostToDevice,
                                   job.stream));
     PT_CUDA_CHECK(cudaStreamSynchronize(job.stream));
-    job.graph = std::make_unique<Graph>();
+    job.graph = std::make_unique<Graph>(job.stream);
     const WorkCounters before = std::exchange(job.work, {});
     job.cursor = job.next_sample;
-    job.graph->capture(job.stream, [&] {
+    job.graph->capture([&] {
         enqueue_batch(job.first_sample, job.samples_in_flight);
         job.launch_blocks("advance", 1, job.next_sample, job.samples_in_flight);
     });
@@ -70,13 +47,31 @@ void run_batches(Job& job, const EnqueueBatch& enqueue_batch) {
     for (std::uint32_t done = 0; done < job.samples;) {
         const std::uint32_t batch = std::min(job.samples_in_flight, job.samples - done);
         if (job.graph != nullptr && batch == job.samples_in_flight) {
-            job.graph->launch(job.stream);
+            job.graph->launch();
             job.work += job.work_a_graph;
         } else {
             enqueue_batch(job.first_sample + done, batch);
         }
         done += batch;
     }
+}
+
+std::uint32_t enqueue_loop(Job& job, const std::function<LiveCounts()>& enqueue_round) {
+    const bool captures = job.cursor != nullptr;
+    if (!job.loops || !captures || job.longest_path < segments_a_round + 2) {
+        return 0;
+    }
+    const std::uint32_t taken = (job.longest_path - 2) / segments_a_round * segments_a_round;
+    const WorkCounters before = std::exchange(job.work, {});
+    job.is_in_loop = true;
+    job.graph->capture_loop([&](cudaGraphConditionalHandle condition) {
+        const LiveCounts live = enqueue_round();
+        end_round(condition, live, job.loop.offset, taken, job.loop.rounds, job.stream);
+    });
+    job.is_in_loop = false;
+    job.loop.work_a_round = std::exchange(job.work, before);
+    job.loop.work_a_round.launches = 0;  // the device's own
+    return taken;
 }
 
 }  // namespace pt::cuda

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "variants/cuda/graph.h"
 #include "variants/cuda/stage_events.h"
 #include "variants/cuda/stages.h"
 #include "variants/cuda/totals.h"
@@ -19,23 +20,11 @@ struct KeyBounds {
     float inverse_extent[3] = {1, 1, 1};
 };
 
-// A captured batch of samples. Its kernels read the first sample from device memory, and its last one moves it on.
-class Graph {
-public:
-    Graph() = default;
-    ~Graph();
-    Graph(const Graph&) = delete;
-    Graph& operator=(const Graph&) = delete;
-
-    // Records what `enqueue` puts on the stream.
-    void capture(cudaStream_t stream, const std::function<void()>& enqueue);
-    void launch(cudaStream_t stream) const;
-    std::size_t nodes() const { return nodes_; }
-
-private:
-    cudaGraph_t graph_ = nullptr;
-    cudaGraphExec_t executable_ = nullptr;
-    std::size_t nodes_ = 0;
+// A loop that a graph holds, as its kernels see it.
+struct Loop {
+    std::uint32_t* offset = nullptr;  // device: segments that earlier rounds of this batch took; 0 outside the loop
+    std::uint64_t* rounds = nullptr;  // device: rounds run since the render began
+    WorkCounters work_a_round;        // what the host's side of one round counts
 };
 
 struct Job {
@@ -72,11 +61,16 @@ struct Job {
 
     bool is_captured = false;
     std::unique_ptr<Graph> graph;
+    bool loops = false;  // the graph holds a loop over the segments
+    Loop loop;
+    bool is_in_loop = false;                // its body is being captured
     std::uint32_t* next_sample = nullptr;   // device: where a graph finds its first sample
     const std::uint32_t* cursor = nullptr;  // next_sample while a batch is captured, else null: use the parameter
     WorkCounters work_a_graph;              // what the host's side of one captured batch counts
     StageEvents* stages = nullptr;          // null: not instrumented
     WorkCounters work;
+
+    SegmentNumber segment(std::uint32_t number) const { return {number, is_in_loop ? loop.offset : nullptr}; }
 
     template <class... Parameters>
     void launch(const char* kernel, std::uint32_t threads, const Parameters&... parameters) {
@@ -102,5 +96,10 @@ std::uint32_t samples_a_launch(const Job& job);
 using EnqueueBatch = std::function<void(std::uint32_t first_sample, std::uint32_t samples)>;
 void prepare_batches(Job& job, const EnqueueBatch& enqueue_batch);
 void run_batches(Job& job, const EnqueueBatch& enqueue_batch);
+
+// Where the job loops and a batch is being captured: captures `enqueue_round`, which enqueues segments 1 and 2 and
+// returns where the paths then alive are counted, as a loop that ends with the last path. Returns the number of
+// segments that the loop may take: none of them is the last possible one, which ends differently.
+std::uint32_t enqueue_loop(Job& job, const std::function<LiveCounts()>& enqueue_round);
 
 }  // namespace pt::cuda

@@ -16,45 +16,46 @@
 
 namespace pt::cuda {
 
-// Stands for the path in a slot where an algorithm expects a reference to one.
-template <class Paths>
-class PathReference {
+// Stands for what lies in a slot where an algorithm expects a reference to it. Slots: load(slot) and store(slot,
+// value).
+template <class Slots>
+class SlotReference {
 public:
-    PT_HD PathReference(const Paths& paths, std::uint32_t slot) : paths_(paths), slot_(slot) {}
-    PathReference(const PathReference&) = default;
-    PT_HD operator Path<float>() const { return paths_.load(slot_); }  // NOLINT: a reference converts
-    PT_HD const PathReference& operator=(const Path<float>& path) const {
-        paths_.store(slot_, path);
+    using Value = decltype(std::declval<Slots>().load(0));
+
+    PT_HD SlotReference(const Slots& slots, std::uint32_t slot) : slots_(slots), slot_(slot) {}
+    SlotReference(const SlotReference&) = default;
+    PT_HD operator Value() const { return slots_.load(slot_); }  // NOLINT: a reference converts
+    PT_HD const SlotReference& operator=(const Value& value) const {
+        slots_.store(slot_, value);
         return *this;
     }
-    // Copies the path, not the place.
-    PT_HD const PathReference& operator=(const PathReference& other) const {
-        return *this = static_cast<Path<float>>(other);
-    }
+    // Copies the value, not the place.
+    PT_HD const SlotReference& operator=(const SlotReference& other) const { return *this = static_cast<Value>(other); }
 
 private:
-    Paths paths_;
+    Slots slots_;
     std::uint32_t slot_;
 };
 
-template <class Paths>
-class PathIterator
-    : public thrust::iterator_facade<PathIterator<Paths>, Path<float>, thrust::any_system_tag,
-                                     thrust::random_access_traversal_tag, PathReference<Paths>, std::ptrdiff_t> {
+template <class Slots>
+class SlotIterator
+    : public thrust::iterator_facade<SlotIterator<Slots>, typename SlotReference<Slots>::Value, thrust::any_system_tag,
+                                     thrust::random_access_traversal_tag, SlotReference<Slots>, std::ptrdiff_t> {
 public:
-    PT_HD PathIterator() : paths_(PathStore{}) {}
-    PT_HD explicit PathIterator(const PathStore& store) : paths_(store) {}
+    PT_HD SlotIterator() : slots_(PathStore{}) {}
+    PT_HD explicit SlotIterator(const Slots& slots) : slots_(slots) {}
 
 private:
     friend class thrust::iterator_core_access;
-    PT_HD PathReference<Paths> dereference() const { return {paths_, static_cast<std::uint32_t>(slot_)}; }
-    PT_HD bool equal(const PathIterator& other) const { return slot_ == other.slot_; }
+    PT_HD SlotReference<Slots> dereference() const { return {slots_, static_cast<std::uint32_t>(slot_)}; }
+    PT_HD bool equal(const SlotIterator& other) const { return slot_ == other.slot_; }
     PT_HD void increment() { ++slot_; }
     PT_HD void decrement() { --slot_; }
     PT_HD void advance(std::ptrdiff_t n) { slot_ += n; }
-    PT_HD std::ptrdiff_t distance_to(const PathIterator& other) const { return other.slot_ - slot_; }
+    PT_HD std::ptrdiff_t distance_to(const SlotIterator& other) const { return other.slot_ - slot_; }
 
-    Paths paths_;
+    Slots slots_;
     std::ptrdiff_t slot_ = 0;
 };
 
@@ -64,7 +65,7 @@ auto payload_begin(const PathStore& store) {
     if constexpr (std::is_same_v<Paths, layout::aos::DevicePaths<float>>) {
         return Paths(store).records();
     } else {
-        return PathIterator<Paths>(store);
+        return SlotIterator<Paths>(Paths(store));
     }
 }
 
@@ -100,7 +101,7 @@ struct PathHasEnded {
 // Thrust assigns through a proxy only where it is told of it; its own output iterators register in the same way.
 THRUST_NAMESPACE_BEGIN
 namespace detail {
-template <class Paths>
-struct is_proxy_reference<pt::cuda::PathReference<Paths>> : true_type {};
+template <class Slots>
+struct is_proxy_reference<pt::cuda::SlotReference<Slots>> : true_type {};
 }  // namespace detail
 THRUST_NAMESPACE_END

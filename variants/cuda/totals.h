@@ -23,6 +23,15 @@ struct SegmentCounts {
     std::uint32_t copies = 1;
 };
 
+// Which segment a kernel traces: known when it is launched, or, in the loop of a graph, plus what the loop counts.
+struct SegmentNumber {
+    std::uint32_t number = 0;
+    const std::uint32_t* offset = nullptr;  // device; null: no loop
+
+    PT_HD std::uint32_t passed() const { return offset != nullptr ? *offset : 0; }
+    PT_HD operator std::uint32_t() const { return number + passed(); }  // NOLINT: it is that number
+};
+
 // Kept first hits: `rays` camera rays a pixel, of which sample s uses number s % rays. Null hits: no cache.
 template <class Real>
 struct HitCache {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <stdexcept>
 #include <vector>
 
 #include "variants/cuda/megakernels.h"
@@ -38,6 +39,14 @@ inline void compact(Job& job, Queue& queue) {
         PT_CUDA_CHECK(cudaStreamSynchronize(job.stream));
         queue.bound = std::accumulate(job.pinned_count, job.pinned_count + parts, 0u);
         job.work.host_waits += 1;
+    }
+}
+
+// The body of a loop must leave the queue as it found it: what it swaps, it swaps back.
+inline void check_round_trip(const Queue& before, const Queue& after) {
+    if (before.paths.base != after.paths.base || before.order != after.order || before.keys != after.keys ||
+        before.count != after.count || before.bound != after.bound || before.indirect != after.indirect) {
+        throw std::logic_error("a round of the graph's loop leaves the queue otherwise than it found it");
     }
 }
 

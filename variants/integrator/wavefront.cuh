@@ -39,7 +39,7 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
 // have the last one.
 extern "C" __global__ void __launch_bounds__(PT_BLOCK)
     intersect_paths(Scene parameter, PathStore store, const std::uint32_t* order, const std::uint32_t* count,
-                    std::uint32_t bound, Hit* hits, HitCache cache, std::uint32_t segment, SegmentCounts segments,
+                    std::uint32_t bound, Hit* hits, HitCache cache, SegmentNumber segment, SegmentCounts segments,
                     std::uint32_t* keys, std::uint32_t bits, std::uint32_t last_key, pt::cuda::KeyBounds bounds) {
     const SceneViews scene(parameter);
     const Paths paths(store);
@@ -140,12 +140,22 @@ public:
             job_.launch("generate_paths", queue_.bound, job_.scene, queue_.paths, queue_.count, queue_.bound,
                         first_sample, job_.cursor, job_.cache);
         }
-        for (std::uint32_t segment = 0; segment < job_.longest_path && queue_.bound > 0; ++segment) {
+        enqueue_segment(0);
+        for (std::uint32_t segment = 1 + enqueue_loop(job_, [&] { return enqueue_round(); });
+             segment < job_.longest_path && queue_.bound > 0; ++segment) {
             enqueue_segment(segment);
         }
     }
 
 private:
+    LiveCounts enqueue_round() {
+        const Queue before = queue_;
+        enqueue_segment(1);
+        enqueue_segment(2);
+        check_round_trip(before, queue_);
+        return {.counts = queue_.count};
+    }
+
     void enqueue_segment(std::uint32_t segment) {
         const bool last = segment + 1 == job_.longest_path;
         const bool sorts = job_.sorting != nullptr && !last;
@@ -160,8 +170,8 @@ private:
             const Stage stage(job_.stages, "intersect", job_.stream);
             std::uint32_t* const keys = sorts && by_hit ? queue_.keys : nullptr;
             job_.launch("intersect_paths", queue_.bound, job_.scene, queue_.paths, order(), queue_.count, queue_.bound,
-                        queue_.hits, job_.cache, segment, job_.segments, keys, job_.sort_key.bits, last_key(),
-                        job_.key_bounds);
+                        queue_.hits, job_.cache, job_.segment(segment), job_.segments, keys, job_.sort_key.bits,
+                        last_key(), job_.key_bounds);
         }
         if (sorts && by_hit) {
             const Stage stage(job_.stages, "sort", job_.stream);

@@ -121,7 +121,7 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
 // One bounce of the paths at order[0..*in_count-1] of `in` (no order: at 0..*in_count-1; PT_APPEND: as located).
 extern "C" __global__ void __launch_bounds__(PT_BLOCK)
     next_bounce(Scene parameter, FilmView film, PathStore in, const std::uint32_t* order, const std::uint32_t* in_count,
-                PathStore out, std::uint32_t* out_count, std::uint32_t segment, Totals* totals,
+                PathStore out, std::uint32_t* out_count, SegmentNumber segment, Totals* totals,
                 SegmentCounts segments) {
     const SceneViews scene(parameter);
     PathCounters counters;
@@ -130,6 +130,8 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
     bool alive = false;
     Path path;
 #if PT_APPEND > 0
+    in_count += segment.passed() * PT_COUNTERS * counter_stride;
+    out_count += segment.passed() * PT_COUNTERS * counter_stride;
     const Located located = locate(in, in_count, i);
     const std::uint32_t in_play = located.total;
     const std::uint32_t slot = located.slot;
@@ -198,7 +200,7 @@ public:
         if (appends_) {
             // Counters for every segment, all cleared at once: clearing between two bounces would cost a gap each time.
             PT_CUDA_CHECK(cudaMemsetAsync(job_.append_counts, 0, append_count_bytes(job_), job_.stream));
-            queue_.count = job_.append_counts;
+            queue_.count = counts_after(0);
         }
         {
             const Stage stage(job_.stages, "first bounce", job_.stream);
@@ -206,22 +208,46 @@ public:
                         first_sample, job_.cursor, job_.cache, job_.totals, job_.segments);
         }
         ended(0);
-        for (std::uint32_t segment = 1; segment < job_.longest_path && queue_.bound > 0; ++segment) {
+        const std::uint32_t looped = enqueue_loop(job_, [&] { return enqueue_round(); });
+        if (appends_) {
+            queue_.count = counts_after(looped);
+        }
+        for (std::uint32_t segment = 1 + looped; segment < job_.longest_path && queue_.bound > 0; ++segment) {
             enqueue_segment(segment);
             ended(segment);
         }
     }
 
 private:
+    // Where the paths that live after a segment are counted.
+    std::uint32_t* counts_after(std::uint32_t segment) const {
+        return job_.append_counts + std::size_t{segment} * counters_a_segment(job_);
+    }
+
+    LiveCounts enqueue_round() {
+        Queue before = queue_;
+        for (const std::uint32_t segment : {1u, 2u}) {
+            enqueue_segment(segment);
+            ended(segment);
+        }
+        const std::uint32_t* const counts = queue_.count;
+        if (!appends_) {
+            check_round_trip(before, queue_);
+            return {.counts = counts};
+        }
+        queue_.count = before.count;
+        check_round_trip(before, queue_);
+        return {counts, job_.append_counters, 32, static_cast<std::uint32_t>(counters_a_segment(job_))};
+    }
+
     void enqueue_segment(std::uint32_t segment) {
         const PathStore out = appends_ ? queue_.spare : queue_.paths;
-        std::uint32_t* const out_count =
-            appends_ ? job_.append_counts + std::size_t{segment} * counters_a_segment(job_) : queue_.count;
+        std::uint32_t* const out_count = appends_ ? counts_after(segment) : queue_.count;
         {
             const Stage stage(job_.stages, "bounce", job_.stream);
             job_.launch("next_bounce", queue_.bound, job_.scene, job_.film, queue_.paths,
-                        queue_.indirect ? queue_.order : nullptr, queue_.count, out, out_count, segment, job_.totals,
-                        job_.segments);
+                        queue_.indirect ? queue_.order : nullptr, queue_.count, out, out_count, job_.segment(segment),
+                        job_.totals, job_.segments);
         }
         if (appends_) {
             queue_.swap_paths();

@@ -1,0 +1,45 @@
+// A batch of samples is captured once as a CUDA graph, in which a conditional while node repeats two bounces as long as
+// paths live: a batch costs what its longest path needs, not what the depth allows. Needs a compaction, which keeps the
+// number of live paths on the device.
+#include "variants/launch/captured.h"
+
+namespace pt {
+namespace {
+
+// The segments 0 to depth that need no loop: the first one, a round, and the last one.
+constexpr std::uint64_t shortest_loop = 4;
+
+std::string why_not_looped(FeatureSet features, const Variant& variant) {
+    const std::string& integrator = variant["integrator"];
+    if (integrator != "wavefront" && integrator != "wavefront_fused") {
+        return "loops over bounces: needs integrator=wavefront or wavefront_fused, not " + integrator;
+    }
+    if (variant["compaction"] == "none") {
+        return "ends when the count of paths in play is 0: needs a compaction, not none";
+    }
+    return why_not_captured(features, variant);
+}
+
+// A batch of paths too short for a loop is unrolled.
+std::string loop_missing(const WorkCounters& work, std::uint64_t) {
+    if (work.graph_nodes == 0) {
+        return "launched no graph";
+    }
+    const bool too_short = work.bounces < shortest_loop * work.last_bounces;
+    return work.loop_rounds > 0 || too_short ? "" : "no round of a loop ran";
+}
+
+const Registration registration(
+    {
+        .axis = "launch",
+        .name = "graph_while",
+        .summary = "a batch of samples is a CUDA graph whose while node repeats bounces as long as paths live",
+        .origin = "conditional nodes (CUDA 12.4)",
+        .backends = on_cuda,
+        .does_not_apply = why_not_looped,
+        .work_missing = loop_missing,
+    },
+    {.cuda = {.is_captured = true, .loops = true}});
+
+}  // namespace
+}  // namespace pt
