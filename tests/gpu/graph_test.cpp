@@ -2,6 +2,7 @@
 // Skipped where there is no GPU.
 #include <gtest/gtest.h>
 
+#include "harness/bench/suite.h"
 #include "harness/cuda/backend.h"
 #include "harness/places.h"
 #include "harness/render/renderer.h"
