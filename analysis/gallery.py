@@ -18,12 +18,14 @@ from matplotlib.figure import Figure
 
 from analysis import style
 from analysis.errors import bad_value
-from analysis.files import make_folder, one_line, safe_name, write_whole
+from analysis.files import make_folder, one_line, safe_name
 from analysis.results import Node, read_json
+from analysis.saving import DPI, save_pictures
 
 _COLUMNS = 4
 _PICTURE = 2.0  # inches
 _GAP = 0.18
+_LEAST_DPI = 128.0
 # What a render may report as wrong; shown where it is not zero.
 _COUNTERS = ("nonfinite", "negative", "unfinished_walks")
 
@@ -153,8 +155,13 @@ def gallery(binary: Path, spec: Path, out: Path, spp: int, resolution: tuple[int
                 print(out / picture.file_name)
     with style.applied():
         sheet = draw_sheet(title, rows, shown, spp, resolution)
-        print(write_whole(out / "gallery.png", lambda path: sheet.savefig(path, metadata={"Software": None})))
+        print(save_pictures(sheet, out / "gallery.png", sheet_dpi(resolution)))
     return 1 if failures else 0
+
+
+def sheet_dpi(resolution: tuple[int, int]) -> float:
+    """A pixel of a picture is one of the sheet: more would only make the file larger. But letters need some."""
+    return min(max(resolution[0] / _PICTURE, _LEAST_DPI), DPI)
 
 
 def packed(widths: Sequence[int]) -> list[list[int]]:

@@ -10,6 +10,7 @@ from analysis.errors import NotDrawable
 from analysis.figures import collect_study, draw_study
 from analysis.files import make_folder, one_line, safe_name, write_text
 from analysis.results import Result, load
+from analysis.saving import save_figure
 from analysis.studies import Note, measure, notes_of
 from analysis.summary import summary
 
@@ -42,7 +43,7 @@ def plots(path: Path, out: Path | None) -> int:
                 name += "_"
             taken.add(name)
             with style.applied():
-                for written in style.save(draw_study(study, data), folder, name):
+                for written in save_figure(draw_study(study, data), folder, name):
                     print(written)
         for note in notes[study.name]:
             print(f"note: {study.name}: {note.kind}: {one_line(note.full)}")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from analysis.gallery import load_spec, packed
+from analysis.gallery import load_spec, packed, sheet_dpi
 
 DEFAULT_SPEC = Path(__file__).resolve().parents[2] / "analysis" / "gallery.json"
 
@@ -173,3 +173,8 @@ def test_a_binary_that_is_not_there_or_cannot_run(tmp_path, analysis):
         code, _, err = analysis("gallery", "--binary", path, "--out", tmp_path / "out")
         assert code == 2
         assert err == f"python3 -m analysis: {path}: --binary: found {found}, allowed: the ptbench program\n"
+
+
+@pytest.mark.parametrize(("side", "dpi"), [(64, 128), (256, 128), (300, 150), (800, 200)])
+def test_a_sheet_has_its_pictures_pixels_and_enough_for_letters(side, dpi):
+    assert sheet_dpi((side, side)) == dpi
