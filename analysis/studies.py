@@ -293,23 +293,40 @@ class Parts:
 
 
 def parts_of(
-    rows: Sequence[Row], question: Question | None, swept: str, place: Callable[[Row], Hashable], within: Sequence[Row]
+    rows: Sequence[Row],
+    question: Question | None,
+    swept: str,
+    place: Callable[[Row], Hashable],
+    within: Sequence[Row],
+    split_grids: bool = False,
 ) -> Parts:
     """How to show `rows`, of which those of one `place` would stand together.
 
     Where they would be too many, they are split by all that varies besides the choice, but for tunables that some
-    choices do not have: each group is a list of choices with its own baseline. What varies is looked for `within` all
-    of the study's rows.
+    choices do not have: each group is a list of choices with its own baseline. So they are with `split_grids` where
+    every choice was run in all these ways. What varies is looked for `within` all of the study's rows.
     """
     cells = [row.cell for row in within]
     dimensions = varying_dimensions(cells, question, swept)
-    split: tuple[str, ...] = ()
-    if max(Counter(place(row) for row in rows).values()) > MOST_TOGETHER:
-        split = tuple(name for name in dimensions if all(dimension(cell, name) is not None for cell in cells))
+    split = tuple(name for name in dimensions if all(dimension(cell, name) is not None for cell in cells))
+    too_many = max(Counter(place(row) for row in rows).values()) > MOST_TOGETHER
+    if not too_many and not (split_grids and _is_grid(cells, question, split)):
+        split = ()
     told = [name for name in dimensions if name not in split]
     labels = {row.cell.name: label_of(row.cell, question, told) for row in rows}
     order = dict.fromkeys([labels[row.cell.name] for row in rows if row.is_baseline] + list(labels.values()))
     return Parts(split, labels, tuple(order))
+
+
+def _is_grid(cells: Sequence[Cell], question: Question | None, split: Sequence[str]) -> bool:
+    """Whether each choice was run with all the values of `split` that any was run with."""
+    if question is None:
+        return False
+    ways: dict[str | None, set[tuple]] = {}
+    for cell in cells:
+        values = tuple(dimension(cell, name) for name in split)
+        ways.setdefault(dimension(cell, question.axis), set()).add(values)
+    return len(ways) > 1 and len({frozenset(values) for values in ways.values()}) == 1
 
 
 def in_file_order(keys: Iterable[tuple]) -> list[tuple]:

@@ -28,6 +28,8 @@ from analysis.studies import Note, Parts, Row
 _LOG_FROM = 5.0
 _RATIO_HEIGHT, _LOG_RATIO_HEIGHT = 1.35, 2.0  # inches
 _RATIO_TICKS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.3, 1.5, 2, 3, 4, 5, 7, 10)
+# The ticks of a logarithmic axis, by how many times the lowest value the highest is at most; beyond, powers of ten.
+_LOG_STEPS = ((3, (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8)), (6, (1, 2, 3, 5, 7)), (20, (1, 2, 3, 5)), (200, (1, 2, 5)))
 _LEGEND_WIDTH, _WIDEST_LEGEND = 1.9, 2.6  # inches, before a line's name is wrapped; for one long word
 
 
@@ -302,7 +304,7 @@ def _log_y(axes: Axes, values: list[float]) -> None:
     axes.set_yscale("log")
     low, high = min(values), max(values)
     axes.set_ylim(low / 1.25, high * 1.25)
-    steps = (1, 2, 3, 5, 7) if high / low < 6 else (1, 2, 5) if high / low < 200 else (1,)
+    steps = next((steps for most, steps in _LOG_STEPS if high / low < most), (1,))
     axes.yaxis.set_major_locator(LogLocator(subs=steps))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.yaxis.set_minor_locator(NullLocator())

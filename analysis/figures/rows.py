@@ -69,7 +69,9 @@ def collect(result: Result, study: Study, default_title: str) -> Data:
     drawn = [row for row in measured if row.estimate is not None]
     if not drawn:
         raise NotDrawable("no cell has times: " + ("; ".join(note.full for note in notes) or "no samples"))
-    parts = parts_of(measured, question, swept_by(study), lambda row: (row.cell.scene, row.cell.depth), measured)
+    parts = parts_of(
+        measured, question, swept_by(study), lambda row: (row.cell.scene, row.cell.depth), measured, split_grids=True
+    )
 
     def key(row: Row) -> tuple:
         return (row.cell.scene, row.cell.depth, *parts.values(row.cell))
@@ -174,9 +176,10 @@ def draw(data: Data) -> Figure:
         page.text(style.MARGIN, head_y, group.title, **heading)
         page.text(time_x, head_y, headings[0], **heading)
         page.text(ratio_x, head_y, headings[1], **heading)
-        baseline = next((item.time for item in group.items if item.is_baseline and item.time is not None), None)
-        if baseline is not None:
-            axes.axvline(baseline.value, color="#888888", linewidth=0.8, linestyle=(0, (4, 2)), zorder=1)
+        baselines = [item.time.value for item in group.items if item.is_baseline and item.time is not None]
+        # One line among several baselines would be none of most rows'.
+        if len(baselines) == 1:
+            axes.axvline(baselines[0], color="#888888", linewidth=0.8, linestyle=(0, (4, 2)), zorder=1)
         axes.set_ylim(-0.5, count - 0.5)
         axes.yaxis.set_major_locator(NullLocator())
         axes.spines["left"].set_visible(not log)

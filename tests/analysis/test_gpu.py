@@ -360,12 +360,36 @@ def test_many_rows_are_split_into_groups_with_a_baseline_each(tmp_path):
     check_legible(figure, "compaction")
 
 
-def test_few_rows_stay_together(tmp_path):
+def baseline_lines(figure) -> list[int]:
+    """How many dashed lines each group has: those that run from its first row to its last."""
+    return [
+        sum(list(line.get_ydata()) == [0, 1] and line.is_dashed() for line in axes.get_lines()) for axes in figure.axes
+    ]
+
+
+def test_few_rows_of_a_grid_are_split_too(tmp_path):
     data, figure = drawn(wide(2), tmp_path)
+    titles = [f"cornell_open, depth 8, layout={layout}" for layout in ("aos", "soa", "packed")]
+    assert [group.title for group in data.groups] == titles
+    assert [[item.label for item in group.items] for group in data.groups] == [
+        ["none", "choice_1_of_the_compactions"]
+    ] * 3
+    assert baseline_lines(figure) == [1, 1, 1]
+    check_legible(figure, "compaction")
+
+
+def test_few_rows_that_are_no_grid_stay_together(tmp_path):
+    builder = wide(2)
+    lacking = next(cell for cell in builder.cells if "choice_1" in cell["variant"] and cell["axes"]["layout"] == "soa")
+    builder.cells.remove(lacking)
+    builder.rows = [row for row in builder.rows if not row["name"].startswith(lacking["cell"])]
+    data, figure = drawn(builder, tmp_path)
     assert [group.title for group in data.groups] == ["cornell_open, depth 8"]
     assert [item.label for item in data.groups[0].items][:3] == [
         "none, layout=soa", "none, layout=packed", "none, layout=aos",
     ]  # fmt: skip
+    # Which of the three would it be?
+    assert baseline_lines(figure) == [0]
     check_legible(figure, "compaction")
 
 

@@ -8,6 +8,7 @@ from itertools import pairwise
 import pytest
 from builder import Builder, crossing
 from legibility import check_legible, texts_of
+from matplotlib.figure import Figure
 
 from analysis.crossover import crossover_of
 from analysis.errors import NotDrawable
@@ -403,3 +404,25 @@ def test_ratio_ticks_stand_apart_and_1_is_among_them(low, high):
     assert all(low <= tick <= high for tick in ticks)
     apart = [math.log(b / a) for a, b in pairwise(ticks)]
     assert all(gap >= 0.1 * math.log(high / low) for gap in apart)
+
+
+@pytest.mark.parametrize(("low", "high", "ticks"), [(2.54, 5.92, [2.5, 3, 4, 5, 6]), (0.4, 4.1, [0.5, 1, 2, 3, 5])])
+def test_a_logarithmic_axis_has_enough_ticks(low, high, ticks):
+    axes = Figure().add_subplot()
+    lines._log_y(axes, [low, high])
+    bottom, top = axes.get_ylim()
+    assert [tick for tick in axes.get_yticks() if bottom <= tick <= top] == pytest.approx(ticks)
+
+
+def test_launches_are_lines_by_their_names(tmp_path):
+    builder = Builder().on_gpu().study(DEPTH)
+    for depth in (2, 8, 64, 256):
+        for launch, time in (("stream", 0.01 * depth), ("graph", 0.0098 * depth), ("graph_while", 0.2 + 0.001 * depth)):
+            axes = {"integrator": "wavefront_fused", "compaction": "block_scan_append", "launch": launch}
+            builder.cell(DEPTH, depth=depth, ms_per_spp=time, axes=axes, noise=0.001)
+    data, page = drawn(builder, tmp_path, DEPTH)
+    assert data.order == ("stream", "graph", "graph_while")
+    assert data.baseline == "launch=stream"
+    assert "cornell_open: graph from depth 2, the first measured; graph_while from depth 64." in data.caption
+    assert "integrator=wavefront_fused, compaction=block_scan_append" in data.caption
+    check_legible(page, DEPTH)
