@@ -92,8 +92,8 @@ foreach(header ${headers})
   add_cuda_registration(layout ${name}
 "#define PATHS(Real) layout::${name}::DevicePaths<Real>
 const Registration registration(layout::${name}::cuda_descriptor, {.cuda = {.layout = {
-    .bytes = [](std::uint32_t capacity, std::size_t real_bytes) {
-        return real_bytes == 4 ? PATHS(float)::bytes(capacity) : PATHS(double)::bytes(capacity); },
+    .bytes = [](std::uint32_t capacity, std::size_t real_bytes, const cuda::PathFields& fields) {
+        return real_bytes == 4 ? PATHS(float)::bytes(capacity, fields) : PATHS(double)::bytes(capacity, fields); },
     .segment = [](const cuda::PathStore& store, std::size_t real_bytes) {
         return real_bytes == 4 ? PATHS(float)(store).segment() : PATHS(double)(store).segment(); },
     .departed = [](const cuda::PathStore& store, std::size_t real_bytes) {

@@ -1,7 +1,9 @@
 file(GLOB_RECURSE harness_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/harness/*.cpp)
 list(FILTER harness_sources EXCLUDE REGEX "/harness/(main\\.cpp$|cuda/)")
 if(PTBENCH_CUDA)
-  list(APPEND harness_sources ${PROJECT_SOURCE_DIR}/harness/cuda/backend.cpp ${PROJECT_SOURCE_DIR}/harness/cuda/cell.cpp)
+  list(APPEND harness_sources ${PROJECT_SOURCE_DIR}/harness/cuda/backend.cpp ${PROJECT_SOURCE_DIR}/harness/cuda/cell.cpp
+       ${PROJECT_SOURCE_DIR}/harness/cuda/inspect.cpp ${PROJECT_SOURCE_DIR}/harness/cuda/sass.cpp
+       ${PROJECT_SOURCE_DIR}/harness/cuda/profile.cpp)
 else()
   list(APPEND harness_sources ${PROJECT_SOURCE_DIR}/harness/cuda/without_cuda.cpp)
 endif()

@@ -25,7 +25,7 @@ file(CONFIGURE OUTPUT ${generated}/layouts.cpp CONTENT
 "#include \"variants/registry.h\"\nnamespace pt { namespace {\n${layout_registrations}} }\n")
 
 # One translation unit an integrator and feature set; the generic kernel has them all.
-set(feature_sets "all_features")
+set(feature_sets "all_features" "all_features | Feature::matrix")
 file(STRINGS ${feature_set_file} lines)
 foreach(line ${lines})
   string(STRIP "${line}" line)

@@ -3,6 +3,7 @@
 // factor 1 + 2 gamma(3), 4 % of the rays through an edge miss (shared/numerics S21).
 #pragma once
 
+#include "kernels/in_range.h"
 #include "kernels/sphere.h"
 
 #include <limits>
@@ -36,18 +37,23 @@ PT_HD inline Interval<Real> slab_interval(const Vec3<Real>& low, const Vec3<Real
     const Real far_y = ((inverse.y < Real(0) ? low.y : high.y) - origin.y) * inverse.y;
     const Real far_z = ((inverse.z < Real(0) ? low.z : high.z) - origin.z) * inverse.z;
     Real near = -std::numeric_limits<Real>::infinity();
-    near = near_x > near ? near_x : near;
-    near = near_y > near ? near_y : near;
-    near = near_z > near ? near_z : near;
+    near = keep_larger(near, near_x);
+    near = keep_larger(near, near_y);
+    near = keep_larger(near, near_z);
     Real far = std::numeric_limits<Real>::infinity();
-    far = far_x < far ? far_x : far;
-    far = far_y < far ? far_y : far;
-    far = far_z < far ? far_z : far;
+    far = keep_smaller(far, far_x);
+    far = keep_smaller(far, far_y);
+    far = keep_smaller(far, far_z);
     return {near, far, near <= far * (Real(1) + Real(2) * gamma<Real>(3))};
 }
 
+// Of a vector no longer than 1, but for rounding; infinite where an entry is 0.
 template <class Real>
 PT_HD inline Vec3<Real> reciprocal(const Vec3<Real>& v) {
+    const Real least = keep_smaller(keep_smaller(absolute(v.x), absolute(v.y)), absolute(v.z));
+    if (least >= Real(0x1p-100)) {
+        return {reciprocal_in_range(v.x), reciprocal_in_range(v.y), reciprocal_in_range(v.z)};
+    }
     return {Real(1) / v.x, Real(1) / v.y, Real(1) / v.z};
 }
 
@@ -60,7 +66,7 @@ PT_HD inline Interval<Real> interval(const OrientedBox<Real>& box, const Vec3<Re
 // The way out for a ray that starts on a face and runs inside: that face's own plane lies at t = 0 on the near side.
 template <class Real>
 PT_HD inline Real chord(const OrientedBox<Real>& box, const Vec3<Real>& origin, const Vec3<Real>& direction) {
-    return max(Real(0), interval(box, origin, direction).far);
+    return max(interval(box, origin, direction).far, Real(0));
 }
 
 // The face through which the ray enters (or leaves, if `inside`) the box [low, high], as an axis. The same products as

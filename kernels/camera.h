@@ -21,19 +21,39 @@ struct Camera {
     std::uint32_t initial_medium;       // material that absorbs where the eye is, or Path::no_medium
 };
 
+// The unit vector along a camera ray. Through a pinhole that is no shorter than the camera's forward vector; a lens
+// makes it as long as the distance to the focus, whatever the scene's scale.
+template <class Config>
+PT_HD inline Vec3<typename Config::Real> unit_ray(const Vec3<typename Config::Real>& direction) {
+    if constexpr (has<Config>(Feature::lens)) {
+        return normalize(direction);
+    } else {
+        return direction * reciprocal_in_range(square_root_in_range(dot(direction, direction)));
+    }
+}
+
+// A pixel's number and where that is.
+struct PixelPlace {
+    std::uint32_t index, x, y;  // row-major
+
+    PT_HD static PixelPlace of(std::uint32_t index, std::uint32_t width) {
+        return {index, index % width, index / width};
+    }
+};
+
 // The start of a path: segment 0, on no surface. Its numbers are those of the sample `camera_sample`, which is the
 // path's own unless camera rays are shared between samples (a first-bounce cache).
 template <class Config>
 PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Config::Real>& camera,
-                                                     const RandomSeed& seed, std::uint32_t pixel, std::uint32_t sample,
-                                                     std::uint32_t camera_sample) {
+                                                     const RandomSeed& seed, const PixelPlace& place,
+                                                     std::uint32_t sample, std::uint32_t camera_sample) {
     using Real = typename Config::Real;
     Path<Real> path;
     path.origin = {Real(0), Real(0), Real(0)};
     path.throughput = {Real(1), Real(1), Real(1)};
     path.radiance = {Real(0), Real(0), Real(0)};
     path.time = camera.shutter_open;
-    path.pixel = pixel;
+    path.pixel = place.index;
     path.sample = sample;
     path.segment = 0;
     path.departed = ObjectSide{};
@@ -41,7 +61,7 @@ PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Confi
 
     RandomWords words{0, 0, 0, 0};
     if constexpr (has<Config>(Feature::jitter) || has<Config>(Feature::lens)) {
-        words = random_words(seed, {pixel, camera_sample, 0, random_block::camera_position});
+        words = random_words(seed, {place.index, camera_sample, 0, random_block::camera_position});
     }
     Real in_pixel_x = Real(0.5);
     Real in_pixel_y = Real(0.5);
@@ -52,9 +72,8 @@ PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Confi
         }
     }
     // x - width/2 is exact, so a sample cannot round into the neighbouring pixel (shared/numerics S45).
-    const Real x = (static_cast<Real>(pixel % camera.width) - Real(0.5) * static_cast<Real>(camera.width)) + in_pixel_x;
-    const Real y =
-        (static_cast<Real>(pixel / camera.width) - Real(0.5) * static_cast<Real>(camera.height)) + in_pixel_y;
+    const Real x = (static_cast<Real>(place.x) - Real(0.5) * static_cast<Real>(camera.width)) + in_pixel_x;
+    const Real y = (static_cast<Real>(place.y) - Real(0.5) * static_cast<Real>(camera.height)) + in_pixel_y;
     Vec3<Real> direction =
         camera.right * (x * camera.pixel_size) - camera.up * (y * camera.pixel_size) + camera.forward;
     if constexpr (has<Config>(Feature::lens)) {
@@ -65,9 +84,9 @@ PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Confi
             direction = direction * camera.focus_distance - on_lens;
         }
     }
-    path.direction = normalize(direction);
+    path.direction = unit_ray<Config>(direction);
     if constexpr (has<Config>(Feature::motion)) {
-        const RandomWords time_words = random_words(seed, {pixel, camera_sample, 0, random_block::camera_time});
+        const RandomWords time_words = random_words(seed, {place.index, camera_sample, 0, random_block::camera_time});
         const Real u = unit_interval<Real>(time_words.x);
         path.time = camera.shutter_open + camera.shutter_length * (camera.shutter_late != 0 ? square_root(u) : u);
     }

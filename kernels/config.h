@@ -38,12 +38,17 @@ enum class Feature : std::uint32_t {
     lens = 1u << 17,
     // What the variant asks for rather than the scene.
     final_bounce = 1u << 18,
+    // Shortcuts: a scene that has them needs them not, and a kernel that has them leaves the same film.
+    room = 1u << 19,
+    // Another formula for every object: its 4x4 matrix (kernels/transform.h). Changes roundings, and so the film.
+    matrix = 1u << 20,
 };
 
 using FeatureSet = std::uint32_t;
 
 inline constexpr FeatureSet no_features = 0;
 inline constexpr FeatureSet all_features = (1u << 19) - 1u;
+inline constexpr FeatureSet shortcuts = static_cast<FeatureSet>(Feature::room);
 
 PT_HD constexpr FeatureSet operator|(Feature a, Feature b) {
     return static_cast<FeatureSet>(a) | static_cast<FeatureSet>(b);

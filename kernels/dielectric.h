@@ -55,14 +55,14 @@ PT_HD inline void scatter_dielectric(Path<typename Config::Real>& path, const Ve
                                      const Material<typename Config::Real>& material, typename Config::Real u) {
     using Real = typename Config::Real;
     const Boundary<Real>& boundary = vertex.inside ? material.leaving : material.entering;
-    const Real cosine = cosine_of_incidence(path.direction, vertex.normal);
+    const Real cosine = cosine_of_incidence(path.direction, vertex.normal());
     const Refraction<Real> refraction = fresnel(boundary, cosine);
     if (u < refraction.reflectance) {
-        leave_on_same_side(path, vertex, reflect(path.direction, vertex.normal));
+        leave_on_same_side(path, vertex, reflect(path.direction, vertex.normal()));
         return;
     }
     path.throughput *= material.tint;
-    leave_on_other_side(path, vertex, refract(boundary, path.direction, vertex.normal, cosine, refraction.q));
+    leave_on_other_side(path, vertex, refract(boundary, path.direction, vertex.normal(), cosine, refraction.q));
     if constexpr (has<Config>(Feature::absorption)) {
         path.medium = vertex.inside || material.absorbs == 0 ? Path<Real>::no_medium : vertex.material;
     }

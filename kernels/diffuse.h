@@ -10,10 +10,14 @@ namespace pt {
 template <class Real>
 struct Vertex {
     Vec3<Real> position;
-    Vec3<Real> normal;  // unit, on the incoming ray's side
+    Vec3<Real> surface_normal;  // unit, on the incoming ray's side; not set where the hit has a face
     std::uint32_t object;
     bool inside;  // the incoming ray ran inside the object
     std::uint32_t material;
+    ObjectSide hit;  // with the face, where it is known
+
+    // Unit, on the incoming ray's side: a face is met from outside.
+    PT_HD Vec3<Real> normal() const { return hit.has_face() ? face_normal<Real>(hit) : surface_normal; }
 };
 
 // Sends the path away from the vertex on the side that it came from.
@@ -32,12 +36,34 @@ PT_HD inline void leave_on_other_side(Path<Real>& path, const Vertex<Real>& vert
     path.departed = ObjectSide::of(vertex.object, !vertex.inside);
 }
 
+// Frame::to_world for a normal along an axis: the frame's entries are 0, 1 and -1, so coordinates only change places
+// and signs. Where one is 0, the frame's sums decide about the sign of a zero: then only the frame has its bits.
 template <class Real>
-PT_HD inline void scatter_diffuse(Path<Real>& path, const Vertex<Real>& vertex, const Vec3<Real>& albedo, Real u,
-                                  Real v) {
+PT_HD inline bool axis_to_world(const ObjectSide& face, const Vec3<Real>& local, Vec3<Real>& world) {
+    const Real sign = face.face_looks_up() ? Real(1) : Real(-1);
+    const std::uint32_t axis = face.face_axis();
+    const Real along = sign * local.z;
+    world = {axis == 0 ? along : local.x,
+             axis == 1   ? along
+             : axis == 2 ? sign * local.y
+                         : local.y,
+             axis == 2 ? along : -sign * (axis == 0 ? local.x : local.y)};
+    return local.x * local.y * local.z != Real(0);
+}
+
+template <class Config>
+PT_HD inline void scatter_diffuse(Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
+                                  const Vec3<typename Config::Real>& albedo, typename Config::Real u,
+                                  typename Config::Real v) {
+    using Real = typename Config::Real;
     path.throughput *= albedo;
-    const Vec3<Real> direction = Frame<Real>(vertex.normal).to_world(cosine_hemisphere(u, v));
-    leave_on_same_side(path, vertex, normalize(direction));
+    const Vec3<Real> local = cosine_hemisphere(u, v);
+    Vec3<Real> direction;
+    if (!has<Config>(Feature::room) || !vertex.hit.has_face() || !axis_to_world(vertex.hit, local, direction)) {
+        direction = Frame<Real>(vertex.normal()).to_world(local);
+    }
+    // A unit vector but for the rounding of three sums: not worth another nine operations.
+    leave_on_same_side(path, vertex, direction);
 }
 
 }  // namespace pt

@@ -25,22 +25,52 @@ PT_HD inline void atomic_add(T* address, T value) {
 #endif
 }
 
+// Samples of a pixel in quanta: what they add to its sums.
+struct FilmSum {
+    std::int64_t x = 0, y = 0, z = 0;
+
+    PT_HD FilmSum& operator+=(const FilmSum& other) {
+        x += other.x;
+        y += other.y;
+        z += other.z;
+        return *this;
+    }
+};
+
 struct FilmView {
     std::int64_t* sums = nullptr;  // pixel-major, 3 channels
     FilmFaults* faults = nullptr;
     double scale = 1.0;  // quanta a unit of radiance, a power of two
     double limit = 0.0;  // largest quanta of one sample such that `samples` of them cannot overflow
+    // The same in single precision, in which a product with a power of two is exact as well. A negative limit: not to
+    // be used.
+    float single_scale = 1.0f;
+    float single_limit = -1.0f;  // the largest number not above `limit`
 
-    template <class Real>
-    PT_HD void add(std::uint32_t pixel, const Vec3<Real>& radiance) const {
-        const double x = static_cast<double>(radiance.x) * scale;
-        const double y = static_cast<double>(radiance.y) * scale;
-        const double z = static_cast<double>(radiance.z) * scale;
+    // One sample in quanta. Faults are counted; what is not finite is left out.
+    PT_HD FilmSum quanta(const Vec3<float>& radiance) const {
+        using std::llrint;
+        const float x = radiance.x * single_scale;
+        const float y = radiance.y * single_scale;
+        const float z = radiance.z * single_scale;
+        // False for a NaN.
+        const bool plain =
+            x >= 0.0f && y >= 0.0f && z >= 0.0f && x <= single_limit && y <= single_limit && z <= single_limit;
+        if (plain) {
+            return {static_cast<std::int64_t>(llrint(x)), static_cast<std::int64_t>(llrint(y)),
+                    static_cast<std::int64_t>(llrint(z))};
+        }
+        return quanta(Vec3<double>(radiance));
+    }
+    PT_HD FilmSum quanta(const Vec3<double>& radiance) const {
+        const double x = radiance.x * scale;
+        const double y = radiance.y * scale;
+        const double z = radiance.z * scale;
         const double largest = max(absolute(x), max(absolute(y), absolute(z)));
         const double sum = x + y + z;
         if (!(absolute(sum) <= 1.7e308)) {
             atomic_add(&faults->nonfinite, std::uint64_t{1});
-            return;
+            return {};
         }
         if (x < 0 || y < 0 || z < 0) {
             atomic_add(&faults->negative, std::uint64_t{1});
@@ -48,14 +78,26 @@ struct FilmView {
         if (largest > limit) {
             atomic_add(&faults->saturated, std::uint64_t{1});
         }
-        atomic_add(&sums[3 * static_cast<std::size_t>(pixel) + 0], quantise(x));
-        atomic_add(&sums[3 * static_cast<std::size_t>(pixel) + 1], quantise(y));
-        atomic_add(&sums[3 * static_cast<std::size_t>(pixel) + 2], quantise(z));
+        return {quantise(x), quantise(y), quantise(z)};
     }
 
-    PT_HD std::int64_t quantise(double quanta) const {
+    PT_HD void add(std::uint32_t pixel, const FilmSum& sum) const {
+        std::int64_t* const target = sums + 3 * static_cast<std::size_t>(pixel);
+        if ((sum.x | sum.y | sum.z) != 0) {
+            atomic_add(&target[0], sum.x);
+            atomic_add(&target[1], sum.y);
+            atomic_add(&target[2], sum.z);
+        }
+    }
+    template <class Real>
+    PT_HD void add(std::uint32_t pixel, const Vec3<Real>& radiance) const {
+        add(pixel, quanta(radiance));
+    }
+
+private:
+    PT_HD std::int64_t quantise(double value) const {
         using std::llrint;
-        return static_cast<std::int64_t>(llrint(clamp(quanta, -limit, limit)));
+        return static_cast<std::int64_t>(llrint(clamp(value, -limit, limit)));
     }
 };
 

@@ -52,10 +52,10 @@ PT_HD inline void keep_nearer(Hit<Real>& best, const Interval<Real>& crossing, s
     }
 }
 
-// The same for the body that the ray starts on.
+// The same for the other end of the chord through the body that the ray starts on and runs inside.
 template <class Real>
-PT_HD inline void keep_nearer_chord(Hit<Real>& best, Real chord, const ObjectSide& departed) {
-    if (departed.inside() && chord < best.t) {
+PT_HD inline void keep_nearer(Hit<Real>& best, Real chord, const ObjectSide& departed) {
+    if (chord < best.t) {
         best.t = chord;
         best.side = departed;
     }
@@ -67,10 +67,40 @@ PT_HD inline void closest_in(Hit<typename Config::Real>& best, const SceneView<t
     for (std::uint32_t i = 0; i < bodies.size; ++i) {
         const std::uint32_t object = first + i;
         const auto origin = at_rest<Config>(scene, object, ray.origin, ray.time);
-        if (ray.departed.exists() && ray.departed.object() == object) {
-            keep_nearer_chord(best, chord(bodies[i], origin, ray.direction), ray.departed);
-        } else {
+        const bool starts_here = ray.departed.exists() && ray.departed.object() == object;
+        if (!starts_here) {
             keep_nearer(best, interval(bodies[i], origin, ray.direction), object);
+        } else if (ray.departed.inside()) {
+            keep_nearer(best, chord(bodies[i], origin, ray.direction), ray.departed);
+        }
+    }
+}
+
+template <class Config>
+PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const SceneView<typename Config::Real>& scene,
+                                   const Ray<typename Config::Real>& ray, const Vec3<typename Config::Real>& inverse,
+                                   bool without_walls) {
+    using Real = typename Config::Real;
+    const std::uint32_t first = scene.first_axis_box();
+    for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
+        if constexpr (has<Config>(Feature::room)) {
+            if (without_walls && scene.room.is_wall(i)) {
+                continue;
+            }
+        }
+        const std::uint32_t object = first + i;
+        const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
+        // A copy: of a reference nvcc 13.0 makes one load a plane, at an address that depends on the lane.
+        const AxisBox<Real> box = scene.axis_boxes[i];
+        const Interval<Real> crossing = slab_interval(box.low, box.high, origin, inverse);
+        bool starts_here = ray.departed.exists() && ray.departed.object() == object;
+        if constexpr (has<Config>(Feature::room)) {
+            starts_here = starts_here && !scene.room.is_lamp(i);  // known to the compiler where it knows the room
+        }
+        if (!starts_here) {
+            keep_nearer(best, crossing, object);
+        } else if (ray.departed.inside()) {
+            keep_nearer(best, max(crossing.far, Real(0)), ray.departed);
         }
     }
 }
@@ -80,18 +110,29 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
                                    const Ray<typename Config::Real>& ray) {
     using Real = typename Config::Real;
     const Vec3<Real> inverse = reciprocal(ray.direction);
-    const std::uint32_t first = scene.first_axis_box();
-    for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
-        const std::uint32_t object = first + i;
-        const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
-        const AxisBox<Real>& box = scene.axis_boxes[i];
-        const Interval<Real> crossing = slab_interval(box.low, box.high, origin, inverse);
-        if (ray.departed.exists() && ray.departed.object() == object) {
-            keep_nearer_chord(best, max(Real(0), crossing.far), ray.departed);
-        } else {
-            keep_nearer(best, crossing, object);
+    if constexpr (has<Config>(Feature::room)) {
+        const RoomExit<Real> exit = leave_room(scene.room, ray.origin, inverse);
+        // A ray inside a wall is none of the room's, not even on its face.
+        bool in_wall = ray.departed.exists() && ray.departed.inside();
+        if constexpr (has<Config>(Feature::dielectric) || has<Config>(Feature::subsurface)) {
+            in_wall = in_wall && scene.room.is_wall(ray.departed.object() - scene.first_axis_box());
+        }
+        if (exit.known && !in_wall) {
+            closest_axis_box<Config>(best, scene, ray, inverse, true);
+            if (exit.side.exists() && exit.t <= best.t) {
+                const bool wins = exit.t < best.t || exit.side.object() < best.side.object();
+                best.side = wins ? exit.side : best.side;
+                best.t = exit.t;
+            }
+            return;
+        }
+        // Past all of them: rounding is monotonic, so no box is met where the box round them all is not.
+        const Interval<Real> reach = slab_interval(scene.room.reach_low, scene.room.reach_high, ray.origin, inverse);
+        if (!in_wall && (!reach.hits || reach.far < Real(0))) {
+            return;
         }
     }
+    closest_axis_box<Config>(best, scene, ray, inverse, false);
 }
 
 template <class Config>
@@ -112,12 +153,42 @@ PT_HD inline void closest_quad(Hit<typename Config::Real>& best, const SceneView
     }
 }
 
+// Every object in turn by its matrix.
+template <class Config>
+PT_HD inline void closest_transformed(Hit<typename Config::Real>& best, const SceneView<typename Config::Real>& scene,
+                                      const Ray<typename Config::Real>& ray) {
+    using Real = typename Config::Real;
+    for (std::uint32_t object = 0; object < scene.transforms.size; ++object) {
+        const Transform<Real>& transform = scene.transforms[object];
+        const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
+        const bool starts_here = ray.departed.exists() && ray.departed.object() == object;
+        if (starts_here && (transform.shape == UnitShape::quad || !ray.departed.inside())) {
+            continue;
+        }
+        if (starts_here) {
+            keep_nearer(best, chord(transform, origin, ray.direction), ray.departed);
+            continue;
+        }
+        const Interval<Real> crossing = interval(transform, origin, ray.direction);
+        if (transform.shape != UnitShape::quad) {
+            keep_nearer(best, crossing, object);
+        } else if (crossing.hits && crossing.near > Real(0) && crossing.near < best.t) {
+            best.t = crossing.near;
+            best.side = ObjectSide::of(object, dot(ray.direction, transform.row[1]) > Real(0));
+        }
+    }
+}
+
 template <class Config>
 PT_HD inline Hit<typename Config::Real> closest_hit(const SceneView<typename Config::Real>& scene,
                                                     const Ray<typename Config::Real>& ray) {
     using Real = typename Config::Real;
     Hit<Real> best;
     best.t = std::numeric_limits<Real>::infinity();
+    if constexpr (has<Config>(Feature::matrix)) {
+        closest_transformed<Config>(best, scene, ray);
+        return best;
+    }
     if constexpr (has<Config>(Feature::sphere)) {
         closest_in<Config>(best, scene, scene.spheres, 0, ray);
     }
@@ -136,16 +207,28 @@ PT_HD inline Hit<typename Config::Real> closest_hit(const SceneView<typename Con
     return best;
 }
 
-// Position on the surface (pulled back onto it) and the object's outward unit normal.
-template <class Config>
+// Position on the surface (pulled back onto it) and the object's outward unit normal. Without `normal_of_face` the
+// normal is not set where the hit has a face, which tells it already.
+template <class Config, bool normal_of_face = true>
 PT_HD inline SurfacePoint<typename Config::Real> surface_at(const SceneView<typename Config::Real>& scene,
                                                             const Ray<typename Config::Real>& ray,
                                                             const Hit<typename Config::Real>& hit) {
     using Real = typename Config::Real;
+    SurfacePoint<Real> point{{Real(0), Real(0), Real(0)}, {Real(0), Real(1), Real(0)}};
+    if constexpr (has<Config>(Feature::room)) {
+        if (hit.side.has_face() &&
+            point_on_side(scene.room, hit.side, ray.origin + ray.direction * hit.t, point.position)) {
+            if constexpr (normal_of_face) {
+                point.normal = face_normal<Real>(hit.side);
+            }
+            return point;
+        }
+    }
     const std::uint32_t object = hit.side.object();
     const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
-    SurfacePoint<Real> point{{Real(0), Real(0), Real(0)}, {Real(0), Real(1), Real(0)}};
-    if (has<Config>(Feature::sphere) && object < scene.first_ellipsoid()) {
+    if constexpr (has<Config>(Feature::matrix)) {
+        point = surface_point(scene.transforms[object], origin, ray.direction, hit.t, hit.side.inside());
+    } else if (has<Config>(Feature::sphere) && object < scene.first_ellipsoid()) {
         point = surface_point(scene.spheres[object], origin, ray.direction, hit.t);
     } else if (has<Config>(Feature::ellipsoid) && object < scene.first_axis_box()) {
         point = surface_point(scene.ellipsoids[object - scene.first_ellipsoid()], origin, ray.direction, hit.t);

@@ -119,8 +119,8 @@ PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene
     const RandomWords words = random_words(scene.seed, {path.pixel, path.sample, path.segment, random_block::light});
     const std::uint32_t choice = static_cast<std::uint32_t>((static_cast<std::uint64_t>(words.x) * choices) >> 32);
     if (choice == scene.lights.size) {
-        scatter_diffuse(path, vertex, albedo, unit_interval<Real>(direction_words.y),
-                        unit_interval<Real>(direction_words.z));
+        scatter_diffuse<Config>(path, vertex, albedo, unit_interval<Real>(direction_words.y),
+                                unit_interval<Real>(direction_words.z));
         if (!closest_hit<Config>(scene, ray_of(path)).side.exists()) {
             path.radiance += path.throughput * scene.environment * static_cast<Real>(choices);
         }
@@ -135,7 +135,7 @@ PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene
         return 0;
     }
     const Vec3<Real> direction = to_light * (Real(1) / square_root(distance_squared));
-    const Real cosine = dot(direction, vertex.normal);
+    const Real cosine = dot(direction, vertex.normal());
     const Real light_cosine = dot(direction, light.normal);
     if (!(cosine > Real(0)) || light_cosine == Real(0)) {
         return 0;

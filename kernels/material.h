@@ -38,4 +38,11 @@ struct Material {
     std::uint32_t max_scatterings;     // cap of one walk
 };
 
+// What most hits need of an object's material, in one 16-byte read.
+template <class Real>
+struct alignas(4 * sizeof(Real)) Surface {
+    Vec3<Real> colour;  // albedo of a diffuse, reflectance of a mirror, radiance of an emitter material
+    MaterialType type;
+};
+
 }  // namespace pt

@@ -7,15 +7,24 @@ namespace pt {
 
 // An object and a side of its surface in one word. In a Hit: `inside` says that the ray ran through the object's
 // interior before it met the surface. In Path::departed: `inside` says that the ray leaves into the interior.
+// A Hit may also name the face of an axis box that was met from outside.
 struct ObjectSide {
     static constexpr std::uint32_t nowhere = 0xffffffffu;
-    std::uint32_t code = nowhere;
+    static constexpr std::uint32_t most_objects = 1u << 27;
+    std::uint32_t code = nowhere;  // bit 0: inside; bits 1 to 27: object; bit 28: face looks up; bits 29, 30: axis + 1
 
     PT_HD static constexpr ObjectSide of(std::uint32_t object, bool inside) {
         return {(object << 1) | (inside ? 1u : 0u)};
     }
+    // The face whose outward normal is the axis `axis` (0 to 2), or, unless it looks up, its opposite.
+    PT_HD static constexpr ObjectSide of_face(std::uint32_t object, std::uint32_t axis, bool looks_up) {
+        return {((axis + 1) << 29) | ((looks_up ? 1u : 0u) << 28) | (object << 1)};
+    }
     PT_HD constexpr bool exists() const { return code != nowhere; }
-    PT_HD constexpr std::uint32_t object() const { return code >> 1; }
+    PT_HD constexpr std::uint32_t object() const { return (code >> 1) & (most_objects - 1); }
+    PT_HD constexpr bool has_face() const { return (code >> 29) != 0; }
+    PT_HD constexpr std::uint32_t face_axis() const { return (code >> 29) - 1; }
+    PT_HD constexpr bool face_looks_up() const { return ((code >> 28) & 1u) != 0; }
     PT_HD constexpr bool inside() const { return (code & 1u) != 0; }
 };
 

@@ -1,7 +1,7 @@
 // Maps from uniform numbers to the distributions that the kernels draw from. Each is tested by chi-square.
 #pragma once
 
-#include "kernels/math.h"
+#include "kernels/in_range.h"
 
 namespace pt {
 
@@ -14,7 +14,8 @@ PT_HD inline Vec2<Real> concentric_disc(Real u, Real v) {
     const bool x_is_radius = absolute(x) > absolute(y);
     const Real radius = x_is_radius ? x : y;
     const Real other = x_is_radius ? y : x;
-    const Real ratio = radius == Real(0) ? Real(0) : other / radius;
+    // Both are whole multiples of 2^-23 (in double 2^-31) and at most 1.
+    const Real ratio = radius == Real(0) ? Real(0) : divide_in_range(other, radius);
     const SinCos<Real> angle = sin_cos_octant(ratio * (pi<Real> / Real(4)));
     return {radius * (x_is_radius ? angle.cosine : angle.sine), radius * (x_is_radius ? angle.sine : angle.cosine)};
 }
@@ -23,8 +24,9 @@ PT_HD inline Vec2<Real> concentric_disc(Real u, Real v) {
 template <class Real>
 PT_HD inline Vec3<Real> cosine_hemisphere(Real u, Real v) {
     const Vec2<Real> disc = concentric_disc(u, v);
-    const Real z = square_root(max(Real(0), Real(1) - disc.x * disc.x - disc.y * disc.y));
-    return {disc.x, disc.y, z};
+    const Real rest = Real(1) - disc.x * disc.x - disc.y * disc.y;
+    // A difference of numbers up to 1: if it is not 0, it is no less than their last bit.
+    return {disc.x, disc.y, rest > Real(0) ? square_root_in_range(rest) : Real(0)};
 }
 
 // Density 1 / (4 pi) on the unit sphere.

@@ -6,7 +6,9 @@
 #include "kernels/camera.h"
 #include "kernels/material.h"
 #include "kernels/quad.h"
+#include "kernels/room.h"
 #include "kernels/sphere.h"
+#include "kernels/transform.h"
 
 namespace pt {
 
@@ -22,12 +24,15 @@ struct SceneView {
     View<AxisBox<Real>> axis_boxes;
     View<OrientedBox<Real>> oriented_boxes;
     View<Quad<Real>> quads;
+    View<Transform<Real>> transforms;     // by object number; only for kernels with Feature::matrix
     View<std::uint32_t> object_material;  // by object number
+    View<Surface<Real>> surfaces;         // by object number
     View<Vec3<Real>> velocity;            // by object number, scene units a second
     View<Material<Real>> materials;
     View<Light> lights;
     Vec3<Real> environment;  // radiance of rays that leave the scene
     Camera<Real> camera;
+    Room<Real> room;  // that the axis boxes make
     RandomSeed seed;
     std::uint32_t depth;         // ray segments in a path, at least 1
     std::uint32_t final_bounce;  // 1: connect the last vertex to a light

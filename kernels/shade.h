@@ -21,9 +21,16 @@ struct PathCounters {
 };
 
 template <class Config>
+PT_HD inline Path<typename Config::Real> generate(const SceneView<typename Config::Real>& scene,
+                                                  const PixelPlace& place, std::uint32_t sample,
+                                                  std::uint32_t camera_sample) {
+    return camera_path<Config>(scene.camera, scene.seed, place, sample, camera_sample);
+}
+
+template <class Config>
 PT_HD inline Path<typename Config::Real> generate(const SceneView<typename Config::Real>& scene, std::uint32_t pixel,
                                                   std::uint32_t sample, std::uint32_t camera_sample) {
-    return camera_path<Config>(scene.camera, scene.seed, pixel, sample, camera_sample);
+    return generate<Config>(scene, PixelPlace::of(pixel, scene.camera.width), sample, camera_sample);
 }
 
 template <class Config>
@@ -58,25 +65,26 @@ PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene, P
             return false;
         }
     }
-    scatter_diffuse(path, vertex, albedo, unit_interval<Real>(words.y), unit_interval<Real>(words.z));
+    scatter_diffuse<Config>(path, vertex, albedo, unit_interval<Real>(words.y), unit_interval<Real>(words.z));
     return true;
 }
 
 // Picks the lobe and the next direction by the material's type. Returns whether the path goes on.
 template <class Config>
 PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
-                          const Vertex<typename Config::Real>& vertex, const Material<typename Config::Real>& material,
-                          bool last, PathCounters& counters) {
+                          const Vertex<typename Config::Real>& vertex, const Surface<typename Config::Real>& surface,
+                          bool last, PathCounters& counters, Walk& walk) {
     using Real = typename Config::Real;
     const RandomWords words = random_words(scene.seed, {path.pixel, path.sample, path.segment, random_block::scatter});
     const Real lobe = unit_interval<Real>(words.x);
-    if (has<Config>(Feature::diffuse) && material.type == MaterialType::diffuse) {
-        return shade_diffuse<Config>(scene, path, vertex, material.albedo, words, last, counters);
+    if (has<Config>(Feature::diffuse) && surface.type == MaterialType::diffuse) {
+        return shade_diffuse<Config>(scene, path, vertex, surface.colour, words, last, counters);
     }
-    if (has<Config>(Feature::mirror) && material.type == MaterialType::mirror) {
-        scatter_mirror(path, vertex, material.reflectance);
+    if (has<Config>(Feature::mirror) && surface.type == MaterialType::mirror) {
+        scatter_mirror(path, vertex, surface.colour);
         return true;
     }
+    const Material<Real>& material = scene.materials[vertex.material];
     if (has<Config>(Feature::mix) && material.type == MaterialType::mix) {
         if (chooses_mirror(lobe, material.mirror_probability)) {
             scatter_mirror(path, vertex, material.reflectance);
@@ -90,18 +98,31 @@ PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, Path<ty
     }
     if constexpr (has<Config>(Feature::subsurface)) {
         if (material.type == MaterialType::subsurface) {
-            const bool finished = scatter_subsurface<Config>(scene, path, vertex, material, lobe);
-            counters.unfinished_walks += finished ? 0u : 1u;
-            return finished;
+            const bool begun = scatter_subsurface<Config>(scene, path, vertex, material, lobe, walk);
+            counters.unfinished_walks += begun ? 0u : 1u;
+            return begun;
         }
     }
     return false;
 }
 
-// What happens where the segment ends. On return the path has either its next ray or is over (returns false).
+// Takes the path one step further on its walk. False: the path is lost.
+template <class Config>
+PT_HD inline bool walk_on(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path, Walk& walk,
+                          PathCounters& counters) {
+    const WalkStep step = walk_step<Config>(scene, path, walk, scene.materials[scene.object_material[walk.object]]);
+    if (step != WalkStep::goes_on) {
+        walk.step = Walk::none;
+    }
+    counters.unfinished_walks += step == WalkStep::lost ? 1u : 0u;
+    return step != WalkStep::lost;
+}
+
+// What happens where the segment ends. On return the path has its next ray, or is at the beginning of a walk that the
+// caller takes to its end by walk_on, or is over (returns false).
 template <class Config>
 PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
-                        const Hit<typename Config::Real>& hit, PathCounters& counters) {
+                        const Hit<typename Config::Real>& hit, PathCounters& counters, Walk& walk) {
     using Real = typename Config::Real;
     path.segment += 1;
     if (!hit.side.exists()) {
@@ -115,26 +136,41 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, Path<type
             attenuate(path, scene.materials[path.medium], hit.t);
         }
     }
-    const std::uint32_t material_index = scene.object_material[hit.side.object()];
-    const Material<Real>& material = scene.materials[material_index];
-    if (has<Config>(Feature::emitter) && material.type == MaterialType::emitter) {
-        path.radiance += path.throughput * material.emission;
+    const Surface<Real> surface = scene.surfaces[hit.side.object()];
+    if (has<Config>(Feature::emitter) && surface.type == MaterialType::emitter) {
+        path.radiance += path.throughput * surface.colour;
         return false;
     }
+    const std::uint32_t material_index = scene.object_material[hit.side.object()];
     if constexpr (has<Config>(Feature::emission)) {
+        const Material<Real>& material = scene.materials[material_index];
         if (material.emits != 0) {
             path.radiance += path.throughput * material.emission;
         }
     }
     const bool last = path.segment >= scene.depth;
-    if (last && path.segment >= scene.longest_path()) {
+    if (last && (!has<Config>(Feature::final_bounce) || path.segment >= scene.longest_path())) {
         return false;
     }
-    const SurfacePoint<Real> surface = surface_at<Config>(scene, ray_of(path), hit);
+    const SurfacePoint<Real> point = surface_at<Config, false>(scene, ray_of(path), hit);
     const bool inside = hit.side.inside();
-    const Vertex<Real> vertex{surface.position, inside ? -surface.normal : surface.normal, hit.side.object(), inside,
-                              material_index};
-    return scatter<Config>(scene, path, vertex, material, last, counters);
+    const Vertex<Real> vertex{
+        point.position, inside ? -point.normal : point.normal, hit.side.object(), inside, material_index, hit.side};
+    return scatter<Config>(scene, path, vertex, surface, last, counters, walk);
+}
+
+// The same, walks and all.
+template <class Config>
+PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+                        const Hit<typename Config::Real>& hit, PathCounters& counters) {
+    Walk walk;
+    bool alive = shade<Config>(scene, path, hit, counters, walk);
+    if constexpr (has<Config>(Feature::subsurface)) {
+        while (alive && walk.is_on()) {
+            alive = walk_on<Config>(scene, path, walk, counters);
+        }
+    }
+    return alive;
 }
 
 }  // namespace pt

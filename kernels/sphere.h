@@ -5,6 +5,7 @@
 // (shared/numerics S15: no self-hit and chords to 3e-7 for radii 1e-6 to 1e6).
 #pragma once
 
+#include "kernels/in_range.h"
 #include "kernels/path.h"
 
 namespace pt {
@@ -65,12 +66,23 @@ PT_HD inline Real unit_sphere_chord(const Vec3<Real>& f, const Vec3<Real>& g) {
     return max(Real(0), Real(-2) * dot(f, g) / dot(g, g));
 }
 
+// A sphere's frame only moves and scales evenly, so the direction stays a unit vector: its square, 1 but for rounding,
+// would move t by no more than the direction's own rounding moves the point.
 template <class Real>
 PT_HD inline Interval<Real> interval(const Sphere<Real>& sphere, const Vec3<Real>& origin,
                                      const Vec3<Real>& direction) {
     const Vec3<Real> f = (origin - sphere.centre) * sphere.inverse_radius;
-    Interval<Real> unit = unit_sphere_interval(f, direction);
-    return {unit.near * sphere.radius, unit.far * sphere.radius, unit.hits};
+    const Real b = -dot(f, direction);
+    const Vec3<Real> closest = f + direction * b;
+    const Real discriminant = Real(1) - dot(closest, closest);
+    if (!(discriminant > Real(0))) {
+        return {Real(0), Real(0), false};
+    }
+    // One less a number up to 1: if it is not 0, it is no less than that number's last bit.
+    const Real root = square_root_in_range(discriminant);
+    const Real q = b < Real(0) ? b - root : b + root;
+    const Real other = (dot(f, f) - Real(1)) / q;
+    return {keep_smaller(q, other) * sphere.radius, keep_larger(q, other) * sphere.radius, true};
 }
 
 template <class Real>
@@ -80,7 +92,7 @@ PT_HD inline Interval<Real> interval(const Ellipsoid<Real>& e, const Vec3<Real>&
 
 template <class Real>
 PT_HD inline Real chord(const Sphere<Real>& sphere, const Vec3<Real>& origin, const Vec3<Real>& direction) {
-    return unit_sphere_chord((origin - sphere.centre) * sphere.inverse_radius, direction) * sphere.radius;
+    return max(Real(0), Real(-2) * dot((origin - sphere.centre) * sphere.inverse_radius, direction)) * sphere.radius;
 }
 
 template <class Real>
@@ -97,7 +109,7 @@ struct SurfacePoint {
 template <class Real>
 PT_HD inline SurfacePoint<Real> surface_point(const Sphere<Real>& sphere, const Vec3<Real>& origin,
                                               const Vec3<Real>& direction, Real t) {
-    const Vec3<Real> normal = normalize(((origin - sphere.centre) + direction * t) * sphere.inverse_radius);
+    const Vec3<Real> normal = nearly_unit(((origin - sphere.centre) + direction * t) * sphere.inverse_radius);
     return {sphere.centre + normal * sphere.radius, normal};
 }
 

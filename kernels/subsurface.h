@@ -66,68 +66,77 @@ PT_HD inline Vec3<Real> flight_weight(const Material<Real>& medium, const Vec3<R
     return (scattered ? transmittance * medium.sigma_s : transmittance) * inverse_mean;
 }
 
-// Walks from the vertex (the path has been let in along path.direction) until the path leaves the body; false if the
-// cap on scatterings and internal reflections was met first. On return the path stands on the surface, heading out.
-template <class Config>
-PT_HD inline bool subsurface_walk(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
-                                  const Vertex<typename Config::Real>& vertex,
-                                  const Material<typename Config::Real>& medium) {
-    using Real = typename Config::Real;
-    Vec3<Real> position = at_rest<Config>(scene, vertex.object, vertex.position, path.time);
-    Vec3<Real> direction = path.direction;
+// A walk in progress. Meanwhile path.origin and path.direction are the walk's, as the body at rest sees them.
+struct Walk {
+    static constexpr std::uint32_t none = 0xffffffffu;
+    std::uint32_t step = none;  // steps taken; none: the path is on no walk
+    std::uint32_t object = 0;   // the body
     bool on_surface = true;
-    for (std::uint32_t step = 0; step <= medium.max_scatterings; ++step) {
-        const RandomWords words =
-            random_words(scene.seed, {path.pixel, path.sample, path.segment, random_block::walk + step});
-        const Real to_exit = distance_to_exit<Config>(scene, vertex.object, position, direction, on_surface);
-        const std::uint32_t colour = choose_channel(path.throughput, unit_interval<Real>(words.y));
-        const Real sigma = channel(medium.sigma_t, colour);
-        const Real flight = sigma > Real(0) ? -logarithm(positive_unit_interval<Real>(words.x)) / sigma
-                                            : std::numeric_limits<Real>::infinity();
-        if (flight < to_exit) {
-            path.throughput *= flight_weight(medium, path.throughput, flight, true);
-            position = position + direction * flight;
-            on_surface = false;
-            const Real cosine = henyey_greenstein_cosine(medium.g, unit_interval<Real>(words.z));
-            const Real sine = square_root(max(Real(0), (Real(1) - cosine) * (Real(1) + cosine)));
-            const SinCos<Real> azimuth = sin_cos_turn(unit_interval<Real>(words.w));
-            direction =
-                normalize(Frame<Real>(direction).to_world({sine * azimuth.cosine, sine * azimuth.sine, cosine}));
-            continue;
-        }
-        path.throughput *= flight_weight(medium, path.throughput, to_exit, false);
-        const Ray<Real> ray{in_motion<Config>(scene, vertex.object, position, path.time), direction, path.time,
-                            ObjectSide{}};
-        const SurfacePoint<Real> exit = surface_at<Config>(scene, ray, {to_exit, ObjectSide::of(vertex.object, true)});
-        Vec3<Real> outgoing = direction;
-        if constexpr (has<Config>(Feature::subsurface_boundary)) {
-            if (medium.has_boundary != 0) {
-                const Vec3<Real> inward = -exit.normal;
-                const Real cosine = cosine_of_incidence(direction, inward);
-                const Refraction<Real> refraction = fresnel(medium.leaving, cosine);
-                if (unit_interval<Real>(words.z) < refraction.reflectance) {
-                    position = at_rest<Config>(scene, vertex.object, exit.position, path.time);
-                    direction = reflect(direction, inward);
-                    on_surface = true;
-                    continue;
-                }
-                outgoing = refract(medium.leaving, direction, inward, cosine, refraction.q);
-            }
-        }
-        path.origin = exit.position;
-        path.direction = outgoing;
-        path.departed = ObjectSide::of(vertex.object, false);
-        return true;
+
+    PT_HD bool is_on() const { return step != none; }
+};
+
+enum class WalkStep { goes_on, left, lost };
+
+// One flight of the walk, to a collision or to the surface. `left`: the path stands on the surface, heading out;
+// `lost`: the cap on scatterings and internal reflections was met first.
+template <class Config>
+PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+                                Walk& walk, const Material<typename Config::Real>& medium) {
+    using Real = typename Config::Real;
+    if (walk.step > medium.max_scatterings) {
+        return WalkStep::lost;
     }
-    return false;
+    const Vec3<Real> direction = path.direction;
+    const RandomWords words =
+        random_words(scene.seed, {path.pixel, path.sample, path.segment, random_block::walk + walk.step});
+    walk.step += 1;
+    const Real to_exit = distance_to_exit<Config>(scene, walk.object, path.origin, direction, walk.on_surface);
+    const std::uint32_t colour = choose_channel(path.throughput, unit_interval<Real>(words.y));
+    const Real sigma = channel(medium.sigma_t, colour);
+    const Real flight = sigma > Real(0) ? -logarithm(positive_unit_interval<Real>(words.x)) / sigma
+                                        : std::numeric_limits<Real>::infinity();
+    const bool scattered = flight < to_exit;
+    path.throughput *= flight_weight(medium, path.throughput, scattered ? flight : to_exit, scattered);
+    if (scattered) {
+        path.origin = path.origin + direction * flight;
+        walk.on_surface = false;
+        const Real cosine = henyey_greenstein_cosine(medium.g, unit_interval<Real>(words.z));
+        const Real sine = square_root(max(Real(0), (Real(1) - cosine) * (Real(1) + cosine)));
+        const SinCos<Real> azimuth = sin_cos_turn(unit_interval<Real>(words.w));
+        path.direction =
+            renormalize(Frame<Real>(direction).to_world({sine * azimuth.cosine, sine * azimuth.sine, cosine}));
+        return WalkStep::goes_on;
+    }
+    const Ray<Real> ray{in_motion<Config>(scene, walk.object, path.origin, path.time), direction, path.time,
+                        ObjectSide{}};
+    const SurfacePoint<Real> exit = surface_at<Config>(scene, ray, {to_exit, ObjectSide::of(walk.object, true)});
+    if constexpr (has<Config>(Feature::subsurface_boundary)) {
+        if (medium.has_boundary != 0) {
+            const Vec3<Real> inward = -exit.normal;
+            const Real cosine = cosine_of_incidence(direction, inward);
+            const Refraction<Real> refraction = fresnel(medium.leaving, cosine);
+            if (unit_interval<Real>(words.z) < refraction.reflectance) {
+                path.origin = at_rest<Config>(scene, walk.object, exit.position, path.time);
+                path.direction = reflect(direction, inward);
+                walk.on_surface = true;
+                return WalkStep::goes_on;
+            }
+            path.direction = refract(medium.leaving, direction, inward, cosine, refraction.q);
+        }
+    }
+    path.origin = exit.position;
+    path.departed = ObjectSide::of(walk.object, false);
+    return WalkStep::left;
 }
 
-// One event of the path at a subsurface surface: reflected at the boundary, or through the body and out again.
-// False: the walk met its cap or could not begin; the path is lost and must be counted.
+// One event of the path at a subsurface surface: reflected at the boundary, or let in, to begin a walk.
+// False: the walk cannot begin; the path is lost and must be counted.
 template <class Config>
 PT_HD inline bool scatter_subsurface(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
                                      const Vertex<typename Config::Real>& vertex,
-                                     const Material<typename Config::Real>& medium, typename Config::Real u) {
+                                     const Material<typename Config::Real>& medium, typename Config::Real u,
+                                     Walk& walk) {
     using Real = typename Config::Real;
     // Walks start at surfaces. A path that meets one from within came there through another body that reaches in: what
     // it missed is not known, so it is lost and counted (the loader refuses an eye inside a body).
@@ -136,16 +145,18 @@ PT_HD inline bool scatter_subsurface(const SceneView<typename Config::Real>& sce
     }
     if constexpr (has<Config>(Feature::subsurface_boundary)) {
         if (medium.has_boundary != 0) {
-            const Real cosine = cosine_of_incidence(path.direction, vertex.normal);
+            const Real cosine = cosine_of_incidence(path.direction, vertex.normal());
             const Refraction<Real> refraction = fresnel(medium.entering, cosine);
             if (u < refraction.reflectance) {
-                leave_on_same_side(path, vertex, reflect(path.direction, vertex.normal));
+                leave_on_same_side(path, vertex, reflect(path.direction, vertex.normal()));
                 return true;
             }
-            path.direction = refract(medium.entering, path.direction, vertex.normal, cosine, refraction.q);
+            path.direction = refract(medium.entering, path.direction, vertex.normal(), cosine, refraction.q);
         }
     }
-    return subsurface_walk<Config>(scene, path, vertex, medium);
+    path.origin = at_rest<Config>(scene, vertex.object, vertex.position, path.time);
+    walk = {.step = 0, .object = vertex.object, .on_surface = true};
+    return true;
 }
 
 }  // namespace pt

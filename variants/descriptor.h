@@ -39,6 +39,7 @@ struct Tunable {
     std::uint32_t lowest = 0, highest = 0;
     std::uint32_t multiple_of = 1;
     std::string_view summary = "";
+    bool sets_work = false;  // what is computed, not how: no search for the fastest value may touch it
 
     constexpr bool allows(std::uint32_t value) const {
         return value >= lowest && value <= highest && value % multiple_of == 0;

@@ -20,8 +20,14 @@ using MakePaths = std::function<AnyPaths()>;
 using RenderFunction = void (*)(RenderJob&);
 // The features that a direct-light choice adds to those of the scene.
 using AddFeatures = std::function<FeatureSet()>;
-// Picks, from the feature sets that an integrator was compiled for, the one to run for a scene that needs `needed`.
-using ChooseFeatures = std::function<FeatureSet(FeatureSet needed, const std::vector<FeatureSet>& compiled)>;
+// What a scene asks of a kernel, and what there is to choose from.
+struct KernelOffer {
+    FeatureSet needed = no_features;     // by scene and variant
+    FeatureSet shortcuts = no_features;  // that the scene allows
+    std::vector<FeatureSet> compiled;    // the sets that the integrator is, or can be, compiled for
+};
+// Picks the feature set of the kernel to run.
+using ChooseFeatures = std::function<FeatureSet(const KernelOffer& offer, const Variant& variant, Backend backend)>;
 
 // What a choice brings; at most one member is set, by its axis and backend. A choice that is a name and nothing else
 // (`none`, an option of the compiler) brings none.

@@ -72,8 +72,13 @@ Json cuda_json(const CudaFacts& facts) {
                                 {"local_bytes", kernel.local_bytes},
                                 {"shared_bytes", kernel.shared_bytes}};
     }
-    return {{"device_bytes", facts.device_bytes}, {"path_bytes", facts.path_bytes}, {"block", facts.threads},
-            {"prepare_ms", facts.prepare_ms},     {"options", facts.options},       {"kernels", kernels}};
+    return {{"device_bytes", facts.device_bytes},
+            {"path_bytes", facts.path_bytes},
+            {"path_state_bytes", facts.path_state_bytes},
+            {"block", facts.threads},
+            {"prepare_ms", facts.prepare_ms},
+            {"options", facts.options},
+            {"kernels", kernels}};
 }
 
 class Runner {
@@ -489,7 +494,11 @@ std::string describe_plan(const Plan& plan, int repetitions) {
 }
 
 Plan plan_run(const Suite& suite, const RunOptions& options) {
-    Plan plan = make_plan(suite, options.backend);
+    // Without the backend there is no machine to have been tuned (a plan may be listed anywhere).
+    const bool is_there = options.backend == Backend::cpu || cuda::not_available().empty();
+    const Tuning tuning =
+        options.untuned || !is_there ? Tuning() : Tuning::load(tuning_file(options.backend), options.backend);
+    Plan plan = make_plan(suite, options.backend, tuning);
     apply_filter(plan, options.filter);
     if (plan.cells.empty()) {
         throw InputError("the run has no cell: " + (plan.not_applicable.empty()

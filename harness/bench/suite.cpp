@@ -170,6 +170,11 @@ Study read_study(const JsonValue& value) {
                                          "scaling_by_resolution",  "scaling_by_depth", "scaling_by_materials",
                                          "scaling_by_shading_fmas"};
         figures.insert(figures.end(), std::begin(axis_names), std::end(axis_names));
+        if (object.has("tunables") && object.at("tunables").json().is_object()) {
+            for (const auto& [tunable, values] : object.at("tunables").json().items()) {
+                figures.push_back(tunable);
+            }
+        }
         study.figure = object.at("figure").one_of(figures);
     }
     study.scenes = read_names(object.required("scenes"));
@@ -419,7 +424,7 @@ Suite load_suite(const std::string& file) {
     return suite;
 }
 
-Plan make_plan(const Suite& suite, Backend backend) {
+Plan make_plan(const Suite& suite, Backend backend, const Tuning& tuning) {
     Plan plan;
     Scenes scenes;
     for (const Study& study : suite.studies) {
@@ -427,7 +432,12 @@ Plan make_plan(const Suite& suite, Backend backend) {
             const std::shared_ptr<const Scene> scene = scene_of(scenes, name);
             const std::vector<std::uint32_t> depths =
                 study.depths.empty() ? std::vector<std::uint32_t>{scene->max_depth} : study.depths;
-            for (const Variant& variant : expand(study.axes, backend, study.tunables)) {
+            std::set<std::string> named;
+            for (const auto& [tunable, values] : study.tunables) {
+                named.insert(tunable);
+            }
+            for (const Variant& asked : expand(study.axes, backend, study.tunables)) {
+                const Variant variant = tuning.applied(asked, named);
                 const std::string reason = why_not_applicable(variant, features_of(*scene), backend);
                 if (!reason.empty()) {
                     plan.not_applicable.push_back({study.name, scene->name, variant, reason});

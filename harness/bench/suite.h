@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/bench/tuning.h"
 #include "harness/render/renderer.h"
 
 namespace pt {
@@ -69,7 +70,8 @@ struct Plan {
 Suite load_suite(const std::string& file);
 // Loads the scenes; throws InputError for an unknown scene, axis, choice or tunable. A choice that only another backend
 // has is not applicable on this one.
-Plan make_plan(const Suite& suite, Backend backend = Backend::cpu);
+// Variants get the values found for them by `tuning`, but for tunables that their study names.
+Plan make_plan(const Suite& suite, Backend backend = Backend::cpu, const Tuning& tuning = {});
 
 // Every variant of the product of the given choices and values; unnamed axes at the backend's baseline. A value that is
 // a tunable's standard is left out of the variant.

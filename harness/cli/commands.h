@@ -19,6 +19,8 @@ Command add_list_command(CLI::App& app);
 Command add_run_command(CLI::App& app, const std::string& command_line);
 Command add_render_command(CLI::App& app);
 Command add_verify_command(CLI::App& app);
+Command add_inspect_command(CLI::App& app);
+Command add_autotune_command(CLI::App& app);
 Command add_import_command(CLI::App& app);
 Command add_machine_command(CLI::App& app);
 

@@ -118,9 +118,48 @@ OrderedJson scene_json(const std::string& name) {
             {"resolution", {scene.camera.width, scene.camera.height}},
             {"features", feature_names(features)},
             {"left_out", feature_names(all_features & ~features)},
+            {"shortcuts", feature_names(shortcuts_of(scene))},
             {"kernel", choose_kernel(scene, Registry::instance().baseline()).note()},
             {"not_applicable", reasons.at("cpu")},
             {"not_applicable_on", reasons}};
+}
+
+// What leaving out saves: the same kernel of the scene with everything and with less, compiled for a GPU that need not
+// be there.
+OrderedJson kernels_json(const std::string& name, const std::string& architecture) {
+    const Scene scene = find_scene(name);
+    OrderedJson kernels = OrderedJson::array();
+    for (const Choice* choice : Registry::instance().choices("specialisation", Backend::cuda)) {
+        Variant variant = Registry::instance().baseline(Backend::cuda);
+        variant.set("integrator", "megakernel");
+        variant.set("specialisation", std::string(choice->descriptor.name));
+        const OrderedJson report = cuda::inspect_kernels(scene, variant, architecture);
+        OrderedJson entry{{"specialisation", choice->descriptor.name},
+                          {"architecture", report["architecture"]},
+                          {"features", report["features"]},
+                          {"code_bytes", report["code_bytes"]}};
+        for (const char* fact : {"registers", "spill_store_bytes", "occupancy", "instructions"}) {
+            if (report["kernels"][0].contains(fact)) {
+                entry[fact] = report["kernels"][0][fact];
+            }
+        }
+        kernels.push_back(entry);
+    }
+    return kernels;
+}
+
+std::string kernels_text(const OrderedJson& kernels) {
+    std::string text;
+    for (const OrderedJson& kernel : kernels) {
+        text += fmt::format("  {:<26}   megakernel {} for {}: {} registers, {} bytes of code", "",
+                            kernel["specialisation"].get<std::string>(), kernel["architecture"].get<std::string>(),
+                            kernel["registers"].get<int>(), kernel["code_bytes"].get<std::size_t>());
+        if (kernel.contains("instructions")) {
+            text += fmt::format(", {} instructions", kernel["instructions"]["total"].get<std::size_t>());
+        }
+        text += "\n";
+    }
+    return text;
 }
 
 OrderedJson suite_json(const std::string& name) {
@@ -156,6 +195,11 @@ std::string text_of(const OrderedJson& all) {
         for (const auto& [choice, reason] : scene["not_applicable"].items()) {
             text += fmt::format("  {:<26}   n/a: {}\n", "", reason.get<std::string>());
         }
+        text += fmt::format("  {:<26}   leaves out {}\n", "",
+                            fmt::join(scene["left_out"].get<std::vector<std::string>>(), " "));
+        if (scene.contains("kernels")) {
+            text += kernels_text(scene["kernels"]);
+        }
     }
     text += "Suites\n";
     for (const OrderedJson& suite : all["suites"]) {
@@ -173,10 +217,13 @@ std::string cuda_status() {
     return reason.empty() ? "available: " + cuda::machine_name() : "not available (" + reason + ")";
 }
 
-int run(const std::string& only_scene, bool as_json) {
+int run(const std::string& only_scene, const std::string& architecture, bool as_json) {
     OrderedJson scenes = OrderedJson::array();
     for (const std::string& name : only_scene.empty() ? scene_names() : split_names(only_scene)) {
         scenes.push_back(scene_json(name));
+        if (!architecture.empty()) {
+            scenes.back()["kernels"] = kernels_json(name, architecture);
+        }
     }
     OrderedJson suites = OrderedJson::array();
     for (const std::string& name : suite_names()) {
@@ -196,14 +243,17 @@ int run(const std::string& only_scene, bool as_json) {
 Command add_list_command(CLI::App& app) {
     struct ListArguments {
         std::string scene;
+        std::string architecture;
         bool json = false;
     };
     auto arguments = std::make_shared<ListArguments>();
     CLI::App* command =
         app.add_subcommand("list", "Axes, choices, scenes, suites and backends, and what applies where");
     command->add_option("--scene", arguments->scene, "Only these scenes, comma-separated");
+    command->add_option("--arch", arguments->architecture,
+                        "Also compile the scenes' kernels for this GPU, e.g. sm_90, and say what leaving out saves");
     command->add_flag("--json", arguments->json, "As JSON");
-    return [arguments] { return run(arguments->scene, arguments->json); };
+    return [arguments] { return run(arguments->scene, arguments->architecture, arguments->json); };
 }
 
 }  // namespace pt

@@ -19,6 +19,7 @@ struct RenderArguments {
     std::uint32_t spp = 16;
     std::uint32_t depth = 0;
     std::uint64_t seed = 1;
+    bool untuned = false;
     std::string out;
 };
 
@@ -35,7 +36,7 @@ int run(const RenderArguments& arguments) {
     for (const std::string& argument : arguments.tunables) {
         add_tunable_argument(tunables, argument);
     }
-    const std::vector<Variant> variants = expand(axes, backend, tunables);
+    std::vector<Variant> variants = expand(axes, backend, tunables);
     if (variants.size() != 1) {
         throw InputError("--axis", "argument", fmt::format("{} variants", variants.size()),
                          "one choice an axis and one value a tunable for render");
@@ -45,6 +46,13 @@ int run(const RenderArguments& arguments) {
         throw InputError(fmt::format("n/a: {} on {}: {}", variants[0].name(), scene.name, reason));
     }
     require_backend(backend);
+    if (!arguments.untuned) {
+        std::set<std::string> named;
+        for (const auto& [tunable, values] : tunables) {
+            named.insert(tunable);
+        }
+        variants[0] = Tuning::load(tuning_file(backend), backend).applied(variants[0], named);
+    }
     RenderRequest request{
         .variant = variants[0], .backend = backend, .settings = default_settings(scene), .samples = arguments.spp};
     request.settings.seed = arguments.seed;
@@ -100,6 +108,8 @@ Command add_render_command(CLI::App& app) {
     command->add_option("--depth", arguments->depth, "Ray segments in a path (default: the scene's)")
         ->check(CLI::Range(1u, 1000000u));
     command->add_option("--seed", arguments->seed, "Seed (default 1)")->check(check_seed);
+    command->add_flag("--untuned", arguments->untuned,
+                      "Leave tunables at their standards, whatever `ptbench autotune` found on this machine");
     command->add_option("--out", arguments->out, "Image to write: .png (sRGB) or .pfm (linear)")->required();
     return [arguments] { return run(*arguments); };
 }

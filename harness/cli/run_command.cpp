@@ -25,6 +25,7 @@ struct RunArguments {
     std::uint64_t seed = 1;
     std::string out;
     bool resume = false;
+    bool untuned = false;
     bool dry_run = false;
 };
 
@@ -76,6 +77,7 @@ RunOptions make_options(const RunArguments& arguments, const std::vector<std::st
                        .command_line = command_line,
                        .repetitions = arguments.repetitions,
                        .resume = arguments.resume,
+                       .untuned = arguments.untuned,
                        .seed = arguments.seed};
     for (const std::string& extra : extras) {
         if (extra.starts_with("--benchmark_filter=")) {
@@ -147,6 +149,8 @@ Command add_run_command(CLI::App& app, const std::string& command_line) {
     command->add_option("--seed", arguments->seed, "Seed of the first sample (default 1)")->check(check_seed);
     command->add_option("--out", arguments->out, "Result file (default results/MACHINE/SUITE.json)");
     command->add_flag("--resume", arguments->resume, "Go on with an unfinished run");
+    command->add_flag("--untuned", arguments->untuned,
+                      "Leave tunables at their standards, whatever `ptbench autotune` found on this machine");
     command->add_flag("--dry-run", arguments->dry_run, "List the cells, run nothing");
     command->allow_extras();
     return [arguments, command, command_line] { return run(*arguments, command->remaining(), command_line); };

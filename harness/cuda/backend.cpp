@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include "harness/cuda/cell.h"
+#include "harness/cuda/inspect.h"
+#include "harness/cuda/profile.h"
 #include "harness/error.h"
 #include "variants/cuda/device.h"
 #include "variants/cuda/nvrtc.h"
@@ -62,6 +64,35 @@ RenderResult render(const Scene& scene, const RenderRequest& request) {
 
 std::size_t compile(const Scene& scene, const Variant& variant, const std::string& architecture) {
     return compile_module(module_request(scene, variant, architecture)).cubin.size();
+}
+
+nlohmann::ordered_json inspect_kernels(const Scene& scene, const Variant& variant, const std::string& architecture) {
+    if (architecture.empty() && !device_missing().empty()) {
+        throw MachineError("cuda: " + device_missing() + ": name an architecture with --arch (" +
+                           known_architectures() + ")");
+    }
+    return inspect(scene, variant, architecture.empty() ? device().architecture() : architecture);
+}
+
+nlohmann::ordered_json kernel_counters(const std::vector<std::string>& arguments,
+                                       const std::vector<std::string>& kernels, double rays) {
+    const std::string ncu = find_ncu();
+    if (!not_available().empty() || ncu.empty()) {
+        throw MachineError("counters: not available (" +
+                           (ncu.empty() ? "ncu is not found; set PTBENCH_NCU" : not_available()) + ")");
+    }
+    static const Ceilings ceilings = measure_ceilings();
+    nlohmann::ordered_json json{{"ceilings",
+                                 {{"issue_g_warp_instructions_a_second", 1e-9 * ceilings.issue},
+                                  {"fma_g_warp_instructions_a_second", 1e-9 * ceilings.fma},
+                                  {"alu_g_warp_instructions_a_second", 1e-9 * ceilings.alu},
+                                  {"xu_g_warp_instructions_a_second", 1e-9 * ceilings.xu},
+                                  {"memory_gb_a_second", 1e-9 * ceilings.memory}}},
+                                {"kernels", nlohmann::ordered_json::object()}};
+    for (const KernelCounters& counters : count_under_ncu(ncu, arguments, kernels)) {
+        json["kernels"][counters.name] = counters_json(counters, ceilings, rays);
+    }
+    return json;
 }
 
 void collect_programs(const Scene& scene, const Variant& variant, const std::string& architecture,

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "harness/render/renderer.h"
 
 namespace pt::cuda {
@@ -22,6 +24,16 @@ RenderResult render(const Scene& scene, const RenderRequest& request);
 // Compiles the kernels of a variant for an architecture ("sm_90"), without a device, a driver or the cache; the
 // compiler's log is in the exception if it fails. Returns the size of the code.
 std::size_t compile(const Scene& scene, const Variant& variant, const std::string& architecture);
+
+// What the variant's kernels are made of (harness/cuda/inspect.h), for an architecture; empty: the device's. Throws
+// MachineError where it is empty and there is no device.
+nlohmann::ordered_json inspect_kernels(const Scene& scene, const Variant& variant, const std::string& architecture);
+
+// What those kernels did in a render, from the GPU's counters (harness/cuda/profile.h): `arguments` are those of
+// `ptbench render`, `rays` what such a render traces. {"ceilings": .., "kernels": {NAME: ..}}. Throws MachineError
+// where there is no device or no ncu.
+nlohmann::ordered_json kernel_counters(const std::vector<std::string>& arguments,
+                                       const std::vector<std::string>& kernels, double rays);
 
 // Adds the programs that a variant of a scene needs and that are not in the cache on disk: name -> compiles it and puts
 // it there. For an architecture ("sm_90"), without a device or a driver; empty: for the device, and nothing is added if

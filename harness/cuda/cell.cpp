@@ -2,10 +2,13 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <ctime>
 #include <mutex>
+#include <type_traits>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "variants/cuda/device.h"
 
@@ -27,8 +30,8 @@ struct LoadedModules {
 };
 
 std::string request_text(const ModuleRequest& request) {
-    return fmt::format("{}|{}|{}|{}|{}|{}|{}|{}", request.name, request.features, request.real, request.layout,
-                       request.sort_key, request.architecture, fmt::join(request.options, " "),
+    return fmt::format("{}|{}|{}|{}|{}|{}|{}|{}|{}", request.prelude, request.name, request.features, request.real,
+                       request.layout, request.sort_key, request.architecture, fmt::join(request.options, " "),
                        fmt::join(request.defines, " "));
 }
 
@@ -104,20 +107,24 @@ std::string integrator_source(const Variant& variant) {
 
 namespace {
 
+// `by_matrix`: the kernel has Feature::matrix.
 template <class Real, class Visit>
-void for_traced_arrays(const SceneView<Real>& scene, Visit&& visit) {
+void for_traced_arrays(const SceneView<Real>& scene, bool by_matrix, Visit&& visit) {
     visit(scene.spheres);
     visit(scene.ellipsoids);
     visit(scene.axis_boxes);
     visit(scene.oriented_boxes);
     visit(scene.quads);
     visit(scene.velocity);
+    if (by_matrix) {
+        visit(scene.transforms);
+    }
 }
 
 template <class Real>
-std::vector<unsigned char> constant_scene(const SceneView<Real>& scene) {
+std::vector<unsigned char> constant_scene(const SceneView<Real>& scene, FeatureSet features) {
     std::vector<unsigned char> bytes;
-    for_traced_arrays(scene, [&](const auto& view) {
+    for_traced_arrays(scene, contains(features, Feature::matrix), [&](const auto& view) {
         const auto* const begin = reinterpret_cast<const unsigned char*>(view.data);
         bytes.insert(bytes.end(), begin, begin + view.size * sizeof(*view.data));
         bytes.resize((bytes.size() + 15) / 16 * 16);
@@ -128,20 +135,93 @@ std::vector<unsigned char> constant_scene(const SceneView<Real>& scene) {
 // Of the 64 KiB of constant memory that a module may have; larger scenes stay in global memory.
 constexpr std::size_t constant_bytes = 32768;
 
-// The scene's numbers of objects, as constants where the kernel has the scene's features only.
+// The scene's numbers of objects and which of them are a room's walls, as constants where the kernel has the scene's
+// features only.
 template <class Real>
-std::vector<std::string> scene_defines(const SceneView<Real>& scene, bool fixes_counts) {
-    std::vector<std::string> defines{
-        fmt::format("-DPT_SCENE_BYTES={}", constant_scene(scene).size() <= constant_bytes ? constant_bytes : 0),
-        fmt::format("-DPT_FIXED_COUNTS={}", fixes_counts ? 1 : 0)};
+std::vector<std::string> scene_defines(const SceneView<Real>& scene, FeatureSet features) {
+    // A kernel with everything is compiled once, for any scene.
+    const bool fixes_counts = (features & all_features) != all_features;
+    const bool fits = constant_scene(scene, features).size() <= constant_bytes;
+    std::vector<std::string> defines{fmt::format("-DPT_SCENE_BYTES={}", fits ? constant_bytes : 0),
+                                     fmt::format("-DPT_FIXED_COUNTS={}", fixes_counts ? 1 : 0)};
     if (fixes_counts) {
         defines.push_back(fmt::format("-DPT_SPHERES={}u", scene.spheres.size));
         defines.push_back(fmt::format("-DPT_ELLIPSOIDS={}u", scene.ellipsoids.size));
         defines.push_back(fmt::format("-DPT_AXIS_BOXES={}u", scene.axis_boxes.size));
         defines.push_back(fmt::format("-DPT_ORIENTED_BOXES={}u", scene.oriented_boxes.size));
         defines.push_back(fmt::format("-DPT_QUADS={}u", scene.quads.size));
+        const Room<Real>& room = scene.room;
+        defines.push_back(fmt::format("-DPT_ROOM_WALLS={}u", room.walls));
+        defines.push_back(fmt::format("-DPT_ROOM_LAMPS={}u", room.lamps));
+        defines.push_back(fmt::format("-DPT_ROOM_OPEN_SIDES={}u", room.open_sides));
+        const auto codes = [](const ObjectSide(&sides)[3]) {
+            return fmt::format("{}u,{}u,{}u", sides[0].code, sides[1].code, sides[2].code);
+        };
+        defines.push_back("-DPT_ROOM_LOW_SIDES=" + codes(room.low_side));
+        defines.push_back("-DPT_ROOM_HIGH_SIDES=" + codes(room.high_side));
     }
     return defines;
+}
+
+// Arrays of words under which device.cuh finds the scene's numbers: constants that the compiler sees through.
+class BakedText {
+public:
+    template <class T>
+    void add(const char* name, const T* values, std::size_t count) {
+        static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % 4 == 0);
+        std::vector<std::uint32_t> words(std::max<std::size_t>(1, count * sizeof(T) / 4));
+        if (count != 0) {
+            std::memcpy(words.data(), static_cast<const void*>(values), count * sizeof(T));
+        }
+        text_ +=
+            fmt::format("__device__ alignas(16) const unsigned {}[] = {{{:#x}u}};\n", name, fmt::join(words, "u,"));
+    }
+    template <class T>
+    void add(const char* name, const View<T>& view) {
+        add(name, view.data, view.size);
+    }
+    void add_count(const char* name, std::uint32_t count) {
+        text_ += fmt::format("constexpr unsigned {} = {}u;\n", name, count);
+    }
+    std::string text() const { return "#define PT_BAKED 1\nnamespace baked { namespace {\n" + text_ + "} }\n"; }
+
+private:
+    std::string text_;
+};
+
+template <class Real>
+std::string baked_text(const SceneView<Real>& scene) {
+    BakedText text;
+    text.add("spheres", scene.spheres);
+    text.add("ellipsoids", scene.ellipsoids);
+    text.add("axis_boxes", scene.axis_boxes);
+    text.add("oriented_boxes", scene.oriented_boxes);
+    text.add("quads", scene.quads);
+    text.add("velocity", scene.velocity);
+    text.add("object_material", scene.object_material);
+    text.add("surfaces", scene.surfaces);
+    text.add("materials", scene.materials);
+    text.add("lights", scene.lights);
+    text.add("environment", &scene.environment, 1);
+    text.add("room", &scene.room, 1);
+    Camera<Real> camera = scene.camera;  // what a render sets is no part of the text, nor of the cache's key
+    camera.width = camera.height = 0;
+    camera.pixel_size = 0;
+    text.add("camera", &camera, 1);
+    text.add_count("material_count", scene.materials.size);
+    text.add_count("light_count", scene.lights.size);
+    return text.text();
+}
+
+template <class Real>
+void describe_scene(const Scene& scene, bool bakes, ModuleRequest& request) {
+    const SceneBuffers<Real> buffers(scene, default_settings(scene));
+    for (std::string& define : scene_defines(buffers.view(), request.features)) {
+        request.defines.push_back(std::move(define));
+    }
+    if (bakes) {
+        request.prelude = baked_text(buffers.view());
+    }
 }
 
 }  // namespace
@@ -155,14 +235,15 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
     const std::uint32_t kept =
         Registry::instance().at("first_bounce", variant, Backend::cuda).hook.first_bounce(variant, Backend::cuda);
     request.defines = {fmt::format("-DPT_BLOCK={}", tunable(variant, "block", Backend::cuda)),
+                       fmt::format("-DPT_MIN_BLOCKS={}", tuned(variant, "min_blocks", 0)),
                        fmt::format("-DPT_CACHED={}", kept > 0 ? 1 : 0),
                        fmt::format("-DPT_SHADING_FMAS={}", tuned(variant, "shading_fmas", 0))};
-    const bool fixes_counts = features != all_features;
-    const std::vector<std::string> of_scene =
-        request.real == "double"
-            ? scene_defines(SceneBuffers<double>(scene, default_settings(scene)).view(), fixes_counts)
-            : scene_defines(SceneBuffers<float>(scene, default_settings(scene)).view(), fixes_counts);
-    request.defines.insert(request.defines.end(), of_scene.begin(), of_scene.end());
+    const bool bakes = hooks("specialisation", variant).bakes_scene;
+    if (request.real == "double") {
+        describe_scene<double>(scene, bakes, request);
+    } else {
+        describe_scene<float>(scene, bakes, request);
+    }
     if (integrator.defines != nullptr) {
         const std::vector<std::string> more = integrator.defines(variant);
         request.defines.insert(request.defines.end(), more.begin(), more.end());
@@ -181,8 +262,8 @@ ModuleRequest stage_request(const Variant& variant, const std::string& source, c
     ModuleRequest request = request_for(variant, source, architecture);
     request.features = no_features;
     request.sort_key = "material";
-    request.defines = {"-DPT_BLOCK=256", "-DPT_CACHED=0", "-DPT_SHADING_FMAS=0", "-DPT_SCENE_BYTES=0",
-                       "-DPT_FIXED_COUNTS=0"};
+    request.defines = {"-DPT_BLOCK=256",      "-DPT_MIN_BLOCKS=0",  "-DPT_CACHED=0",
+                       "-DPT_SHADING_FMAS=0", "-DPT_SCENE_BYTES=0", "-DPT_FIXED_COUNTS=0"};
     return request;
 }
 
@@ -241,6 +322,7 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
     job_.samples = request.samples;
     job_.samples_in_flight = std::min(tuned(variant, "spp_in_flight", 1), request.samples);
     job_.block = tunable(variant, "block", Backend::cuda);
+    job_.samples_a_piece = tuned(variant, "piece", 1);
     job_.append_counters = tuned(variant, "append_counters", 1);
     job_.reads_back = tuned(variant, "read_back", 0) != 0;
     job_.multiprocessors = static_cast<std::uint32_t>(device().multiprocessors);
@@ -307,6 +389,10 @@ void RenderCell<Real>::reserve(Arena& arena) {
     view_.axis_boxes = placed(arena, host.axis_boxes);
     view_.oriented_boxes = placed(arena, host.oriented_boxes);
     view_.quads = placed(arena, host.quads);
+    if (contains(kernel_.compiled, Feature::matrix)) {
+        view_.transforms = placed(arena, host.transforms);
+    }
+    view_.surfaces = placed(arena, host.surfaces);
     view_.object_material = placed(arena, host.object_material);
     view_.velocity = placed(arena, host.velocity);
     view_.materials = placed(arena, host.materials);
@@ -332,6 +418,16 @@ void RenderCell<Real>::reserve(Arena& arena) {
     }
 }
 
+// As path_fields in device.cuh, unless somebody copies whole paths.
+template <class Real>
+PathFields RenderCell<Real>::carried_fields() const {
+    const bool whole = (compaction_ != nullptr && !job_.appends_in_kernel && compaction_->moves_paths()) ||
+                       (sorting_ != nullptr && sorting_->moves_paths());
+    return {.radiance = whole || contains(kernel_.compiled, Feature::emission),
+            .time = whole || contains(kernel_.compiled, Feature::motion),
+            .medium = whole || contains(kernel_.compiled, Feature::absorption)};
+}
+
 template <class Real>
 void RenderCell<Real>::reserve_queue(Arena& arena) {
     const std::size_t before = arena.used();
@@ -347,9 +443,9 @@ void RenderCell<Real>::reserve_queue(Arena& arena) {
         const std::uint64_t blocks_a_part = (blocks + job_.append_counters - 1) / job_.append_counters;
         queue.capacity = static_cast<std::uint32_t>(blocks_a_part * job_.append_counters * job_.block);
     }
-    const auto take_paths = [&]() -> PathStore {
-        return {arena.take_bytes(layout_.bytes(queue.capacity, sizeof(Real))), queue.capacity};
-    };
+    const std::size_t store_bytes = layout_.bytes(queue.capacity, sizeof(Real), carried_fields());
+    facts_.path_state_bytes = store_bytes / queue.capacity;
+    const auto take_paths = [&]() -> PathStore { return {arena.take_bytes(store_bytes), queue.capacity}; };
     queue.paths = take_paths();
     const bool needs_spare = job_.appends_in_kernel || (compaction_ != nullptr && compaction_->needs_spare_paths());
     if (needs_spare) {
@@ -391,12 +487,17 @@ void RenderCell<Real>::upload() {
     copy_to_device(view_.axis_boxes, host.axis_boxes, job_.stream);
     copy_to_device(view_.oriented_boxes, host.oriented_boxes, job_.stream);
     copy_to_device(view_.quads, host.quads, job_.stream);
+    if (contains(kernel_.compiled, Feature::matrix)) {
+        copy_to_device(view_.transforms, host.transforms, job_.stream);
+    }
+    copy_to_device(view_.surfaces, host.surfaces, job_.stream);
     copy_to_device(view_.object_material, host.object_material, job_.stream);
     copy_to_device(view_.velocity, host.velocity, job_.stream);
     copy_to_device(view_.materials, host.materials, job_.stream);
     copy_to_device(view_.lights, host.lights, job_.stream);
-    const std::vector<unsigned char> constant = constant_scene(host);
-    if (!constant.empty() && constant.size() <= constant_bytes) {
+    const std::vector<unsigned char> constant = constant_scene(host, kernel_.compiled);
+    const bool is_baked = hooks("specialisation", request_.variant).bakes_scene;
+    if (!is_baked && !constant.empty() && constant.size() <= constant_bytes) {
         PT_CUDA_CHECK(cudaMemcpyAsync(job_.module->global("pt_scene"), constant.data(), constant.size(),
                                       cudaMemcpyHostToDevice, job_.stream));
     }

@@ -32,6 +32,7 @@ public:
 private:
     void reserve(Arena& arena);
     void reserve_queue(Arena& arena);
+    PathFields carried_fields() const;
     void upload();
     CellContext context();
     const Module& module(const ModuleRequest& request);

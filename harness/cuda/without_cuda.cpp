@@ -1,4 +1,6 @@
 // The CUDA backend of a build that found no CUDA toolkit.
+#include <nlohmann/json.hpp>
+
 #include "harness/cuda/backend.h"
 #include "harness/error.h"
 
@@ -11,6 +13,10 @@ constexpr const char* reason = "this ptbench was built without a CUDA toolkit";
 std::string not_available() { return reason; }
 RenderResult render(const Scene&, const RenderRequest&) { throw MachineError(reason); }
 std::size_t compile(const Scene&, const Variant&, const std::string&) { throw MachineError(reason); }
+nlohmann::ordered_json inspect_kernels(const Scene&, const Variant&, const std::string&) { throw MachineError(reason); }
+nlohmann::ordered_json kernel_counters(const std::vector<std::string>&, const std::vector<std::string>&, double) {
+    throw MachineError(reason);
+}
 void collect_programs(const Scene&, const Variant&, const std::string&, std::map<std::string, std::function<void()>>&) {
 }
 std::string machine_name() { throw MachineError(reason); }

@@ -31,6 +31,17 @@ Film::Film(std::uint32_t width, std::uint32_t height, double bound, std::uint64_
       limit_(0x1p62 / static_cast<double>(std::max<std::uint64_t>(1, samples))),
       sums_(std::size_t{3} * width * height) {}
 
+FilmView Film::view() {
+    FilmView view{.sums = sums_.data(), .faults = &faults_, .scale = scale_, .limit = limit_};
+    // A product with a scale in this range leaves single precision's own only where it is beyond the limit, or 0.
+    if (scale_ >= 0x1p-60 && scale_ <= 0x1p100) {
+        view.single_scale = static_cast<float>(scale_);
+        const float rounded = static_cast<float>(limit_);
+        view.single_limit = static_cast<double>(rounded) <= limit_ ? rounded : std::nextafter(rounded, 0.0f);
+    }
+    return view;
+}
+
 void Film::set(std::vector<std::int64_t> sums, const FilmFaults& faults) {
     if (sums.size() != sums_.size()) {
         throw std::logic_error("film sums of another size");

@@ -15,7 +15,7 @@ public:
     // all.
     Film(std::uint32_t width, std::uint32_t height, double bound, std::uint64_t samples);
 
-    FilmView view() { return {sums_.data(), &faults_, scale_, limit_}; }
+    FilmView view();
     std::uint32_t width() const { return width_; }
     std::uint32_t height() const { return height_; }
     std::uint64_t samples() const { return samples_; }

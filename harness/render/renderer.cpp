@@ -77,7 +77,7 @@ RenderResult render_unguarded(const Scene& scene, const RenderRequest& request) 
 }  // namespace
 
 std::string KernelChoice::note() const {
-    const FeatureSet surplus = compiled & ~needed;
+    const FeatureSet surplus = compiled & all_features & ~needed;
     return surplus == 0 ? "exact" : fmt::format("has {} for nothing", fmt::join(feature_names(surplus), ", "));
 }
 
@@ -85,15 +85,17 @@ KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend b
     const Registry& registry = Registry::instance();
     const FeatureSet needed = features_of(scene) | registry.at("direct_light", variant, backend).hook.direct_light();
     // On CUDA a kernel is compiled when it is needed, so there is one for every set.
-    std::vector<FeatureSet> compiled{needed, all_features};
+    const FeatureSet shortcuts_here = shortcuts_of(scene);
+    KernelOffer offer{needed, shortcuts_here, {needed, needed | shortcuts_here, all_features}};
     const auto& kernels = registry.at("integrator", variant, backend).hook.integrator;
     if (backend == Backend::cpu) {
-        compiled.clear();
+        offer.compiled.clear();
         for (const auto& [features, function] : kernels) {
-            compiled.push_back(features);
+            offer.compiled.push_back(features);
         }
     }
-    const FeatureSet chosen = registry.at("specialisation", variant, backend).hook.specialisation(needed, compiled);
+    const FeatureSet chosen =
+        registry.at("specialisation", variant, backend).hook.specialisation(offer, variant, backend);
     if (!is_superset(chosen, needed)) {
         throw std::logic_error("a kernel was chosen that lacks a feature of the scene");
     }

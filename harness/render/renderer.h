@@ -32,7 +32,8 @@ struct CudaFacts {
     bool from_cache = false;       // every module came from the cache on disk or was loaded already
     double prepare_ms = 0;         // memory, upload and graph
     std::size_t device_bytes = 0;  // the cell's arena
-    std::size_t path_bytes = 0;    // of device memory a path in the queue
+    std::size_t path_bytes = 0;        // of device memory a path in the queue, with all that compacts and sorts it
+    std::size_t path_state_bytes = 0;  // of that, one copy of the path itself
     std::uint32_t threads = 0;     // a block
     std::vector<Kernel> kernels;
     std::vector<std::string> options;  // for the compiler

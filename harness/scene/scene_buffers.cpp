@@ -7,6 +7,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "harness/scene/find_room.h"
+
 namespace pt {
 
 namespace {
@@ -56,6 +58,14 @@ Material<Real> make_material(const SceneMaterial& m) {
     material.g = static_cast<Real>(m.g);
     material.max_scatterings = m.max_scatterings;
     return material;
+}
+
+template <class Real>
+Surface<Real> surface_of(const Material<Real>& material) {
+    return {material.type == MaterialType::emitter  ? material.emission
+            : material.type == MaterialType::mirror ? material.reflectance
+                                                    : material.albedo,
+            material.type};
 }
 
 // The innermost dielectric around the eye (the one of least volume), if it absorbs.
@@ -131,12 +141,35 @@ Quad<Real> make_quad(const Vec3d& centre, const Rotation& rotation, const Vec3d&
             static_cast<Real>(0.5 * scale.z)};
 }
 
+template <class Real>
+Transform<Real> make_transform(const SceneObject& object, const Vec3d& centre, const Rotation& rotation) {
+    Transform<Real> transform{};
+    for (int axis = 0; axis < 3; ++axis) {
+        // A quad has no thickness: its normal's scale is free.
+        const double scale = object.shape == Shape::quad && axis == 1 ? 1.0 : object.scale[axis];
+        transform.row[axis] = narrow<Real>(rotation.column[axis] / scale);
+        transform.offset[axis] = static_cast<Real>(-dot(rotation.column[axis], centre) / scale);
+        transform.column[axis] = narrow<Real>(rotation.column[axis] * scale);
+    }
+    transform.centre = narrow<Real>(centre);
+    transform.shape = object.shape == Shape::sphere ? UnitShape::sphere
+                      : object.shape == Shape::quad ? UnitShape::quad
+                                                    : UnitShape::box;
+    return transform;
+}
+
 template <class T>
 View<T> view_of(const std::vector<T>& values) {
     return {values.data(), static_cast<std::uint32_t>(values.size())};
 }
 
 }  // namespace
+
+FeatureSet shortcuts_of(const Scene& scene) {
+    return SceneBuffers<float>(scene, default_settings(scene)).view().room.walls != 0
+               ? static_cast<FeatureSet>(Feature::room)
+               : no_features;
+}
 
 RenderSettings default_settings(const Scene& scene) {
     return {scene.camera.width, scene.camera.height, scene.max_depth, 0, false};
@@ -168,6 +201,7 @@ void SceneBuffers<Real>::add_object(const Scene& scene, std::uint32_t index) {
             quads_.push_back(make_quad<Real>(centre, rotation, object.scale));
             break;
     }
+    transforms_.push_back(make_transform<Real>(object, centre, rotation));
     if (scene.materials[object.material].emission != Vec3d(0.0)) {
         lights_.push_back({static_cast<std::uint32_t>(object_material_.size())});
     }
@@ -189,11 +223,16 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     for (const SceneMaterial& material : scene.materials) {
         materials_.push_back(make_material<Real>(material));
     }
+    for (const std::uint32_t index : object_material_) {
+        surfaces_.push_back(surface_of(materials_[index]));
+    }
     view_.spheres = view_of(spheres_);
     view_.ellipsoids = view_of(ellipsoids_);
     view_.axis_boxes = view_of(axis_boxes_);
     view_.oriented_boxes = view_of(oriented_boxes_);
     view_.quads = view_of(quads_);
+    view_.transforms = view_of(transforms_);
+    view_.surfaces = view_of(surfaces_);
     view_.object_material = view_of(object_material_);
     view_.velocity = view_of(velocity_);
     view_.materials = view_of(materials_);
@@ -203,6 +242,7 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     view_.seed = RandomSeed::from(settings.seed);
     view_.depth = settings.depth;
     view_.final_bounce = settings.final_bounce ? 1 : 0;
+    view_.room = find_room(view_);
 }
 
 double radiance_bound(const Scene& scene, std::uint32_t depth) {

@@ -40,13 +40,18 @@ private:
     std::vector<AxisBox<Real>> axis_boxes_;
     std::vector<OrientedBox<Real>> oriented_boxes_;
     std::vector<Quad<Real>> quads_;
+    std::vector<Transform<Real>> transforms_;
     std::vector<std::uint32_t> object_material_;
     std::vector<Vec3<Real>> velocity_;
     std::vector<Material<Real>> materials_;
+    std::vector<Surface<Real>> surfaces_;
     std::vector<Light> lights_;
     std::vector<std::uint32_t> file_index_;
     SceneView<Real> view_;
 };
+
+// The shortcuts that a kernel may take in this scene.
+FeatureSet shortcuts_of(const Scene& scene);
 
 // A bound on the radiance that one sample can carry by meeting light (connections to lights may exceed it): the
 // brightest source, times the number of times that a path may meet one.

@@ -45,7 +45,8 @@ Arguments run_with(const Arguments& added) {
 }
 
 TEST(BadCallsTest, Subcommands) {
-    expect_refusal({}, 2, "command line: subcommand: found none, allowed: list, run, render, verify, import, machine");
+    expect_refusal(
+        {}, 2, "command line: subcommand: found none, allowed: list, run, render, verify, inspect, autotune, import, machine");
     expect_refusal({"frob"}, 2, "The following argument was not expected: frob (see ptbench --help)\n");
     expect_refusal({"--frob"}, 2, "The following argument was not expected: --frob (see ptbench --help)\n");
     expect_refusal({"list", "--frob"}, 2, "The following argument was not expected: --frob");

@@ -226,7 +226,7 @@ private:
     // Everything that is in the arena, measured or taken.
     void take(cuda::Arena& arena, const Shape& shape) {
         const std::uint32_t capacity = shape.count + shape.slack + 5;
-        const std::size_t store_bytes = cell_.layout.bytes(capacity, sizeof(float));
+        const std::size_t store_bytes = cell_.layout.bytes(capacity, sizeof(float), {});
         queue.capacity = capacity;
         queue.paths = {arena.take_bytes(store_bytes), capacity};
         queue.spare = {arena.take_bytes(store_bytes), capacity};

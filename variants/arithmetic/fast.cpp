@@ -16,7 +16,7 @@ const Registration registration(
         .rounds_freely = true,
         .backends = on_cuda,
     },
-    {.cuda = {.options = {"--use_fast_math"}}});
+    {.cuda = {.options = {"--use_fast_math", "-DPT_FAST_MATH=1"}}});
 
 }  // namespace
 }  // namespace pt

@@ -42,6 +42,7 @@ __global__ void append_group(std::uint32_t* first, const std::uint32_t* second, 
 
 class CubThreeWay final : public Compaction {
 public:
+    bool moves_paths() const override { return false; }
     explicit CubThreeWay(const CellContext& cell) : cell_(cell) {}
 
     void reserve(Arena& arena, const Queue& queue) override {

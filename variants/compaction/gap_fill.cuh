@@ -6,16 +6,17 @@
 
 #include "variants/cuda/append.cuh"
 
-extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    count_live(PathStore store, const std::uint32_t* count, std::uint32_t* live) {
+extern "C" __global__ void PT_LAUNCH_BOUNDS count_live(PathStore store, const std::uint32_t* count,
+                                                       std::uint32_t* live) {
     const std::uint32_t i = pt::cuda::thread_number();
     (void)pt::cuda::append_by_block(live, i < *count && Paths(store).alive(i));
 }
 
 // As many gaps below *live as there are live paths above it.
-extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    find_gaps(PathStore store, const std::uint32_t* count, const std::uint32_t* live, std::uint32_t* gaps,
-              std::uint32_t* gap_count, std::uint32_t* movers, std::uint32_t* mover_count) {
+extern "C" __global__ void PT_LAUNCH_BOUNDS find_gaps(PathStore store, const std::uint32_t* count,
+                                                      const std::uint32_t* live, std::uint32_t* gaps,
+                                                      std::uint32_t* gap_count, std::uint32_t* movers,
+                                                      std::uint32_t* mover_count) {
     const std::uint32_t i = pt::cuda::thread_number();
     const bool alive = i < *count && Paths(store).alive(i);
     const bool is_gap = i < *live && !alive;
@@ -30,9 +31,8 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
     }
 }
 
-extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    fill_gaps(PathStore store, const std::uint32_t* gaps, const std::uint32_t* movers,
-              const std::uint32_t* mover_count) {
+extern "C" __global__ void PT_LAUNCH_BOUNDS fill_gaps(PathStore store, const std::uint32_t* gaps,
+                                                      const std::uint32_t* movers, const std::uint32_t* mover_count) {
     const std::uint32_t i = pt::cuda::thread_number();
     if (i < *mover_count) {
         Paths(store).store(gaps[i], Paths(store).load(movers[i]));

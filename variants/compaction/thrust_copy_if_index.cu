@@ -9,6 +9,7 @@ namespace {
 
 class CopyIfIndex final : public Compaction {
 public:
+    bool moves_paths() const override { return false; }
     explicit CopyIfIndex(const CellContext& cell) : cell_(cell), thrust_(cell) {}
 
     // The positions in play are 0 to bound - 1: every Thrust compaction returns the count.

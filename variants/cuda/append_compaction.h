@@ -14,6 +14,7 @@ inline constexpr Tunable append_tunables[] = {
 
 class AppendCompaction final : public Compaction {
 public:
+    bool moves_paths() const override { return moves_payload_; }
     AppendCompaction(const CellContext& context, const char* source)
         : context_(context), module_(context.module(source)), moves_payload_(context.tunable("payload") != 0) {}
 

@@ -1,9 +1,9 @@
 // The kernels of the appending compactions. Who includes this names the way to append: append(count, keep).
 #pragma once
 
-extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    append_slots(PathStore store, const std::uint32_t* order, const std::uint32_t* count, std::uint32_t* kept,
-                 std::uint32_t* kept_count) {
+extern "C" __global__ void PT_LAUNCH_BOUNDS append_slots(PathStore store, const std::uint32_t* order,
+                                                         const std::uint32_t* count, std::uint32_t* kept,
+                                                         std::uint32_t* kept_count) {
     const std::uint32_t i = pt::cuda::thread_number();
     const bool in_play = i < *count;
     const std::uint32_t slot = in_play && order != nullptr ? order[i] : i;
@@ -14,9 +14,9 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
     }
 }
 
-extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    append_paths(PathStore store, const std::uint32_t* order, const std::uint32_t* count, PathStore kept,
-                 std::uint32_t* kept_count) {
+extern "C" __global__ void PT_LAUNCH_BOUNDS append_paths(PathStore store, const std::uint32_t* order,
+                                                         const std::uint32_t* count, PathStore kept,
+                                                         std::uint32_t* kept_count) {
     const std::uint32_t i = pt::cuda::thread_number();
     const bool in_play = i < *count;
     const std::uint32_t slot = in_play && order != nullptr ? order[i] : i;

@@ -31,6 +31,7 @@ struct PathAt {
 template <class Algorithm>
 class CubIndexCompaction final : public Compaction {
 public:
+    bool moves_paths() const override { return false; }
     explicit CubIndexCompaction(const CellContext& cell) : cell_(cell) {}
 
     void reserve(Arena& arena, const Queue& queue) override {

@@ -5,6 +5,13 @@
 #include "variants/cuda/path_store.h"
 #include "variants/cuda/totals.h"
 
+// Threads a block and, where asked for, blocks that a multiprocessor must be able to hold: fewer registers a thread.
+#if PT_MIN_BLOCKS > 0
+#define PT_LAUNCH_BOUNDS __launch_bounds__(PT_BLOCK, PT_MIN_BLOCKS)
+#else
+#define PT_LAUNCH_BOUNDS __launch_bounds__(PT_BLOCK)
+#endif
+
 using Real = PT_REAL;
 using Configuration = pt::Config<PT_REAL, PT_FEATURES>;
 using Scene = pt::SceneView<Real>;
@@ -107,7 +114,10 @@ __device__ inline void add_counters(Totals* totals, const PathCounters& counters
 
 // The arrays that every ray walks through, side by side in constant memory: all lanes read one element at a time there,
 // and an instruction takes its operand from it without a load. 0: the scene is too large, they stay where they are.
-#if PT_SCENE_BYTES > 0
+#if !defined(PT_BAKED)
+#define PT_BAKED 0
+#endif
+#if PT_SCENE_BYTES > 0 && !PT_BAKED
 extern "C" {
 __constant__ alignas(16) unsigned char pt_scene[PT_SCENE_BYTES];
 }
@@ -122,8 +132,11 @@ struct SceneViews {
 #if PT_FIXED_COUNTS
         fix_counts(shade);
 #endif
+#if PT_BAKED
+        bake(shade);
+#endif
         trace = shade;
-#if PT_SCENE_BYTES > 0
+#if PT_SCENE_BYTES > 0 && !PT_BAKED
         std::uint32_t offset = 0;
         place(trace.spheres, offset);
         place(trace.ellipsoids, offset);
@@ -131,6 +144,9 @@ struct SceneViews {
         place(trace.oriented_boxes, offset);
         place(trace.quads, offset);
         place(trace.velocity, offset);
+        if constexpr (pt::has<Configuration>(pt::Feature::matrix)) {
+            place(trace.transforms, offset);
+        }
 #endif
     }
 
@@ -144,9 +160,47 @@ private:
         scene.quads.size = PT_QUADS;
         scene.object_material.size = PT_SPHERES + PT_ELLIPSOIDS + PT_AXIS_BOXES + PT_ORIENTED_BOXES + PT_QUADS;
         scene.velocity.size = scene.object_material.size;
+        scene.surfaces.size = scene.object_material.size;
+        scene.room.walls = PT_ROOM_WALLS;
+        scene.room.lamps = PT_ROOM_LAMPS;
+        scene.room.open_sides = PT_ROOM_OPEN_SIDES;
+        constexpr std::uint32_t low_side[] = {PT_ROOM_LOW_SIDES};
+        constexpr std::uint32_t high_side[] = {PT_ROOM_HIGH_SIDES};
+        for (int axis = 0; axis < 3; ++axis) {
+            scene.room.low_side[axis].code = low_side[axis];
+            scene.room.high_side[axis].code = high_side[axis];
+        }
     }
 #endif
-#if PT_SCENE_BYTES > 0
+#if PT_BAKED
+    // The scene's numbers, not what a render sets: resolution, depth and seed stay parameters.
+    __device__ static void bake(Scene& scene) {
+        scene.spheres.data = reinterpret_cast<const pt::Sphere<Real>*>(baked::spheres);
+        scene.ellipsoids.data = reinterpret_cast<const pt::Ellipsoid<Real>*>(baked::ellipsoids);
+        scene.axis_boxes.data = reinterpret_cast<const pt::AxisBox<Real>*>(baked::axis_boxes);
+        scene.oriented_boxes.data = reinterpret_cast<const pt::OrientedBox<Real>*>(baked::oriented_boxes);
+        scene.quads.data = reinterpret_cast<const pt::Quad<Real>*>(baked::quads);
+        scene.velocity.data = reinterpret_cast<const pt::Vec3<Real>*>(baked::velocity);
+        scene.surfaces.data = reinterpret_cast<const pt::Surface<Real>*>(baked::surfaces);
+        scene.object_material.data = baked::object_material;
+        scene.materials = {reinterpret_cast<const pt::Material<Real>*>(baked::materials), baked::material_count};
+        scene.lights = {reinterpret_cast<const pt::Light*>(baked::lights), baked::light_count};
+        scene.environment = *reinterpret_cast<const pt::Vec3<Real>*>(baked::environment);
+        scene.room = *reinterpret_cast<const pt::Room<Real>*>(baked::room);
+        const auto& camera = *reinterpret_cast<const pt::Camera<Real>*>(baked::camera);
+        scene.camera.right = camera.right;
+        scene.camera.up = camera.up;
+        scene.camera.forward = camera.forward;
+        scene.camera.aperture_radius = camera.aperture_radius;
+        scene.camera.focus_distance = camera.focus_distance;
+        scene.camera.shutter_open = camera.shutter_open;
+        scene.camera.shutter_length = camera.shutter_length;
+        scene.camera.shutter_late = camera.shutter_late;
+        scene.camera.jitter = camera.jitter;
+        scene.camera.initial_medium = camera.initial_medium;
+    }
+#endif
+#if PT_SCENE_BYTES > 0 && !PT_BAKED
     // As the host lays them out (constant_scene_bytes): each array on a border of 16 bytes.
     template <class T>
     __device__ static void place(pt::View<T>& view, std::uint32_t& offset) {
@@ -179,12 +233,14 @@ __device__ inline Path load_path(const Paths& paths, std::uint32_t slot, const S
 }
 
 // The camera ray of a path: its own, or with a first-bounce cache that of the kept one which the sample uses.
+__device__ inline Path first_path(const Scene& scene, const pt::PixelPlace& place, std::uint32_t sample,
+                                  const HitCache& cache) {
+    return pt::generate<Configuration>(scene, place, sample, PT_CACHED ? sample % cache.rays : sample);
+}
+
 __device__ inline Path first_path(const Scene& scene, std::uint32_t pixel, std::uint32_t sample,
                                   const HitCache& cache) {
-    if (PT_CACHED) {
-        return pt::generate<Configuration>(scene, pixel, sample, sample % cache.rays);
-    }
-    return pt::generate<Configuration>(scene, pixel, sample);
+    return first_path(scene, pt::PixelPlace::of(pixel, scene.camera.width), sample, cache);
 }
 
 __device__ inline Hit trace(const SceneViews& scene, const Path& path) {
@@ -247,4 +303,18 @@ __device__ inline void injected_cost(const Scene& scene, const Hit& hit, Path& p
 __device__ inline bool shade(const SceneViews& scene, Path& path, const Hit& hit, PathCounters& counters) {
     injected_cost(scene.shade, hit, path);
     return pt::shade<Configuration>(scene.shade, path, hit, counters);
+}
+
+// One step of a path: of its walk, if it is on one, else its segment traced and shaded. A warp whose lanes take their
+// walks step by step does not wait for the longest of them. Returns whether the path lives.
+__device__ inline bool advance(const SceneViews& scene, Path& path, pt::Walk& walk, const HitCache& cache,
+                               PathCounters& counters) {
+    if constexpr (pt::has<Configuration>(pt::Feature::subsurface)) {
+        if (walk.is_on()) {
+            return pt::walk_on<Configuration>(scene.shade, path, walk, counters);
+        }
+    }
+    const Hit hit = PT_CACHED && path.segment == 0 ? first_hit(scene, path, cache) : trace(scene, path);
+    injected_cost(scene.shade, hit, path);
+    return pt::shade<Configuration>(scene.shade, path, hit, counters, walk);
 }

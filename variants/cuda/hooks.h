@@ -31,8 +31,17 @@ struct FieldView {
     std::uint32_t stride = 0;  // bytes
 };
 
+// What a path in a queue carries beyond what every path does. Where a scene has no use for a field it has one value
+// that everybody knows (path_fields in device.cuh).
+struct PathFields {
+    bool radiance = true;  // collected before the path's end
+    bool time = true;
+    bool medium = true;
+};
+
 struct Layout {
-    std::size_t (*bytes)(std::uint32_t capacity, std::size_t real_bytes) = nullptr;
+    // Of a store whose paths carry these fields; a layout may give them more.
+    std::size_t (*bytes)(std::uint32_t capacity, std::size_t real_bytes, const PathFields& fields) = nullptr;
     FieldView (*segment)(const PathStore& store, std::size_t real_bytes) = nullptr;   // Path::segment
     FieldView (*departed)(const PathStore& store, std::size_t real_bytes) = nullptr;  // Path::departed
 };
@@ -65,6 +74,7 @@ struct Hooks {
     std::vector<std::string> options = {};  // arithmetic: for the compiler
     std::string real = "";                  // precision: the type's name
     std::size_t real_bytes = 0;             // precision
+    bool bakes_scene = false;               // specialisation: the scene's numbers are constants of the kernel
     SortKey sort_key = {};
     bool is_captured = false;  // launch: a batch of samples is a CUDA graph
     bool loops = false;        // launch: the graph holds a loop over the segments that ends with the last path

@@ -46,6 +46,7 @@ struct Job {
     SegmentCounts segments;
     std::uint64_t* lengths = nullptr;    // megakernels: paths by number of segments; null where nobody asked
     std::uint64_t* next_item = nullptr;  // for persistent threads
+    std::uint32_t samples_a_piece = 1;   // likewise
 
     // For integrators with a queue.
     Queue queue;                       // in the state in which a batch starts

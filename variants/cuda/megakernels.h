@@ -11,14 +11,33 @@ namespace pt::cuda {
 
 inline constexpr Tunable block_tunable{"block", 128, 32, 1024, 32, "threads a block"};
 inline constexpr Tunable shading_tunable{
-    "shading_fmas", 0, 0,
-    1048576,        1, "injected cost of a material: dependent multiply-adds, executed material by material"};
+    "shading_fmas",
+    0,
+    0,
+    1048576,
+    1,
+    "injected cost of a material: dependent multiply-adds, executed material by material",
+    true};
+
+inline constexpr Tunable min_blocks_tunable{
+    "min_blocks", 0, 0,
+    32,           1, "blocks that a multiprocessor must hold at once: bounds a thread's registers; 0: no bound"};
+inline constexpr Tunable regeneration_tunable{
+    "regenerate_at", 24, 0, 31, 1, "ended paths of a warp are replaced once no more lanes than this are alive"};
 
 inline constexpr Tunable megakernel_tunables[] = {
     block_tunable,
     shading_tunable,
+    min_blocks_tunable,
     {"spp_in_flight", 1, 1, 1024, 1, "threads a pixel, each with its share of the samples"}};
-inline constexpr Tunable persistent_tunables[] = {block_tunable, shading_tunable};
+inline constexpr Tunable piece_tunable{"piece", 16, 1,
+                                       4096,    1,  "samples of a strip of 32 pixels that a warp takes at a time"};
+inline constexpr Tunable persistent_tunables[] = {block_tunable, shading_tunable, min_blocks_tunable,
+                                                  regeneration_tunable, piece_tunable};
+
+inline std::vector<std::string> regeneration_defines(const Variant& variant) {
+    return {"-DPT_REGENERATE_AT=" + std::to_string(tunable(variant, "regenerate_at", Backend::cuda))};
+}
 
 inline std::string megakernel_does_not_apply(FeatureSet, const Variant& variant) {
     if (variant["compaction"] != "none") {

@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include "variants/cuda/compiler_report.h"
 #include "variants/cuda/nvrtc.h"
 #include "variants/cuda/sources.h"
 
@@ -127,7 +128,8 @@ std::string from_cache(const fs::path& file) {
 
 // Includes in order, and the names by which device code knows the variant's choices.
 std::string program_text(const ModuleRequest& request) {
-    std::string text = fmt::format(
+    std::string text = request.prelude;
+    text += fmt::format(
         "#include \"variants/layout/{0}.cuh\"\n"
         "using Paths = pt::layout::{0}::DevicePaths<PT_REAL>;\n"
         "#include \"variants/cuda/device.cuh\"\n"
@@ -175,28 +177,46 @@ bool is_cached(const ModuleRequest& request) {
     return !from_cache(cache_folder() / (module_key(request) + ".cubin")).empty();
 }
 
-ModuleImage compile_module(const ModuleRequest& request) {
+namespace {
+
+// With options that change nothing of the code.
+Compilation compiled(const ModuleRequest& request, const std::vector<std::string>& reporting) {
     if (const std::string missing = nvrtc_missing(); !missing.empty()) {
         throw std::runtime_error(missing);
     }
+    std::vector<std::string> options = options_of(request);
+    const fs::path include = unpacked_sources();
+    options.push_back("-I" + include.string());
+    options.push_back("-I" + (include / "shims").string());
+    for (const std::vector<std::string>& more : {toolkit_include_options(), reporting}) {
+        options.insert(options.end(), more.begin(), more.end());
+    }
+    Compilation compilation = compile(program_text(request), request.name + ".cu", options);
+    if (!compilation.succeeded) {
+        throw CompileError(fmt::format("{} does not compile for {} (options: {}):\n{}", request.name,
+                                       request.architecture, fmt::join(options_of(request), " "), compilation.log));
+    }
+    return compilation;
+}
+
+}  // namespace
+
+ModuleImage compile_module(const ModuleRequest& request) {
+    Compilation compilation = compiled(request, {});
     ModuleImage image;
     image.options = options_of(request);
     image.key = key_of(request, image.options);
-    const fs::path include = unpacked_sources();
-    std::vector<std::string> options = image.options;
-    options.push_back("-I" + include.string());
-    options.push_back("-I" + (include / "shims").string());
-    for (const std::string& option : toolkit_include_options()) {
-        options.push_back(option);
-    }
-    const Compilation compilation = compile(program_text(request), request.name + ".cu", options);
-    if (!compilation.succeeded) {
-        throw CompileError(fmt::format("{} does not compile for {} (options: {}):\n{}", request.name,
-                                       request.architecture, fmt::join(image.options, " "), compilation.log));
-    }
-    image.cubin = compilation.cubin;
+    image.cubin = std::move(compilation.cubin);
     image.compile_seconds = compilation.seconds;
     return image;
+}
+
+CompilerReport compiler_report(const ModuleRequest& request) {
+    Compilation compilation = compiled(request, {"--ptxas-options=-v"});
+    return {.cubin = std::move(compilation.cubin),
+            .kernels = parse_ptxas_log(compilation.log),
+            .compile_seconds = compilation.seconds,
+            .options = options_of(request)};
 }
 
 ModuleImage build_module(const ModuleRequest& request) {

@@ -20,6 +20,7 @@ struct ModuleRequest {
     std::string sort_key = "material";
     std::vector<std::string> options = {};  // of the arithmetic
     std::vector<std::string> defines = {};  // "-DNAME=VALUE", from tunables
+    std::string prelude = "";               // source text in front of everything else
     std::string architecture;               // "sm_90"
 };
 

@@ -12,6 +12,7 @@ enum class KeyBits { needed, all };
 // An order for every position up to the bound comes out; the keys are used up.
 class RadixSort final : public Sorting {
 public:
+    bool moves_paths() const override { return false; }
     RadixSort(const CellContext& cell, KeyBits key_bits) : cell_(cell), key_bits_(key_bits) {}
     void reserve(Arena& arena, const Queue& queue) override;
     void sort(Queue& queue, std::uint32_t key_count) override;

@@ -61,6 +61,8 @@ public:
     // Enqueues the work. Afterwards *queue.count paths are in play (device) and queue.bound is not less.
     virtual void compact(Queue& queue) = 0;
     virtual bool needs_spare_paths() const { return false; }
+    // Copies whole paths, so that a store must have room for every field, whatever the scene needs.
+    virtual bool moves_paths() const { return true; }
 };
 
 // A stretch of shading: the paths in slots order[0..*count-1]. Null order: the queue's own.
@@ -79,6 +81,8 @@ public:
     virtual void sort(Queue& queue, std::uint32_t key_count) = 0;
     // Empty: one launch over the queue. Otherwise one launch a range.
     virtual std::vector<ShadeRange> shade_ranges() const { return {}; }
+    // As of a compaction.
+    virtual bool moves_paths() const { return true; }
 };
 
 }  // namespace pt::cuda

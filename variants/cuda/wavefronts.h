@@ -13,6 +13,7 @@ namespace pt::cuda {
 inline constexpr Tunable wavefront_tunables[] = {
     {"block", 256, 32, 1024, 32, "threads a block"},
     shading_tunable,
+    min_blocks_tunable,
     {"spp_in_flight", 1, 1, 256, 1, "samples of every pixel in the queue at once"},
     {"read_back", 0, 0, 1, 1, "1: the host waits for the count after each compaction and launches no more than that"},
 };

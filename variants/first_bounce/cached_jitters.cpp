@@ -6,7 +6,7 @@
 namespace pt {
 namespace {
 
-constexpr Tunable tunables[] = {{"jitters", 16, 1, 4096, 1, "camera rays of a pixel that are kept (K)"}};
+constexpr Tunable tunables[] = {{"jitters", 16, 1, 4096, 1, "camera rays of a pixel that are kept (K)", true}};
 
 const Registration registration(
     {

@@ -8,11 +8,12 @@
 
 // Thread t takes the samples t / pixels, t / pixels + stride, ... of pixel t mod pixels.
 // `ended`: paths by their number of segments, or null.
-extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    megakernel(Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples, std::uint32_t stride,
-               HitCache cache, Totals* totals, std::uint64_t* ended) {
+extern "C" __global__ void PT_LAUNCH_BOUNDS megakernel(Scene parameter, FilmView film, std::uint32_t first_sample,
+                                                       std::uint32_t samples, std::uint32_t stride, HitCache cache,
+                                                       Totals* totals, std::uint64_t* ended) {
     const SceneViews scene(parameter);
     PathCounters counters;
+    pt::FilmSum sum;  // of the thread's pixel
     const std::uint32_t pixel = pt::cuda::thread_number() % scene.shade.pixel_count();
     const std::uint32_t part = pt::cuda::thread_number() / scene.shade.pixel_count();
     if (part < stride) {
@@ -22,13 +23,14 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
             while (alive) {
                 alive = shade(scene, path, trace(scene, path), counters);
             }
-            pt::accumulate(film, path);
+            sum += film.quanta(path.radiance);
             counters.rays += path.segment - PT_CACHED;
             counters.paths += 1;
             if (ended != nullptr) {
                 pt::atomic_add(&ended[path.segment - 1], std::uint64_t{1});
             }
         }
+        film.add(pixel, sum);
     }
     pt::cuda::add_counters(totals, counters, PT_CACHED ? static_cast<std::uint32_t>(counters.paths) : 0);
 }

@@ -1,39 +1,29 @@
-// One thread a pixel; a lane whose path ended starts its next sample at once, so that a warp stays full until its
-// longest pixel is done. Path regeneration: Novák, Havran and Dachsbacher 2010.
+// One kernel, a warp a strip of 32 pixels: a lane whose path ended takes the next sample of the strip while the others
+// go on, so that the warp stays full until its strip is done. Path regeneration: Novák, Havran and Dachsbacher 2010.
+// Ending and starting a path costs a warp the same for one lane as for many, so lanes may be made to wait for each
+// other (regenerate_at).
 #pragma once
 
 #if defined(__CUDACC_RTC__)
 
-#include "variants/cuda/device.cuh"
+#include "variants/cuda/warp_items.cuh"
 
-// Samples as in megakernel. The loop ends at its condition: nvcc 13.0's ptxas miscompiles the form that breaks out
-// from the middle (shared/DESIGN.md, traps).
-extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    megakernel_regen(Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples,
-                     std::uint32_t stride, HitCache cache, Totals* totals, std::uint64_t* ended) {
+// Warp w takes strip w mod strips, and of its samples w / strips, w / strips + stride, ...; items are numbered sample
+// by sample, pixels within. The loop ends at its condition: nvcc 13.0's ptxas miscompiles the form that breaks out from
+// the middle (shared/DESIGN.md, traps).
+extern "C" __global__ void PT_LAUNCH_BOUNDS megakernel_regen(Scene parameter, FilmView film, std::uint32_t first_sample,
+                                                             std::uint32_t samples, std::uint32_t stride,
+                                                             HitCache cache, Totals* totals, std::uint64_t* ended) {
     const SceneViews scene(parameter);
     PathCounters counters;
-    const std::uint32_t pixel = pt::cuda::thread_number() % scene.shade.pixel_count();
-    const std::uint32_t part = pt::cuda::thread_number() / scene.shade.pixel_count();
-    std::uint32_t todo = part < stride && part < samples ? (samples - part + stride - 1) / stride : 0;
-    if (todo > 0) {
-        std::uint32_t sample = first_sample + part;
-        Path path = first_path(scene.shade, pixel, sample, cache);
-        while (todo > 0) {
-            const Hit hit = PT_CACHED && path.segment == 0 ? first_hit(scene, path, cache) : trace(scene, path);
-            if (!shade(scene, path, hit, counters)) {
-                pt::accumulate(film, path);
-                counters.rays += path.segment - PT_CACHED;
-                counters.paths += 1;
-                if (ended != nullptr) {
-                    pt::atomic_add(&ended[path.segment - 1], std::uint64_t{1});
-                }
-                sample += stride;
-                path = first_path(scene.shade, pixel, sample, cache);
-                --todo;
-            }
-        }
-    }
+    const std::uint32_t pixels = scene.shade.pixel_count();
+    const std::uint32_t strips = (pixels + 31) / 32;
+    const std::uint32_t warp = pt::cuda::thread_number() / 32;
+    const pt::PixelPlace first = pt::PixelPlace::of(warp % strips * 32, scene.shade.camera.width);
+    const std::uint32_t part = warp / strips;
+    const std::uint32_t rounds = part < stride && part < samples ? (samples - part + stride - 1) / stride : 0;
+    const Items items{32 * rounds, pixels, scene.shade.camera.width, first, first_sample + part, stride};
+    trace_items(scene, film, items, cache, counters, ended);
     pt::cuda::add_counters(totals, counters, PT_CACHED ? static_cast<std::uint32_t>(counters.paths) : 0);
 }
 
@@ -43,13 +33,16 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
 
 namespace pt::cuda::integrator::megakernel_regen {
 
+inline constexpr Tunable tunables[] = {megakernel_tunables[0], megakernel_tunables[1], megakernel_tunables[2],
+                                       megakernel_tunables[3], regeneration_tunable};
+
 inline constexpr Descriptor descriptor{
     .axis = "integrator",
     .name = "megakernel_regen",
-    .summary = "one kernel, a thread a pixel; a lane whose path ended starts its next sample",
+    .summary = "one kernel, a warp a strip of pixels; a lane whose path ended takes the strip's next sample",
     .origin = "Novák, Havran and Dachsbacher 2010 (path regeneration)",
     .backends = on_cuda,
-    .tunables = megakernel_tunables,
+    .tunables = tunables,
     .does_not_apply = megakernel_does_not_apply,
     .work_missing = megakernel_work_missing,
 };
@@ -61,13 +54,13 @@ inline void render(Job& job) {
     for (std::uint32_t done = 0; done < job.samples;) {
         const std::uint32_t samples = std::min(most, job.samples - done);
         const std::uint32_t stride = std::min(job.samples_in_flight, samples);
-        job.launch("megakernel_regen", job.pixels * stride, job.scene, job.film, job.first_sample + done, samples,
-                   stride, job.cache, job.totals, job.lengths);
+        job.launch("megakernel_regen", (job.pixels + 31) / 32 * 32 * stride, job.scene, job.film,
+                   job.first_sample + done, samples, stride, job.cache, job.totals, job.lengths);
         done += samples;
     }
 }
 
-inline const Integrator hook{.render = render, .kernels = {"megakernel_regen"}};
+inline const Integrator hook{.render = render, .defines = regeneration_defines, .kernels = {"megakernel_regen"}};
 
 }  // namespace pt::cuda::integrator::megakernel_regen
 

@@ -20,9 +20,9 @@ __device__ inline std::uint32_t slot_at(const std::uint32_t* order, std::uint32_
 }
 
 // Path i: pixel i mod pixels, sample first_sample + i / pixels; with a cursor the first sample is there.
-extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    generate_paths(Scene parameter, PathStore store, std::uint32_t* count, std::uint32_t pool,
-                   std::uint32_t first_sample, const std::uint32_t* cursor, HitCache cache) {
+extern "C" __global__ void PT_LAUNCH_BOUNDS generate_paths(Scene parameter, PathStore store, std::uint32_t* count,
+                                                           std::uint32_t pool, std::uint32_t first_sample,
+                                                           const std::uint32_t* cursor, HitCache cache) {
     const SceneViews scene(parameter);
     const std::uint32_t i = pt::cuda::thread_number();
     if (i == 0) {
@@ -31,16 +31,20 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
     if (i < pool) {
         const std::uint32_t pixels = scene.shade.pixel_count();
         const std::uint32_t first = cursor != nullptr ? *cursor : first_sample;
-        Paths(store).store(i, first_path(scene.shade, i % pixels, first + i / pixels, cache));
+        using namespace path_fields;
+        Paths(store).template put<radiance, medium, time>(
+            i, first_path(scene.shade, i % pixels, first + i / pixels, cache));
     }
 }
 
 // With `keys`, also writes the sort key of every position below `bound`: ended paths and positions beyond the count
 // have the last one.
-extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    intersect_paths(Scene parameter, PathStore store, const std::uint32_t* order, const std::uint32_t* count,
-                    std::uint32_t bound, Hit* hits, HitCache cache, SegmentNumber segment, SegmentCounts segments,
-                    std::uint32_t* keys, std::uint32_t bits, std::uint32_t last_key, pt::cuda::KeyBounds bounds) {
+extern "C" __global__ void PT_LAUNCH_BOUNDS intersect_paths(Scene parameter, PathStore store,
+                                                            const std::uint32_t* order, const std::uint32_t* count,
+                                                            std::uint32_t bound, Hit* hits, HitCache cache,
+                                                            SegmentNumber segment, SegmentCounts segments,
+                                                            std::uint32_t* keys, std::uint32_t bits,
+                                                            std::uint32_t last_key, pt::cuda::KeyBounds bounds) {
     const SceneViews scene(parameter);
     const Paths paths(store);
     const std::uint32_t i = pt::cuda::thread_number();
@@ -73,9 +77,10 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
 }
 
 // The key of a ray that is yet to be traced, by the same rules.
-extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    write_ray_keys(PathStore store, const std::uint32_t* order, const std::uint32_t* count, std::uint32_t bound,
-                   std::uint32_t* keys, std::uint32_t last_key, pt::cuda::KeyBounds bounds) {
+extern "C" __global__ void PT_LAUNCH_BOUNDS write_ray_keys(PathStore store, const std::uint32_t* order,
+                                                           const std::uint32_t* count, std::uint32_t bound,
+                                                           std::uint32_t* keys, std::uint32_t last_key,
+                                                           pt::cuda::KeyBounds bounds) {
     const Paths paths(store);
     const std::uint32_t i = pt::cuda::thread_number();
     if (i < bound) {
@@ -88,9 +93,9 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
     }
 }
 
-extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    shade_paths(Scene parameter, FilmView film, PathStore store, const std::uint32_t* order, const std::uint32_t* count,
-                const Hit* hits, Totals* totals) {
+extern "C" __global__ void PT_LAUNCH_BOUNDS shade_paths(Scene parameter, FilmView film, PathStore store,
+                                                        const std::uint32_t* order, const std::uint32_t* count,
+                                                        const Hit* hits, Totals* totals) {
     const SceneViews scene(parameter);
     const Paths paths(store);
     PathCounters counters;

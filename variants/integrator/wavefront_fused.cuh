@@ -60,13 +60,13 @@ __device__ inline void put_path(const Path& path, bool shaded, bool alive, std::
     }
 #else
     if (alive && is_new) {
-        paths.store(slot, path);
+        paths.template put<radiance, medium, time>(slot, path);
     } else if (alive) {
         paths.template update<radiance, medium>(slot, path);
     } else if (shaded && is_new) {
         Path ended = path;
         ended.segment = Path::ended;
-        paths.store(slot, ended);
+        paths.template put<radiance, medium, time>(slot, ended);
     } else if (shaded) {
         paths.end(slot);
     }
@@ -92,10 +92,10 @@ extern "C" __global__ void advance(std::uint32_t* cursor, std::uint32_t samples)
 }
 
 // Path i: pixel i mod pixels, sample first_sample + i / pixels; with a cursor the first sample is there.
-extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    first_bounce(Scene parameter, FilmView film, PathStore out, std::uint32_t* out_count, std::uint32_t pool,
-                 std::uint32_t first_sample, const std::uint32_t* cursor, HitCache cache, Totals* totals,
-                 SegmentCounts segments) {
+extern "C" __global__ void PT_LAUNCH_BOUNDS first_bounce(Scene parameter, FilmView film, PathStore out,
+                                                         std::uint32_t* out_count, std::uint32_t pool,
+                                                         std::uint32_t first_sample, const std::uint32_t* cursor,
+                                                         HitCache cache, Totals* totals, SegmentCounts segments) {
     const SceneViews scene(parameter);
     PathCounters counters;
     const std::uint32_t i = pt::cuda::thread_number();
@@ -119,10 +119,10 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
 }
 
 // One bounce of the paths at order[0..*in_count-1] of `in` (no order: at 0..*in_count-1; PT_APPEND: as located).
-extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    next_bounce(Scene parameter, FilmView film, PathStore in, const std::uint32_t* order, const std::uint32_t* in_count,
-                PathStore out, std::uint32_t* out_count, SegmentNumber segment, Totals* totals,
-                SegmentCounts segments) {
+extern "C" __global__ void PT_LAUNCH_BOUNDS next_bounce(Scene parameter, FilmView film, PathStore in,
+                                                        const std::uint32_t* order, const std::uint32_t* in_count,
+                                                        PathStore out, std::uint32_t* out_count, SegmentNumber segment,
+                                                        Totals* totals, SegmentCounts segments) {
     const SceneViews scene(parameter);
     PathCounters counters;
     const std::uint32_t i = pt::cuda::thread_number();
@@ -162,6 +162,7 @@ inline constexpr Tunable tunables[] = {
     wavefront_tunables[1],
     wavefront_tunables[2],
     wavefront_tunables[3],
+    wavefront_tunables[4],
     {"append_counters", 16, 1, 64, 1, "parts of the queue, with a counter each, where the kernel appends"}};
 
 inline constexpr Descriptor descriptor{

@@ -55,7 +55,12 @@ struct DevicePaths {
     PT_HD std::uint32_t sample(std::uint32_t slot) const { return at(slot).sample; }
     PT_HD Ray<Real> ray(std::uint32_t slot) const { return ray_of(load(slot)); }
 
-    static std::size_t bytes(std::uint32_t capacity) { return sizeof(Record<Real>) * std::size_t{capacity}; }
+#if !defined(__CUDACC_RTC__)
+    // A record is the whole path, whatever the scene: as in both seeds.
+    static std::size_t bytes(std::uint32_t capacity, const cuda::PathFields&) {
+        return sizeof(Record<Real>) * std::size_t{capacity};
+    }
+#endif
     cuda::FieldView segment() const { return field(offsetof(Path<Real>, segment)); }
     cuda::FieldView departed() const { return field(offsetof(Path<Real>, departed)); }
 

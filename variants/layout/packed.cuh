@@ -20,7 +20,7 @@ struct DevicePaths {
 
     PT_HD explicit DevicePaths(const cuda::PathStore& store) : store_(store) {}
     PT_HD Path<Real> load(std::uint32_t slot) const {
-        const Column a = column(0)[slot], b = column(1)[slot], c = column(2)[slot], d = column(3)[slot];
+        const Column a = column(0)[slot], b = column(1)[slot], c = column(2)[slot], d = optional()[slot];
         const Key key = keys()[slot];
         return {{a.x, a.y, a.z},    {b.x, b.y, b.z},
                 {c.x, c.y, c.z},    {d.x, d.y, d.z},
@@ -42,7 +42,7 @@ struct DevicePaths {
         column(1)[slot] = {path.direction.x, path.direction.y, path.direction.z, path.departed.code};
         column(2)[slot] = {path.throughput.x, path.throughput.y, path.throughput.z, path.segment};
         if constexpr (radiance || medium) {
-            column(3)[slot] = {path.radiance.x, path.radiance.y, path.radiance.z, path.medium};
+            optional()[slot] = {path.radiance.x, path.radiance.y, path.radiance.z, path.medium};
         }
     }
     PT_HD void end(std::uint32_t slot) const { column(2)[slot].w = Path<Real>::ended; }
@@ -54,9 +54,15 @@ struct DevicePaths {
         return {{a.x, a.y, a.z}, {b.x, b.y, b.z}, bits_to_float(a.w), ObjectSide{b.w}};
     }
 
-    static std::size_t bytes(std::uint32_t capacity) {
-        return (4 * sizeof(Column) + sizeof(Key)) * std::size_t{capacity};
+#if !defined(__CUDACC_RTC__)
+    // The time lies beside the origin; radiance and medium come last, and may be left out.
+    static std::size_t bytes(std::uint32_t capacity, const cuda::PathFields& fields) {
+        const std::size_t always = 3 * sizeof(Column) + sizeof(Key);
+        const std::size_t optional = fields.radiance || fields.medium ? sizeof(Column) : 0;
+        // The optional column starts on a border of 16 bytes.
+        return (always + optional) * std::size_t{capacity} + sizeof(Key);
     }
+#endif
     cuda::FieldView segment() const { return field(2); }
     cuda::FieldView departed() const { return field(1); }
 
@@ -64,7 +70,11 @@ private:
     PT_HD Column* column(std::uint32_t i) const {
         return reinterpret_cast<Column*>(store_.base) + std::size_t{i} * store_.capacity;
     }
-    PT_HD Key* keys() const { return reinterpret_cast<Key*>(column(4)); }
+    PT_HD Key* keys() const { return reinterpret_cast<Key*>(column(3)); }
+    PT_HD Column* optional() const {
+        const std::size_t even = (std::size_t{store_.capacity} + 1) / 2 * 2;
+        return reinterpret_cast<Column*>(keys() + even);
+    }
     cuda::FieldView field(std::uint32_t i) const {
         return {reinterpret_cast<const unsigned char*>(column(i)) + offsetof(Column, w), sizeof(Column)};
     }

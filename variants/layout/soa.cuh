@@ -12,33 +12,37 @@ struct DevicePaths {
 
     PT_HD explicit DevicePaths(const cuda::PathStore& store) : store_(store) {}
     PT_HD Path<Real> load(std::uint32_t slot) const {
-        return {vector(0, slot), vector(3, slot), vector(6, slot), vector(9, slot),           real(12)[slot],
-                word(0)[slot],   word(1)[slot],   word(2)[slot],   ObjectSide{word(3)[slot]}, word(4)[slot]};
+        return {
+            vector(0, slot), vector(3, slot), vector(6, slot),           radiance(slot), time()[slot], word(0)[slot],
+            word(1)[slot],   word(2)[slot],   ObjectSide{word(3)[slot]}, medium()[slot]};
     }
     PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { put<true, true, true>(slot, path); }
     // A path that is new in its slot; of radiance, medium and time only what is asked for.
-    template <bool radiance, bool medium, bool time>
+    template <bool has_radiance, bool has_medium, bool has_time>
     PT_HD void put(std::uint32_t slot, const Path<Real>& path) const {
-        update<radiance, medium>(slot, path);
-        if constexpr (time) {
-            real(12)[slot] = path.time;
+        update<has_radiance, has_medium>(slot, path);
+        if constexpr (has_time) {
+            time()[slot] = path.time;
         }
         word(0)[slot] = path.pixel;
         word(1)[slot] = path.sample;
     }
     // What a bounce changes.
-    template <bool radiance, bool medium>
+    template <bool has_radiance, bool has_medium>
     PT_HD void update(std::uint32_t slot, const Path<Real>& path) const {
         set_vector(0, slot, path.origin);
         set_vector(3, slot, path.direction);
         set_vector(6, slot, path.throughput);
-        if constexpr (radiance) {
-            set_vector(9, slot, path.radiance);
+        if constexpr (has_radiance) {
+            Real* const column = optional();
+            column[slot] = path.radiance.x;
+            column[padded(store_.capacity) + slot] = path.radiance.y;
+            column[2 * std::size_t{padded(store_.capacity)} + slot] = path.radiance.z;
         }
         word(2)[slot] = path.segment;
         word(3)[slot] = path.departed.code;
-        if constexpr (medium) {
-            word(4)[slot] = path.medium;
+        if constexpr (has_medium) {
+            medium()[slot] = path.medium;
         }
     }
     PT_HD void end(std::uint32_t slot) const { word(2)[slot] = Path<Real>::ended; }
@@ -46,12 +50,20 @@ struct DevicePaths {
     PT_HD std::uint32_t pixel(std::uint32_t slot) const { return word(0)[slot]; }
     PT_HD std::uint32_t sample(std::uint32_t slot) const { return word(1)[slot]; }
     PT_HD Ray<Real> ray(std::uint32_t slot) const {
-        return {vector(0, slot), vector(3, slot), real(12)[slot], ObjectSide{word(3)[slot]}};
+        return {vector(0, slot), vector(3, slot), time()[slot], ObjectSide{word(3)[slot]}};
     }
 
-    static std::size_t bytes(std::uint32_t capacity) {
-        return (13 * sizeof(Real) + 5 * sizeof(std::uint32_t)) * std::size_t{padded(capacity)};
+#if !defined(__CUDACC_RTC__)
+    // Columns that not every path carries come last, and those beyond the last one carried are not there.
+    static std::size_t bytes(std::uint32_t capacity, const cuda::PathFields& fields) {
+        const std::size_t always = 9 * sizeof(Real) + 4 * sizeof(std::uint32_t);
+        const std::size_t optional = fields.medium     ? 4 * sizeof(Real) + sizeof(std::uint32_t)
+                                     : fields.time     ? 4 * sizeof(Real)
+                                     : fields.radiance ? 3 * sizeof(Real)
+                                                       : 0;
+        return (always + optional) * std::size_t{padded(capacity)};
     }
+#endif
     cuda::FieldView segment() const { return {reinterpret_cast<const unsigned char*>(word(2)), 4}; }
     cuda::FieldView departed() const { return {reinterpret_cast<const unsigned char*>(word(3)), 4}; }
 
@@ -62,7 +74,17 @@ private:
         return reinterpret_cast<Real*>(store_.base) + std::size_t{column} * padded(store_.capacity);
     }
     PT_HD std::uint32_t* word(std::uint32_t column) const {
-        return reinterpret_cast<std::uint32_t*>(real(13)) + std::size_t{column} * padded(store_.capacity);
+        return reinterpret_cast<std::uint32_t*>(real(9)) + std::size_t{column} * padded(store_.capacity);
+    }
+    // Radiance, time and medium.
+    PT_HD Real* optional() const { return reinterpret_cast<Real*>(word(4)); }
+    PT_HD Real* time() const { return optional() + 3 * std::size_t{padded(store_.capacity)}; }
+    PT_HD std::uint32_t* medium() const {
+        return reinterpret_cast<std::uint32_t*>(optional() + 4 * std::size_t{padded(store_.capacity)});
+    }
+    PT_HD Vec3<Real> radiance(std::uint32_t slot) const {
+        const std::size_t step = padded(store_.capacity);
+        return {optional()[slot], optional()[step + slot], optional()[2 * step + slot]};
     }
     PT_HD Vec3<Real> vector(std::uint32_t column, std::uint32_t slot) const {
         return {real(column)[slot], real(column + 1)[slot], real(column + 2)[slot]};

@@ -15,8 +15,8 @@ __device__ inline void clear_shared(std::uint32_t* histogram, std::uint32_t key_
     __syncthreads();
 }
 
-extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    count_keys(const std::uint32_t* keys, std::uint32_t bound, std::uint32_t key_count, std::uint32_t* totals) {
+extern "C" __global__ void PT_LAUNCH_BOUNDS count_keys(const std::uint32_t* keys, std::uint32_t bound,
+                                                       std::uint32_t key_count, std::uint32_t* totals) {
     __shared__ std::uint32_t histogram[most_keys];
     clear_shared(histogram, key_count);
     const std::uint32_t i = pt::cuda::thread_number();
@@ -32,7 +32,7 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK)
 }
 
 // One block: totals become where each bucket starts.
-extern "C" __global__ void __launch_bounds__(PT_BLOCK) scan_keys(std::uint32_t* totals, std::uint32_t key_count) {
+extern "C" __global__ void PT_LAUNCH_BOUNDS scan_keys(std::uint32_t* totals, std::uint32_t key_count) {
     if (threadIdx.x < 32) {
         std::uint32_t before = 0;
         for (std::uint32_t first = 0; first < key_count; first += 32) {
@@ -52,9 +52,9 @@ extern "C" __global__ void __launch_bounds__(PT_BLOCK) scan_keys(std::uint32_t* 
 }
 
 // `order`: null for slot i at position i. Positions beyond the count keep any slot: nobody reads them.
-extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    scatter(const std::uint32_t* keys, const std::uint32_t* order, std::uint32_t bound, std::uint32_t key_count,
-            std::uint32_t* next, std::uint32_t* sorted) {
+extern "C" __global__ void PT_LAUNCH_BOUNDS scatter(const std::uint32_t* keys, const std::uint32_t* order,
+                                                    std::uint32_t bound, std::uint32_t key_count, std::uint32_t* next,
+                                                    std::uint32_t* sorted) {
     __shared__ std::uint32_t place[most_keys];
     clear_shared(place, key_count);
     const std::uint32_t i = pt::cuda::thread_number();
@@ -87,6 +87,7 @@ inline constexpr std::uint32_t most_keys = 4096;
 
 class Bucket final : public Sorting {
 public:
+    bool moves_paths() const override { return false; }
     explicit Bucket(const CellContext& context)
         : context_(context), module_(context.module("variants/sorting/bucket.cuh")) {}
 

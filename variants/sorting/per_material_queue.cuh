@@ -7,9 +7,10 @@
 #include "variants/cuda/device.cuh"
 
 // Queue k holds `capacity` slots from queues + k * capacity. Lanes of one key share one atomic operation.
-extern "C" __global__ void __launch_bounds__(PT_BLOCK)
-    append_to_queues(const std::uint32_t* keys, const std::uint32_t* order, const std::uint32_t* count,
-                     std::uint32_t queue_count, std::uint32_t capacity, std::uint32_t* queues, std::uint32_t* counts) {
+extern "C" __global__ void PT_LAUNCH_BOUNDS append_to_queues(const std::uint32_t* keys, const std::uint32_t* order,
+                                                             const std::uint32_t* count, std::uint32_t queue_count,
+                                                             std::uint32_t capacity, std::uint32_t* queues,
+                                                             std::uint32_t* counts) {
     const std::uint32_t i = pt::cuda::thread_number();
     const std::uint32_t key = i < *count ? keys[i] : queue_count;
     const unsigned together = __match_any_sync(0xffffffffu, key);
@@ -38,6 +39,7 @@ inline constexpr std::uint32_t block = 256;
 
 class PerMaterialQueue final : public Sorting {
 public:
+    bool moves_paths() const override { return false; }
     explicit PerMaterialQueue(const CellContext& context)
         : context_(context), module_(context.module("variants/sorting/per_material_queue.cuh")) {}
 

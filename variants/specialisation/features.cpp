@@ -1,22 +1,10 @@
 // The kernel that contains what the scene needs and as little else as possible. On the CPU kernels are compiled ahead
 // of time, for the feature sets in cpu_feature_sets.txt; another scene gets the smallest of them that has all it needs,
 // and the output names what was compiled in for nothing.
-#include <bit>
-
-#include "variants/registry.h"
+#include "variants/specialisation/smallest_superset.h"
 
 namespace pt {
 namespace {
-
-FeatureSet smallest_superset(FeatureSet needed, const std::vector<FeatureSet>& compiled) {
-    FeatureSet best = all_features;
-    for (const FeatureSet candidate : compiled) {
-        if (is_superset(candidate, needed) && std::popcount(candidate) < std::popcount(best)) {
-            best = candidate;
-        }
-    }
-    return best;
-}
 
 const Registration registration(
     {
@@ -26,6 +14,7 @@ const Registration registration(
         .origin = "Cycles' kernel feature masks",
         .baseline = on_every_backend,
         .backends = on_every_backend,
+        .tunables = feature_tunables,
     },
     {.specialisation = smallest_superset});
 

@@ -13,7 +13,7 @@ const Registration registration(
         .reference = on_every_backend,
         .backends = on_every_backend,
     },
-    {.specialisation = [](FeatureSet, const std::vector<FeatureSet>&) { return all_features; }});
+    {.specialisation = [](const KernelOffer&, const Variant&, Backend) { return all_features; }});
 
 }  // namespace
 }  // namespace pt

@@ -1,0 +1,157 @@
+#include "harness/bench/tuning.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "harness/bench/machine.h"
+#include "harness/cuda/backend.h"
+#include "harness/json_reader.h"
+#include "harness/places.h"
+#include "harness/write_file.h"
+
+namespace pt {
+
+namespace {
+
+bool is_known(const std::string& name, Backend backend) {
+    const std::vector<Tunable> all = all_tunables(backend);
+    return std::any_of(all.begin(), all.end(), [&](const Tunable& tunable) { return tunable.name == name; });
+}
+
+TunedVariant read_entry(const JsonValue& value, Backend backend) {
+    const JsonObject object(value,
+                            {"variant", "tunables", "scene", "resolution", "depth", "spp", "standard_ms", "tuned_ms"});
+    constexpr long long most = 0xffffffffll;
+    const auto whole = [&](const JsonValue& number) {
+        return static_cast<std::uint32_t>(number.whole(0, most, "a whole number"));
+    };
+    TunedVariant entry;
+    entry.variant = object.required("variant").text();
+    const JsonValue tunables = object.required("tunables");
+    std::vector<std::string> names;
+    if (!tunables.json().is_object()) {
+        tunables.fail("an object: tunable -> value");
+    }
+    for (const auto& [name, number] : tunables.json().items()) {
+        names.push_back(name);
+    }
+    const JsonObject values(tunables, names);
+    for (const std::string& name : names) {
+        if (!is_known(name, backend)) {
+            values.at(name).fail("a tunable (ptbench list)");
+        }
+        entry.values[name] = whole(values.at(name));
+    }
+    entry.scene = object.required("scene").text();
+    const std::vector<JsonValue> size = object.required("resolution").elements();
+    if (size.size() != 2) {
+        object.required("resolution").fail("[width, height]");
+    }
+    entry.width = whole(size[0]);
+    entry.height = whole(size[1]);
+    entry.depth = whole(object.required("depth"));
+    entry.spp = whole(object.required("spp"));
+    entry.standard_ms = object.required("standard_ms").number(0, 1e12, "milliseconds");
+    entry.tuned_ms = object.required("tuned_ms").number(0, 1e12, "milliseconds");
+    return entry;
+}
+
+}  // namespace
+
+Tuning Tuning::load(const std::string& file, Backend backend) {
+    Tuning tuning;
+    if (!std::filesystem::exists(file)) {
+        return tuning;
+    }
+    const Json json = parse_json(read_file(file), file);
+    const JsonObject root(JsonValue(json, file, ""), {"machine", "entries"});
+    for (const JsonValue& entry : root.required("entries").elements()) {
+        tuning.put(read_entry(entry, backend));
+    }
+    return tuning;
+}
+
+void Tuning::put(const TunedVariant& tuned) {
+    const auto known = std::find_if(entries_.begin(), entries_.end(),
+                                    [&](const TunedVariant& entry) { return entry.variant == tuned.variant; });
+    if (known != entries_.end()) {
+        *known = tuned;
+    } else {
+        entries_.push_back(tuned);
+    }
+}
+
+void Tuning::save(const std::string& file, const std::string& machine) const {
+    nlohmann::ordered_json json{{"machine", machine}, {"entries", nlohmann::ordered_json::array()}};
+    for (const TunedVariant& entry : entries_) {
+        json["entries"].push_back({{"variant", entry.variant},
+                                   {"tunables", entry.values},
+                                   {"scene", entry.scene},
+                                   {"resolution", {entry.width, entry.height}},
+                                   {"depth", entry.depth},
+                                   {"spp", entry.spp},
+                                   {"standard_ms", entry.standard_ms},
+                                   {"tuned_ms", entry.tuned_ms}});
+    }
+    write_file(file, json.dump(1) + "\n");
+}
+
+const TunedVariant* Tuning::find(const std::string& variant) const {
+    for (const TunedVariant& entry : entries_) {
+        if (entry.variant == variant) {
+            return &entry;
+        }
+    }
+    return nullptr;
+}
+
+Variant Tuning::applied(const Variant& variant, const std::set<std::string>& named) const {
+    Variant plain = variant;
+    plain.tuning.clear();
+    const TunedVariant* const tuned = find(plain.name());
+    Variant result = variant;
+    if (tuned != nullptr) {
+        for (const auto& [name, value] : tuned->values) {
+            if (!named.contains(name)) {
+                result.tuning.try_emplace(name, value);
+            }
+        }
+    }
+    return result;
+}
+
+std::string tuning_file(Backend backend) {
+    const std::string machine = backend == Backend::cuda ? cuda::machine_name() : machine_name();
+    return (home_folder() / "results" / machine / "tuning.json").string();
+}
+
+std::vector<std::uint32_t> candidates(const Tunable& tunable) {
+    if (tunable.sets_work) {
+        return {};
+    }
+    std::set<std::uint32_t> values{tunable.standard};
+    const auto offer = [&](std::uint64_t value) {
+        if (value <= tunable.highest && tunable.allows(static_cast<std::uint32_t>(value))) {
+            values.insert(static_cast<std::uint32_t>(value));
+        }
+    };
+    const std::uint32_t range = tunable.highest - tunable.lowest;
+    if (tunable.highest <= 64) {
+        // Evenly over a short range.
+        const std::uint32_t steps = std::min<std::uint32_t>(8, range);
+        for (std::uint32_t step = 0; step <= steps; ++step) {
+            offer(tunable.lowest + std::uint64_t{range} * step / std::max(1u, steps));
+        }
+    } else {
+        // By factors of two round the standard over a long one.
+        for (std::uint64_t factor = 1; factor <= 16; factor *= 2) {
+            offer(tunable.standard * factor);
+            offer(tunable.standard / factor);
+        }
+    }
+    return {values.begin(), values.end()};
+}
+
+}  // namespace pt

@@ -1,0 +1,146 @@
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "harness/bench/suite.h"
+#include "harness/cli/commands.h"
+#include "harness/cuda/backend.h"
+#include "harness/places.h"
+#include "harness/write_file.h"
+
+namespace pt {
+
+namespace {
+
+struct InspectArguments {
+    std::string scene;
+    std::vector<std::string> axes;
+    std::vector<std::string> tunables;
+    std::string architecture;
+    bool counters = false;
+    std::uint32_t spp = 16;
+    std::string out;
+};
+
+std::string text_of(const nlohmann::ordered_json& report) {
+    std::string text = fmt::format("{} on {}, {}\n", report["variant"].get<std::string>(),
+                                   report["scene"].get<std::string>(), report["architecture"].get<std::string>());
+    for (const auto& kernel : report["kernels"]) {
+        text += fmt::format(
+            "  {}: {} registers, {} + {} spill bytes, {} shared bytes; {} warps of {} threads' blocks "
+            "({:.0f} %, limited by {})\n",
+            kernel["name"].get<std::string>(), kernel["registers"].get<int>(), kernel["spill_store_bytes"].get<int>(),
+            kernel["spill_load_bytes"].get<int>(), kernel["shared_bytes"].get<int>(),
+            kernel["warps_a_multiprocessor"].get<int>(), kernel["threads_a_block"].get<int>(),
+            100 * kernel["occupancy"].get<double>(), kernel["occupancy_limit"].get<std::string>());
+        for (const char* part : {"instructions", "instructions_in_loop"}) {
+            if (kernel.contains(part)) {
+                text += fmt::format("    {:<21}", part == std::string("instructions") ? "instructions" : "in its loop");
+                for (const auto& [pipe, count] : kernel[part].items()) {
+                    text += fmt::format(" {} {}", pipe, count.get<std::size_t>());
+                }
+                text += "\n";
+            }
+        }
+        if (kernel.contains("counters")) {
+            const auto& counters = kernel["counters"];
+            text += fmt::format(
+                "    {:.3f} ms, {:.1f} of 32 lanes active, {:.1f} instructions a ray and thread, {:.1f} bytes "
+                "of memory a ray; {:.0f} % of the issue ceiling, {:.0f} % of the {} ceiling\n",
+                counters["milliseconds"].get<double>(), counters["active_lanes"].get<double>(),
+                counters["thread_instructions_a_ray"].get<double>(), counters["memory_bytes_a_ray"].get<double>(),
+                100 * counters["of_ceiling"]["issue"].get<double>(),
+                100 * counters["of_ceiling"][counters["bound"].get<std::string>()].get<double>(),
+                counters["bound"].get<std::string>());
+        }
+    }
+    return text;
+}
+
+// Renders the variant once for the number of its rays, and once more under ncu.
+void add_counters(const InspectArguments& arguments, const Scene& scene, const Variant& variant,
+                  nlohmann::ordered_json& report) {
+    RenderRequest request{
+        .variant = variant, .backend = Backend::cuda, .settings = default_settings(scene), .samples = arguments.spp};
+    request.settings.seed = 1;
+    const RenderResult result = render(scene, request);
+    std::vector<std::string> call{"--scene", arguments.scene, "--backend",
+                                  "cuda",    "--spp",         std::to_string(arguments.spp)};
+    for (const std::string_view axis : axis_names) {
+        call.insert(call.end(), {"--axis", fmt::format("{}={}", axis, variant[axis])});
+    }
+    for (const auto& [tunable, value] : variant.tuning) {
+        call.insert(call.end(), {"--tune", fmt::format("{}={}", tunable, value)});
+    }
+    std::vector<std::string> kernels;
+    for (const auto& kernel : report["kernels"]) {
+        kernels.push_back(kernel["name"]);
+    }
+    const auto counted = cuda::kernel_counters(call, kernels, static_cast<double>(result.work.rays));
+    report["rays"] = result.work.rays;
+    report["spp"] = arguments.spp;
+    report["ceilings"] = counted["ceilings"];
+    for (auto& kernel : report["kernels"]) {
+        const auto found = counted["kernels"].find(kernel["name"].get<std::string>());
+        if (found != counted["kernels"].end()) {
+            kernel["counters"] = *found;
+        }
+    }
+}
+
+int run(const InspectArguments& arguments) {
+    const Scene scene = find_scene(arguments.scene);
+    if (arguments.counters && !arguments.architecture.empty()) {
+        throw InputError("command line", "--counters", "--arch " + arguments.architecture,
+                         "no --arch: counters come from this machine's GPU");
+    }
+    AxisChoices axes;
+    for (const std::string& argument : arguments.axes) {
+        add_axis_argument(axes, argument, Backend::cuda);
+    }
+    TunableValues tunables;
+    for (const std::string& argument : arguments.tunables) {
+        add_tunable_argument(tunables, argument);
+    }
+    const std::vector<Variant> variants = expand(axes, Backend::cuda, tunables);
+    nlohmann::ordered_json reports = nlohmann::ordered_json::array();
+    for (const Variant& variant : variants) {
+        const std::string reason = why_not_applicable(variant, features_of(scene), Backend::cuda);
+        if (!reason.empty()) {
+            fmt::print("n/a: {} on {}: {}\n", variant.name(), scene.name, reason);
+            continue;
+        }
+        reports.push_back(cuda::inspect_kernels(scene, variant, arguments.architecture));
+        if (arguments.counters) {
+            add_counters(arguments, scene, variant, reports.back());
+        }
+        fmt::print("{}", text_of(reports.back()));
+    }
+    if (reports.empty()) {
+        throw InputError("--axis", "argument", "no variant that applies", "a variant that applies to the scene");
+    }
+    if (!arguments.out.empty()) {
+        write_file(arguments.out, reports.dump(1) + "\n");
+    }
+    return exit_good;
+}
+
+}  // namespace
+
+Command add_inspect_command(CLI::App& app) {
+    auto arguments = std::make_shared<InspectArguments>();
+    CLI::App* command = app.add_subcommand(
+        "inspect", "What a CUDA variant's kernels are made of: registers, occupancy, machine code by pipe");
+    command->add_option("--scene", arguments->scene, "Scene by name or .json file")->required();
+    command->add_option("--axis", arguments->axes, "AXIS=CHOICE,CHOICE, repeatable")->allow_extra_args(false);
+    command->add_option("--tune", arguments->tunables, "TUNABLE=VALUE,VALUE, repeatable")->allow_extra_args(false);
+    command->add_option("--arch", arguments->architecture,
+                        "GPU architecture, e.g. sm_90; needs no such GPU (default: this machine's)");
+    command->add_flag("--counters", arguments->counters,
+                      "Also run them under ncu: lanes, instructions and bytes a ray, and the bound they run at");
+    command->add_option("--spp", arguments->spp, "Samples per pixel under --counters (default 16)")
+        ->check(CLI::Range(1u, 100000u));
+    command->add_option("--out", arguments->out, "Also write the report as JSON");
+    return [arguments] { return run(*arguments); };
+}
+
+}  // namespace pt

@@ -1,0 +1,137 @@
+#include "harness/cuda/inspect.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "harness/cuda/cell.h"
+#include "harness/cuda/sass.h"
+#include "harness/error.h"
+#include "variants/cuda/compiler_report.h"
+
+namespace pt::cuda {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+struct Limits {
+    const char* architecture;
+    int warps, blocks, shared_kib;  // a multiprocessor
+    int reserved_shared;            // bytes a block that the system takes
+};
+
+// CUDA C++ Programming Guide 13.0, "Technical Specifications per Compute Capability". 65536 registers everywhere.
+constexpr Limits all_limits[] = {
+    {"sm_75", 32, 16, 64, 0},      {"sm_80", 64, 32, 164, 1024},  {"sm_86", 48, 16, 100, 1024},
+    {"sm_87", 48, 16, 164, 1024},  {"sm_89", 48, 24, 100, 1024},  {"sm_90", 64, 32, 228, 1024},
+    {"sm_100", 64, 32, 228, 1024}, {"sm_103", 64, 32, 228, 1024}, {"sm_120", 48, 24, 100, 1024},
+};
+constexpr int registers_a_multiprocessor = 65536;
+constexpr int register_unit = 256;  // registers are given to warps in steps of this
+constexpr int shared_unit = 128;
+
+const Limits& limits_of(const std::string& architecture) {
+    for (const Limits& limits : all_limits) {
+        if (architecture == limits.architecture) {
+            return limits;
+        }
+    }
+    throw InputError("command line", "--arch", architecture, known_architectures());
+}
+
+int rounded_up(int value, int unit) { return (value + unit - 1) / unit * unit; }
+
+Json pipes_json(const PipeCounts& counts) {
+    Json json = Json::object();
+    std::size_t total = 0;
+    for (const auto& [pipe, count] : counts) {
+        total += count;
+    }
+    json["total"] = total;
+    for (const auto& [pipe, count] : counts) {
+        json[pipe] = count;
+    }
+    return json;
+}
+
+}  // namespace
+
+std::string known_architectures() {
+    std::string names;
+    for (const Limits& limits : all_limits) {
+        names += (names.empty() ? "" : ", ") + std::string(limits.architecture);
+    }
+    return names;
+}
+
+Occupancy occupancy(const std::string& architecture, int registers, int shared_bytes, int threads_a_block) {
+    const Limits& limits = limits_of(architecture);
+    const int warps_a_block = (threads_a_block + 31) / 32;
+    const int registers_a_warp = rounded_up(std::max(1, registers) * 32, register_unit);
+    // Registers belong to the four partitions of a multiprocessor, a warp to one of them.
+    const int by_registers = registers_a_multiprocessor / 4 / registers_a_warp * 4 / warps_a_block;
+    const int shared_a_block = rounded_up(shared_bytes + limits.reserved_shared, shared_unit);
+    const int by_shared = shared_a_block == 0 ? limits.blocks : limits.shared_kib * 1024 / shared_a_block;
+    const std::pair<int, const char*> bounds[] = {{limits.warps / warps_a_block, "warps"},
+                                                  {limits.blocks, "blocks"},
+                                                  {by_registers, "registers"},
+                                                  {by_shared, "shared memory"}};
+    const auto least = *std::min_element(std::begin(bounds), std::end(bounds),
+                                         [](const auto& a, const auto& b) { return a.first < b.first; });
+    return {least.first, least.first * warps_a_block, limits.warps, least.second};
+}
+
+Json inspect(const Scene& scene, const Variant& variant, const std::string& architecture) {
+    (void)limits_of(architecture);
+    const CompilerReport report = [&] {
+        try {
+            return compiler_report(module_request(scene, variant, architecture));
+        } catch (const CompileError&) {
+            throw;
+        } catch (const std::runtime_error& error) {
+            throw MachineError(fmt::format("cuda: {}", error.what()));
+        }
+    }();
+    const KernelChoice kernel = choose_kernel(scene, variant, Backend::cuda);
+    const int threads = static_cast<int>(tunable(variant, "block", Backend::cuda));
+    const std::string nvdisasm = find_nvdisasm();
+    std::vector<KernelCode> code;
+    if (!nvdisasm.empty()) {
+        code = count_instructions(disassemble(nvdisasm, report.cubin));
+    }
+    Json json{
+        {"scene", scene.name},
+        {"variant", variant.name()},
+        {"architecture", architecture},
+        {"features", feature_names(kernel.compiled)},
+        {"left_out", feature_names(all_features & ~kernel.compiled)},
+        {"compile_seconds", report.compile_seconds},
+        {"options", report.options},
+        {"code_bytes", report.cubin.size()},
+        {"disassembler", nvdisasm.empty() ? "not found: no instruction counts (set PTBENCH_NVDISASM)" : nvdisasm}};
+    for (const KernelReport& reported : report.kernels) {
+        const Occupancy held = occupancy(architecture, reported.registers, reported.shared_bytes, threads);
+        Json entry{{"name", reported.name},
+                   {"registers", reported.registers},
+                   {"stack_bytes", reported.stack_bytes},
+                   {"spill_store_bytes", reported.spill_store_bytes},
+                   {"spill_load_bytes", reported.spill_load_bytes},
+                   {"shared_bytes", reported.shared_bytes},
+                   {"threads_a_block", threads},
+                   {"blocks_a_multiprocessor", held.blocks},
+                   {"warps_a_multiprocessor", held.warps},
+                   {"occupancy", static_cast<double>(held.warps) / held.most_warps},
+                   {"occupancy_limit", held.limit}};
+        for (const KernelCode& counted : code) {
+            if (counted.name == reported.name) {
+                entry["instructions"] = pipes_json(counted.all);
+                entry["instructions_in_loop"] = pipes_json(counted.loop);
+            }
+        }
+        json["kernels"].push_back(entry);
+    }
+    return json;
+}
+
+}  // namespace pt::cuda

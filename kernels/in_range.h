@@ -1,0 +1,62 @@
+// Division, reciprocal and square root for operands that are known to be far from the ends of the exponents' range:
+// correctly rounded, as the operators are, but on a device without the test for the ends and the branch behind it,
+// which cost more than the operation. The sequences are those that nvcc itself takes when its test passes: an
+// approximation and Newton steps whose last multiply-add rounds right (Markstein 1990).
+#pragma once
+
+#include "kernels/math.h"
+
+namespace pt {
+
+// Fast arithmetic (variants/arithmetic/fast.cpp) has shorter ones of its own.
+#if defined(__CUDA_ARCH__) && !defined(PT_FAST_MATH)
+#define PT_DEVICE_SEQUENCES 1
+#else
+#define PT_DEVICE_SEQUENCES 0
+#endif
+
+// 1 / x for 2^-100 <= |x| <= 2^120.
+template <class Real>
+PT_HD inline Real reciprocal_in_range(Real x) {
+#if PT_DEVICE_SEQUENCES
+    if constexpr (sizeof(Real) == 4) {
+        float guess;
+        asm("rcp.approx.ftz.f32 %0, %1;" : "=f"(guess) : "f"(x));
+        return __fmaf_rn(guess, -__fmaf_rn(guess, x, -1.0f), guess);
+    }
+#endif
+    return Real(1) / x;
+}
+
+// a / b for 2^-50 <= |b| <= 2^50 and a = 0 or 2^-50 <= |a| <= 2^50.
+template <class Real>
+PT_HD inline Real divide_in_range(Real a, Real b) {
+#if PT_DEVICE_SEQUENCES
+    if constexpr (sizeof(Real) == 4) {
+        float guess;
+        asm("rcp.approx.ftz.f32 %0, %1;" : "=f"(guess) : "f"(b));
+        const float inverse = __fmaf_rn(guess, __fmaf_rn(-b, guess, 1.0f), guess);
+        const float quotient = a * inverse;
+        return __fmaf_rn(inverse, __fmaf_rn(-b, quotient, a), quotient);
+    }
+#endif
+    return a / b;
+}
+
+// The square root of x for 2^-100 <= x < infinity.
+template <class Real>
+PT_HD inline Real square_root_in_range(Real x) {
+#if PT_DEVICE_SEQUENCES
+    if constexpr (sizeof(Real) == 4) {
+        float guess;
+        asm("rsqrt.approx.ftz.f32 %0, %1;" : "=f"(guess) : "f"(x));
+        const float root = x * guess;
+        return __fmaf_rn(__fmaf_rn(-root, root, x), 0.5f * guess, root);
+    }
+#endif
+    return square_root(x);
+}
+
+#undef PT_DEVICE_SEQUENCES
+
+}  // namespace pt

@@ -1,0 +1,90 @@
+// An object the general way, as both seeds do it: a unit box, unit sphere or unit quad under a 4x4 matrix. A ray is
+// taken into the object's frame by the inverse matrix, met there, and the point taken back; normals go by the inverse
+// transpose. Every object costs the same, whatever its shape could save.
+#pragma once
+
+#include "kernels/box.h"
+
+namespace pt {
+
+enum class UnitShape : std::uint32_t { box, sphere, quad };
+
+template <class Real>
+struct Transform {
+    Vec3<Real> row[3];     // of the inverse's 3x3 part
+    Vec3<Real> offset;     // the inverse's last column
+    Vec3<Real> column[3];  // of the matrix's 3x3 part
+    Vec3<Real> centre;     // the matrix's last column, relative to the camera's eye
+    UnitShape shape;       // [-1/2, 1/2]^3, the sphere of diameter 1, or the square of side 1 in the plane y = 0
+
+    PT_HD Vec3<Real> direction_to_local(const Vec3<Real>& v) const {
+        return {dot(row[0], v), dot(row[1], v), dot(row[2], v)};
+    }
+    PT_HD Vec3<Real> point_to_local(const Vec3<Real>& p) const { return direction_to_local(p) + offset; }
+    PT_HD Vec3<Real> point_to_world(const Vec3<Real>& p) const {
+        return column[0] * p.x + column[1] * p.y + column[2] * p.z + centre;
+    }
+    PT_HD Vec3<Real> normal_to_world(const Vec3<Real>& n) const {
+        return normalize(row[0] * n.x + row[1] * n.y + row[2] * n.z);
+    }
+};
+
+// As quad.h's, in the unit square: the edges reach out by the rounding of the point.
+template <class Real>
+PT_HD inline Interval<Real> unit_quad_interval(const Vec3<Real>& origin, const Vec3<Real>& direction) {
+    const Real t = -origin.y / direction.y;
+    const Vec3<Real> p = origin + direction * t;
+    const Real reach = Real(0.5) + gamma<Real>(16) * (absolute(origin.x) + absolute(origin.z) +
+                                                      (absolute(direction.x) + absolute(direction.z)) * absolute(t));
+    return {t, t, absolute(p.x) <= reach && absolute(p.z) <= reach};
+}
+
+template <class Real>
+PT_HD inline Interval<Real> interval(const Transform<Real>& object, const Vec3<Real>& origin,
+                                     const Vec3<Real>& direction) {
+    const Vec3<Real> o = object.point_to_local(origin);
+    const Vec3<Real> d = object.direction_to_local(direction);
+    if (object.shape == UnitShape::sphere) {
+        return unit_sphere_interval(o * Real(2), d * Real(2));
+    }
+    if (object.shape == UnitShape::quad) {
+        return unit_quad_interval(o, d);
+    }
+    return slab_interval(Vec3<Real>(Real(-0.5)), Vec3<Real>(Real(0.5)), o,
+                         Vec3<Real>(Real(1) / d.x, Real(1) / d.y, Real(1) / d.z));
+}
+
+// The way out of a convex body for a ray that starts on it and runs inside.
+template <class Real>
+PT_HD inline Real chord(const Transform<Real>& object, const Vec3<Real>& origin, const Vec3<Real>& direction) {
+    if (object.shape == UnitShape::sphere) {
+        return unit_sphere_chord(object.point_to_local(origin) * Real(2),
+                                 object.direction_to_local(direction) * Real(2));
+    }
+    return max(interval(object, origin, direction).far, Real(0));
+}
+
+template <class Real>
+PT_HD inline SurfacePoint<Real> surface_point(const Transform<Real>& object, const Vec3<Real>& origin,
+                                              const Vec3<Real>& direction, Real t, bool inside) {
+    const Vec3<Real> o = object.point_to_local(origin);
+    const Vec3<Real> d = object.direction_to_local(direction);
+    const Vec3<Real> p = o + d * t;
+    if (object.shape == UnitShape::sphere) {
+        const Vec3<Real> f = normalize(p);
+        return {object.point_to_world(f * Real(0.5)), object.normal_to_world(f)};
+    }
+    if (object.shape == UnitShape::quad) {
+        // Inside the edges by the same bound: see quad.h.
+        const Real reach =
+            Real(0.5) - gamma<Real>(16) * (absolute(object.offset.x) + absolute(object.offset.z) + Real(1));
+        const Real inner = max(Real(0), reach);
+        return {object.point_to_world({clamp(p.x, -inner, inner), Real(0), clamp(p.z, -inner, inner)}),
+                object.normal_to_world({Real(0), Real(1), Real(0)})};
+    }
+    const Vec3<Real> inverse(Real(1) / d.x, Real(1) / d.y, Real(1) / d.z);
+    const SurfacePoint<Real> local = face_point(Vec3<Real>(Real(-0.5)), Vec3<Real>(Real(0.5)), o, inverse, inside, p);
+    return {object.point_to_world(local.position), object.normal_to_world(local.normal)};
+}
+
+}  // namespace pt

@@ -1,0 +1,167 @@
+// The mask is honest: what a scene needs is in it and nothing else, and a kernel that has just that leaves the film of
+// the kernel that has everything. For every feature a scene with it and one without.
+#include <gtest/gtest.h>
+
+#include "harness/render/renderer.h"
+#include "tests/support/scenes.h"
+#include "variants/integrator/depth_first.h"
+
+namespace pt {
+namespace {
+
+using test::SceneBuilder;
+
+constexpr std::uint32_t samples = 4;
+
+template <FeatureSet mask>
+Film film_of(const Scene& scene, bool final_bounce) {
+    RenderSettings settings = default_settings(scene);
+    settings.seed = 5;
+    settings.final_bounce = final_bounce;
+    const SceneBuffers<float> buffers(scene, settings);
+    Film film(settings.width, settings.height, radiance_bound(scene, settings.depth), samples);
+    PathCounters counters;
+    for (std::uint32_t pixel = 0; pixel < settings.width * settings.height; ++pixel) {
+        for (std::uint32_t sample = 0; sample < samples; ++sample) {
+            integrator::depth_first::trace<Config<float, mask>>(buffers.view(), film.view(), pixel, sample, nullptr,
+                                                                false, counters);
+        }
+    }
+    return film;
+}
+
+constexpr FeatureSet base = ((Feature::sphere | Feature::axis_box) | Feature::diffuse) | Feature::emitter;
+
+// A lamp, a ball and a floor; the camera sees all of them.
+struct Still {
+    SceneBuilder builder;
+    std::uint32_t grey = 0;
+
+    Still() {
+        grey = builder.diffuse(Vec3d(0.7, 0.6, 0.5));
+        const std::uint32_t lamp = builder.emitter(Vec3d(3, 2, 1));
+        builder.sphere(lamp, {0.8, 1.2, 2.5}, 0.8);
+        builder.sphere(grey, {-0.4, -0.2, 2.5}, 0.9);
+        builder.box(grey, {0, -0.8, 2.5}, {4, 0.2, 4});
+        builder.image(16, 16, 60, false).depth(5);
+    }
+    SceneObject& ball() { return builder.scene.objects[1]; }
+};
+
+struct Case {
+    const char* name;
+    Feature feature;
+    void (*add)(Still&);
+    Film (*own)(const Scene&, bool);
+    bool final_bounce = false;
+};
+
+template <Feature feature>
+Case with(const char* name, void (*add)(Still&), bool final_bounce = false) {
+    return {name, feature, add, &film_of<base | feature>, final_bounce};
+}
+
+// Where the feature stands on another.
+template <Feature feature, Feature other>
+Case with(const char* name, void (*add)(Still&)) {
+    return {name, feature, add, &film_of<(base | feature) | other>};
+}
+
+void make_ball(Still& still, std::uint32_t material) { still.ball().material = material; }
+
+const Case cases[] = {
+    with<Feature::ellipsoid>("ellipsoid",
+                             [](Still& s) {
+                                 s.builder.ellipsoid(s.grey, {0.3, 0, 2}, {0.3, 0.5, 0.4}, {10, 20, 30});
+                             }),
+    with<Feature::oriented_box>("oriented_box",
+                                [](Still& s) {
+                                    s.builder.box(s.grey, {0.3, 0, 2}, {0.3, 0.5, 0.4}, {10, 20, 30});
+                                }),
+    with<Feature::quad>("quad",
+                        [](Still& s) {
+                            s.builder.quad(s.grey, {0.3, 0, 2}, 0.6, 0.8, {40, 20, 0});
+                        }),
+    with<Feature::motion>("motion",
+                          [](Still& s) {
+                              s.ball().velocity = Vec3d(0.5, 0.2, 0);
+                              s.builder.scene.camera.shutter_close = 1;
+                          }),
+    with<Feature::mirror>("mirror", [](Still& s) { make_ball(s, s.builder.mirror(Vec3d(0.9))); }),
+    with<Feature::mix>("mix", [](Still& s) { make_ball(s, s.builder.mix(Vec3d(0.5), Vec3d(0.9), 0.5)); }),
+    with<Feature::dielectric>("dielectric", [](Still& s) { make_ball(s, s.builder.dielectric(1.5)); }),
+    with<Feature::subsurface>("subsurface", [](Still& s) { make_ball(s, s.builder.subsurface(Vec3d(4), Vec3d(0.1))); }),
+    with<Feature::emission>("emission", [](Still& s) { make_ball(s, s.builder.diffuse(Vec3d(0.5), Vec3d(0.3))); }),
+    with<Feature::absorption, Feature::dielectric>(
+        "absorption", [](Still& s) { make_ball(s, s.builder.dielectric(1.5, Vec3d(0.5, 1, 2))); }),
+    with<Feature::subsurface_boundary, Feature::subsurface>(
+        "subsurface_boundary", [](Still& s) { make_ball(s, s.builder.subsurface(Vec3d(4), Vec3d(0.1), 0, 1.4)); }),
+    with<Feature::environment>("environment", [](Still& s) { s.builder.environment(0.5); }),
+    with<Feature::jitter>("jitter", [](Still& s) { s.builder.scene.camera.jitter = true; }),
+    with<Feature::lens>("lens",
+                        [](Still& s) {
+                            s.builder.scene.camera.aperture_radius = 0.1;
+                            s.builder.scene.camera.focus_distance = 2;
+                        }),
+    with<Feature::final_bounce>(
+        "final_bounce", [](Still&) {}, true),
+};
+
+// What a scene needs, with what its variant asks for.
+FeatureSet needed(const Scene& scene, bool final_bounce) {
+    return features_of(scene) | (final_bounce ? static_cast<FeatureSet>(Feature::final_bounce) : no_features);
+}
+
+TEST(FeatureMask, HasWhatTheSceneNeedsAndNothingElse) {
+    EXPECT_EQ(features_of(Still().builder.scene), base);
+    for (const Case& c : cases) {
+        Still still;
+        c.add(still);
+        const FeatureSet mask = needed(still.builder.scene, c.final_bounce);
+        EXPECT_TRUE(contains(mask, c.feature)) << c.name;
+        const FeatureSet rest = mask & ~static_cast<FeatureSet>(c.feature);
+        const bool on_another = c.feature == Feature::absorption || c.feature == Feature::subsurface_boundary;
+        EXPECT_EQ(rest & ~(Feature::dielectric | Feature::subsurface), base) << c.name;
+        EXPECT_EQ((rest & (Feature::dielectric | Feature::subsurface)) != 0, on_another) << c.name;
+    }
+}
+
+TEST(FeatureMask, LeavesTheFilmOfAllFeatures) {
+    const Still plain;
+    EXPECT_EQ(film_of<base>(plain.builder.scene, false).hash(),
+              film_of<all_features>(plain.builder.scene, false).hash());
+    for (const Case& c : cases) {
+        Still still;
+        c.add(still);
+        const Film own = c.own(still.builder.scene, c.final_bounce);
+        EXPECT_EQ(own.hash(), film_of<all_features>(still.builder.scene, c.final_bounce).hash()) << c.name;
+        // And the feature is to be seen: a kernel that lacks it leaves another film.
+        EXPECT_NE(own.hash(), film_of<base>(still.builder.scene, false).hash()) << c.name;
+    }
+}
+
+TEST(FeatureMask, OfTheBaseIsNeededBitByBit) {
+    const Scene scene = Still().builder.scene;
+    const std::string whole = film_of<base>(scene, false).hash();
+    EXPECT_NE(whole, (film_of<base & ~static_cast<FeatureSet>(Feature::sphere)>(scene, false).hash()));
+    EXPECT_NE(whole, (film_of<base & ~static_cast<FeatureSet>(Feature::axis_box)>(scene, false).hash()));
+    EXPECT_NE(whole, (film_of<base & ~static_cast<FeatureSet>(Feature::diffuse)>(scene, false).hash()));
+    EXPECT_NE(whole, (film_of<base & ~static_cast<FeatureSet>(Feature::emitter)>(scene, false).hash()));
+}
+
+// Whoever picks a kernel that lacks something is stopped before it runs.
+TEST(FeatureMask, ThatLacksAFeatureIsRefused) {
+    const Registration careless(
+        {.axis = "specialisation",
+         .name = "test_careless",
+         .summary = "lacks everything",
+         .origin = "tests",
+         .backends = on_every_backend},
+        {.specialisation = [](const KernelOffer&, const Variant&, Backend) { return no_features; }});
+    Variant variant = Registry::instance().baseline();
+    variant.set("specialisation", "test_careless");
+    EXPECT_THROW((void)choose_kernel(Still().builder.scene, variant), std::logic_error);
+}
+
+}  // namespace
+}  // namespace pt

@@ -1,0 +1,21 @@
+// `features`, and the scene's numbers are constants of the kernel: what a compiler can do with them is the most that
+// leaving out can bring. A kernel a scene, so only where one can be compiled at run time.
+#include "variants/registry.h"
+#include "variants/specialisation/smallest_superset.h"
+
+namespace pt {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "specialisation",
+        .name = "baked",
+        .summary = "as features, with the scene's geometry, materials and lights as constants of the kernel",
+        .origin = "the constant folding of a compiler, given the numbers",
+        .backends = on_cuda,
+        .tunables = feature_tunables,
+    },
+    {.specialisation = smallest_superset, .cuda = {.bakes_scene = true}});
+
+}  // namespace
+}  // namespace pt

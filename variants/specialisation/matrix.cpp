@@ -1,0 +1,23 @@
+// Every object by its 4x4 matrix, one loop over all of them, every branch compiled in: what the seeds do, and the price
+// that classifying objects at load saves.
+#include "variants/registry.h"
+
+namespace pt {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "specialisation",
+        .name = "matrix",
+        .summary = "one kernel with every feature; every object through its 4x4 inverse matrix",
+        .origin = "both seeds",
+        .claim = Claim::statistical,
+        .claim_note = "same expectation as generic; a matrix rounds otherwise, and a path that grazes an edge may go "
+                      "elsewhere",
+        .mean_of = "generic",
+        .backends = on_every_backend,
+    },
+    {.specialisation = [](const KernelOffer&, const Variant&, Backend) { return all_features | Feature::matrix; }});
+
+}  // namespace
+}  // namespace pt
