@@ -20,8 +20,8 @@ int run(int argc, char** argv) {
     const std::vector<std::pair<std::string, pt::Command>> commands{
         {"list", pt::add_list_command(app)},       {"run", pt::add_run_command(app, join_arguments(argc, argv))},
         {"render", pt::add_render_command(app)},   {"verify", pt::add_verify_command(app)},
-        {"inspect", pt::add_inspect_command(app)}, {"autotune", pt::add_autotune_command(app)}, {"import", pt::add_import_command(app)},
-        {"machine", pt::add_machine_command(app)},
+        {"inspect", pt::add_inspect_command(app)}, {"autotune", pt::add_autotune_command(app)},
+        {"import", pt::add_import_command(app)},   {"machine", pt::add_machine_command(app)},
     };
     try {
         app.parse(argc, argv);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "harness/bench/machine.h"
+#include "harness/bench/suite.h"
 #include "harness/cuda/backend.h"
 #include "harness/json_reader.h"
 #include "harness/places.h"
@@ -14,11 +15,6 @@
 namespace pt {
 
 namespace {
-
-bool is_known(const std::string& name, Backend backend) {
-    const std::vector<Tunable> all = all_tunables(backend);
-    return std::any_of(all.begin(), all.end(), [&](const Tunable& tunable) { return tunable.name == name; });
-}
 
 TunedVariant read_entry(const JsonValue& value, Backend backend) {
     const JsonObject object(value,
@@ -39,10 +35,13 @@ TunedVariant read_entry(const JsonValue& value, Backend backend) {
     }
     const JsonObject values(tunables, names);
     for (const std::string& name : names) {
-        if (!is_known(name, backend)) {
-            values.at(name).fail("a tunable (ptbench list)");
-        }
         entry.values[name] = whole(values.at(name));
+        const std::vector<Tunable> all = all_tunables(backend);
+        const auto named = std::find_if(all.begin(), all.end(), [&](const Tunable& t) { return t.name == name; });
+        if (named != all.end() && named->sets_work) {
+            values.at(name).fail("a tunable that sets how fast, not what is computed");
+        }
+        check_tunable(name, entry.values[name], tunables.file(), values.at(name).path());
     }
     entry.scene = object.required("scene").text();
     const std::vector<JsonValue> size = object.required("resolution").elements();
@@ -66,7 +65,7 @@ Tuning Tuning::load(const std::string& file, Backend backend) {
         return tuning;
     }
     const Json json = parse_json(read_file(file), file);
-    const JsonObject root(JsonValue(json, file, ""), {"machine", "entries"});
+    const JsonObject root(JsonValue(json, file, "$"), {"machine", "entries"});
     for (const JsonValue& entry : root.required("entries").elements()) {
         tuning.put(read_entry(entry, backend));
     }

@@ -122,6 +122,9 @@ int run(const AutotuneArguments& arguments) {
         throw InputError(fmt::format("n/a: {} on {}: {}", standard.name(), scene.name, reason));
     }
     require_backend(backend);
+    // Before the search: it takes minutes, and what it finds must have a place.
+    const std::string file = arguments.out.empty() ? tuning_file(backend) : arguments.out;
+    Tuning tuning = Tuning::load(file, backend);
     RenderSettings settings = default_settings(scene);
     if (!arguments.resolution.empty()) {
         std::tie(settings.width, settings.height) = parse_resolution(arguments.resolution);
@@ -156,8 +159,6 @@ int run(const AutotuneArguments& arguments) {
     if (!verdict.holds) {
         return exit_check_failed;
     }
-    const std::string file = arguments.out.empty() ? tuning_file(backend) : arguments.out;
-    Tuning tuning = Tuning::load(file, backend);
     tuning.put({standard.name(),
                 {best.tuning.begin(), best.tuning.end()},
                 scene.name,

@@ -93,6 +93,7 @@ int run(const InspectArguments& arguments) {
         throw InputError("command line", "--counters", "--arch " + arguments.architecture,
                          "no --arch: counters come from this machine's GPU");
     }
+    (void)parse_backend("cuda");  // a build without it has no variants to report on
     AxisChoices axes;
     for (const std::string& argument : arguments.axes) {
         add_axis_argument(axes, argument, Backend::cuda);
@@ -103,10 +104,11 @@ int run(const InspectArguments& arguments) {
     }
     const std::vector<Variant> variants = expand(axes, Backend::cuda, tunables);
     nlohmann::ordered_json reports = nlohmann::ordered_json::array();
+    std::string not_applicable;
     for (const Variant& variant : variants) {
         const std::string reason = why_not_applicable(variant, features_of(scene), Backend::cuda);
         if (!reason.empty()) {
-            fmt::print("n/a: {} on {}: {}\n", variant.name(), scene.name, reason);
+            not_applicable += fmt::format("n/a: {} on {}: {}\n", variant.name(), scene.name, reason);
             continue;
         }
         reports.push_back(cuda::inspect_kernels(scene, variant, arguments.architecture));
@@ -116,8 +118,9 @@ int run(const InspectArguments& arguments) {
         fmt::print("{}", text_of(reports.back()));
     }
     if (reports.empty()) {
-        throw InputError("--axis", "argument", "no variant that applies", "a variant that applies to the scene");
+        throw InputError(not_applicable.substr(0, not_applicable.find('\n')));
     }
+    fmt::print("{}", not_applicable);
     if (!arguments.out.empty()) {
         write_file(arguments.out, reports.dump(1) + "\n");
     }

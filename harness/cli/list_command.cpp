@@ -219,6 +219,9 @@ std::string cuda_status() {
 
 int run(const std::string& only_scene, const std::string& architecture, bool as_json) {
     OrderedJson scenes = OrderedJson::array();
+    if (!architecture.empty()) {
+        (void)parse_backend("cuda");  // a build without it has nothing to compile
+    }
     for (const std::string& name : only_scene.empty() ? scene_names() : split_names(only_scene)) {
         scenes.push_back(scene_json(name));
         if (!architecture.empty()) {

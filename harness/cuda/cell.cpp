@@ -418,11 +418,16 @@ void RenderCell<Real>::reserve(Arena& arena) {
     }
 }
 
+template <class Real>
+bool RenderCell<Real>::copies_whole_paths() const {
+    return (compaction_ != nullptr && !job_.appends_in_kernel && compaction_->moves_paths()) ||
+           (sorting_ != nullptr && sorting_->moves_paths());
+}
+
 // As path_fields in device.cuh, unless somebody copies whole paths.
 template <class Real>
 PathFields RenderCell<Real>::carried_fields() const {
-    const bool whole = (compaction_ != nullptr && !job_.appends_in_kernel && compaction_->moves_paths()) ||
-                       (sorting_ != nullptr && sorting_->moves_paths());
+    const bool whole = copies_whole_paths();
     return {.radiance = whole || contains(kernel_.compiled, Feature::emission),
             .time = whole || contains(kernel_.compiled, Feature::motion),
             .medium = whole || contains(kernel_.compiled, Feature::absorption)};
@@ -522,6 +527,10 @@ void RenderCell<Real>::upload() {
     // Positions beyond the count are carried along by sorts though nobody looks at what they hold.
     for (std::uint32_t* const index : {queue.order, queue.order_spare, queue.keys, queue.keys_spare}) {
         clear(index, std::size_t{queue.capacity} * sizeof(std::uint32_t));
+    }
+    if (copies_whole_paths()) {
+        // What the scene's kernels never write is copied along.
+        clear(queue.paths.base, layout_.bytes(queue.capacity, sizeof(Real), {}));
     }
     clear(queue.count, sizeof(std::uint32_t));
     clear(queue.count_spare, sizeof(std::uint32_t));

@@ -32,6 +32,7 @@ public:
 private:
     void reserve(Arena& arena);
     void reserve_queue(Arena& arena);
+    bool copies_whole_paths() const;
     PathFields carried_fields() const;
     void upload();
     CellContext context();

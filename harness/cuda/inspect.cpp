@@ -19,17 +19,17 @@ struct Limits {
     const char* architecture;
     int warps, blocks, shared_kib;  // a multiprocessor
     int reserved_shared;            // bytes a block that the system takes
+    int shared_unit;                // bytes; shared memory is given to blocks in steps of this
 };
 
 // CUDA C++ Programming Guide 13.0, "Technical Specifications per Compute Capability". 65536 registers everywhere.
 constexpr Limits all_limits[] = {
-    {"sm_75", 32, 16, 64, 0},      {"sm_80", 64, 32, 164, 1024},  {"sm_86", 48, 16, 100, 1024},
-    {"sm_87", 48, 16, 164, 1024},  {"sm_89", 48, 24, 100, 1024},  {"sm_90", 64, 32, 228, 1024},
-    {"sm_100", 64, 32, 228, 1024}, {"sm_103", 64, 32, 228, 1024}, {"sm_120", 48, 24, 100, 1024},
+    {"sm_75", 32, 16, 64, 0, 256},      {"sm_80", 64, 32, 164, 1024, 128},  {"sm_86", 48, 16, 100, 1024, 128},
+    {"sm_87", 48, 16, 164, 1024, 128},  {"sm_89", 48, 24, 100, 1024, 128},  {"sm_90", 64, 32, 228, 1024, 128},
+    {"sm_100", 64, 32, 228, 1024, 128}, {"sm_103", 64, 32, 228, 1024, 128}, {"sm_120", 48, 24, 100, 1024, 128},
 };
 constexpr int registers_a_multiprocessor = 65536;
 constexpr int register_unit = 256;  // registers are given to warps in steps of this
-constexpr int shared_unit = 128;
 
 const Limits& limits_of(const std::string& architecture) {
     for (const Limits& limits : all_limits) {
@@ -71,7 +71,7 @@ Occupancy occupancy(const std::string& architecture, int registers, int shared_b
     const int registers_a_warp = rounded_up(std::max(1, registers) * 32, register_unit);
     // Registers belong to the four partitions of a multiprocessor, a warp to one of them.
     const int by_registers = registers_a_multiprocessor / 4 / registers_a_warp * 4 / warps_a_block;
-    const int shared_a_block = rounded_up(shared_bytes + limits.reserved_shared, shared_unit);
+    const int shared_a_block = rounded_up(shared_bytes + limits.reserved_shared, limits.shared_unit);
     const int by_shared = shared_a_block == 0 ? limits.blocks : limits.shared_kib * 1024 / shared_a_block;
     const std::pair<int, const char*> bounds[] = {{limits.warps / warps_a_block, "warps"},
                                                   {limits.blocks, "blocks"},
@@ -84,6 +84,9 @@ Occupancy occupancy(const std::string& architecture, int registers, int shared_b
 
 Json inspect(const Scene& scene, const Variant& variant, const std::string& architecture) {
     (void)limits_of(architecture);
+    if (const std::string reason = why_not_applicable(variant, features_of(scene), Backend::cuda); !reason.empty()) {
+        throw InputError(fmt::format("n/a: {} on {}: {}", variant.name(), scene.name, reason));
+    }
     const CompilerReport report = [&] {
         try {
             return compiler_report(module_request(scene, variant, architecture));

@@ -160,6 +160,8 @@ std::vector<KernelCounters> count_under_ncu(const std::string& ncu, const std::v
                                      "--csv",
                                      "--page",
                                      "raw",
+                                     "--print-units",
+                                     "base",
                                      "--log-file",
                                      log.string(),
                                      "--metrics",

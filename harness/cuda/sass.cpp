@@ -55,7 +55,8 @@ KernelCode counted(const std::string& name, const std::vector<Instruction>& code
     std::size_t begin = 0, end = 0;
     for (std::size_t i = 0; i < code.size(); ++i) {
         const auto place = places.find(code[i].target);
-        if (place != places.end() && place->second < i && i - place->second > end - begin) {
+        // A branch to itself is the trap that the compiler puts behind the code.
+        if (place != places.end() && place->second + 1 < i && i + 1 - place->second > end - begin) {
             begin = place->second;
             end = i + 1;
         }

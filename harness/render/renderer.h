@@ -28,13 +28,13 @@ struct CudaFacts {
         std::size_t local_bytes = 0;   // a thread: spills and arrays
         std::size_t shared_bytes = 0;  // a block
     };
-    double compile_seconds = 0;    // NVRTC, or reading the cache
-    bool from_cache = false;       // every module came from the cache on disk or was loaded already
-    double prepare_ms = 0;         // memory, upload and graph
-    std::size_t device_bytes = 0;  // the cell's arena
+    double compile_seconds = 0;        // NVRTC, or reading the cache
+    bool from_cache = false;           // every module came from the cache on disk or was loaded already
+    double prepare_ms = 0;             // memory, upload and graph
+    std::size_t device_bytes = 0;      // the cell's arena
     std::size_t path_bytes = 0;        // of device memory a path in the queue, with all that compacts and sorts it
     std::size_t path_state_bytes = 0;  // of that, one copy of the path itself
-    std::uint32_t threads = 0;     // a block
+    std::uint32_t threads = 0;         // a block
     std::vector<Kernel> kernels;
     std::vector<std::string> options;  // for the compiler
 };

@@ -46,7 +46,8 @@ Arguments run_with(const Arguments& added) {
 
 TEST(BadCallsTest, Subcommands) {
     expect_refusal(
-        {}, 2, "command line: subcommand: found none, allowed: list, run, render, verify, inspect, autotune, import, machine");
+        {}, 2,
+        "command line: subcommand: found none, allowed: list, run, render, verify, inspect, autotune, import, machine");
     expect_refusal({"frob"}, 2, "The following argument was not expected: frob (see ptbench --help)\n");
     expect_refusal({"--frob"}, 2, "The following argument was not expected: --frob (see ptbench --help)\n");
     expect_refusal({"list", "--frob"}, 2, "The following argument was not expected: --frob");
@@ -186,6 +187,82 @@ TEST(BadCallsTest, Axes) {
     expect_refusal(
         run_with({"--scene", "cornell_open", "--axis", "first_bounce=cached"}), 2,
         "the run has no cell: n/a: first_bounce=cached needs jitter off (camera.jitter is true in the scene)\n");
+}
+
+Arguments inspect_with(const Arguments& added) {
+    Arguments arguments{"inspect", "--scene", "cornell_open"};
+    arguments.insert(arguments.end(), added.begin(), added.end());
+    return arguments;
+}
+
+TEST(BadCallsTest, Inspect) {
+    expect_refusal({"inspect"}, 2, "--scene is required");
+    expect_refusal({"inspect", "--scene", "nope"}, 2, "--scene: name: found \"nope\", allowed: ");
+    expect_refusal(inspect_with({"--backend=cuda"}), 2, "The following argument was not expected: --backend=cuda");
+    expect_refusal(inspect_with({"--counters", "--arch", "sm_90"}), 2,
+                   "command line: --counters: found --arch sm_90, allowed: no --arch: counters come from this "
+                   "machine's GPU\n");
+    if (!cuda_is_built()) {
+        expect_refusal(inspect_with({"--arch", "sm_90"}), 3, "cuda: ");
+        return;
+    }
+    expect_refusal(inspect_with({"--arch", "sm_90", "--axis", "compaction=magic"}), 2,
+                   "--axis: argument.compaction: found \"magic\", allowed: " + choice_names("compaction") + "\n");
+    expect_refusal(inspect_with({"--arch", "sm_1"}), 2,
+                   "command line: --arch: found sm_1, allowed: sm_75, sm_80, sm_86, sm_87, sm_89, sm_90, ");
+    expect_refusal({"list", "--scene", "cornell_open", "--arch", "sm_1"}, 2, "command line: --arch: found sm_1, ");
+    const CommandResult without_device = ptbench(inspect_with({"--counters"}));
+    EXPECT_EQ(without_device.exit_code, 3);
+    EXPECT_EQ(without_device.out, "");
+    EXPECT_NE(without_device.err.find(": name an architecture with --arch (sm_75, "), std::string::npos)
+        << without_device.err;
+}
+
+// A choice that only the CPU has, alone and with one that only CUDA has: there is no variant, and the line says why.
+TEST(BadCallsTest, InspectWithoutAVariantThatApplies) {
+    if (!cuda_is_built()) {
+        GTEST_SKIP() << "built without a CUDA toolkit";
+    }
+    for (const char* launch : {"launch=stream", "launch=graph"}) {
+        const CommandResult result =
+            ptbench(inspect_with({"--arch", "sm_90", "--axis", "integrator=depth_first", "--axis", launch}));
+        EXPECT_EQ(result.exit_code, 2);
+        EXPECT_EQ(result.out, "");
+        EXPECT_NE(result.err.find("integrator=depth_first is not there on the backend cuda"), std::string::npos)
+            << result.err;
+        EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    }
+}
+
+TEST(BadCallsTest, Autotune) {
+    const auto autotune = [](const Arguments& added) {
+        Arguments arguments{"autotune", "--scene",      "cornell_open", "--backend", "cpu",        "--spp",
+                            "1",        "--resolution", "4x3",          "--out",     "tuning.json"};
+        arguments.insert(arguments.end(), added.begin(), added.end());
+        return arguments;
+    };
+    expect_refusal({"autotune"}, 2, "--scene is required");
+    expect_refusal({"autotune", "--scene", "cornell_open", "--backend", "abacus"}, 2,
+                   "--backend: argument: found \"abacus\", allowed: cpu, cuda\n");
+    expect_refusal(autotune({"--axis", "layout=aos,soa"}), 2,
+                   "--axis: argument: found 2 variants, allowed: one choice an axis for autotune\n");
+    expect_refusal(autotune({"--axis", "first_bounce=cached"}), 2,
+                   "n/a: wavefront.none.none.material.cached.off.aos.features.stream.exact.float on cornell_open: "
+                   "first_bounce=cached needs jitter off (camera.jitter is true in the scene)\n");
+    expect_refusal(autotune({"--passes=0"}), 2, "--passes: Value 0 not in range 1 to 100");
+    expect_refusal(autotune({"--tune=room=0"}), 2, "The following argument was not expected: --tune=room=0");
+    expect_refusal({"autotune", "--scene", "cornell_open", "--backend", "cuda"}, 3, "cuda: not available (");
+}
+
+// A search takes minutes: that its outcome cannot be kept is said before it.
+TEST(BadCallsTest, AutotuneIntoAFileThatIsNoTuning) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("tuning.json");
+    write_text(file, "{");
+    expect_refusal({"autotune", "--scene", "cornell_open", "--backend", "cpu", "--spp", "1", "--resolution", "4x3",
+                    "--passes", "1", "--out", file},
+                   2, file + ": not valid JSON: ");
+    EXPECT_EQ(content_of(file), "{");
 }
 
 TEST(BadCallsTest, Numbers) {

@@ -159,7 +159,7 @@ TEST(ModuleRequestTest, HoldsWhatTheVariantAsksFor) {
     variant.tuning["shading_fmas"] = 64;
     const cuda::ModuleRequest request = cuda::module_request(scene, variant, "sm_89");
     EXPECT_EQ(request.includes, std::vector<std::string>{"variants/integrator/wavefront.cuh"});
-    EXPECT_EQ(request.features, features_of(scene));
+    EXPECT_EQ(request.features, features_of(scene) | shortcuts_of(scene));
     EXPECT_EQ(request.real, "float");
     EXPECT_EQ(request.layout, "soa");
     EXPECT_EQ(request.sort_key, "material_hit");
@@ -235,7 +235,7 @@ TEST(LayoutTest, FieldsThatOthersReadLieInTheStore) {
         for (const std::size_t real_bytes : {sizeof(float), sizeof(double)}) {
             for (const std::uint32_t capacity : {1u, 31u, 640000u}) {
                 SCOPED_TRACE(fmt::format("{} of {} bytes, {} slots", choice->descriptor.name, real_bytes, capacity));
-                const std::size_t bytes = layout.bytes(capacity, real_bytes);
+                const std::size_t bytes = layout.bytes(capacity, real_bytes, {});
                 EXPECT_GE(bytes, capacity * (6 * real_bytes + 8));  // a ray, a pixel and a segment at the least
                 EXPECT_LE(bytes, capacity * std::size_t{256} + 65536);
                 // Never read here: only addresses are compared.
@@ -254,6 +254,29 @@ TEST(LayoutTest, FieldsThatOthersReadLieInTheStore) {
             }
         }
     }
+}
+
+// What a scene has no use for takes no memory, but in the seeds' whole record.
+TEST(LayoutTest, AStoreHasRoomForTheFieldsThatAreCarried) {
+    const auto bytes_of = [](const char* layout, const cuda::PathFields& fields) {
+        return Registry::instance()
+            .find("layout", layout, Backend::cuda)
+            ->hook.cuda.layout.bytes(64, sizeof(float), fields);
+    };
+    constexpr cuda::PathFields all{}, none{.radiance = false, .time = false, .medium = false};
+    constexpr cuda::PathFields radiance{.radiance = true, .time = false, .medium = false};
+    constexpr cuda::PathFields time{.radiance = false, .time = true, .medium = false};
+    constexpr cuda::PathFields medium{.radiance = false, .time = false, .medium = true};
+    EXPECT_EQ(bytes_of("soa", all), 64u * 72);
+    EXPECT_EQ(bytes_of("soa", none), 64u * 52);
+    EXPECT_EQ(bytes_of("soa", radiance), 64u * 64);
+    EXPECT_EQ(bytes_of("soa", time), 64u * 68);
+    EXPECT_EQ(bytes_of("soa", medium), 64u * 72);
+    EXPECT_EQ(bytes_of("packed", all), 64u * 72 + 8);
+    EXPECT_EQ(bytes_of("packed", none), 64u * 56 + 8);
+    EXPECT_EQ(bytes_of("packed", time), 64u * 56 + 8);  // beside the origin
+    EXPECT_EQ(bytes_of("packed", medium), 64u * 72 + 8);
+    EXPECT_EQ(bytes_of("aos", all), bytes_of("aos", none));
 }
 
 }  // namespace

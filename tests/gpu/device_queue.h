@@ -72,7 +72,9 @@ __global__ void load_paths(cuda::PathStore store, Path<float>* paths, std::uint3
 
 template <class Paths>
 cuda::Layout layout_of() {
-    return {[](std::uint32_t capacity, std::size_t) { return Paths::bytes(capacity); },
+    return {[](std::uint32_t capacity, std::size_t, const cuda::PathFields& fields) {
+                return Paths::bytes(capacity, fields);
+            },
             [](const cuda::PathStore& store, std::size_t) { return Paths(store).segment(); },
             [](const cuda::PathStore& store, std::size_t) { return Paths(store).departed(); }};
 }

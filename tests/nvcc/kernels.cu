@@ -6,6 +6,7 @@
 #include "kernels/dielectric.h"
 #include "kernels/diffuse.h"
 #include "kernels/film.h"
+#include "kernels/in_range.h"
 #include "kernels/intersect.h"
 #include "kernels/light.h"
 #include "kernels/material.h"
@@ -15,11 +16,13 @@
 #include "kernels/path.h"
 #include "kernels/quad.h"
 #include "kernels/rng.h"
+#include "kernels/room.h"
 #include "kernels/sampling.h"
 #include "kernels/scene_view.h"
 #include "kernels/shade.h"
 #include "kernels/sphere.h"
 #include "kernels/subsurface.h"
+#include "kernels/transform.h"
 
 namespace pt {
 

@@ -199,12 +199,12 @@ TEST_F(ResultFileTest, CellsSayWhatTheyAreAndHowTheyEnded) {
 // With the value that each had, asked for or not.
 TEST_F(ResultFileTest, CellsSayHowTheyWereTuned) {
     const Json& cells = result.at("ptbench").at("cells");
-    EXPECT_EQ(cells[0].at("tunables"), Json::object());
-    EXPECT_EQ(cells[2].at("tunables"), Json({{"jitters", 4}}));
+    EXPECT_EQ(cells[0].at("tunables"), Json({{"room", 1}}));
+    EXPECT_EQ(cells[2].at("tunables"), Json({{"jitters", 4}, {"room", 1}}));
     EXPECT_EQ(cells[2].at("claim"), "biased");
     EXPECT_EQ(cells[2].at("variant"),
               "wavefront.none.none.material.cached_jitters.off.aos.features.stream.exact.float+jitters=4");
-    EXPECT_EQ(cells[3].at("tunables"), Json({{"jitters", 16}}));
+    EXPECT_EQ(cells[3].at("tunables"), Json({{"jitters", 16}, {"room", 1}}));
     EXPECT_EQ(cells[3].at("variant"),
               "wavefront.none.none.material.cached_jitters.off.aos.features.stream.exact.float");
 }

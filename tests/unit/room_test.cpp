@@ -96,8 +96,10 @@ Tally walk(const SceneView<Real>& scene, std::uint64_t seed, int rays) {
             ray.direction = normalize(ray.direction);
         }
         const Hit<Real> hit = expect_same(scene, ray, tally);
-        fresh = !hit.side.exists() || random.uniform(0, 1) < 0.05;
-        if (hit.side.exists()) {
+        // A path ends at a lamp: none leaves it.
+        const bool at_lamp = hit.side.exists() && scene.surfaces[hit.side.object()].type == MaterialType::emitter;
+        fresh = !hit.side.exists() || at_lamp || random.uniform(0, 1) < 0.05;
+        if (hit.side.exists() && !at_lamp) {
             const SurfacePoint<Real> point = surface_at<Shortcut<Real>>(scene, ray, hit);
             ray.origin = point.position;
             const bool through = random.uniform(0, 1) < 0.1;  // as a refracting body lets it

@@ -175,7 +175,7 @@ TEST_F(RunnerTest, ACompletedRunHasEveryRow) {
         EXPECT_EQ(pass.at("spp"), 2);
         EXPECT_EQ(pass.at("live_paths")[0], 8 * 6 * 2);
         EXPECT_GE(pass.at("live_paths").size(), 3u);
-        EXPECT_EQ(cell.at("tunables"), Json::object());
+        EXPECT_EQ(cell.at("tunables"), Json({{"room", 1}}));
         const Json& counters = cell.at("counters");
         EXPECT_EQ(counters.at("compactions") == 0, cell.at("axes").at("compaction") == "none");
         EXPECT_EQ(counters.at("cache_fills"), 0);
@@ -234,9 +234,9 @@ TEST_F(RunnerTest, EveryValueOfATunableIsACellOfItsOwn) {
         cells[cell.at("axes").at("first_bounce").get<std::string>() + cell.at("tunables").dump()] = cell;
         EXPECT_EQ(sample_rows(file)[cell.at("cell")].size(), static_cast<std::size_t>(repetitions));
     }
-    const Json& off = cells.at("off{}");
-    const Json& one = cells.at("cached_jitters{\"jitters\":1}");
-    const Json& many = cells.at("cached_jitters{\"jitters\":16}");
+    const Json& off = cells.at("off{\"room\":1}");
+    const Json& one = cells.at("cached_jitters{\"jitters\":1,\"room\":1}");
+    const Json& many = cells.at("cached_jitters{\"jitters\":16,\"room\":1}");
     EXPECT_EQ(off.at("claim"), "bitwise");
     EXPECT_EQ(one.at("claim"), "biased");
     EXPECT_EQ(one.at("claim_check"),

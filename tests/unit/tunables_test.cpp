@@ -46,28 +46,31 @@ TEST(TunableTest, AllowsItsRangeInItsSteps) {
 }
 
 TEST(TunableTest, AVariantHasThoseOfItsChoices) {
-    EXPECT_TRUE(tunables_of(variant_with({}), Backend::cpu).empty());
+    EXPECT_EQ(names_of(tunables_of(variant_with({}), Backend::cpu)), std::vector<std::string>{"room"});
+    EXPECT_TRUE(tunables_of(variant_with({{"specialisation", "generic"}}), Backend::cpu).empty());
     EXPECT_EQ(names_of(tunables_of(variant_with({{"first_bounce", "cached_jitters"}}), Backend::cpu)),
-              std::vector<std::string>{"jitters"});
-    EXPECT_EQ(names_of(all_tunables(Backend::cpu)), std::vector<std::string>{"jitters"});
+              (std::vector<std::string>{"jitters", "room"}));
+    EXPECT_EQ(names_of(all_tunables(Backend::cpu)), (std::vector<std::string>{"jitters", "room"}));
     if (!test::cuda_is_built()) {
         return;
     }
     const Variant queue =
         variant_with({{"first_bounce", "cached_jitters"}, {"compaction", "cub_select_if"}}, {}, Backend::cuda);
     std::vector<std::string> expected;  // those of the integrator first
-    for (const char* axis : {"integrator", "compaction", "first_bounce"}) {
+    for (const char* axis : {"integrator", "compaction", "first_bounce", "specialisation"}) {
         for (const Tunable& tunable : Registry::instance().at(axis, queue, Backend::cuda).descriptor.tunables) {
             expected.emplace_back(tunable.name);
         }
     }
     EXPECT_EQ(names_of(tunables_of(queue, Backend::cuda)), expected);
     EXPECT_EQ(expected.front(), "block");
-    EXPECT_EQ(expected.back(), "jitters");
-    EXPECT_EQ(expected[expected.size() - 2], "payload");
+    EXPECT_EQ(expected.back(), "room");
+    EXPECT_EQ(expected[expected.size() - 2], "jitters");
+    EXPECT_EQ(expected[expected.size() - 3], "payload");
     const std::vector<std::string> loop =
         names_of(tunables_of(variant_with({{"integrator", "persistent"}}, {}, Backend::cuda), Backend::cuda));
-    EXPECT_EQ(loop, (std::vector<std::string>{"block", "shading_fmas"}));
+    EXPECT_EQ(loop,
+              (std::vector<std::string>{"block", "shading_fmas", "min_blocks", "regenerate_at", "piece", "room"}));
     const std::vector<std::string> all = names_of(all_tunables(Backend::cuda));
     const std::set<std::string> once(all.begin(), all.end());
     EXPECT_EQ(once.size(), all.size());

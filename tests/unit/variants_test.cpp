@@ -104,7 +104,7 @@ TEST(RegistryTest, HasEveryAxisAndChoice) {
             {"first_bounce", {"off", "cached", "cached_jitters"}},
             {"direct_light", {"off", "final_bounce"}},
             {"layout", {"aos", "soa"}},
-            {"specialisation", {"features", "generic"}},
+            {"specialisation", {"features", "generic", "matrix"}},
             {"launch", {"stream"}},
             {"arithmetic", {"exact"}},
             {"precision", {"float"}},
@@ -128,7 +128,7 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
             {"first_bounce", {"off", "cached", "cached_jitters"}},
             {"direct_light", {"off", "final_bounce"}},
             {"layout", {"aos", "packed", "soa"}},
-            {"specialisation", {"features", "generic"}},
+            {"specialisation", {"features", "baked", "generic", "matrix"}},
             {"launch", {"stream", "graph", "graph_while"}},
             {"arithmetic", {"precise", "exact", "fast"}},
             {"precision", {"float", "double"}},
@@ -193,11 +193,10 @@ TEST(RegistryTest, EveryChoiceDescribesItself) {
 }
 
 TEST(RegistryTest, WhatClaimsLessThanBits) {
-    const std::map<std::string, Claim> expected{{"direct_light=final_bounce", Claim::statistical},
-                                                {"first_bounce=cached_jitters", Claim::biased},
-                                                {"arithmetic=precise", Claim::statistical},
-                                                {"arithmetic=fast", Claim::statistical},
-                                                {"precision=double", Claim::statistical}};
+    const std::map<std::string, Claim> expected{
+        {"direct_light=final_bounce", Claim::statistical}, {"first_bounce=cached_jitters", Claim::biased},
+        {"specialisation=matrix", Claim::statistical},     {"arithmetic=precise", Claim::statistical},
+        {"arithmetic=fast", Claim::statistical},           {"precision=double", Claim::statistical}};
     std::set<std::string> seen;
     for (const Backend backend : all_backends) {
         for (const std::string_view axis : axis_names) {
@@ -348,8 +347,9 @@ TEST(VariantTest, ReferenceIsThePlainestVariantOfTheSameExpectation) {
     for (const Variant& variant : expand(all_choices())) {
         const Variant reference = registry().reference(variant);
         const std::string first_bounce = variant["first_bounce"] == "cached_jitters" ? "cached_jitters" : "off";
+        const std::string formula = variant["specialisation"] == "matrix" ? "matrix" : "generic";
         EXPECT_EQ(reference.name(), "depth_first.none.none.material." + first_bounce + "." + variant["direct_light"] +
-                                        ".aos.generic.stream.exact.float");
+                                        ".aos." + formula + ".stream.exact.float");
         EXPECT_EQ(registry().reference(reference), reference);
         EXPECT_EQ(why_not_applicable(reference, all_features), "");
     }
@@ -364,9 +364,11 @@ TEST(VariantTest, ReferenceOnCudaIsThePlainestVariantOfTheSameExpectation) {
     for (const Variant& variant : variants) {
         const Variant reference = registry().reference(variant, Backend::cuda);
         const std::string first_bounce = variant["first_bounce"] == "cached_jitters" ? "cached_jitters" : "off";
+        const std::string formula = variant["specialisation"] == "matrix" ? "matrix" : "generic";
         // A variant that rounds freely keeps its arithmetic: it is its twin that is held to bits.
         EXPECT_EQ(reference.name(), "megakernel.none.none.material." + first_bounce + "." + variant["direct_light"] +
-                                        ".aos.generic.stream." + variant["arithmetic"] + "." + variant["precision"]);
+                                        ".aos." + formula + ".stream." + variant["arithmetic"] + "." +
+                                        variant["precision"]);
         EXPECT_EQ(registry().reference(reference, Backend::cuda), reference);
         EXPECT_EQ(why_not_applicable(reference, all_features, Backend::cuda), "") << reference.name();
     }
@@ -375,8 +377,9 @@ TEST(VariantTest, ReferenceOnCudaIsThePlainestVariantOfTheSameExpectation) {
 TEST(VariantTest, ClaimIsTheWeakestOfItsChoices) {
     for (const Variant& variant : expand(all_choices())) {
         EXPECT_EQ(claim_of(variant), variant["first_bounce"] == "cached_jitters" ? Claim::biased
-                                     : variant["direct_light"] == "off"          ? Claim::bitwise
-                                                                                 : Claim::statistical);
+                                     : variant["direct_light"] == "off" && variant["specialisation"] != "matrix"
+                                         ? Claim::bitwise
+                                         : Claim::statistical);
     }
     EXPECT_EQ(to_string(Claim::bitwise), "bitwise");
     EXPECT_EQ(to_string(Claim::statistical), "statistical");
@@ -723,7 +726,12 @@ TEST(WorkTest, TheVariantNamesTheChoice) {
 // ---- Kernels ----
 
 TEST(KernelTest, FeaturesTakesTheSmallestSuperset) {
-    const ChooseFeatures& choose = registry().find("specialisation", "features")->hook.specialisation;
+    const Variant variant = baseline_with({{"specialisation", "features"}});
+    const auto choose = [&](FeatureSet needed, const std::vector<FeatureSet>& compiled) {
+        return registry()
+            .find("specialisation", "features")
+            ->hook.specialisation({needed, no_features, compiled}, variant, Backend::cpu);
+    };
     const FeatureSet a = Feature::sphere | Feature::diffuse;
     const FeatureSet larger = a | Feature::jitter;
     const FeatureSet largest = larger | Feature::lens | Feature::quad;
@@ -734,12 +742,40 @@ TEST(KernelTest, FeaturesTakesTheSmallestSuperset) {
     EXPECT_EQ(choose(no_features | Feature::quad, compiled), largest);
     EXPECT_EQ(choose(no_features | Feature::subsurface, compiled), all_features);
     EXPECT_EQ(choose(a, {all_features}), all_features);
+    EXPECT_EQ(choose(a, {all_features | Feature::matrix, all_features}), all_features);
 }
 
-TEST(KernelTest, GenericTakesEverything) {
-    const ChooseFeatures& choose = registry().find("specialisation", "generic")->hook.specialisation;
+// A shortcut is taken where the scene allows it, a kernel has it, and nobody asked to leave it out.
+TEST(KernelTest, FeaturesTakesTheShortcutsOfTheScene) {
+    Variant variant = baseline_with({{"specialisation", "features"}});
+    const auto choose = [&](FeatureSet allowed, const std::vector<FeatureSet>& compiled) {
+        return registry()
+            .find("specialisation", "features")
+            ->hook.specialisation({Feature::axis_box | Feature::diffuse, allowed, compiled}, variant, Backend::cpu);
+    };
+    const FeatureSet plain = Feature::axis_box | Feature::diffuse;
+    const FeatureSet quick = plain | Feature::room;
+    const FeatureSet larger = quick | Feature::jitter;
+    EXPECT_EQ(choose(shortcuts, {all_features, plain, quick}), quick);
+    EXPECT_EQ(choose(shortcuts, {all_features, quick, plain}), quick);
+    EXPECT_EQ(choose(no_features, {all_features, quick, plain}), plain);
+    EXPECT_EQ(choose(no_features, {all_features, quick}), all_features);
+    // What a kernel has for nothing weighs more than a shortcut.
+    EXPECT_EQ(choose(shortcuts, {all_features, larger, plain}), plain);
+    variant.tuning["room"] = 0;
+    EXPECT_EQ(choose(shortcuts, {all_features, plain, quick}), plain);
+}
+
+TEST(KernelTest, GenericTakesEverythingAndMatrixAnotherFormula) {
     const FeatureSet a = Feature::sphere | Feature::diffuse;
-    EXPECT_EQ(choose(a, {a, all_features}), all_features);
+    const auto choose = [&](const char* name) {
+        return registry()
+            .find("specialisation", name)
+            ->hook.specialisation({a, shortcuts, {a, a | Feature::room, all_features, all_features | Feature::matrix}},
+                                  baseline_with({{"specialisation", name}}), Backend::cpu);
+    };
+    EXPECT_EQ(choose("generic"), all_features);
+    EXPECT_EQ(choose("matrix"), all_features | Feature::matrix);
 }
 
 TEST(KernelTest, NoteNamesWhatWasCompiledForNothing) {
@@ -778,9 +814,10 @@ TEST(KernelTest, EveryShippedSceneHasItsExactKernelAndNoKernelIsThereForNothing)
         const Scene scene = load_scene(file.string());
         EXPECT_EQ(choose_kernel(scene, registry().baseline()).note(), "exact") << file;
         used.insert(features_of(scene));
+        used.insert(features_of(scene) | shortcuts_of(scene));
     }
     for (const auto& [features, function] : registry().find("integrator", "wavefront")->hook.integrator) {
-        if (features != all_features) {
+        if ((features & all_features) != all_features) {
             EXPECT_TRUE(used.contains(features & ~static_cast<FeatureSet>(Feature::final_bounce)))
                 << testing::PrintToString(feature_names(features));
         }
@@ -816,11 +853,11 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
         ASSERT_EQ(result.film.faults().nonfinite + result.film.faults().negative, 0u) << variant.name();
         ++rendered;
     }
-    // 2 x 2 for depth_first and (5 x 3 - 1) x 2 x 2 x 2 for wavefront; each with the first bounce off, and cached, or,
+    // 2 x 3 for depth_first and (5 x 3 - 1) x 2 x 2 x 3 for wavefront; each with the first bounce off, and cached, or,
     // with jitter, with 16 and with 2 camera rays kept.
-    EXPECT_EQ(rendered, scene.camera.jitter ? 3u * 116u : 2u * 116u);
+    EXPECT_EQ(rendered, scene.camera.jitter ? 3u * 174u : 2u * 174u);
     // The comparison means something only if there is light, and if the expectations differ.
-    ASSERT_EQ(references.size(), scene.camera.jitter ? 3u * 2u : 2u);
+    ASSERT_EQ(references.size(), scene.camera.jitter ? 3u * 4u : 4u);
     const Vec3d plain = references.begin()->second.film.mean();
     EXPECT_GT(plain.x, 0.01);
     EXPECT_NE(references.begin()->second.film.sums(), references.rbegin()->second.film.sums());
@@ -974,13 +1011,21 @@ TEST(FirstBounceCacheTest, HoldsTheHitsThatWouldBeComputed) {
                 for (std::uint32_t sample = 0; sample < rays; ++sample) {
                     const Hit<float> expected = stages.intersect(stages.generate(pixel, sample));
                     ASSERT_EQ(cache.hits[cache.index(pixel, sample)].t, expected.t) << pixel;
-                    ASSERT_EQ(cache.hits[cache.index(pixel, sample)].side.code, expected.side.code) << pixel;
+                    // What was kept may name the face too.
+                    const ObjectSide kept = cache.hits[cache.index(pixel, sample)].side;
+                    ASSERT_EQ(kept.exists(), expected.side.exists()) << pixel;
+                    if (kept.exists()) {
+                        ASSERT_EQ(kept.object(), expected.side.object()) << pixel;
+                        ASSERT_EQ(kept.inside(), expected.side.inside()) << pixel;
+                    }
                     ASSERT_EQ(cache.index(pixel, sample + 5 * rays), cache.index(pixel, sample));
                 }
                 for (const std::uint32_t sample : {1u, 77u}) {  // without jitter the camera ray is the same for all
                     const Hit<float> later = stages.intersect(stages.generate(pixel, sample));
                     ASSERT_TRUE(rays > 1 || later.t == cache.hits[pixel].t) << pixel;
-                    ASSERT_TRUE(rays > 1 || later.side.code == cache.hits[pixel].side.code) << pixel;
+                    ASSERT_TRUE(rays > 1 || !later.side.exists() ||
+                                later.side.object() == cache.hits[pixel].side.object())
+                        << pixel;
                 }
             }
             // Later samples change nothing in it and trace no camera ray.

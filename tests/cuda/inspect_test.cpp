@@ -1,0 +1,300 @@
+// What `ptbench inspect` says of kernels: the compiler's words, the machine code by pipe, the occupancy. No GPU is
+// needed.
+#include "harness/cuda/inspect.h"
+
+#include <cstdlib>
+#include <map>
+
+#include <cuda_occupancy.h>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "harness/cuda/sass.h"
+#include "harness/error.h"
+#include "harness/places.h"
+#include "tests/support/command.h"
+#include "variants/cuda/compiler_report.h"
+#include "variants/cuda/nvrtc.h"
+#include "variants/registry.h"
+
+namespace pt {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The message of an Error; empty: none was thrown.
+template <class Error, class Call>
+std::string refusal(Call call) {
+    try {
+        call();
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "";
+}
+
+// --- occupancy
+// --------------------------------------------------------------------------------------------------------
+
+struct OccupancyCase {
+    const char* architecture;
+    int registers, shared_bytes, threads;  // given
+    int blocks, warps, most_warps;
+    const char* limit;
+};
+
+TEST(OccupancyTest, AsComputedByHand) {
+    const OccupancyCase cases[] = {
+        // A partition has 16384 registers and a warp takes 56 * 32: 9 warps, 36 in all, 9 blocks of 4.
+        {"sm_90", 56, 20, 128, 9, 36, 64, "registers"},
+        {"sm_90", 127, 20, 128, 4, 16, 64, "registers"},
+        // 33 registers a thread are given as 40: 12 warps a partition, 48 in all.
+        {"sm_90", 33, 20, 64, 24, 48, 64, "registers"},
+        {"sm_90", 32, 20, 256, 8, 64, 64, "warps"},
+        // 100 threads fill 4 warps, not 3 and a bit.
+        {"sm_90", 16, 0, 100, 16, 64, 64, "warps"},
+        // 40000 + 1024 bytes in steps of 128 are 41088: 5 in 233472.
+        {"sm_90", 32, 40000, 128, 5, 20, 64, "shared memory"},
+        {"sm_90", 32, 20, 32, 32, 32, 64, "blocks"},
+        // Half the warps of an sm_90, as many registers: these limit no more.
+        {"sm_75", 56, 20, 128, 8, 32, 32, "warps"},
+        {"sm_75", 32, 16384, 128, 4, 16, 32, "shared memory"},
+        {"sm_75", 32, 0, 32, 16, 16, 32, "blocks"},
+        {"sm_86", 40, 0, 256, 6, 48, 48, "warps"},
+        {"sm_89", 16, 0, 32, 24, 24, 48, "blocks"},
+    };
+    for (const OccupancyCase& c : cases) {
+        SCOPED_TRACE(fmt::format("{}: {} registers, {} bytes, {} threads", c.architecture, c.registers, c.shared_bytes,
+                                 c.threads));
+        const cuda::Occupancy held = cuda::occupancy(c.architecture, c.registers, c.shared_bytes, c.threads);
+        EXPECT_EQ(held.blocks, c.blocks);
+        EXPECT_EQ(held.warps, c.warps);
+        EXPECT_EQ(held.most_warps, c.most_warps);
+        EXPECT_EQ(held.limit, c.limit);
+    }
+}
+
+// A GPU as NVIDIA's own calculator takes it.
+cudaOccDeviceProp gpu(int major, int minor, int warps, int shared_kib, int reserved_shared) {
+    cudaOccDeviceProp properties;
+    properties.computeMajor = major;
+    properties.computeMinor = minor;
+    properties.maxThreadsPerBlock = 1024;
+    properties.maxThreadsPerMultiprocessor = 32 * warps;
+    properties.regsPerBlock = properties.regsPerMultiprocessor = 65536;
+    properties.warpSize = 32;
+    properties.sharedMemPerBlock = properties.sharedMemPerBlockOptin = 49152;
+    properties.sharedMemPerMultiprocessor = static_cast<std::size_t>(shared_kib) * 1024;
+    properties.reservedSharedMemPerBlock = static_cast<std::size_t>(reserved_shared);
+    properties.numSms = 1;
+    return properties;
+}
+
+const std::map<std::string, unsigned> limit_bits{{"registers", OCC_LIMIT_REGISTERS},
+                                                 {"shared memory", OCC_LIMIT_SHARED_MEMORY},
+                                                 {"warps", OCC_LIMIT_WARPS},
+                                                 {"blocks", OCC_LIMIT_BLOCKS}};
+
+TEST(OccupancyTest, AsTheToolkitComputesIt) {
+    const std::pair<const char*, cudaOccDeviceProp> gpus[] = {
+        {"sm_75", gpu(7, 5, 32, 64, 0)},       {"sm_80", gpu(8, 0, 64, 164, 1024)},
+        {"sm_86", gpu(8, 6, 48, 100, 1024)},   {"sm_87", gpu(8, 7, 48, 164, 1024)},
+        {"sm_89", gpu(8, 9, 48, 100, 1024)},   {"sm_90", gpu(9, 0, 64, 228, 1024)},
+        {"sm_100", gpu(10, 0, 64, 228, 1024)}, {"sm_103", gpu(10, 3, 64, 228, 1024)},
+        {"sm_120", gpu(12, 0, 48, 100, 1024)},
+    };
+    std::string names;
+    for (const auto& [architecture, properties] : gpus) {
+        names += (names.empty() ? "" : ", ") + std::string(architecture);
+        for (const int registers : {16, 24, 32, 33, 40, 56, 64, 65, 96, 128, 129, 255}) {
+            for (const int shared_bytes : {0, 20, 128, 1000, 5000, 9340, 16384, 20000, 40000, 49152}) {
+                for (const int threads : {32, 64, 96, 128, 160, 256, 512, 1024}) {
+                    cudaOccFuncAttributes kernel;
+                    kernel.maxThreadsPerBlock = 1024;
+                    kernel.numRegs = registers;
+                    kernel.sharedSizeBytes = static_cast<std::size_t>(shared_bytes);
+                    kernel.numBlockBarriers = 1;
+                    const cudaOccDeviceState state;
+                    cudaOccResult expected{};
+                    ASSERT_EQ(
+                        cudaOccMaxActiveBlocksPerMultiprocessor(&expected, &properties, &kernel, &state, threads, 0),
+                        CUDA_OCC_SUCCESS);
+                    const cuda::Occupancy held = cuda::occupancy(architecture, registers, shared_bytes, threads);
+                    SCOPED_TRACE(fmt::format("{}: {} registers, {} bytes, {} threads: {}", architecture, registers,
+                                             shared_bytes, threads, held.limit));
+                    ASSERT_EQ(held.blocks, expected.activeBlocksPerMultiprocessor);
+                    ASSERT_EQ(held.warps, held.blocks * (threads / 32));
+                    ASSERT_NE(expected.limitingFactors & limit_bits.at(held.limit), 0u);
+                }
+            }
+        }
+    }
+    EXPECT_EQ(cuda::known_architectures(), names);
+}
+
+TEST(OccupancyTest, AnUnknownArchitectureIsRefusedWithTheKnownOnes) {
+    for (const char* unknown : {"sm_1", "sm_9", "sm_900", "90", ""}) {
+        EXPECT_EQ(refusal<InputError>([&] { (void)cuda::occupancy(unknown, 32, 0, 128); }),
+                  "command line: --arch: found " + std::string(unknown) +
+                      ", allowed: sm_75, sm_80, sm_86, sm_87, sm_89, sm_90, sm_100, sm_103, sm_120");
+    }
+}
+
+// --- reports of whole variants
+// ----------------------------------------------------------------------------------------
+
+// $PTBENCH_NVDISASM for a while.
+class NamedDisassembler {
+public:
+    explicit NamedDisassembler(const std::string& program) {
+        if (const char* before = std::getenv(name); before != nullptr) {
+            before_ = before;
+            was_set_ = true;
+        }
+        ::setenv(name, program.c_str(), 1);
+    }
+    ~NamedDisassembler() {
+        if (was_set_) {
+            ::setenv(name, before_.c_str(), 1);
+        } else {
+            ::unsetenv(name);
+        }
+    }
+    NamedDisassembler(const NamedDisassembler&) = delete;
+    NamedDisassembler& operator=(const NamedDisassembler&) = delete;
+
+private:
+    static constexpr const char* name = "PTBENCH_NVDISASM";
+    std::string before_;
+    bool was_set_ = false;
+};
+
+class InspectTest : public testing::Test {
+protected:
+    const test::TemporaryFolder folder;
+
+    void SetUp() override {
+        if (const std::string missing = cuda::nvrtc_missing(); !missing.empty()) {
+            GTEST_SKIP() << missing;
+        }
+        ::setenv("PTBENCH_HOME", PTBENCH_SOURCE_DIR, 1);
+        ::setenv("XDG_CACHE_HOME", folder.path().c_str(), 1);
+    }
+
+    static Variant megakernel(const std::string& specialisation) {
+        Variant variant = Registry::instance().baseline(Backend::cuda);
+        variant.set("integrator", "megakernel");
+        variant.set("specialisation", specialisation);
+        return variant;
+    }
+    static Json inspect(const Variant& variant, const std::string& architecture) {
+        return cuda::inspect(find_scene("cornell_open"), variant, architecture);
+    }
+    // A program that says `text` whatever it is asked.
+    std::string program_that_says(const std::string& text, int exit_code = 0) const {
+        const std::string program = folder.file("says");
+        test::write_text(folder.file("text"), text);
+        test::write_text(program, fmt::format("#!/bin/sh\ncat '{}'\nexit {}\n", folder.file("text"), exit_code));
+        std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+        return program;
+    }
+};
+
+TEST_F(InspectTest, LeavingOutMakesAKernelSmaller) {
+    for (const std::string architecture : {"sm_75", "sm_90"}) {
+        SCOPED_TRACE(architecture);
+        const Json features = inspect(megakernel("features"), architecture);
+        const Json generic = inspect(megakernel("generic"), architecture);
+        EXPECT_EQ(features["features"], Json({"sphere", "axis_box", "diffuse", "emitter", "mirror", "jitter", "room"}));
+        EXPECT_EQ(features["left_out"],
+                  Json({"ellipsoid", "oriented_box", "quad", "motion", "mix", "dielectric", "subsurface", "emission",
+                        "absorption", "subsurface_boundary", "environment", "lens", "final_bounce"}));
+        EXPECT_EQ(generic["features"].size(), 19u);
+        EXPECT_EQ(generic["left_out"], Json::array());
+        EXPECT_LT(features["code_bytes"], generic["code_bytes"]);
+        for (const Json& report : {features, generic}) {
+            EXPECT_EQ(report["scene"], "cornell_open");
+            EXPECT_EQ(report["architecture"], architecture);
+            ASSERT_EQ(report["kernels"].size(), 1u);
+            const Json& kernel = report["kernels"][0];
+            EXPECT_EQ(kernel["name"], "megakernel");
+            EXPECT_GT(kernel["registers"], 0);
+            EXPECT_EQ(kernel["threads_a_block"], 128);
+            const cuda::Occupancy held =
+                cuda::occupancy(architecture, kernel["registers"], kernel["shared_bytes"], 128);
+            EXPECT_EQ(kernel["blocks_a_multiprocessor"], held.blocks);
+            EXPECT_EQ(kernel["warps_a_multiprocessor"], held.warps);
+            EXPECT_EQ(kernel["occupancy"], static_cast<double>(held.warps) / held.most_warps);
+            EXPECT_EQ(kernel["occupancy_limit"], held.limit);
+        }
+        const Json& kernel = features["kernels"][0];
+        EXPECT_LT(kernel["registers"], generic["kernels"][0]["registers"]);
+        EXPECT_EQ(kernel["spill_store_bytes"], 0);
+        EXPECT_EQ(kernel["spill_load_bytes"], 0);
+        if (!cuda::find_nvdisasm().empty()) {
+            EXPECT_EQ(features["disassembler"], cuda::find_nvdisasm());
+            EXPECT_LT(kernel["instructions"]["total"], generic["kernels"][0]["instructions"]["total"]);
+            EXPECT_LT(kernel["instructions_in_loop"]["total"], kernel["instructions"]["total"]);
+            EXPECT_GT(kernel["instructions_in_loop"]["fma"], 0);
+        }
+    }
+}
+
+TEST_F(InspectTest, TheBlockIsTheVariants) {
+    Variant variant = megakernel("features");
+    variant.tuning["block"] = 64;
+    const Json kernel = inspect(variant, "sm_90")["kernels"][0];
+    EXPECT_EQ(kernel["threads_a_block"], 64);
+    EXPECT_EQ(kernel["warps_a_multiprocessor"], 2 * kernel["blocks_a_multiprocessor"].get<int>());
+}
+
+TEST_F(InspectTest, WithoutADisassemblerThereAreNoInstructionCounts) {
+    const NamedDisassembler none("/nonexistent");
+    EXPECT_EQ(cuda::find_nvdisasm(), "");
+    const Json report = inspect(megakernel("features"), "sm_90");
+    EXPECT_EQ(report["disassembler"], "not found: no instruction counts (set PTBENCH_NVDISASM)");
+    for (const Json& kernel : report["kernels"]) {
+        EXPECT_FALSE(kernel.contains("instructions"));
+        EXPECT_FALSE(kernel.contains("instructions_in_loop"));
+        EXPECT_GT(kernel["registers"], 0);
+    }
+}
+
+TEST_F(InspectTest, InstructionCountsAreThoseOfTheKernelOfTheSameName) {
+    const NamedDisassembler named(program_that_says(R"(
+.text.another:
+        /*0000*/                   EXIT ;
+.text.megakernel:
+.L_x_0:
+        /*0000*/                   FADD R1, R2, R3 ;
+        /*0010*/                   MUFU.RCP R1, R2 ;
+        /*0020*/               @P0 BRA `(.L_x_0) ;
+        /*0030*/                   EXIT ;
+)"));
+    const Json kernel = inspect(megakernel("features"), "sm_90")["kernels"][0];
+    EXPECT_EQ(kernel["instructions"], Json({{"total", 4}, {"control", 2}, {"fma", 1}, {"xu", 1}}));
+    EXPECT_EQ(kernel["instructions_in_loop"], Json({{"total", 3}, {"control", 1}, {"fma", 1}, {"xu", 1}}));
+}
+
+TEST_F(InspectTest, ADisassemblerThatFailsIsTheMachinesFault) {
+    const NamedDisassembler named(program_that_says("no such architecture\nand more\n", 1));
+    EXPECT_EQ(refusal<MachineError>([] { (void)inspect(megakernel("features"), "sm_90"); }),
+              folder.file("says") + " failed: no such architecture");
+}
+
+TEST_F(InspectTest, RefusesAnUnknownArchitecture) {
+    EXPECT_EQ(refusal<InputError>([] { (void)inspect(megakernel("features"), "sm_1"); }),
+              "command line: --arch: found sm_1, allowed: " + cuda::known_architectures());
+}
+
+TEST_F(InspectTest, RefusesAVariantThatDoesNotApply) {
+    Variant variant = megakernel("features");
+    variant.set("layout", "soa");
+    EXPECT_NE(refusal<InputError>([&] {
+                  (void)inspect(variant, "sm_90");
+              }).find("integrator=megakernel keeps one path in registers, no array of paths: needs layout=aos"),
+              std::string::npos);
+}
+
+}  // namespace
+}  // namespace pt
