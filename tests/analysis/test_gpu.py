@@ -307,6 +307,38 @@ def test_a_tunable_without_its_standard_is_held_against_its_first_value(tmp_path
     assert [item.ratio and item.ratio.value for item in data.groups[0].items] == pytest.approx([None, 8])
 
 
+def test_a_tunables_values_stand_by_size_with_the_baseline_among_them(tmp_path):
+    builder = Builder().on_gpu().study("regenerate_at")
+    builder.cell("regenerate_at", ms_per_spp=0.5)
+    for value, time in ((24, 2.0), (31, 1.0), (8, 3.0), (16, 2.5)):
+        axes = {"integrator": "megakernel_regen"}
+        builder.cell(
+            "regenerate_at",
+            ms_per_spp=time,
+            axes=axes,
+            tunables={"regenerate_at": value},
+            standards={"regenerate_at": 24},
+        )
+    data, figure = drawn(builder, tmp_path)
+    assert [item.label.partition(",")[0] for item in data.groups[0].items] == [
+        *(f"regenerate_at={value}" for value in (8, 16, 24, 31)),
+        "no regenerate_at",
+    ]
+    assert [item.is_baseline for item in data.groups[0].items] == [False, False, True, False, False]
+    check_legible(figure, "regenerate_at")
+
+
+def test_groups_that_differ_in_a_tunable_stand_by_its_size(tmp_path):
+    builder = Builder().on_gpu().study("launch")
+    for in_flight in (4, 16, 1):
+        for launch in ("stream", "graph"):
+            builder.cell("launch", axes={"launch": launch}, tunables={"spp_in_flight": in_flight})
+    data, _ = drawn(builder, tmp_path)
+    assert [group.title.rpartition(", ")[2] for group in data.groups] == [
+        f"spp_in_flight={in_flight}" for in_flight in (1, 4, 16)
+    ]
+
+
 def test_a_figure_that_is_no_tunable_of_its_cells_is_unknown(tmp_path):
     builder = Builder().on_gpu().study("payload")
     builder.cell("payload")
@@ -428,7 +460,18 @@ def test_keys_in_the_order_of_the_file():
     assert in_file_order([("b", 2), ("b", 1), ("a", 1), ("b", 2), ("a", 2)]) == [
         ("b", 2), ("b", 1), ("a", 2), ("a", 1),
     ]  # fmt: skip
+    assert in_file_order([("b", "16"), ("b", "4"), ("a", "4")]) == [("b", "4"), ("b", "16"), ("a", "4")]
+    assert in_file_order([("b", "16"), ("b", None), ("b", "4")]) == [("b", "16"), ("b", None), ("b", "4")]
     assert in_file_order([]) == []
+
+
+def test_an_axis_over_almost_two_decades_has_ticks_between_the_powers_of_ten(tmp_path):
+    builder = Builder().on_gpu().study("integrator")
+    for integrator, time in (("wavefront", 3.44), ("megakernel", 0.0485)):
+        builder.cell("integrator", ms_per_spp=time, axes={"integrator": integrator})
+    _, figure = drawn(builder, tmp_path)
+    check_legible(figure, "integrator")
+    assert {"0.05", "0.1", "0.2", "0.5", "1", "2"} <= {text.get_text() for text in texts_of(figure)}
 
 
 # ---- What is not applicable ----
@@ -554,7 +597,19 @@ def test_a_busy_host_is_told_of_on_a_gpu_too(tmp_path):
     rows = measure(result, result.studies[0])
     assert rows[1].verdict.word == "UNSURE"
     assert "other processes took CPU time" in rows[1].verdict.reason
-    assert [note.kind for note in notes_of(result, result.studies[0], rows)] == ["contended"]
+    notes = notes_of(result, result.studies[0], rows)
+    assert [note.kind for note in notes] == ["contended"]
+    # Half the time and UNSURE: the figure has to say why.
+    assert notes[0].short.endswith(" of the CPU, kept (1 verdict UNSURE for that).")
+
+
+def test_a_busy_sample_that_voids_no_verdict_is_told_of_without_one(tmp_path):
+    builder = Builder().on_gpu().study("compaction")
+    builder.cell("compaction", n=20, contended=1)
+    builder.cell("compaction", n=20, axes={"compaction": "gap_fill"})
+    result = loaded(builder, tmp_path)
+    rows = measure(result, result.studies[0])
+    assert [note.short[-4:] for note in notes_of(result, result.studies[0], rows)] == ["ept."]
 
 
 def test_a_failure_is_told_without_the_cells_own_name(tmp_path):

@@ -86,7 +86,7 @@ protected:
 TEST_F(TuningFileTest, WhatIsSavedIsLoaded) {
     Tuning tuning;
     tuning.put(tuned(plain, {{"room", 0}}));
-    tuning.put(tuned(kept, {{"room", 0}, {"jitters", 64}}));
+    tuning.put(tuned(kept, {{"room", 0}}));
     tuning.put(tuned("of another build", {}));
     tuning.save(file, "amd-epyc");
     const Tuning loaded = Tuning::load(file, Backend::cpu);
@@ -150,6 +150,20 @@ TEST_F(TuningFileTest, RefusesBadFilesWithTheirPlace) {
 }
 
 // `render` takes the values as they are: one that no choice allows must not get there.
+// How many camera rays are kept is part of what is measured: no search may have set it.
+TEST_F(TuningFileTest, RefusesATunableThatSetsTheWork) {
+    Tuning tuning;
+    tuning.put(tuned(kept, {{"jitters", 64}}));
+    tuning.save(file, "amd-epyc");
+    try {
+        (void)Tuning::load(file, Backend::cpu);
+        ADD_FAILURE() << "taken";
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("$.entries[0].tunables.jitters: found 64"), std::string::npos)
+            << error.what();
+    }
+}
+
 TEST_F(TuningFileTest, RefusesAValueThatNoChoiceAllows) {
     const std::string refused = refusal(file_with({{"tunables", {{"room", 2}}}}));
     EXPECT_EQ(refused.find(file + ": $.entries[0].tunables.room: found 2, allowed: "), 0u) << refused;
