@@ -153,6 +153,9 @@ def measure(result: Result, study: Study | None) -> list[Row]:
     return rows
 
 
+_CONTENDED = "other processes took CPU time during more than a tenth of the samples"
+
+
 def _against_baseline(cell: Cell, cells: Sequence[Cell], question: Question) -> tuple[Estimate | None, Verdict]:
     baseline = baseline_of(cell, cells, question)
     name = f"{question.axis}={question.baseline}"
@@ -164,7 +167,7 @@ def _against_baseline(cell: Cell, cells: Sequence[Cell], question: Question) -> 
     cycles, baseline_cycles = cell.mega_cycles_per_spp, baseline.mega_cycles_per_spp
     in_cycles = None
     if _is_contended(cell) or _is_contended(baseline):
-        return ratio, Verdict("UNSURE", "other processes took CPU time during more than a tenth of the samples")
+        return ratio, Verdict("UNSURE", _CONTENDED)
     if cycles is not None and baseline_cycles is not None:
         in_cycles = verdict_of_ratio(ratio_estimate(cycles, baseline_cycles))
     return ratio, confirmed(verdict_of_ratio(ratio), in_cycles)
@@ -330,11 +333,19 @@ def _is_grid(cells: Sequence[Cell], question: Question | None, split: Sequence[s
 
 
 def in_file_order(keys: Iterable[tuple]) -> list[tuple]:
-    """Each key once, by its first part, then the second, ...; each part in the order in which its values appear."""
+    """Each key once, by its first part, then the second, ...; each part in the order in which its values appear.
+
+    Values that are all numbers written out, a tunable's, are in the order of the numbers.
+    """
     once = list(dict.fromkeys(keys))
-    places = [dict.fromkeys(part) for part in zip(*once, strict=True)]
+    places = [_numbers_by_size(dict.fromkeys(part)) for part in zip(*once, strict=True)]
     ranks = [{value: rank for rank, value in enumerate(part)} for part in places]
     return sorted(once, key=lambda key: [rank[value] for rank, value in zip(ranks, key, strict=True)])
+
+
+def _numbers_by_size(values: Iterable) -> list:
+    values = list(values)
+    return sorted(values, key=int) if all(isinstance(v, str) and v.isdecimal() for v in values) else values
 
 
 def scenes_of(rows: Sequence[Row]) -> list[str]:
@@ -376,6 +387,8 @@ def notes_of(result: Result, study: Study | None, rows: Sequence[Row]) -> list[N
     if contended:
         total = sum(len(cell.samples) for cell in timed)
         text = f"{contended} of {total} samples while other processes took over a tenth of the CPU, kept"
+        if unsure := sum(row.verdict is not None and row.verdict.reason == _CONTENDED for row in rows):
+            text += f" ({unsure} verdict{'s' if unsure > 1 else ''} UNSURE for that)"
         where = _first([f"{cell.name} ({cell.contended_samples})" for cell in timed if cell.contended_samples])
         notes.append(Note("contended", f"{text}.", f"{text}: {where}"))
     biased = list(dict.fromkeys(row.label for row in rows if row.cell.claim == "biased" and row.cell.measured))

@@ -81,17 +81,15 @@ def collect(result: Result, study: Study, default_title: str) -> Data:
     groups = []
     for scene, depth, *values in sorted(keys, key=lambda key: (scenes.index(key[0]), key[1])):
         items = []
-        for row in measured:
-            if key(row) == (scene, depth, *values):
-                instead = "" if row.estimate else "failed" if row.cell.failed else "no samples"
-                label = parts.labels[row.cell.name]
-                items.append(Item(label, row.is_baseline, row.estimate, row.ratio, row.verdict, instead))
-        # Baselines first, then from fast to slow; what has no time comes last.
-        items.sort(key=lambda item: (not item.is_baseline, item.time is None, item.time.value if item.time else 0))
+        of_group = [row for row in measured if key(row) == (scene, depth, *values)]
+        for row in sorted(of_group, key=lambda row: _place(row, question)):
+            instead = "" if row.estimate else "failed" if row.cell.failed else "no samples"
+            label = parts.labels[row.cell.name]
+            items.append(Item(label, row.is_baseline, row.estimate, row.ratio, row.verdict, instead))
         shown = {item.label for item in items}
         if result.baselines:
             # The note says why a choice was not run in some ways. Older files' figures have a row for that, too.
-            shown |= {question.choice_of(row.cell) for row in measured if key(row) == (scene, depth, *values)}
+            shown |= {question.choice_of(row.cell) for row in of_group}
         group_of = dict(zip(parts.split, values, strict=True))
         for absent in missed(result, study):
             label = _absent_label(absent, question)
@@ -104,6 +102,15 @@ def collect(result: Result, study: Study, default_title: str) -> Data:
     return Data(
         study.title or default_title, caption, tuple(notes), question.shown_baseline, tuple(order), tuple(groups)
     )
+
+
+def _place(row: Row, question: Question) -> tuple:
+    """Baselines first, then from fast to slow, what has no time last; but a tunable's values by their size."""
+    by_time = (row.estimate is None, row.estimate.value if row.estimate else 0)
+    if not question.is_tunable:
+        return not row.is_baseline, *by_time
+    value = row.cell.tunables.get(question.axis)
+    return value is None, value or 0, *by_time
 
 
 def _absent_label(absent: NotApplicable, question: Question) -> str:
@@ -197,7 +204,7 @@ def _scale(axes, bounds: list[float], log: bool) -> None:
     if log:
         axes.set_xscale("log")
         axes.set_xlim(min(bounds) / 1.3, max(bounds) * 1.3)
-        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if max(bounds) / min(bounds) < 60 else (1,)))
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if max(bounds) / min(bounds) < 100 else (1,)))
         axes.xaxis.set_minor_locator(NullLocator())
     else:
         axes.set_xlim(0, 1.05 * max(bounds))
