@@ -33,6 +33,9 @@ _BENCHMARK_SUFFIX = re.compile(
 
 # The harness's reasons for what is not applicable in a study that is written for more than one backend or choice.
 _ELSEWHERE = re.compile(r"(\S+=\S+) is not there on the backend \S+")
+# A render on a GPU that took no more than this beyond the device's own time was not kept waiting by a busy host.
+MOST_HOST_SHARE = 0.02
+
 _NOTHING_TO_TUNE = " tunes none of the variant's choices"
 
 
@@ -59,6 +62,11 @@ class Sample:
     @property
     def ms_per_spp(self) -> float:
         return self.wall_ms / self.spp
+
+    @property
+    def host_share(self) -> float:
+        """What of the render's time the device did not work; all of it where there is no device's clock."""
+        return 1.0 if self.device_ms is None else max(0.0, 1 - self.device_ms / self.wall_ms)
 
     @property
     def mega_rays_per_second(self) -> float:
@@ -170,6 +178,17 @@ class Cell:
     @property
     def contended_samples(self) -> int:
         return sum(sample.contended for sample in self.samples)
+
+    @property
+    def disturbed_samples(self) -> int:
+        """Contended ones whose time may be wrong for it: on a GPU the device's clock tells.
+
+        Other processes can only make the host late, and then the render takes longer than the device worked.
+        """
+        return sum(
+            sample.contended and (self.backend != "cuda" or sample.host_share > MOST_HOST_SHARE)
+            for sample in self.samples
+        )
 
     @property
     def resolution_text(self) -> str:

@@ -174,7 +174,7 @@ def _against_baseline(cell: Cell, cells: Sequence[Cell], question: Question) -> 
 
 
 def _is_contended(cell: Cell) -> bool:
-    return cell.contended_samples > 0.1 * len(cell.samples)
+    return cell.disturbed_samples > 0.1 * len(cell.samples)
 
 
 # An axis that says how another one's choice works, and the choice with which it says nothing.

@@ -603,6 +603,19 @@ def test_a_busy_host_is_told_of_on_a_gpu_too(tmp_path):
     assert notes[0].short.endswith(" of the CPU, kept (1 verdict UNSURE for that).")
 
 
+def test_a_busy_host_that_the_device_did_not_wait_for_voids_no_verdict(tmp_path):
+    builder = Builder().on_gpu().study("compaction")
+    builder.cell("compaction", ms_per_spp=2.0, noise=0.001)
+    builder.cell(
+        "compaction", ms_per_spp=1.0, noise=0.001, axes={"compaction": "gap_fill"}, contended=2, device_share=0.99
+    )
+    result = loaded(builder, tmp_path)
+    rows = measure(result, result.studies[0])
+    assert rows[1].verdict.word == "FASTER"
+    # It is told of all the same.
+    assert [note.kind for note in notes_of(result, result.studies[0], rows)] == ["contended"]
+
+
 def test_a_busy_sample_that_voids_no_verdict_is_told_of_without_one(tmp_path):
     builder = Builder().on_gpu().study("compaction")
     builder.cell("compaction", n=20, contended=1)
