@@ -3,7 +3,7 @@
 // - sm_90 gets every scene with every integrator, every choice that changes a program one at a time on the scene with
 //   every material, both direct lights and the cache on a scene whose first hits can be cached, and every stage in
 //   every layout and precision.
-// - The others get every integrator's generic kernel, which contains all that the sources hold; every scene, with an
+// - The others get every specialisation with an integrator that changes from GPU to GPU; every scene, with an
 //   integrator and a direct light that change from scene to scene and from GPU to GPU, so that over the GPUs every
 //   scene meets every integrator; and every stage in one layout. Nothing in the sources depends on the scene and the
 //   GPU at once.
@@ -125,6 +125,9 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
                                                                         {"precision", "double"},
                                                                         {"arithmetic", "exact"},
                                                                         {"arithmetic", "fast"},
+                                                                        {"specialisation", "baked"},
+                                                                        {"specialisation", "generic"},
+                                                                        {"specialisation", "matrix"},
                                                                         {"first_bounce", "cached_jitters"}}) {
             programs.add(five, baseline_with({{"integrator", integrator}, {axis, choice}}));
         }
@@ -152,8 +155,11 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
 void add_pairs(Programs& programs, const std::vector<Scene>& scenes, std::size_t turn) {
     const std::vector<std::string> integrators = choices_of("integrator");
     const std::vector<std::string> lights = choices_of("direct_light");
-    for (const std::string& integrator : integrators) {
-        programs.add(scenes.front(), baseline_with({{"integrator", integrator}, {"specialisation", "generic"}}));
+    // Kernels with everything take seconds each.
+    const std::vector<std::string> specialisations = choices_of("specialisation");
+    for (std::size_t i = 0; i < specialisations.size(); ++i) {
+        programs.add(scenes.front(), baseline_with({{"integrator", integrators[(i + turn) % integrators.size()]},
+                                                    {"specialisation", specialisations[i]}}));
     }
     for (std::size_t i = 0; i < scenes.size(); ++i) {
         const std::string& integrator = integrators[(i + turn) % integrators.size()];
