@@ -153,6 +153,40 @@ TEST(FilmTest, ScaleLeavesRoomForTheBoundAndIsAPowerOfTwo) {
     }
 }
 
+// A float times a power of two is exact, so a sample is quantised in single precision where it can be, and both ways
+// agree: to the last quantum, and on what is a fault.
+TEST(FilmTest, SinglePrecisionAgreesWithDouble) {
+    constexpr float infinity = std::numeric_limits<float>::infinity();
+    constexpr float odd[] = {0.0f,  -0.0f,  1e-45f,   1e-38f,    -1e-6f,
+                             3e38f, -3e38f, infinity, -infinity, std::numeric_limits<float>::quiet_NaN()};
+    test::Random random(11);
+    for (const double bound : {1e-35, 1e-6, 5.0, 1e9, 1e35}) {
+        for (const std::uint64_t samples : {std::uint64_t{1}, std::uint64_t{3}, std::uint64_t{1} << 20}) {
+            Film single(1, 1, bound, samples), wide(1, 1, bound, samples);
+            std::size_t quick = 0;
+            for (int i = 0; i < 20000; ++i) {
+                const auto value = [&] {
+                    return i % 10 == 0 ? odd[random.word() % std::size(odd)]
+                                       : static_cast<float>(bound * std::exp2(random.uniform(-30, 8)));
+                };
+                const Vec3<float> radiance(value(), value(), value());
+                const FilmSum a = single.view().quanta(radiance);
+                const FilmSum b = wide.view().quanta(Vec3<double>(radiance));
+                ASSERT_EQ(a.x, b.x) << bound << " " << radiance.x;
+                ASSERT_EQ(a.y, b.y) << bound << " " << radiance.y;
+                ASSERT_EQ(a.z, b.z) << bound << " " << radiance.z;
+                quick += single.view().single_limit > 0 ? 1 : 0;
+            }
+            EXPECT_EQ(single.faults().nonfinite, wide.faults().nonfinite);
+            EXPECT_EQ(single.faults().negative, wide.faults().negative);
+            EXPECT_EQ(single.faults().saturated, wide.faults().saturated);
+            EXPECT_GT(wide.faults().nonfinite, 0u);
+            // Scenes of ordinary brightness are quantised in single precision.
+            EXPECT_EQ(quick > 0, bound > 1e-10 && bound < 1e20) << bound;
+        }
+    }
+}
+
 TEST(FilmTest, HashTellsFilmsApart) {
     Film a(1, 1, 1, 1), b(1, 1, 1, 1);
     EXPECT_EQ(a.hash(), b.hash());
