@@ -24,8 +24,9 @@ file(CONFIGURE OUTPUT ${generated}/layouts.h CONTENT
 file(CONFIGURE OUTPUT ${generated}/layouts.cpp CONTENT
 "#include \"variants/registry.h\"\nnamespace pt { namespace {\n${layout_registrations}} }\n")
 
-# One translation unit an integrator and feature set; the generic kernel has them all.
-set(feature_sets "all_features" "all_features | Feature::matrix")
+# One translation unit an integrator and feature set; the generic kernel has them all, once with pcg4d alone and once
+# with every sampler.
+set(feature_sets "all_features" "all_features | Feature::matrix" "all_features | samplers")
 file(STRINGS ${feature_set_file} lines)
 foreach(line ${lines})
   string(STRIP "${line}" line)

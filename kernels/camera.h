@@ -58,10 +58,11 @@ PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Confi
     path.segment = 0;
     path.departed = ObjectSide{};
     path.medium = camera.initial_medium;
+    path.scatter_density = Real(0);
 
     RandomWords words{0, 0, 0, 0};
     if constexpr (has<Config>(Feature::jitter) || has<Config>(Feature::lens)) {
-        words = random_words(seed, {place.index, camera_sample, 0, random_block::camera_position});
+        words = random_words<Config>(seed, {place.index, camera_sample, 0, random_block::camera_position});
     }
     Real in_pixel_x = Real(0.5);
     Real in_pixel_y = Real(0.5);
@@ -86,7 +87,7 @@ PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Confi
     }
     path.direction = unit_ray<Config>(direction);
     if constexpr (has<Config>(Feature::motion)) {
-        const RandomWords time_words = random_words(seed, {place.index, camera_sample, 0, random_block::camera_time});
+        const RandomWords time_words = random_words<Config>(seed, {place.index, camera_sample, 0, random_block::camera_time});
         const Real u = unit_interval<Real>(time_words.x);
         path.time = camera.shutter_open + camera.shutter_length * (camera.shutter_late != 0 ? square_root(u) : u);
     }

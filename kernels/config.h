@@ -38,17 +38,28 @@ enum class Feature : std::uint32_t {
     lens = 1u << 17,
     // What the variant asks for rather than the scene.
     final_bounce = 1u << 18,
+    next_event = 1u << 19,
+    multiple_importance = 1u << 20,
+    russian_roulette = 1u << 21,
     // Shortcuts: a scene that has them needs them not, and a kernel that has them leaves the same film.
-    room = 1u << 19,
+    room = 1u << 22,
     // Another formula for every object: its 4x4 matrix (kernels/transform.h). Changes roundings, and so the film.
-    matrix = 1u << 20,
+    matrix = 1u << 23,
+    // Sources of random numbers other than pcg4d. A kernel with none of them has pcg4d, one with a single one has that,
+    // and one with several chooses at run time among all (RandomSeed::sampler).
+    philox = 1u << 24,
+    sobol_owen = 1u << 25,
+    minstd = 1u << 26,
 };
 
 using FeatureSet = std::uint32_t;
 
 inline constexpr FeatureSet no_features = 0;
-inline constexpr FeatureSet all_features = (1u << 19) - 1u;
+inline constexpr FeatureSet all_features = (1u << 22) - 1u;
 inline constexpr FeatureSet shortcuts = static_cast<FeatureSet>(Feature::room);
+inline constexpr FeatureSet samplers = static_cast<FeatureSet>(Feature::philox) |
+                                       static_cast<FeatureSet>(Feature::sobol_owen) |
+                                       static_cast<FeatureSet>(Feature::minstd);
 
 PT_HD constexpr FeatureSet operator|(Feature a, Feature b) {
     return static_cast<FeatureSet>(a) | static_cast<FeatureSet>(b);

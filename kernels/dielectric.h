@@ -68,11 +68,17 @@ PT_HD inline void scatter_dielectric(Path<typename Config::Real>& path, const Ve
     }
 }
 
-// Beer-Lambert over the segment that ends now.
+// Beer-Lambert over a distance.
+template <class Real>
+PT_HD inline Vec3<Real> transmittance(const Material<Real>& medium, Real distance) {
+    return {exponential(-medium.sigma_a.x * distance), exponential(-medium.sigma_a.y * distance),
+            exponential(-medium.sigma_a.z * distance)};
+}
+
+// Of the segment that ends now.
 template <class Real>
 PT_HD inline void attenuate(Path<Real>& path, const Material<Real>& medium, Real distance) {
-    path.throughput *= Vec3<Real>{exponential(-medium.sigma_a.x * distance), exponential(-medium.sigma_a.y * distance),
-                                  exponential(-medium.sigma_a.z * distance)};
+    path.throughput *= transmittance(medium, distance);
 }
 
 }  // namespace pt

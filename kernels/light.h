@@ -101,12 +101,14 @@ PT_HD inline LightSample<typename Config::Real> sample_light(const SceneView<typ
 }
 
 // The last vertex's expected light from one random light point, added to path.radiance; ends nothing itself.
-// Returns the number of rays traced (0 or 1). `albedo` is the diffuse lobe's.
+// Returns the number of rays traced (0 or 1). `albedo` is the diffuse lobe's; `traced` is the same scene, as rays walk
+// through it.
 //
 // Visibility needs no epsilon: the point is seen if the nearest object along the ray is the light and is met on the
 // side on which the point lies; a convex light shows each ray exactly one point of each side.
 template <class Config>
-PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene,
+                                   const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
                                    const Vertex<typename Config::Real>& vertex,
                                    const Vec3<typename Config::Real>& albedo, const RandomWords& direction_words) {
     using Real = typename Config::Real;
@@ -116,12 +118,12 @@ PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene
     if (choices == 0) {
         return 0;
     }
-    const RandomWords words = random_words(scene.seed, {path.pixel, path.sample, path.segment, random_block::light});
+    const RandomWords words = random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::light});
     const std::uint32_t choice = static_cast<std::uint32_t>((static_cast<std::uint64_t>(words.x) * choices) >> 32);
     if (choice == scene.lights.size) {
         scatter_diffuse<Config>(path, vertex, albedo, unit_interval<Real>(direction_words.y),
                                 unit_interval<Real>(direction_words.z));
-        if (!closest_hit<Config>(scene, ray_of(path)).side.exists()) {
+        if (!closest_hit<Config>(traced, ray_of(path)).side.exists()) {
             path.radiance += path.throughput * scene.environment * static_cast<Real>(choices);
         }
         return 1;
@@ -141,7 +143,7 @@ PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene
         return 0;
     }
     const Ray<Real> ray{vertex.position, direction, path.time, ObjectSide::of(vertex.object, vertex.inside)};
-    const Hit<Real> hit = closest_hit<Config>(scene, ray);
+    const Hit<Real> hit = closest_hit<Config>(traced, ray);
     if (hit.side.exists() && hit.side.object() == object && hit.side.inside() == (light_cosine > Real(0))) {
         // The square of the distance is divided out in two steps: 1 / distance^2 alone may overflow.
         const Real geometry = (cosine / distance_squared) * (absolute(light_cosine) * light.inverse_density);

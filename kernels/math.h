@@ -1,6 +1,7 @@
 // Vectors (GLM) and the few scalar functions whose rounding the kernels depend on.
 // min and max are ternaries: they compile to one instruction, stay IEEE, and on the host they vectorise (fminf does
-// not). Sine, cosine, exponential and logarithm are our own (coefficients of Cephes and fdlibm), from + - * / and the
+// not). Sine, cosine, arc tangent, exponential and logarithm are our
+// own (coefficients of Cephes and fdlibm), from + - * / and the
 // bits of IEEE numbers alone, so that host and device round alike.
 #pragma once
 
@@ -235,6 +236,48 @@ PT_HD inline SinCos<Real> sin_cos_turn(Real u) {
         default:
             return {-octant.cosine, octant.sine};
     }
+}
+
+// Sine and cosine of x for |x| <= 2 pi, in radians: within an octant of a turn's border as precise as the octant's.
+template <class Real>
+PT_HD inline SinCos<Real> sin_cos(Real x) {
+    const SinCos<Real> of_size = sin_cos_turn(min(absolute(x) * (Real(0.5) / pi<Real>), Real(1)));
+    return {x < Real(0) ? -of_size.sine : of_size.sine, of_size.cosine};
+}
+
+// atan(x) / x - 1 from z = x^2, for |x| up to tan(pi/8) in single precision and up to 0.66 in double. Coefficients:
+// Cephes, atanf.c and atan.c.
+PT_HD inline float arc_tangent_series(float z) {
+    return (((8.05374449538e-2f * z - 1.38776856032e-1f) * z + 1.99777106478e-1f) * z - 3.33329491539e-1f) * z;
+}
+PT_HD inline double arc_tangent_series(double z) {
+    double p = -8.750608600031904122785e-1 * z - 1.615753718733365076637e1;
+    p = p * z - 7.500855792314704667340e1;
+    p = p * z - 1.228866684490136173410e2;
+    p = p * z - 6.485021904942025371773e1;
+    double q = z + 2.485846490142306297962e1;
+    q = q * z + 1.650270098316988542046e2;
+    q = q * z + 4.328810604912902668951e2;
+    q = q * z + 4.853903996359136964868e2;
+    q = q * z + 1.945506571482613964425e2;
+    return z * (p / q);
+}
+
+// The arc tangent, to about two units in the last place; odd, and +-pi/2 at +-infinity.
+template <class Real>
+PT_HD inline Real arc_tangent(Real x) {
+    constexpr Real least_for_quarter = sizeof(Real) == 4 ? Real(0.41421356237309503) : Real(0.66);
+    Real size = absolute(x);
+    Real base = Real(0);
+    if (size > Real(2.41421356237309504880)) {
+        base = pi<Real> / Real(2);
+        size = Real(-1) / size;
+    } else if (size > least_for_quarter) {
+        base = pi<Real> / Real(4);
+        size = (size - Real(1)) / (size + Real(1));
+    }
+    const Real angle = base + (arc_tangent_series(size * size) * size + size);
+    return x < Real(0) ? -angle : angle;
 }
 
 // Two unit vectors that complete the unit vector `normal` to a right-handed frame.

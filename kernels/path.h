@@ -46,6 +46,9 @@ struct Path {
     std::uint32_t segment;  // ray segments traced so far; `ended` once the path is over
     ObjectSide departed;    // the surface that the ray starts on
     std::uint32_t medium;   // material whose absorption the ray runs through, or no_medium
+    // Density, by solid angle, with which the ray's direction was drawn where next-event estimation had its turn too;
+    // 0 where it had not: from the camera, a specular surface or a body. Lights met then count in full.
+    Real scatter_density;
 
     static constexpr std::uint32_t ended = 0xffffffffu;
     static constexpr std::uint32_t no_medium = 0xffffffffu;

@@ -1,45 +1,25 @@
 // Keyed random numbers: u = hash(seed; pixel, sample, bounce, dimension). Nothing depends on a position in a queue, so
 // compaction, sorting and scheduling cannot change an image.
-// The hash is pcg4d: Jarzynski and Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020. It is a bijection of the
-// 128-bit key, so within one seed no two keys share their four words.
+// The hash is pcg4d unless the kernel's features name another source. pcg4d is a bijection of the 128-bit key, so within
+// one seed no two keys share their four words.
 #pragma once
 
-#include "kernels/config.h"
-#include "kernels/math.h"
+#include "kernels/minstd.h"
+#include "kernels/philox.h"
+#include "kernels/sobol_owen.h"
 
 namespace pt {
 
-struct RandomWords {
-    std::uint32_t x, y, z, w;
-};
-
-PT_HD inline RandomWords pcg4d(RandomWords v) {
-    v.x = v.x * 1664525u + 1013904223u;
-    v.y = v.y * 1664525u + 1013904223u;
-    v.z = v.z * 1664525u + 1013904223u;
-    v.w = v.w * 1664525u + 1013904223u;
-    v.x += v.y * v.w;
-    v.y += v.z * v.x;
-    v.z += v.x * v.y;
-    v.w += v.y * v.z;
-    v.x ^= v.x >> 16;
-    v.y ^= v.y >> 16;
-    v.z ^= v.z >> 16;
-    v.w ^= v.w >> 16;
-    v.x += v.y * v.w;
-    v.y += v.z * v.x;
-    v.z += v.x * v.y;
-    v.w += v.y * v.z;
-    return v;
-}
-
-// Four whitening words derived from the user's seed.
+// Four whitening words derived from the user's seed, and where the numbers come from in a kernel that has several
+// sources.
 struct RandomSeed {
     RandomWords words{0, 0, 0, 0};
+    FeatureSet sampler = no_features;  // one of `samplers`, or none: pcg4d
 
     PT_HD static RandomSeed from(std::uint64_t seed) {
-        return {pcg4d(
-            {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), 0x9e3779b9u, 0x7f4a7c15u})};
+        return {pcg4d({static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), 0x9e3779b9u,
+                       0x7f4a7c15u}),
+                no_features};
     }
 };
 
@@ -58,13 +38,31 @@ inline constexpr std::uint32_t light = 1;
 inline constexpr std::uint32_t walk = 2;
 }  // namespace random_block
 
-struct RandomKey {
-    std::uint32_t pixel, sample, bounce, block;
-};
+PT_HD inline RandomWords pcg4d_words(const RandomWords& seed, const RandomKey& key) {
+    return pcg4d({key.pixel ^ seed.x, key.sample ^ seed.y, key.bounce ^ seed.z, key.block ^ seed.w});
+}
 
-PT_HD inline RandomWords random_words(const RandomSeed& seed, RandomKey key) {
-    return pcg4d(
-        {key.pixel ^ seed.words.x, key.sample ^ seed.words.y, key.bounce ^ seed.words.z, key.block ^ seed.words.w});
+// Where the kernel's numbers come from: one of `samplers`, or none for pcg4d.
+template <class Config>
+PT_HD inline FeatureSet sampler_of(const RandomSeed& seed) {
+    constexpr FeatureSet compiled = Config::features & samplers;
+    constexpr bool is_chosen_at_run_time = (compiled & (compiled - 1u)) != 0;
+    return is_chosen_at_run_time ? seed.sampler : compiled;
+}
+
+template <class Config>
+PT_HD inline RandomWords random_words(const RandomSeed& seed, const RandomKey& key) {
+    const FeatureSet sampler = sampler_of<Config>(seed);
+    if (has<Config>(Feature::philox) && contains(sampler, Feature::philox)) {
+        return philox4x32_10({key.pixel, key.sample, key.bounce, key.block}, seed.words.x, seed.words.y);
+    }
+    if (has<Config>(Feature::sobol_owen) && contains(sampler, Feature::sobol_owen)) {
+        return sobol_owen_words(seed.words, key);
+    }
+    if (has<Config>(Feature::minstd) && contains(sampler, Feature::minstd)) {
+        return minstd_words(seed.words, key);
+    }
+    return pcg4d_words(seed.words, key);
 }
 
 // A number in [0, 1): never 1, whatever the rounding mode.

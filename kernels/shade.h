@@ -8,6 +8,8 @@
 #include "kernels/film.h"
 #include "kernels/light.h"
 #include "kernels/mix.h"
+#include "kernels/next_event.h"
+#include "kernels/russian_roulette.h"
 #include "kernels/subsurface.h"
 
 namespace pt {
@@ -50,35 +52,51 @@ PT_HD inline void accumulate(const FilmView& film, const Path<Real>& path) {
     film.add(path.pixel, path.radiance);
 }
 
-// The diffuse lobe of the vertex: at the last vertex of a final-bounce path it is connected to a light instead of
-// sampled. Returns whether the path goes on.
+// The diffuse lobe of the vertex: connected to a light where the variant asks for it, and then sampled. The last vertex
+// of a final-bounce path is connected only. Returns whether the path goes on. `traced`: the scene as rays walk through
+// it.
 template <class Config>
-PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene,
+                                const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
                                 const Vertex<typename Config::Real>& vertex, const Vec3<typename Config::Real>& albedo,
                                 const RandomWords& words, bool last, PathCounters& counters) {
     using Real = typename Config::Real;
     if constexpr (has<Config>(Feature::final_bounce)) {
         if (last) {
-            const std::uint32_t connections = connect<Config>(scene, path, vertex, albedo, words);
+            const std::uint32_t connections = connect<Config>(scene, traced, path, vertex, albedo, words);
             counters.rays += connections;
             counters.connections += connections;
             return false;
         }
     }
+    bool is_connected = false;
+    if constexpr (has<Config>(Feature::next_event)) {
+        is_connected = scene.next_event != 0;
+        if (is_connected) {
+            const std::uint32_t connections = connect_next_event<Config>(scene, traced, path, vertex, albedo);
+            counters.rays += connections;
+            counters.connections += connections;
+        }
+    }
     scatter_diffuse<Config>(path, vertex, albedo, unit_interval<Real>(words.y), unit_interval<Real>(words.z));
+    if (is_connected) {
+        // Never 0, which says that there was no connection.
+        constexpr Real least = Real(0x1p-60);
+        path.scatter_density = max(dot(path.direction, vertex.normal()), least) * (Real(1) / pi<Real>);
+    }
     return true;
 }
 
 // Picks the lobe and the next direction by the material's type. Returns whether the path goes on.
 template <class Config>
-PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene,
+                          const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
                           const Vertex<typename Config::Real>& vertex, const Surface<typename Config::Real>& surface,
-                          bool last, PathCounters& counters, Walk& walk) {
+                          const RandomWords& words, bool last, PathCounters& counters, Walk& walk) {
     using Real = typename Config::Real;
-    const RandomWords words = random_words(scene.seed, {path.pixel, path.sample, path.segment, random_block::scatter});
     const Real lobe = unit_interval<Real>(words.x);
     if (has<Config>(Feature::diffuse) && surface.type == MaterialType::diffuse) {
-        return shade_diffuse<Config>(scene, path, vertex, surface.colour, words, last, counters);
+        return shade_diffuse<Config>(scene, traced, path, vertex, surface.colour, words, last, counters);
     }
     if (has<Config>(Feature::mirror) && surface.type == MaterialType::mirror) {
         scatter_mirror(path, vertex, surface.colour);
@@ -90,7 +108,7 @@ PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, Path<ty
             scatter_mirror(path, vertex, material.reflectance);
             return true;
         }
-        return shade_diffuse<Config>(scene, path, vertex, material.albedo, words, last, counters);
+        return shade_diffuse<Config>(scene, traced, path, vertex, material.albedo, words, last, counters);
     }
     if (has<Config>(Feature::dielectric) && material.type == MaterialType::dielectric) {
         scatter_dielectric<Config>(path, vertex, material, lobe);
@@ -118,10 +136,24 @@ PT_HD inline bool walk_on(const SceneView<typename Config::Real>& scene, Path<ty
     return step != WalkStep::lost;
 }
 
-// What happens where the segment ends. On return the path has its next ray, or is at the beginning of a walk that the
-// caller takes to its end by walk_on, or is over (returns false).
+// Light that the path meets at the end of its ray.
 template <class Config>
-PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+PT_HD inline void meet_light(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+                             const Hit<typename Config::Real>& hit, const Vec3<typename Config::Real>& emission) {
+    using Real = typename Config::Real;
+    if constexpr (has<Config>(Feature::next_event)) {
+        const Real weight = encounter_weight<Config>(scene, path, hit);
+        path.radiance += path.throughput * emission * weight;
+    } else {
+        path.radiance += path.throughput * emission;
+    }
+}
+
+// What happens where the segment ends. On return the path has its next ray, or is at the beginning of a walk that the
+// caller takes to its end by walk_on, or is over (returns false). `traced`: the same scene, as rays walk through it.
+template <class Config>
+PT_HD inline bool shade(const SceneView<typename Config::Real>& scene,
+                        const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
                         const Hit<typename Config::Real>& hit, PathCounters& counters, Walk& walk) {
     using Real = typename Config::Real;
     path.segment += 1;
@@ -138,14 +170,14 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, Path<type
     }
     const Surface<Real> surface = scene.surfaces[hit.side.object()];
     if (has<Config>(Feature::emitter) && surface.type == MaterialType::emitter) {
-        path.radiance += path.throughput * surface.colour;
+        meet_light<Config>(scene, path, hit, surface.colour);
         return false;
     }
     const std::uint32_t material_index = scene.object_material[hit.side.object()];
     if constexpr (has<Config>(Feature::emission)) {
         const Material<Real>& material = scene.materials[material_index];
         if (material.emits != 0) {
-            path.radiance += path.throughput * material.emission;
+            meet_light<Config>(scene, path, hit, material.emission);
         }
     }
     const bool last = path.segment >= scene.depth;
@@ -156,15 +188,30 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, Path<type
     const bool inside = hit.side.inside();
     const Vertex<Real> vertex{
         point.position, inside ? -point.normal : point.normal, hit.side.object(), inside, material_index, hit.side};
-    return scatter<Config>(scene, path, vertex, surface, last, counters, walk);
+    path.scatter_density = Real(0);
+    const RandomWords words =
+        random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::scatter});
+    if (!scatter<Config>(scene, traced, path, vertex, surface, words, last, counters, walk)) {
+        return false;
+    }
+    if constexpr (has<Config>(Feature::russian_roulette)) {
+        if (scene.roulette_start != 0 && path.segment >= scene.roulette_start) {
+            if (!survives_roulette(path, unit_interval<Real>(words.w))) {
+                walk.step = Walk::none;
+                return false;
+            }
+        }
+    }
+    return true;
 }
 
 // The same, walks and all.
 template <class Config>
-PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+PT_HD inline bool shade(const SceneView<typename Config::Real>& scene,
+                        const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
                         const Hit<typename Config::Real>& hit, PathCounters& counters) {
     Walk walk;
-    bool alive = shade<Config>(scene, path, hit, counters, walk);
+    bool alive = shade<Config>(scene, traced, path, hit, counters, walk);
     if constexpr (has<Config>(Feature::subsurface)) {
         while (alive && walk.is_on()) {
             alive = walk_on<Config>(scene, path, walk, counters);

@@ -89,7 +89,7 @@ PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, P
     }
     const Vec3<Real> direction = path.direction;
     const RandomWords words =
-        random_words(scene.seed, {path.pixel, path.sample, path.segment, random_block::walk + walk.step});
+        random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::walk + walk.step});
     walk.step += 1;
     const Real to_exit = distance_to_exit<Config>(scene, walk.object, path.origin, direction, walk.on_surface);
     const std::uint32_t colour = choose_channel(path.throughput, unit_interval<Real>(words.y));

@@ -29,7 +29,8 @@ constexpr bool contains(BackendSet set, Backend backend) { return (set & static_
 
 // The axes in the order in which a variant's name spells them.
 inline constexpr std::string_view axis_names[] = {"integrator",   "compaction",   "sorting",  "sort_key",
-                                                  "first_bounce", "direct_light", "layout",   "specialisation",
+                                                  "first_bounce", "direct_light", "russian_roulette",
+                                                  "sampler",      "layout",       "specialisation",
                                                   "launch",       "arithmetic",   "precision"};
 
 // A number that a choice may be tuned by. It never changes what is computed, unless the choice's claim says so.
@@ -106,6 +107,12 @@ struct Descriptor {
     // The compiler may contract and reorder: two kernels of one formula need not round alike, so the variant is held
     // to its twin with mean_of by its mean, and the twin to the reference by its bits.
     bool rounds_freely = false;
+    // The film depends on the order in which paths lie in the queue, and so on every other choice: it is held against
+    // nothing but the same variant's own film.
+    bool depends_on_order = false;
+    // Of a sampler: the samples of a pixel do not know of each other, so that the error of their mean falls as n^-1/2 and
+    // halves of a run are independent.
+    bool has_independent_samples = true;
     bool keeps_payload_contiguous = true;  // of a compaction: the paths in play are slots 0 to count - 1 afterwards
     // Of a compaction or sort on CUDA: the host waits for the device within it, so no graph can hold it.
     bool waits_for_device = false;

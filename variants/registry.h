@@ -18,7 +18,7 @@ using MakeSorting = std::function<std::unique_ptr<Sorting>()>;
 using KeepCameraRays = std::function<std::uint32_t(const Variant& variant, Backend backend)>;
 using MakePaths = std::function<AnyPaths()>;
 using RenderFunction = void (*)(RenderJob&);
-// The features that a direct-light choice adds to those of the scene.
+// The features that a choice adds to those of the scene.
 using AddFeatures = std::function<FeatureSet()>;
 // What a scene asks of a kernel, and what there is to choose from.
 struct KernelOffer {
@@ -29,14 +29,14 @@ struct KernelOffer {
 // Picks the feature set of the kernel to run.
 using ChooseFeatures = std::function<FeatureSet(const KernelOffer& offer, const Variant& variant, Backend backend)>;
 
-// What a choice brings; at most one member is set, by its axis and backend. A choice that is a name and nothing else
+// What a choice brings; besides `features` at most one member is set, by its axis and backend. A choice that is a name and nothing else
 // (`none`, an option of the compiler) brings none.
 struct Hook {
     MakeCompaction compaction = {};
     MakeSorting sorting = {};
     KeepCameraRays first_bounce = {};
     MakePaths layout = {};
-    AddFeatures direct_light = {};
+    AddFeatures features = {};
     ChooseFeatures specialisation = {};
     std::map<FeatureSet, RenderFunction> integrator = {};
     cuda::Hooks cuda = {};
@@ -66,7 +66,8 @@ public:
     // Every axis at its baseline.
     Variant baseline(Backend backend = Backend::cpu) const;
     // The variant that `variant` must equal bit for bit: every axis whose choices claim `bitwise` goes to the plainest
-    // choice (Descriptor::reference, else the baseline) and its tunables to their standards, the others stay.
+    // choice (Descriptor::reference, else the baseline) and its tunables to their standards, the others stay. Itself, if
+    // its film depends on the order of the queue.
     Variant reference(const Variant& variant, Backend backend = Backend::cpu) const;
 
 private:

@@ -40,8 +40,7 @@ RenderResult render(const Scene& scene, const RenderRequest& request) {
     }
     const Registry& registry = Registry::instance();
     const KernelChoice kernel = choose_kernel(scene, request.variant, Backend::cuda);
-    RenderSettings settings = request.settings;
-    settings.final_bounce = contains(kernel.needed, Feature::final_bounce);
+    const RenderSettings settings = settings_for(request, kernel);
     const std::uint64_t film_samples = request.film_samples != 0 ? request.film_samples : request.samples;
     RenderResult result{
         .film = Film(settings.width, settings.height, radiance_bound(scene, settings.depth), film_samples),

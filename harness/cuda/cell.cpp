@@ -428,9 +428,11 @@ bool RenderCell<Real>::copies_whole_paths() const {
 template <class Real>
 PathFields RenderCell<Real>::carried_fields() const {
     const bool whole = copies_whole_paths();
-    return {.radiance = whole || contains(kernel_.compiled, Feature::emission),
+    const bool connects = contains(kernel_.compiled, Feature::next_event);
+    return {.radiance = whole || connects || contains(kernel_.compiled, Feature::emission),
             .time = whole || contains(kernel_.compiled, Feature::motion),
-            .medium = whole || contains(kernel_.compiled, Feature::absorption)};
+            .medium = whole || contains(kernel_.compiled, Feature::absorption),
+            .density = whole || connects};
 }
 
 template <class Real>

@@ -32,8 +32,7 @@ PathQueue& queue_for(const Variant& variant) {
 RenderResult render_unguarded(const Scene& scene, const RenderRequest& request) {
     const Registry& registry = Registry::instance();
     const KernelChoice kernel = choose_kernel(scene, request.variant);
-    RenderSettings settings = request.settings;
-    settings.final_bounce = contains(kernel.needed, Feature::final_bounce);
+    const RenderSettings settings = settings_for(request, kernel);
 
     const SceneBuffers<float> buffers(scene, settings);
     const std::uint64_t film_samples = request.film_samples != 0 ? request.film_samples : request.samples;
@@ -76,17 +75,36 @@ RenderResult render_unguarded(const Scene& scene, const RenderRequest& request) 
 
 }  // namespace
 
+RenderSettings settings_for(const RenderRequest& request, const KernelChoice& kernel) {
+    RenderSettings settings = request.settings;
+    settings.final_bounce = contains(kernel.needed, Feature::final_bounce);
+    settings.next_event = contains(kernel.needed, Feature::next_event);
+    settings.mis_exponent = contains(kernel.needed, Feature::multiple_importance)
+                                ? tunable(request.variant, "mis_exponent", request.backend)
+                                : 0;
+    settings.roulette_start = contains(kernel.needed, Feature::russian_roulette)
+                                  ? tunable(request.variant, "roulette_start", request.backend)
+                                  : 0;
+    settings.sampler = kernel.needed & samplers;
+    return settings;
+}
+
 std::string KernelChoice::note() const {
-    const FeatureSet surplus = compiled & all_features & ~needed;
+    const FeatureSet surplus = compiled & (all_features | samplers) & ~needed;
     return surplus == 0 ? "exact" : fmt::format("has {} for nothing", fmt::join(feature_names(surplus), ", "));
 }
 
 KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend backend) {
     const Registry& registry = Registry::instance();
-    const FeatureSet needed = features_of(scene) | registry.at("direct_light", variant, backend).hook.direct_light();
+    FeatureSet needed = features_of(scene);
+    for (const std::string_view axis : axis_names) {
+        if (const AddFeatures& features = registry.at(axis, variant, backend).hook.features) {
+            needed |= features();
+        }
+    }
     // On CUDA a kernel is compiled when it is needed, so there is one for every set.
     const FeatureSet shortcuts_here = shortcuts_of(scene);
-    KernelOffer offer{needed, shortcuts_here, {needed, needed | shortcuts_here, all_features}};
+    KernelOffer offer{needed, shortcuts_here, {needed, needed | shortcuts_here, all_features | (needed & samplers)}};
     const auto& kernels = registry.at("integrator", variant, backend).hook.integrator;
     if (backend == Backend::cpu) {
         offer.compiled.clear();

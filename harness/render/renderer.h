@@ -12,7 +12,7 @@ namespace pt {
 struct RenderRequest {
     Variant variant;
     Backend backend = Backend::cpu;
-    RenderSettings settings;  // final_bounce is set from the variant
+    RenderSettings settings;  // what the variant decides is set by it (settings_for)
     std::uint32_t first_sample = 0;
     std::uint32_t samples = 1;  // a pixel
     bool instrument = false;    // take stage times and live paths; such a render's time is no result
@@ -59,6 +59,9 @@ struct KernelChoice {
     std::string note() const;
 };
 KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend backend = Backend::cpu);
+
+// The request's settings with what its variant asks of the kernel.
+RenderSettings settings_for(const RenderRequest& request, const KernelChoice& kernel);
 
 // Precondition: why_not_applicable(variant, features) is empty. Throws MachineError if memory runs out.
 RenderResult render(const Scene& scene, const RenderRequest& request);

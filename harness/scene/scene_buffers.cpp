@@ -241,7 +241,11 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     view_.camera = make_camera<Real>(scene, settings);
     view_.seed = RandomSeed::from(settings.seed);
     view_.depth = settings.depth;
+    view_.seed.sampler = settings.sampler;
     view_.final_bounce = settings.final_bounce ? 1 : 0;
+    view_.next_event = settings.next_event ? 1 : 0;
+    view_.mis_exponent = settings.mis_exponent;
+    view_.roulette_start = settings.roulette_start;
     view_.room = find_room(view_);
 }
 

@@ -15,7 +15,12 @@ struct RenderSettings {
     std::uint32_t width = 0, height = 0;
     std::uint32_t depth = 0;
     std::uint64_t seed = 0;
+    // What the variant asks for (settings_for).
     bool final_bounce = false;
+    bool next_event = false;
+    std::uint32_t mis_exponent = 0;
+    std::uint32_t roulette_start = 0;
+    FeatureSet sampler = no_features;
 };
 
 RenderSettings default_settings(const Scene& scene);

@@ -263,16 +263,20 @@ TEST(LayoutTest, AStoreHasRoomForTheFieldsThatAreCarried) {
             .find("layout", layout, Backend::cuda)
             ->hook.cuda.layout.bytes(64, sizeof(float), fields);
     };
-    constexpr cuda::PathFields all{}, none{.radiance = false, .time = false, .medium = false};
-    constexpr cuda::PathFields radiance{.radiance = true, .time = false, .medium = false};
-    constexpr cuda::PathFields time{.radiance = false, .time = true, .medium = false};
-    constexpr cuda::PathFields medium{.radiance = false, .time = false, .medium = true};
-    EXPECT_EQ(bytes_of("soa", all), 64u * 72);
+    constexpr cuda::PathFields all{}, none{.radiance = false, .time = false, .medium = false, .density = false};
+    constexpr cuda::PathFields radiance{.radiance = true, .time = false, .medium = false, .density = false};
+    constexpr cuda::PathFields time{.radiance = false, .time = true, .medium = false, .density = false};
+    constexpr cuda::PathFields medium{.radiance = false, .time = false, .medium = true, .density = false};
+    constexpr cuda::PathFields density{.radiance = true, .time = false, .medium = false, .density = true};
+    EXPECT_EQ(bytes_of("soa", all), 64u * 76);
+    EXPECT_EQ(bytes_of("soa", density), 64u * 76);
     EXPECT_EQ(bytes_of("soa", none), 64u * 52);
     EXPECT_EQ(bytes_of("soa", radiance), 64u * 64);
     EXPECT_EQ(bytes_of("soa", time), 64u * 68);
     EXPECT_EQ(bytes_of("soa", medium), 64u * 72);
-    EXPECT_EQ(bytes_of("packed", all), 64u * 72 + 8);
+    EXPECT_EQ(bytes_of("packed", all), 64u * 76 + 8);
+    EXPECT_EQ(bytes_of("packed", density), 64u * 76 + 8);
+    EXPECT_EQ(bytes_of("packed", radiance), 64u * 72 + 8);
     EXPECT_EQ(bytes_of("packed", none), 64u * 56 + 8);
     EXPECT_EQ(bytes_of("packed", time), 64u * 56 + 8);  // beside the origin
     EXPECT_EQ(bytes_of("packed", medium), 64u * 72 + 8);

@@ -49,7 +49,7 @@ __global__ void shade_paths(SceneView<typename Config::Real> scene, Path<typenam
                             const Hit<typename Config::Real>* hits, PathCounters* counters, std::uint32_t count) {
     const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
     if (i < count && paths[i].alive()) {
-        paths[i].segment = shade<Config>(scene, paths[i], hits[i], counters[i]) ? paths[i].segment : Path<float>::ended;
+        paths[i].segment = shade<Config>(scene, scene, paths[i], hits[i], counters[i]) ? paths[i].segment : Path<float>::ended;
     }
 }
 
@@ -65,7 +65,7 @@ __global__ void accumulate_paths(FilmView film, const Path<typename Config::Real
 template <class Config>
 void on_host(const SceneView<typename Config::Real>& scene, const FilmView& film, PathCounters& counters) {
     Path<typename Config::Real> path = generate<Config>(scene, 0, 0);
-    while (shade<Config>(scene, path, intersect<Config>(scene, path), counters)) {
+    while (shade<Config>(scene, scene, path, intersect<Config>(scene, path), counters)) {
     }
     accumulate(film, path);
 }

@@ -7,13 +7,17 @@ namespace pt::test {
 namespace {
 
 template <class Real>
-using Generic = Config<Real, all_features>;
+using Generic = Config<Real, all_features | samplers>;
 
 RenderSettings settings_of(const Scene& scene, const RenderOptions& options) {
     RenderSettings settings = default_settings(scene);
     settings.depth = options.depth != 0 ? options.depth : scene.max_depth;
     settings.seed = options.seed;
     settings.final_bounce = options.final_bounce;
+    settings.next_event = options.next_event;
+    settings.mis_exponent = options.mis_exponent;
+    settings.roulette_start = options.roulette_start;
+    settings.sampler = options.sampler;
     return settings;
 }
 
@@ -62,7 +66,7 @@ SurfacePoint<Real> Stages<Real>::surface(const Ray<Real>& ray, const Hit<Real>& 
 template <class Real>
 bool Stages<Real>::shade(Path<Real>& path, const Hit<Real>& hit) {
     PathCounters counters;
-    const bool goes_on = pt::shade<Generic<Real>>(view(), path, hit, counters);
+    const bool goes_on = pt::shade<Generic<Real>>(view(), view(), path, hit, counters);
     unfinished_walks_ += counters.unfinished_walks;
     return goes_on;
 }

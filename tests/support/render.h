@@ -19,6 +19,10 @@ struct RenderOptions {
     std::uint32_t depth = 0;         // 0: the scene's
     std::uint64_t seed = 1;
     bool final_bounce = false;
+    bool next_event = false;
+    std::uint32_t mis_exponent = 0;
+    std::uint32_t roulette_start = 0;
+    FeatureSet sampler = no_features;
 };
 
 // Through integrator::depth_first::trace.
@@ -29,7 +33,7 @@ Film render(const Scene& scene, const RenderOptions& options);
 Film render_variant(const Scene& scene, const RenderOptions& options, const std::string& axis = "",
                     const std::string& choice = "");
 
-// The stages, one at a time, for Config<Real, all_features>.
+// The stages, one at a time, for Config<Real, all_features | samplers>.
 template <class Real>
 class Stages {
 public:

@@ -93,7 +93,7 @@ TEST(RngTest, KeysOnAGridGiveDistinctWords) {
         for (std::uint32_t sample = 0; sample < 32; ++sample) {
             for (std::uint32_t bounce = 0; bounce < 16; ++bounce) {
                 for (std::uint32_t block = 0; block < 8; ++block) {
-                    const RandomWords words = random_words(seed, {pixel, sample, bounce, block});
+                    const RandomWords words = random_words<Config<float, no_features>>(seed, {pixel, sample, bounce, block});
                     all.push_back({words.x, words.y, words.z, words.w});
                 }
             }
@@ -149,7 +149,7 @@ TEST(RngTest, PositiveUnitIntervalIsNeverZeroNorAboveOne) {
 }
 
 std::array<double, 4> numbers(const RandomSeed& seed, RandomKey key) {
-    const RandomWords words = random_words(seed, key);
+    const RandomWords words = random_words<Config<float, no_features>>(seed, key);
     return {unit_interval<double>(words.x), unit_interval<double>(words.y), unit_interval<double>(words.z),
             unit_interval<double>(words.w)};
 }

@@ -241,7 +241,7 @@ TEST_F(RunnerTest, EveryValueOfATunableIsACellOfItsOwn) {
     EXPECT_EQ(one.at("claim"), "biased");
     EXPECT_EQ(one.at("claim_check"),
               "film bits equal to "
-              "depth_first.none.none.material.cached_jitters.off.aos.generic.stream.exact.float+jitters=1");
+              "depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.exact.float+jitters=1");
     // Two samples: 16 rays are the rays of no cache, one ray is another image.
     EXPECT_EQ(many.at("film_hash"), off.at("film_hash"));
     EXPECT_NE(one.at("film_hash"), off.at("film_hash"));
@@ -296,7 +296,7 @@ TEST_F(RunnerTest, AChoiceThatFailsItsClaimLeavesTheOthersAlone) {
     EXPECT_EQ(found["none"], "ok");
     EXPECT_EQ(found["thrust_remove_if"], "ok");
     EXPECT_EQ(found["test_hooked"].find(
-                  "failed: film differs from depth_first.none.none.material.off.off.aos.generic.stream.exact.float: "
+                  "failed: film differs from depth_first.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float: "
                   "first at pixel "),
               0u)
         << found["test_hooked"];
@@ -333,7 +333,7 @@ TEST_F(RunnerTest, AChoiceThatFailsLateFailsAloneAndForGood) {
                   name.find("test_hooked") != std::string::npos ? 1u : static_cast<std::size_t>(repetitions));
     }
     EXPECT_NE(progress.find("failed: "
-                            "wavefront.test_hooked.none.material.off.off.aos.features.stream.exact.float/scene:tiny/"
+                            "wavefront.test_hooked.none.material.off.off.off.pcg4d.aos.features.stream.exact.float/scene:tiny/"
                             "backend:cpu/resolution:8x6/depth:3/"
                             "spp:2: out of luck\n"),
               std::string::npos);
@@ -546,9 +546,9 @@ TEST_F(RunnerTest, RunsWithoutACellAreRefused) {
 TEST_F(RunnerTest, DescribesAPlan) {
     const Plan plan = make_plan(suite({{"first_bounce", {"off", "cached"}}}));
     EXPECT_EQ(describe_plan(plan, 5),
-              "wavefront.none.none.material.off.off.aos.features.stream.exact.float/scene:tiny/backend:cpu/"
+              "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float/scene:tiny/backend:cpu/"
               "resolution:8x6/depth:3/spp:2\n"
-              "n/a: wavefront.none.none.material.cached.off.aos.features.stream.exact.float on tiny: "
+              "n/a: wavefront.none.none.material.cached.off.off.pcg4d.aos.features.stream.exact.float on tiny: "
               "first_bounce=cached needs jitter off "
               "(camera.jitter is "
               "true in the scene)\n"

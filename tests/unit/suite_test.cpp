@@ -62,7 +62,7 @@ const std::string known_axes =
     "integrator, compaction, sorting, sort_key, first_bounce, direct_light, layout, specialisation, launch, "
     "arithmetic, "
     "precision";
-const std::string baseline_name = "wavefront.none.none.material.off.off.aos.features.stream.exact.float";
+const std::string baseline_name = "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float";
 
 std::vector<std::string> cell_names(const Plan& plan) {
     std::vector<std::string> names;
@@ -299,12 +299,12 @@ TEST_F(SuiteTest, ACellIsNamedAfterAllThatItIs) {
     ASSERT_EQ(made.cells.size(), 1u);
     const Cell& cell = made.cells[0];
     EXPECT_EQ(cell.name,
-              "wavefront.thrust_remove_if.none.material.off.off.aos.features.stream.exact.float/scene:jittered/"
+              "wavefront.thrust_remove_if.none.material.off.off.off.pcg4d.aos.features.stream.exact.float/scene:jittered/"
               "backend:cpu/resolution:20x10/"
               "depth:4/spp:5");
     EXPECT_EQ(cell.studies, std::vector<std::string>{"a"});
     EXPECT_EQ(cell.scene->name, "jittered");
-    EXPECT_EQ(cell.variant.name(), "wavefront.thrust_remove_if.none.material.off.off.aos.features.stream.exact.float");
+    EXPECT_EQ(cell.variant.name(), "wavefront.thrust_remove_if.none.material.off.off.off.pcg4d.aos.features.stream.exact.float");
     EXPECT_EQ(cell.settings.width, 20u);
     EXPECT_EQ(cell.settings.height, 10u);
     EXPECT_EQ(cell.settings.depth, 4u);
@@ -315,7 +315,7 @@ TEST_F(SuiteTest, TheScenesOwnSettingsAreTheDefault) {
     const Plan made = plan(R"({"name": "a", "scenes": ["jittered"]})");
     ASSERT_EQ(
         cell_names(made),
-        std::vector<std::string>{"wavefront.none.none.material.off.off.aos.features.stream.exact.float/scene:jittered/"
+        std::vector<std::string>{"wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float/scene:jittered/"
                                  "backend:cpu/resolution:8x6/depth:3/spp:1"});
 }
 
@@ -363,8 +363,8 @@ TEST_F(SuiteTest, AChoiceOfAnotherBackendIsNotApplicable) {
     const std::string settings = "/scene:still/backend:cuda/resolution:8x6/depth:3/spp:1";
     EXPECT_EQ(
         cell_names(on_gpu),
-        (std::vector<std::string>{"wavefront.none.none.material.off.off.aos.features.stream.precise.float" + settings,
-                                  "wavefront.none.none.material.off.off.aos.features.graph.precise.float" + settings}));
+        (std::vector<std::string>{"wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.precise.float" + settings,
+                                  "wavefront.none.none.material.off.off.off.pcg4d.aos.features.graph.precise.float" + settings}));
     ASSERT_EQ(on_gpu.not_applicable.size(), 2u);
     EXPECT_EQ(on_gpu.not_applicable[0].reason, "integrator=depth_first is not there on the backend cuda");
     for (const Cell& cell : on_gpu.cells) {
@@ -413,7 +413,7 @@ TEST_F(SuiteTest, ABackendMayHaveItsOwnSamples) {
 TEST_F(SuiteTest, EveryValueOfATunableIsACell) {
     const Plan made = plan(R"({"name": "a", "scenes": ["jittered"], "axes": {"first_bounce": ["off", "cached_jitters"]},
                                "tunables": {"jitters": [4, 16]}})");
-    const std::string kept = "wavefront.none.none.material.cached_jitters.off.aos.features.stream.exact.float";
+    const std::string kept = "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float";
     const std::string settings = "/scene:jittered/backend:cpu/resolution:8x6/depth:3/spp:1";
     // 16 is the standard: no part of the name, and nothing that a variant without the tunable lacks.
     EXPECT_EQ(cell_names(made),

@@ -16,8 +16,8 @@
 namespace pt {
 namespace {
 
-const std::string plain = "wavefront.none.none.material.off.off.aos.features.stream.exact.float";
-const std::string kept = "wavefront.none.none.material.cached_jitters.off.aos.features.stream.exact.float";
+const std::string plain = "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float";
+const std::string kept = "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float";
 
 TunedVariant tuned(const std::string& variant, const std::map<std::string, std::uint32_t>& values) {
     return {.variant = variant,
@@ -215,7 +215,7 @@ TEST(TunedVariantTest, ItsCellsSayItInTheirNames) {
         return all;
     };
     const std::string settings = "/scene:cornell_open/backend:cpu/resolution:8x6/depth:8/spp:1";
-    const std::string soa = "wavefront.none.none.material.off.off.soa.features.stream.exact.float";
+    const std::string soa = "wavefront.none.none.material.off.off.off.pcg4d.soa.features.stream.exact.float";
     EXPECT_EQ(names(tuning), (std::vector<std::string>{plain + "+room=0" + settings, soa + settings}));
     EXPECT_EQ(names({}), (std::vector<std::string>{plain + settings, soa + settings}));
     // A study that names a tunable gets the values that it names, the standard among them.

@@ -305,21 +305,21 @@ TEST(RegistryTest, EveryIntegratorIsCompiledForTheSameFeatureSets) {
 }
 
 TEST(VariantTest, NameJoinsTheChoicesByDots) {
-    EXPECT_EQ(registry().baseline().name(), "wavefront.none.none.material.off.off.aos.features.stream.exact.float");
+    EXPECT_EQ(registry().baseline().name(), "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float");
     EXPECT_EQ(baseline_with({{"compaction", "thrust_remove_if"}, {"layout", "soa"}, {"first_bounce", "cached"}}).name(),
-              "wavefront.thrust_remove_if.none.material.cached.off.soa.features.stream.exact.float");
+              "wavefront.thrust_remove_if.none.material.cached.off.off.pcg4d.soa.features.stream.exact.float");
     EXPECT_THROW(Variant::index("colour"), std::out_of_range);
     EXPECT_EQ(Variant::index("specialisation"), 7u);
     EXPECT_EQ(Variant::index("precision"), 10u);
     if (test::cuda_is_built()) {
         EXPECT_EQ(registry().baseline(Backend::cuda).name(),
-                  "wavefront.none.none.material.off.off.aos.features.stream.precise.float");
+                  "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.precise.float");
     }
 }
 
 TEST(VariantTest, NameEndsWithTheTunablesByName) {
     Variant variant = baseline_with({{"first_bounce", "cached_jitters"}});
-    const std::string choices = "wavefront.none.none.material.cached_jitters.off.aos.features.stream.exact.float";
+    const std::string choices = "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float";
     EXPECT_EQ(variant.name(), choices);
     variant.tuning["jitters"] = 4;
     EXPECT_EQ(variant.name(), choices + "+jitters=4");

@@ -286,7 +286,7 @@ Variant keeping_camera_rays(std::uint32_t rays, const std::string& integrator = 
     return variant;
 }
 
-const std::string reference = "depth_first.none.none.material.off.off.aos.generic.stream.exact.float";
+const std::string reference = "depth_first.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float";
 
 // ---- Good variants ----
 
@@ -313,7 +313,7 @@ TEST(VerifyTest, GoodVariantsHold) {
     const Verdict lit = verifier.check(with("direct_light", "final_bounce"));
     EXPECT_TRUE(lit.holds) << lit.message;
     EXPECT_EQ(lit.message.find(
-                  "film bits equal to depth_first.none.none.material.off.final_bounce.aos.generic.stream.exact.float; "
+                  "film bits equal to depth_first.none.none.material.off.final_bounce.off.pcg4d.aos.generic.stream.exact.float; "
                   "mean as declared (a "
                   "bias of "),
               0u)
@@ -325,7 +325,7 @@ TEST(VerifyTest, GoodVariantsHold) {
 TEST(VerifyTest, ABiasedVariantIsHeldToTheBitsOfItsOwnReference) {
     const Scene scene = closed_room();
     Verifier verifier(scene, default_settings(scene), spp);
-    const std::string biased = "depth_first.none.none.material.cached_jitters.off.aos.generic.stream.exact.float";
+    const std::string biased = "depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.exact.float";
     std::set<std::string> hashes;
     for (const std::uint32_t rays : {1u, 2u, 16u}) {
         const Verdict verdict = verifier.check(keeping_camera_rays(rays));
@@ -420,7 +420,7 @@ TEST(VerifyTest, ACacheThatWasNotUsedIsFound) {
 TEST(VerifyTest, AWrongRayOfTheCacheIsFound) {
     const Verdict verdict = check(closed_room(), keeping_camera_rays(2, "test_ray_too_few"));
     EXPECT_FALSE(verdict.holds);
-    EXPECT_EQ(verdict.message.find("film differs from depth_first.none.none.material.cached_jitters.off.aos.generic."
+    EXPECT_EQ(verdict.message.find("film differs from depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic."
                                    "stream.exact.float+jitters=2: first at pixel "),
               0u)
         << verdict.message;
@@ -486,7 +486,7 @@ TEST(VerifyTest, AStatisticalIntegratorIsHeldToItsMean) {
     const Verdict good = check(closed_room(), with("integrator", "test_other_samples"));
     EXPECT_TRUE(good.holds) << good.message;
     EXPECT_EQ(good.message.find(
-                  "film bits equal to test_other_samples.none.none.material.off.off.aos.generic.stream.exact.float; "
+                  "film bits equal to test_other_samples.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float; "
                   "mean as declared ("),
               0u)
         << good.message;
@@ -506,7 +506,7 @@ TEST(VerifyTest, WhatRoundsFreelyIsHeldToItsTwinsMean) {
         << same.message;
     const Verdict other = check(closed_room(), with("integrator", "test_freely"));
     EXPECT_TRUE(other.holds) << other.message;
-    EXPECT_EQ(other.message.find("depth_first.none.none.material.off.off.aos.features.stream.exact.float: film bits "
+    EXPECT_EQ(other.message.find("depth_first.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float: film bits "
                                  "equal to " +
                                  reference + "; mean as declared (a bias of "),
               0u)

@@ -82,7 +82,8 @@ __device__ inline void add_votes(std::uint64_t* total, bool vote) {
 __device__ inline void add_shade_counters(Totals* totals, const PathCounters& counters) {
     Totals* const mine = own_copy(totals);
     add_votes(&mine->paths.paths, counters.paths != 0);
-    if constexpr (has<Configuration>(Feature::final_bounce) || has<Configuration>(Feature::subsurface)) {
+    if constexpr (has<Configuration>(Feature::final_bounce) || has<Configuration>(Feature::next_event) ||
+                  has<Configuration>(Feature::subsurface)) {
         add_votes(&mine->paths.connections, counters.connections != 0);
         add_votes(&mine->paths.unfinished_walks, counters.unfinished_walks != 0);
     }
@@ -212,7 +213,9 @@ private:
 
 // What a path between two bounces has to remember in this variant; the rest has one value that everybody knows.
 namespace path_fields {
-inline constexpr bool radiance = pt::has<Configuration>(pt::Feature::emission);  // else gathered at its end only
+inline constexpr bool density = pt::has<Configuration>(pt::Feature::next_event);
+// Else gathered at its end only.
+inline constexpr bool radiance = pt::has<Configuration>(pt::Feature::emission) || density;
 inline constexpr bool medium = pt::has<Configuration>(pt::Feature::absorption);
 inline constexpr bool time = pt::has<Configuration>(pt::Feature::motion);
 }  // namespace path_fields
@@ -228,6 +231,9 @@ __device__ inline Path load_path(const Paths& paths, std::uint32_t slot, const S
     }
     if constexpr (!path_fields::time) {
         path.time = scene.camera.shutter_open;
+    }
+    if constexpr (!path_fields::density) {
+        path.scatter_density = Real(0);
     }
     return path;
 }
@@ -302,7 +308,7 @@ __device__ inline void injected_cost(const Scene& scene, const Hit& hit, Path& p
 
 __device__ inline bool shade(const SceneViews& scene, Path& path, const Hit& hit, PathCounters& counters) {
     injected_cost(scene.shade, hit, path);
-    return pt::shade<Configuration>(scene.shade, path, hit, counters);
+    return pt::shade<Configuration>(scene.shade, scene.trace, path, hit, counters);
 }
 
 // One step of a path: of its walk, if it is on one, else its segment traced and shaded. A warp whose lanes take their
@@ -316,5 +322,5 @@ __device__ inline bool advance(const SceneViews& scene, Path& path, pt::Walk& wa
     }
     const Hit hit = PT_CACHED && path.segment == 0 ? first_hit(scene, path, cache) : trace(scene, path);
     injected_cost(scene.shade, hit, path);
-    return pt::shade<Configuration>(scene.shade, path, hit, counters, walk);
+    return pt::shade<Configuration>(scene.shade, scene.trace, path, hit, counters, walk);
 }

@@ -37,6 +37,7 @@ struct PathFields {
     bool radiance = true;  // collected before the path's end
     bool time = true;
     bool medium = true;
+    bool density = true;  // Path::scatter_density
 };
 
 struct Layout {

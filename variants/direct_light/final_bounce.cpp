@@ -23,7 +23,7 @@ const Registration registration(
             return (scene & lights) != 0 ? "" : "needs a light in the scene";
         },
     },
-    {.direct_light = [] { return no_features | Feature::final_bounce; }});
+    {.features = [] { return no_features | Feature::final_bounce; }});
 
 }  // namespace
 }  // namespace pt

@@ -16,7 +16,7 @@ const Registration registration(
             return work.connections == 0 ? "" : "connected vertices to lights";
         },
     },
-    {.direct_light = [] { return no_features; }});
+    {});
 
 }  // namespace
 }  // namespace pt

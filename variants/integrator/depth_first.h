@@ -51,7 +51,7 @@ std::uint32_t trace(const SceneView<typename Config::Real>& scene, const FilmVie
     if (cache != nullptr && !cache_has_it) {
         cache->hits[cache->index(pixel, sample)] = hit;
     }
-    while (shade<Config>(scene, path, hit, counters)) {
+    while (shade<Config>(scene, scene, path, hit, counters)) {
         hit = intersect<Config>(scene, path);
     }
     accumulate(film, path);

@@ -32,7 +32,7 @@ extern "C" __global__ void PT_LAUNCH_BOUNDS generate_paths(Scene parameter, Path
         const std::uint32_t pixels = scene.shade.pixel_count();
         const std::uint32_t first = cursor != nullptr ? *cursor : first_sample;
         using namespace path_fields;
-        Paths(store).template put<radiance, medium, time>(
+        Paths(store).template put<radiance, medium, time, density>(
             i, first_path(scene.shade, i % pixels, first + i / pixels, cache));
     }
 }
@@ -104,8 +104,15 @@ extern "C" __global__ void PT_LAUNCH_BOUNDS shade_paths(Scene parameter, FilmVie
         const std::uint32_t slot = slot_at(order, i);
         if (paths.alive(slot)) {
             Path path = load_path(paths, slot, scene.shade);
-            if (shade(scene, path, hits[slot], counters)) {
-                paths.template update<path_fields::radiance, path_fields::medium>(slot, path);
+            // The seeds' generator is seeded by where a path lies in the queue, not by whose it is.
+            const std::uint32_t pixel = path.pixel;
+            if (contains(pt::sampler_of<Configuration>(scene.shade.seed), pt::Feature::minstd)) {
+                path.pixel = i;
+            }
+            const bool alive = shade(scene, path, hits[slot], counters);
+            path.pixel = pixel;
+            if (alive) {
+                paths.template update<path_fields::radiance, path_fields::medium, path_fields::density>(slot, path);
             } else {
                 pt::accumulate(film, path);
                 counters.paths += 1;

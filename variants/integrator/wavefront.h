@@ -131,7 +131,14 @@ private:
                     continue;
                 }
                 Path<float> path = paths_.load(slot);
-                if (!shade<Config>(job_.scene, path, queue_.hits[slot], counters)) {
+                // The seeds' generator is seeded by where a path lies in the queue, not by whose it is.
+                const std::uint32_t pixel = path.pixel;
+                if (contains(sampler_of<Config>(job_.scene.seed), Feature::minstd)) {
+                    path.pixel = static_cast<std::uint32_t>(i);
+                }
+                const bool alive = shade<Config>(job_.scene, job_.scene, path, queue_.hits[slot], counters);
+                path.pixel = pixel;
+                if (!alive) {
                     accumulate(job_.film, path);
                     path.segment = Path<float>::ended;
                 }

@@ -56,17 +56,17 @@ __device__ inline void put_path(const Path& path, bool shaded, bool alive, std::
     const std::uint32_t position = pt::cuda::append_by_block(count, alive);
 #endif
     if (alive) {
-        paths.template put<radiance, medium, time>(part * part_capacity(out) + position, path);
+        paths.template put<radiance, medium, time, density>(part * part_capacity(out) + position, path);
     }
 #else
     if (alive && is_new) {
-        paths.template put<radiance, medium, time>(slot, path);
+        paths.template put<radiance, medium, time, density>(slot, path);
     } else if (alive) {
-        paths.template update<radiance, medium>(slot, path);
+        paths.template update<radiance, medium, density>(slot, path);
     } else if (shaded && is_new) {
         Path ended = path;
         ended.segment = Path::ended;
-        paths.template put<radiance, medium, time>(slot, ended);
+        paths.template put<radiance, medium, time, density>(slot, ended);
     } else if (shaded) {
         paths.end(slot);
     }

@@ -41,11 +41,11 @@ struct DevicePaths {
         }
     }
     // A record is written whole: its pieces mix what a bounce changes and what it does not.
-    template <bool radiance, bool medium, bool time>
+    template <bool radiance, bool medium, bool time, bool density>
     PT_HD void put(std::uint32_t slot, const Path<Real>& path) const {
         store(slot, path);
     }
-    template <bool radiance, bool medium>
+    template <bool radiance, bool medium, bool density>
     PT_HD void update(std::uint32_t slot, const Path<Real>& path) const {
         store(slot, path);
     }

@@ -1,4 +1,5 @@
 // The path state in four columns of 16 bytes and one of 8: a lane moves a path in five accesses instead of eighteen.
+// Next-event estimation adds a column of 4 bytes.
 // A ray is in the first two. Single precision only.
 #pragma once
 
@@ -26,23 +27,28 @@ struct DevicePaths {
                 {c.x, c.y, c.z},    {d.x, d.y, d.z},
                 bits_to_float(a.w), key.pixel,
                 key.sample,         c.w,
-                ObjectSide{b.w},    d.w};
+                ObjectSide{b.w},    d.w,
+                density()[slot]};
     }
-    PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { put<true, true, true>(slot, path); }
-    // A path that is new in its slot; of radiance and medium only what is asked for (time comes with the origin).
-    template <bool radiance, bool medium, bool time>
+    PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { put<true, true, true, true>(slot, path); }
+    // A path that is new in its slot; of radiance, medium and density only what is asked for (time comes with the
+    // origin).
+    template <bool radiance, bool medium, bool time, bool has_density>
     PT_HD void put(std::uint32_t slot, const Path<Real>& path) const {
-        update<radiance, medium>(slot, path);
+        update<radiance, medium, has_density>(slot, path);
         keys()[slot] = {path.pixel, path.sample};
     }
     // What a bounce changes.
-    template <bool radiance, bool medium>
+    template <bool radiance, bool medium, bool has_density>
     PT_HD void update(std::uint32_t slot, const Path<Real>& path) const {
         column(0)[slot] = {path.origin.x, path.origin.y, path.origin.z, float_to_bits(path.time)};
         column(1)[slot] = {path.direction.x, path.direction.y, path.direction.z, path.departed.code};
         column(2)[slot] = {path.throughput.x, path.throughput.y, path.throughput.z, path.segment};
         if constexpr (radiance || medium) {
             optional()[slot] = {path.radiance.x, path.radiance.y, path.radiance.z, path.medium};
+        }
+        if constexpr (has_density) {
+            density()[slot] = path.scatter_density;
         }
     }
     PT_HD void end(std::uint32_t slot) const { column(2)[slot].w = Path<Real>::ended; }
@@ -55,10 +61,12 @@ struct DevicePaths {
     }
 
 #if !defined(__CUDACC_RTC__)
-    // The time lies beside the origin; radiance and medium come last, and may be left out.
+    // The time lies beside the origin; radiance and medium, and then the density, come last and may be left out.
     static std::size_t bytes(std::uint32_t capacity, const cuda::PathFields& fields) {
         const std::size_t always = 3 * sizeof(Column) + sizeof(Key);
-        const std::size_t optional = fields.radiance || fields.medium ? sizeof(Column) : 0;
+        const std::size_t optional = fields.density                   ? sizeof(Column) + sizeof(float)
+                                     : fields.radiance || fields.medium ? sizeof(Column)
+                                                                        : 0;
         // The optional column starts on a border of 16 bytes.
         return (always + optional) * std::size_t{capacity} + sizeof(Key);
     }
@@ -75,6 +83,7 @@ private:
         const std::size_t even = (std::size_t{store_.capacity} + 1) / 2 * 2;
         return reinterpret_cast<Column*>(keys() + even);
     }
+    PT_HD float* density() const { return reinterpret_cast<float*>(optional() + store_.capacity); }
     cuda::FieldView field(std::uint32_t i) const {
         return {reinterpret_cast<const unsigned char*>(column(i)) + offsetof(Column, w), sizeof(Column)};
     }

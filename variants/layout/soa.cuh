@@ -14,13 +14,13 @@ struct DevicePaths {
     PT_HD Path<Real> load(std::uint32_t slot) const {
         return {
             vector(0, slot), vector(3, slot), vector(6, slot),           radiance(slot), time()[slot], word(0)[slot],
-            word(1)[slot],   word(2)[slot],   ObjectSide{word(3)[slot]}, medium()[slot]};
+            word(1)[slot],   word(2)[slot],   ObjectSide{word(3)[slot]}, medium()[slot], density()[slot]};
     }
-    PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { put<true, true, true>(slot, path); }
-    // A path that is new in its slot; of radiance, medium and time only what is asked for.
-    template <bool has_radiance, bool has_medium, bool has_time>
+    PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { put<true, true, true, true>(slot, path); }
+    // A path that is new in its slot; of radiance, medium, time and density only what is asked for.
+    template <bool has_radiance, bool has_medium, bool has_time, bool has_density>
     PT_HD void put(std::uint32_t slot, const Path<Real>& path) const {
-        update<has_radiance, has_medium>(slot, path);
+        update<has_radiance, has_medium, has_density>(slot, path);
         if constexpr (has_time) {
             time()[slot] = path.time;
         }
@@ -28,7 +28,7 @@ struct DevicePaths {
         word(1)[slot] = path.sample;
     }
     // What a bounce changes.
-    template <bool has_radiance, bool has_medium>
+    template <bool has_radiance, bool has_medium, bool has_density>
     PT_HD void update(std::uint32_t slot, const Path<Real>& path) const {
         set_vector(0, slot, path.origin);
         set_vector(3, slot, path.direction);
@@ -44,6 +44,9 @@ struct DevicePaths {
         if constexpr (has_medium) {
             medium()[slot] = path.medium;
         }
+        if constexpr (has_density) {
+            density()[slot] = path.scatter_density;
+        }
     }
     PT_HD void end(std::uint32_t slot) const { word(2)[slot] = Path<Real>::ended; }
     PT_HD bool alive(std::uint32_t slot) const { return word(2)[slot] != Path<Real>::ended; }
@@ -57,7 +60,8 @@ struct DevicePaths {
     // Columns that not every path carries come last, and those beyond the last one carried are not there.
     static std::size_t bytes(std::uint32_t capacity, const cuda::PathFields& fields) {
         const std::size_t always = 9 * sizeof(Real) + 4 * sizeof(std::uint32_t);
-        const std::size_t optional = fields.medium     ? 4 * sizeof(Real) + sizeof(std::uint32_t)
+        const std::size_t optional = fields.density    ? 5 * sizeof(Real) + sizeof(std::uint32_t)
+                                     : fields.medium   ? 4 * sizeof(Real) + sizeof(std::uint32_t)
                                      : fields.time     ? 4 * sizeof(Real)
                                      : fields.radiance ? 3 * sizeof(Real)
                                                        : 0;
@@ -76,9 +80,12 @@ private:
     PT_HD std::uint32_t* word(std::uint32_t column) const {
         return reinterpret_cast<std::uint32_t*>(real(9)) + std::size_t{column} * padded(store_.capacity);
     }
-    // Radiance, time and medium.
+    // Radiance, time, medium and density.
     PT_HD Real* optional() const { return reinterpret_cast<Real*>(word(4)); }
     PT_HD Real* time() const { return optional() + 3 * std::size_t{padded(store_.capacity)}; }
+    PT_HD Real* density() const {
+        return reinterpret_cast<Real*>(medium() + padded(store_.capacity));
+    }
     PT_HD std::uint32_t* medium() const {
         return reinterpret_cast<std::uint32_t*>(optional() + 4 * std::size_t{padded(store_.capacity)});
     }

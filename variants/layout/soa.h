@@ -23,7 +23,7 @@ inline constexpr Descriptor descriptor{
 // The columns of a path. Real and 32-bit columns have separate storage.
 template <class Real>
 struct Columns {
-    static constexpr std::size_t real_count = 13;
+    static constexpr std::size_t real_count = 14;
     static constexpr std::size_t word_count = 5;
     std::array<Real*, real_count> real{};
     std::array<std::uint32_t*, word_count> word{};
@@ -38,7 +38,8 @@ struct Columns {
     }
     Path<Real> load(std::size_t slot) const {
         return {vector(0, slot), vector(3, slot), vector(6, slot), vector(9, slot),           real[12][slot],
-                word[0][slot],   word[1][slot],   word[2][slot],   ObjectSide{word[3][slot]}, word[4][slot]};
+                word[0][slot],   word[1][slot],   word[2][slot],   ObjectSide{word[3][slot]}, word[4][slot],
+                real[13][slot]};
     }
     void store(std::size_t slot, const Path<Real>& path) const {
         set_vector(0, slot, path.origin);
@@ -46,6 +47,7 @@ struct Columns {
         set_vector(6, slot, path.throughput);
         set_vector(9, slot, path.radiance);
         real[12][slot] = path.time;
+        real[13][slot] = path.scatter_density;
         word[0][slot] = path.pixel;
         word[1][slot] = path.sample;
         word[2][slot] = path.segment;
@@ -138,7 +140,7 @@ public:
 
 private:
     // Elements from one column to the next: whole pages and three cache lines. Whole pages alone (an 800x800 column is
-    // 625 of them) would put the 18 columns of a slot into one set of a first-level cache, and measure that instead of
+    // 625 of them) would put the 19 columns of a slot into one set of a first-level cache, and measure that instead of
     // the layout.
     static std::size_t stride(std::size_t capacity, std::size_t element) {
         constexpr std::size_t page = 4096;

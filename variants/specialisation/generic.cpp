@@ -1,5 +1,5 @@
 // One kernel for every scene: all primitive kinds, materials and features compiled in and chosen at run time.
-#include "variants/registry.h"
+#include "variants/specialisation/smallest_superset.h"
 
 namespace pt {
 namespace {
@@ -13,7 +13,7 @@ const Registration registration(
         .reference = on_every_backend,
         .backends = on_every_backend,
     },
-    {.specialisation = [](const KernelOffer&, const Variant&, Backend) { return all_features; }});
+    {.specialisation = [](const KernelOffer& offer, const Variant&, Backend) { return every_feature(offer); }});
 
 }  // namespace
 }  // namespace pt

@@ -16,6 +16,9 @@ const Registration registration(
                       "elsewhere",
         .mean_of = "generic",
         .backends = on_every_backend,
+        .does_not_apply = [](FeatureSet, const Variant& variant) -> std::string {
+            return variant["sampler"] == "pcg4d" ? "" : "is compiled with sampler=pcg4d only";
+        },
     },
     {.specialisation = [](const KernelOffer&, const Variant&, Backend) { return all_features | Feature::matrix; }});
 

@@ -1,0 +1,136 @@
+// Next-event estimation: at every diffuse vertex but the last one light is chosen uniformly and a direction towards it
+// drawn by solid angle (kernels/solid_angle.h). Light that the path then meets from such a vertex does not count again,
+// or, with multiple importance sampling, both count by their share of the densities (Veach 1997, ch. 9): with the ratio
+// r = density of the scattered direction / density of the light's, a connection weighs 1 / (1 + r^b) and an encounter
+// r^b / (1 + r^b); b = 1 is the balance heuristic, 2 the power heuristic.
+// An environment is never connected to: rays that leave the scene always count.
+#pragma once
+
+#include "kernels/dielectric.h"
+#include "kernels/solid_angle.h"
+
+namespace pt {
+
+template <class Config>
+PT_HD inline DirectionSample<typename Config::Real> sample_direction_to(
+    const SceneView<typename Config::Real>& scene, std::uint32_t object, const Vec3<typename Config::Real>& position,
+    typename Config::Real time, typename Config::Real u, typename Config::Real v, typename Config::Real w) {
+    using Real = typename Config::Real;
+    const Vec3<Real> observer = at_rest<Config>(scene, object, position, time);
+    if (has<Config>(Feature::sphere) && object < scene.first_ellipsoid()) {
+        return sample_direction(scene.spheres[object], observer, u, v, w);
+    }
+    if (has<Config>(Feature::ellipsoid) && object < scene.first_axis_box()) {
+        return sample_direction(scene.ellipsoids[object - scene.first_ellipsoid()], observer, u, v, w);
+    }
+    if (has<Config>(Feature::axis_box) && object < scene.first_oriented_box()) {
+        return sample_direction(scene.axis_boxes[object - scene.first_axis_box()], observer, u, v, w);
+    }
+    if (has<Config>(Feature::oriented_box) && object < scene.first_quad()) {
+        return sample_direction(scene.oriented_boxes[object - scene.first_oriented_box()], observer, u, v, w);
+    }
+    if constexpr (has<Config>(Feature::quad)) {
+        return sample_direction(scene.quads[object - scene.first_quad()], observer, u, v, w);
+    }
+    return {{Real(0), Real(0), Real(1)}, Real(0)};
+}
+
+// 1 / density, by solid angle, of sample_direction_to in the direction of a ray that meets the object after `distance`.
+template <class Config>
+PT_HD inline typename Config::Real direction_measure_to(const SceneView<typename Config::Real>& scene,
+                                                        std::uint32_t object,
+                                                        const Ray<typename Config::Real>& ray,
+                                                        typename Config::Real distance) {
+    using Real = typename Config::Real;
+    const Vec3<Real> observer = at_rest<Config>(scene, object, ray.origin, ray.time);
+    if (has<Config>(Feature::sphere) && object < scene.first_ellipsoid()) {
+        return direction_measure(scene.spheres[object], observer, ray.direction, distance);
+    }
+    if (has<Config>(Feature::ellipsoid) && object < scene.first_axis_box()) {
+        return direction_measure(scene.ellipsoids[object - scene.first_ellipsoid()], observer, ray.direction, distance);
+    }
+    if (has<Config>(Feature::axis_box) && object < scene.first_oriented_box()) {
+        return direction_measure(scene.axis_boxes[object - scene.first_axis_box()], observer, ray.direction, distance);
+    }
+    if (has<Config>(Feature::oriented_box) && object < scene.first_quad()) {
+        return direction_measure(scene.oriented_boxes[object - scene.first_oriented_box()], observer, ray.direction,
+                                 distance);
+    }
+    if constexpr (has<Config>(Feature::quad)) {
+        return direction_measure(scene.quads[object - scene.first_quad()], observer, ray.direction, distance);
+    }
+    return Real(0);
+}
+
+// The share of light that a scattered direction met, and 1 less it: of `ratio` = r.
+template <class Real>
+PT_HD inline Real encounter_share(Real ratio, std::uint32_t exponent) {
+    const Real power = exponent == 2 ? ratio * ratio : ratio;
+    return power / (Real(1) + power);
+}
+template <class Real>
+PT_HD inline Real connection_share(Real ratio, std::uint32_t exponent) {
+    return Real(1) / (Real(1) + (exponent == 2 ? ratio * ratio : ratio));
+}
+
+// What light counts that the path meets at `hit`, at the end of its ray.
+template <class Config>
+PT_HD inline typename Config::Real encounter_weight(const SceneView<typename Config::Real>& scene,
+                                                    const Path<typename Config::Real>& path,
+                                                    const Hit<typename Config::Real>& hit) {
+    using Real = typename Config::Real;
+    if (path.scatter_density == Real(0)) {
+        return Real(1);
+    }
+    if constexpr (has<Config>(Feature::multiple_importance)) {
+        if (scene.mis_exponent != 0) {
+            const Real measure = direction_measure_to<Config>(scene, hit.side.object(), ray_of(path), hit.t);
+            return encounter_share(path.scatter_density * measure * static_cast<Real>(scene.lights.size),
+                                   scene.mis_exponent);
+        }
+    }
+    return Real(0);
+}
+
+// Adds to path.radiance the light of one direction towards one light, seen from a diffuse vertex whose albedo is given.
+// Returns the number of rays traced (0 or 1). `traced`: the same scene, as rays walk through it. The light is seen if it
+// is the nearest object along the ray: a convex one shows each ray one point from outside, and none of its own.
+template <class Config>
+PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::Real>& scene,
+                                              const SceneView<typename Config::Real>& traced,
+                                              Path<typename Config::Real>& path,
+                                              const Vertex<typename Config::Real>& vertex,
+                                              const Vec3<typename Config::Real>& albedo) {
+    using Real = typename Config::Real;
+    const RandomWords words =
+        random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::light});
+    const std::uint64_t scaled = static_cast<std::uint64_t>(words.x) * scene.lights.size;
+    const std::uint32_t object = scene.lights[static_cast<std::uint32_t>(scaled >> 32)].object;
+    const DirectionSample<Real> sample = sample_direction_to<Config>(
+        scene, object, vertex.position, path.time, unit_interval<Real>(words.y), unit_interval<Real>(words.z),
+        unit_interval<Real>(words.w));
+    const Real cosine = dot(sample.direction, vertex.normal());
+    if (!(sample.measure > Real(0)) || !(cosine > Real(0))) {
+        return 0;
+    }
+    const Ray<Real> ray{vertex.position, sample.direction, path.time, ObjectSide::of(vertex.object, vertex.inside)};
+    const Hit<Real> hit = closest_hit<Config>(traced, ray);
+    if (!hit.side.exists() || hit.side.object() != object) {
+        return 1;
+    }
+    const Real ratio = cosine * (Real(1) / pi<Real>) * sample.measure * static_cast<Real>(scene.lights.size);
+    Real weight = ratio;
+    if constexpr (has<Config>(Feature::multiple_importance)) {
+        weight *= scene.mis_exponent != 0 ? connection_share(ratio, scene.mis_exponent) : Real(1);
+    }
+    Vec3<Real> carried = path.throughput * albedo;
+    if constexpr (has<Config>(Feature::absorption)) {
+        if (path.medium != Path<Real>::no_medium) {
+            carried *= transmittance(scene.materials[path.medium], hit.t);
+        }
+    }
+    path.radiance += carried * scene.materials[scene.object_material[object]].emission * weight;
+    return 1;
+}
+
+}  // namespace pt

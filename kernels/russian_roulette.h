@@ -1,0 +1,25 @@
+// Russian roulette: a path goes on with a probability, and what it carries is divided by it, so that the mean stays.
+// The probability is the largest channel of its throughput, at most 1 (pbrt-v4, without its correction for refraction):
+// afterwards the throughput is at least 1 in that channel, or the path was not put to the choice.
+// Arvo and Kirk, "Particle Transport and Image Synthesis", SIGGRAPH 1990.
+#pragma once
+
+#include "kernels/path.h"
+
+namespace pt {
+
+// u in [0, 1). Returns whether the path goes on.
+template <class Real>
+PT_HD inline bool survives_roulette(Path<Real>& path, Real u) {
+    const Real probability = max(path.throughput.x, max(path.throughput.y, path.throughput.z));
+    if (!(probability < Real(1))) {
+        return true;
+    }
+    if (u >= probability) {
+        return false;
+    }
+    path.throughput *= Real(1) / probability;
+    return true;
+}
+
+}  // namespace pt

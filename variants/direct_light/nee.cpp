@@ -1,0 +1,23 @@
+// Next-event estimation (kernels/next_event.h): light is found by connecting diffuse vertices to it, one random direction
+// towards one random light each. From the camera, specular surfaces and bodies it is met by chance, as before.
+#include "variants/direct_light/next_event.h"
+
+namespace pt {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "direct_light",
+        .name = "nee",
+        .summary = "every diffuse vertex but the last is connected to a random light; light met after one does not count",
+        .origin = "Kajiya 1986; Shirley, Wang and Zimmerman 1996",
+        .claim = Claim::statistical,
+        .claim_note = next_event_claim,
+        .mean_of = "off",
+        .backends = on_every_backend,
+        .does_not_apply = next_event_does_not_apply,
+    },
+    {.features = [] { return no_features | Feature::next_event; }});
+
+}  // namespace
+}  // namespace pt

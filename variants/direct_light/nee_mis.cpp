@@ -1,0 +1,28 @@
+// Next-event estimation with multiple importance sampling: light is found by a connection and by chance, and each way
+// counts by its share of the two densities (kernels/next_event.h).
+#include "variants/direct_light/next_event.h"
+
+namespace pt {
+namespace {
+
+constexpr Tunable tunables[] = {
+    {"mis_exponent", 2, 1, 2, 1, "1: balance heuristic, 2: power heuristic", true},
+};
+
+const Registration registration(
+    {
+        .axis = "direct_light",
+        .name = "nee_mis",
+        .summary = "as nee, and light met counts too, both weighted by their densities",
+        .origin = "Veach and Guibas 1995",
+        .claim = Claim::statistical,
+        .claim_note = next_event_claim,
+        .mean_of = "off",
+        .backends = on_every_backend,
+        .tunables = tunables,
+        .does_not_apply = next_event_does_not_apply,
+    },
+    {.features = [] { return Feature::next_event | Feature::multiple_importance; }});
+
+}  // namespace
+}  // namespace pt

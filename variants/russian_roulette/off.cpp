@@ -1,0 +1,19 @@
+// Paths go on until they leave the scene, meet a light or have their full length.
+#include "variants/registry.h"
+
+namespace pt {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "russian_roulette",
+        .name = "off",
+        .summary = "paths end where the scene or their length ends them",
+        .origin = "both seeds",
+        .baseline = on_every_backend,
+        .backends = on_every_backend,
+    },
+    {});
+
+}  // namespace
+}  // namespace pt

@@ -1,0 +1,19 @@
+// One hash of pixel, sample, bounce and dimension a four numbers: cheap, and good enough for every test here.
+#include "variants/registry.h"
+
+namespace pt {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "sampler",
+        .name = "pcg4d",
+        .summary = "numbers by one hash of pixel, sample, bounce and dimension",
+        .origin = "Jarzynski and Olano 2020",
+        .baseline = on_every_backend,
+        .backends = on_every_backend,
+    },
+    {});
+
+}  // namespace
+}  // namespace pt
