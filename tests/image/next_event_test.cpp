@@ -1,0 +1,283 @@
+// Next-event estimation, with and without multiple importance sampling, and Russian roulette have the mean of plain
+// paths of the same depth: by channel, over the image and over its blocks of 16 x 16 pixels. Where a light touches a
+// surface their variance stays finite.
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "kernels/russian_roulette.h"
+#include "tests/support/render.h"
+#include "tests/support/scenes.h"
+
+namespace pt {
+namespace {
+
+using test::ColourMean;
+using test::RenderOptions;
+using test::SceneBuilder;
+
+constexpr std::uint32_t side = 32, block = 16;
+
+// [0]: the image; then its four blocks.
+template <class Real>
+std::vector<ColourMean> block_means(const Scene& scene, const RenderOptions& options) {
+    test::Stages<Real> stages(scene, options);
+    std::vector<ColourMean> means(5);
+    for (std::uint32_t pixel = 0; pixel < side * side; ++pixel) {
+        const std::uint32_t column = pixel % side / block, row = pixel / side / block;
+        for (std::uint32_t sample = 0; sample < options.samples; ++sample) {
+            const Vec3d radiance = stages.radiance(pixel, sample);
+            means[0].add(radiance);
+            means[1 + 2 * row + column].add(radiance);
+        }
+    }
+    return means;
+}
+
+void expect_equal(const std::vector<ColourMean>& off, const std::vector<ColourMean>& on, const std::string& what) {
+    for (std::size_t i = 0; i < off.size(); ++i) {
+        for (int c = 0; c < 3; ++c) {
+            const test::Mean& a = off[i].channel[c];
+            const test::Mean& b = on[i].channel[c];
+            const double error = std::hypot(a.standard_error(), b.standard_error());
+            EXPECT_NEAR(b.value(), a.value(), test::tolerated_errors * error) << what << " block " << i;
+        }
+    }
+    // A test that cannot see 3 % of the image is none.
+    const double error = std::hypot(off[0].channel[1].standard_error(), on[0].channel[1].standard_error());
+    EXPECT_GT(off[0].channel[1].value(), 0) << what;
+    EXPECT_LT(error, 0.03 * off[0].channel[1].value()) << what;
+}
+
+template <class Real>
+void expect_same_mean(const Scene& scene, std::uint32_t depth, const std::string& what) {
+    const auto off = block_means<Real>(scene, {.samples = 300, .depth = depth, .seed = 31});
+    for (const std::uint32_t exponent : {0u, 1u, 2u}) {
+        expect_equal(off,
+                     block_means<Real>(scene, {.samples = 80,
+                                               .depth = depth,
+                                               .seed = 32 + exponent,
+                                               .next_event = true,
+                                               .mis_exponent = exponent}),
+                     what + " depth " + std::to_string(depth) + " exponent " + std::to_string(exponent));
+    }
+}
+
+// A floor, a wall and a ball, lit by what `add_lights` adds; the ball's material is the point of some scenes.
+Scene stage(
+    const std::function<void(SceneBuilder&)>& add_lights,
+    const std::function<std::uint32_t(SceneBuilder&)>& ball = [](auto& b) {
+        return b.diffuse({0.75, 0.5, 0.25});
+    }) {
+    SceneBuilder builder;
+    builder.camera({0, 1.5, -4}, {0, 0.8, 0}).image(side, side, 55, true);
+    builder.quad(builder.diffuse({0.75, 0.5, 0.25}), {0, 0, 0}, 8, 8);
+    builder.quad(builder.diffuse({0.25, 0.5, 0.75}), {0, 2, 2}, 8, 4, {-90, 0, 0});
+    builder.sphere(ball(builder), {0, 0.75, 0.25}, 1.5);
+    add_lights(builder);
+    return builder.scene;
+}
+
+void lamp(SceneBuilder& builder) { builder.sphere(builder.emitter({4, 5, 6}), {0.5, 3, -1}, 1.2); }
+
+template <class Real>
+class NextEventTest : public testing::Test {};
+using Reals = testing::Types<float, double>;
+TYPED_TEST_SUITE(NextEventTest, Reals);
+
+TYPED_TEST(NextEventTest, SphereLight) {
+    for (const std::uint32_t depth : {2u, 4u}) {
+        expect_same_mean<TypeParam>(stage(lamp), depth, "sphere");
+    }
+}
+
+TYPED_TEST(NextEventTest, BoxEllipsoidAndQuadLights) {
+    const std::function<void(SceneBuilder&)> lights[] = {
+        [](auto& b) {
+            b.box(b.emitter({4, 5, 6}), {0.5, 2.8, -1}, {1, 0.5, 2});
+        },
+        [](auto& b) {
+            b.box(b.emitter({4, 5, 6}), {0.5, 2.8, -1}, {1, 0.5, 2}, {20, 30, 40});
+        },
+        [](auto& b) {
+            b.ellipsoid(b.emitter({4, 5, 6}), {0.5, 2.8, -1}, {2.5, 0.4, 1}, {20, 30, 40});
+        },
+        [](auto& b) {
+            b.quad(b.emitter({4, 5, 6}), {0.5, 3, -1}, 1.5, 1, {160, 10, 0});
+        },
+        // Free in the room: both of its sides shine.
+        [](auto& b) {
+            b.quad(b.emitter({4, 5, 6}), {-1.2, 1.5, -0.5}, 1.5, 1, {80, 50, 0});
+        },
+        // It stands on the floor and against the wall.
+        [](auto& b) {
+            b.box(b.emitter({4, 5, 6}), {1.5, 0.5, 1.75}, {1, 1, 0.5});
+        },
+    };
+    for (std::size_t i = 0; i < std::size(lights); ++i) {
+        expect_same_mean<TypeParam>(stage(lights[i]), 3, "light " + std::to_string(i));
+    }
+}
+
+TYPED_TEST(NextEventTest, SeveralLightsAndAnEnvironment) {
+    expect_same_mean<TypeParam>(stage([](auto& b) {
+                                    lamp(b);
+                                    b.box(b.emitter({6, 1, 1}), {-2, 2, -1}, Vec3d(0.8));
+                                    b.quad(b.emitter({1, 1, 6}), {2, 2.5, -1}, 1, 1, {0, 0, 150});
+                                    b.environment(0.5);
+                                }),
+                                3, "several");
+}
+
+TYPED_TEST(NextEventTest, ManyLights) {
+    expect_same_mean<TypeParam>(stage([](auto& b) {
+                                    for (int i = 0; i < 12; ++i) {
+                                        b.sphere(b.emitter({1.0 + i, 5, 12.0 - i}), {-2.2 + 0.4 * i, 2 + 0.1 * i, -0.5},
+                                                 0.3);
+                                    }
+                                }),
+                                3, "many");
+}
+
+TYPED_TEST(NextEventTest, MovingLightAndMovingShade) {
+    Scene scene = stage([](auto& b) {
+        b.sphere(b.emitter({4, 5, 6}), {-1.5, 3, -1}, 1.2).velocity = {3, 0, 0};
+        b.box(b.diffuse(Vec3d(0.5)), {-1, 2, -0.5}, {0.8, 0.1, 0.8}).velocity = {0, -1, 0.5};
+        b.box(b.emitter({3, 1, 1}), {2, 0.5, -1}, {0.5, 1, 0.5}, {0, 30, 0}).velocity = {0, 1, 0};
+    });
+    scene.camera.shutter_close = 1;
+    expect_same_mean<TypeParam>(scene, 3, "moving");
+}
+
+TYPED_TEST(NextEventTest, LightsThatReflect) {
+    expect_same_mean<TypeParam>(stage([](auto& b) {
+                                    b.sphere(b.diffuse(Vec3d(0.5), {4, 5, 6}), {0.5, 3, -1}, 1.2);
+                                }),
+                                3, "diffuse lamp");
+    expect_same_mean<TypeParam>(stage([](auto& b) {
+                                    b.sphere(b.mix(Vec3d(0.5), Vec3d(0.75), 0.5, {4, 5, 6}), {0.5, 3, -1}, 1.2);
+                                }),
+                                3, "mix lamp");
+    SceneBuilder inside;
+    inside.camera({0.2, 0.1, 0}, {0, 0, 1}).image(side, side, 90, true);
+    inside.box(inside.diffuse({0.75, 0.5, 0.25}, {0.5, 0.25, 1}), {0, 0, 0}, {2, 3, 4});
+    inside.sphere(inside.diffuse(Vec3d(0.5)), {0, 0, 1}, 0.5);
+    expect_same_mean<TypeParam>(inside.scene, 3, "inside a glowing box");
+}
+
+TYPED_TEST(NextEventTest, LightByWayOfMirrorGlassMixAndBody) {
+    const std::function<std::uint32_t(SceneBuilder&)> balls[] = {
+        [](auto& b) {
+            return b.mirror({0.9, 0.8, 0.7});
+        },
+        [](auto& b) {
+            return b.dielectric(1.5, {0.2, 0.1, 0.4});
+        },
+        [](auto& b) {
+            return b.mix({0.75, 0.5, 0.25}, {0.9, 0.8, 0.7}, 0.4);
+        },
+        [](auto& b) {
+            return b.subsurface({4, 3, 2}, {0.1, 0.2, 0.3}, 0, 1.3);
+        },
+    };
+    for (std::size_t i = 0; i < std::size(balls); ++i) {
+        expect_same_mean<TypeParam>(stage(lamp, balls[i]), 5, "ball " + std::to_string(i));
+    }
+}
+
+TYPED_TEST(NextEventTest, LampInsideAbsorbingGlass) {
+    // The connection of a diffuse ball inside the glass runs through the medium; from outside the lamp is met only.
+    SceneBuilder builder;
+    builder.camera({0, 0, -4}, {0, 0, 0}).image(side, side, 40, true);
+    builder.box(builder.dielectric(1.2, {0.5, 0.25, 1}), {0, 0, 0}, {2.4, 2.4, 2.4});
+    builder.sphere(builder.diffuse(Vec3d(0.75)), {-0.4, -0.2, 0}, 0.9);
+    builder.sphere(builder.emitter({8, 6, 4}), {0.6, 0.6, -0.4}, 0.6);
+    expect_same_mean<TypeParam>(builder.scene, 4, "in glass");
+}
+
+// A path of one segment only meets light; a connection is a segment more than the path has so far.
+TYPED_TEST(NextEventTest, DepthCountsTheConnection) {
+    const Scene scene = stage(lamp);
+    const Film off = test::render<TypeParam>(scene, {.samples = 4, .depth = 1});
+    EXPECT_EQ(test::render<TypeParam>(scene, {.samples = 4, .depth = 1, .next_event = true}).hash(), off.hash());
+    EXPECT_EQ(test::render<TypeParam>(scene, {.samples = 4, .depth = 1, .next_event = true, .mis_exponent = 2}).hash(),
+              off.hash());
+}
+
+// The seeds' box: its lamp is let into the ceiling. Sampled by area the ceiling's connections would have a variance
+// without bound: here that of a sample is below the emission's square.
+TYPED_TEST(NextEventTest, LampThatTouchesTheCeiling) {
+    SceneBuilder builder;
+    builder.camera({0, 0, -2.4}, {0, 0.8, 0}).image(side, side, 60, true);
+    builder.box(builder.diffuse(Vec3d(0.7)), {0, 1.05, 0}, {4, 0.1, 4});
+    builder.box(builder.emitter(Vec3d(1.0)), {0, 1, 0}, {1, 0.3, 1});
+    expect_same_mean<TypeParam>(builder.scene, 3, "ceiling");
+    const auto means = block_means<TypeParam>(builder.scene, {.samples = 400, .depth = 3, .seed = 5, .next_event = true});
+    for (const ColourMean& mean : means) {
+        EXPECT_LT(mean.channel[0].variance(), 1.0);
+    }
+}
+
+template <class Real>
+class RouletteTest : public testing::Test {};
+TYPED_TEST_SUITE(RouletteTest, Reals);
+
+TYPED_TEST(RouletteTest, HasTheMeanOfWholePaths) {
+    const std::function<std::uint32_t(SceneBuilder&)> balls[] = {
+        [](auto& b) {
+            return b.mix({0.75, 0.5, 0.25}, {0.9, 0.8, 0.7}, 0.4);
+        },
+        [](auto& b) {
+            return b.subsurface({4, 3, 2}, {0.1, 0.2, 0.3}, 0, 1.3);
+        },
+    };
+    for (const auto& ball : balls) {
+        const Scene scene = stage(lamp, ball);
+        const auto off = block_means<TypeParam>(scene, {.samples = 300, .depth = 8, .seed = 41});
+        for (const std::uint32_t start : {1u, 3u}) {
+            expect_equal(off,
+                         block_means<TypeParam>(
+                             scene, {.samples = 300, .depth = 8, .seed = 42 + start, .roulette_start = start}),
+                         "roulette from " + std::to_string(start));
+        }
+        expect_equal(off,
+                     block_means<TypeParam>(scene, {.samples = 150,
+                                                    .depth = 8,
+                                                    .seed = 51,
+                                                    .next_event = true,
+                                                    .mis_exponent = 2,
+                                                    .roulette_start = 2}),
+                     "roulette with connections");
+    }
+}
+
+// What survives carries at least 1 in one channel; what carries that is not put to the choice; nothing survives with
+// nothing.
+TYPED_TEST(RouletteTest, LeavesTheLargestChannelAtOne) {
+    using Real = TypeParam;
+    Path<Real> path{};
+    path.throughput = {Real(0.25), Real(0.5), Real(0.125)};
+    EXPECT_TRUE(survives_roulette(path, Real(0.4999)));
+    EXPECT_EQ(path.throughput, Vec3<Real>(Real(0.5), Real(1), Real(0.25)));
+    EXPECT_TRUE(survives_roulette(path, Real(0.9999)));
+    EXPECT_EQ(path.throughput, Vec3<Real>(Real(0.5), Real(1), Real(0.25)));
+    path.throughput = {Real(0.25), Real(0.5), Real(0.125)};
+    EXPECT_FALSE(survives_roulette(path, Real(0.5)));
+    path.throughput = Vec3<Real>(0);
+    EXPECT_FALSE(survives_roulette(path, Real(0)));
+}
+
+// Beyond the longest path there is no choice: the same film.
+TYPED_TEST(RouletteTest, ThatNeverBeginsChangesNothing) {
+    const Scene scene = stage(lamp);
+    EXPECT_EQ(test::render<TypeParam>(scene, {.samples = 2, .depth = 4, .roulette_start = 4}).hash(),
+              test::render<TypeParam>(scene, {.samples = 2, .depth = 4}).hash());
+    EXPECT_NE(test::render<TypeParam>(scene, {.samples = 2, .depth = 4, .roulette_start = 1}).hash(),
+              test::render<TypeParam>(scene, {.samples = 2, .depth = 4}).hash());
+}
+
+}  // namespace
+}  // namespace pt
