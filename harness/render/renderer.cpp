@@ -8,6 +8,7 @@
 
 #include "harness/cuda/backend.h"
 #include "harness/error.h"
+#include "harness/render/checkpoints.h"
 
 namespace pt {
 
@@ -31,6 +32,7 @@ PathQueue& queue_for(const Variant& variant) {
 
 RenderResult render_unguarded(const Scene& scene, const RenderRequest& request) {
     const Registry& registry = Registry::instance();
+    const std::vector<RenderPart> parts = parts_of(request);
     const KernelChoice kernel = choose_kernel(scene, request.variant);
     RenderSettings settings = request.settings;
     settings.final_bounce = contains(kernel.needed, Feature::final_bounce);
@@ -50,26 +52,29 @@ RenderResult render_unguarded(const Scene& scene, const RenderRequest& request) 
     RenderJob job;
     job.scene = buffers.view();
     job.film = result.film.view();
-    job.first_sample = request.first_sample;
-    job.samples = request.samples;
     job.queue = &queue;
     job.compaction = compaction.get();
     job.sorting = sorting.get();
     job.stages = request.instrument ? &result.stages : nullptr;
 
-    const double cpu_start = process_cpu_ms();
-    const auto start = std::chrono::steady_clock::now();
-    // A render pays for its cache, memory and filling both; queues stay from render to render.
     FirstBounceCache<float> cache;
     cache.rays = registry.at("first_bounce", request.variant).hook.first_bounce(request.variant, Backend::cpu);
-    if (cache.rays > 0) {
-        cache.hits.resize(std::size_t{settings.width} * settings.height * cache.rays);
-        job.cache = &cache;
+    for (const RenderPart& part : parts) {
+        const double cpu_start = process_cpu_ms();
+        const auto start = std::chrono::steady_clock::now();
+        // A render pays for its cache, memory and filling both; queues stay from render to render.
+        if (cache.rays > 0 && job.cache == nullptr) {
+            cache.hits.resize(std::size_t{settings.width} * settings.height * cache.rays);
+            job.cache = &cache;
+        }
+        job.first_sample = request.first_sample + part.done;
+        job.samples = part.samples;
+        kernel.render(job);
+        result.wall_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+        result.cpu_ms += process_cpu_ms() - cpu_start;
+        result.device_ms = result.wall_ms;
+        report_checkpoint(request, part, result);
     }
-    kernel.render(job);
-    result.wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    result.cpu_ms = process_cpu_ms() - cpu_start;
-    result.device_ms = result.wall_ms;
     result.work = job.work;
     return result;
 }
