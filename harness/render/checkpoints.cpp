@@ -28,8 +28,10 @@ std::vector<RenderPart> parts_of(const RenderRequest& request) {
     return parts;
 }
 
+bool is_shown(const RenderRequest& request) { return !request.checkpoints.empty() && request.on_checkpoint != nullptr; }
+
 void report_checkpoint(const RenderRequest& request, const RenderPart& part, RenderResult& result) {
-    if (request.checkpoints.empty() || request.on_checkpoint == nullptr) {
+    if (!is_shown(request)) {
         return;
     }
     const std::uint64_t samples = result.film.samples();

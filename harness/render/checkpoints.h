@@ -15,7 +15,10 @@ struct RenderPart {
 // or more and end with the request's samples.
 std::vector<RenderPart> parts_of(const RenderRequest& request);
 
-// Hands the state after `part` to the request's callback, if the part ends at a checkpoint.
+// Whether somebody looks at the film between two parts.
+bool is_shown(const RenderRequest& request);
+
+// Hands the state after `part` to the request's callback, if it is shown.
 void report_checkpoint(const RenderRequest& request, const RenderPart& part, RenderResult& result);
 
 }  // namespace pt

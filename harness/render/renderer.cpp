@@ -108,6 +108,7 @@ KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend b
 }
 
 RenderResult render(const Scene& scene, const RenderRequest& request) {
+    (void)parts_of(request);  // refuses checkpoints before anything is made
     if (request.backend == Backend::cuda) {
         return cuda::render(scene, request);
     }
