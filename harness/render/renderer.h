@@ -70,7 +70,8 @@ struct RenderResult {
 // The kernel that a variant runs for a scene: what is needed, and what the kernel that was compiled contains.
 struct KernelChoice {
     FeatureSet needed, compiled;
-    RenderFunction render;  // CPU
+    RenderFunction render;                        // CPU
+    RenderIn<double> render_in_double = nullptr;  // CPU with precision=double: this one instead
     // "exact", or what the kernel contains for nothing.
     std::string note() const;
 };
