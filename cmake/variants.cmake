@@ -37,6 +37,8 @@ foreach(line ${lines})
   list(APPEND feature_sets "no_features | Feature::${expression}")
 endforeach()
 set(integrator_sources ${generated}/layouts.cpp)
+# In double precision the generic kernels alone, of the integrators that hold no queue.
+set(integrators_in_double depth_first)
 foreach(header ${integrator_headers})
   get_filename_component(name ${header} NAME_WE)
   set(index 0)
@@ -51,6 +53,18 @@ const IntegratorRegistration registration(integrator::${name}::descriptor, featu
 } }
 ")
     list(APPEND integrator_sources ${unit})
+    if(name IN_LIST integrators_in_double AND features MATCHES "^all_features" AND NOT features MATCHES "matrix")
+      set(unit ${generated}/integrator_${name}_double_${index}.cpp)
+      file(CONFIGURE OUTPUT ${unit} CONTENT
+"#include \"variants/integrator/${name}.h\"
+namespace pt { namespace {
+constexpr FeatureSet features = ${features};
+const IntegratorRegistration registration(integrator::${name}::descriptor, features,
+                                          &integrator::${name}::render<Config<double, features>>);
+} }
+")
+      list(APPEND integrator_sources ${unit})
+    endif()
     math(EXPR index "${index} + 1")
   endforeach()
 endforeach()

@@ -62,6 +62,11 @@ void Registry::add_integrator(const Descriptor& descriptor, FeatureSet features,
     insert(Backend::cpu, descriptor).hook.integrator[features] = render;
 }
 
+void Registry::add_integrator(const Descriptor& descriptor, FeatureSet features, RenderIn<double> render) {
+    check_descriptor(descriptor);
+    insert(Backend::cpu, descriptor).hook.integrator_in_double[features] = render;
+}
+
 std::vector<const Choice*> Registry::choices(std::string_view axis, Backend backend) const {
     std::vector<const Choice*> found;
     if (const auto axes = backends_.find(backend); axes != backends_.end()) {

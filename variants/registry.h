@@ -17,7 +17,9 @@ using MakeSorting = std::function<std::unique_ptr<Sorting>()>;
 // How many camera rays of a pixel have their hits kept; 0: none.
 using KeepCameraRays = std::function<std::uint32_t(const Variant& variant, Backend backend)>;
 using MakePaths = std::function<AnyPaths()>;
-using RenderFunction = void (*)(RenderJob&);
+template <class Real>
+using RenderIn = void (*)(RenderJobIn<Real>&);
+using RenderFunction = RenderIn<float>;
 // The features that a choice adds to those of the scene.
 using AddFeatures = std::function<FeatureSet()>;
 // What a scene asks of a kernel, and what there is to choose from.
@@ -39,6 +41,8 @@ struct Hook {
     AddFeatures features = {};
     ChooseFeatures specialisation = {};
     std::map<FeatureSet, RenderFunction> integrator = {};
+    std::map<FeatureSet, RenderIn<double>> integrator_in_double = {};  // empty: single precision only
+    bool is_double = false;                                            // precision, on the CPU
     cuda::Hooks cuda = {};
 };
 
@@ -54,8 +58,9 @@ public:
     // Adds a choice on every backend that its descriptor names. Throws std::logic_error if the axis is unknown or
     // already has a choice of this name there.
     void add(const Descriptor& descriptor, const Hook& hook);
-    // A CPU integrator is registered once for each feature set that it was compiled for.
+    // A CPU integrator is registered once for each feature set and precision that it was compiled for.
     void add_integrator(const Descriptor& descriptor, FeatureSet features, RenderFunction render);
+    void add_integrator(const Descriptor& descriptor, FeatureSet features, RenderIn<double> render);
 
     // The choices of an axis: its baseline first, then by name.
     std::vector<const Choice*> choices(std::string_view axis, Backend backend = Backend::cpu) const;
@@ -82,7 +87,8 @@ struct Registration {
 };
 
 struct IntegratorRegistration {
-    IntegratorRegistration(const Descriptor& descriptor, FeatureSet features, RenderFunction render) {
+    template <class Real>
+    IntegratorRegistration(const Descriptor& descriptor, FeatureSet features, RenderIn<Real> render) {
         Registry::instance().add_integrator(descriptor, features, render);
     }
 };

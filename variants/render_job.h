@@ -94,17 +94,20 @@ private:
     std::chrono::steady_clock::time_point start_;
 };
 
-struct RenderJob {
-    SceneView<float> scene;
+// The queue, and with it what works on one, is in single precision.
+template <class Real>
+struct RenderJobIn {
+    SceneView<Real> scene;
     FilmView film;
     std::uint32_t first_sample = 0;
     std::uint32_t samples = 1;  // a pixel
     PathQueue* queue = nullptr;
     Compaction* compaction = nullptr;
     Sorting* sorting = nullptr;
-    FirstBounceCache<float>* cache = nullptr;  // null: the first bounce is computed
+    FirstBounceCache<Real>* cache = nullptr;  // null: the first bounce is computed
     WorkCounters work;
     StageTimes* stages = nullptr;  // null: not instrumented
 };
+using RenderJob = RenderJobIn<float>;
 
 }  // namespace pt

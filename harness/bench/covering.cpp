@@ -39,29 +39,48 @@ std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet featu
         const auto position = axes.find(std::string(axis));
         return position != axes.end() ? position->second : std::vector<std::string>{baseline[axis]};
     };
+    Variant plainest = baseline;
+    for (const std::string_view axis : axis_names) {
+        const std::vector<std::string> names = choices(axis);
+        const bool has_baseline = std::find(names.begin(), names.end(), baseline[axis]) != names.end();
+        plainest.set(axis, has_baseline ? baseline[axis] : names.front());
+    }
     const auto cover = [&](const Pair& pair) {
         Variant best;
         std::size_t best_gain = 0;
-        for (int completion = 0; completion < completions; ++completion) {
-            Variant variant = baseline;
-            for (const std::string_view axis : axis_names) {
-                const std::vector<std::string> names = choices(axis);
-                // Half of the axes stay where they are in the baseline: choices exclude each other too often.
-                const bool at_random = completion > 0 && random() % 2 == 0;
-                const bool has_baseline = std::find(names.begin(), names.end(), baseline[axis]) != names.end();
-                variant.set(axis, at_random      ? names[random() % names.size()]
-                                  : has_baseline ? baseline[axis]
-                                                 : names.front());
-            }
+        const auto consider = [&](Variant variant) {
             variant.set(pair.first.first, pair.first.second);
             variant.set(pair.second.first, pair.second.second);
             if (!why_not_applicable(variant, features, backend).empty()) {
-                continue;
+                return;
             }
             if (const std::size_t gain = uncovered(variant, covered); gain > best_gain) {
                 best = variant;
                 best_gain = gain;
             }
+        };
+        for (int completion = 0; completion < completions; ++completion) {
+            Variant variant = plainest;
+            for (const std::string_view axis : axis_names) {
+                // Half of the axes stay where they are in the baseline: choices exclude each other too often.
+                if (completion > 0 && random() % 2 == 0) {
+                    const std::vector<std::string> names = choices(axis);
+                    variant.set(axis, names[random() % names.size()]);
+                }
+            }
+            consider(variant);
+        }
+        // A choice that needs several others is rarely met by chance: one more step from the baseline, or from a
+        // variant that has what it needs.
+        for (std::size_t i = 0; i < std::size(axis_names) && best_gain == 0; ++i) {
+            for (const std::string& name : choices(axis_names[i])) {
+                Variant variant = plainest;
+                variant.set(axis_names[i], name);
+                consider(variant);
+            }
+        }
+        for (std::size_t i = 0; i < variants.size() && best_gain == 0; ++i) {
+            consider(variants[i]);
         }
         if (best_gain > 0) {
             variants.push_back(best);

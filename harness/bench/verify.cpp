@@ -167,10 +167,15 @@ std::string Verifier::against_cpu(const Variant& reference_variant) {
     for (const std::string_view axis : {"integrator", "layout", "launch"}) {
         plain.set(axis, expand({}, Backend::cpu).front()[axis]);
     }
-    if (!why_not_applicable(plain, features_of(scene_), Backend::cpu).empty()) {
-        return verdict;  // no such choice there (precision=double)
+    for (const std::string_view axis : axis_names) {
+        if (Registry::instance().find(axis, plain[axis], Backend::cpu) == nullptr) {
+            return verdict;  // no such choice there
+        }
     }
     plain = Registry::instance().reference(plain, Backend::cpu);
+    if (!why_not_applicable(plain, features_of(scene_), Backend::cpu).empty()) {
+        return verdict;  // matrices in double precision
+    }
     const RenderResult expected = render_samples(scene_, settings_, plain, Backend::cpu, 0, spp_, spp_);
     const Film& film = reference(reference_variant).film;
     std::size_t differing = 0;

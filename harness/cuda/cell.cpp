@@ -546,20 +546,46 @@ void RenderCell<Real>::upload() {
     PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
 }
 
+// Between two parts everything stays on the device as it is: the film, the counters, the cache, the graph. Nobody waits
+// but for the end of a part.
 template <class Real>
 void RenderCell<Real>::run(RenderResult& result) {
+    for (const RenderPart& part : parts_of(request_)) {
+        run_part(part, result);
+        if (is_shown(request_)) {
+            download_film(result.film);
+            report_checkpoint(request_, part, result);
+        }
+    }
+}
+
+template <class Real>
+void RenderCell<Real>::run_part(const RenderPart& part, RenderResult& result) {
     const Integrator& integrator = hooks("integrator", request_.variant).integrator;
+    job_.first_sample = request_.first_sample + part.done;
+    job_.samples = part.samples;
     const double cpu_start = process_cpu_ms();
     const auto start = std::chrono::steady_clock::now();
     PT_CUDA_CHECK(cudaEventRecord(begin_, job_.stream));
     integrator.render(job_);
     PT_CUDA_CHECK(cudaEventRecord(end_, job_.stream));
     PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
-    result.wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    result.cpu_ms = process_cpu_ms() - cpu_start;
+    result.wall_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    result.cpu_ms += process_cpu_ms() - cpu_start;
     float milliseconds = 0;
     PT_CUDA_CHECK(cudaEventElapsedTime(&milliseconds, begin_, end_));
-    result.device_ms = milliseconds;
+    result.device_ms += milliseconds;
+}
+
+template <class Real>
+void RenderCell<Real>::download_film(Film& film) {
+    std::vector<std::int64_t> sums(std::size_t{3} * job_.pixels);
+    FilmFaults faults;
+    PT_CUDA_CHECK(cudaMemcpyAsync(sums.data(), job_.film.sums, sums.size() * sizeof(std::int64_t),
+                                  cudaMemcpyDeviceToHost, job_.stream));
+    PT_CUDA_CHECK(cudaMemcpyAsync(&faults, job_.film.faults, sizeof faults, cudaMemcpyDeviceToHost, job_.stream));
+    PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
+    film.set(std::move(sums), faults);
 }
 
 namespace {
@@ -593,11 +619,8 @@ void RenderCell<Real>::collect(RenderResult& result) {
         PT_CUDA_CHECK(cudaMemcpyAsync(host, device, count * sizeof(*host), cudaMemcpyDeviceToHost, job_.stream));
         PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
     };
-    std::vector<std::int64_t> sums(std::size_t{3} * job_.pixels);
-    FilmFaults faults;
+    download_film(result.film);
     std::vector<Totals> copies(counter_copies);
-    download(sums.data(), job_.film.sums, sums.size());
-    download(&faults, job_.film.faults, 1);
     download(copies.data(), job_.totals, copies.size());
     const Totals totals = sum_of(copies);
     const auto by_segment = [&](const std::uint64_t* device_counts) {
@@ -614,7 +637,6 @@ void RenderCell<Real>::collect(RenderResult& result) {
         in_play = sum_of_copies(in_play, job_.segments.copies);
     }
     live.resize(job_.longest_path);
-    result.film.set(std::move(sums), faults);
 
     WorkCounters& work = result.work;
     work = job_.work;

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "harness/render/renderer.h"
+#include "harness/render/checkpoints.h"
 #include "variants/cuda/job.h"
 
 namespace pt::cuda {
@@ -24,12 +24,14 @@ public:
     RenderCell(const RenderCell&) = delete;
     RenderCell& operator=(const RenderCell&) = delete;
 
-    // Runs the integrator, and on the way out sets the times of `result`.
+    // Runs the integrator, in parts where the request has checkpoints, and adds up the times of `result`.
     void run(RenderResult& result);
     // Reads film and counters back.
     void collect(RenderResult& result);
 
 private:
+    void run_part(const RenderPart& part, RenderResult& result);
+    void download_film(Film& film);
     void reserve(Arena& arena);
     void reserve_queue(Arena& arena);
     bool copies_whole_paths() const;

@@ -12,13 +12,16 @@ namespace pt {
 class Film {
 public:
     // `bound`: radiance that one sample can carry (radiance_bound); `samples`: samples a pixel that will be added in
-    // all.
+    // all, which the scale and the limit are for.
     Film(std::uint32_t width, std::uint32_t height, double bound, std::uint64_t samples);
 
     FilmView view();
     std::uint32_t width() const { return width_; }
     std::uint32_t height() const { return height_; }
+    // That a mean is over.
     std::uint64_t samples() const { return samples_; }
+    // While only so many samples a pixel have been added; scale and limit stay.
+    void set_samples(std::uint64_t samples) { samples_ = samples; }
     const std::vector<std::int64_t>& sums() const { return sums_; }
     // Takes over what was summed elsewhere at this film's scale. Throws std::logic_error if the sizes differ.
     void set(std::vector<std::int64_t> sums, const FilmFaults& faults);

@@ -8,6 +8,7 @@
 
 #include "harness/cuda/backend.h"
 #include "harness/error.h"
+#include "harness/render/checkpoints.h"
 
 namespace pt {
 
@@ -29,12 +30,16 @@ PathQueue& queue_for(const Variant& variant) {
     return position->second;
 }
 
-RenderResult render_unguarded(const Scene& scene, const RenderRequest& request) {
+void run(const KernelChoice& kernel, RenderJobIn<float>& job) { kernel.render(job); }
+void run(const KernelChoice& kernel, RenderJobIn<double>& job) { kernel.render_in_double(job); }
+
+template <class Real>
+RenderResult render_in(const Scene& scene, const RenderRequest& request, const KernelChoice& kernel) {
     const Registry& registry = Registry::instance();
-    const KernelChoice kernel = choose_kernel(scene, request.variant);
+    const std::vector<RenderPart> parts = parts_of(request);
     const RenderSettings settings = settings_for(request, kernel);
 
-    const SceneBuffers<float> buffers(scene, settings);
+    const SceneBuffers<Real> buffers(scene, settings);
     const std::uint64_t film_samples = request.film_samples != 0 ? request.film_samples : request.samples;
     RenderResult result{
         .film = Film(settings.width, settings.height, radiance_bound(scene, settings.depth), film_samples),
@@ -46,31 +51,49 @@ RenderResult render_unguarded(const Scene& scene, const RenderRequest& request) 
     const auto sorting = registry.at("sorting", request.variant).hook.sorting();
     PathQueue& queue = queue_for(request.variant);
 
-    RenderJob job;
+    RenderJobIn<Real> job;
     job.scene = buffers.view();
     job.film = result.film.view();
-    job.first_sample = request.first_sample;
-    job.samples = request.samples;
     job.queue = &queue;
     job.compaction = compaction.get();
     job.sorting = sorting.get();
     job.stages = request.instrument ? &result.stages : nullptr;
 
-    const double cpu_start = process_cpu_ms();
-    const auto start = std::chrono::steady_clock::now();
-    // A render pays for its cache, memory and filling both; queues stay from render to render.
-    FirstBounceCache<float> cache;
+    FirstBounceCache<Real> cache;
     cache.rays = registry.at("first_bounce", request.variant).hook.first_bounce(request.variant, Backend::cpu);
-    if (cache.rays > 0) {
-        cache.hits.resize(std::size_t{settings.width} * settings.height * cache.rays);
-        job.cache = &cache;
+    for (const RenderPart& part : parts) {
+        const double cpu_start = process_cpu_ms();
+        const auto start = std::chrono::steady_clock::now();
+        // A render pays for its cache, memory and filling both; queues stay from render to render.
+        if (cache.rays > 0 && job.cache == nullptr) {
+            cache.hits.resize(std::size_t{settings.width} * settings.height * cache.rays);
+            job.cache = &cache;
+        }
+        job.first_sample = request.first_sample + part.done;
+        job.samples = part.samples;
+        run(kernel, job);
+        result.wall_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+        result.cpu_ms += process_cpu_ms() - cpu_start;
+        result.device_ms = result.wall_ms;
+        report_checkpoint(request, part, result);
     }
-    kernel.render(job);
-    result.wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    result.cpu_ms = process_cpu_ms() - cpu_start;
-    result.device_ms = result.wall_ms;
     result.work = job.work;
     return result;
+}
+
+RenderResult render_unguarded(const Scene& scene, const RenderRequest& request) {
+    const KernelChoice kernel = choose_kernel(scene, request.variant);
+    return kernel.render_in_double != nullptr ? render_in<double>(scene, request, kernel)
+                                              : render_in<float>(scene, request, kernel);
+}
+
+template <class Render>
+std::vector<FeatureSet> feature_sets_of(const std::map<FeatureSet, Render>& kernels) {
+    std::vector<FeatureSet> sets;
+    for (const auto& [features, render] : kernels) {
+        sets.push_back(features);
+    }
+    return sets;
 }
 
 }  // namespace
@@ -105,22 +128,28 @@ KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend b
     // On CUDA a kernel is compiled when it is needed, so there is one for every set.
     const FeatureSet shortcuts_here = shortcuts_of(scene);
     KernelOffer offer{needed, shortcuts_here, {needed, needed | shortcuts_here, all_features | (needed & samplers)}};
-    const auto& kernels = registry.at("integrator", variant, backend).hook.integrator;
+    const Hook& integrator = registry.at("integrator", variant, backend).hook;
+    const bool in_double = registry.at("precision", variant, backend).hook.is_double;
     if (backend == Backend::cpu) {
-        offer.compiled.clear();
-        for (const auto& [features, function] : kernels) {
-            offer.compiled.push_back(features);
-        }
+        offer.compiled =
+            in_double ? feature_sets_of(integrator.integrator_in_double) : feature_sets_of(integrator.integrator);
     }
     const FeatureSet chosen =
         registry.at("specialisation", variant, backend).hook.specialisation(offer, variant, backend);
     if (!is_superset(chosen, needed)) {
         throw std::logic_error("a kernel was chosen that lacks a feature of the scene");
     }
-    return {needed, chosen, backend == Backend::cpu ? kernels.at(chosen) : nullptr};
+    if (backend == Backend::cuda) {
+        return {needed, chosen, nullptr};
+    }
+    if (in_double) {
+        return {needed, chosen, nullptr, integrator.integrator_in_double.at(chosen)};
+    }
+    return {needed, chosen, integrator.integrator.at(chosen)};
 }
 
 RenderResult render(const Scene& scene, const RenderRequest& request) {
+    (void)parts_of(request);  // refuses checkpoints before anything is made
     if (request.backend == Backend::cuda) {
         return cuda::render(scene, request);
     }

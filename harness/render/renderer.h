@@ -1,13 +1,24 @@
 // Renders one variant of one scene and says what it did and how long it took.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <vector>
 
 #include "harness/render/film.h"
 #include "harness/scene/scene_buffers.h"
 #include "variants/registry.h"
 
 namespace pt {
+
+// A render's state after some of its samples; valid during the call only.
+struct Checkpoint {
+    std::uint32_t samples = 0;  // a pixel, so far
+    double wall_ms = 0;         // so far, as in RenderResult; what happens at checkpoints is not in them
+    double device_ms = 0;
+    double cpu_ms = 0;
+    const Film& film;  // of the samples so far, at the whole render's scale: film.samples() == samples
+};
 
 struct RenderRequest {
     Variant variant;
@@ -18,6 +29,11 @@ struct RenderRequest {
     bool instrument = false;    // take stage times and live paths; such a render's time is no result
     // Samples that the whole film is for, if this render adds only a part of them; 0: `samples`.
     std::uint32_t film_samples = 0;
+    // Samples after which the render stops to call `on_checkpoint`: increasing, the last one == samples; empty: it
+    // runs in one part. The film's bits and what is counted of paths and rays are the same either way, and a
+    // first-bounce cache is filled once; a queue of several samples a pixel has batches that end at checkpoints.
+    std::vector<std::uint32_t> checkpoints = {};
+    std::function<void(const Checkpoint&)> on_checkpoint = {};
 };
 
 // What a render on CUDA had to do before its clock started, and what the compiler made of its kernels.
@@ -45,7 +61,7 @@ struct RenderResult {
     StageTimes stages;
     FeatureSet needed = no_features;    // by scene and variant
     FeatureSet compiled = no_features;  // in the kernel that ran
-    double wall_ms = 0;                 // from the first stage to the end of the last
+    double wall_ms = 0;                 // from the first stage to the end of the last, less what checkpoints took
     double device_ms = 0;               // on the CPU backend the same
     double cpu_ms = 0;                  // CPU time of all threads over the same span
     CudaFacts cuda = {};                // of a render on CUDA
@@ -54,7 +70,8 @@ struct RenderResult {
 // The kernel that a variant runs for a scene: what is needed, and what the kernel that was compiled contains.
 struct KernelChoice {
     FeatureSet needed, compiled;
-    RenderFunction render;  // CPU
+    RenderFunction render;                        // CPU
+    RenderIn<double> render_in_double = nullptr;  // CPU with precision=double: this one instead
     // "exact", or what the kernel contains for nothing.
     std::string note() const;
 };
@@ -63,7 +80,8 @@ KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend b
 // The request's settings with what its variant asks of the kernel.
 RenderSettings settings_for(const RenderRequest& request, const KernelChoice& kernel);
 
-// Precondition: why_not_applicable(variant, features) is empty. Throws MachineError if memory runs out.
+// Precondition: why_not_applicable(variant, features) is empty. Throws MachineError if memory runs out, and
+// std::logic_error if the checkpoints are not as they must be.
 RenderResult render(const Scene& scene, const RenderRequest& request);
 
 }  // namespace pt

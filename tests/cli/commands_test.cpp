@@ -185,7 +185,7 @@ TEST(VerifyCommandTest, PrintsAHashAVariantAndTheTally) {
     const CommandResult result =
         ptbench({"verify", "--scene", "cornell_open,ball_glass", "--resolution", "8x6", "--spp", "2", "--axis",
                  "compaction=none,thrust_partition", "--axis", "direct_light=off", "--axis", "specialisation=features",
-                 "--axis", "sorting=none"});
+                 "--axis", "sorting=none", "--axis", "precision=float"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.err, "");
     // A scene: wavefront, 2 compactions, 2 layouts; depth_first; each with the first bounce off and with camera rays
@@ -219,14 +219,14 @@ TEST(VerifyCommandTest, QuietPrintsTheTallyOnly) {
     const CommandResult result = ptbench({"verify", "--scene", "jitter_off", "--resolution", "6x4", "--spp", "1",
                                           "--depth", "2", "--seed", "9", "--quiet"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_EQ(result.out, "348 held, 0 failed, 732 not applicable on cpu; 6x4 at 1 spp, scenes: jitter_off\n");
+    EXPECT_EQ(result.out, "352 held, 0 failed, 1808 not applicable on cpu; 6x4 at 1 spp, scenes: jitter_off\n");
 }
 
 TEST(VerifyCommandTest, NothingHeldIsNoSuccess) {
     const CommandResult result = ptbench(
         {"verify", "--scene", "cornell_open", "--resolution", "4x3", "--axis", "first_bounce=cached", "--quiet"});
     EXPECT_EQ(result.exit_code, 1);
-    EXPECT_EQ(result.out, "0 held, 0 failed, 360 not applicable on cpu; 4x3 at 4 spp, scenes: cornell_open\n");
+    EXPECT_EQ(result.out, "0 held, 0 failed, 720 not applicable on cpu; 4x3 at 4 spp, scenes: cornell_open\n");
 }
 
 TEST(VerifyCommandTest, HoldsEveryValueOfATunable) {
@@ -251,6 +251,8 @@ TEST(VerifyCommandTest, HoldsEveryValueOfATunable) {
                                           "direct_light=off",
                                           "--axis",
                                           "specialisation=features",
+                                          "--axis",
+                                          "precision=float",
                                           "--tune",
                                           "jitters=1,2,16"});
     EXPECT_EQ(result.exit_code, 0) << result.err;

@@ -79,6 +79,17 @@ TEST(WithoutDeviceTest, ARenderFailsWithTheReason) {
     EXPECT_EQ(render_failure([&] { render(scene, request); }), expected);
 }
 
+TEST(WithoutDeviceTest, BadCheckpointsAreRefusedBeforeTheDeviceIsLookedFor) {
+    const Scene scene = find_scene("cornell_open");
+    RenderRequest request;
+    request.variant = baseline();
+    request.backend = Backend::cuda;
+    request.settings = default_settings(scene);
+    request.samples = 4;
+    request.checkpoints = {1, 2};
+    EXPECT_THROW(render(scene, request), std::logic_error);
+}
+
 TEST(WithoutDeviceTest, NothingIsCompiledAheadForADeviceThatIsNotThere) {
     const Scene scene = find_scene("cornell_open");
     std::map<std::string, std::function<void()>> programs;

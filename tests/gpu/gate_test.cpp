@@ -77,6 +77,31 @@ TEST_F(Gate, PassesASoundIntegrator) {
     }
 }
 
+// The device's double kernels round as the CPU's do: what references are made by is the same on both.
+TEST_F(Gate, DoublePrecisionHasTheCpusBits) {
+    for (const char* name : {"cornell_open", "cornell_closed_five", "subsurface_box_on", "motion_on"}) {
+        const Scene scene = find_scene(name);
+        RenderRequest request{
+            .variant = expand({}, Backend::cpu).front(), .settings = default_settings(scene), .samples = 4};
+        request.settings.width = request.settings.height = 32;
+        request.settings.seed = 1;
+        request.variant.set("integrator", "depth_first");
+        request.variant.set("specialisation", "generic");
+        request.variant.set("precision", "double");
+        const std::string expected = render(scene, request).film.hash();
+        request.backend = Backend::cuda;
+        for (const char* integrator : {"megakernel", "wavefront"}) {
+            request.variant = expand({}, Backend::cuda).front();
+            request.variant.set("integrator", integrator);
+            request.variant.set("specialisation", "generic");
+            request.variant.set("arithmetic", "exact");
+            request.variant.set("precision", "double");
+            ASSERT_EQ(why_not_applicable(request.variant, features_of(scene), Backend::cuda), "");
+            EXPECT_EQ(render(scene, request).film.hash(), expected) << name << " " << integrator;
+        }
+    }
+}
+
 TEST_F(Gate, RefusesAKernelThatDoesNothing) {
     const Verdict nothing = verdict("test_null");
     EXPECT_FALSE(nothing.holds);

@@ -15,6 +15,20 @@ namespace fs = std::filesystem;
 
 const fs::path source = PTBENCH_SOURCE_DIR;
 
+// Counts the instructions in a PTX text on numbers of one type (".f32") in the kernels whose name has `part`.
+int instructions(const std::string& ptx, const std::string& part, const std::string& type) {
+    std::istringstream lines(ptx);
+    bool is_counted = false;
+    int count = 0;
+    for (std::string line; std::getline(lines, line);) {
+        if (line.rfind(".visible .entry ", 0) == 0) {
+            is_counted = line.find(part) != std::string::npos;
+        }
+        count += is_counted && line.find(type) != std::string::npos && line.find(".reg") == std::string::npos ? 1 : 0;
+    }
+    return count;
+}
+
 TEST(NvccTest, EveryStageCompilesForHostAndDevice) {
 #ifndef PTBENCH_NVCC
     GTEST_SKIP() << "nvcc was not found when CMake ran";
@@ -27,13 +41,28 @@ TEST(NvccTest, EveryStageCompilesForHostAndDevice) {
     const std::string command =
         std::string("\"" PTBENCH_NVCC "\" -std=c++20 -arch=sm_90 --fmad=false -Werror all-warnings ") +
         "--expt-relaxed-constexpr -diag-suppress 20012 -DGLM_FORCE_CUDA -DCUDA_VERSION=13000 " + "-I\"" +
-        source.string() + "\" -I\"" PTBENCH_GLM_INCLUDE "\" -c \"" + (source / "tests/nvcc/kernels.cu").string() +
-        "\" -o \"" + object + "\" > \"" + log + "\" 2>&1";
+        source.string() + "\" -I\"" PTBENCH_GLM_INCLUDE "\" --keep --keep-dir \"" + folder.string() + "\" -c \"" +
+        (source / "tests/nvcc/kernels.cu").string() + "\" -o \"" + object + "\" > \"" + log + "\" 2>&1";
     const int status = std::system(command.c_str());
     std::ostringstream messages;
     messages << std::ifstream(log).rdbuf();
     EXPECT_EQ(status, 0) << command << "\n" << messages.str();
     EXPECT_TRUE(fs::exists(object));
+    // Double precision throughout means throughout: no literal, function or constant in single precision. And no kernel
+    // in single precision takes a detour over double, but for the film's rare samples.
+    std::ostringstream ptx;
+    ptx << std::ifstream(folder / "kernels.ptx").rdbuf();
+    const auto count = [&](const char* stage, const char* real, const char* type) {
+        return instructions(ptx.str(), std::string(stage) + "INS_6ConfigI" + real, type);
+    };
+    for (const char* stage : {"generate_paths", "intersect_paths", "shade_paths", "accumulate_paths"}) {
+        EXPECT_EQ(count(stage, "d", ".f32"), 0) << stage;
+        EXPECT_GT(count(stage, "d", ".f64"), 0) << stage;
+        EXPECT_GT(count(stage, "f", ".f32"), 0) << stage;
+        if (stage != std::string("accumulate_paths")) {
+            EXPECT_EQ(count(stage, "f", ".f64"), 0) << stage;
+        }
+    }
     fs::remove_all(folder);
 #endif
 }

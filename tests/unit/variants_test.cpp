@@ -107,7 +107,7 @@ TEST(RegistryTest, HasEveryAxisAndChoice) {
             {"specialisation", {"features", "generic", "matrix"}},
             {"launch", {"stream"}},
             {"arithmetic", {"exact"}},
-            {"precision", {"float"}},
+            {"precision", {"float", "double"}},
         },
         Backend::cpu);
 }
@@ -304,6 +304,18 @@ TEST(RegistryTest, EveryIntegratorIsCompiledForTheSameFeatureSets) {
     }
 }
 
+// In double there are the kernels with every feature, for a path at a time.
+TEST(RegistryTest, OnlyDepthFirstIsCompiledInDouble) {
+    EXPECT_TRUE(registry().find("integrator", "wavefront")->hook.integrator_in_double.empty());
+    const Hook& depth_first = registry().find("integrator", "depth_first")->hook;
+    EXPECT_TRUE(depth_first.integrator_in_double.contains(all_features));
+    for (const auto& [features, function] : depth_first.integrator_in_double) {
+        EXPECT_TRUE(is_superset(features, all_features));
+        EXPECT_FALSE(contains(features, Feature::matrix));
+        EXPECT_TRUE(depth_first.integrator.contains(features));
+    }
+}
+
 TEST(VariantTest, NameJoinsTheChoicesByDots) {
     EXPECT_EQ(registry().baseline().name(), "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float");
     EXPECT_EQ(baseline_with({{"compaction", "thrust_remove_if"}, {"layout", "soa"}, {"first_bounce", "cached"}}).name(),
@@ -349,9 +361,11 @@ TEST(VariantTest, ReferenceIsThePlainestVariantOfTheSameExpectation) {
         const std::string first_bounce = variant["first_bounce"] == "cached_jitters" ? "cached_jitters" : "off";
         const std::string formula = variant["specialisation"] == "matrix" ? "matrix" : "generic";
         EXPECT_EQ(reference.name(), "depth_first.none.none.material." + first_bounce + "." + variant["direct_light"] +
-                                        ".aos." + formula + ".stream.exact.float");
+                                        ".aos." + formula + ".stream.exact." + variant["precision"]);
         EXPECT_EQ(registry().reference(reference), reference);
-        EXPECT_EQ(why_not_applicable(reference, all_features), "");
+        if (formula != "matrix" || variant["precision"] != "double") {  // which do not go together
+            EXPECT_EQ(why_not_applicable(reference, all_features), "");
+        }
     }
 }
 
@@ -377,7 +391,8 @@ TEST(VariantTest, ReferenceOnCudaIsThePlainestVariantOfTheSameExpectation) {
 TEST(VariantTest, ClaimIsTheWeakestOfItsChoices) {
     for (const Variant& variant : expand(all_choices())) {
         EXPECT_EQ(claim_of(variant), variant["first_bounce"] == "cached_jitters" ? Claim::biased
-                                     : variant["direct_light"] == "off" && variant["specialisation"] != "matrix"
+                                     : variant["direct_light"] == "off" && variant["specialisation"] != "matrix" &&
+                                             variant["precision"] == "float"
                                          ? Claim::bitwise
                                          : Claim::statistical);
     }
@@ -463,7 +478,16 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApply) {
          "first_bounce=cached_jitters needs jitter, a lens or motion; without them first_bounce=cached is it"},
         {{{"launch", "graph"}}, plain_features, "launch=graph is not there on the backend cpu"},
         {{{"sort_key", "ray"}}, plain_features, "sort_key=ray is not there on the backend cpu"},
-        {{{"precision", "double"}}, plain_features, "precision=double is not there on the backend cpu"},
+        {{{"precision", "double"}},
+         plain_features,
+         "precision=double is compiled for a path at a time: needs integrator=depth_first, not wavefront"},
+        {{{"precision", "double"}, {"integrator", "depth_first"}},
+         plain_features,
+         "precision=double is compiled with every feature only: needs specialisation=generic, not features"},
+        {{{"precision", "double"}, {"integrator", "depth_first"}, {"specialisation", "matrix"}},
+         plain_features,
+         "precision=double is compiled with every feature only: needs specialisation=generic, not matrix"},
+        {{{"precision", "double"}, {"integrator", "depth_first"}, {"specialisation", "generic"}}, all_features, ""},
         {{{"arithmetic", "fast"}}, plain_features, "arithmetic=fast is not there on the backend cpu"},
         {{{"integrator", "megakernel"}}, plain_features, "integrator=megakernel is not there on the backend cpu"},
         // What is not there comes before what does not go together.
@@ -798,6 +822,19 @@ TEST(KernelTest, ASceneThatNoKernelWasMadeForGetsTheNearestOne) {
     EXPECT_EQ(choose_kernel(scene, baseline_with({{"specialisation", "generic"}})).compiled, all_features);
 }
 
+TEST(KernelTest, DoublePrecisionHasAKernelOfItsOwn) {
+    const Scene scene = cornell_like(true).scene;
+    Variant variant = baseline_with({{"integrator", "depth_first"}, {"specialisation", "generic"}});
+    const KernelChoice single = choose_kernel(scene, variant);
+    EXPECT_NE(single.render, nullptr);
+    EXPECT_EQ(single.render_in_double, nullptr);
+    variant.set("precision", "double");
+    const KernelChoice twofold = choose_kernel(scene, variant);
+    EXPECT_EQ(twofold.render, nullptr);
+    EXPECT_NE(twofold.render_in_double, nullptr);
+    EXPECT_EQ(twofold.compiled, all_features);
+}
+
 std::vector<std::filesystem::path> shipped_scene_files() {
     std::vector<std::filesystem::path> files;
     for (const auto& entry : std::filesystem::directory_iterator(PTBENCH_SOURCE_DIR "/scenes")) {
@@ -853,11 +890,11 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
         ASSERT_EQ(result.film.faults().nonfinite + result.film.faults().negative, 0u) << variant.name();
         ++rendered;
     }
-    // 2 x 3 for depth_first and (5 x 3 - 1) x 2 x 2 x 3 for wavefront; each with the first bounce off, and cached, or,
+    // 2 x 4 for depth_first and (5 x 3 - 1) x 2 x 2 x 3 for wavefront; each with the first bounce off, and cached, or,
     // with jitter, with 16 and with 2 camera rays kept.
-    EXPECT_EQ(rendered, scene.camera.jitter ? 3u * 174u : 2u * 174u);
+    EXPECT_EQ(rendered, scene.camera.jitter ? 3u * 176u : 2u * 176u);
     // The comparison means something only if there is light, and if the expectations differ.
-    ASSERT_EQ(references.size(), scene.camera.jitter ? 3u * 4u : 4u);
+    ASSERT_EQ(references.size(), scene.camera.jitter ? 3u * 6u : 6u);
     const Vec3d plain = references.begin()->second.film.mean();
     EXPECT_GT(plain.x, 0.01);
     EXPECT_NE(references.begin()->second.film.sums(), references.rbegin()->second.film.sums());

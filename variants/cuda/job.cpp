@@ -6,14 +6,20 @@
 
 namespace pt::cuda {
 
+// Sample s uses ray s mod rays: a render's first samples need a ray each, and none that follow them need another.
+std::uint32_t take_missing_rays(Job& job) {
+    const std::uint32_t missing = std::min(job.cache.rays - job.cached_rays, job.samples);
+    job.cached_rays += missing;
+    return missing;
+}
+
 void fill_cache(Job& job) {
-    if (job.cache.rays == 0) {
+    const std::uint32_t missing = take_missing_rays(job);
+    if (missing == 0) {
         return;
     }
     const Stage stage(job.stages, "fill cache", job.stream);
-    // Sample s uses ray s mod rays: a short render needs a few of them only.
-    const std::uint32_t used = std::min(job.cache.rays, job.samples);
-    job.launch("fill_cache", job.pixels, job.scene, job.cache, job.first_sample, used, job.totals);
+    job.launch("fill_cache", job.pixels, job.scene, job.cache, job.first_sample, missing, job.totals);
 }
 
 std::uint32_t samples_a_launch(const Job& job) {
@@ -29,6 +35,7 @@ void prepare_batches(Job& job, const EnqueueBatch& enqueue_batch) {
     PT_CUDA_CHECK(cudaMemcpyAsync(job.next_sample, &job.first_sample, sizeof job.first_sample, cudaMemcpyHostToDevice,
                                   job.stream));
     PT_CUDA_CHECK(cudaStreamSynchronize(job.stream));
+    job.graph_sample = job.first_sample;
     job.graph = std::make_unique<Graph>(job.stream);
     const WorkCounters before = std::exchange(job.work, {});
     job.cursor = job.next_sample;
@@ -42,13 +49,27 @@ void prepare_batches(Job& job, const EnqueueBatch& enqueue_batch) {
     job.work_a_graph.graph_nodes = job.graph->nodes();
 }
 
+namespace {
+
+// A graph goes on where the last one ended; batches that ran by stream in between have to be skipped.
+void launch_graph(Job& job, std::uint32_t sample) {
+    if (job.graph_sample != sample) {
+        set_value(job.next_sample, sample, job.stream);
+        job.work.launches += 1;
+    }
+    job.graph->launch();
+    job.work += job.work_a_graph;
+    job.graph_sample = sample + job.samples_in_flight;
+}
+
+}  // namespace
+
 void run_batches(Job& job, const EnqueueBatch& enqueue_batch) {
     fill_cache(job);
     for (std::uint32_t done = 0; done < job.samples;) {
         const std::uint32_t batch = std::min(job.samples_in_flight, job.samples - done);
         if (job.graph != nullptr && batch == job.samples_in_flight) {
-            job.graph->launch();
-            job.work += job.work_a_graph;
+            launch_graph(job, job.first_sample + done);
         } else {
             enqueue_batch(job.first_sample + done, batch);
         }

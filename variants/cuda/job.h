@@ -34,14 +34,16 @@ struct Job {
     std::uint32_t pixels = 0;
     std::uint32_t longest_path = 1;  // segments
     std::uint32_t materials = 0;
+    // The samples to take now, a pixel: the whole render's, or those of one part of it, from checkpoint to checkpoint.
     std::uint32_t first_sample = 0;
-    std::uint32_t samples = 1;            // a pixel
-    std::uint32_t samples_in_flight = 1;  // a pixel
+    std::uint32_t samples = 1;
+    std::uint32_t samples_in_flight = 1;  // a pixel; a part may have fewer samples
     std::uint32_t block = 128;            // threads
     std::uint32_t multiprocessors = 1;
     cudaStream_t stream = nullptr;
 
-    HitCache<float> cache;  // of Hit<Real>; rays 0: none
+    HitCache<float> cache;          // of Hit<Real>; rays 0: none
+    std::uint32_t cached_rays = 0;  // of a pixel, that earlier parts of the render have put there
     Totals* totals = nullptr;
     SegmentCounts segments;
     std::uint64_t* lengths = nullptr;    // megakernels: paths by number of segments; null where nobody asked
@@ -66,6 +68,7 @@ struct Job {
     Loop loop;
     bool is_in_loop = false;                // its body is being captured
     std::uint32_t* next_sample = nullptr;   // device: where a graph finds its first sample
+    std::uint32_t graph_sample = 0;         // what next_sample holds once all that was enqueued has run
     const std::uint32_t* cursor = nullptr;  // next_sample while a batch is captured, else null: use the parameter
     WorkCounters work_a_graph;              // what the host's side of one captured batch counts
     StageEvents* stages = nullptr;          // null: not instrumented
@@ -86,14 +89,18 @@ struct Job {
     }
 };
 
-// Fills the first-bounce cache, if there is one, with the camera rays that the job's samples use.
+// Camera rays of a pixel that the job's samples use and that the cache does not hold yet; from here on it holds them.
+std::uint32_t take_missing_rays(Job& job);
+// Fills the first-bounce cache, if there is one, with those.
 void fill_cache(Job& job);
 
 // Samples that one launch of a kernel may take a thread, so that a thread's and a block's counters fit in 32 bits.
 std::uint32_t samples_a_launch(const Job& job);
 
-// Runs `enqueue_batch(first_sample, samples)` for all samples of the job, samples_in_flight at a time; full batches as
-// a graph where the job is captured. prepare_batches must have run before the clock.
+// Runs `enqueue_batch(first_sample, samples)` for all samples of the job, samples_in_flight at a time. A last batch
+// that is not full, and so every part of a render with fewer samples than that, takes the places of the first paths of
+// the queue only. Full batches run as a graph where the job is captured, others by stream; prepare_batches must have
+// run before the clock.
 using EnqueueBatch = std::function<void(std::uint32_t first_sample, std::uint32_t samples)>;
 void prepare_batches(Job& job, const EnqueueBatch& enqueue_batch);
 void run_batches(Job& job, const EnqueueBatch& enqueue_batch);

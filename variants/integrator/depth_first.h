@@ -61,10 +61,10 @@ std::uint32_t trace(const SceneView<typename Config::Real>& scene, const FilmVie
 }
 
 template <class Config>
-void render(RenderJob& job) {
+void render(RenderJobIn<typename Config::Real>& job) {
     std::atomic<std::uint64_t> rays = 0, paths = 0, connections = 0, unfinished = 0, fills = 0, hits = 0;
     std::vector<std::atomic<std::uint64_t>> ended_after(job.stages != nullptr ? job.scene.longest_path() + 1 : 0);
-    FirstBounceCache<float>* const cache = job.cache;
+    FirstBounceCache<typename Config::Real>* const cache = job.cache;
     {
         const StageClock clock(job.stages, "trace");
         parallel_for(job.scene.pixel_count(), pixels_a_chunk, [&](std::size_t begin, std::size_t end) {

@@ -1,0 +1,24 @@
+// A render in parts, from checkpoint to checkpoint: how long the parts are, and what happens between them.
+#pragma once
+
+#include "harness/render/renderer.h"
+
+namespace pt {
+
+// Samples that a part takes over those of the parts before it, which took `done`.
+struct RenderPart {
+    std::uint32_t done = 0;
+    std::uint32_t samples = 1;  // a pixel
+};
+
+// One part a checkpoint; without checkpoints one part. Throws std::logic_error unless the checkpoints increase from 1
+// or more and end with the request's samples.
+std::vector<RenderPart> parts_of(const RenderRequest& request);
+
+// Whether somebody looks at the film between two parts.
+bool is_shown(const RenderRequest& request);
+
+// Hands the state after `part` to the request's callback, if it is shown.
+void report_checkpoint(const RenderRequest& request, const RenderPart& part, RenderResult& result);
+
+}  // namespace pt

@@ -1,0 +1,64 @@
+// How a CUDA render's samples are cut into parts and batches, and which rays of a first-bounce cache each part traces:
+// the host's side, without a device.
+#include <gtest/gtest.h>
+
+#include "variants/cuda/job.h"
+
+namespace pt::cuda {
+namespace {
+
+using Batches = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+Batches batches_of(const std::vector<std::uint32_t>& checkpoints, std::uint32_t in_flight) {
+    Job job;
+    job.samples_in_flight = in_flight;
+    Batches batches;
+    std::uint32_t done = 0;
+    for (const std::uint32_t checkpoint : checkpoints) {
+        job.first_sample = 100 + done;
+        job.samples = checkpoint - done;
+        run_batches(job, [&](std::uint32_t first, std::uint32_t samples) { batches.emplace_back(first, samples); });
+        done = checkpoint;
+    }
+    return batches;
+}
+
+TEST(BatchesTest, AreAsManySamplesAsFitAndEndWithTheirPart) {
+    EXPECT_EQ(batches_of({11}, 1).size(), 11u);
+    EXPECT_EQ(batches_of({11}, 4), (Batches{{100, 4}, {104, 4}, {108, 3}}));
+    EXPECT_EQ(batches_of({1, 2, 8, 11}, 4), (Batches{{100, 1}, {101, 1}, {102, 4}, {106, 2}, {108, 3}}));
+    EXPECT_EQ(batches_of({1, 2, 4, 8, 11}, 16), (Batches{{100, 1}, {101, 1}, {102, 2}, {104, 4}, {108, 3}}));
+}
+
+std::vector<std::uint32_t> filled(std::uint32_t rays, const std::vector<std::uint32_t>& parts) {
+    Job job;
+    job.cache.rays = rays;
+    std::vector<std::uint32_t> missing;
+    for (const std::uint32_t part : parts) {
+        job.samples = part;
+        missing.push_back(take_missing_rays(job));
+    }
+    return missing;
+}
+
+using Counts = std::vector<std::uint32_t>;
+
+TEST(BatchesTest, EachRayOfTheCacheIsTracedInThePartThatUsesItFirst) {
+    EXPECT_EQ(filled(0, {1, 5}), (Counts{0, 0}));  // no cache
+    EXPECT_EQ(filled(1, {1, 1, 2}), (Counts{1, 0, 0}));
+    EXPECT_EQ(filled(5, {1, 1, 2, 4, 8}), (Counts{1, 1, 2, 1, 0}));
+    EXPECT_EQ(filled(16, {1, 1, 2, 4}), (Counts{1, 1, 2, 4}));  // fewer samples than rays
+    EXPECT_EQ(filled(4, {100}), (Counts{4}));
+}
+
+TEST(BatchesTest, ALaunchTakesNoMoreSamplesThanThePartHas) {
+    Job job;
+    job.longest_path = 8;
+    job.samples = 3;
+    EXPECT_EQ(samples_a_launch(job), 3u);
+    job.samples = 0xffffffffu;
+    EXPECT_EQ(samples_a_launch(job), 0xffffffffu / (2 * 8 * 128));
+}
+
+}  // namespace
+}  // namespace pt::cuda
