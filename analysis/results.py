@@ -13,12 +13,14 @@ from pathlib import Path
 
 import numpy as np
 
+from analysis.convergence_file import Checkpoint, Convergence, check_checkpoints, checkpoints_of, convergence_of
 from analysis.errors import bad_value
 from analysis.nodes import Node, read_json, shown
 
 SCHEMA_VERSION = "1"
 CELL_STATUSES = ("ok", "failed", "interrupted")
 RUN_STATUSES = ("completed", "interrupted")
+STUDY_TYPES = ("time", "convergence")
 CLAIMS = ("bitwise", "statistical", "biased")
 GPU_BACKEND = "cuda"
 # Axes that older files lack, with what every variant was then.
@@ -59,6 +61,8 @@ class Sample:
     clock_mhz_after: float | None = None
     low_clock: bool = False
     contended: bool = False
+    cpu_ms: float | None = None
+    checkpoints: tuple[Checkpoint, ...] = ()  # of a convergence cell
     work: dict[str, float] = field(default_factory=dict)  # "launches" and its like, where the file has them a sample
 
     @property
@@ -150,6 +154,7 @@ class Cell:
     tunables: dict[str, int] = field(default_factory=dict)  # all that its choices have, at the values that they had
     counters: dict[str, int] = field(default_factory=dict)  # of the instrumented pass, `spp` samples a pixel
     cuda: Cuda | None = None
+    convergence: Convergence | None = None
 
     @property
     def failed(self) -> bool:
@@ -237,6 +242,11 @@ class Study:
     name: str
     figure: str
     title: str
+    type: str = "time"
+
+    @property
+    def is_convergence(self) -> bool:
+        return self.type == "convergence"
 
 
 @dataclass(frozen=True)
@@ -341,7 +351,13 @@ def _refuse_twins(array: Node, names: list[str], key: str) -> None:
 
 
 def _study(node: Node) -> Study:
-    return Study(name=node.need("name").name(), figure=node.optional_text("figure"), title=node.optional_text("title"))
+    kind = node.maybe("type")
+    return Study(
+        name=node.need("name").name(),
+        figure=node.optional_text("figure"),
+        title=node.optional_text("title"),
+        type="time" if kind is None else kind.one_of(STUDY_TYPES),
+    )
 
 
 def _samples(rows: Node, cells: Node) -> tuple[dict[str, list[Sample]], dict[str, list[str]]]:
@@ -376,6 +392,8 @@ def _sample(row: Node) -> Sample:
         rays=row.need("pt_rays").number(),
         paths=row.need("pt_paths").number(),
         device_ms=row.optional_number("pt_device_ms"),
+        cpu_ms=row.optional_number("pt_cpu_ms"),
+        checkpoints=checkpoints_of(row),
         end_to_end_ms=row.optional_number("pt_end_to_end_ms"),
         seed=row.optional_integer("pt_seed"),
         order=row.optional_integer("pt_order"),
@@ -399,6 +417,9 @@ def _cell(
     claim = node.maybe("claim")
     instrumented = node.maybe("instrumented")
     tunables, counters, cuda = node.maybe("tunables"), node.maybe("counters"), node.maybe("cuda")
+    convergence = convergence_of(node)
+    if convergence is not None:
+        check_checkpoints(node, convergence, samples[name])
     return Cell(
         name=name,
         studies=() if studies is None else tuple(item.one_of(study_names) for item in studies.items()),
@@ -426,6 +447,7 @@ def _cell(
         tunables={} if tunables is None else tunables.integers(),
         counters={} if counters is None else counters.integers(),
         cuda=None if cuda is None or cuda.value == {} else _cuda(cuda),
+        convergence=convergence,
     )
 
 
