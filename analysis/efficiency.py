@@ -24,7 +24,8 @@ _NEAR_PLATEAU = 1e-3
 
 EFFICIENCY_RULE = (
     "Work-normalised variance: σ² times render wall time per spp; of samples that are not independent, N times MSE(N) "
-    "at the last checkpoint instead of σ². Efficiency: the baseline's over the cell's; a plateau is not in it. Intervals: "
+    "at the last checkpoint instead of σ². Efficiency: the baseline's over the cell's; a plateau is not in it. "
+    "Intervals: "
     "95 %, bootstrap over seeds with expanded percentiles, errors and times of a seed drawn together, seeds that both "
     "cells ran drawn for both. Time to an error: where the fitted curve, with its plateau, meets it, at the cell's own "
     "times; never where the plateau lies above it."

@@ -46,7 +46,9 @@ def displayed(image: np.ndarray, exposure: float) -> np.ndarray:
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
 
-TONE_MAPPING = "Images: linear radiance over the 99th percentile of the reference's brightest channel, cut to [0, 1], sRGB encoded."
+TONE_MAPPING = (
+    "Images: linear radiance over the 99th percentile of the reference's brightest channel, cut to [0, 1], sRGB."
+)
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,8 @@ class Flip:
     @property
     def settings(self) -> str:
         return (
-            f"HDR-FLIP (flip-evaluator), tone-mapped by ACES at {_EXPOSURES} exposures from {self.start_exposure:.3f} to "
+            f"HDR-FLIP (flip-evaluator), tone-mapped by ACES at {_EXPOSURES} exposures from {self.start_exposure:.3f} "
+            f"to "
             f"{self.stop_exposure:.3f} (log2, of the reference), {PIXELS_PER_DEGREE:.2f} pixels a degree"
         )
 

@@ -64,8 +64,10 @@ def collect(result: Result, study: Study) -> Data:
     if not panels:
         raise NotDrawable("no cell has both a bias² and a σ²")
     caption = (
-        "Bars: 95 % t-intervals over seeds. Filled: a plateau was found. Hollow, with an arrow: none was found, the point is "
-        "the upper end of the interval of bias² that the verdict rests on. Grey diagonals: bias² as large as the noise left "
+        "Bars: 95 % t-intervals over seeds. Filled: a plateau was found. Hollow, with an arrow: none was found, the "
+        "point is "
+        "the upper end of the interval of bias² that the verdict rests on. Grey diagonals: bias² as large as the "
+        "noise left "
         "after so many samples per pixel."
     )
     if dependent:

@@ -1,4 +1,4 @@
-"""What the figures of a convergence study share: which cells stand together under which names, and what to say below."""
+"""What the figures of a convergence study share: which cells stand together, their names, and what to say below."""
 
 from __future__ import annotations
 

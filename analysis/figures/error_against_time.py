@@ -63,7 +63,8 @@ def collect(result: Result, study: Study) -> Data:
     seeds = style.span(one.curve.count for group in found.groups for one in group.members)
     caption = (
         f"Lines: root of the mean dual-reference squared error over {seeds} seeds, at checkpoints of 1, 2, 4, ... spp, "
-        "against render wall time (median over seeds; checkpoints are outside the clock). Bands: lowest to highest seed. "
+        "against render wall time (median over seeds; checkpoints are outside the clock). Bands: lowest to highest "
+        "seed. "
         "Grey lines: error falling as 1/√time. Dashed: plateaus that were found, from the time on at which noise is as "
         "large. Dotted: noise of the reference, which the dual error does not contain."
     )
