@@ -19,6 +19,8 @@ from analysis.studies import usual_baseline
 
 _SUFFIX = "/checkpoints:octaves"
 COMPANION = "_without_checkpoints"
+# What decides the error curve; the other axes shift it in time.
+_ESTIMATOR_AXES = ("first_bounce", "direct_light", "russian_roulette", "sampler", "precision")
 # A plateau is in reach of no time from here on: e^2 - B^2 of less than this share of e^2 is noise of the fit.
 _NEAR_PLATEAU = 1e-3
 
@@ -66,16 +68,24 @@ def by_place(assessed: Sequence[Assessment]) -> dict[Place, list[Assessment]]:
 
 
 def baseline_among(result: Result, group: Sequence[Assessment]) -> Assessment | None:
-    """The fitted cell that differs least from the baselines of all axes, untuned before tuned; the first of equals."""
+    """The fitted cell with the plain estimator that is most like the others; of equals the usual one, then the "
+    "first."""
+    fitted = [one for one in group if one.fit is not None]
 
     def unlikeness(assessment: Assessment) -> tuple:
         cell = assessment.cell
-        differing = [axis for axis, choice in cell.axes.items() if usual_baseline(result, axis) != choice]
-        # The estimator first: cells of one estimator have one error curve.
-        plain = assessment.curve.independent and not cell.convergence.biases
-        return not plain, len(differing), len(cell.tuned)
+        unusual = [axis for axis, choice in cell.axes.items() if usual_baseline(result, axis) != choice]
+        is_plain = assessment.curve.independent and not cell.convergence.biases
+        to_others = sum(len(_changes(cell, other.cell)) for other in fitted)
+        return not is_plain, len(set(unusual) & set(_ESTIMATOR_AXES)), to_others, len(unusual), len(cell.tuned)
 
-    return min((one for one in group if one.fit is not None), key=unlikeness, default=None)
+    return min(fitted, key=unlikeness, default=None)
+
+
+def _changes(base: Cell, cell: Cell) -> dict[str, str]:
+    """In which settings `cell` is not as `base`, and how."""
+    usual = _settings(base)
+    return {name: value for name, value in _settings(cell).items() if usual.get(name) != value}
 
 
 def names_in(group: Sequence[Assessment], baseline: Assessment | None) -> dict[str, str]:
@@ -84,9 +94,7 @@ def names_in(group: Sequence[Assessment], baseline: Assessment | None) -> dict[s
     if baseline is None:
         return {cell.name: cell.variant for cell in cells}
     base = _settings(baseline.cell)
-    changes = {
-        cell.name: {name: value for name, value in _settings(cell).items() if base.get(name) != value} for cell in cells
-    }
+    changes = {cell.name: _changes(baseline.cell, cell) for cell in cells}
     differing = {name for changed in changes.values() for name in changed}
     if len(differing) == 1 and not any(cell.tuned for cell in cells):
         only = differing.pop()
@@ -102,7 +110,11 @@ def names_in(group: Sequence[Assessment], baseline: Assessment | None) -> dict[s
 
 
 def _settings(cell: Cell) -> dict[str, str]:
-    return {"scene": cell.scene, **cell.axes, **cell.tuned}
+    scene = cell.scene
+    if cell.convergence is not None and scene.startswith(f"{cell.convergence.reference.scene}_"):
+        # The same name in every scene, so that it is one line's.
+        scene = "…" + scene.removeprefix(cell.convergence.reference.scene)
+    return {"scene": scene, **cell.axes, **cell.tuned}
 
 
 @dataclass(frozen=True)

@@ -48,13 +48,13 @@ class Data:
     groups: tuple[Bars, ...]
     quantity: str
     heading: str
+    unit: str = ""
     line_at: float | None = None
 
 
 def _data(found: Groups, groups: Sequence[Bars], title: str, caption: str, result: Result, **fields) -> Data:
-    order = dict.fromkeys(bar.label for group in groups for bar in group.bars)
     text = "\n".join([caption, *found.remarks, setting_of(result, found)])
-    return Data(title, text, found.notes, tuple(order), tuple(groups), **fields)
+    return Data(title, text, found.notes, found.order, tuple(groups), **fields)
 
 
 class TimeToError:
@@ -75,7 +75,7 @@ class TimeToError:
             f"one that every variant without a plateau reached. {EFFICIENCY_RULE}"
         )
         title = _title(study, "time to a given error")
-        fields = {"quantity": "Render wall time to the error (ms", "heading": "ms [95 %]"}
+        fields = {"quantity": "Render wall time to the error", "unit": "ms", "heading": "ms [95 %]"}
         return _data(found, groups, title, caption, result, **fields)
 
     def draw(self, data: Data) -> Figure:
@@ -93,7 +93,7 @@ class Efficiency:
             groups.append(Bars(group.title, tuple(bars)))
         caption = f"Noise only, whatever a variant's plateau (marked where one was found). {EFFICIENCY_RULE}"
         title = _title(study, "efficiency relative to the baseline")
-        fields = {"quantity": "Efficiency relative to the baseline (", "heading": "relative [95 %]", "line_at": 1.0}
+        fields = {"quantity": "Efficiency relative to the baseline", "heading": "relative [95 %]", "line_at": 1.0}
         return _data(found, groups, title, caption, result, **fields)
 
     def draw(self, data: Data) -> Figure:
@@ -136,7 +136,7 @@ class CheckpointCost:
             "interval holds 1."
         )
         title = _title(study, "time with checkpoints against without")
-        fields = {"quantity": "Time with checkpoints over time without (", "heading": "ratio [95 %]", "line_at": 1.0}
+        fields = {"quantity": "Time with checkpoints over time without", "heading": "ratio [95 %]", "line_at": 1.0}
         return _data(found, groups, title, caption, result, **fields)
 
     def draw(self, data: Data) -> Figure:
@@ -190,7 +190,7 @@ def draw(data: Data, zero_based: bool = True) -> Figure:
             page.text(left - 0.12, centre, bar.label, size=style.LABEL_SIZE, va="center", ha="right")
             page.text(left + plot_width + 0.2, centre, bar.text, size=style.LABEL_SIZE, va="center")
             if bar.estimate is not None:
-                _draw_bar(axes, y, bar.estimate, start, looks[bar.label])
+                _draw_bar(axes, y, bar.estimate, start if zero_based else None, looks[bar.label])
         head = {"size": style.LABEL_SIZE, "weight": "bold", "va": "center"}
         page.text(style.MARGIN, top - _HEAD / 2, group.title, **head)
         page.text(left + plot_width + 0.2, top - _HEAD / 2, data.heading, **head)
@@ -200,9 +200,8 @@ def draw(data: Data, zero_based: bool = True) -> Figure:
         axes.yaxis.set_major_locator(NullLocator())
         axes.grid(axis="x")
         if group is data.groups[-1]:
-            scale = "log scale" if log else "linear scale"
-            separator = "" if data.quantity.endswith("(") else ", "
-            axes.set_xlabel(f"{data.quantity}{separator}{scale})")
+            units = ", ".join(part for part in (data.unit, "log scale" if log else "") if part)
+            axes.set_xlabel(data.quantity + (f" ({units})" if units else ""))
         top -= height + _GAP
     return page.figure
 
@@ -237,14 +236,17 @@ def _scale(axes: Axes, bounds: list[float], log: bool, zero_based: bool) -> floa
     return axes.get_xlim()[0]
 
 
-def _draw_bar(axes: Axes, y: float, estimate: Estimate, start: float, look: style.Look) -> None:
+def _draw_bar(axes: Axes, y: float, estimate: Estimate, start: float | None, look: style.Look) -> None:
+    """No bar without a `start`: one that does not begin at nought would show a small difference as a large one."""
     end = axes.get_xlim()[1]
     if not math.isfinite(estimate.value):
         axes.barh(
             y, end - start, left=start, height=0.62, facecolor="none", edgecolor=look.colour, hatch="///", alpha=0.35
         )
         return
-    axes.barh(y, estimate.value - start, left=start, height=0.62, color=look.colour, alpha=0.3, linewidth=0, zorder=2)
+    if start is not None:
+        length = estimate.value - start
+        axes.barh(y, length, left=start, height=0.62, color=look.colour, alpha=0.3, linewidth=0, zorder=2)
     low, high = estimate.low, estimate.high
     if low is not None and high is not None:
         drawn = Estimate(estimate.value, low, high if math.isfinite(high) else end, estimate.n)

@@ -72,10 +72,9 @@ def collect(result: Result, study: Study) -> Data:
     )
     if dependent:
         caption += f" Without σ², samples not being independent: {', '.join(dict.fromkeys(dependent))}."
-    order = tuple(dict.fromkeys(point.label for panel in panels for point in panel.points))
     title = f"{study.title}: bias against variance" if study.title else "Bias against variance"
     text = "\n".join([caption, *found.remarks, setting_of(result, found)])
-    return Data(title, text, found.notes, order, tuple(panels))
+    return Data(title, text, found.notes, found.order, tuple(panels))
 
 
 def _point(one: Assessment, label: str) -> Point:
@@ -173,15 +172,11 @@ def _draw_diagonals(axes, panel: Panel) -> None:
     for power in powers[:: max(1, math.ceil(len(powers) / 5))]:
         spp = 10.0**power
         axes.plot([left, right], [left / spp, right / spp], color="#dadada", linewidth=0.8, zorder=0)
-        # At the left edge, or the upper one where the line leaves by that.
-        x, y = (left, left / spp) if left / spp > low else (low * spp, low)
-        if y < high / 1.3 and x < right / 1.3:
-            share = np.log(x * 1.02 / left) / np.log(right / left), np.log(y * 1.08 / low) / np.log(high / low)
-            axes.text(
-                *share,
-                f"{spp:g} spp",
-                transform=axes.transAxes,
-                size=style.CAPTION_SIZE - 1,
-                color="#777777",
-                va="bottom",
-            )
+        if low < left / spp < high / 1.3:
+            height = np.log(left / spp * 1.08 / low) / np.log(high / low)
+            small = {"size": style.CAPTION_SIZE - 1, "color": "#777777", "va": "bottom"}
+            axes.text(0.01, height, f"{_count(spp)} spp", transform=axes.transAxes, **small)
+
+
+def _count(spp: float) -> str:
+    return f"{spp:g}" if spp < 1e6 else f"10^{round(math.log10(spp))}"

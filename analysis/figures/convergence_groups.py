@@ -30,6 +30,11 @@ class Groups:
     notes: tuple[Note, ...]
     remarks: tuple[str, ...]
 
+    @property
+    def order(self) -> tuple[str, ...]:
+        """All labels; each has one look in all of a study's figures."""
+        return tuple(dict.fromkeys(group.names[one.cell.name] for group in self.groups for one in group.members))
+
 
 def groups_of(result: Result, study: Study, most: int = MOST_TOGETHER) -> Groups:
     """The study's fitted cells; raises NotDrawable where there are none."""
@@ -56,7 +61,10 @@ def groups_of(result: Result, study: Study, most: int = MOST_TOGETHER) -> Groups
 
 
 def _baselines(groups: Sequence[Group]) -> str:
-    variants = dict.fromkeys(f"{g.names[g.baseline.cell.name]}: {g.baseline.cell.variant}" for g in groups)
+    variants: dict[str, None] = {}
+    for group in groups:
+        label, variant = group.names[group.baseline.cell.name], group.baseline.cell.variant
+        variants[variant if label == "baseline" else f"{label} ({variant})"] = None
     return f"Baseline: {'; '.join(variants)}."
 
 

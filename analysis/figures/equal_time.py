@@ -23,8 +23,8 @@ from analysis.results import Result, Study
 from analysis.studies import Note
 
 _CROP = 96  # pixels, where the image is larger
-_PICTURE, _BETWEEN = 1.45, 0.12  # inches
-_COLUMNS = 6
+_PICTURE, _BETWEEN = 1.6, 0.14  # inches
+_COLUMNS = 5
 _LINES = 4  # of a name over a picture
 _LABEL = 8.0
 _LONGEST_EQUAL = 1.25
@@ -164,7 +164,7 @@ def _window(errors: Sequence[np.ndarray]) -> tuple[slice, slice]:
 def draw(data: Data) -> Figure:
     columns = min(_COLUMNS, max(len(sheet.shots) for sheet in data.sheets))
     names = {
-        shot.label: style.wrapped(shot.label, _LABEL, _PICTURE)[:_LINES]
+        shot.label: style.wrapped(shot.label, _LABEL, _PICTURE, "bold")[:_LINES]
         for sheet in data.sheets
         for shot in sheet.shots
     }

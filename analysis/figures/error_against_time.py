@@ -72,8 +72,7 @@ def collect(result: Result, study: Study) -> Data:
     if invisible:
         caption += f" Below the axes: the reference's noise of {', '.join(dict.fromkeys(invisible))}."
     lines = [caption, *found.remarks, setting_of(result, found)]
-    order = tuple(dict.fromkeys(line.label for panel in panels for line in panel.lines))
-    return Data(study.title or "Error against render time", "\n".join(lines), found.notes, order, panels)
+    return Data(study.title or "Error against render time", "\n".join(lines), found.notes, found.order, panels)
 
 
 def _panel(group: Group) -> Panel:
