@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -76,9 +76,12 @@ def collect(result: Result, study: Study) -> Data:
         if len(with_images) < len(group.members):
             text = f"{group.title}: {len(group.members) - len(with_images)} variants without images"
             notes.append(Note("no image", f"{text}.", text))
-        sheet, settings = _sheet(folder, group, with_images)
+        sheet, settings, failure = _sheet(folder, group, with_images)
         sheets.append(sheet)
-        flips[settings] = None
+        if settings:
+            flips[settings] = None
+        if failure:
+            notes.append(Note("no FLIP", f"{failure}.", failure))
     if not sheets:
         raise NotDrawable("; ".join(reasons))
     for reason in reasons:
@@ -86,11 +89,11 @@ def collect(result: Result, study: Study) -> Data:
     caption = [
         f"Each variant's last image within the time that all have one at; its own time stands above it. {TONE_MAPPING} "
         "Below: signed error, mean over channels, in units of the reference's white; red too bright, blue too dark, "
-        "all of "
-        "a scene on one scale. RMSE: of the whole image, against the mean reference. " + "; ".join(flips) + ".",
-        setting_of(result, found),
+        "all of a scene on one scale. RMSE: of the whole image, against the mean reference.",
+        *(f"FLIP: of the whole image, {settings}." for settings in flips),
+        setting_of(result, replace(found, notes=tuple(dict.fromkeys(notes)))),
     ]
-    return Data(_title(study), "\n".join(caption), tuple(notes), tuple(sheets))
+    return Data(_title(study), "\n".join(caption), tuple(dict.fromkeys(notes)), tuple(sheets))
 
 
 def _title(study: Study) -> str:
@@ -102,11 +105,12 @@ def _names(members: Sequence[Assessment]) -> set[str]:
     return names | {picture.file for one in members for picture in one.cell.convergence.pictures}
 
 
-def _sheet(folder: Path, group: Group, members: Sequence[Assessment]) -> tuple[Sheet, str]:
+def _sheet(folder: Path, group: Group, members: Sequence[Assessment]) -> tuple[Sheet, str, str]:
+    """The sheet, the settings of FLIP, and why it is not there."""
     time = min(max(_timed(one).values()) for one in members)
     reference = read_pfm(folder / members[0].cell.convergence.reference_picture)
     exposure = exposure_of(reference)
-    images, facts, settings = [], [], ""
+    images, facts, settings, failure = [], [], "", ""
     for one in members:
         times = _timed(one)
         within = [picture for picture in times if times[picture] <= time * (1 + 1e-9)]
@@ -125,7 +129,7 @@ def _sheet(folder: Path, group: Group, members: Sequence[Assessment]) -> tuple[S
             text += f", FLIP {measured.mean:.3f}"
             settings = measured.settings
         except NotDrawable as reason:
-            settings = str(reason)
+            failure = str(reason)
         facts.append(text)
     errors = [np.mean(image - reference, axis=2) * exposure for image in images]
     window = _window(errors)
@@ -137,7 +141,7 @@ def _sheet(folder: Path, group: Group, members: Sequence[Assessment]) -> tuple[S
     for one, image, text, error in zip(members, images, facts, errors, strict=True):
         shots.append(Shot(group.names[one.cell.name], text, displayed(image, exposure)[window], error[window]))
     limit = float(np.percentile(np.abs([error[window] for error in errors]), 98)) or 1.0
-    return Sheet(f"{group.title}, after {style.figures(time, 3)} ms", tuple(shots), limit), settings
+    return Sheet(f"{group.title}, after {style.figures(time, 3)} ms", tuple(shots), limit), settings, failure
 
 
 def _timed(one: Assessment) -> dict:

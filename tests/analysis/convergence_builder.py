@@ -138,6 +138,8 @@ def convergence_cell(
         if row["name"] != plain:
             continue
         row["name"] = row["run_name"] = cell["cell"]
+        if "error_message" in row:
+            continue
         row["pt_seed"] = float(first_seed + row["repetition_index"])
         errors = rows_of_errors(law, int(row["pt_seed"]), spps)
         if shared_with:
