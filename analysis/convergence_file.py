@@ -6,6 +6,7 @@ so far. An error is None where the harness gave none: a pixel was not finite, or
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -41,7 +42,8 @@ class Reference:
     spp_per_half: int = 0
     variant: str = ""
     formula: str = ""
-    offset_error: float | None = None  # standard error of the mean product of the halves' errors
+    dual_error: float | None = None  # the standard error that it alone gives to every dual error
+    depth: int | None = None
 
     @property
     def is_exact(self) -> bool:
@@ -50,7 +52,7 @@ class Reference:
 
 @dataclass(frozen=True)
 class Picture:
-    """An image of one seed, in the folder of the file's images."""
+    """An image of the first seed; its file is named from the result file's folder."""
 
     spp: int
     file: str
@@ -67,7 +69,6 @@ class Convergence:
     biases: tuple[str, ...] = ()
     metrics: dict[str, str] = field(default_factory=dict)
     pictures: tuple[Picture, ...] = ()
-    picture_seed: int | None = None
     reference_picture: str = ""
 
 
@@ -131,8 +132,7 @@ def convergence_of(cell: Node) -> Convergence | None:
         shared_with=node.optional_text("shared_with"),
         biases=() if biases is None else tuple(item.text() for item in biases.items()),
         metrics={} if metrics is None else metrics.texts(),
-        pictures=() if images is None else tuple(_picture(item) for item in images.need("checkpoints").items()),
-        picture_seed=None if images is None else images.optional_integer("seed"),
+        pictures=() if images is None else _pictures(images.need("by_spp")),
         reference_picture="" if images is None else _file_name(images.need("reference")),
     )
 
@@ -154,19 +154,23 @@ def _reference(node: Node) -> Reference:
         spp_per_half=node.optional_integer("spp_per_half") or 0,
         variant=node.optional_text("variant"),
         formula=node.optional_text("formula"),
-        offset_error=node.optional_number("offset_error"),
+        dual_error=node.optional_number("dual_error"),
+        depth=node.optional_integer("depth"),
     )
 
 
-def _picture(node: Node) -> Picture:
-    return Picture(spp=node.need("spp").integer(minimum=1), file=_file_name(node.need("file")))
+def _pictures(node: Node) -> tuple[Picture, ...]:
+    for spp in node.fields():
+        if not spp.isdecimal():
+            raise bad_value(node.file, node.place, shown(spp), "samples per pixel")
+    return tuple(Picture(int(spp), _file_name(node.need(spp))) for spp in node.fields())
 
 
 def _file_name(node: Node) -> str:
-    """The name of a file in the images' folder, and of no other."""
+    """A file in a folder beside the result file, and nowhere else."""
     name = node.name()
-    if "/" in name or "\\" in name or name.startswith("."):
-        raise node.wrong("the name of a file in the folder of the images")
+    if not re.fullmatch(r"[^/\\]*[^/\\.][^/\\]*/[^/\\]*[^/\\.][^/\\]*", name):
+        raise node.wrong("FOLDER/FILE, beside the result file")
     return name
 
 

@@ -146,17 +146,18 @@ def fit_law(spp: np.ndarray, mse: np.ndarray) -> tuple[np.ndarray, np.ndarray, n
 
 
 def slopes_of(curve: Curve) -> tuple[Slope | None, tuple[Slope, ...]]:
-    """The slope over all checkpoints and those by octave, while the error stands clear of the reference's noise."""
+    """The slope over all checkpoints and those by octave, where the error stands clear of its spread."""
     if curve.count < 2:
         return None, ()
     mean = curve.mean
     spread = curve.mse.std(axis=0, ddof=1) / np.sqrt(curve.count)
-    clear = mean > 3 * spread
-    used = len(clear) if clear.all() else int(np.argmin(clear))
-    if used < 2:
+    # Heavy tails blur the first checkpoints, the reference's noise the last ones.
+    clear = np.flatnonzero(mean > 3 * spread)
+    if not len(clear) or (mean[clear[0] : clear[-1] + 1] <= 0).any():
         return None, ()
-    octaves = tuple(_slope(curve, slice(index, index + 2)) for index in range(used - 1))
-    return (_slope(curve, slice(0, used)) if used >= LEAST_CHECKPOINTS else None), octaves
+    first, last = int(clear[0]), int(clear[-1]) + 1
+    octaves = tuple(_slope(curve, slice(index, index + 2)) for index in range(first, last - 1))
+    return (_slope(curve, slice(first, last)) if last - first >= LEAST_CHECKPOINTS else None), octaves
 
 
 def _slope(curve: Curve, part: slice) -> Slope:
@@ -185,8 +186,8 @@ def reference_error(reference: Reference, pixels: int) -> float:
     """
     if reference.is_exact:
         return 0.0
-    if reference.offset_error is not None:
-        return reference.offset_error
+    if reference.dual_error is not None:
+        return reference.dual_error
     return 2 * reference.variance / np.sqrt(pixels)
 
 

@@ -55,9 +55,9 @@ class Place:
 
 
 def place_of(cell: Cell) -> Place:
-    """The scene is the reference's: a variant that renders another one for it, to its cost, belongs there."""
-    scene = cell.convergence.reference.scene or cell.scene
-    return Place(scene, cell.depth, cell.resolution, cell.backend)
+    """Scene and depth are the reference's: a variant that renders others to come to its image belongs there."""
+    reference = cell.convergence.reference
+    return Place(reference.scene or cell.scene, reference.depth or cell.depth, cell.resolution, cell.backend)
 
 
 def by_place(assessed: Sequence[Assessment]) -> dict[Place, list[Assessment]]:
@@ -94,9 +94,16 @@ def names_in(group: Sequence[Assessment], baseline: Assessment | None) -> dict[s
     if baseline is None:
         return {cell.name: cell.variant for cell in cells}
     base = _settings(baseline.cell)
-    changes = {cell.name: _changes(baseline.cell, cell) for cell in cells}
+    varied = _varied_tunables(cells)
+    changes = {
+        cell.name: {
+            **_changes(baseline.cell, cell),
+            **{name: str(value) for name, value in cell.tunables.items() if name in varied},
+        }
+        for cell in cells
+    }
     differing = {name for changed in changes.values() for name in changed}
-    if len(differing) == 1 and not any(cell.tuned for cell in cells):
+    if len(differing) == 1 and differing <= baseline.cell.axes.keys():
         only = differing.pop()
         return {name: changed.get(only, base.get(only, "baseline")) for name, changed in changes.items()}
     names: dict[str, str] = {}
@@ -107,6 +114,15 @@ def names_in(group: Sequence[Assessment], baseline: Assessment | None) -> dict[s
             label += f", {cell.spp} spp" if cell.spp != baseline.cell.spp else f", {cell.variant}"
         names[cell.name] = label
     return names
+
+
+def _varied_tunables(cells: Sequence[Cell]) -> set[str]:
+    """The tunables of which some cells' choices have several values: their standards are told too."""
+    values: dict[tuple, set[int]] = {}
+    for cell in cells:
+        for name, value in cell.tunables.items():
+            values.setdefault((name, cell.scene, *cell.axes.values()), set()).add(value)
+    return {key[0] for key, found in values.items() if len(found) > 1}
 
 
 def _settings(cell: Cell) -> dict[str, str]:

@@ -1,6 +1,6 @@
 """Crops at equal render time beside the reference, and their signed error: what the curves look like.
 
-The images lie in RESULT_images beside the result file RESULT.json; a cell names its own. One crop is shown of all:
+The images lie in a folder beside the result file, and a cell names its own. One crop is shown of all:
 where they miss the reference most.
 """
 
@@ -55,13 +55,9 @@ class Data:
     sheets: tuple[Sheet, ...]
 
 
-def images_folder(result: Result) -> Path:
-    return result.path.with_name(f"{result.path.stem}_images")
-
-
 def collect(result: Result, study: Study) -> Data:
     found = groups_of(result, study, 10**6)
-    folder = images_folder(result)
+    folder = result.path.parent
     notes, sheets, flips, reasons = list(found.notes), [], {}, []
     for group in found.groups:
         with_images = [one for one in group.members if one.cell.convergence.pictures]

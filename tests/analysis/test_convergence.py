@@ -130,7 +130,7 @@ def test_a_poor_reference_limits_what_can_be_said(tmp_path):
     assert (one.verdict.word, one.fit.bias2.value) == (NOISE_LIMITED, 0)
     assert "a better reference would tell" in one.verdict.reason
     # A file that knows the reference's part better is believed.
-    one = alone(tmp_path, Law(noisy=False, reference_variance=1e-2), reference={"offset_error": 1e-9})
+    one = alone(tmp_path, Law(noisy=False, reference_variance=1e-2), reference={"dual_error": 1e-9})
     assert one.verdict.word == CONVERGES
 
 
@@ -356,9 +356,13 @@ def spoiled(tmp_path, spoil) -> str:
             '$.ptbench.cells[0].convergence.reference.kind: found "guessed", allowed: "rendered" or "closed_form"',
         ),
         (
-            lambda cell, rows: cell.update(images={"reference": "../r.pfm", "checkpoints": []}),
+            lambda cell, rows: cell.update(images={"reference": "../r.pfm", "by_spp": {}}),
             '$.ptbench.cells[0].convergence.images.reference: found "../r.pfm", '
-            "allowed: the name of a file in the folder of the images",
+            "allowed: FOLDER/FILE, beside the result file",
+        ),
+        (
+            lambda cell, rows: cell.update(images={"reference": "a/r.pfm", "by_spp": {"few": "a/b.pfm"}}),
+            '$.ptbench.cells[0].convergence.images.by_spp: found "few", allowed: samples per pixel',
         ),
     ],
 )

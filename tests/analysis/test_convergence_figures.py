@@ -62,12 +62,12 @@ def with_images(builder: Builder, folder, side: int = 24) -> None:
     reference = np.stack([x, y, 0.5 + 0 * x], axis=2)
     write_pfm(images / "reference.pfm", reference)
     for index, cell in enumerate(cell for cell in builder.cells if "convergence" in cell):
-        files = []
+        files = {}
         for spp in SPPS[2:]:
             name = f"{index}_{spp}.pfm"
             write_pfm(images / name, reference + random.normal(0, 0.5 / spp**0.5, reference.shape))
-            files.append({"spp": spp, "file": name})
-        cell["convergence"]["images"] = {"seed": 1, "reference": "reference.pfm", "checkpoints": files}
+            files[str(spp)] = f"{images.name}/{name}"
+        cell["convergence"]["images"] = {"reference": f"{images.name}/reference.pfm", "by_spp": files}
 
 
 def collected(builder: Builder, folder, part: str):
