@@ -36,8 +36,9 @@ FLAT_SLOPE = -0.9
 
 RULES = (
     "Fit: MSE(n) = bias² + σ²/n by weighted least squares over the checkpoints, weights from the spread between seeds, "
-    "bias² not below 0; one fit a seed with common weights, so that the intervals (95 %, t over seeds) need no "
-    "independence of checkpoints. bias² itself: the cross product of a run's halves at the last checkpoint, mean over "
+    "σ² alone where bias² comes out below 0; one fit a seed with common weights, so that the intervals (95 %, t over "
+    "seeds) need no independence of checkpoints. bias² itself: the cross product of a run's halves at the last "
+    "checkpoint, mean over "
     "seeds; with samples that are not independent, what the fit of the last 4 checkpoints leaves (a lower bound).",
     f"Verdicts hold over the whole file with probability {1 - FAMILY_LEVEL:.0%} (Bonferroni over its distinct error "
     "curves; half of it for bias², half for the image's mean error in three channels); the uncertainty of the "
@@ -85,6 +86,11 @@ class Assessment:
         return float(self.curve.mean[-1])
 
     @property
+    def has_noise(self) -> bool:
+        """Whether more samples change the error at all, but for rounding."""
+        return self.fit is not None and self.fit.sigma2.value > 1e-9 * float(np.abs(self.curve.mean).max())
+
+    @property
     def plateau_bias2(self) -> float:
         """bias² where there is a plateau, 0 where none was found."""
         return self.verdict.plateau**2 if self.verdict.plateau is not None else 0.0
@@ -92,7 +98,7 @@ class Assessment:
     @property
     def crossing_spp(self) -> float | None:
         """From where on more samples gain little: the noise is as large as the bias."""
-        if self.fit is None or self.verdict.plateau is None:
+        if not self.has_noise or self.verdict.plateau is None:
             return None
         return self.fit.sigma2.value / self.plateau_bias2
 
@@ -173,6 +179,10 @@ def _listed(values: np.ndarray) -> str:
 
 def _doubts(curve: Curve, fit: Fit, slope: Slope | None) -> tuple[str, ...]:
     doubts = []
+    one, other = fit.bias2, fit.bias2_of_fit
+    apart = max(one.low, other.low) - min(one.high, other.high)
+    if curve.independent and apart > 1e-6 * abs(curve.mean[-1]):
+        doubts.append("the curve is no bias² + σ²/n: the fit's bias² and that of the halves have no value in common")
     for what, values in (("σ²", fit.sigma2_of_seeds), ("bias²", fit.bias2_of_seeds)):
         index = stands_apart(values)
         if index is not None:

@@ -189,7 +189,7 @@ def _costs(group: Sequence[Assessment], names: dict[str, str], baseline: Assessm
             [
                 names[one.cell.name],
                 *(_value(one.ms_per_spp.get(clock), figures) for clock in clocks),
-                _value(compared and compared.work, lambda value: f"{value:.4g}"),
+                _value(None if compared is None else compared.work, lambda value: f"{value:.4g}"),
                 _NONE if compared is None else _small(compared.work),
                 "baseline" if one is baseline else _value(efficiency, lambda value: figures(value, 3)),
                 _NONE if efficiency is None else _ends(efficiency),

@@ -152,8 +152,8 @@ def _drawn_work(assessment: Assessment, drawn: np.ndarray) -> np.ndarray:
 
 
 def compare(assessment: Assessment, baseline: Assessment | None) -> Compared | None:
-    """None where there is no fit."""
-    if assessment.fit is None:
+    """None where there is no fit, or no noise that more time would take away."""
+    if not assessment.has_noise or (baseline is not None and not baseline.has_noise):
         return None
     count = assessment.curve.count
     drawn = resampled(count)

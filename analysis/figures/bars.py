@@ -103,7 +103,10 @@ class Efficiency:
 def _efficiency_bar(one, group: Group) -> Bar:
     label = group.names[one.cell.name]
     plateau = f", plateau {style.figures(one.verdict.plateau, 3)}" if one.verdict.word == PLATEAU else ""
-    efficiency = compare(one, group.baseline).efficiency
+    compared = compare(one, group.baseline)
+    if compared is None:
+        return Bar(label, None, "no noise to compare" + plateau)
+    efficiency = compared.efficiency
     if efficiency is None:
         return Bar(label, Estimate(1.0, None, None, one.curve.count), "baseline" + plateau)
     ends = "" if efficiency.low is None else f" {style.interval(efficiency.low, efficiency.high, 3)}"

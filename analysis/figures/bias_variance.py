@@ -51,14 +51,16 @@ class Data:
 
 def collect(result: Result, study: Study) -> Data:
     found = groups_of(result, study)
-    panels, dependent = [], []
+    panels, dependent, noiseless = [], [], []
     for group in found.groups:
         points = []
         for one in group.members:
             if not one.curve.independent:
                 dependent.append(group.names[one.cell.name])
-            elif one.fit.sigma2.value > 0:
+            elif one.has_noise:
                 points.append(_point(one, group.names[one.cell.name]))
+            else:
+                noiseless.append(group.names[one.cell.name])
         if points:
             panels.append(Panel(group.title, tuple(points), max(int(one.curve.spp[-1]) for one in group.members)))
     if not panels:
@@ -72,6 +74,8 @@ def collect(result: Result, study: Study) -> Data:
     )
     if dependent:
         caption += f" Without σ², samples not being independent: {', '.join(dict.fromkeys(dependent))}."
+    if noiseless:
+        caption += f" Without σ², more samples changing nothing: {', '.join(dict.fromkeys(noiseless))}."
     title = f"{study.title}: bias against variance" if study.title else "Bias against variance"
     text = "\n".join([caption, *found.remarks, setting_of(result, found)])
     return Data(title, text, found.notes, found.order, tuple(panels))

@@ -136,7 +136,9 @@ def _sheet(folder: Path, group: Group, members: Sequence[Assessment]) -> tuple[S
     ]
     for one, image, text, error in zip(members, images, facts, errors, strict=True):
         shots.append(Shot(group.names[one.cell.name], text, displayed(image, exposure)[window], error[window]))
-    limit = float(np.percentile(np.abs([error[window] for error in errors]), 98)) or 1.0
+    shown = np.abs([error[window] for error in errors])
+    # Where most pixels are right, it is the others that need the colours.
+    limit = float(np.percentile(shown[shown > 0], 98)) if shown.any() else 1.0
     return Sheet(f"{group.title}, after {style.figures(time, 3)} ms", tuple(shots), limit), settings, failure
 
 

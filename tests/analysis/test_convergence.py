@@ -383,3 +383,16 @@ def test_a_study_of_an_unknown_type_is_refused(tmp_path):
     with pytest.raises(InputError, match='type: found "guess", allowed: "time" or "convergence"'):
         load(tmp_path / "x.json")
     assert json.loads((tmp_path / "x.json").read_text())["ptbench"]["studies"][0]["type"] == "guess"
+
+
+def test_a_curve_that_is_no_such_law_is_told_of(tmp_path):
+    # Four frozen rays, taken in turn: noise up to 4 spp, none after.
+    builder = convergence_study(on_gpu())
+    convergence_cell(builder, EXACT, biases=["first_bounce=cached_jitters"])
+    for row in builder.rows:
+        for checkpoint in row.get("pt_checkpoints", []):
+            checkpoint["mse_dual"] = 0.04 / min(checkpoint["spp"], 4) * (1 + 0.001 * row["pt_seed"])
+            checkpoint["bias2"] = 0.01
+    one = assessed(builder, tmp_path)[0]
+    assert one.verdict.text == "plateau at 0.1"
+    assert one.doubts[0].startswith("the curve is no bias² + σ²/n")

@@ -156,6 +156,18 @@ def test_bias_against_variance_shows_limits_where_none_was_found(tmp_path):
     assert "samples not being independent: sampler=sobol_owen" in data.caption
 
 
+def test_what_has_no_noise_is_named_and_left_out(tmp_path):
+    builder = convergence_study(on_gpu())
+    convergence_cell(builder, Law(noisy=False), spps=SPPS)
+    frozen = {"first_bounce": "cached_jitters"}
+    convergence_cell(builder, Law(1e-15, 4e-4, noisy=False), spps=SPPS, axes=frozen, biases=["frozen"])
+    _, data = collected(builder, tmp_path, "bias_variance")
+    assert [point.label for point in data.panels[0].points] == ["off"]
+    assert "more samples changing nothing: cached_jitters" in data.caption
+    _, data = collected(builder, tmp_path, "efficiency")
+    assert [bar.text for bar in data.groups[0].bars] == ["baseline", "no noise to compare, plateau 0.0200"]
+
+
 def test_checkpoint_cost_needs_companions(tmp_path):
     builder = convergence_study(on_gpu())
     convergence_cell(builder, Law(noisy=False), spps=SPPS)

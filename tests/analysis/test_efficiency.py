@@ -160,3 +160,12 @@ def test_checkpoints_are_held_against_the_same_render_without(tmp_path, with_che
     (cost,) = checkpoint_costs(result, group)
     assert cost.word == word
     assert cost.ratio.value == pytest.approx(with_checkpoints / 2, rel=0.02)
+
+
+def test_a_variant_without_noise_has_a_plateau_and_no_efficiency(tmp_path):
+    # One frozen camera ray a pixel: more samples change nothing but the last bits.
+    plain, frozen = pair(tmp_path, exact(sigma2=0.5), exact(sigma2=1e-15, bias2=4e-4), biases=["frozen"])
+    assert (frozen.has_noise, frozen.crossing_spp) == (False, None)
+    assert compare(frozen, plain) is None
+    assert time_to(frozen, 0.01).value == math.inf
+    assert frozen.verdict.text == "plateau at 0.02"
