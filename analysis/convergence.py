@@ -38,8 +38,8 @@ RULES = (
     "Fit: MSE(n) = bias² + σ²/n by weighted least squares over the checkpoints, weights from the spread between seeds, "
     "σ² alone where bias² comes out below 0; one fit a seed with common weights, so that the intervals (95 %, t over "
     "seeds) need no independence of checkpoints. bias² itself: the cross product of a run's halves at the last "
-    "checkpoint, mean over "
-    "seeds; with samples that are not independent, what the fit of the last 4 checkpoints leaves (a lower bound).",
+    "checkpoint, mean over seeds; with samples that are not independent, what the fit of the last 4 checkpoints leaves "
+    "(a lower bound).",
     f"Verdicts hold over the whole file with probability {1 - FAMILY_LEVEL:.0%} (Bonferroni over its distinct error "
     "curves; half of it for bias², half for the image's mean error in three channels); the uncertainty of the "
     "reference, common to all seeds, is in the intervals. **plateau at B**: the interval of bias² lies above 0, B its "

@@ -33,12 +33,18 @@ def table_line(values: Iterable[str]) -> str:
     return "| " + " | ".join(one_line(value).replace("|", "\\|") for value in values) + " |"
 
 
+def convergence_rules(result: Result) -> list[str]:
+    """How errors were fitted and judged; nothing where none were measured."""
+    if all(cell.convergence is None for cell in result.cells):
+        return []
+    return ["\n\n".join((*RULES, EFFICIENCY_RULE)), ""]
+
+
 def convergence_tables(result: Result, study: Study) -> list[str]:
     """Everything that the study's figures show, in numbers, scene by scene."""
     assessed = assess(result)
     members = [assessed[cell.name] for cell in result.cells_of(study) if cell.name in assessed]
-    lines = [*(f"{text}\n" for text in (*RULES, EFFICIENCY_RULE))]
-    lines = "\n".join(lines).split("\n")
+    lines: list[str] = []
     places = by_place(members)
     for place, group in places.items():
         lines += [f"### {place.title(list(places))}", "", _reference_line(group, place), ""]

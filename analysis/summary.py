@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from analysis.convergence_summary import convergence_tables, table_line
+from analysis.convergence_summary import convergence_rules, convergence_tables, table_line
 from analysis.files import one_line
 from analysis.gpu import about_gpu, gpu_line, hottest_kernel
 from analysis.results import Cell, Result, Study
@@ -36,6 +36,7 @@ def summary(result: Result, not_drawn: dict[str, Sequence[str]], notes: dict[str
     lines += [VERDICT_RULE, "Low-clock samples are flagged, never dropped.", ""]
     if any(cell.on_gpu for cell in result.cells):
         lines += [_GPU_TEXT, ""]
+    lines += convergence_rules(result)
     for study in result.studies:
         lines += _section(
             result, study, f"## {study.title or study.name}", not_drawn.get(study.name, ()), notes.get(study.name)

@@ -300,6 +300,7 @@ def test_plots_writes_all_figures_and_the_tables(tmp_path, analysis):
         with Image.open(tmp_path / "figures" / f"{name}.png") as image:
             assert len(image.convert("RGB").getcolors(1 << 24)) > 8, name
     summary = (tmp_path / "figures" / "summary.md").read_text()
+    assert summary.count("Fit: MSE(n) = bias² + σ²/n") == 1
     (row,) = [line for line in summary.splitlines() if line.startswith("| first_bounce=cached | **plateau at 0.1")]
     assert "declared: first_bounce=cached: one sample" in row
     for said in (
