@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from analysis import style
 from analysis.errors import bad_value
 from analysis.files import make_folder, one_line, safe_name
-from analysis.results import Node, read_json
+from analysis.nodes import Node, read_json
 from analysis.saving import DPI, save_pictures
 
 _COLUMNS = 4

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from matplotlib.figure import Figure
+
 from analysis import style
 from analysis.errors import NotDrawable
-from analysis.figures import collect_study, draw_study
+from analysis.figures import PICTURES, collect_study, draw_study, parts_of_study
 from analysis.files import make_folder, one_line, safe_name, write_text
 from analysis.results import Result, load
-from analysis.saving import save_figure
+from analysis.saving import DPI, save_figure, save_pictures
 from analysis.studies import Note, measure, notes_of
 from analysis.summary import summary
 
@@ -22,29 +24,45 @@ def default_folder(result: Result) -> Path:
     return result.path.parent / "figures" / safe_name(name)
 
 
+def _free_name(wanted: str, taken: set[str]) -> str:
+    name = safe_name(wanted)
+    while name in taken:
+        name += "_"
+    taken.add(name)
+    return name
+
+
+def _save(figure: Figure, folder: Path, name: str, part: str) -> list[Path]:
+    if part in PICTURES:
+        return [save_pictures(figure, folder / f"{name}.png", DPI)]
+    return save_figure(figure, folder, name)
+
+
 def plots(path: Path, out: Path | None) -> int:
     result = load(path)
     folder = out if out is not None else default_folder(result)
     make_folder(folder)
-    not_drawn: dict[str, str] = {}
+    not_drawn: dict[str, list[str]] = {}
     notes: dict[str, Sequence[Note]] = {}
     taken: set[str] = set()
     for study in result.studies:
-        try:
-            data = collect_study(result, study)
-            notes[study.name] = data.notes
-        except NotDrawable as reason:
-            not_drawn[study.name] = str(reason)
+        not_drawn[study.name] = []
+        for part in parts_of_study(study):
+            try:
+                data = collect_study(result, study, part)
+                # The figures of one study say much the same.
+                notes[study.name] = list(dict.fromkeys([*notes.get(study.name, ()), *data.notes]))
+            except NotDrawable as reason:
+                what = f"{part}: " if part else ""
+                not_drawn[study.name].append(f"{what}{reason}")
+                print(f"not drawn: {study.name}: {what}{one_line(str(reason))}")
+            else:
+                name = _free_name(study.name + (f"_{part}" if part else ""), taken)
+                with style.applied():
+                    for written in _save(draw_study(study, data, part), folder, name, part):
+                        print(written)
+        if study.name not in notes:
             notes[study.name] = notes_of(result, study, measure(result, study))
-            print(f"not drawn: {study.name}: {one_line(str(reason))}")
-        else:
-            name = safe_name(study.name)
-            while name in taken:
-                name += "_"
-            taken.add(name)
-            with style.applied():
-                for written in save_figure(draw_study(study, data), folder, name):
-                    print(written)
         for note in notes[study.name]:
             print(f"note: {study.name}: {note.kind}: {one_line(note.full)}")
     if not result.studies:

@@ -7,22 +7,26 @@ this version does not know are ignored, so that a newer harness may add some.
 
 from __future__ import annotations
 
-import json
-import math
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from analysis.errors import InputError, bad_value
+from analysis.convergence_file import Checkpoint, Convergence, check_checkpoints, checkpoints_of, convergence_of
+from analysis.errors import bad_value
+from analysis.nodes import Node, read_json, shown
 
 SCHEMA_VERSION = "1"
 CELL_STATUSES = ("ok", "failed", "interrupted")
 RUN_STATUSES = ("completed", "interrupted")
+STUDY_TYPES = ("time", "convergence")
 CLAIMS = ("bitwise", "statistical", "biased")
 GPU_BACKEND = "cuda"
+# Axes that older files lack, with what every variant was then.
+LATER_AXES = {"russian_roulette": "off", "sampler": "pcg4d"}
+# The axis after which a variant's name spells those.
+_BEFORE_LATER_AXES = "direct_light"
 # Counters that a sample may have of its own, as "pt_NAME".
 WORK_COUNTERS = ("launches", "graph_nodes", "host_waits")
 
@@ -57,6 +61,8 @@ class Sample:
     clock_mhz_after: float | None = None
     low_clock: bool = False
     contended: bool = False
+    cpu_ms: float | None = None
+    checkpoints: tuple[Checkpoint, ...] = ()  # of a convergence cell
     work: dict[str, float] = field(default_factory=dict)  # "launches" and its like, where the file has them a sample
 
     @property
@@ -148,6 +154,7 @@ class Cell:
     tunables: dict[str, int] = field(default_factory=dict)  # all that its choices have, at the values that they had
     counters: dict[str, int] = field(default_factory=dict)  # of the instrumented pass, `spp` samples a pixel
     cuda: Cuda | None = None
+    convergence: Convergence | None = None
 
     @property
     def failed(self) -> bool:
@@ -235,6 +242,11 @@ class Study:
     name: str
     figure: str
     title: str
+    type: str = "time"
+
+    @property
+    def is_convergence(self) -> bool:
+        return self.type == "convergence"
 
 
 @dataclass(frozen=True)
@@ -295,122 +307,6 @@ class Result:
         return tuple(cell for cell in self.cells if study.name in cell.studies)
 
 
-def shown(value: object) -> str:
-    """A JSON value as a short piece of one line."""
-    text = json.dumps(value, ensure_ascii=False)
-    return text if len(text) <= 60 else text[:57] + "..."
-
-
-class Node:
-    """A JSON value that knows its file and its place, so that every complaint can name both."""
-
-    def __init__(self, file: Path, value: object, place: str = "$"):
-        self.file, self.value, self.place = file, value, place
-
-    def wrong(self, allowed: str) -> InputError:
-        return bad_value(self.file, self.place, shown(self.value), allowed)
-
-    def need(self, key: str) -> Node:
-        fields = self.fields()
-        if key not in fields:
-            raise bad_value(self.file, f"{self.place}.{key}", "nothing", "this key is required")
-        return Node(self.file, fields[key], f"{self.place}.{key}")
-
-    def maybe(self, key: str) -> Node | None:
-        value = self.fields().get(key)
-        return None if value is None else Node(self.file, value, f"{self.place}.{key}")
-
-    def fields(self) -> dict:
-        if not isinstance(self.value, dict):
-            raise self.wrong("an object")
-        return self.value
-
-    def items(self) -> Iterator[Node]:
-        if not isinstance(self.value, list):
-            raise self.wrong("an array")
-        return (Node(self.file, item, f"{self.place}[{index}]") for index, item in enumerate(self.value))
-
-    def text(self) -> str:
-        if not isinstance(self.value, str):
-            raise self.wrong("a string")
-        return self.value
-
-    def name(self) -> str:
-        if not self.text():
-            raise self.wrong("a string that is not empty")
-        return self.text()
-
-    def one_of(self, choices: tuple[str, ...]) -> str:
-        if self.value not in choices:
-            raise self.wrong(" or ".join(shown(choice) for choice in choices))
-        return self.value
-
-    def number(self, *, above_zero: bool = False, signed: bool = False) -> float:
-        allowed = "a finite number" + ("" if signed else " above 0" if above_zero else " of at least 0")
-        value = self._finite(allowed)
-        if (value < 0 and not signed) or (above_zero and value == 0):
-            raise self.wrong(allowed)
-        return value
-
-    def integer(self, minimum: int = 0) -> int:
-        # Google Benchmark writes every counter as a double: 4.0 is the integer 4.
-        allowed = f"an integer of at least {minimum}"
-        value = self._finite(allowed)
-        if value != int(value) or value < minimum:
-            raise self.wrong(allowed)
-        return int(value)
-
-    def _finite(self, allowed: str) -> float:
-        if isinstance(self.value, bool) or not isinstance(self.value, (int, float)):
-            raise self.wrong(allowed)
-        try:
-            value = float(self.value)
-        except OverflowError:  # an integer of hundreds of digits
-            value = math.inf
-        if not math.isfinite(value):
-            raise self.wrong(allowed)
-        return value
-
-    def texts(self) -> dict[str, str]:
-        return {key: Node(self.file, value, f"{self.place}.{key}").text() for key, value in self.fields().items()}
-
-    def integers(self) -> dict[str, int]:
-        return {key: Node(self.file, value, f"{self.place}.{key}").integer() for key, value in self.fields().items()}
-
-    def optional_text(self, key: str, default: str = "") -> str:
-        node = self.maybe(key)
-        return default if node is None else node.text()
-
-    def optional_integer(self, key: str) -> int | None:
-        node = self.maybe(key)
-        return None if node is None else node.integer()
-
-    def optional_number(self, key: str) -> float | None:
-        node = self.maybe(key)
-        return None if node is None else node.number()
-
-
-def read_json(path: Path) -> Node:
-    """Parses strictly: NaN and Infinity, which Python's parser takes, are not JSON."""
-
-    def refuse(constant: str) -> None:
-        raise bad_value(path, "a value", constant, "finite numbers only")
-
-    try:
-        text = path.read_bytes().decode("utf-8")
-    except OSError as error:
-        raise bad_value(path, "the file", error.strerror or str(error), "a JSON file that can be read") from error
-    except UnicodeDecodeError as error:
-        raise bad_value(path, f"byte {error.start}", "bytes that are not UTF-8", "JSON in UTF-8") from error
-    try:
-        return Node(path, json.loads(text, parse_constant=refuse))
-    except json.JSONDecodeError as error:
-        place = f"line {error.lineno} column {error.colno}"
-        raise bad_value(path, place, f"no valid JSON ({error.msg})", "one complete JSON value") from error
-    except (RecursionError, ValueError) as error:
-        raise bad_value(path, "the file", "JSON nested too deeply or a number too long", "plain JSON") from error
-
-
 def load(path: Path | str) -> Result:
     """The result file at `path`, checked; raises InputError."""
     path = Path(path)
@@ -455,7 +351,13 @@ def _refuse_twins(array: Node, names: list[str], key: str) -> None:
 
 
 def _study(node: Node) -> Study:
-    return Study(name=node.need("name").name(), figure=node.optional_text("figure"), title=node.optional_text("title"))
+    kind = node.maybe("type")
+    return Study(
+        name=node.need("name").name(),
+        figure=node.optional_text("figure"),
+        title=node.optional_text("title"),
+        type="time" if kind is None else kind.one_of(STUDY_TYPES),
+    )
 
 
 def _samples(rows: Node, cells: Node) -> tuple[dict[str, list[Sample]], dict[str, list[str]]]:
@@ -490,6 +392,8 @@ def _sample(row: Node) -> Sample:
         rays=row.need("pt_rays").number(),
         paths=row.need("pt_paths").number(),
         device_ms=row.optional_number("pt_device_ms"),
+        cpu_ms=row.optional_number("pt_cpu_ms"),
+        checkpoints=checkpoints_of(row),
         end_to_end_ms=row.optional_number("pt_end_to_end_ms"),
         seed=row.optional_integer("pt_seed"),
         order=row.optional_integer("pt_order"),
@@ -513,6 +417,9 @@ def _cell(
     claim = node.maybe("claim")
     instrumented = node.maybe("instrumented")
     tunables, counters, cuda = node.maybe("tunables"), node.maybe("counters"), node.maybe("cuda")
+    convergence = convergence_of(node)
+    if convergence is not None:
+        check_checkpoints(node, convergence, samples[name])
     return Cell(
         name=name,
         studies=() if studies is None else tuple(item.one_of(study_names) for item in studies.items()),
@@ -520,7 +427,7 @@ def _cell(
         scene_hash=node.optional_text("scene_hash"),
         backend=node.need("backend").name(),
         variant=node.need("variant").name(),
-        axes=node.need("axes").texts(),
+        axes=_axes(node.need("axes")),
         resolution=(resolution[0], resolution[1]),
         depth=node.need("depth").integer(minimum=1),
         spp=node.need("spp").integer(minimum=1),
@@ -540,7 +447,19 @@ def _cell(
         tunables={} if tunables is None else tunables.integers(),
         counters={} if counters is None else counters.integers(),
         cuda=None if cuda is None or cuda.value == {} else _cuda(cuda),
+        convergence=convergence,
     )
+
+
+def _axes(node: Node) -> dict[str, str]:
+    """A variant's choices; those of axes that the file is too old to name are the ones that there were."""
+    named = node.texts()
+    axes: dict[str, str] = {}
+    for axis, choice in named.items():
+        axes[axis] = choice
+        if axis == _BEFORE_LATER_AXES:
+            axes |= {later: usual for later, usual in LATER_AXES.items() if later not in named}
+    return axes
 
 
 def _cuda(node: Node) -> Cuda:
@@ -584,6 +503,6 @@ def _not_applicable(node: Node) -> NotApplicable:
         study=node.optional_text("study"),
         scene=node.optional_text("scene"),
         variant=node.need("variant").text(),
-        axes={} if axes is None else axes.texts(),
+        axes={} if axes is None else _axes(axes),
         reason=node.need("reason").text(),
     )

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
 
-from analysis.results import Cell, NotApplicable, Result, Study
+from analysis.results import LATER_AXES, Cell, NotApplicable, Result, Study
 from analysis.statistics import (
     MINIMUM_SAMPLES,
     Estimate,
@@ -45,6 +45,7 @@ AXIS_BASELINES = {
     "sort_key": "material",
     "first_bounce": "off",
     "direct_light": "off",
+    **LATER_AXES,
     "layout": "aos",
     "specialisation": "features",
     "launch": "stream",

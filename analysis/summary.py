@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from analysis.convergence_summary import convergence_rules, convergence_tables, table_line
 from analysis.files import one_line
 from analysis.gpu import about_gpu, gpu_line, hottest_kernel
 from analysis.results import Cell, Result, Study
@@ -28,21 +29,22 @@ _GPU_TEXT = (
 )
 
 
-def summary(result: Result, not_drawn: dict[str, str], notes: dict[str, Sequence[Note]]) -> str:
-    """The whole page as Markdown. By study name: `not_drawn`, why there is no figure; `notes`, what it left unsaid."""
+def summary(result: Result, not_drawn: dict[str, Sequence[str]], notes: dict[str, Sequence[Note]]) -> str:
+    """The whole page as Markdown. By study name: `not_drawn`, why a figure is missing; `notes`, what it left unsaid."""
     lines = [f"# {result.suite or result.path.stem}: what was measured", "", *_about(result), ""]
     lines += [f"Times are medians of render wall time per sample per pixel. Intervals: {INTERVAL_TEXT}.", ""]
     lines += [VERDICT_RULE, "Low-clock samples are flagged, never dropped.", ""]
     if any(cell.on_gpu for cell in result.cells):
         lines += [_GPU_TEXT, ""]
+    lines += convergence_rules(result)
     for study in result.studies:
         lines += _section(
-            result, study, f"## {study.title or study.name}", not_drawn.get(study.name), notes.get(study.name)
+            result, study, f"## {study.title or study.name}", not_drawn.get(study.name, ()), notes.get(study.name)
         )
     if not result.studies:
         lines += ["The file has no studies.", ""]
     if any(not cell.studies for cell in result.cells):
-        lines += _section(result, None, "## Cells of no study", None, None)
+        lines += _section(result, None, "## Cells of no study", (), None)
     lines += _stages(result) + _on_device(result) + _not_applicable(result) + _failed(result.cells)
     return "\n".join(lines).rstrip() + "\n"
 
@@ -67,7 +69,7 @@ def _about(result: Result) -> list[str]:
 
 
 def _section(
-    result: Result, study: Study | None, heading: str, not_drawn: str | None, notes: Sequence[Note] | None
+    result: Result, study: Study | None, heading: str, not_drawn: Sequence[str], notes: Sequence[Note] | None
 ) -> list[str]:
     rows = measure(result, study)
     lines = [heading, ""]
@@ -76,14 +78,16 @@ def _section(
         usual = usual_baseline(result, question.axis)
         instead = "" if usual in (None, question.baseline) else f" The study was not run with {question.axis}={usual}."
         lines += [f"Baseline: {question.axis}={question.baseline}, all else equal.{instead}", ""]
-    if not_drawn:
-        lines += [f"Not drawn: {one_line(not_drawn)}", ""]
-    if rows:
+    for reason in not_drawn:
+        lines += [f"Not drawn: {one_line(reason)}", ""]
+    if study is not None and any(row.cell.convergence is not None for row in rows):
+        lines += convergence_tables(result, study)
+    elif rows:
         on_gpu = any(row.cell.on_gpu for row in rows)
         columns = (*_COLUMNS[:-1], *_GPU_COLUMNS, _COLUMNS[-1]) if on_gpu else _COLUMNS
-        lines += [_table_line(columns)]
-        lines += [_table_line("---:" if name in _NUMERIC else "---" for name in columns)]
-        lines += [_table_line(_table_row(row, on_gpu)) for row in rows]
+        lines += [table_line(columns)]
+        lines += [table_line("---:" if name in _NUMERIC else "---" for name in columns)]
+        lines += [table_line(_table_row(row, on_gpu)) for row in rows]
         lines += [""]
         if on_gpu:
             lines += [gpu_line(result, [row.cell for row in rows]), ""]
@@ -163,8 +167,8 @@ def _stages(result: Result) -> list[str]:
     # Where it says nothing, an older table stays as it was.
     sizes = len({cell.resolution for cell in cells}) > 1
     head = ["Variant", "Scene", "Depth", *(["Resolution"] if sizes else []), *names, "rest", "Remarks"]
-    lines += [_table_line(head)]
-    lines += [_table_line("---" if name in ("Variant", "Scene", "Resolution", "Remarks") else "---:" for name in head)]
+    lines += [table_line(head)]
+    lines += [table_line("---" if name in ("Variant", "Scene", "Resolution", "Remarks") else "---:" for name in head)]
     for cell in cells:
         wall = cell.instrumented.wall_ms
         stages = [cell.instrumented.stage_ms.get(name) for name in names]
@@ -173,7 +177,7 @@ def _stages(result: Result) -> list[str]:
         remark = "stages do not add up to the wall time" if abs(rest) > 0.05 else ""
         size = [cell.resolution_text] if sizes else []
         lines += [
-            _table_line([cell.variant, cell.scene, str(cell.depth), *size, *shares, f"{100 * rest:.1f} %", remark])
+            table_line([cell.variant, cell.scene, str(cell.depth), *size, *shares, f"{100 * rest:.1f} %", remark])
         ]
     return [*lines, ""]
 
@@ -189,12 +193,12 @@ def _on_device(result: Result) -> list[str]:
         "Kernels: registers a thread, bytes of local memory a thread (arrays, spills), bytes of shared memory a block.",
         "",
     ]
-    lines += [_table_line(head), _table_line(["---", "---", "---", *["---:"] * 4, "---"])]
+    lines += [table_line(head), table_line(["---", "---", "---", *["---:"] * 4, "---"])]
     for cell in cells:
         cuda = cell.cuda
         kernels = [f"{name} {k.registers}/{k.local_bytes}/{k.shared_bytes}" for name, k in cuda.kernels.items()]
         lines += [
-            _table_line(
+            table_line(
                 [
                     cell.variant,
                     cell.scene,
@@ -214,9 +218,9 @@ def _not_applicable(result: Result) -> list[str]:
     lines = ["## Not applicable", ""]
     if not result.not_applicable:
         return [*lines, "None.", ""]
-    lines += [_table_line(("Study", "Scene", "Variant", "Reason")), _table_line(["---"] * 4)]
+    lines += [table_line(("Study", "Scene", "Variant", "Reason")), table_line(["---"] * 4)]
     entries = dict.fromkeys((item.study, item.scene, item.variant, item.reason) for item in result.not_applicable)
-    return [*lines, *(_table_line(entry) for entry in entries), ""]
+    return [*lines, *(table_line(entry) for entry in entries), ""]
 
 
 def _failed(cells: Sequence[Cell]) -> list[str]:
@@ -224,8 +228,3 @@ def _failed(cells: Sequence[Cell]) -> list[str]:
     if not failed:
         return ["## Failed", "", "None.", ""]
     return ["## Failed", "", *(f"- {one_line(cell.name)}: {one_line(cell.failure)}" for cell in failed), ""]
-
-
-def _table_line(values: Iterable[str]) -> str:
-    # A message from a compiler may hold anything; a pipe or a line break would end the table's cell.
-    return "| " + " | ".join(one_line(value).replace("|", "\\|") for value in values) + " |"

@@ -32,13 +32,22 @@ def timing_caption(
     return "\n".join([f"{what}.", *remarks, setting(result, cells, question, study), *note_lines(notes)])
 
 
-def setting(result: Result, cells: Sequence[Cell], question: Question | None = None, study: Study | None = None) -> str:
-    """What was run, on what; without a study its variants are named whole."""
+def setting(
+    result: Result,
+    cells: Sequence[Cell],
+    question: Question | None = None,
+    study: Study | None = None,
+    *,
+    told: bool = True,
+) -> str:
+    """What was run, on what; without a study its variants are named whole, or not at all without `told`."""
     resolutions = ", ".join(dict.fromkeys(cell.resolution_text.replace("x", "×") for cell in cells))
     scenes = list(dict.fromkeys(cell.scene for cell in cells))
     backends = ", ".join(dict.fromkeys(cell.backend for cell in cells))
     gpu = gpu_line(result, cells)
-    if study is None:
+    if not told:
+        fixed = ""
+    elif study is None:
         fixed = "variant " + ", ".join(dict.fromkeys(cell.variant for cell in cells))
     else:
         fixed = _fixed(cells, question, study, told=KERNEL_AXES if gpu else ())

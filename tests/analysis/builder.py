@@ -25,6 +25,8 @@ GPU_AXES = {
     "sort_key": "material",
     "first_bounce": "off",
     "direct_light": "off",
+    "russian_roulette": "off",
+    "sampler": "pcg4d",
     "layout": "aos",
     "specialisation": "features",
     "launch": "stream",

@@ -210,3 +210,12 @@ def test_a_file_that_is_not_there(tmp_path):
         InputError, match=r"none\.json: the file: found No such file or directory, allowed: a JSON file"
     ):
         load(tmp_path / "none.json")
+
+
+def test_axes_that_a_file_is_too_old_to_name_are_what_they_were(tmp_path):
+    builder = Builder().study("sampler")
+    builder.cell("sampler", n=9)
+    builder.cell("sampler", n=9, axes={"sampler": "philox"})
+    old, new = load(builder.write(tmp_path / "mixed.json")).cells
+    assert list(old.axes.items())[4:7] == [("direct_light", "off"), ("russian_roulette", "off"), ("sampler", "pcg4d")]
+    assert (new.axes["russian_roulette"], new.axes["sampler"]) == ("off", "philox")

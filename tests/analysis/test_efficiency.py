@@ -1,0 +1,171 @@
+"""Costs of convergence: efficiency, time to an error, baselines, names, what checkpoints cost."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from builder import Builder
+from convergence_builder import SPPS, Law, convergence_cell, convergence_study, on_gpu
+
+from analysis.convergence import assess
+from analysis.efficiency import (
+    baseline_among,
+    by_place,
+    checkpoint_costs,
+    compare,
+    names_in,
+    target_of,
+    time_to,
+)
+from analysis.results import load
+
+NEE, MEGAKERNEL = {"direct_light": "nee"}, {"integrator": "megakernel"}
+
+
+def exact(**fields) -> Law:
+    return Law(noisy=False, **fields)
+
+
+def group_of(builder: Builder, tmp_path):
+    result = load(builder.write(tmp_path / "result.json"))
+    return result, list(assess(result).values())
+
+
+def pair(tmp_path, first: Law, second: Law, **fields):
+    builder = convergence_study(on_gpu())
+    convergence_cell(builder, first, ms_per_spp=2.0, time_noise=0.0)
+    convergence_cell(builder, second, **{"ms_per_spp": 4.0, "time_noise": 0.0, "axes": NEE, **fields})
+    return group_of(builder, tmp_path)[1]
+
+
+def test_efficiency_is_the_ratio_of_work_normalised_variances(tmp_path):
+    plain, nee = pair(tmp_path, exact(sigma2=0.5), exact(sigma2=0.05))
+    compared = compare(nee, plain)
+    assert compared.work.value == pytest.approx(0.05 * 4)
+    assert compared.efficiency.value == pytest.approx(0.5 * 2 / (0.05 * 4))
+    assert (compared.efficiency.low, compared.efficiency.high) == pytest.approx((5, 5))
+    assert compare(plain, plain).efficiency is None
+
+
+def test_cells_of_one_error_curve_compare_by_their_times_alone(tmp_path):
+    builder = convergence_study(on_gpu())
+    base = convergence_cell(builder, Law(), ms_per_spp=2.0, time_noise=0.0)
+    convergence_cell(builder, Law(), shared_with=base, axes=MEGAKERNEL, ms_per_spp=0.5, time_noise=0.0)
+    _, (one, other) = group_of(builder, tmp_path)
+    efficiency = compare(other, one).efficiency
+    assert (efficiency.low, efficiency.value, efficiency.high) == pytest.approx((4, 4, 4))
+
+
+def test_seeds_that_differ_are_drawn_apart_and_widen_the_interval(tmp_path):
+    builder = convergence_study(on_gpu())
+    convergence_cell(builder, Law(pixels=256))
+    convergence_cell(builder, Law(pixels=256), axes=NEE, first_seed=101)
+    _, (one, other) = group_of(builder, tmp_path)
+    efficiency = compare(other, one).efficiency
+    assert efficiency.low < efficiency.value < efficiency.high
+    assert efficiency.low < 1 < efficiency.high
+
+
+def test_samples_that_depend_on_each_other_count_by_their_last_error(tmp_path):
+    plain, sobol = pair(
+        tmp_path, exact(sigma2=0.5), exact(sigma2=0.5, power=1.5), axes={"sampler": "sobol_owen"}, independent=False
+    )
+    last = 0.5 / SPPS[-1] ** 0.5  # times the last spp
+    assert compare(sobol, plain).work.value == pytest.approx(last * 4)
+    # Its error is 0.5 / n^1.5: where that is 0.01^2.
+    assert time_to(sobol, 0.01).value == pytest.approx((0.5 / 1e-4) ** (1 / 1.5) * 4, rel=1e-6)
+    assert time_to(sobol, 1e-6).value == math.inf
+
+
+def test_time_to_an_error_counts_the_plateau(tmp_path):
+    plain, biased = pair(tmp_path, exact(sigma2=0.5), exact(sigma2=0.05, bias2=4e-4))
+    assert time_to(plain, 0.05).value == pytest.approx(0.5 / 0.0025 * 2)
+    assert time_to(biased, 0.05).value == pytest.approx(0.05 / (0.0025 - 4e-4) * 4)
+    for error in (0.02, 0.01):
+        never = time_to(biased, error)
+        assert (never.value, never.low, never.high) == (math.inf, math.inf, math.inf)
+
+
+def test_time_beyond_what_was_measured_grows_in_proportion(tmp_path):
+    plain, _ = pair(tmp_path, exact(sigma2=0.5), exact())
+    assert time_to(plain, 0.001).value == pytest.approx(0.5e6 * 2)
+
+
+def test_time_to_an_error_has_an_interval_over_seeds(tmp_path):
+    builder = convergence_study(on_gpu())
+    convergence_cell(builder, Law(sigma2=0.25, pixels=256), time_noise=0.0)
+    _, (one,) = group_of(builder, tmp_path)
+    time = time_to(one, 0.05)
+    assert time.low < time.value < time.high
+    assert time.low < 0.25 / 0.0025 * 2 < time.high
+    assert time.value == pytest.approx(200, rel=0.1)
+
+
+def test_the_target_is_one_that_every_variant_without_a_plateau_reached(tmp_path):
+    group = pair(tmp_path, exact(sigma2=0.25), exact(sigma2=0.05, bias2=0.09))
+    # sqrt(0.25 / 1024) = 0.0156; the other one's plateau is at 0.3.
+    assert target_of(group) == 0.02
+    group = pair(tmp_path, exact(sigma2=0.25, bias2=0.01), exact(sigma2=0.05, bias2=0.09))
+    assert target_of(group) == 0.5
+
+
+def test_the_baseline_is_the_plain_estimator_that_most_are_like(tmp_path):
+    builder = convergence_study(on_gpu())
+    convergence_cell(builder, exact())
+    for choice in ("off", "nee", "nee_mis"):
+        convergence_cell(builder, exact(), axes={**MEGAKERNEL, "direct_light": choice})
+    convergence_cell(builder, exact(bias2=1e-3), axes={**MEGAKERNEL, "first_bounce": "cached"}, biases=["declared"])
+    result, group = group_of(builder, tmp_path)
+    baseline = baseline_among(result, group)
+    assert (baseline.cell.axes["integrator"], baseline.cell.axes["direct_light"]) == ("megakernel", "off")
+    assert list(names_in(group, baseline).values()) == [
+        "integrator=wavefront", "baseline", "direct_light=nee", "direct_light=nee_mis", "first_bounce=cached",
+    ]  # fmt: skip
+
+
+def test_where_one_axis_varies_its_choices_are_the_names(tmp_path):
+    builder = convergence_study(on_gpu())
+    for choice in ("off", "nee"):
+        convergence_cell(builder, exact(), axes={"direct_light": choice})
+    result, group = group_of(builder, tmp_path)
+    assert list(names_in(group, baseline_among(result, group)).values()) == ["off", "nee"]
+
+
+def test_a_variant_on_a_scene_for_another_stands_with_the_reference(tmp_path):
+    builder = convergence_study(on_gpu())
+    convergence_cell(builder, exact())
+    convergence_cell(
+        builder, exact(bias2=1e-3), scene="cornell_open_unjittered", axes={"first_bounce": "cached"},
+        reference={"scene": "cornell_open"},
+    )  # fmt: skip
+    result, group = group_of(builder, tmp_path)
+    assert [place.scene for place in by_place(group)] == ["cornell_open"]
+    assert names_in(group, baseline_among(result, group))[group[1].cell.name] == (
+        "scene=…_unjittered, first_bounce=cached"
+    )
+
+
+@pytest.mark.parametrize(
+    ("with_checkpoints", "noise", "word"),
+    [(2.02, 0.02, "within noise"), (2.01, 1e-4, "within 1 %"), (2.2, 0.01, "SLOWER with checkpoints")],
+)
+def test_checkpoints_are_held_against_the_same_render_without(tmp_path, with_checkpoints, noise, word):
+    builder = convergence_study(on_gpu()).study("cornell_without_checkpoints", "")
+    cell = convergence_cell(builder, exact(), ms_per_spp=with_checkpoints, time_noise=noise)
+    builder.cell(
+        "cornell_without_checkpoints", ms_per_spp=2.0, n=8, spp=SPPS[-1], noise=noise, resolution=cell["resolution"]
+    )
+    result, group = group_of(builder, tmp_path)
+    (cost,) = checkpoint_costs(result, group)
+    assert cost.word == word
+    assert cost.ratio.value == pytest.approx(with_checkpoints / 2, rel=0.02)
+
+
+def test_a_variant_without_noise_has_a_plateau_and_no_efficiency(tmp_path):
+    # One frozen camera ray a pixel: more samples change nothing but the last bits.
+    plain, frozen = pair(tmp_path, exact(sigma2=0.5), exact(sigma2=1e-15, bias2=4e-4), biases=["frozen"])
+    assert (frozen.has_noise, frozen.crossing_spp) == (False, None)
+    assert compare(frozen, plain) is None
+    assert time_to(frozen, 0.01).value == math.inf
+    assert frozen.verdict.text == "plateau at 0.02"
