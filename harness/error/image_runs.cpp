@@ -1,0 +1,85 @@
+#include "harness/error/image_runs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace pt {
+
+void ImageRuns::add(Run run) {
+    const std::size_t size = 3 * pixels();
+    if (run.first.size() != size || run.second.size() != size) {
+        throw std::logic_error("a run's image of another size");
+    }
+    std::vector<double> image(size);
+    for (std::size_t i = 0; i < size; ++i) {
+        image[i] = 0.5 * (run.first[i] + run.second[i]);
+    }
+    if (!std::all_of(image.begin(), image.end(), [](double value) { return std::isfinite(value); })) {
+        throw std::logic_error("a run's image with a value that is not finite");
+    }
+    runs_.push_back(std::move(run));
+    images_.push_back(std::move(image));
+}
+
+std::vector<PixelMoments> pixel_moments(const ImageRuns& runs) {
+    std::vector<PixelMoments> all(runs.pixels());
+    const double count = static_cast<double>(runs.count());
+    for (std::size_t pixel = 0; pixel < runs.pixels(); ++pixel) {
+        PixelMoments& moments = all[pixel];
+        for (std::size_t k = 0; k < runs.count(); ++k) {
+            for (std::size_t channel = 0; channel < 3; ++channel) {
+                moments.mean[channel] += runs.image(k)[3 * pixel + channel] / count;
+            }
+        }
+        for (std::size_t k = 0; k < runs.count(); ++k) {
+            const double* value = &runs.image(k)[3 * pixel];
+            const double r = value[0] - moments.mean[0], g = value[1] - moments.mean[1], b = value[2] - moments.mean[2];
+            moments.covariance.rr += r * r / (count - 1);
+            moments.covariance.gg += g * g / (count - 1);
+            moments.covariance.bb += b * b / (count - 1);
+            moments.covariance.rg += r * g / (count - 1);
+            moments.covariance.rb += r * b / (count - 1);
+            moments.covariance.gb += g * b / (count - 1);
+        }
+    }
+    return all;
+}
+
+RunMoments moments_of(const std::vector<double>& values) {
+    RunMoments moments{0, 0, values.size()};
+    const double count = static_cast<double>(values.size());
+    for (const double value : values) {
+        moments.mean += value / count;
+    }
+    for (const double value : values) {
+        moments.variance += (value - moments.mean) * (value - moments.mean) / (count - 1);
+    }
+    return moments;
+}
+
+BlockMeans block_means(const ImageRuns& runs) {
+    BlockMeans means(runs.blocks() + 1);
+    for (auto& channels : means) {
+        channels.fill(std::vector<double>(runs.count()));
+    }
+    std::vector<double> sizes(means.size());
+    for (std::size_t pixel = 0; pixel < runs.pixels(); ++pixel) {
+        sizes[runs.block_of(pixel)] += 1;
+    }
+    sizes.back() = static_cast<double>(runs.pixels());
+    for (std::size_t k = 0; k < runs.count(); ++k) {
+        for (std::size_t pixel = 0; pixel < runs.pixels(); ++pixel) {
+            for (const std::size_t block : {runs.block_of(pixel), runs.blocks()}) {
+                for (std::size_t channel = 0; channel < 3; ++channel) {
+                    const double share = runs.image(k)[3 * pixel + channel] / sizes[block];
+                    means[block][channel][k] += share;
+                    means[block][3][k] += share / 3;
+                }
+            }
+        }
+    }
+    return means;
+}
+
+}  // namespace pt
