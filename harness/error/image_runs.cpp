@@ -6,19 +6,36 @@
 
 namespace pt {
 
-void ImageRuns::add(Run run) {
+void ImageRuns::add(const std::vector<Radiance>& parts) {
     const std::size_t size = 3 * pixels();
-    if (run.first.size() != size || run.second.size() != size) {
-        throw std::logic_error("a run's image of another size");
+    if (parts.empty() || (count() > 0 && parts.size() != parts_)) {
+        throw std::logic_error("a run of another number of parts");
     }
-    std::vector<double> image(size);
-    for (std::size_t i = 0; i < size; ++i) {
-        image[i] = 0.5 * (run.first[i] + run.second[i]);
+    parts_ = parts.size();
+    means_.resize(parts_ * pixels());
+    squares_.resize(pixels());
+    Radiance image(size);
+    const double runs = static_cast<double>(count() + 1);
+    for (std::size_t part = 0; part < parts_; ++part) {
+        if (parts[part].size() != size) {
+            throw std::logic_error("a run's image of another size");
+        }
+        for (std::size_t pixel = 0; pixel < pixels(); ++pixel) {
+            double luminance = 0;
+            for (std::size_t channel = 0; channel < 3; ++channel) {
+                const double value = parts[part][3 * pixel + channel];
+                image[3 * pixel + channel] += value / static_cast<double>(parts_);
+                luminance += value;
+            }
+            double& mean = means_[part * pixels() + pixel];
+            const double delta = luminance - mean;  // Welford
+            mean += delta / runs;
+            squares_[pixel] += delta * (luminance - mean);
+        }
     }
     if (!std::all_of(image.begin(), image.end(), [](double value) { return std::isfinite(value); })) {
         throw std::logic_error("a run's image with a value that is not finite");
     }
-    runs_.push_back(std::move(run));
     images_.push_back(std::move(image));
 }
 

@@ -7,25 +7,26 @@
 
 namespace pt {
 
-// Mean radiance, three channels a pixel, row by row, over the first and the second half of a run's samples.
-struct Run {
-    std::vector<double> first, second;
-};
+// Mean radiance, three channels a pixel, row by row.
+using Radiance = std::vector<double>;
 
 class ImageRuns {
 public:
     ImageRuns(std::uint32_t width, std::uint32_t height) : width_(width), height_(height) {}
 
-    // Throws std::logic_error if a half has another size than the image, or a value is not finite.
-    void add(Run run);
+    // Adds a run by its parts: means over as many samples each. Throws std::logic_error if one has another size than
+    // the image, a value is not finite, or there are not as many as in the runs before.
+    void add(const std::vector<Radiance>& parts);
 
     std::uint32_t width() const { return width_; }
     std::uint32_t height() const { return height_; }
     std::size_t pixels() const { return std::size_t{width_} * height_; }
-    std::size_t count() const { return runs_.size(); }
-    const Run& run(std::size_t index) const { return runs_[index]; }
-    // The mean of a run's halves.
-    const std::vector<double>& image(std::size_t index) const { return images_[index]; }
+    std::size_t count() const { return images_.size(); }
+    std::size_t parts() const { return parts_; }
+    // A run's image: the mean of its parts.
+    const Radiance& image(std::size_t run) const { return images_[run]; }
+    // Variance between runs of one part's luminance (the channels' sum), unbiased, added up over the parts.
+    double variance_of_parts(std::size_t pixel) const { return squares_[pixel] / static_cast<double>(count() - 1); }
 
     // Blocks of 16x16 pixels, less at the right and lower edges.
     static constexpr std::uint32_t block_side = 16;
@@ -37,8 +38,10 @@ public:
 
 private:
     std::uint32_t width_, height_;
-    std::vector<Run> runs_;
-    std::vector<std::vector<double>> images_;
+    std::vector<Radiance> images_;
+    std::size_t parts_ = 0;
+    std::vector<double> means_;    // over the runs so far, of each part's luminance: [part][pixel]
+    std::vector<double> squares_;  // about those means, summed over the parts: [pixel]
 };
 
 // Symmetric 3x3 covariance of the channels, between runs.

@@ -7,22 +7,23 @@
 
 namespace pt {
 
-// A correlation of errors, pooled over the image.
-struct Correlation {
-    const char* between = "";
+// Something that is 0 in the mean where samples are independent, pooled over the image.
+struct Dependence {
+    const char* name = "";
     double value = 0;
     double error = 0;  // standard error
-    double p = 1;      // of one as large where there is none; a negative one (stratified samples) is no fault
+    double p = 1;      // of a value as large by chance; a negative one (stratified samples) is no fault
 };
 
 struct Independence {
-    // Between the halves of a run's samples, neighbouring pixels, and runs whose seeds follow each other.
-    std::array<Correlation, 3> correlations;
+    // Excess variance of a run over that of its parts; correlation of neighbouring pixels; that of runs whose seeds
+    // follow each other.
+    std::array<Dependence, 3> dependences;
     double p = 1;  // of the smallest of theirs
-    const Correlation& strongest() const;
+    const Dependence& strongest() const;
 };
 
-// Precondition: at least three runs, in the order of their seeds.
+// Precondition: at least three runs of at least two parts, in the order of their seeds.
 Independence test_independence(const ImageRuns& runs);
 
 }  // namespace pt

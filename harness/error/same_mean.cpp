@@ -180,66 +180,70 @@ private:
             0.0, n * n / ((n - 1) * (n + 2)) * (Covariance::product_trace(covariance, covariance) - trace * trace / n));
     }
 
-    // What a pixel says of its squared bias: the squared difference of the means, less what noise adds to it. That is
+    // What pixels say of their squared bias: the squared difference of the means, less what noise adds to it. That is
     // the sum of the products of different runs, so its mean is the squared bias whatever the distribution, and its
     // variance without a bias follows from the covariances alone.
-    struct PixelBias {
-        double square = 0, variance = 0, noise = 0;
+    struct SquaredBias {
+        double square = 0, variance = 0;
+        double more_variance = 0;  // at most, of the square that was found: 4 d' C d for a bias d
+        double noise = 0;          // of the difference: trace of its covariance
+        double light = 0;          // squared mean of the baseline
+        double pixels = 0;
+        SquaredBias& operator+=(const SquaredBias& other) {
+            square += other.square;
+            variance += other.variance;
+            more_variance += other.more_variance;
+            noise += other.noise;
+            light += other.light;
+            pixels += other.pixels;
+            return *this;
+        }
+        // Where nothing is random, differences are roundings or seen by the other statistics.
+        bool is_random() const { return noise > rounding * rounding * light; }
     };
-    PixelBias pixel_bias(std::size_t index) const {
+    SquaredBias pixel_bias(std::size_t index) const {
         const PixelMoments &a = tested_pixels_[index], &b = baseline_pixels_[index];
         const double n = static_cast<double>(tested_.count()), m = static_cast<double>(baseline_.count());
-        PixelBias bias;
+        SquaredBias bias;
+        bias.pixels = 1;
         bias.noise = a.covariance.trace() / n + b.covariance.trace() / m;
         for (std::size_t channel = 0; channel < 3; ++channel) {
             const double difference = a.mean[channel] - b.mean[channel];
             const double rounded = rounding * std::max(std::abs(a.mean[channel]), std::abs(b.mean[channel]));
             bias.square += difference * difference - rounded * rounded;
+            bias.light += b.mean[channel] * b.mean[channel];
         }
         bias.square -= bias.noise;
         bias.variance = 2 * squared_trace(a.covariance, tested_.count()) / (n * (n - 1)) +
                         2 * squared_trace(b.covariance, baseline_.count()) / (m * (m - 1)) +
                         4 * Covariance::product_trace(a.covariance, b.covariance) / (n * m);
+        bias.more_variance = 4 * bias.square * bias.noise;
         return bias;
     }
 
     // Pixels weigh by the noise of their block: by their own, those that happen to be quiet would weigh most. The sum
     // is held to the chi-square with its first two moments; for equal pixels of one channel that is numerics.md's.
     Statistic squares() {
-        std::vector<double> noise(tested_.blocks()), sizes(tested_.blocks());
-        std::vector<PixelBias> biases(tested_.pixels());
+        std::vector<SquaredBias> blocks(tested_.blocks());
         for (std::size_t index = 0; index < tested_.pixels(); ++index) {
-            biases[index] = pixel_bias(index);
-            noise[tested_.block_of(index)] += biases[index].noise;
-            sizes[tested_.block_of(index)] += 1;
+            blocks[tested_.block_of(index)] += pixel_bias(index);
         }
+        SquaredBias all;
         double sum = 0, variance = 0, traces = 0;
-        double bias = 0, bias_variance = 0, bias_noise = 0, light = 0;
-        std::vector<char> counts(tested_.blocks());
-        for (std::size_t block = 0; block < counts.size(); ++block) {
-            counts[block] = noise[block] > 0 && block_counts(block);
-        }
-        for (std::size_t index = 0; index < tested_.pixels(); ++index) {
-            const std::size_t block = tested_.block_of(index);
-            if (counts[block] == 0) {
-                continue;
-            }
-            const double weight = sizes[block] / noise[block];
-            sum += weight * biases[index].square;
-            variance += weight * weight * biases[index].variance;
-            traces += weight * biases[index].noise;
-            bias += biases[index].square;
-            // A bias makes its own square noisier: by 4 d' C d, of which this is a bound.
-            bias_variance += biases[index].variance;
-            bias_noise += 4 * biases[index].square * biases[index].noise;
-            for (const double mean : baseline_pixels_[index].mean) {
-                light += mean * mean;
+        for (std::size_t block = 0; block < blocks.size(); ++block) {
+            const SquaredBias& bias = blocks[block];
+            if (bias.is_random() && block_counts(block)) {
+                const double weight = bias.pixels / bias.noise;
+                sum += weight * bias.square;
+                variance += weight * weight * bias.variance;
+                traces += weight * bias.noise;
+                all += bias;
             }
         }
         if (variance <= 0) {
             return {"squares", 1, false};
         }
-        set_root_mean_square(bias / light, std::sqrt(bias_variance + std::max(0.0, bias_noise)) / light);
+        set_root_mean_square(all);
         const double degrees_of_freedom = 2 * traces * traces / variance;
         const double z = sum / std::sqrt(variance);
         return {"squares",
@@ -247,11 +251,12 @@ private:
                 fmt::format("{:+.1f} standard errors", z)};
     }
 
-    void set_root_mean_square(double square, double error) {
+    void set_root_mean_square(const SquaredBias& bias) {
+        const double error = std::sqrt(bias.variance + std::max(0.0, bias.more_variance));
         const double width = normal_deviate(0.5 * (1 - options_.confidence)) * error;
-        const auto root = [](double value) { return std::sqrt(std::max(0.0, value)); };
-        report_.root_mean_square = root(square);
-        report_.root_mean_square_interval = {root(square - width), root(square + width)};
+        const auto relative = [&](double square) { return std::sqrt(std::max(0.0, square) / bias.light); };
+        report_.root_mean_square = relative(bias.square);
+        report_.root_mean_square_interval = {relative(bias.square - width), relative(bias.square + width)};
     }
 
     Statistic pixel() {
@@ -299,8 +304,8 @@ private:
 
     Statistic independence() {
         const Independence independence = test_independence(tested_);
-        report_.correlation = independence.strongest();
-        return {"independence", independence.p, true, report_.correlation.between};
+        report_.dependence = independence.strongest();
+        return {"independence", independence.p, true, report_.dependence.name};
     }
 
     const ImageRuns &tested_, &baseline_;
@@ -337,10 +342,10 @@ std::string SameMeanReport::text() const {
     }
     line += fmt::format("; root mean square {:.3g} % [{:.3g}, {:.3g}]", 100 * root_mean_square,
                         100 * root_mean_square_interval.low, 100 * root_mean_square_interval.high);
-    const double width = normal_deviate(0.025) * correlation.error;
-    return line + fmt::format("; {} pixels lit here only, {} there; correlation of {} {:.2g} [{:.2g}, {:.2g}]",
-                              lit_in_tested_only, lit_in_baseline_only, correlation.between, correlation.value,
-                              correlation.value - width, correlation.value + width);
+    const double width = normal_deviate(0.025) * dependence.error;
+    return line + fmt::format("; {} pixels lit here only, {} there; {} {:.2g} [{:.2g}, {:.2g}]", lit_in_tested_only,
+                              lit_in_baseline_only, dependence.name, dependence.value, dependence.value - width,
+                              dependence.value + width);
 }
 
 SameMeanReport test_same_mean(const ImageRuns& tested, const ImageRuns& baseline, const SameMeanOptions& options) {

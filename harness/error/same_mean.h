@@ -57,12 +57,13 @@ struct SameMeanReport {
     double root_mean_square = 0;
     Interval root_mean_square_interval;
     std::size_t lit_in_tested_only = 0, lit_in_baseline_only = 0;
-    Correlation correlation;  // the strongest
+    Dependence dependence;  // the strongest
     // One line: every p-value, then every effect with its interval.
     std::string text() const;
 };
 
-// Precondition: images of one size, as many runs of each, at least three, of seeds that no two share.
+// Precondition: images of one size, as many runs of each, at least three of two parts or more, of seeds that no two
+// share.
 SameMeanReport test_same_mean(const ImageRuns& tested, const ImageRuns& baseline, const SameMeanOptions& options = {});
 
 }  // namespace pt

@@ -30,20 +30,22 @@ void add_sample(const SyntheticImage& image, std::uint32_t x, std::uint32_t y, R
     }
 }
 
-std::vector<double> half_run(const SyntheticImage& image, Random& random) {
-    std::vector<double> sums(std::size_t{3} * image.width * image.height);
-    const std::uint32_t samples = image.spp / 2;
-    for (std::size_t pixel = 0; pixel < sums.size() / 3; ++pixel) {
+constexpr std::uint32_t parts = 4;
+
+Radiance part_of_run(const SyntheticImage& image, Random& random) {
+    Radiance radiance(std::size_t{3} * image.width * image.height);
+    const std::uint32_t samples = image.spp / parts;
+    for (std::size_t pixel = 0; pixel < radiance.size() / 3; ++pixel) {
         const auto x = static_cast<std::uint32_t>(pixel % image.width);
         const auto y = static_cast<std::uint32_t>(pixel / image.width);
         for (std::uint32_t sample = 0; sample < samples; ++sample) {
-            add_sample(image, x, y, random, &sums[3 * pixel]);
+            add_sample(image, x, y, random, &radiance[3 * pixel]);
         }
     }
-    for (double& sum : sums) {
-        sum /= samples;
+    for (double& value : radiance) {
+        value /= samples;
     }
-    return sums;
+    return radiance;
 }
 
 }  // namespace
@@ -57,8 +59,11 @@ ImageRuns synthetic_runs(const SyntheticImage& image, std::uint64_t seed) {
     Random random(seed);
     ImageRuns runs(image.width, image.height);
     for (std::size_t k = 0; k < image.runs; ++k) {
-        std::vector<double> first = half_run(image, random);
-        runs.add({std::move(first), half_run(image, random)});
+        std::vector<Radiance> run;
+        for (std::uint32_t part = 0; part < parts; ++part) {
+            run.push_back(part_of_run(image, random));
+        }
+        runs.add(run);
     }
     return runs;
 }

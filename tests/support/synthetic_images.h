@@ -13,7 +13,7 @@ namespace pt::test {
 struct SyntheticImage {
     std::uint32_t width = 32, height = 32;
     std::size_t runs = 16;
-    std::uint32_t spp = 16;  // of a run, even
+    std::uint32_t spp = 16;  // of a run, in four parts
     // A dense estimator hits in every sample, as one that samples lights does; the sparse one waits for chance. Their
     // means are equal.
     bool dense = false;
