@@ -26,10 +26,6 @@ double regularised_beta(double a, double b, double x, double complement);
 // Exact test of `successes` in `trials` against a probability of one half, two-sided.
 double fair_coin(std::uint64_t successes, std::uint64_t trials);
 
-struct Interval {
-    double low = 0, high = 0;
-};
-
 // The level of one of `count` tests as the level of their smallest p-value (Sidak 1967). Exact where they are
 // independent, never too small for two-sided tests of correlated normal numbers.
 double sidak(double p, double count);

@@ -11,15 +11,20 @@ void ImageRuns::add(const std::vector<Radiance>& parts) {
     if (parts.empty() || (count() > 0 && parts.size() != parts_)) {
         throw std::logic_error("a run of another number of parts");
     }
+    for (const Radiance& part : parts) {
+        if (part.size() != size) {
+            throw std::logic_error("a run's image of another size");
+        }
+        if (!std::all_of(part.begin(), part.end(), [](double value) { return std::isfinite(value); })) {
+            throw std::logic_error("a run's image with a value that is not finite");
+        }
+    }
     parts_ = parts.size();
     means_.resize(parts_ * pixels());
     squares_.resize(pixels());
     Radiance image(size);
     const double runs = static_cast<double>(count() + 1);
     for (std::size_t part = 0; part < parts_; ++part) {
-        if (parts[part].size() != size) {
-            throw std::logic_error("a run's image of another size");
-        }
         for (std::size_t pixel = 0; pixel < pixels(); ++pixel) {
             double luminance = 0;
             for (std::size_t channel = 0; channel < 3; ++channel) {
@@ -32,9 +37,6 @@ void ImageRuns::add(const std::vector<Radiance>& parts) {
             mean += delta / runs;
             squares_[pixel] += delta * (luminance - mean);
         }
-    }
-    if (!std::all_of(image.begin(), image.end(), [](double value) { return std::isfinite(value); })) {
-        throw std::logic_error("a run's image with a value that is not finite");
     }
     images_.push_back(std::move(image));
 }

@@ -350,9 +350,8 @@ std::string SameMeanReport::text() const {
 
 SameMeanReport test_same_mean(const ImageRuns& tested, const ImageRuns& baseline, const SameMeanOptions& options) {
     if (tested.width() != baseline.width() || tested.height() != baseline.height() ||
-        tested.count() != baseline.count() || tested.count() < 3) {
-        throw std::logic_error(
-            "a test of the same mean needs as many runs of each variant, at least three, of one size");
+        tested.count() != baseline.count() || tested.count() < 3 || tested.parts() < 2) {
+        throw std::logic_error("the same mean: as many runs of each variant, at least three of two parts, of one size");
     }
     return SameMeanTest(tested, baseline, options).report();
 }

@@ -35,10 +35,14 @@ struct Statistic {
     std::string where = {};  // of the unit with the smallest p-value
 };
 
+struct ConfidenceInterval {
+    double low = 0, high = 0;
+};
+
 // A relative difference, tested / baseline - 1; its interval knows the baseline's error too.
 struct RelativeDifference {
     double value = 0;
-    Interval interval;
+    ConfidenceInterval interval;
     std::string text() const;  // "+1.2 % [0.8, 1.6]"
 };
 
@@ -55,7 +59,7 @@ struct SameMeanReport {
     // Root of the mean squared bias of the blocks that count, relative to their root mean square: unbiased before the
     // root, 0 where that is negative.
     double root_mean_square = 0;
-    Interval root_mean_square_interval;
+    ConfidenceInterval root_mean_square_interval;
     std::size_t lit_in_tested_only = 0, lit_in_baseline_only = 0;
     Dependence dependence;  // the strongest
     // One line: every p-value, then every effect with its interval.
