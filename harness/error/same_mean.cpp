@@ -340,8 +340,10 @@ std::string SameMeanReport::text() const {
         line += fmt::format("; worst of {} blocks at {},{} {}", blocks_counted, worst_block_x, worst_block_y,
                             worst_block.text());
     }
-    line += fmt::format("; root mean square {:.3g} % [{:.3g}, {:.3g}]", 100 * root_mean_square,
-                        100 * root_mean_square_interval.low, 100 * root_mean_square_interval.high);
+    if (statistics[2].applies) {
+        line += fmt::format("; root mean square {:.3g} % [{:.3g}, {:.3g}]", 100 * root_mean_square,
+                            100 * root_mean_square_interval.low, 100 * root_mean_square_interval.high);
+    }
     const double width = normal_deviate(0.025) * dependence.error;
     return line + fmt::format("; {} pixels lit here only, {} there; {} {:.2g} [{:.2g}, {:.2g}]", lit_in_tested_only,
                               lit_in_baseline_only, dependence.name, dependence.value, dependence.value - width,
