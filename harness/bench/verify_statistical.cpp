@@ -9,8 +9,9 @@ namespace pt {
 
 namespace {
 
-// Axes whose choices decide how often a sample is black; on the others a sample is drawn in the same way.
-constexpr std::string_view sampling_axes[] = {"direct_light", "russian_roulette"};
+// Axes whose choices decide how often a pixel stays black: how often a sample is, and whether samples are independent.
+// On the others samples are drawn in the same way.
+constexpr std::string_view sampling_axes[] = {"direct_light", "russian_roulette", "sampler", "first_bounce"};
 
 bool samples_alike(const Variant& a, const Variant& b) {
     return std::all_of(std::begin(axis_names), std::end(axis_names), [&](std::string_view axis) {
@@ -61,7 +62,8 @@ MeanClaim claim_of_mean(const Variant& variant, std::uint32_t depth, Backend bac
 MeanClaim claim_against(const Variant& variant, const Variant& baseline, std::uint32_t depth, Backend backend) {
     const std::uint32_t extra = extra_depth(variant, backend), baseline_extra = extra_depth(baseline, backend);
     const std::uint32_t expected = std::max(depth + extra, 1 + baseline_extra);
-    return {variant, baseline, expected - extra, expected - baseline_extra, samples_alike(variant, baseline)};
+    return {variant, baseline, expected - extra, expected - baseline_extra,
+            extra == baseline_extra && samples_alike(variant, baseline)};
 }
 
 ImageRuns StatisticalVerifier::render_runs(const Variant& variant, std::uint32_t depth,

@@ -111,6 +111,9 @@ TEST(VerifyStatisticalTest, AComparisonOfTwoVariantsIsAtDepthsOfOneExpectation) 
     const MeanClaim shallowest = claim_against(plain, light, 1, Backend::cpu);
     EXPECT_EQ(shallowest.depth, 2u);
     EXPECT_EQ(shallowest.baseline_depth, 1u);
+    // Frozen camera rays leave pixels black more often.
+    EXPECT_FALSE(claim_against(with("first_bounce", "cached_jitters"), plain, 8, Backend::cpu).same_sampling);
+    EXPECT_TRUE(claim_against(with("layout", "soa"), plain, 8, Backend::cpu).same_sampling);
 }
 
 TEST(VerifyStatisticalTest, EqualMeansHold) {
