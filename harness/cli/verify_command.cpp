@@ -1,9 +1,13 @@
+#include <algorithm>
+#include <set>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "harness/bench/compile_ahead.h"
 #include "harness/bench/suite.h"
 #include "harness/bench/verify.h"
+#include "harness/bench/verify_statistical.h"
 #include "harness/cli/commands.h"
 #include "harness/places.h"
 
@@ -16,11 +20,17 @@ struct VerifyArguments {
     std::vector<std::string> axes;
     std::vector<std::string> tunables;
     std::string backend;
-    std::string resolution = "64x64";
-    std::uint32_t spp = 4;
+    std::string resolution;  // empty and 0: the test's own
+    std::uint32_t spp = 0;
     std::uint32_t depth = 0;
     std::uint64_t seed = 1;
     bool quiet = false;
+    bool statistical = false;
+    std::vector<std::string> against;
+    std::uint32_t runs = 16;
+
+    std::string size() const { return !resolution.empty() ? resolution : statistical ? "32x32" : "64x64"; }
+    std::uint32_t samples() const { return spp != 0 ? spp : statistical ? 64 : 4; }
 };
 
 struct Tally {
@@ -36,13 +46,18 @@ Verdict check_or_fail(Verifier& verifier, const Variant& variant) {
     }
 }
 
-void verify_scene(const Scene& scene, Backend backend, const std::vector<Variant>& variants,
-                  const VerifyArguments& arguments, Tally& tally) {
+RenderSettings settings_of(const Scene& scene, const VerifyArguments& arguments) {
     RenderSettings settings = default_settings(scene);
-    std::tie(settings.width, settings.height) = parse_resolution(arguments.resolution);
+    std::tie(settings.width, settings.height) = parse_resolution(arguments.size());
     settings.depth = arguments.depth != 0 ? arguments.depth : scene.max_depth;
     settings.seed = arguments.seed;
-    Verifier verifier(scene, settings, arguments.spp, backend);
+    return settings;
+}
+
+void verify_scene(const Scene& scene, Backend backend, const std::vector<Variant>& variants,
+                  const VerifyArguments& arguments, Tally& tally) {
+    const RenderSettings settings = settings_of(scene, arguments);
+    Verifier verifier(scene, settings, arguments.samples(), backend);
     const FeatureSet features = features_of(scene);
     for (const Variant& variant : variants) {
         if (const std::string reason = why_not_applicable(variant, features, backend); !reason.empty()) {
@@ -57,6 +72,94 @@ void verify_scene(const Scene& scene, Backend backend, const std::vector<Variant
         if (!verdict.holds || !arguments.quiet) {
             fmt::print("{} {}/scene:{}  {}  {}\n", verdict.film_hash, variant.name(), scene.name,
                        verdict.holds ? "ok" : "FAILED", verdict.message);
+            std::fflush(stdout);
+        }
+    }
+}
+
+// What there is to compare of a variant: its image, which all that differ in bitwise choices share.
+Variant image_of(const Variant& variant, Backend backend) {
+    return rounds_freely(variant, backend) ? variant : Registry::instance().reference(variant, backend);
+}
+
+// The variant with the choices of --against, and without tunables that are none of theirs.
+Variant changed(Variant variant, const AxisChoices& against, Backend backend) {
+    for (const auto& [axis, choices] : against) {
+        variant.set(axis, choices.front());
+    }
+    const std::vector<Tunable> known = tunables_of(variant, backend);
+    std::erase_if(variant.tuning, [&](const auto& tuned) {
+        return std::none_of(known.begin(), known.end(),
+                            [&](const Tunable& tunable) { return tunable.name == tuned.first; });
+    });
+    return Registry::instance().reference(variant, backend);
+}
+
+AxisChoices parse_against(const std::vector<std::string>& arguments, Backend backend) {
+    AxisChoices against;
+    for (const std::string& argument : arguments) {
+        AxisChoices one;
+        add_axis_argument(one, argument, backend);
+        for (const auto& [axis, choices] : one) {
+            if (choices.size() != 1 || against.contains(axis)) {
+                throw InputError("--against", "argument", "\"" + argument + "\"", "one choice an axis");
+            }
+            against[axis] = choices;
+        }
+    }
+    return against;
+}
+
+// The claims to test of a scene's variants, each image once; what makes none is tallied.
+std::vector<MeanClaim> claims_of(const Scene& scene, const std::vector<Variant>& variants, Backend backend,
+                                 const VerifyArguments& arguments, Tally& tally) {
+    const AxisChoices against = parse_against(arguments.against, backend);
+    const std::uint32_t depth = settings_of(scene, arguments).depth;
+    std::vector<MeanClaim> claims;
+    std::set<Variant> images;
+    for (const Variant& variant : variants) {
+        const Variant image = image_of(variant, backend);
+        if (!images.insert(image).second || (against.empty() && claim_of(image, backend) == Claim::bitwise)) {
+            continue;  // of bitwise claims the film's bits say more, without --statistical
+        }
+        std::string reason = why_not_applicable(image, features_of(scene), backend);
+        if (reason.empty() && against.empty() && claim_of(image, backend) == Claim::biased) {
+            reason = "claims no mean (--against AXIS=CHOICE compares it with the variant that has this choice)";
+        }
+        if (reason.empty()) {
+            const MeanClaim claim = against.empty()
+                                        ? claim_of_mean(image, depth, backend)
+                                        : claim_against(image, changed(image, against, backend), depth, backend);
+            reason = why_not_applicable(claim.baseline, features_of(scene), backend);
+            if (reason.empty() && !(claim.tested == claim.baseline)) {
+                claims.push_back(claim);
+            }
+        }
+        if (!reason.empty()) {
+            tally.not_applicable += 1;
+            if (!arguments.quiet) {
+                fmt::print("n/a     {}/scene:{}  {}\n", image.name(), scene.name, reason);
+            }
+        }
+    }
+    return claims;
+}
+
+void verify_means(const Scene& scene, const std::vector<MeanClaim>& claims, Backend backend,
+                  const VerifyArguments& arguments, Tally& tally) {
+    StatisticalVerifier verifier(scene, settings_of(scene, arguments),
+                                 {.runs = arguments.runs, .spp = arguments.samples()}, backend);
+    for (const MeanClaim& claim : claims) {
+        MeanVerdict verdict;
+        try {
+            verdict = verifier.check(claim);
+        } catch (const std::exception& exception) {
+            verdict = {false, exception.what()};
+        }
+        (verdict.holds ? tally.held : tally.failed) += 1;
+        if (!verdict.holds || !arguments.quiet) {
+            fmt::print("{} {}/scene:{}/depth:{}  {}\n", verdict.holds ? "ok     " : "FAILED ", claim.tested.name(),
+                       scene.name, claim.depth, verdict.message);
             std::fflush(stdout);
         }
     }
@@ -86,6 +189,33 @@ std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backen
     return covering_variants(axes, features_of(scene), backend);
 }
 
+int run_statistical(const VerifyArguments& arguments, Backend backend, const std::vector<Scene>& scenes,
+                    const std::vector<std::vector<Variant>>& variants) {
+    if (arguments.samples() < 2) {
+        throw InputError("--spp", "argument", "1", "with --statistical at least 2: a run is compared with its parts");
+    }
+    Tally tally;
+    std::vector<std::vector<MeanClaim>> claims;
+    std::vector<CompileTask> compilations;
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+        claims.push_back(claims_of(scenes[i], variants[i], backend, arguments, tally));
+        for (const MeanClaim& claim : claims.back()) {
+            compilations.push_back({&scenes[i], claim.tested});
+            compilations.push_back({&scenes[i], claim.baseline});
+        }
+    }
+    if (backend == Backend::cuda) {
+        compile_ahead(compilations);
+    }
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+        verify_means(scenes[i], claims[i], backend, arguments, tally);
+    }
+    fmt::print("{} means held, {} failed, {} not applicable on {}; {} runs of {} spp a side, {}\n", tally.held,
+               tally.failed, tally.not_applicable, to_string(backend), arguments.runs, arguments.samples(),
+               arguments.size());
+    return tally.failed == 0 && tally.held > 0 ? exit_good : exit_check_failed;
+}
+
 int run(const VerifyArguments& arguments) {
     const Backend backend = parse_backend(arguments.backend);
     require_backend(backend);
@@ -102,6 +232,9 @@ int run(const VerifyArguments& arguments) {
             compilations.push_back({&scene, variant});
         }
     }
+    if (arguments.statistical) {
+        return run_statistical(arguments, backend, scenes, variants);
+    }
     if (backend == Backend::cuda) {
         compile_ahead(compilations);
     }
@@ -110,7 +243,7 @@ int run(const VerifyArguments& arguments) {
         verify_scene(scenes[i], backend, variants[i], arguments, tally);
     }
     fmt::print("{} held, {} failed, {} not applicable on {}; {} at {} spp, scenes: {}\n", tally.held, tally.failed,
-               tally.not_applicable, to_string(backend), arguments.resolution, arguments.spp, fmt::join(names, ", "));
+               tally.not_applicable, to_string(backend), arguments.size(), arguments.samples(), fmt::join(names, ", "));
     return tally.failed == 0 && tally.held > 0 ? exit_good : exit_check_failed;
 }
 
@@ -129,11 +262,24 @@ Command add_verify_command(CLI::App& app) {
         ->allow_extra_args(false);
     command->add_option("--tune", arguments->tunables, "TUNABLE=VALUE,VALUE, repeatable")->allow_extra_args(false);
     command->add_option("--backend", arguments->backend, "cpu or cuda (default: cuda where it is available)");
-    command->add_option("--resolution", arguments->resolution, "WxH (default 64x64)");
-    command->add_option("--spp", arguments->spp, "Samples per pixel (default 4)")->check(CLI::Range(1u, 1000000u));
+    command->add_option("--resolution", arguments->resolution, "WxH (default 64x64; with --statistical 32x32)");
+    command->add_option("--spp", arguments->spp, "Samples per pixel (default 4; with --statistical 64 a run)")
+        ->check(CLI::Range(1u, 1000000u));
     command->add_option("--depth", arguments->depth, "Ray segments in a path (default: the scene's)")
         ->check(CLI::Range(1u, 1000000u));
     command->add_option("--seed", arguments->seed, "Seed (default 1)")->check(check_seed);
+    CLI::Option* const statistical = command->add_flag(
+        "--statistical", arguments->statistical,
+        "Instead: hold the variants that claim another one's mean to it, by independent runs of both");
+    command
+        ->add_option("--against", arguments->against,
+                     "AXIS=CHOICE, repeatable: hold every variant, whatever it claims, to the mean of that with this "
+                     "choice")
+        ->allow_extra_args(false)
+        ->needs(statistical);
+    command->add_option("--runs", arguments->runs, "Runs of each side, with seeds of their own (default 16)")
+        ->check(CLI::Range(3u, 10000u))
+        ->needs(statistical);
     command->add_flag("--quiet", arguments->quiet, "Print failures and the tally only");
     return [arguments] { return run(*arguments); };
 }

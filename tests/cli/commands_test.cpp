@@ -229,6 +229,70 @@ TEST(VerifyCommandTest, NothingHeldIsNoSuccess) {
     EXPECT_EQ(result.out, "0 held, 0 failed, 720 not applicable on cpu; 4x3 at 4 spp, scenes: cornell_open\n");
 }
 
+// ---- verify --statistical ----
+
+CommandResult statistical(const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"verify", "--statistical", "--resolution", "16x12", "--spp", "8", "--runs", "8"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return ptbench(arguments);
+}
+
+TEST(VerifyCommandTest, StatisticalTestsEachImageThatClaimsAMeanOnce) {
+    const CommandResult result = statistical({"--scene", "cornell_open", "--depth", "3"});
+    EXPECT_EQ(result.exit_code, 0) << result.err << result.out;
+    const std::string baseline = "same mean as depth_first.none.none.material.off.off.aos.generic.stream.exact.float";
+    EXPECT_NE(result.out.find("ok      depth_first.none.none.material.off.final_bounce.aos.generic.stream.exact.float/"
+                              "scene:cornell_open/depth:3  " +
+                              baseline + " at depth 4: p image "),
+              std::string::npos)
+        << result.out;
+    EXPECT_NE(result.out.find("ok      depth_first.none.none.material.off.off.aos.matrix.stream.exact.float/"
+                              "scene:cornell_open/depth:3  " +
+                              baseline + " at depth 3: p image "),
+              std::string::npos)
+        << result.out;
+    EXPECT_NE(
+        result.out.find("n/a     depth_first.none.none.material.cached_jitters.off.aos.generic.stream.exact.float/"
+                        "scene:cornell_open  claims no mean (--against"),
+        std::string::npos)
+        << result.out;
+    EXPECT_NE(result.out.find(" means held, 0 failed, "), std::string::npos) << result.out;
+    EXPECT_NE(result.out.find(" not applicable on cpu; 8 runs of 8 spp a side, 16x12\n"), std::string::npos)
+        << result.out;
+}
+
+// One camera ray a pixel for all samples of a run: every run has another image.
+TEST(VerifyCommandTest, AgainstTestsWhatIsDeclaredBiased) {
+    const CommandResult result =
+        ptbench({"verify", "--statistical", "--scene", "motion_on", "--spp", "32", "--against", "first_bounce=off",
+                 "--axis", "first_bounce=off,cached_jitters", "--axis", "direct_light=off", "--axis",
+                 "specialisation=generic", "--tune", "jitters=1"});
+    EXPECT_EQ(result.exit_code, 1) << result.err << result.out;
+    EXPECT_EQ(result.out.find("FAILED  depth_first.none.none.material.cached_jitters.off.aos.generic.stream.exact."
+                              "float+jitters=1/scene:motion_on/depth:8  samples are not independent, tested with "
+                              "depth_first.none.none.material.off.off.aos.generic.stream.exact.float at depth 8: "
+                              "independence (excess variance of a run): p image "),
+              0u)
+        << result.out;
+}
+
+TEST(VerifyCommandTest, StatisticalRefusesWhatItCannotDo) {
+    const auto expect = [](const CommandResult& result, const std::string& message) {
+        EXPECT_EQ(result.exit_code, 2);
+        EXPECT_NE(result.err.find(message), std::string::npos) << result.err;
+    };
+    expect(statistical({"--scene", "cornell_open", "--against", "first_bounce=off,cached"}),
+           "--against: argument: found \"first_bounce=off,cached\", allowed: one choice an axis\n");
+    expect(statistical({"--scene", "cornell_open", "--against", "layout=aos", "--against", "layout=soa"}),
+           "--against: argument: found \"layout=soa\", allowed: one choice an axis\n");
+    expect(ptbench({"verify", "--scene", "cornell_open", "--against", "layout=aos"}),
+           "--against requires --statistical");
+    expect(ptbench({"verify", "--scene", "cornell_open", "--runs", "8"}), "--runs requires --statistical");
+    expect(ptbench({"verify", "--scene", "cornell_open", "--statistical", "--runs", "2"}), "--runs");
+    expect(ptbench({"verify", "--scene", "cornell_open", "--statistical", "--spp", "1"}),
+           "--spp: argument: found 1, allowed: with --statistical at least 2");
+}
+
 TEST(VerifyCommandTest, HoldsEveryValueOfATunable) {
     const CommandResult result = ptbench({"verify",
                                           "--scene",

@@ -1,0 +1,121 @@
+#include "harness/bench/verify_statistical.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace pt {
+
+namespace {
+
+// Axes whose choices decide how often a pixel stays black: how often a sample is, and whether samples are independent.
+// On the others samples are drawn in the same way.
+constexpr std::string_view sampling_axes[] = {"direct_light", "russian_roulette", "sampler", "first_bounce"};
+
+bool samples_alike(const Variant& a, const Variant& b) {
+    return std::all_of(std::begin(axis_names), std::end(axis_names), [&](std::string_view axis) {
+        return a[axis] == b[axis] ||
+               std::find(std::begin(sampling_axes), std::end(sampling_axes), axis) == std::end(sampling_axes);
+    });
+}
+
+const Descriptor& descriptor_at(std::string_view axis, const Variant& variant, Backend backend) {
+    return Registry::instance().at(axis, variant, backend).descriptor;
+}
+
+// How many segments more a variant's expectation has than it traces. A choice may have the mean of one that has the
+// mean of a third.
+std::uint32_t extra_depth(Variant variant, Backend backend) {
+    std::uint32_t extra = 0;
+    for (const std::string_view axis : axis_names) {
+        while (descriptor_at(axis, variant, backend).claim == Claim::statistical) {
+            extra += descriptor_at(axis, variant, backend).mean_at_extra_depth;
+            variant.set(axis, std::string(descriptor_at(axis, variant, backend).mean_of));
+        }
+    }
+    return extra;
+}
+
+// Into how many equal parts a run's samples go: at most 8, or one each where nothing else divides them.
+std::uint32_t parts_of(std::uint32_t spp) {
+    for (std::uint32_t parts = 8; parts > 1; --parts) {
+        if (spp % parts == 0) {
+            return parts;
+        }
+    }
+    return spp;
+}
+
+}  // namespace
+
+MeanClaim claim_of_mean(const Variant& variant, std::uint32_t depth, Backend backend) {
+    Variant plain = variant;
+    for (const std::string_view axis : axis_names) {
+        while (descriptor_at(axis, plain, backend).claim == Claim::statistical) {
+            plain.set(axis, std::string(descriptor_at(axis, plain, backend).mean_of));
+        }
+    }
+    return claim_against(variant, Registry::instance().reference(plain, backend), depth, backend);
+}
+
+MeanClaim claim_against(const Variant& variant, const Variant& baseline, std::uint32_t depth, Backend backend) {
+    const std::uint32_t extra = extra_depth(variant, backend), baseline_extra = extra_depth(baseline, backend);
+    const std::uint32_t expected = std::max(depth + extra, 1 + baseline_extra);
+    return {variant, baseline, expected - extra, expected - baseline_extra,
+            extra == baseline_extra && samples_alike(variant, baseline)};
+}
+
+ImageRuns StatisticalVerifier::render_runs(const Variant& variant, std::uint32_t depth,
+                                           std::uint64_t first_seed) const {
+    ImageRuns runs(settings_.width, settings_.height);
+    const std::uint32_t parts = parts_of(effort_.spp);
+    for (std::uint32_t run = 0; run < effort_.runs; ++run) {
+        std::vector<Radiance> images;
+        for (std::uint32_t part = 0; part < parts; ++part) {
+            RenderRequest request{.variant = variant, .backend = backend_, .settings = settings_};
+            request.settings.depth = depth;
+            request.settings.seed = first_seed + run;
+            request.samples = effort_.spp / parts;
+            request.first_sample = part * request.samples;
+            const RenderResult result = render(scene_, request);
+            if (!result.film.faults().none()) {
+                throw std::runtime_error(faults_text(result.film.faults()) + " of " + variant.name());
+            }
+            Radiance& radiance = images.emplace_back();
+            for (std::uint32_t pixel = 0; pixel < settings_.width * settings_.height; ++pixel) {
+                const Vec3d mean = result.film.pixel(pixel);
+                radiance.insert(radiance.end(), {mean.x, mean.y, mean.z});
+            }
+        }
+        runs.add(images);
+    }
+    return runs;
+}
+
+const ImageRuns& StatisticalVerifier::baseline_runs(const Variant& variant, std::uint32_t depth) {
+    const auto key = std::pair(variant, depth);
+    const auto known = baselines_.find(key);
+    return known != baselines_.end()
+               ? known->second
+               : baselines_.emplace(key, render_runs(variant, depth, settings_.seed + effort_.runs)).first->second;
+}
+
+MeanVerdict StatisticalVerifier::check(const MeanClaim& claim) {
+    const ImageRuns& baseline = baseline_runs(claim.baseline, claim.baseline_depth);
+    const ImageRuns tested = render_runs(claim.tested, claim.depth, settings_.seed);
+    const SameMeanReport report =
+        test_same_mean(tested, baseline, {.family_error = effort_.family_error, .same_sampling = claim.same_sampling});
+    const std::string against = fmt::format("{} at depth {}", claim.baseline.name(), claim.baseline_depth);
+    if (report.same()) {
+        return {true, fmt::format("same mean as {}: {}", against, report.text())};
+    }
+    const Statistic& strongest = report.strongest();
+    // Its errors may repeat while its mean is right.
+    const bool dependent = &strongest == &report.statistics.back();
+    return {false, fmt::format("{} {}: {} ({}): {}",
+                               dependent ? "samples are not independent, tested with" : "not the mean of", against,
+                               strongest.name, strongest.where, report.text())};
+}
+
+}  // namespace pt
