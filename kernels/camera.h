@@ -87,7 +87,8 @@ PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Confi
     }
     path.direction = unit_ray<Config>(direction);
     if constexpr (has<Config>(Feature::motion)) {
-        const RandomWords time_words = random_words<Config>(seed, {place.index, camera_sample, 0, random_block::camera_time});
+        const RandomWords time_words =
+            random_words<Config>(seed, {place.index, camera_sample, 0, random_block::camera_time});
         const Real u = unit_interval<Real>(time_words.x);
         path.time = camera.shutter_open + camera.shutter_length * (camera.shutter_late != 0 ? square_root(u) : u);
     }

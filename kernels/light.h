@@ -118,7 +118,8 @@ PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene
     if (choices == 0) {
         return 0;
     }
-    const RandomWords words = random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::light});
+    const RandomWords words =
+        random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::light});
     const std::uint32_t choice = static_cast<std::uint32_t>((static_cast<std::uint64_t>(words.x) * choices) >> 32);
     if (choice == scene.lights.size) {
         scatter_diffuse<Config>(path, vertex, albedo, unit_interval<Real>(direction_words.y),

@@ -38,8 +38,7 @@ PT_HD constexpr std::uint32_t wang_hash(std::uint32_t a) {
 // Draws 4 block to 4 block + 3 of the engine, each as a 31-bit number moved up: never 1 as a part of the unit interval,
 // where Thrust's distribution rounds to it once in 3e7.
 PT_HD inline RandomWords minstd_words(const RandomWords& seed, const RandomKey& key) {
-    const std::uint32_t hash =
-        wang_hash((1u << 31) | (key.bounce << 22) | key.sample) ^ wang_hash(key.pixel) ^ seed.x;
+    const std::uint32_t hash = wang_hash((1u << 31) | (key.bounce << 22) | key.sample) ^ wang_hash(key.pixel) ^ seed.x;
     std::uint32_t state = hash % minstd_modulus;
     state = minstd_product(state == 0 ? 1u : state, minstd_power(4 * key.block));
     const auto draw = [&]() {

@@ -38,8 +38,7 @@ PT_HD inline DirectionSample<typename Config::Real> sample_direction_to(
 // 1 / density, by solid angle, of sample_direction_to in the direction of a ray that meets the object after `distance`.
 template <class Config>
 PT_HD inline typename Config::Real direction_measure_to(const SceneView<typename Config::Real>& scene,
-                                                        std::uint32_t object,
-                                                        const Ray<typename Config::Real>& ray,
+                                                        std::uint32_t object, const Ray<typename Config::Real>& ray,
                                                         typename Config::Real distance) {
     using Real = typename Config::Real;
     const Vec3<Real> observer = at_rest<Config>(scene, object, ray.origin, ray.time);
@@ -93,8 +92,8 @@ PT_HD inline typename Config::Real encounter_weight(const SceneView<typename Con
 }
 
 // Adds to path.radiance the light of one direction towards one light, seen from a diffuse vertex whose albedo is given.
-// Returns the number of rays traced (0 or 1). `traced`: the same scene, as rays walk through it. The light is seen if it
-// is the nearest object along the ray: a convex one shows each ray one point from outside, and none of its own.
+// Returns the number of rays traced (0 or 1). `traced`: the same scene, as rays walk through it. The light is seen if
+// it is the nearest object along the ray: a convex one shows each ray one point from outside, and none of its own.
 template <class Config>
 PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::Real>& scene,
                                               const SceneView<typename Config::Real>& traced,
@@ -106,9 +105,9 @@ PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::R
         random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::light});
     const std::uint64_t scaled = static_cast<std::uint64_t>(words.x) * scene.lights.size;
     const std::uint32_t object = scene.lights[static_cast<std::uint32_t>(scaled >> 32)].object;
-    const DirectionSample<Real> sample = sample_direction_to<Config>(
-        scene, object, vertex.position, path.time, unit_interval<Real>(words.y), unit_interval<Real>(words.z),
-        unit_interval<Real>(words.w));
+    const DirectionSample<Real> sample =
+        sample_direction_to<Config>(scene, object, vertex.position, path.time, unit_interval<Real>(words.y),
+                                    unit_interval<Real>(words.z), unit_interval<Real>(words.w));
     const Real cosine = dot(sample.direction, vertex.normal());
     if (!(sample.measure > Real(0)) || !(cosine > Real(0))) {
         return 0;
@@ -118,7 +117,7 @@ PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::R
     if (!hit.side.exists() || hit.side.object() != object) {
         return 1;
     }
-    const Real ratio = cosine * (Real(1) / pi<Real>) * sample.measure * static_cast<Real>(scene.lights.size);
+    const Real ratio = cosine * (Real(1) / pi<Real>)*sample.measure * static_cast<Real>(scene.lights.size);
     Real weight = ratio;
     if constexpr (has<Config>(Feature::multiple_importance)) {
         weight *= scene.mis_exponent != 0 ? connection_share(ratio, scene.mis_exponent) : Real(1);

@@ -1,7 +1,7 @@
 // Keyed random numbers: u = hash(seed; pixel, sample, bounce, dimension). Nothing depends on a position in a queue, so
 // compaction, sorting and scheduling cannot change an image.
-// The hash is pcg4d unless the kernel's features name another source. pcg4d is a bijection of the 128-bit key, so within
-// one seed no two keys share their four words.
+// The hash is pcg4d unless the kernel's features name another source. pcg4d is a bijection of the 128-bit key, so
+// within one seed no two keys share their four words.
 #pragma once
 
 #include "kernels/minstd.h"
@@ -17,9 +17,9 @@ struct RandomSeed {
     FeatureSet sampler = no_features;  // one of `samplers`, or none: pcg4d
 
     PT_HD static RandomSeed from(std::uint64_t seed) {
-        return {pcg4d({static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), 0x9e3779b9u,
-                       0x7f4a7c15u}),
-                no_features};
+        return {
+            pcg4d({static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), 0x9e3779b9u, 0x7f4a7c15u}),
+            no_features};
     }
 };
 

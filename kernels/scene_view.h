@@ -34,11 +34,11 @@ struct SceneView {
     Camera<Real> camera;
     Room<Real> room;  // that the axis boxes make
     RandomSeed seed;
-    std::uint32_t depth;         // ray segments in a path, at least 1
-    std::uint32_t final_bounce;     // 1: connect the last vertex to a light
-    std::uint32_t next_event;       // 1: connect every diffuse vertex but the last to a light
-    std::uint32_t mis_exponent;     // 0: lights count where connected only; 1: balance heuristic, 2: power heuristic
-    std::uint32_t roulette_start;   // Russian roulette from the vertex at the end of this segment on; 0: none
+    std::uint32_t depth;           // ray segments in a path, at least 1
+    std::uint32_t final_bounce;    // 1: connect the last vertex to a light
+    std::uint32_t next_event;      // 1: connect every diffuse vertex but the last to a light
+    std::uint32_t mis_exponent;    // 0: lights count where connected only; 1: balance heuristic, 2: power heuristic
+    std::uint32_t roulette_start;  // Russian roulette from the vertex at the end of this segment on; 0: none
 
     PT_HD std::uint32_t first_ellipsoid() const { return spheres.size; }
     PT_HD std::uint32_t first_axis_box() const { return first_ellipsoid() + ellipsoids.size; }

@@ -89,10 +89,10 @@ PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene,
 
 // Picks the lobe and the next direction by the material's type. Returns whether the path goes on.
 template <class Config>
-PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene,
-                          const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
-                          const Vertex<typename Config::Real>& vertex, const Surface<typename Config::Real>& surface,
-                          const RandomWords& words, bool last, PathCounters& counters, Walk& walk) {
+PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
+                          Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
+                          const Surface<typename Config::Real>& surface, const RandomWords& words, bool last,
+                          PathCounters& counters, Walk& walk) {
     using Real = typename Config::Real;
     const Real lobe = unit_interval<Real>(words.x);
     if (has<Config>(Feature::diffuse) && surface.type == MaterialType::diffuse) {
@@ -152,9 +152,9 @@ PT_HD inline void meet_light(const SceneView<typename Config::Real>& scene, Path
 // What happens where the segment ends. On return the path has its next ray, or is at the beginning of a walk that the
 // caller takes to its end by walk_on, or is over (returns false). `traced`: the same scene, as rays walk through it.
 template <class Config>
-PT_HD inline bool shade(const SceneView<typename Config::Real>& scene,
-                        const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
-                        const Hit<typename Config::Real>& hit, PathCounters& counters, Walk& walk) {
+PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
+                        Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit,
+                        PathCounters& counters, Walk& walk) {
     using Real = typename Config::Real;
     path.segment += 1;
     if (!hit.side.exists()) {
@@ -207,9 +207,9 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene,
 
 // The same, walks and all.
 template <class Config>
-PT_HD inline bool shade(const SceneView<typename Config::Real>& scene,
-                        const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
-                        const Hit<typename Config::Real>& hit, PathCounters& counters) {
+PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
+                        Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit,
+                        PathCounters& counters) {
     Walk walk;
     bool alive = shade<Config>(scene, traced, path, hit, counters, walk);
     if constexpr (has<Config>(Feature::subsurface)) {

@@ -1,11 +1,11 @@
 // Directions towards a convex light, drawn by solid angle as seen from a point: a cone for spheres, the cone in its own
 // frame for ellipsoids, spherical rectangles for the near faces of boxes and for quads. The weight of a sample is then
-// bounded however near the light is, where sampling by area has weights that grow as 1 / distance^2 (a lamp that touches
-// a ceiling gives that infinite variance). Far boxes and quads are sampled by projected area: their solid angle, a
-// difference of angles, would lose its digits.
-// Cone: Shirley, Wang and Zimmerman, "Monte Carlo Techniques for Direct Lighting Calculations", TOG 15(1), 1996.
-// Rectangle: Ureña, Fajardo and King, "An Area-Preserving Parametrization for Spherical Rectangles", EGSR 2013, with its
-// four angles as arc tangents and the division by a sine taken out.
+// bounded however near the light is, where sampling by area has weights that grow as 1 / distance^2 (a lamp that
+// touches a ceiling gives that infinite variance). Far boxes and quads are sampled by projected area: their solid
+// angle, a difference of angles, would lose its digits. Cone: Shirley, Wang and Zimmerman, "Monte Carlo Techniques for
+// Direct Lighting Calculations", TOG 15(1), 1996. Rectangle: Ureña, Fajardo and King, "An Area-Preserving
+// Parametrization for Spherical Rectangles", EGSR 2013, with its four angles as arc tangents and the division by a sine
+// taken out.
 #pragma once
 
 #include "kernels/box.h"
@@ -29,8 +29,7 @@ struct Cone {
     // `radius_over_distance` above 1: inside.
     PT_HD explicit Cone(Real radius_over_distance) : one_minus_cosine(Real(2)) {
         if (radius_over_distance < Real(1)) {
-            const Real cosine =
-                square_root((Real(1) - radius_over_distance) * (Real(1) + radius_over_distance));
+            const Real cosine = square_root((Real(1) - radius_over_distance) * (Real(1) + radius_over_distance));
             one_minus_cosine = radius_over_distance * radius_over_distance / (Real(1) + cosine);
         }
     }
@@ -76,8 +75,7 @@ PT_HD inline DirectionSample<Real> sample_direction(const Sphere<Real>& sphere, 
 template <class Real>
 PT_HD inline Real ellipsoid_stretch(const Ellipsoid<Real>& e, Real length) {
     const Real inverse = Real(1) / length;
-    return absolute(
-        dot(e.semi_axis[0] * inverse, cross(e.semi_axis[1] * inverse, e.semi_axis[2] * inverse)));
+    return absolute(dot(e.semi_axis[0] * inverse, cross(e.semi_axis[1] * inverse, e.semi_axis[2] * inverse)));
 }
 
 template <class Real>

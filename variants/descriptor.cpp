@@ -54,12 +54,33 @@ std::string_view to_string(Claim claim) {
 std::string_view to_string(Backend backend) { return backend == Backend::cpu ? "cpu" : "cuda"; }
 
 std::vector<std::string> feature_names(FeatureSet features) {
-    static constexpr const char* names[] = {
-        "sphere",      "ellipsoid",  "axis_box", "oriented_box", "quad",
-        "motion",      "diffuse",    "emitter",  "mirror",       "mix",
-        "dielectric",  "subsurface", "emission", "absorption",   "subsurface_boundary",
-        "environment", "jitter",     "lens",     "final_bounce", "next_event",
-        "multiple_importance", "russian_roulette", "room", "matrix", "philox", "sobol_owen", "minstd"};
+    static constexpr const char* names[] = {"sphere",
+                                            "ellipsoid",
+                                            "axis_box",
+                                            "oriented_box",
+                                            "quad",
+                                            "motion",
+                                            "diffuse",
+                                            "emitter",
+                                            "mirror",
+                                            "mix",
+                                            "dielectric",
+                                            "subsurface",
+                                            "emission",
+                                            "absorption",
+                                            "subsurface_boundary",
+                                            "environment",
+                                            "jitter",
+                                            "lens",
+                                            "final_bounce",
+                                            "next_event",
+                                            "multiple_importance",
+                                            "russian_roulette",
+                                            "room",
+                                            "matrix",
+                                            "philox",
+                                            "sobol_owen",
+                                            "minstd"};
     static_assert(((all_features | shortcuts | Feature::matrix) | samplers) == (1u << std::size(names)) - 1u);
     std::vector<std::string> present;
     for (std::size_t bit = 0; bit < std::size(names); ++bit) {

@@ -28,10 +28,9 @@ inline constexpr BackendSet on_every_backend = on_cpu | on_cuda;
 constexpr bool contains(BackendSet set, Backend backend) { return (set & static_cast<BackendSet>(backend)) != 0; }
 
 // The axes in the order in which a variant's name spells them.
-inline constexpr std::string_view axis_names[] = {"integrator",   "compaction",   "sorting",  "sort_key",
-                                                  "first_bounce", "direct_light", "russian_roulette",
-                                                  "sampler",      "layout",       "specialisation",
-                                                  "launch",       "arithmetic",   "precision"};
+inline constexpr std::string_view axis_names[] = {
+    "integrator", "compaction", "sorting",        "sort_key", "first_bounce", "direct_light", "russian_roulette",
+    "sampler",    "layout",     "specialisation", "launch",   "arithmetic",   "precision"};
 
 // A number that a choice may be tuned by. It never changes what is computed, unless the choice's claim says so.
 struct Tunable {
@@ -110,8 +109,8 @@ struct Descriptor {
     // The film depends on the order in which paths lie in the queue, and so on every other choice: it is held against
     // nothing but the same variant's own film.
     bool depends_on_order = false;
-    // Of a sampler: the samples of a pixel do not know of each other, so that the error of their mean falls as n^-1/2 and
-    // halves of a run are independent.
+    // Of a sampler: the samples of a pixel do not know of each other, so that the error of their mean falls as n^-1/2
+    // and halves of a run are independent.
     bool has_independent_samples = true;
     bool keeps_payload_contiguous = true;  // of a compaction: the paths in play are slots 0 to count - 1 afterwards
     // Of a compaction or sort on CUDA: the host waits for the device within it, so no graph can hold it.

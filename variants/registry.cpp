@@ -112,9 +112,9 @@ Variant Registry::baseline(Backend backend) const {
 }
 
 Variant Registry::reference(const Variant& variant, Backend backend) const {
-    const bool depends_on_order =
-        std::any_of(std::begin(axis_names), std::end(axis_names),
-                    [&](std::string_view axis) { return at(axis, variant, backend).descriptor.depends_on_order; });
+    const bool depends_on_order = std::any_of(std::begin(axis_names), std::end(axis_names), [&](std::string_view axis) {
+        return at(axis, variant, backend).descriptor.depends_on_order;
+    });
     if (depends_on_order) {
         return variant;
     }

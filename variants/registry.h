@@ -31,7 +31,8 @@ struct KernelOffer {
 // Picks the feature set of the kernel to run.
 using ChooseFeatures = std::function<FeatureSet(const KernelOffer& offer, const Variant& variant, Backend backend)>;
 
-// What a choice brings; besides `features` at most one member is set, by its axis and backend. A choice that is a name and nothing else
+// What a choice brings; besides `features` at most one member is set, by its axis and backend. A choice that is a name
+// and nothing else
 // (`none`, an option of the compiler) brings none.
 struct Hook {
     MakeCompaction compaction = {};
@@ -71,8 +72,8 @@ public:
     // Every axis at its baseline.
     Variant baseline(Backend backend = Backend::cpu) const;
     // The variant that `variant` must equal bit for bit: every axis whose choices claim `bitwise` goes to the plainest
-    // choice (Descriptor::reference, else the baseline) and its tunables to their standards, the others stay. Itself, if
-    // its film depends on the order of the queue.
+    // choice (Descriptor::reference, else the baseline) and its tunables to their standards, the others stay. Itself,
+    // if its film depends on the order of the queue.
     Variant reference(const Variant& variant, Backend backend = Backend::cpu) const;
 
 private:

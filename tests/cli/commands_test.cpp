@@ -106,7 +106,8 @@ TEST(RenderTest, HonoursItsTunables) {
     const json off = rendered({});
     const json standard = rendered({"--axis", "first_bounce=cached_jitters"});
     const json one = rendered({"--axis", "first_bounce=cached_jitters", "--tune", "jitters=1"});
-    const std::string kept = "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float";
+    const std::string kept =
+        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float";
     EXPECT_EQ(standard.at("variant"), kept);
     EXPECT_EQ(one.at("variant"), kept + "+jitters=1");
     EXPECT_EQ(rendered({"--axis", "first_bounce=cached_jitters", "--tune", "jitters=16"}).at("variant"), kept);
@@ -125,7 +126,8 @@ TEST(RenderTest, HonoursItsSettings) {
     EXPECT_GT(deep.at("rays").get<int>(), shallow.at("rays").get<int>());
     EXPECT_LE(deep.at("rays").get<int>(), 3 * shallow.at("rays").get<int>());
     const json lit = render_image({"--spp", "4", "--axis", "direct_light=final_bounce"}).summary;
-    EXPECT_EQ(lit.at("variant"), "wavefront.none.none.material.off.final_bounce.off.pcg4d.aos.features.stream.exact.float");
+    EXPECT_EQ(lit.at("variant"),
+              "wavefront.none.none.material.off.final_bounce.off.pcg4d.aos.features.stream.exact.float");
     EXPECT_EQ(render_image({}).summary.at("spp"), 16);
 }
 
@@ -194,16 +196,18 @@ TEST(VerifyCommandTest, PrintsAHashAVariantAndTheTally) {
                   "20 held, 0 failed, 28 not applicable on cpu; 8x6 at 2 spp, scenes: cornell_open, ball_glass\n"),
               std::string::npos)
         << result.out;
-    EXPECT_NE(result.out.find(" wavefront.thrust_partition.none.material.off.off.off.pcg4d.soa.features.stream.exact.float/"
-                              "scene:ball_glass  ok  film bits equal to "
-                              "depth_first.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float\n"),
-              std::string::npos)
+    EXPECT_NE(
+        result.out.find(" wavefront.thrust_partition.none.material.off.off.off.pcg4d.soa.features.stream.exact.float/"
+                        "scene:ball_glass  ok  film bits equal to "
+                        "depth_first.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float\n"),
+        std::string::npos)
         << result.out;
     EXPECT_NE(
-        result.out.find("n/a              "
-                        "wavefront.none.none.material.cached.off.off.pcg4d.aos.features.stream.exact.float/scene:cornell_open  "
-                        "first_bounce=cached needs "
-                        "jitter off (camera.jitter is true in the scene)\n"),
+        result.out.find(
+            "n/a              "
+            "wavefront.none.none.material.cached.off.off.pcg4d.aos.features.stream.exact.float/scene:cornell_open  "
+            "first_bounce=cached needs "
+            "jitter off (camera.jitter is true in the scene)\n"),
         std::string::npos)
         << result.out;
     // Every hash of a scene is the same: 16 camera rays are kept of the 2 that are traced.
@@ -322,11 +326,12 @@ TEST(VerifyCommandTest, HoldsEveryValueOfATunable) {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_NE(result.out.find("6 held, 0 failed, 0 not applicable on cpu; "), std::string::npos) << result.out;
     for (const char* tuning : {"+jitters=1", "+jitters=2", ""}) {
-        EXPECT_NE(result.out.find(" wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float" +
-                                  std::string(tuning) +
-                                  "/scene:cornell_open  ok  film bits equal to "
-                                  "depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.exact.float" +
-                                  tuning + "\n"),
+        EXPECT_NE(result.out.find(
+                      " wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float" +
+                      std::string(tuning) +
+                      "/scene:cornell_open  ok  film bits equal to "
+                      "depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.exact.float" +
+                      tuning + "\n"),
                   std::string::npos)
             << result.out;
     }

@@ -143,6 +143,10 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
     for (const std::string& integrator : integrators) {
         programs.add(still, baseline_with({{"integrator", integrator}, {"first_bounce", "cached"}}));
         programs.add(still, baseline_with({{"integrator", integrator}, {"direct_light", "final_bounce"}}));
+        programs.add(still, baseline_with({{"integrator", integrator},
+                                           {"direct_light", "nee_mis"},
+                                           {"russian_roulette", "throughput"},
+                                           {"sampler", "sobol_owen"}}));
     }
     for (const std::string& source : stage_sources()) {
         for (const std::string& layout : choices_of("layout")) {

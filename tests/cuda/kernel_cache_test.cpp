@@ -268,6 +268,10 @@ TEST(KernelKeyTest, VariantsShareProgramsWhereTheCodeIsTheSame) {
     EXPECT_NE(key("arithmetic", "exact"), base);
     EXPECT_NE(key("precision", "double"), base);
     EXPECT_NE(key("direct_light", "final_bounce"), base);
+    EXPECT_NE(key("direct_light", "nee"), key("direct_light", "final_bounce"));
+    EXPECT_NE(key("direct_light", "nee_mis"), key("direct_light", "nee"));
+    EXPECT_NE(key("russian_roulette", "throughput"), base);
+    EXPECT_NE(key("sampler", "philox"), base);
     EXPECT_NE(key("specialisation", "generic"), base);
     EXPECT_NE(key("integrator", "megakernel"), base);
 }

@@ -13,11 +13,16 @@ using test::SceneBuilder;
 
 constexpr std::uint32_t samples = 4;
 
+// `asked`: what the variant asks for rather than the scene.
 template <FeatureSet mask>
-Film film_of(const Scene& scene, bool final_bounce) {
+Film film_of(const Scene& scene, FeatureSet asked) {
     RenderSettings settings = default_settings(scene);
     settings.seed = 5;
-    settings.final_bounce = final_bounce;
+    settings.final_bounce = contains(asked, Feature::final_bounce);
+    settings.next_event = contains(asked, Feature::next_event);
+    settings.mis_exponent = contains(asked, Feature::multiple_importance) ? 2 : 0;
+    settings.roulette_start = contains(asked, Feature::russian_roulette) ? 2 : 0;
+    settings.sampler = asked & samplers;
     const SceneBuffers<float> buffers(scene, settings);
     Film film(settings.width, settings.height, radiance_bound(scene, settings.depth), samples);
     PathCounters counters;
@@ -52,13 +57,19 @@ struct Case {
     const char* name;
     Feature feature;
     void (*add)(Still&);
-    Film (*own)(const Scene&, bool);
-    bool final_bounce = false;
+    Film (*own)(const Scene&, FeatureSet);
+    FeatureSet asked = no_features;
 };
 
 template <Feature feature>
-Case with(const char* name, void (*add)(Still&), bool final_bounce = false) {
-    return {name, feature, add, &film_of<base | feature>, final_bounce};
+Case with(const char* name, void (*add)(Still&)) {
+    return {name, feature, add, &film_of<base | feature>};
+}
+
+// Asked for by the variant; `other`: what it stands on.
+template <Feature feature, FeatureSet other = no_features>
+Case asked_for(const char* name) {
+    return {name, feature, [](Still&) {}, &film_of<(base | feature) | other>, other | feature};
 }
 
 // Where the feature stands on another.
@@ -103,50 +114,55 @@ const Case cases[] = {
                             s.builder.scene.camera.aperture_radius = 0.1;
                             s.builder.scene.camera.focus_distance = 2;
                         }),
-    with<Feature::final_bounce>(
-        "final_bounce", [](Still&) {}, true),
+    asked_for<Feature::final_bounce>("final_bounce"),
+    asked_for<Feature::next_event>("next_event"),
+    asked_for<Feature::multiple_importance, no_features | Feature::next_event>("multiple_importance"),
+    asked_for<Feature::russian_roulette>("russian_roulette"),
+    asked_for<Feature::philox>("philox"),
+    asked_for<Feature::sobol_owen>("sobol_owen"),
+    asked_for<Feature::minstd>("minstd"),
 };
 
 // What a scene needs, with what its variant asks for.
-FeatureSet needed(const Scene& scene, bool final_bounce) {
-    return features_of(scene) | (final_bounce ? static_cast<FeatureSet>(Feature::final_bounce) : no_features);
-}
+FeatureSet needed(const Scene& scene, FeatureSet asked) { return features_of(scene) | asked; }
 
 TEST(FeatureMask, HasWhatTheSceneNeedsAndNothingElse) {
     EXPECT_EQ(features_of(Still().builder.scene), base);
     for (const Case& c : cases) {
         Still still;
         c.add(still);
-        const FeatureSet mask = needed(still.builder.scene, c.final_bounce);
+        const FeatureSet mask = needed(still.builder.scene, c.asked);
         EXPECT_TRUE(contains(mask, c.feature)) << c.name;
         const FeatureSet rest = mask & ~static_cast<FeatureSet>(c.feature);
-        const bool on_another = c.feature == Feature::absorption || c.feature == Feature::subsurface_boundary;
-        EXPECT_EQ(rest & ~(Feature::dielectric | Feature::subsurface), base) << c.name;
-        EXPECT_EQ((rest & (Feature::dielectric | Feature::subsurface)) != 0, on_another) << c.name;
+        const bool on_another = c.feature == Feature::absorption || c.feature == Feature::subsurface_boundary ||
+                                c.feature == Feature::multiple_importance;
+        const FeatureSet stood_on = (Feature::dielectric | Feature::subsurface) | Feature::next_event;
+        EXPECT_EQ(rest & ~stood_on, base) << c.name;
+        EXPECT_EQ((rest & stood_on) != 0, on_another) << c.name;
     }
 }
 
 TEST(FeatureMask, LeavesTheFilmOfAllFeatures) {
     const Still plain;
-    EXPECT_EQ(film_of<base>(plain.builder.scene, false).hash(),
-              film_of<all_features>(plain.builder.scene, false).hash());
+    EXPECT_EQ(film_of<base>(plain.builder.scene, no_features).hash(),
+              film_of<all_features | samplers>(plain.builder.scene, no_features).hash());
     for (const Case& c : cases) {
         Still still;
         c.add(still);
-        const Film own = c.own(still.builder.scene, c.final_bounce);
-        EXPECT_EQ(own.hash(), film_of<all_features>(still.builder.scene, c.final_bounce).hash()) << c.name;
+        const Film own = c.own(still.builder.scene, c.asked);
+        EXPECT_EQ(own.hash(), film_of<all_features | samplers>(still.builder.scene, c.asked).hash()) << c.name;
         // And the feature is to be seen: a kernel that lacks it leaves another film.
-        EXPECT_NE(own.hash(), film_of<base>(still.builder.scene, false).hash()) << c.name;
+        EXPECT_NE(own.hash(), film_of<base>(still.builder.scene, no_features).hash()) << c.name;
     }
 }
 
 TEST(FeatureMask, OfTheBaseIsNeededBitByBit) {
     const Scene scene = Still().builder.scene;
-    const std::string whole = film_of<base>(scene, false).hash();
-    EXPECT_NE(whole, (film_of<base & ~static_cast<FeatureSet>(Feature::sphere)>(scene, false).hash()));
-    EXPECT_NE(whole, (film_of<base & ~static_cast<FeatureSet>(Feature::axis_box)>(scene, false).hash()));
-    EXPECT_NE(whole, (film_of<base & ~static_cast<FeatureSet>(Feature::diffuse)>(scene, false).hash()));
-    EXPECT_NE(whole, (film_of<base & ~static_cast<FeatureSet>(Feature::emitter)>(scene, false).hash()));
+    const std::string whole = film_of<base>(scene, no_features).hash();
+    EXPECT_NE(whole, (film_of<base & ~static_cast<FeatureSet>(Feature::sphere)>(scene, no_features).hash()));
+    EXPECT_NE(whole, (film_of<base & ~static_cast<FeatureSet>(Feature::axis_box)>(scene, no_features).hash()));
+    EXPECT_NE(whole, (film_of<base & ~static_cast<FeatureSet>(Feature::diffuse)>(scene, no_features).hash()));
+    EXPECT_NE(whole, (film_of<base & ~static_cast<FeatureSet>(Feature::emitter)>(scene, no_features).hash()));
 }
 
 // Whoever picks a kernel that lacks something is stopped before it runs.

@@ -56,13 +56,12 @@ template <class Real>
 void expect_same_mean(const Scene& scene, std::uint32_t depth, const std::string& what) {
     const auto off = block_means<Real>(scene, {.samples = 300, .depth = depth, .seed = 31});
     for (const std::uint32_t exponent : {0u, 1u, 2u}) {
-        expect_equal(off,
-                     block_means<Real>(scene, {.samples = 80,
-                                               .depth = depth,
-                                               .seed = 32 + exponent,
-                                               .next_event = true,
-                                               .mis_exponent = exponent}),
-                     what + " depth " + std::to_string(depth) + " exponent " + std::to_string(exponent));
+        expect_equal(
+            off,
+            block_means<Real>(
+                scene,
+                {.samples = 80, .depth = depth, .seed = 32 + exponent, .next_event = true, .mis_exponent = exponent}),
+            what + " depth " + std::to_string(depth) + " exponent " + std::to_string(exponent));
     }
 }
 
@@ -133,13 +132,13 @@ TYPED_TEST(NextEventTest, SeveralLightsAndAnEnvironment) {
 }
 
 TYPED_TEST(NextEventTest, ManyLights) {
-    expect_same_mean<TypeParam>(stage([](auto& b) {
-                                    for (int i = 0; i < 12; ++i) {
-                                        b.sphere(b.emitter({1.0 + i, 5, 12.0 - i}), {-2.2 + 0.4 * i, 2 + 0.1 * i, -0.5},
-                                                 0.3);
-                                    }
-                                }),
-                                3, "many");
+    expect_same_mean<TypeParam>(
+        stage([](auto& b) {
+            for (int i = 0; i < 12; ++i) {
+                b.sphere(b.emitter({1.0 + i, 5, 12.0 - i}), {-2.2 + 0.4 * i, 2 + 0.1 * i, -0.5}, 0.3);
+            }
+        }),
+        3, "many");
 }
 
 TYPED_TEST(NextEventTest, MovingLightAndMovingShade) {
@@ -215,7 +214,8 @@ TYPED_TEST(NextEventTest, LampThatTouchesTheCeiling) {
     builder.box(builder.diffuse(Vec3d(0.7)), {0, 1.05, 0}, {4, 0.1, 4});
     builder.box(builder.emitter(Vec3d(1.0)), {0, 1, 0}, {1, 0.3, 1});
     expect_same_mean<TypeParam>(builder.scene, 3, "ceiling");
-    const auto means = block_means<TypeParam>(builder.scene, {.samples = 400, .depth = 3, .seed = 5, .next_event = true});
+    const auto means =
+        block_means<TypeParam>(builder.scene, {.samples = 400, .depth = 3, .seed = 5, .next_event = true});
     for (const ColourMean& mean : means) {
         EXPECT_LT(mean.channel[0].variance(), 1.0);
     }
@@ -243,14 +243,12 @@ TYPED_TEST(RouletteTest, HasTheMeanOfWholePaths) {
                              scene, {.samples = 300, .depth = 8, .seed = 42 + start, .roulette_start = start}),
                          "roulette from " + std::to_string(start));
         }
-        expect_equal(off,
-                     block_means<TypeParam>(scene, {.samples = 150,
-                                                    .depth = 8,
-                                                    .seed = 51,
-                                                    .next_event = true,
-                                                    .mis_exponent = 2,
-                                                    .roulette_start = 2}),
-                     "roulette with connections");
+        expect_equal(
+            off,
+            block_means<TypeParam>(
+                scene,
+                {.samples = 150, .depth = 8, .seed = 51, .next_event = true, .mis_exponent = 2, .roulette_start = 2}),
+            "roulette with connections");
     }
 }
 

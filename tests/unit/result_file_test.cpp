@@ -175,7 +175,8 @@ TEST_F(ResultFileTest, CellsSayWhatTheyAreAndHowTheyEnded) {
     EXPECT_EQ(ok.at("backend"), "cpu");
     EXPECT_EQ(ok.at("variant"), "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float");
     EXPECT_EQ(ok.at("axes"), Json::parse(R"({"integrator": "wavefront", "compaction": "none", "sorting": "none",
-        "sort_key": "material", "first_bounce": "off", "direct_light": "off", "layout": "aos",
+        "sort_key": "material", "first_bounce": "off", "direct_light": "off", "russian_roulette": "off",
+        "sampler": "pcg4d", "layout": "aos",
         "specialisation": "features", "launch": "stream", "arithmetic": "exact", "precision": "float"})"));
     EXPECT_EQ(ok.at("resolution"), Json({20, 10}));
     EXPECT_EQ(ok.at("depth"), 4);
@@ -221,7 +222,8 @@ TEST_F(ResultFileTest, StudiesAndWhatDoesNotApply) {
     ASSERT_EQ(entries.size(), 1u);
     EXPECT_EQ(entries[0].at("study"), "a");
     EXPECT_EQ(entries[0].at("scene"), "dark");
-    EXPECT_EQ(entries[0].at("variant"), "wavefront.none.none.material.cached.off.off.pcg4d.aos.features.stream.exact.float");
+    EXPECT_EQ(entries[0].at("variant"),
+              "wavefront.none.none.material.cached.off.off.pcg4d.aos.features.stream.exact.float");
     EXPECT_EQ(entries[0].at("axes").at("first_bounce"), "cached");
     EXPECT_EQ(entries[0].at("reason"), "first_bounce=cached needs jitter off");
 }

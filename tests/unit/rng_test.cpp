@@ -93,7 +93,8 @@ TEST(RngTest, KeysOnAGridGiveDistinctWords) {
         for (std::uint32_t sample = 0; sample < 32; ++sample) {
             for (std::uint32_t bounce = 0; bounce < 16; ++bounce) {
                 for (std::uint32_t block = 0; block < 8; ++block) {
-                    const RandomWords words = random_words<Config<float, no_features>>(seed, {pixel, sample, bounce, block});
+                    const RandomWords words =
+                        random_words<Config<float, no_features>>(seed, {pixel, sample, bounce, block});
                     all.push_back({words.x, words.y, words.z, words.w});
                 }
             }

@@ -295,10 +295,11 @@ TEST_F(RunnerTest, AChoiceThatFailsItsClaimLeavesTheOthersAlone) {
     std::map<std::string, std::string> found = statuses(file);
     EXPECT_EQ(found["none"], "ok");
     EXPECT_EQ(found["thrust_remove_if"], "ok");
-    EXPECT_EQ(found["test_hooked"].find(
-                  "failed: film differs from depth_first.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float: "
-                  "first at pixel "),
-              0u)
+    EXPECT_EQ(
+        found["test_hooked"].find("failed: film differs from "
+                                  "depth_first.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float: "
+                                  "first at pixel "),
+        0u)
         << found["test_hooked"];
     EXPECT_EQ(sample_rows(file).size(), 2u);
     EXPECT_EQ(file.at("benchmarks").size(), 2 * (repetitions + 4) + 1u);  // and the error row
@@ -332,10 +333,11 @@ TEST_F(RunnerTest, AChoiceThatFailsLateFailsAloneAndForGood) {
         EXPECT_EQ(rows.size(),
                   name.find("test_hooked") != std::string::npos ? 1u : static_cast<std::size_t>(repetitions));
     }
-    EXPECT_NE(progress.find("failed: "
-                            "wavefront.test_hooked.none.material.off.off.off.pcg4d.aos.features.stream.exact.float/scene:tiny/"
-                            "backend:cpu/resolution:8x6/depth:3/"
-                            "spp:2: out of luck\n"),
+    EXPECT_NE(progress.find(
+                  "failed: "
+                  "wavefront.test_hooked.none.material.off.off.off.pcg4d.aos.features.stream.exact.float/scene:tiny/"
+                  "backend:cpu/resolution:8x6/depth:3/"
+                  "spp:2: out of luck\n"),
               std::string::npos);
 }
 

@@ -135,7 +135,8 @@ void expect_chosen_alike() {
         const RandomKey key{i * 977, i, i % 5, i % 3};
         const RandomWords alone = random_words<Config<float, no_features | sampler>>(seed, key);
         const RandomWords chosen = random_words<Config<float, samplers>>(seed, key);
-        EXPECT_EQ((std::array{alone.x, alone.y, alone.z, alone.w}), (std::array{chosen.x, chosen.y, chosen.z, chosen.w}));
+        EXPECT_EQ((std::array{alone.x, alone.y, alone.z, alone.w}),
+                  (std::array{chosen.x, chosen.y, chosen.z, chosen.w}));
     }
 }
 

@@ -243,8 +243,8 @@ TYPED_TEST(SolidAngleTest, Boxes) {
     for (const Vec3d& half : {Vec3d(1, 0.25, 0.5), Vec3d(1, 0, 0.5)}) {
         for (const Vec3d& place : places) {
             const Seen local = seen_box(place, half);
-            const std::string what = "box of height " + std::to_string(half.y) + " from " + std::to_string(place.x) + " " +
-                                     std::to_string(place.y) + " " + std::to_string(place.z);
+            const std::string what = "box of height " + std::to_string(half.y) + " from " + std::to_string(place.x) +
+                                     " " + std::to_string(place.y) + " " + std::to_string(place.z);
             if (half.y > 0) {
                 const AxisBox<Real> straight{narrow<Real>(centre - half), narrow<Real>(centre + half)};
                 const Vec3<Real> from = narrow<Real>(centre + place);
@@ -298,8 +298,12 @@ TYPED_TEST(SolidAngleTest, Boxes) {
 // From its own plane a quad is a line: there is nothing to sample, and nothing that is not a number.
 TYPED_TEST(SolidAngleTest, QuadFromItsOwnPlane) {
     using Real = TypeParam;
-    const Quad<Real> quad{{Real(0), Real(0), Real(0)}, {Real(0), Real(1), Real(0)}, {Real(1), Real(0), Real(0)},
-                          {Real(0), Real(0), Real(1)}, Real(1),                     Real(2)};
+    const Quad<Real> quad{{Real(0), Real(0), Real(0)},
+                          {Real(0), Real(1), Real(0)},
+                          {Real(1), Real(0), Real(0)},
+                          {Real(0), Real(0), Real(1)},
+                          Real(1),
+                          Real(2)};
     for (const Vec3<Real>& observer : {Vec3<Real>(3, 0, 0), Vec3<Real>(30, 0, 7)}) {
         const DirectionSample<Real> sample = sample_direction(quad, observer, Real(0.3), Real(0.6), Real(0.9));
         EXPECT_EQ(sample.measure, Real(0));

@@ -59,7 +59,8 @@ protected:
 };
 
 const std::string known_axes =
-    "integrator, compaction, sorting, sort_key, first_bounce, direct_light, layout, specialisation, launch, "
+    "integrator, compaction, sorting, sort_key, first_bounce, direct_light, russian_roulette, sampler, layout, "
+    "specialisation, launch, "
     "arithmetic, "
     "precision";
 const std::string baseline_name = "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float";
@@ -298,13 +299,15 @@ TEST_F(SuiteTest, ACellIsNamedAfterAllThatItIs) {
                                "resolution": [20, 10], "depth": 4, "spp": 5})");
     ASSERT_EQ(made.cells.size(), 1u);
     const Cell& cell = made.cells[0];
-    EXPECT_EQ(cell.name,
-              "wavefront.thrust_remove_if.none.material.off.off.off.pcg4d.aos.features.stream.exact.float/scene:jittered/"
-              "backend:cpu/resolution:20x10/"
-              "depth:4/spp:5");
+    EXPECT_EQ(
+        cell.name,
+        "wavefront.thrust_remove_if.none.material.off.off.off.pcg4d.aos.features.stream.exact.float/scene:jittered/"
+        "backend:cpu/resolution:20x10/"
+        "depth:4/spp:5");
     EXPECT_EQ(cell.studies, std::vector<std::string>{"a"});
     EXPECT_EQ(cell.scene->name, "jittered");
-    EXPECT_EQ(cell.variant.name(), "wavefront.thrust_remove_if.none.material.off.off.off.pcg4d.aos.features.stream.exact.float");
+    EXPECT_EQ(cell.variant.name(),
+              "wavefront.thrust_remove_if.none.material.off.off.off.pcg4d.aos.features.stream.exact.float");
     EXPECT_EQ(cell.settings.width, 20u);
     EXPECT_EQ(cell.settings.height, 10u);
     EXPECT_EQ(cell.settings.depth, 4u);
@@ -313,10 +316,10 @@ TEST_F(SuiteTest, ACellIsNamedAfterAllThatItIs) {
 
 TEST_F(SuiteTest, TheScenesOwnSettingsAreTheDefault) {
     const Plan made = plan(R"({"name": "a", "scenes": ["jittered"]})");
-    ASSERT_EQ(
-        cell_names(made),
-        std::vector<std::string>{"wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float/scene:jittered/"
-                                 "backend:cpu/resolution:8x6/depth:3/spp:1"});
+    ASSERT_EQ(cell_names(made),
+              std::vector<std::string>{
+                  "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float/scene:jittered/"
+                  "backend:cpu/resolution:8x6/depth:3/spp:1"});
 }
 
 TEST_F(SuiteTest, TheProductIsFullAndWhatDoesNotApplyIsListedWithItsReason) {
@@ -361,10 +364,10 @@ TEST_F(SuiteTest, AChoiceOfAnotherBackendIsNotApplicable) {
         "axes": {"integrator": ["wavefront", "depth_first"], "launch": ["stream", "graph"]}})"),
                                   Backend::cuda);
     const std::string settings = "/scene:still/backend:cuda/resolution:8x6/depth:3/spp:1";
-    EXPECT_EQ(
-        cell_names(on_gpu),
-        (std::vector<std::string>{"wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.precise.float" + settings,
-                                  "wavefront.none.none.material.off.off.off.pcg4d.aos.features.graph.precise.float" + settings}));
+    EXPECT_EQ(cell_names(on_gpu),
+              (std::vector<std::string>{
+                  "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.precise.float" + settings,
+                  "wavefront.none.none.material.off.off.off.pcg4d.aos.features.graph.precise.float" + settings}));
     ASSERT_EQ(on_gpu.not_applicable.size(), 2u);
     EXPECT_EQ(on_gpu.not_applicable[0].reason, "integrator=depth_first is not there on the backend cuda");
     for (const Cell& cell : on_gpu.cells) {
@@ -413,7 +416,8 @@ TEST_F(SuiteTest, ABackendMayHaveItsOwnSamples) {
 TEST_F(SuiteTest, EveryValueOfATunableIsACell) {
     const Plan made = plan(R"({"name": "a", "scenes": ["jittered"], "axes": {"first_bounce": ["off", "cached_jitters"]},
                                "tunables": {"jitters": [4, 16]}})");
-    const std::string kept = "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float";
+    const std::string kept =
+        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float";
     const std::string settings = "/scene:jittered/backend:cpu/resolution:8x6/depth:3/spp:1";
     // 16 is the standard: no part of the name, and nothing that a variant without the tunable lacks.
     EXPECT_EQ(cell_names(made),
@@ -442,7 +446,7 @@ TEST_F(SuiteTest, ExpansionCounts) {
         expand({{"layout", {"aos", "soa"}}, {"compaction", {"none", "thrust_partition", "thrust_remove_if"}}}).size(),
         6u);
     // The axes that have one choice on the CPU (sort_key, launch, arithmetic) count for 1.
-    EXPECT_EQ(expand(all_choices()).size(), 2u * 5u * 3u * 3u * 2u * 2u * 3u * 2u);
+    EXPECT_EQ(expand(all_choices()).size(), 2u * 5u * 3u * 3u * 4u * 2u * 4u * 2u * 3u * 2u);
 }
 
 TEST_F(SuiteTest, AxisArguments) {

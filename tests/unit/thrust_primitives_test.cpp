@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t sizes[] = {0, 1, 2, 3, 1023, 1024, 1025, 4095, 4096, 4097, 100000};
 
 // Every scalar of a path, bit for bit. There is no padding to skip.
-using PathBits = std::array<std::uint32_t, 18>;
+using PathBits = std::array<std::uint32_t, 19>;
 static_assert(sizeof(PathBits) == sizeof(Path<float>));
 PathBits bits_of(const Path<float>& path) { return std::bit_cast<PathBits>(path); }
 
@@ -34,6 +34,7 @@ Path<float> random_path(test::Random& random, std::uint32_t id, bool alive) {
     path.throughput = vector();
     path.radiance = vector();
     path.time = static_cast<float>(random.uniform());
+    path.scatter_density = static_cast<float>(random.uniform());
     path.pixel = id;
     path.sample = random.word();
     path.segment = alive ? id % 7 : Path<float>::ended;

@@ -157,7 +157,8 @@ TEST(TunableTest, ExpandsToEveryValueAndLeavesTheStandardOut) {
         expand({{"first_bounce", {"off", "cached_jitters"}}}, Backend::cpu, {{"jitters", {4, 16, 5}}});
     ASSERT_EQ(variants.size(), 6u);
     const std::string off = "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float";
-    const std::string kept = "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float";
+    const std::string kept =
+        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float";
     const std::string expected[] = {off + "+jitters=4",  off,  off + "+jitters=5",
                                     kept + "+jitters=4", kept, kept + "+jitters=5"};
     for (std::size_t i = 0; i < variants.size(); ++i) {
@@ -210,9 +211,9 @@ TEST(TunableTest, ExpandsToTheProductOfSeveral) {
         applicable += reason.empty() ? 1u : 0u;
     }
     EXPECT_EQ(applicable, 6u);
-    EXPECT_TRUE(
-        names.contains("wavefront.thrust_partition.none.material.off.off.off.pcg4d.aos.features.stream.precise.float+block=64+"
-                       "caching_allocator=1+spp_in_flight=4"));
+    EXPECT_TRUE(names.contains(
+        "wavefront.thrust_partition.none.material.off.off.off.pcg4d.aos.features.stream.precise.float+block=64+"
+        "caching_allocator=1+spp_in_flight=4"));
 }
 
 // ---- References ----
@@ -230,8 +231,9 @@ TEST(TunableTest, AReferenceKeepsThoseOfChoicesThatDoNotClaimBits) {
             variant_with({{"first_bounce", "cached_jitters"}, {"compaction", "thrust_partition"}},
                          {{"jitters", 4}, {"block", 256}, {"par_nosync", 1}, {"spp_in_flight", 8}}, Backend::cuda);
         const Variant reference = registry.reference(variant, Backend::cuda);
-        EXPECT_EQ(reference.name(),
-                  "megakernel.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.precise.float+jitters=4");
+        EXPECT_EQ(
+            reference.name(),
+            "megakernel.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.precise.float+jitters=4");
         EXPECT_EQ(exact_twin(variant, Backend::cuda).tuning, variant.tuning);
     }
 }

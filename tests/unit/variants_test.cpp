@@ -102,7 +102,9 @@ TEST(RegistryTest, HasEveryAxisAndChoice) {
             {"sorting", {"none", "bucket", "thrust_sort_by_key"}},
             {"sort_key", {"material"}},
             {"first_bounce", {"off", "cached", "cached_jitters"}},
-            {"direct_light", {"off", "final_bounce"}},
+            {"direct_light", {"off", "final_bounce", "nee", "nee_mis"}},
+            {"russian_roulette", {"off", "throughput"}},
+            {"sampler", {"pcg4d", "minstd_by_position", "philox", "sobol_owen"}},
             {"layout", {"aos", "soa"}},
             {"specialisation", {"features", "generic", "matrix"}},
             {"launch", {"stream"}},
@@ -126,7 +128,9 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
             {"sorting", {"none", "bucket", "cub_radix", "cub_radix_full", "per_material_queue", "thrust_sort_by_key"}},
             {"sort_key", {"material", "material_hit", "ray"}},
             {"first_bounce", {"off", "cached", "cached_jitters"}},
-            {"direct_light", {"off", "final_bounce"}},
+            {"direct_light", {"off", "final_bounce", "nee", "nee_mis"}},
+            {"russian_roulette", {"off", "throughput"}},
+            {"sampler", {"pcg4d", "minstd_by_position", "philox", "sobol_owen"}},
             {"layout", {"aos", "packed", "soa"}},
             {"specialisation", {"features", "baked", "generic", "matrix"}},
             {"launch", {"stream", "graph", "graph_while"}},
@@ -193,10 +197,18 @@ TEST(RegistryTest, EveryChoiceDescribesItself) {
 }
 
 TEST(RegistryTest, WhatClaimsLessThanBits) {
-    const std::map<std::string, Claim> expected{
-        {"direct_light=final_bounce", Claim::statistical}, {"first_bounce=cached_jitters", Claim::biased},
-        {"specialisation=matrix", Claim::statistical},     {"arithmetic=precise", Claim::statistical},
-        {"arithmetic=fast", Claim::statistical},           {"precision=double", Claim::statistical}};
+    const std::map<std::string, Claim> expected{{"direct_light=final_bounce", Claim::statistical},
+                                                {"first_bounce=cached_jitters", Claim::biased},
+                                                {"direct_light=nee", Claim::statistical},
+                                                {"direct_light=nee_mis", Claim::statistical},
+                                                {"sampler=philox", Claim::statistical},
+                                                {"sampler=sobol_owen", Claim::statistical},
+                                                {"sampler=minstd_by_position", Claim::biased},
+                                                {"russian_roulette=throughput", Claim::statistical},
+                                                {"specialisation=matrix", Claim::statistical},
+                                                {"arithmetic=precise", Claim::statistical},
+                                                {"arithmetic=fast", Claim::statistical},
+                                                {"precision=double", Claim::statistical}};
     std::set<std::string> seen;
     for (const Backend backend : all_backends) {
         for (const std::string_view axis : axis_names) {
@@ -317,7 +329,8 @@ TEST(RegistryTest, OnlyDepthFirstIsCompiledInDouble) {
 }
 
 TEST(VariantTest, NameJoinsTheChoicesByDots) {
-    EXPECT_EQ(registry().baseline().name(), "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float");
+    EXPECT_EQ(registry().baseline().name(),
+              "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float");
     EXPECT_EQ(baseline_with({{"compaction", "thrust_remove_if"}, {"layout", "soa"}, {"first_bounce", "cached"}}).name(),
               "wavefront.thrust_remove_if.none.material.cached.off.off.pcg4d.soa.features.stream.exact.float");
     EXPECT_THROW(Variant::index("colour"), std::out_of_range);
@@ -331,7 +344,8 @@ TEST(VariantTest, NameJoinsTheChoicesByDots) {
 
 TEST(VariantTest, NameEndsWithTheTunablesByName) {
     Variant variant = baseline_with({{"first_bounce", "cached_jitters"}});
-    const std::string choices = "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float";
+    const std::string choices =
+        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float";
     EXPECT_EQ(variant.name(), choices);
     variant.tuning["jitters"] = 4;
     EXPECT_EQ(variant.name(), choices + "+jitters=4");
@@ -355,15 +369,27 @@ TEST(VariantTest, VariantsAreOrderedByTheirChoicesThenByTheirTunables) {
     }
 }
 
+// The part of a variant's name that says what is estimated.
+std::string estimator_of(const Variant& variant) {
+    return variant["direct_light"] + "." + variant["russian_roulette"] + "." + variant["sampler"];
+}
+
 TEST(VariantTest, ReferenceIsThePlainestVariantOfTheSameExpectation) {
     for (const Variant& variant : expand(all_choices())) {
         const Variant reference = registry().reference(variant);
         const std::string first_bounce = variant["first_bounce"] == "cached_jitters" ? "cached_jitters" : "off";
         const std::string formula = variant["specialisation"] == "matrix" ? "matrix" : "generic";
-        EXPECT_EQ(reference.name(), "depth_first.none.none.material." + first_bounce + "." + variant["direct_light"] +
-                                        ".aos." + formula + ".stream.exact." + variant["precision"]);
+        // Its film depends on every other choice: nothing but itself has it.
+        EXPECT_EQ(reference.name(), variant["sampler"] == "minstd_by_position"
+                                        ? variant.name()
+                                        : "depth_first.none.none.material." + first_bounce + "." +
+                                              estimator_of(variant) + ".aos." + formula + ".stream.exact." +
+                                              variant["precision"]);
         EXPECT_EQ(registry().reference(reference), reference);
-        if (formula != "matrix" || variant["precision"] != "double") {  // which do not go together
+        // Which do not go together.
+        const bool excluded =
+            formula == "matrix" && (variant["precision"] == "double" || variant["sampler"] != "pcg4d");
+        if (!excluded && variant["sampler"] != "minstd_by_position") {
             EXPECT_EQ(why_not_applicable(reference, all_features), "");
         }
     }
@@ -380,9 +406,11 @@ TEST(VariantTest, ReferenceOnCudaIsThePlainestVariantOfTheSameExpectation) {
         const std::string first_bounce = variant["first_bounce"] == "cached_jitters" ? "cached_jitters" : "off";
         const std::string formula = variant["specialisation"] == "matrix" ? "matrix" : "generic";
         // A variant that rounds freely keeps its arithmetic: it is its twin that is held to bits.
-        EXPECT_EQ(reference.name(), "megakernel.none.none.material." + first_bounce + "." + variant["direct_light"] +
-                                        ".aos." + formula + ".stream." + variant["arithmetic"] + "." +
-                                        variant["precision"]);
+        EXPECT_EQ(reference.name(), variant["sampler"] == "minstd_by_position"
+                                        ? variant.name()
+                                        : "megakernel.none.none.material." + first_bounce + "." +
+                                              estimator_of(variant) + ".aos." + formula + ".stream." +
+                                              variant["arithmetic"] + "." + variant["precision"]);
         EXPECT_EQ(registry().reference(reference, Backend::cuda), reference);
         EXPECT_EQ(why_not_applicable(reference, all_features, Backend::cuda), "") << reference.name();
     }
@@ -390,9 +418,11 @@ TEST(VariantTest, ReferenceOnCudaIsThePlainestVariantOfTheSameExpectation) {
 
 TEST(VariantTest, ClaimIsTheWeakestOfItsChoices) {
     for (const Variant& variant : expand(all_choices())) {
-        EXPECT_EQ(claim_of(variant), variant["first_bounce"] == "cached_jitters" ? Claim::biased
-                                     : variant["direct_light"] == "off" && variant["specialisation"] != "matrix" &&
-                                             variant["precision"] == "float"
+        const bool is_biased =
+            variant["first_bounce"] == "cached_jitters" || variant["sampler"] == "minstd_by_position";
+        EXPECT_EQ(claim_of(variant), is_biased ? Claim::biased
+                                     : estimator_of(variant) == "off.off.pcg4d" &&
+                                             variant["specialisation"] != "matrix" && variant["precision"] == "float"
                                          ? Claim::bitwise
                                          : Claim::statistical);
     }
@@ -443,8 +473,9 @@ TEST(VariantTest, FeatureNamesAreInTheOrderOfTheirBits) {
     EXPECT_TRUE(feature_names(no_features).empty());
     EXPECT_EQ(feature_names(Feature::jitter | Feature::sphere), (std::vector<std::string>{"sphere", "jitter"}));
     const std::vector<std::string> all = feature_names(all_features);
-    EXPECT_EQ(all.size(), 19u);
-    EXPECT_EQ(all.back(), "final_bounce");
+    EXPECT_EQ(all.size(), 22u);
+    EXPECT_EQ(all.back(), "russian_roulette");
+    EXPECT_EQ(feature_names(samplers), (std::vector<std::string>{"philox", "sobol_owen", "minstd"}));
     EXPECT_EQ(std::set<std::string>(all.begin(), all.end()).size(), all.size());
 }
 
@@ -871,7 +902,11 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
     std::map<Variant, RenderResult> references;
     std::size_t rendered = 0;
     // A cache of camera rays also with fewer rays than samples, so that it is used.
-    for (const Variant& variant : expand(all_choices(), Backend::cpu, {{"jitters", {16, 2}}})) {
+    AxisChoices axes = all_choices();
+    axes["direct_light"] = {"off", "final_bounce"};
+    axes["russian_roulette"] = {"off"};
+    axes["sampler"] = {"pcg4d"};
+    for (const Variant& variant : expand(axes, Backend::cpu, {{"jitters", {16, 2}}})) {
         if (!why_not_applicable(variant, features).empty()) {
             continue;
         }
@@ -889,6 +924,21 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
         ASSERT_EQ(result.work.unfinished_walks, reference.work.unfinished_walks) << variant.name();
         ASSERT_EQ(result.film.faults().nonfinite + result.film.faults().negative, 0u) << variant.name();
         ++rendered;
+    }
+    // And the other estimators, by pairs.
+    std::map<Variant, RenderResult> of_pairs;
+    for (const Variant& variant : covering_variants(all_choices(), features, Backend::cpu)) {
+        const Variant reference_variant = registry().reference(variant);
+        if (!of_pairs.contains(reference_variant)) {
+            of_pairs.emplace(reference_variant, render_variant(scene, reference_variant));
+        }
+        const RenderResult& reference = of_pairs.at(reference_variant);
+        const RenderResult result = render_variant(scene, variant);
+        ASSERT_EQ(result.film.sums(), reference.film.sums()) << variant.name();
+        ASSERT_EQ(work_missing(variant, result.work, spp), "") << variant.name();
+        ASSERT_EQ(result.work.rays + result.work.cache_hits, reference.work.rays + reference.work.cache_hits)
+            << variant.name();
+        ASSERT_EQ(result.work.connections, reference.work.connections) << variant.name();
     }
     // 2 x 4 for depth_first and (5 x 3 - 1) x 2 x 2 x 3 for wavefront; each with the first bounce off, and cached, or,
     // with jitter, with 16 and with 2 camera rays kept.

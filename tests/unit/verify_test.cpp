@@ -136,7 +136,7 @@ const Registration loses_a_hit(test_choice("sorting", "test_loses_a_hit"),
 
 // A light choice that claims bits but adds light, and one that claims light but adds none.
 const Registration brightens(test_choice("direct_light", "test_brightens"),
-                             {.direct_light = [] { return no_features | Feature::final_bounce; }});
+                             {.features = [] { return no_features | Feature::final_bounce; }});
 Descriptor statistical_choice(std::string_view axis, std::string_view name, std::string_view mean_of,
                               std::uint32_t extra_depth) {
     Descriptor descriptor = test_choice(axis, name);
@@ -147,7 +147,7 @@ Descriptor statistical_choice(std::string_view axis, std::string_view name, std:
     return descriptor;
 }
 const Registration adds_nothing(statistical_choice("direct_light", "test_adds_nothing", "off", 1),
-                                {.direct_light = [] { return no_features; }});
+                                {.features = [] { return no_features; }});
 
 RenderFunction generic_kernel(const char* integrator) {
     return Registry::instance().find("integrator", integrator)->hook.integrator.at(all_features);
@@ -312,11 +312,12 @@ TEST(VerifyTest, GoodVariantsHold) {
     }
     const Verdict lit = verifier.check(with("direct_light", "final_bounce"));
     EXPECT_TRUE(lit.holds) << lit.message;
-    EXPECT_EQ(lit.message.find(
-                  "film bits equal to depth_first.none.none.material.off.final_bounce.off.pcg4d.aos.generic.stream.exact.float; "
-                  "mean as declared (a "
-                  "bias of "),
-              0u)
+    EXPECT_EQ(
+        lit.message.find("film bits equal to "
+                         "depth_first.none.none.material.off.final_bounce.off.pcg4d.aos.generic.stream.exact.float; "
+                         "mean as declared (a "
+                         "bias of "),
+        0u)
         << lit.message;
     EXPECT_NE(lit.film_hash, hash);
 }
@@ -325,7 +326,8 @@ TEST(VerifyTest, GoodVariantsHold) {
 TEST(VerifyTest, ABiasedVariantIsHeldToTheBitsOfItsOwnReference) {
     const Scene scene = closed_room();
     Verifier verifier(scene, default_settings(scene), spp);
-    const std::string biased = "depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.exact.float";
+    const std::string biased =
+        "depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.exact.float";
     std::set<std::string> hashes;
     for (const std::uint32_t rays : {1u, 2u, 16u}) {
         const Verdict verdict = verifier.check(keeping_camera_rays(rays));
@@ -420,8 +422,9 @@ TEST(VerifyTest, ACacheThatWasNotUsedIsFound) {
 TEST(VerifyTest, AWrongRayOfTheCacheIsFound) {
     const Verdict verdict = check(closed_room(), keeping_camera_rays(2, "test_ray_too_few"));
     EXPECT_FALSE(verdict.holds);
-    EXPECT_EQ(verdict.message.find("film differs from depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic."
-                                   "stream.exact.float+jitters=2: first at pixel "),
+    EXPECT_EQ(verdict.message.find(
+                  "film differs from depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic."
+                  "stream.exact.float+jitters=2: first at pixel "),
               0u)
         << verdict.message;
     EXPECT_NE(verdict.message.find(", sample 1, bounce "), std::string::npos) << verdict.message;
@@ -485,10 +488,11 @@ Variant lit_reference() {
 TEST(VerifyTest, AStatisticalIntegratorIsHeldToItsMean) {
     const Verdict good = check(closed_room(), with("integrator", "test_other_samples"));
     EXPECT_TRUE(good.holds) << good.message;
-    EXPECT_EQ(good.message.find(
-                  "film bits equal to test_other_samples.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float; "
-                  "mean as declared ("),
-              0u)
+    EXPECT_EQ(
+        good.message.find("film bits equal to "
+                          "test_other_samples.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float; "
+                          "mean as declared ("),
+        0u)
         << good.message;
     const Verdict biased = check(closed_room(), with("integrator", "test_one_percent_brighter"));
     EXPECT_FALSE(biased.holds);
@@ -506,9 +510,10 @@ TEST(VerifyTest, WhatRoundsFreelyIsHeldToItsTwinsMean) {
         << same.message;
     const Verdict other = check(closed_room(), with("integrator", "test_freely"));
     EXPECT_TRUE(other.holds) << other.message;
-    EXPECT_EQ(other.message.find("depth_first.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float: film bits "
-                                 "equal to " +
-                                 reference + "; mean as declared (a bias of "),
+    EXPECT_EQ(other.message.find(
+                  "depth_first.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float: film bits "
+                  "equal to " +
+                  reference + "; mean as declared (a bias of "),
               0u)
         << other.message;
     EXPECT_NE(other.film_hash, same.film_hash);  // its own, not its twin's

@@ -1,5 +1,6 @@
-// Next-event estimation (kernels/next_event.h): light is found by connecting diffuse vertices to it, one random direction
-// towards one random light each. From the camera, specular surfaces and bodies it is met by chance, as before.
+// Next-event estimation (kernels/next_event.h): light is found by connecting diffuse vertices to it, one random
+// direction towards one random light each. From the camera, specular surfaces and bodies it is met by chance, as
+// before.
 #include "variants/direct_light/next_event.h"
 
 namespace pt {
@@ -9,7 +10,8 @@ const Registration registration(
     {
         .axis = "direct_light",
         .name = "nee",
-        .summary = "every diffuse vertex but the last is connected to a random light; light met after one does not count",
+        .summary =
+            "every diffuse vertex but the last is connected to a random light; light met after one does not count",
         .origin = "Kajiya 1986; Shirley, Wang and Zimmerman 1996",
         .claim = Claim::statistical,
         .claim_note = next_event_claim,

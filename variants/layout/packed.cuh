@@ -64,7 +64,7 @@ struct DevicePaths {
     // The time lies beside the origin; radiance and medium, and then the density, come last and may be left out.
     static std::size_t bytes(std::uint32_t capacity, const cuda::PathFields& fields) {
         const std::size_t always = 3 * sizeof(Column) + sizeof(Key);
-        const std::size_t optional = fields.density                   ? sizeof(Column) + sizeof(float)
+        const std::size_t optional = fields.density                     ? sizeof(Column) + sizeof(float)
                                      : fields.radiance || fields.medium ? sizeof(Column)
                                                                         : 0;
         // The optional column starts on a border of 16 bytes.

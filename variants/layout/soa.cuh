@@ -13,7 +13,7 @@ struct DevicePaths {
     PT_HD explicit DevicePaths(const cuda::PathStore& store) : store_(store) {}
     PT_HD Path<Real> load(std::uint32_t slot) const {
         return {
-            vector(0, slot), vector(3, slot), vector(6, slot),           radiance(slot), time()[slot], word(0)[slot],
+            vector(0, slot), vector(3, slot), vector(6, slot),           radiance(slot), time()[slot],   word(0)[slot],
             word(1)[slot],   word(2)[slot],   ObjectSide{word(3)[slot]}, medium()[slot], density()[slot]};
     }
     PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { put<true, true, true, true>(slot, path); }
@@ -83,9 +83,7 @@ private:
     // Radiance, time, medium and density.
     PT_HD Real* optional() const { return reinterpret_cast<Real*>(word(4)); }
     PT_HD Real* time() const { return optional() + 3 * std::size_t{padded(store_.capacity)}; }
-    PT_HD Real* density() const {
-        return reinterpret_cast<Real*>(medium() + padded(store_.capacity));
-    }
+    PT_HD Real* density() const { return reinterpret_cast<Real*>(medium() + padded(store_.capacity)); }
     PT_HD std::uint32_t* medium() const {
         return reinterpret_cast<std::uint32_t*>(optional() + 4 * std::size_t{padded(store_.capacity)});
     }

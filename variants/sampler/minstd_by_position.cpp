@@ -1,5 +1,6 @@
-// The seeds' numbers: a short generator seeded by sample, bounce and the path's position in the queue (kernels/minstd.h).
-// An exhibit: its streams overlap and are correlated, and a compaction changes which path gets which numbers.
+// The seeds' numbers: a short generator seeded by sample, bounce and the path's position in the queue
+// (kernels/minstd.h). An exhibit: its streams overlap and are correlated, and a compaction changes which path gets
+// which numbers.
 #include "variants/registry.h"
 
 namespace pt {

@@ -12,8 +12,8 @@ inline constexpr Tunable feature_tunables[] = {
      "1: a ray in a room of axis-aligned walls meets the planes of its sides, not every wall's slabs"},
 };
 
-// Every feature of scenes and estimators, and of the samplers as few as serve this variant: how a sampler is compiled in
-// has nothing to do with the scene.
+// Every feature of scenes and estimators, and of the samplers as few as serve this variant: how a sampler is compiled
+// in has nothing to do with the scene.
 inline FeatureSet every_feature(const KernelOffer& offer) {
     FeatureSet best = all_features | samplers;
     for (const FeatureSet candidate : offer.compiled) {
@@ -29,7 +29,8 @@ inline FeatureSet smallest_superset(const KernelOffer& offer, const Variant& var
     FeatureSet best = every_feature(offer);
     const auto surplus = [](FeatureSet set) { return std::popcount(set & (all_features | samplers)); };
     for (const FeatureSet candidate : offer.compiled) {
-        const bool fits = is_superset(candidate, offer.needed) && is_superset(all_features | samplers | allowed, candidate);
+        const bool fits =
+            is_superset(candidate, offer.needed) && is_superset(all_features | samplers | allowed, candidate);
         if (fits && (surplus(candidate) < surplus(best) ||
                      (surplus(candidate) == surplus(best) && std::popcount(candidate) > std::popcount(best)))) {
             best = candidate;
