@@ -334,8 +334,8 @@ TEST(VariantTest, NameJoinsTheChoicesByDots) {
     EXPECT_EQ(baseline_with({{"compaction", "thrust_remove_if"}, {"layout", "soa"}, {"first_bounce", "cached"}}).name(),
               "wavefront.thrust_remove_if.none.material.cached.off.off.pcg4d.soa.features.stream.exact.float");
     EXPECT_THROW(Variant::index("colour"), std::out_of_range);
-    EXPECT_EQ(Variant::index("specialisation"), 7u);
-    EXPECT_EQ(Variant::index("precision"), 10u);
+    EXPECT_EQ(Variant::index("specialisation"), 9u);
+    EXPECT_EQ(Variant::index("precision"), 12u);
     if (test::cuda_is_built()) {
         EXPECT_EQ(registry().baseline(Backend::cuda).name(),
                   "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.precise.float");
