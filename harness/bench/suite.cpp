@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "choices_not_built.h"  // generated
+#include "harness/bench/convergence_study.h"
 #include "harness/json_reader.h"
 #include "harness/places.h"
 
@@ -159,37 +160,86 @@ void read_spp(const JsonValue& value, Study& study) {
     }
 }
 
+AxisChoices read_axes(const JsonValue& value) {
+    if (!value.json().is_object()) {
+        value.fail("an object of arrays of choices, by axis");
+    }
+    AxisChoices axes;
+    for (const auto& [axis, choices] : value.json().items()) {
+        axes[axis] = read_names(JsonValue(choices, value.file(), value.path() + "." + axis));
+    }
+    check_choices(axes, value.file(), value.path());
+    return axes;
+}
+
+VariantSet read_variant_set(const JsonObject& object) {
+    VariantSet set;
+    if (object.has("axes")) {
+        set.axes = read_axes(object.at("axes"));
+    }
+    if (object.has("tunables")) {
+        set.tunables = read_tunables(object.at("tunables"));
+    }
+    return set;
+}
+
+std::string read_figure(const JsonObject& object, bool is_convergence) {
+    if (is_convergence) {
+        return object.at("figure").one_of({"convergence"});
+    }
+    std::vector<std::string> figures{"remaining_paths",        "sorting_by_depth", "first_bounce_by_depth",
+                                     "scaling_by_resolution",  "scaling_by_depth", "scaling_by_materials",
+                                     "scaling_by_shading_fmas"};
+    figures.insert(figures.end(), std::begin(axis_names), std::end(axis_names));
+    if (object.has("tunables") && object.at("tunables").json().is_object()) {
+        for (const auto& [tunable, values] : object.at("tunables").json().items()) {
+            figures.push_back(tunable);
+        }
+    }
+    return object.at("figure").one_of(figures);
+}
+
+std::vector<VariantSet> read_variants(const JsonValue& value) {
+    std::vector<VariantSet> sets;
+    for (const JsonValue& element : value.elements()) {
+        sets.push_back(read_variant_set(JsonObject(element, {"axes", "tunables"})));
+    }
+    if (sets.empty()) {
+        value.fail("at least one set of choices");
+    }
+    return sets;
+}
+
+// The object's keys are those of its type; what only the other type has is named as such.
+JsonObject study_object(const JsonValue& value) {
+    std::vector<std::string> keys{"name",     "type",     "title",      "figure", "scenes", "axes",
+                                  "tunables", "variants", "resolution", "depth",  "spp"};
+    const bool is_convergence = value.json().is_object() && value.json().value("type", Json()) == "convergence";
+    if (is_convergence) {
+        keys.insert(keys.end(), convergence_keys.begin(), convergence_keys.end());
+    }
+    return {value, keys};
+}
+
 Study read_study(const JsonValue& value) {
-    const JsonObject object(value,
-                            {"name", "title", "figure", "scenes", "axes", "tunables", "resolution", "depth", "spp"});
+    const JsonObject object = study_object(value);
     Study study;
+    const bool is_convergence =
+        object.has("type") && object.at("type").one_of({"time", "convergence"}) == "convergence";
     study.name = object.required("name").plain_name();
     study.title = object.has("title") ? object.at("title").text() : study.name;
     if (object.has("figure")) {
-        std::vector<std::string> figures{"remaining_paths",        "sorting_by_depth", "first_bounce_by_depth",
-                                         "scaling_by_resolution",  "scaling_by_depth", "scaling_by_materials",
-                                         "scaling_by_shading_fmas"};
-        figures.insert(figures.end(), std::begin(axis_names), std::end(axis_names));
-        if (object.has("tunables") && object.at("tunables").json().is_object()) {
-            for (const auto& [tunable, values] : object.at("tunables").json().items()) {
-                figures.push_back(tunable);
-            }
-        }
-        study.figure = object.at("figure").one_of(figures);
+        study.figure = read_figure(object, is_convergence);
     }
     study.scenes = read_names(object.required("scenes"));
-    if (object.has("axes")) {
-        const JsonValue axes = object.at("axes");
-        if (!axes.json().is_object()) {
-            axes.fail("an object of arrays of choices, by axis");
-        }
-        for (const auto& [axis, choices] : axes.json().items()) {
-            study.axes[axis] = read_names(JsonValue(choices, axes.file(), axes.path() + "." + axis));
-        }
-        check_choices(study.axes, axes.file(), axes.path());
+    const VariantSet common = read_variant_set(object);
+    study.axes = common.axes;
+    study.tunables = common.tunables;
+    if (object.has("variants")) {
+        study.variants = read_variants(object.at("variants"));
     }
-    if (object.has("tunables")) {
-        study.tunables = read_tunables(object.at("tunables"));
+    if (is_convergence) {
+        study.convergence = read_convergence(object);
     }
     if (object.has("resolution")) {
         read_sizes(object.at("resolution"), study);
@@ -228,9 +278,30 @@ Cell make_cell(const std::shared_ptr<const Scene>& scene, Backend backend, const
     return cell;
 }
 
+// Two studies may ask for one cell, which has one reference: as good as the better of the two.
+void merge(Cell& known, const Cell& other, const std::string& study) {
+    known.prepared_spp =
+        known.samples_to_prepare() >= other.samples_to_prepare() ? known.prepared_spp : other.prepared_spp;
+    if (!known.convergence) {
+        return;
+    }
+    CellConvergence& kept = *known.convergence;
+    const CellConvergence& added = *other.convergence;
+    if (kept.reference.name() != added.reference.name()) {
+        throw InputError(fmt::format("study {}: {} is compared with {} there and with {} elsewhere in the suite", study,
+                                     known.name, added.reference.name(), kept.reference.name()));
+    }
+    kept.reference.variance = std::min(kept.reference.variance, added.reference.variance);
+    kept.reference.most_spp = std::max(kept.reference.most_spp, added.reference.most_spp);
+    kept.images = kept.images || added.images;
+}
+
 void add_cell(Plan& plan, Cell cell, const std::string& study) {
     const auto known =
         std::find_if(plan.cells.begin(), plan.cells.end(), [&](const Cell& c) { return c.name == cell.name; });
+    if (known != plan.cells.end()) {
+        merge(*known, cell, study);
+    }
     Cell& target = known != plan.cells.end() ? *known : plan.cells.emplace_back(std::move(cell));
     if (target.studies.empty() || target.studies.back() != study) {
         target.studies.push_back(study);
@@ -404,6 +475,49 @@ std::vector<Variant> expand(const AxisChoices& axes, Backend backend, const Tuna
     return variants;
 }
 
+namespace {
+
+// A study of error brings another one, of its cells without checkpoints.
+void check_names(const Suite& suite, const std::string& file) {
+    for (std::size_t i = 0; i < suite.studies.size(); ++i) {
+        const std::string twin = suite.studies[i].name + std::string(without_checkpoints_suffix);
+        if (suite.studies[i].convergence &&
+            std::any_of(suite.studies.begin(), suite.studies.end(), [&](const Study& s) { return s.name == twin; })) {
+            throw InputError(file, fmt::format("$.studies[{}].name", i), "\"" + suite.studies[i].name + "\"",
+                             "a name to which " + std::string(without_checkpoints_suffix) + " can be added");
+        }
+    }
+}
+
+// Error bars come from seeds only, and a spread told from fewer is none (shared/numerics.md 1.6).
+void check_repetitions(const Suite& suite, const JsonObject& root) {
+    constexpr int least = 8;
+    const bool has_convergence = std::any_of(suite.studies.begin(), suite.studies.end(),
+                                             [](const Study& s) { return s.convergence.has_value(); });
+    if (has_convergence && suite.repetitions < least) {
+        root.at("repetitions").fail("8 or more: the suite has a study of type convergence");
+    }
+}
+
+}  // namespace
+
+std::vector<Variant> variants_of(const Study& study, Backend backend) {
+    if (study.variants.empty()) {
+        return expand(study.axes, backend, study.tunables);
+    }
+    std::vector<Variant> variants;
+    for (VariantSet set : study.variants) {
+        set.axes.insert(study.axes.begin(), study.axes.end());
+        set.tunables.insert(study.tunables.begin(), study.tunables.end());
+        for (Variant& variant : expand(set.axes, backend, set.tunables)) {
+            if (std::find(variants.begin(), variants.end(), variant) == variants.end()) {
+                variants.push_back(std::move(variant));
+            }
+        }
+    }
+    return variants;
+}
+
 Suite load_suite(const std::string& file) {
     const Json json = parse_json(read_file(file), file);
     const JsonObject root(JsonValue(json, file, "$"), {"name", "description", "repetitions", "studies"});
@@ -421,33 +535,74 @@ Suite load_suite(const std::string& file) {
     if (names.empty()) {
         root.at("studies").fail("at least one study");
     }
+    check_names(suite, file);
+    check_repetitions(suite, root);
     return suite;
 }
+
+namespace {
+
+// The tunables that a study names, in any of its sets.
+std::set<std::string> named_tunables(const Study& study) {
+    std::set<std::string> named;
+    for (const auto& [tunable, values] : study.tunables) {
+        named.insert(tunable);
+    }
+    for (const VariantSet& set : study.variants) {
+        for (const auto& [tunable, values] : set.tunables) {
+            named.insert(tunable);
+        }
+    }
+    return named;
+}
+
+// A variant of a study on a scene, at every size and depth.
+void add_cells(Plan& plan, Scenes& scenes, const Study& study, const std::shared_ptr<const Scene>& scene,
+               const Variant& variant, Backend backend) {
+    const std::vector<std::uint32_t> depths =
+        study.depths.empty() ? std::vector<std::uint32_t>{scene->max_depth} : study.depths;
+    for (const auto& [width, height] : sizes_of(study)) {
+        for (const std::uint32_t depth : depths) {
+            if (!study.convergence) {
+                add_cell(plan, make_cell(scene, backend, variant, study, width, height, depth), study.name);
+                continue;
+            }
+            const std::uint32_t own_depth = depth_for_mean_of(variant, backend, depth);
+            if (own_depth == 0) {
+                plan.not_applicable.push_back({study.name, scene->name, variant,
+                                               fmt::format("has no depth at which its mean is that of {}", depth)});
+                continue;
+            }
+            const std::string& right = study.convergence->reference_scene;
+            Cell cell = make_cell(scene, backend, variant, study, width, height, own_depth);
+            Cell plain = cell;
+            add_checkpoints(cell, *study.convergence, right.empty() ? scene : scene_of(scenes, right), depth);
+            plain.prepared_spp = cell.prepared_spp;
+            add_cell(plan, std::move(cell), study.name);
+            if (study.convergence->without_checkpoints) {
+                add_cell(plan, std::move(plain), study.name + std::string(without_checkpoints_suffix));
+            }
+        }
+    }
+}
+
+}  // namespace
 
 Plan make_plan(const Suite& suite, Backend backend, const Tuning& tuning) {
     Plan plan;
     Scenes scenes;
     for (const Study& study : suite.studies) {
+        const std::set<std::string> named = named_tunables(study);
         for (const std::string& name : study.scenes) {
             const std::shared_ptr<const Scene> scene = scene_of(scenes, name);
-            const std::vector<std::uint32_t> depths =
-                study.depths.empty() ? std::vector<std::uint32_t>{scene->max_depth} : study.depths;
-            std::set<std::string> named;
-            for (const auto& [tunable, values] : study.tunables) {
-                named.insert(tunable);
-            }
-            for (const Variant& asked : expand(study.axes, backend, study.tunables)) {
+            for (const Variant& asked : variants_of(study, backend)) {
                 const Variant variant = tuning.applied(asked, named);
                 const std::string reason = why_not_applicable(variant, features_of(*scene), backend);
                 if (!reason.empty()) {
                     plan.not_applicable.push_back({study.name, scene->name, variant, reason});
                     continue;
                 }
-                for (const auto& [width, height] : sizes_of(study)) {
-                    for (const std::uint32_t depth : depths) {
-                        add_cell(plan, make_cell(scene, backend, variant, study, width, height, depth), study.name);
-                    }
-                }
+                add_cells(plan, scenes, study, scene, variant, backend);
             }
         }
     }
