@@ -19,9 +19,19 @@ std::uint64_t read_most(const JsonValue& value) {
 }
 
 void read_reference(const JsonValue& value, ConvergenceSettings& settings) {
-    const JsonObject object(value, {"scene", "variance", "most_spp"});
+    const JsonObject object(value, {"scene", "axes", "variance", "most_spp"});
     if (object.has("scene")) {
         settings.reference_scene = object.at("scene").text();
+    }
+    if (object.has("axes")) {
+        const JsonValue axes = object.at("axes");
+        if (!axes.json().is_object()) {
+            axes.fail("an object of choices, by axis");
+        }
+        for (const auto& [axis, choice] : axes.json().items()) {
+            settings.reference_axes[axis] = JsonValue(choice, axes.file(), axes.path() + "." + axis).text();
+            check_choices({{axis, {settings.reference_axes[axis]}}}, axes.file(), axes.path());
+        }
     }
     if (object.has("variance")) {
         settings.variance = object.at("variance").number(1e-300, 1e300, "a number above 0");
@@ -61,14 +71,6 @@ std::vector<std::uint32_t> octaves(std::uint32_t spp) {
     return samples;
 }
 
-std::uint32_t depth_for_mean_of(const Variant& variant, Backend backend, std::uint32_t depth) {
-    std::uint32_t extra = 0;
-    for (const std::string_view axis : axis_names) {
-        extra += Registry::instance().at(axis, variant, backend).descriptor.mean_at_extra_depth;
-    }
-    return depth > extra ? depth - extra : 0;
-}
-
 void add_checkpoints(Cell& cell, const ConvergenceSettings& settings, std::shared_ptr<const Scene> reference_scene,
                      std::uint32_t reference_depth) {
     const auto own_most = settings.most_spp_on.find(cell.backend);
@@ -80,6 +82,7 @@ void add_checkpoints(Cell& cell, const ConvergenceSettings& settings, std::share
                              .height = cell.settings.height,
                              .depth = reference_depth,
                              .backend = cell.backend,
+                             .axes = settings.reference_axes,
                              .variance = settings.variance,
                              .most_spp = own_most != settings.most_spp_on.end() ? own_most->second : settings.most_spp};
     cell.convergence = std::move(convergence);

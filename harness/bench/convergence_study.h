@@ -16,10 +16,6 @@ ConvergenceSettings read_convergence(const JsonObject& study);
 // 1, 2, 4, ... and the last sample.
 std::vector<std::uint32_t> octaves(std::uint32_t spp);
 
-// The depth at which a variant has the expectation of plain paths of `depth`: less by what its choices see further
-// (Descriptor::mean_at_extra_depth). All variants of a study then have one image to converge to.
-std::uint32_t depth_for_mean_of(const Variant& variant, Backend backend, std::uint32_t depth);
-
 // Makes an ordinary cell, whose settings have the depth of depth_for_mean_of, one with checkpoints.
 void add_checkpoints(Cell& cell, const ConvergenceSettings& settings, std::shared_ptr<const Scene> reference_scene,
                      std::uint32_t reference_depth);

@@ -13,6 +13,7 @@
 
 #include "harness/bench/compile_ahead.h"
 #include "harness/bench/error_book.h"
+#include "harness/bench/instrumented.h"
 #include "harness/bench/journal.h"
 #include "harness/bench/machine.h"
 #include "harness/bench/progress.h"
@@ -69,22 +70,6 @@ public:
 };
 
 double clock_mhz(Backend backend) { return backend == Backend::cuda ? cuda::measure_clock_mhz() : measure_clock_mhz(); }
-
-Json cuda_json(const CudaFacts& facts) {
-    Json kernels = Json::object();
-    for (const CudaFacts::Kernel& kernel : facts.kernels) {
-        kernels[kernel.name] = {{"registers", kernel.registers},
-                                {"local_bytes", kernel.local_bytes},
-                                {"shared_bytes", kernel.shared_bytes}};
-    }
-    return {{"device_bytes", facts.device_bytes},
-            {"path_bytes", facts.path_bytes},
-            {"path_state_bytes", facts.path_state_bytes},
-            {"block", facts.threads},
-            {"prepare_ms", facts.prepare_ms},
-            {"options", facts.options},
-            {"kernels", kernels}};
-}
 
 void say(const std::string& line) { fmt::print(stderr, "\n{}\n", line); }
 
@@ -241,41 +226,7 @@ private:
                                           expected, full_size_reference(cell).name());
             return facts;
         }
-        const Vec3d mean = result.film.mean();
-        facts["film_hash"] = result.film.hash();
-        facts["mean_rgb"] = {mean.x, mean.y, mean.z};
-        facts["nonfinite"] = result.film.faults().nonfinite;
-        facts["negative"] = result.film.faults().negative;
-        facts["saturated"] = result.film.faults().saturated;
-        facts["unfinished_walks"] = result.work.unfinished_walks;
-        facts["counters"] = {{"bounces", result.work.bounces},
-                             {"compactions", result.work.compactions},
-                             {"compacted_away", result.work.compacted_away},
-                             {"sorts", result.work.sorts},
-                             {"sorted", result.work.sorted},
-                             {"cache_fills", result.work.cache_fills},
-                             {"cache_hits", result.work.cache_hits},
-                             {"connections", result.work.connections},
-                             {"launches", result.work.launches},
-                             {"graph_nodes", result.work.graph_nodes},
-                             {"loop_rounds", result.work.loop_rounds},
-                             {"host_waits", result.work.host_waits}};
-        if (cell.backend == Backend::cuda) {
-            facts["cuda"] = cuda_json(result.cuda);
-        }
-        Json stages = Json::object();
-        double staged = 0;
-        for (const auto& [stage, ms] : result.stages.milliseconds) {
-            stages[std::string(stage)] = ms;
-            staged += ms;
-        }
-        facts["instrumented"] = {{"live_paths", result.stages.live_paths},
-                                 {"paths", result.work.paths},
-                                 {"spp", cell.samples_to_prepare()},
-                                 {"stage_ms", stages},
-                                 {"wall_ms", result.wall_ms},
-                                 {"unaccounted_ms", result.wall_ms - staged},
-                                 {"stages_add_up", std::abs(result.wall_ms - staged) <= 0.05 * result.wall_ms}};
+        facts.update(facts_of(cell, result));
         if (cell.convergence) {
             facts["convergence"] = errors_.cell_facts(cell);
             facts["convergence"]["expected_mse"] = errors_.expected_mse(cell, result.film);
@@ -557,6 +508,18 @@ std::string plan_machine(const Plan& plan) {
     return plan.cells.front().backend == Backend::cuda ? cuda::machine_name() : machine_name();
 }
 
+// Halves of a reference are independent of what is compared with them: no sample may have one's seed.
+void check_seeds(const Plan& plan, std::uint64_t first, int repetitions) {
+    const bool has_errors = std::any_of(plan.cells.begin(), plan.cells.end(),
+                                        [](const Cell& cell) { return cell.convergence.has_value(); });
+    for (const std::uint64_t seed : reference_seeds) {
+        if (has_errors && seed - first < static_cast<std::uint64_t>(repetitions)) {
+            throw InputError("--seed", "argument", fmt::format("{}", first),
+                             fmt::format("seeds that do not reach {}, the reference's", seed));
+        }
+    }
+}
+
 Json identity_of(const Plan& plan, const RunOptions& options, int repetitions) {
     Json cells = Json::array();
     for (const Cell& cell : plan.cells) {
@@ -607,6 +570,7 @@ int run_suite(const Suite& suite, const RunOptions& options) {
         throw InputError("--out", "file name", "\"" + options.out + "\", a folder", "a file");
     }
     const int repetitions = options.repetitions > 0 ? options.repetitions : suite.repetitions;
+    check_seeds(plan, options.seed, repetitions);
     initialize_benchmark(options, repetitions);
     interrupted = false;
     std::signal(SIGINT, interrupt);

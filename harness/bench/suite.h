@@ -28,8 +28,10 @@ struct VariantSet {
 // What error against run time asks for beside time (harness/bench/convergence_study.h).
 struct ConvergenceSettings {
     std::string reference_scene = {};  // whose image is the right one; empty: the cell's own scene
-    double variance = 1e-6;            // of the reference, a pixel and channel
-    std::uint64_t most_spp = 65536;    // a half of it
+    std::map<std::string, std::string> reference_axes =
+        {};                          // choices of the reference's variant, where not the plainest
+    double variance = 1e-6;          // of the reference, a pixel and channel
+    std::uint64_t most_spp = 65536;  // a half of it
     std::map<Backend, std::uint64_t> most_spp_on = {};
     bool images = false;               // keep the first sample's image at every checkpoint
     bool without_checkpoints = false;  // the cells once more as ordinary ones
@@ -47,7 +49,9 @@ struct Study {
     std::optional<ConvergenceSettings> convergence = {};  // of a study of error against run time
     std::uint32_t width = 0, height = 0;                  // 0: the scene's own
     std::vector<std::pair<std::uint32_t, std::uint32_t>> more_sizes;  // resolutions besides width x height
-    std::vector<std::uint32_t> depths;                                // empty: the scene's own
+    std::map<Backend, std::vector<std::pair<std::uint32_t, std::uint32_t>>> sizes_on =
+        {};                             // where a backend has its own
+    std::vector<std::uint32_t> depths;  // empty: the scene's own
     std::uint32_t spp = 1;
     std::map<Backend, std::uint32_t> spp_on = {};  // where a backend has its own
 
@@ -123,6 +127,8 @@ void add_axis_argument(AxisChoices& axes, const std::string& argument, Backend b
 void add_tunable_argument(TunableValues& tunables, const std::string& argument);
 // Throws InputError if no choice on any backend has such a tunable, or none that has it allows the value.
 void check_tunable(const std::string& name, std::uint32_t value, const std::string& file, const std::string& place);
+// A build without a CUDA toolkit does not know that backend's tunables: they tune nothing there.
+bool may_be_known_elsewhere(const std::string& name);
 void check_choices(const AxisChoices& axes, const std::string& file, const std::string& place);
 
 }  // namespace pt

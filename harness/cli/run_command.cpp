@@ -56,6 +56,7 @@ void override_study(Study& study, const RunArguments& arguments, Backend backend
     if (!arguments.resolution.empty()) {
         std::tie(study.width, study.height) = parse_resolution(arguments.resolution);
         study.more_sizes.clear();
+        study.sizes_on.clear();
     }
     if (arguments.depth != 0) {
         study.depths = {arguments.depth};

@@ -30,7 +30,7 @@ void finish(Reference& reference) {
 // Mean radiance of samples [from, to) for one half.
 Image render_half(const ReferenceTask& task, const Variant& variant, std::uint64_t seed, std::uint64_t from,
                   std::uint64_t to) {
-    RenderSettings settings{task.width, task.height, task.depth, seed, false};
+    RenderSettings settings{task.width, task.height, depth_for_mean_of(variant, task.backend, task.depth), seed, false};
     const RenderResult result = render(*task.scene, {.variant = variant,
                                                      .backend = task.backend,
                                                      .settings = settings,
@@ -95,7 +95,11 @@ Image image_of(const Film& film) {
 }
 
 std::string ReferenceTask::name() const {
-    return fmt::format("{}/{}x{}/depth:{}/{}", scene->name, width, height, depth, to_string(backend));
+    std::string text = fmt::format("{}/{}x{}/depth:{}/{}", scene->name, width, height, depth, to_string(backend));
+    for (const auto& [axis, choice] : axes) {
+        text += fmt::format("/{}={}", axis, choice);
+    }
+    return text;
 }
 
 Json Reference::provenance() const {
@@ -129,7 +133,8 @@ Image Reference::mean() const {
     return image;
 }
 
-Variant reference_variant(const Scene& scene, Backend backend) {
+Variant reference_variant(const ReferenceTask& task) {
+    const Backend backend = task.backend;
     const Registry& registry = Registry::instance();
     Variant variant = registry.reference(registry.baseline(backend), backend);
     static constexpr std::pair<std::string_view, std::string_view> wishes[] = {
@@ -141,11 +146,22 @@ Variant reference_variant(const Scene& scene, Backend backend) {
         }
         Variant wished = variant;
         wished.set(axis, std::string(choice));
-        if (why_not_applicable(wished, features_of(scene), backend).empty()) {
+        if (why_not_applicable(wished, features_of(*task.scene), backend).empty()) {
             variant = std::move(wished);
         }
     }
+    for (const auto& [axis, choice] : task.axes) {
+        variant.set(axis, choice);
+    }
     return variant;
+}
+
+std::uint32_t depth_for_mean_of(const Variant& variant, Backend backend, std::uint32_t depth) {
+    std::uint32_t extra = 0;
+    for (const std::string_view axis : axis_names) {
+        extra += Registry::instance().at(axis, variant, backend).descriptor.mean_at_extra_depth;
+    }
+    return depth > extra ? depth - extra : 0;
 }
 
 Reference ReferenceMaker::make(const ReferenceTask& task, double dual_error) const {
@@ -158,7 +174,7 @@ Reference ReferenceMaker::make(const ReferenceTask& task, double dual_error) con
         finish(reference);
         return reference;
     }
-    const Variant variant = reference_variant(*task.scene, task.backend);
+    const Variant variant = reference_variant(task);
     reference.variant = variant.name();
     reference.backend = to_string(task.backend);
     reference.git_sha = git_sha();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -20,9 +21,10 @@ struct ReferenceTask {
     std::shared_ptr<const Scene> scene;
     std::uint32_t width = 0, height = 0, depth = 0;
     Backend backend = Backend::cpu;
-    double variance = 0;         // of the mean of the halves, a pixel and channel
-    std::uint64_t most_spp = 1;  // a half
-    // "cornell_open/64x64/depth:8/cpu".
+    std::map<std::string, std::string> axes = {};  // choices that take the place of reference_variant's own
+    double variance = 0;                           // of the mean of the halves, a pixel and channel
+    std::uint64_t most_spp = 1;                    // a half
+    // "cornell_open/64x64/depth:8/cpu", and "/AXIS=CHOICE" for each of `axes`.
     std::string name() const;
 };
 
@@ -45,8 +47,13 @@ struct Reference {
 };
 
 // As far from what is measured as the program goes: every axis at its plainest, and where the backend has them and the
-// scene allows them depth_first or megakernel, the kernel with everything, Philox and double precision.
-Variant reference_variant(const Scene& scene, Backend backend);
+// scene allows them depth_first or megakernel, the kernel with everything, Philox and double precision. The task's own
+// choices may not apply to its scene.
+Variant reference_variant(const ReferenceTask& task);
+
+// The depth at which a variant has the expectation of plain paths of `depth`: less by what its choices see further
+// (Descriptor::mean_at_extra_depth). 0: there is none.
+std::uint32_t depth_for_mean_of(const Variant& variant, Backend backend, std::uint32_t depth);
 
 // Seeds of the two halves; no other render uses them.
 inline constexpr std::uint64_t reference_seeds[2] = {7'393'913'000'000'001, 7'393'913'000'000'002};
