@@ -14,10 +14,22 @@ else()
     set(dirty 0)
   endif()
 endif()
+# What an image depends on: a cached reference is one of these sources.
+file(GLOB image_sources ${SOURCE_DIR}/kernels/*.h ${SOURCE_DIR}/variants/integrator/* ${SOURCE_DIR}/variants/sampler/*
+     ${SOURCE_DIR}/harness/scene/*)
+list(SORT image_sources)
+set(image_hashes "")
+foreach(source ${image_sources})
+  file(MD5 ${source} hash)
+  string(APPEND image_hashes ${hash})
+endforeach()
+string(MD5 image_hash "${image_hashes}")
+string(SUBSTRING ${image_hash} 0 16 image_hash)
 file(CONFIGURE OUTPUT ${OUTPUT} CONTENT
 "#pragma once
 #define PTBENCH_GIT_SHA \"${sha}\"
 #define PTBENCH_GIT_DIRTY ${dirty}
+#define PTBENCH_IMAGE_SOURCES_HASH \"${image_hash}\"
 #define PTBENCH_VERSION \"${VERSION}\"
 #define PTBENCH_COMPILER \"${COMPILER}\"
 #define PTBENCH_COMPILER_FLAGS \"${FLAGS}\"

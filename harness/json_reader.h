@@ -2,10 +2,12 @@
 // and suites alike. Errors name the file, the JSON path, what was found and what is allowed.
 #pragma once
 
+#include <algorithm>
 #include <set>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "harness/error.h"
@@ -50,6 +52,14 @@ private:
     std::string file_;
     std::string path_;
 };
+
+// Throws InputError if the last element stands twice in the list.
+template <class T>
+void check_once(const std::vector<T>& list, const std::string& file, const std::string& place) {
+    if (std::count(list.begin(), list.end(), list.back()) > 1) {
+        throw InputError(file, place, fmt::format("{} twice", Json(list.back()).dump()), "once");
+    }
+}
 
 class JsonObject {
 public:

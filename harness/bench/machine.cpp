@@ -104,6 +104,8 @@ ForeignLoad ForeignLoad::now() {
 
 std::string git_sha() { return PTBENCH_GIT_SHA; }
 
+std::string image_sources_hash() { return PTBENCH_IMAGE_SOURCES_HASH; }
+
 bool git_dirty() { return PTBENCH_GIT_DIRTY != 0; }
 
 std::vector<std::pair<std::string, std::string>> machine_context() {

@@ -15,6 +15,8 @@ std::vector<std::pair<std::string, std::string>> machine_context();
 
 std::string git_sha();
 bool git_dirty();
+// Of the sources that decide what an image is (kernels, integrators, samplers, the reading of scenes): 16 hex digits.
+std::string image_sources_hash();
 
 // FNV-1a of the running program's file: two builds of one commit are told apart.
 std::string program_hash();

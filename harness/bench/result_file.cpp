@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <set>
 
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 
+#include "harness/bench/convergence_study.h"
 #include "harness/bench/machine.h"
 #include "harness/cuda/backend.h"
 
@@ -197,16 +201,90 @@ Aggregates aggregate(std::vector<double> values) {
     return {mean, median, stddev, mean > 0 ? stddev / mean : 0};
 }
 
+namespace {
+
+// Films with the same bits have the same errors: which cell's they are. A sample's owner is the first cell of the plan
+// that has its films, seed by seed.
+class SharedErrors {
+public:
+    SharedErrors(const Plan& plan, const Journal& journal) {
+        for (const Cell& cell : plan.cells) {
+            for (const Json& sample : journal.samples(cell.name)) {
+                if (cell.convergence) {
+                    owners_.try_emplace(key(journal, cell, sample), cell.name);
+                }
+            }
+        }
+    }
+
+    void mark(const Journal& journal, const Cell& cell, const Json& sample, OrderedJson& row) const {
+        const bool shared = owner(journal, cell, sample) != cell.name;
+        for (OrderedJson& checkpoint : row["pt_checkpoints"]) {
+            checkpoint["shared"] = shared;
+        }
+    }
+    // The cell whose errors all samples have; empty: they are its own, or several cells'.
+    std::string shared_with(const Journal& journal, const Cell& cell) const {
+        std::set<std::string> names;
+        for (const Json& sample : journal.samples(cell.name)) {
+            names.insert(owner(journal, cell, sample));
+        }
+        return names.size() == 1 && *names.begin() != cell.name ? *names.begin() : "";
+    }
+
+private:
+    static std::string key(const Journal& journal, const Cell& cell, const Json& sample) {
+        std::string text = journal.cell(cell.name)->at("convergence").at("reference").at("hash");
+        for (const Json& checkpoint : sample.at("pt_checkpoints")) {
+            text += fmt::format("/{}:{}", checkpoint.at("spp").get<std::uint32_t>(),
+                                checkpoint.at("film_hash").get<std::string>());
+        }
+        // Without halves that are independent there is no bias2 to share.
+        return text + (journal.cell(cell.name)->at("convergence").at("independent_samples") ? "" : "/dependent");
+    }
+    const std::string& owner(const Journal& journal, const Cell& cell, const Json& sample) const {
+        return owners_.at(key(journal, cell, sample));
+    }
+
+    std::map<std::string, std::string> owners_;
+};
+
+OrderedJson studies_json(const Suite& suite) {
+    OrderedJson studies = OrderedJson::array();
+    for (const Study& study : suite.studies) {
+        studies.push_back({{"name", study.name},
+                           {"title", study.title},
+                           {"figure", study.figure},
+                           {"type", study.convergence ? "convergence" : "time"}});
+        if (study.convergence && study.convergence->without_checkpoints) {
+            studies.push_back({{"name", study.name + std::string(without_checkpoints_suffix)},
+                               {"title", study.title + ", without checkpoints"},
+                               {"figure", ""},
+                               {"type", "time"}});
+        }
+    }
+    return studies;
+}
+
+}  // namespace
+
 std::string result_json(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts) {
     const double highest = highest_clock(plan, journal);
+    const SharedErrors shared(plan, journal);
     OrderedJson rows = OrderedJson::array();
     OrderedJson cells = OrderedJson::array();
     for (std::size_t family = 0; family < plan.cells.size(); ++family) {
         const Cell& cell = plan.cells[family];
         cells.push_back(cell_json(cell, journal, facts.repetitions));
         const std::vector<Json>& samples = journal.samples(cell.name);
+        if (cells.back().contains("convergence")) {
+            cells.back()["convergence"]["shared_with"] = shared.shared_with(journal, cell);
+        }
         for (std::size_t i = 0; i < samples.size(); ++i) {
             rows.push_back(sample_row(cell.name, family, facts.repetitions, i, samples[i], highest));
+            if (cell.convergence) {
+                shared.mark(journal, cell, samples[i], rows.back());
+            }
         }
         if (!samples.empty()) {
             add_aggregate_rows(rows, cell.name, family, facts.repetitions, samples);
@@ -214,10 +292,6 @@ std::string result_json(const Plan& plan, const Suite& suite, const Journal& jou
         if (cells.back()["status"] == "failed") {
             rows.push_back(failed_row(cell.name, family, facts.repetitions, cells.back()["reason"]));
         }
-    }
-    OrderedJson studies = OrderedJson::array();
-    for (const Study& study : suite.studies) {
-        studies.push_back({{"name", study.name}, {"title", study.title}, {"figure", study.figure}});
     }
     OrderedJson not_applicable = OrderedJson::array();
     for (const NotApplicable& entry : plan.not_applicable) {
@@ -231,11 +305,13 @@ std::string result_json(const Plan& plan, const Suite& suite, const Journal& jou
     for (const std::string_view axis : axis_names) {
         baselines[std::string(axis)] = Registry::instance().baseline(facts.backend)[axis];
     }
-    const OrderedJson result{
-        {"context", context(facts)},
-        {"benchmarks", rows},
-        {"ptbench",
-         {{"studies", studies}, {"baselines", baselines}, {"cells", cells}, {"not_applicable", not_applicable}}}};
+    const OrderedJson result{{"context", context(facts)},
+                             {"benchmarks", rows},
+                             {"ptbench",
+                              {{"studies", studies_json(suite)},
+                               {"baselines", baselines},
+                               {"cells", cells},
+                               {"not_applicable", not_applicable}}}};
     return result.dump(1) + "\n";
 }
 

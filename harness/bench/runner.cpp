@@ -12,6 +12,8 @@
 #include <fmt/format.h>
 
 #include "harness/bench/compile_ahead.h"
+#include "harness/bench/error_book.h"
+#include "harness/bench/instrumented.h"
 #include "harness/bench/journal.h"
 #include "harness/bench/machine.h"
 #include "harness/bench/progress.h"
@@ -47,7 +49,11 @@ constexpr std::uint32_t verification_spp = 2;
 
 // All cells whose films must be equal bit for bit.
 std::string bitwise_group(const Cell& cell) {
-    const std::string& name = cell.name;
+    std::string name = cell.name;
+    // Stopping at checkpoints changes no bit.
+    if (cell.convergence) {
+        name.erase(name.rfind('/'));
+    }
     // Two kernels that round freely need not agree: each is a group of its own.
     const Variant variant = rounds_freely(cell.variant, cell.backend)
                                 ? cell.variant
@@ -65,21 +71,7 @@ public:
 
 double clock_mhz(Backend backend) { return backend == Backend::cuda ? cuda::measure_clock_mhz() : measure_clock_mhz(); }
 
-Json cuda_json(const CudaFacts& facts) {
-    Json kernels = Json::object();
-    for (const CudaFacts::Kernel& kernel : facts.kernels) {
-        kernels[kernel.name] = {{"registers", kernel.registers},
-                                {"local_bytes", kernel.local_bytes},
-                                {"shared_bytes", kernel.shared_bytes}};
-    }
-    return {{"device_bytes", facts.device_bytes},
-            {"path_bytes", facts.path_bytes},
-            {"path_state_bytes", facts.path_state_bytes},
-            {"block", facts.threads},
-            {"prepare_ms", facts.prepare_ms},
-            {"options", facts.options},
-            {"kernels", kernels}};
-}
+void say(const std::string& line) { fmt::print(stderr, "\n{}\n", line); }
 
 class Runner {
 public:
@@ -88,7 +80,9 @@ public:
           plan_(std::move(plan)),
           options_(options),
           repetitions_(repetitions),
-          journal_(options.out + ".journal.jsonl", identity, options.resume) {
+          journal_(options.out + ".journal.jsonl", identity, options.resume),
+          errors_(plan_, ReferenceMaker(options.reference_cache,
+                                        {.is_stopped = [] { return interrupted.load(); }, .says = say})) {
         for (const Cell& cell : plan_.cells) {
             const std::vector<Json>& samples = journal_.samples(cell.name);
             for (std::size_t index = 0; index < samples.size(); ++index) {
@@ -99,7 +93,9 @@ public:
     }
 
     int run() {
+        errors_.make_references();
         prepare();
+        settle_references();
         time_samples();
         return finish();
     }
@@ -129,6 +125,54 @@ private:
             }
             progress.step(cell.name);
         }
+    }
+
+    // References become as accurate as the cells' expected errors ask for; cells that ask for more than most_spp allows
+    // are refused.
+    void settle_references() {
+        std::map<std::string, double> smallest;
+        for (const Cell& cell : plan_.cells) {
+            if (cell.convergence && is_ok(cell)) {
+                const double expected = expected_mse(cell);
+                const auto [known, is_new] = smallest.try_emplace(errors_.reference(cell).name, expected);
+                known->second = std::min(known->second, expected);
+            }
+        }
+        for (const auto& [name, mse] : smallest) {
+            errors_.improve(name, allowed_reference_error * mse);
+        }
+        for (const Cell& cell : plan_.cells) {
+            if (cell.convergence && is_ok(cell) && !interrupted) {
+                settle_reference(cell);
+            }
+        }
+    }
+
+    double expected_mse(const Cell& cell) const {
+        return journal_.cell(cell.name)->at("convergence").at("expected_mse");
+    }
+
+    void settle_reference(const Cell& cell) {
+        Json facts = *journal_.cell(cell.name);
+        Json& known = facts["convergence"]["reference"];
+        const Json now = errors_.reference(cell).provenance();
+        if (!journal_.samples(cell.name).empty() && known.at("hash") != now.at("hash")) {
+            throw InputError(fmt::format(
+                "{}: the samples of {} were compared with another reference than {} of {} spp "
+                "a half; remove the journal and start again",
+                options_.out, cell.name, errors_.reference(cell).name, errors_.reference(cell).spp_per_half));
+        }
+        const std::string refusal = errors_.refusal(cell, expected_mse(cell));
+        if (known == now && refusal.empty()) {
+            return;
+        }
+        known = now;
+        if (!refusal.empty()) {
+            facts["status"] = "failed";
+            facts["reason"] = refusal;
+            say(fmt::format("failed: {}: {}", cell.name, refusal));
+        }
+        journal_.set_cell(cell.name, facts);
     }
 
     void compile_kernels() const {
@@ -174,7 +218,7 @@ private:
         const RenderResult result = render(*cell.scene, {.variant = cell.variant,
                                                          .backend = cell.backend,
                                                          .settings = settings,
-                                                         .samples = cell.spp,
+                                                         .samples = cell.samples_to_prepare(),
                                                          .instrument = true});
         if (const std::string& expected = full_size_hash(cell); result.film.hash() != expected) {
             facts["status"] = "failed";
@@ -182,41 +226,11 @@ private:
                                           expected, full_size_reference(cell).name());
             return facts;
         }
-        const Vec3d mean = result.film.mean();
-        facts["film_hash"] = result.film.hash();
-        facts["mean_rgb"] = {mean.x, mean.y, mean.z};
-        facts["nonfinite"] = result.film.faults().nonfinite;
-        facts["negative"] = result.film.faults().negative;
-        facts["saturated"] = result.film.faults().saturated;
-        facts["unfinished_walks"] = result.work.unfinished_walks;
-        facts["counters"] = {{"bounces", result.work.bounces},
-                             {"compactions", result.work.compactions},
-                             {"compacted_away", result.work.compacted_away},
-                             {"sorts", result.work.sorts},
-                             {"sorted", result.work.sorted},
-                             {"cache_fills", result.work.cache_fills},
-                             {"cache_hits", result.work.cache_hits},
-                             {"connections", result.work.connections},
-                             {"launches", result.work.launches},
-                             {"graph_nodes", result.work.graph_nodes},
-                             {"loop_rounds", result.work.loop_rounds},
-                             {"host_waits", result.work.host_waits}};
-        if (cell.backend == Backend::cuda) {
-            facts["cuda"] = cuda_json(result.cuda);
+        facts.update(facts_of(cell, result));
+        if (cell.convergence) {
+            facts["convergence"] = errors_.cell_facts(cell);
+            facts["convergence"]["expected_mse"] = errors_.expected_mse(cell, result.film);
         }
-        Json stages = Json::object();
-        double staged = 0;
-        for (const auto& [stage, ms] : result.stages.milliseconds) {
-            stages[std::string(stage)] = ms;
-            staged += ms;
-        }
-        facts["instrumented"] = {{"live_paths", result.stages.live_paths},
-                                 {"paths", result.work.paths},
-                                 {"spp", cell.spp},
-                                 {"stage_ms", stages},
-                                 {"wall_ms", result.wall_ms},
-                                 {"unaccounted_ms", result.wall_ms - staged},
-                                 {"stages_add_up", std::abs(result.wall_ms - staged) <= 0.05 * result.wall_ms}};
         return facts;
     }
 
@@ -228,7 +242,9 @@ private:
 
     // The film of the cell's reference variant at the cell's own size, for the first sample's seed.
     const std::string& full_size_hash(const Cell& cell) {
-        const std::pair<std::string, std::size_t> key{bitwise_group(cell), 0};
+        const std::uint32_t spp = cell.samples_to_prepare();
+        const std::string part = spp != cell.spp ? fmt::format("/first:{}", spp) : "";
+        const std::pair<std::string, std::size_t> key{bitwise_group(cell) + part, 0};
         const auto known = hashes_.find(key);
         if (known != hashes_.end()) {
             return known->second.first;
@@ -236,8 +252,8 @@ private:
         const Variant reference = full_size_reference(cell);
         RenderSettings settings = cell.settings;
         settings.seed = options_.seed;
-        const RenderResult result = render(
-            *cell.scene, {.variant = reference, .backend = cell.backend, .settings = settings, .samples = cell.spp});
+        const RenderResult result =
+            render(*cell.scene, {.variant = reference, .backend = cell.backend, .settings = settings, .samples = spp});
         return hashes_.try_emplace(key, result.film.hash(), reference.name()).first->second.first;
     }
 
@@ -321,6 +337,13 @@ private:
             warm_up.samples = 1;
             (void)render(*cell.scene, warm_up);
         }
+        std::vector<Snapshot> snapshots;
+        if (cell.convergence) {
+            request.checkpoints = cell.convergence->checkpoints;
+            request.on_checkpoint = [&](const Checkpoint& c) {
+                snapshots.push_back({c.samples, c.wall_ms, c.device_ms, c.cpu_ms, c.film});
+            };
+        }
         const double clock_before = clock_mhz(cell.backend);
         const ForeignLoad load_before = ForeignLoad::now();
         const auto render_begin = std::chrono::steady_clock::now();
@@ -340,31 +363,46 @@ private:
             return fmt::format("film {} of sample {} differs from {} of {}", hash, index, position->second.first,
                                position->second.second);
         }
-        if (!result.film.faults().none()) {
-            return faults_text(result.film.faults());
+        // Where errors are measured, a sample that is not finite makes them null, with a count.
+        FilmFaults faults = result.film.faults();
+        faults.nonfinite = cell.convergence ? 0 : faults.nonfinite;
+        if (!faults.none()) {
+            return faults_text(faults);
         }
-        journal_.add_sample(cell.name,
-                            {{"pt_wall_ms", result.wall_ms},
-                             {"pt_device_ms", result.device_ms},
-                             {"pt_end_to_end_ms", end_to_end},
-                             {"cpu_ms", result.cpu_ms},
-                             {"pt_seed", request.settings.seed},
-                             {"pt_spp", cell.spp},
-                             {"pt_paths", result.work.paths},
-                             {"pt_rays", result.work.rays},
-                             {"pt_rays_per_second", static_cast<double>(result.work.rays) / (1e-3 * result.wall_ms)},
-                             {"pt_launches", result.work.launches},
-                             {"pt_graph_nodes", result.work.graph_nodes},
-                             {"pt_loop_rounds", result.work.loop_rounds},
-                             {"pt_host_waits", result.work.host_waits},
-                             {"pt_order", order_++},
-                             {"pt_timestamp", seconds_now()},
-                             {"pt_clock_mhz_before", clock_before},
-                             {"pt_clock_mhz_after", clock_after},
-                             {"pt_foreign_cpu_ms", foreign.cpu_ms},
-                             {"pt_involuntary_switches", foreign.involuntary_switches},
-                             {"film_hash", hash}});
+        Json sample{{"pt_wall_ms", result.wall_ms},
+                    {"pt_device_ms", result.device_ms},
+                    {"pt_end_to_end_ms", end_to_end},
+                    {"cpu_ms", result.cpu_ms},
+                    {"pt_seed", request.settings.seed},
+                    {"pt_spp", cell.spp},
+                    {"pt_paths", result.work.paths},
+                    {"pt_rays", result.work.rays},
+                    {"pt_rays_per_second", static_cast<double>(result.work.rays) / (1e-3 * result.wall_ms)},
+                    {"pt_launches", result.work.launches},
+                    {"pt_graph_nodes", result.work.graph_nodes},
+                    {"pt_loop_rounds", result.work.loop_rounds},
+                    {"pt_host_waits", result.work.host_waits},
+                    {"pt_order", order_++},
+                    {"pt_timestamp", seconds_now()},
+                    {"pt_clock_mhz_before", clock_before},
+                    {"pt_clock_mhz_after", clock_after},
+                    {"pt_foreign_cpu_ms", foreign.cpu_ms},
+                    {"pt_involuntary_switches", foreign.involuntary_switches},
+                    {"film_hash", hash}};
+        if (cell.convergence) {
+            sample["pt_checkpoints"] = errors_.rows(cell, snapshots);
+            if (cell.convergence->images && index == 0) {
+                keep_images(cell, snapshots);
+            }
+        }
+        journal_.add_sample(cell.name, sample);
         return "";
+    }
+
+    void keep_images(const Cell& cell, const std::vector<Snapshot>& snapshots) {
+        Json facts = *journal_.cell(cell.name);
+        facts["convergence"]["images"] = write_images(options_.out, cell, errors_.reference(cell), snapshots);
+        journal_.set_cell(cell.name, facts);
     }
 
     void print_table() const {
@@ -420,6 +458,7 @@ private:
     const RunOptions& options_;
     int repetitions_;
     Journal journal_;
+    ErrorBook errors_;
     std::unique_ptr<Progress> progress_;
     std::map<std::string, std::string> failures_;
     std::set<std::string> warm_;
@@ -469,10 +508,27 @@ std::string plan_machine(const Plan& plan) {
     return plan.cells.front().backend == Backend::cuda ? cuda::machine_name() : machine_name();
 }
 
+// Halves of a reference are independent of what is compared with them: no sample may have one's seed.
+void check_seeds(const Plan& plan, std::uint64_t first, int repetitions) {
+    const bool has_errors = std::any_of(plan.cells.begin(), plan.cells.end(),
+                                        [](const Cell& cell) { return cell.convergence.has_value(); });
+    for (const std::uint64_t seed : reference_seeds) {
+        if (has_errors && seed - first < static_cast<std::uint64_t>(repetitions)) {
+            throw InputError("--seed", "argument", fmt::format("{}", first),
+                             fmt::format("seeds that do not reach {}, the reference's", seed));
+        }
+    }
+}
+
 Json identity_of(const Plan& plan, const RunOptions& options, int repetitions) {
     Json cells = Json::array();
     for (const Cell& cell : plan.cells) {
-        cells.push_back(cell.name + "#" + cell.scene->hash);
+        std::string text = cell.name + "#" + cell.scene->hash;
+        if (cell.convergence) {
+            const ReferenceTask& task = cell.convergence->reference;
+            text += fmt::format("#{}#{}#{}#{}", task.name(), task.scene->hash, task.variance, task.most_spp);
+        }
+        cells.push_back(text);
     }
     return {{"machine", plan_machine(plan)}, {"program", program_hash()}, {"openmp", openmp_environment()},
             {"git_sha", git_sha()},          {"git_dirty", git_dirty()},  {"cells", cells},
@@ -514,6 +570,7 @@ int run_suite(const Suite& suite, const RunOptions& options) {
         throw InputError("--out", "file name", "\"" + options.out + "\", a folder", "a file");
     }
     const int repetitions = options.repetitions > 0 ? options.repetitions : suite.repetitions;
+    check_seeds(plan, options.seed, repetitions);
     initialize_benchmark(options, repetitions);
     interrupted = false;
     std::signal(SIGINT, interrupt);

@@ -15,9 +15,10 @@ struct RunOptions {
     std::string command_line;  // for the record
     int repetitions = 0;       // 0: the suite's
     bool resume = false;
-    bool untuned = false;     // leave tunables at their standards, whatever was found on this machine
-    std::uint64_t seed = 1;   // of sample 0; sample i has seed + i
-    std::string filter = {};  // regular expression on cell names; empty: all
+    std::string reference_cache = {};  // folder that keeps references; empty: none are kept
+    bool untuned = false;              // leave tunables at their standards, whatever was found on this machine
+    std::uint64_t seed = 1;            // of sample 0; sample i has seed + i
+    std::string filter = {};           // regular expression on cell names; empty: all
     std::vector<std::string> benchmark_flags = {};  // --benchmark_*, passed on
 };
 

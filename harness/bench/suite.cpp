@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "choices_not_built.h"  // generated
+#include "harness/bench/convergence_study.h"
 #include "harness/json_reader.h"
 #include "harness/places.h"
 
@@ -54,157 +55,11 @@ std::vector<std::string> names_of(const std::vector<const Choice*>& choices) {
     return names;
 }
 
-// Throws InputError if the last element stands twice in the list.
-template <class T>
-void check_new(const std::vector<T>& list, const std::string& file, const std::string& place) {
-    if (std::count(list.begin(), list.end(), list.back()) > 1) {
-        throw InputError(file, place, fmt::format("{} twice", Json(list.back()).dump()), "once");
-    }
-}
-
-std::vector<std::string> read_names(const JsonValue& value) {
-    std::vector<std::string> names;
-    for (const JsonValue& element : value.elements()) {
-        names.push_back(element.text());
-        check_new(names, element.file(), element.path());
-    }
-    if (names.empty()) {
-        value.fail("at least one name");
-    }
-    return names;
-}
-
-std::vector<std::uint32_t> read_depths(const JsonValue& value) {
-    const std::string allowed = "a whole number from 1 to 1000000, or an array of such";
-    const auto depth = [&](const JsonValue& v) { return static_cast<std::uint32_t>(v.whole(1, 1000000, allowed)); };
-    if (!value.json().is_array()) {
-        return {depth(value)};
-    }
-    std::vector<std::uint32_t> depths;
-    for (const JsonValue& element : value.elements()) {
-        depths.push_back(depth(element));
-        check_new(depths, element.file(), element.path());
-    }
-    if (depths.empty()) {
-        value.fail("at least one depth");
-    }
-    return depths;
-}
-
-std::pair<std::uint32_t, std::uint32_t> read_size(const JsonValue& value) {
-    const std::vector<JsonValue> sides = value.elements();
-    if (sides.size() != 2) {
-        value.fail("an array of 2 whole numbers, [width, height]");
-    }
-    return {static_cast<std::uint32_t>(sides[0].whole(1, 8192, "a whole number from 1 to 8192")),
-            static_cast<std::uint32_t>(sides[1].whole(1, 8192, "a whole number from 1 to 8192"))};
-}
-
-// [width, height], or an array of such.
-void read_sizes(const JsonValue& value, Study& study) {
-    if (!value.json().is_array() || value.json().empty() || !value.json().front().is_array()) {
-        std::tie(study.width, study.height) = read_size(value);
-        return;
-    }
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> sizes;
-    for (const JsonValue& element : value.elements()) {
-        sizes.push_back(read_size(element));
-        check_new(sizes, element.file(), element.path());
-    }
-    std::tie(study.width, study.height) = sizes.front();
-    study.more_sizes.assign(sizes.begin() + 1, sizes.end());
-}
-
-// A build without a CUDA toolkit does not know that backend's tunables: they tune nothing there.
-bool may_be_known_elsewhere(const std::string& name) {
-    const std::vector<Tunable> known = tunables_on_any_backend();
-    return !choices_not_built.empty() &&
-           std::none_of(known.begin(), known.end(), [&](const Tunable& tunable) { return tunable.name == name; });
-}
-
-TunableValues read_tunables(const JsonValue& value) {
-    if (!value.json().is_object()) {
-        value.fail("an object of arrays of whole numbers, by tunable");
-    }
-    TunableValues tunables;
-    for (const auto& [name, json] : value.json().items()) {
-        std::vector<std::uint32_t>& values = tunables[name];
-        const std::string path = value.path() + "." + name;
-        for (const JsonValue& element : JsonValue(json, value.file(), path).elements()) {
-            values.push_back(static_cast<std::uint32_t>(element.whole(0, 1000000000, "a whole number")));
-            if (!may_be_known_elsewhere(name)) {
-                check_tunable(name, values.back(), element.file(), element.path());
-            }
-            check_new(values, element.file(), element.path());
-        }
-        if (values.empty()) {
-            JsonValue(json, value.file(), path).fail("at least one value");
-        }
-    }
-    return tunables;
-}
-
-// A number, or an object with one by backend: a GPU needs more samples than a CPU for a time that can be measured.
-void read_spp(const JsonValue& value, Study& study) {
-    const auto count = [](const JsonValue& v) {
-        return static_cast<std::uint32_t>(v.whole(1, 1000000, "a whole number from 1 to 1000000"));
-    };
-    if (!value.json().is_object()) {
-        study.spp = count(value);
-        return;
-    }
-    const JsonObject object(value, {"cpu", "cuda"});
-    for (const Backend backend : all_backends) {
-        study.spp_on[backend] = count(object.required(std::string(to_string(backend))));
-    }
-}
-
-Study read_study(const JsonValue& value) {
-    const JsonObject object(value,
-                            {"name", "title", "figure", "scenes", "axes", "tunables", "resolution", "depth", "spp"});
-    Study study;
-    study.name = object.required("name").plain_name();
-    study.title = object.has("title") ? object.at("title").text() : study.name;
-    if (object.has("figure")) {
-        std::vector<std::string> figures{"remaining_paths",        "sorting_by_depth", "first_bounce_by_depth",
-                                         "scaling_by_resolution",  "scaling_by_depth", "scaling_by_materials",
-                                         "scaling_by_shading_fmas"};
-        figures.insert(figures.end(), std::begin(axis_names), std::end(axis_names));
-        if (object.has("tunables") && object.at("tunables").json().is_object()) {
-            for (const auto& [tunable, values] : object.at("tunables").json().items()) {
-                figures.push_back(tunable);
-            }
-        }
-        study.figure = object.at("figure").one_of(figures);
-    }
-    study.scenes = read_names(object.required("scenes"));
-    if (object.has("axes")) {
-        const JsonValue axes = object.at("axes");
-        if (!axes.json().is_object()) {
-            axes.fail("an object of arrays of choices, by axis");
-        }
-        for (const auto& [axis, choices] : axes.json().items()) {
-            study.axes[axis] = read_names(JsonValue(choices, axes.file(), axes.path() + "." + axis));
-        }
-        check_choices(study.axes, axes.file(), axes.path());
-    }
-    if (object.has("tunables")) {
-        study.tunables = read_tunables(object.at("tunables"));
-    }
-    if (object.has("resolution")) {
-        read_sizes(object.at("resolution"), study);
-    }
-    if (object.has("depth")) {
-        study.depths = read_depths(object.at("depth"));
-    }
-    if (object.has("spp")) {
-        read_spp(object.at("spp"), study);
-    }
-    return study;
-}
-
 // {0, 0} stands for the scene's own size.
-std::vector<std::pair<std::uint32_t, std::uint32_t>> sizes_of(const Study& study) {
+std::vector<std::pair<std::uint32_t, std::uint32_t>> sizes_of(const Study& study, Backend backend) {
+    if (const auto own = study.sizes_on.find(backend); own != study.sizes_on.end()) {
+        return own->second;
+    }
     std::vector<std::pair<std::uint32_t, std::uint32_t>> sizes{{study.width, study.height}};
     sizes.insert(sizes.end(), study.more_sizes.begin(), study.more_sizes.end());
     return sizes;
@@ -228,9 +83,30 @@ Cell make_cell(const std::shared_ptr<const Scene>& scene, Backend backend, const
     return cell;
 }
 
+// Two studies may ask for one cell, which has one reference: as good as the better of the two.
+void merge(Cell& known, const Cell& other, const std::string& study) {
+    known.prepared_spp =
+        known.samples_to_prepare() >= other.samples_to_prepare() ? known.prepared_spp : other.prepared_spp;
+    if (!known.convergence) {
+        return;
+    }
+    CellConvergence& kept = *known.convergence;
+    const CellConvergence& added = *other.convergence;
+    if (kept.reference.name() != added.reference.name()) {
+        throw InputError(fmt::format("study {}: {} is compared with {} there and with {} elsewhere in the suite", study,
+                                     known.name, added.reference.name(), kept.reference.name()));
+    }
+    kept.reference.variance = std::min(kept.reference.variance, added.reference.variance);
+    kept.reference.most_spp = std::max(kept.reference.most_spp, added.reference.most_spp);
+    kept.images = kept.images || added.images;
+}
+
 void add_cell(Plan& plan, Cell cell, const std::string& study) {
     const auto known =
         std::find_if(plan.cells.begin(), plan.cells.end(), [&](const Cell& c) { return c.name == cell.name; });
+    if (known != plan.cells.end()) {
+        merge(*known, cell, study);
+    }
     Cell& target = known != plan.cells.end() ? *known : plan.cells.emplace_back(std::move(cell));
     if (target.studies.empty() || target.studies.back() != study) {
         target.studies.push_back(study);
@@ -256,6 +132,12 @@ std::shared_ptr<const Scene> scene_of(Scenes& scenes, const std::string& name_or
 }
 
 }  // namespace
+
+bool may_be_known_elsewhere(const std::string& name) {
+    const std::vector<Tunable> known = tunables_on_any_backend();
+    return !choices_not_built.empty() &&
+           std::none_of(known.begin(), known.end(), [&](const Tunable& tunable) { return tunable.name == name; });
+}
 
 void check_choices(const AxisChoices& axes, const std::string& file, const std::string& place) {
     for (const auto& [axis, names] : axes) {
@@ -283,7 +165,7 @@ void add_axis_argument(AxisChoices& axes, const std::string& argument, Backend b
     while (start <= argument.size()) {
         const std::size_t comma = std::min(argument.find(',', start), argument.size());
         names.push_back(argument.substr(start, comma - start));
-        check_new(names, "--axis", "argument." + axis);
+        check_once(names, "--axis", "argument." + axis);
         start = comma + 1;
     }
     if (names == std::vector<std::string>{"all"}) {
@@ -332,7 +214,7 @@ void add_tunable_argument(TunableValues& tunables, const std::string& argument) 
         }
         check_tunable(name, value, "--tune", "argument." + name);
         values.push_back(value);
-        check_new(values, "--tune", "argument." + name);
+        check_once(values, "--tune", "argument." + name);
         begin = parsed.ptr + 1;
     }
     tunables[name] = values;
@@ -404,50 +286,96 @@ std::vector<Variant> expand(const AxisChoices& axes, Backend backend, const Tuna
     return variants;
 }
 
-Suite load_suite(const std::string& file) {
-    const Json json = parse_json(read_file(file), file);
-    const JsonObject root(JsonValue(json, file, "$"), {"name", "description", "repetitions", "studies"});
-    Suite suite;
-    suite.name = root.required("name").plain_name();
-    suite.description = root.has("description") ? root.at("description").text() : "";
-    if (root.has("repetitions")) {
-        suite.repetitions = static_cast<int>(root.at("repetitions").whole(1, 10000, "a whole number from 1 to 10000"));
+std::vector<Variant> variants_of(const Study& study, Backend backend) {
+    if (study.variants.empty()) {
+        return expand(study.axes, backend, study.tunables);
     }
-    std::vector<std::string> names;
-    for (const JsonValue& study : root.required("studies").elements()) {
-        names.push_back(suite.studies.emplace_back(read_study(study)).name);
-        check_new(names, file, study.path() + ".name");
+    std::vector<Variant> variants;
+    for (VariantSet set : study.variants) {
+        set.axes.insert(study.axes.begin(), study.axes.end());
+        set.tunables.insert(study.tunables.begin(), study.tunables.end());
+        for (Variant& variant : expand(set.axes, backend, set.tunables)) {
+            if (std::find(variants.begin(), variants.end(), variant) == variants.end()) {
+                variants.push_back(std::move(variant));
+            }
+        }
     }
-    if (names.empty()) {
-        root.at("studies").fail("at least one study");
-    }
-    return suite;
+    return variants;
 }
+
+namespace {
+
+// The tunables that a study names, in any of its sets.
+std::set<std::string> named_tunables(const Study& study) {
+    std::set<std::string> named;
+    for (const auto& [tunable, values] : study.tunables) {
+        named.insert(tunable);
+    }
+    for (const VariantSet& set : study.variants) {
+        for (const auto& [tunable, values] : set.tunables) {
+            named.insert(tunable);
+        }
+    }
+    return named;
+}
+
+void check_reference(const ReferenceTask& task, const std::string& study) {
+    const Variant variant = reference_variant(task);
+    if (const std::string reason = why_not_applicable(variant, features_of(*task.scene), task.backend);
+        !reason.empty()) {
+        throw InputError(fmt::format("study {}: its reference {} cannot be rendered on {}: {}", study, variant.name(),
+                                     to_string(task.backend), reason));
+    }
+}
+
+// A variant of a study on a scene, at every size and depth.
+void add_cells(Plan& plan, Scenes& scenes, const Study& study, const std::shared_ptr<const Scene>& scene,
+               const Variant& variant, Backend backend) {
+    const std::vector<std::uint32_t> depths =
+        study.depths.empty() ? std::vector<std::uint32_t>{scene->max_depth} : study.depths;
+    for (const auto& [width, height] : sizes_of(study, backend)) {
+        for (const std::uint32_t depth : depths) {
+            if (!study.convergence) {
+                add_cell(plan, make_cell(scene, backend, variant, study, width, height, depth), study.name);
+                continue;
+            }
+            const std::uint32_t own_depth = depth_for_mean_of(variant, backend, depth);
+            if (own_depth == 0) {
+                plan.not_applicable.push_back({study.name, scene->name, variant,
+                                               fmt::format("has no depth at which its mean is that of {}", depth)});
+                continue;
+            }
+            const std::string& right = study.convergence->reference_scene;
+            Cell cell = make_cell(scene, backend, variant, study, width, height, own_depth);
+            Cell plain = cell;
+            add_checkpoints(cell, *study.convergence, right.empty() ? scene : scene_of(scenes, right), depth);
+            check_reference(cell.convergence->reference, study.name);
+            plain.prepared_spp = cell.prepared_spp;
+            add_cell(plan, std::move(cell), study.name);
+            if (study.convergence->without_checkpoints) {
+                add_cell(plan, std::move(plain), study.name + std::string(without_checkpoints_suffix));
+            }
+        }
+    }
+}
+
+}  // namespace
 
 Plan make_plan(const Suite& suite, Backend backend, const Tuning& tuning) {
     Plan plan;
     Scenes scenes;
     for (const Study& study : suite.studies) {
+        const std::set<std::string> named = named_tunables(study);
         for (const std::string& name : study.scenes) {
             const std::shared_ptr<const Scene> scene = scene_of(scenes, name);
-            const std::vector<std::uint32_t> depths =
-                study.depths.empty() ? std::vector<std::uint32_t>{scene->max_depth} : study.depths;
-            std::set<std::string> named;
-            for (const auto& [tunable, values] : study.tunables) {
-                named.insert(tunable);
-            }
-            for (const Variant& asked : expand(study.axes, backend, study.tunables)) {
+            for (const Variant& asked : variants_of(study, backend)) {
                 const Variant variant = tuning.applied(asked, named);
                 const std::string reason = why_not_applicable(variant, features_of(*scene), backend);
                 if (!reason.empty()) {
                     plan.not_applicable.push_back({study.name, scene->name, variant, reason});
                     continue;
                 }
-                for (const auto& [width, height] : sizes_of(study)) {
-                    for (const std::uint32_t depth : depths) {
-                        add_cell(plan, make_cell(scene, backend, variant, study, width, height, depth), study.name);
-                    }
-                }
+                add_cells(plan, scenes, study, scene, variant, backend);
             }
         }
     }

@@ -3,10 +3,12 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "harness/bench/tuning.h"
+#include "harness/error/reference.h"
 #include "harness/render/renderer.h"
 
 namespace pt {
@@ -17,6 +19,24 @@ using AxisChoices = std::map<std::string, std::vector<std::string>>;
 // Values by tunable; one that is not named stays at its standard.
 using TunableValues = std::map<std::string, std::vector<std::uint32_t>>;
 
+// Choices and values that belong together.
+struct VariantSet {
+    AxisChoices axes;
+    TunableValues tunables;
+};
+
+// What error against run time asks for beside time (harness/bench/convergence_study.h).
+struct ConvergenceSettings {
+    std::string reference_scene = {};  // whose image is the right one; empty: the cell's own scene
+    std::map<std::string, std::string> reference_axes =
+        {};                          // choices of the reference's variant, where not the plainest
+    double variance = 1e-6;          // of the reference, a pixel and channel
+    std::uint64_t most_spp = 65536;  // a half of it
+    std::map<Backend, std::uint64_t> most_spp_on = {};
+    bool images = false;               // keep the first sample's image at every checkpoint
+    bool without_checkpoints = false;  // the cells once more as ordinary ones
+};
+
 struct Study {
     std::string name;
     std::string title;
@@ -25,9 +45,13 @@ struct Study {
     std::vector<std::string> scenes;
     AxisChoices axes;
     TunableValues tunables;
-    std::uint32_t width = 0, height = 0;                              // 0: the scene's own
+    std::vector<VariantSet> variants = {};                // each is added to axes and tunables; empty: those
+    std::optional<ConvergenceSettings> convergence = {};  // of a study of error against run time
+    std::uint32_t width = 0, height = 0;                  // 0: the scene's own
     std::vector<std::pair<std::uint32_t, std::uint32_t>> more_sizes;  // resolutions besides width x height
-    std::vector<std::uint32_t> depths;                                // empty: the scene's own
+    std::map<Backend, std::vector<std::pair<std::uint32_t, std::uint32_t>>> sizes_on =
+        {};                             // where a backend has its own
+    std::vector<std::uint32_t> depths;  // empty: the scene's own
     std::uint32_t spp = 1;
     std::map<Backend, std::uint32_t> spp_on = {};  // where a backend has its own
 
@@ -44,14 +68,27 @@ struct Suite {
     std::vector<Study> studies;
 };
 
+// What a cell's images are compared with, and when.
+struct CellConvergence {
+    std::vector<std::uint32_t> checkpoints;
+    ReferenceTask reference;
+    bool images = false;
+};
+
 struct Cell {
-    std::string name;  // VARIANT/scene:NAME/backend:NAME/resolution:WxH/depth:D/spp:N
+    // VARIANT/scene:NAME/backend:NAME/resolution:WxH/depth:D/spp:N, and "/checkpoints:octaves" if it has them.
+    std::string name;
     std::vector<std::string> studies;
     std::shared_ptr<const Scene> scene;
     Backend backend = Backend::cpu;
     Variant variant;
     RenderSettings settings;
     std::uint32_t spp = 1;
+    // Samples a pixel of the renders before the timed ones; 0: as many. Its film's bits are held to others' anyway.
+    std::uint32_t prepared_spp = 0;
+    std::optional<CellConvergence> convergence = {};
+
+    std::uint32_t samples_to_prepare() const { return prepared_spp != 0 ? prepared_spp : spp; }
 };
 
 struct NotApplicable {
@@ -73,6 +110,8 @@ Suite load_suite(const std::string& file);
 // Variants get the values found for them by `tuning`, but for tunables that their study names.
 Plan make_plan(const Suite& suite, Backend backend = Backend::cpu, const Tuning& tuning = {});
 
+// Every variant that a study asks for, each once.
+std::vector<Variant> variants_of(const Study& study, Backend backend = Backend::cpu);
 // Every variant of the product of the given choices and values; unnamed axes at the backend's baseline. A value that is
 // a tunable's standard is left out of the variant.
 std::vector<Variant> expand(const AxisChoices& axes, Backend backend = Backend::cpu,
@@ -88,6 +127,8 @@ void add_axis_argument(AxisChoices& axes, const std::string& argument, Backend b
 void add_tunable_argument(TunableValues& tunables, const std::string& argument);
 // Throws InputError if no choice on any backend has such a tunable, or none that has it allows the value.
 void check_tunable(const std::string& name, std::uint32_t value, const std::string& file, const std::string& place);
+// A build without a CUDA toolkit does not know that backend's tunables: they tune nothing there.
+bool may_be_known_elsewhere(const std::string& name);
 void check_choices(const AxisChoices& axes, const std::string& file, const std::string& place);
 
 }  // namespace pt

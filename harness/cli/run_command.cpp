@@ -27,6 +27,7 @@ struct RunArguments {
     bool resume = false;
     bool untuned = false;
     bool dry_run = false;
+    std::string reference_cache;
 };
 
 // The study that --scene and --axis describe.
@@ -42,13 +43,20 @@ Suite suite_from_arguments(const RunArguments& arguments) {
 void override_study(Study& study, const RunArguments& arguments, Backend backend) {
     for (const std::string& argument : arguments.axes) {
         add_axis_argument(study.axes, argument, backend);
+        for (VariantSet& set : study.variants) {
+            add_axis_argument(set.axes, argument, backend);
+        }
     }
     for (const std::string& argument : arguments.tunables) {
         add_tunable_argument(study.tunables, argument);
+        for (VariantSet& set : study.variants) {
+            add_tunable_argument(set.tunables, argument);
+        }
     }
     if (!arguments.resolution.empty()) {
         std::tie(study.width, study.height) = parse_resolution(arguments.resolution);
         study.more_sizes.clear();
+        study.sizes_on.clear();
     }
     if (arguments.depth != 0) {
         study.depths = {arguments.depth};
@@ -73,12 +81,14 @@ std::string compared_axis(const AxisChoices& axes) {
 // Splits Google Benchmark's flags into those that ptbench owns and those that are passed on.
 RunOptions make_options(const RunArguments& arguments, const std::vector<std::string>& extras,
                         const std::string& command_line) {
-    RunOptions options{.out = arguments.out,
-                       .command_line = command_line,
-                       .repetitions = arguments.repetitions,
-                       .resume = arguments.resume,
-                       .untuned = arguments.untuned,
-                       .seed = arguments.seed};
+    RunOptions options{
+        .out = arguments.out,
+        .command_line = command_line,
+        .repetitions = arguments.repetitions,
+        .resume = arguments.resume,
+        .reference_cache = arguments.reference_cache.empty() ? default_reference_folder() : arguments.reference_cache,
+        .untuned = arguments.untuned,
+        .seed = arguments.seed};
     for (const std::string& extra : extras) {
         if (extra.starts_with("--benchmark_filter=")) {
             options.filter = extra.substr(extra.find('=') + 1);
@@ -151,6 +161,9 @@ Command add_run_command(CLI::App& app, const std::string& command_line) {
     command->add_flag("--resume", arguments->resume, "Go on with an unfinished run");
     command->add_flag("--untuned", arguments->untuned,
                       "Leave tunables at their standards, whatever `ptbench autotune` found on this machine");
+    command->add_option("--reference-cache", arguments->reference_cache,
+                        "Folder that keeps references for studies of error (default: ptbench/references in "
+                        "$XDG_CACHE_HOME or ~/.cache)");
     command->add_flag("--dry-run", arguments->dry_run, "List the cells, run nothing");
     command->allow_extras();
     return [arguments, command, command_line] { return run(*arguments, command->remaining(), command_line); };

@@ -43,12 +43,11 @@ std::string encode_png(const Film& film) {
 }
 
 // Rows from bottom to top; the negative scale says little-endian.
-std::string encode_pfm(const Film& film) {
+std::string encode_pfm(const std::vector<float>& values, std::uint32_t width, std::uint32_t height) {
     static_assert(std::endian::native == std::endian::little);
-    std::string encoded = fmt::format("PF\n{} {}\n-1.0\n", film.width(), film.height());
-    const std::vector<float> values = film.radiance();
-    const std::size_t row = std::size_t{3} * film.width();
-    for (std::uint32_t y = film.height(); y-- > 0;) {
+    std::string encoded = fmt::format("PF\n{} {}\n-1.0\n", width, height);
+    const std::size_t row = std::size_t{3} * width;
+    for (std::uint32_t y = height; y-- > 0;) {
         encoded.append(reinterpret_cast<const char*>(&values[y * row]), row * sizeof(float));
     }
     return encoded;
@@ -65,7 +64,13 @@ void check_image_name(const std::string& file) {
 
 void write_image(const Film& film, const std::string& file) {
     check_image_name(file);
-    write_file(file, std::filesystem::path(file).extension() == ".png" ? encode_png(film) : encode_pfm(film));
+    write_file(file, std::filesystem::path(file).extension() == ".png"
+                         ? encode_png(film)
+                         : encode_pfm(film.radiance(), film.width(), film.height()));
+}
+
+void write_pfm(const std::vector<float>& radiance, std::uint32_t width, std::uint32_t height, const std::string& file) {
+    write_file(file, encode_pfm(radiance, width, height));
 }
 
 }  // namespace pt

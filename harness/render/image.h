@@ -12,4 +12,7 @@ namespace pt {
 void write_image(const Film& film, const std::string& file);
 void check_image_name(const std::string& file);
 
+// Linear RGB, row-major from the top, as .pfm.
+void write_pfm(const std::vector<float>& radiance, std::uint32_t width, std::uint32_t height, const std::string& file);
+
 }  // namespace pt

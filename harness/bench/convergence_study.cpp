@@ -1,0 +1,113 @@
+#include "harness/bench/convergence_study.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace pt {
+
+namespace {
+
+constexpr long long largest_spp = 1LL << 31;
+
+// A sample's first-bounce cache, kernels and bits show in so few samples; verification and the instrumented pass of a
+// cell with checkpoints would else take as long as its timed samples.
+constexpr std::uint32_t prepared_samples = 64;
+
+std::uint64_t read_most(const JsonValue& value) {
+    return static_cast<std::uint64_t>(value.whole(1, largest_spp, "a whole number from 1 to 2147483648"));
+}
+
+void read_reference(const JsonValue& value, ConvergenceSettings& settings) {
+    const JsonObject object(value, {"scene", "axes", "variance", "most_spp"});
+    if (object.has("scene")) {
+        settings.reference_scene = object.at("scene").text();
+    }
+    if (object.has("axes")) {
+        const JsonValue axes = object.at("axes");
+        if (!axes.json().is_object()) {
+            axes.fail("an object of choices, by axis");
+        }
+        for (const auto& [axis, choice] : axes.json().items()) {
+            settings.reference_axes[axis] = JsonValue(choice, axes.file(), axes.path() + "." + axis).text();
+            check_choices({{axis, {settings.reference_axes[axis]}}}, axes.file(), axes.path());
+        }
+    }
+    if (object.has("variance")) {
+        settings.variance = object.at("variance").number(1e-300, 1e300, "a number above 0");
+    }
+    if (!object.has("most_spp")) {
+        return;
+    }
+    const JsonValue most = object.at("most_spp");
+    if (!most.json().is_object()) {
+        settings.most_spp = read_most(most);
+        return;
+    }
+    const JsonObject by_backend(most, {"cpu", "cuda"});
+    for (const Backend backend : all_backends) {
+        settings.most_spp_on[backend] = read_most(by_backend.required(std::string(to_string(backend))));
+    }
+}
+
+}  // namespace
+
+ConvergenceSettings read_convergence(const JsonObject& study) {
+    ConvergenceSettings settings;
+    if (study.has("reference")) {
+        read_reference(study.at("reference"), settings);
+    }
+    settings.images = study.has("images") && study.at("images").boolean();
+    settings.without_checkpoints = !study.has("without_checkpoints") || study.at("without_checkpoints").boolean();
+    return settings;
+}
+
+std::vector<std::uint32_t> octaves(std::uint32_t spp) {
+    std::vector<std::uint32_t> samples;
+    for (std::uint64_t n = 1; n < spp; n *= 2) {
+        samples.push_back(static_cast<std::uint32_t>(n));
+    }
+    samples.push_back(spp);
+    return samples;
+}
+
+void add_checkpoints(Cell& cell, const ConvergenceSettings& settings, std::shared_ptr<const Scene> reference_scene,
+                     std::uint32_t reference_depth) {
+    const auto own_most = settings.most_spp_on.find(cell.backend);
+    CellConvergence convergence;
+    convergence.checkpoints = octaves(cell.spp);
+    convergence.images = settings.images;
+    convergence.reference = {.scene = std::move(reference_scene),
+                             .width = cell.settings.width,
+                             .height = cell.settings.height,
+                             .depth = reference_depth,
+                             .backend = cell.backend,
+                             .axes = settings.reference_axes,
+                             .variance = settings.variance,
+                             .most_spp = own_most != settings.most_spp_on.end() ? own_most->second : settings.most_spp};
+    cell.convergence = std::move(convergence);
+    cell.prepared_spp = std::min(cell.spp, prepared_samples);
+    cell.name += "/checkpoints:octaves";
+}
+
+bool has_independent_samples(const Variant& variant) {
+    const auto* sampler = std::find(std::begin(axis_names), std::end(axis_names), "sampler");
+    return sampler == std::end(axis_names) || variant["sampler"] != "sobol_owen";
+}
+
+std::vector<std::string> declared_biases(const Cell& cell) {
+    std::vector<std::string> biases;
+    for (const std::string_view axis : axis_names) {
+        const Descriptor& descriptor = Registry::instance().at(axis, cell.variant, cell.backend).descriptor;
+        if (descriptor.claim == Claim::biased) {
+            biases.push_back(fmt::format("{}={}: {}", axis, descriptor.name, descriptor.claim_note));
+        }
+    }
+    const Scene& reference = *cell.convergence->reference.scene;
+    if (reference.hash != cell.scene->hash) {
+        biases.push_back(fmt::format("the scene is {}, the reference's is {}", cell.scene->name, reference.name));
+    }
+    return biases;
+}
+
+}  // namespace pt

@@ -1,0 +1,29 @@
+// Studies of error against run time (type "convergence"): their keys in a suite's file, and what their cells compare
+// with what.
+#pragma once
+
+#include "harness/bench/suite.h"
+
+namespace pt {
+
+inline constexpr std::string_view without_checkpoints_suffix = "_without_checkpoints";
+
+// Keys that only such a study has.
+inline const std::vector<std::string> convergence_keys{"reference", "images", "without_checkpoints"};
+// Of the object of a study; throws InputError.
+ConvergenceSettings read_convergence(const JsonObject& study);
+
+// 1, 2, 4, ... and the last sample.
+std::vector<std::uint32_t> octaves(std::uint32_t spp);
+
+// Makes an ordinary cell, whose settings have the depth of depth_for_mean_of, one with checkpoints.
+void add_checkpoints(Cell& cell, const ConvergenceSettings& settings, std::shared_ptr<const Scene> reference_scene,
+                     std::uint32_t reference_depth);
+
+// Whether the samples of one run are independent of each other, so that its halves are.
+bool has_independent_samples(const Variant& variant);
+
+// Why the cell's images are another than the reference's, or may be; each in a line.
+std::vector<std::string> declared_biases(const Cell& cell);
+
+}  // namespace pt

@@ -1,0 +1,183 @@
+#include "harness/bench/error_book.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "harness/bench/convergence_study.h"
+#include "harness/render/image.h"
+
+namespace pt {
+
+namespace {
+
+// Means of the first half of the samples and of the rest, from the sums at both ends.
+Halves halves_of(const Film& half, const Film& whole) {
+    Halves halves{image_of(half), {}};
+    const double unit = 1 / (whole.scale() * static_cast<double>(whole.samples() - half.samples()));
+    halves.second.reserve(whole.sums().size());
+    for (std::size_t i = 0; i < whole.sums().size(); ++i) {
+        halves.second.push_back(static_cast<double>(whole.sums()[i] - half.sums()[i]) * unit);
+    }
+    return halves;
+}
+
+Json json_of(const std::optional<Errors>& errors) {
+    if (!errors) {
+        Json none;
+        for (const char* name : {"me_rgb", "mse", "mse_dual", "rel_mse", "rel_mse_dual", "smape", "bias2"}) {
+            none[name] = nullptr;
+        }
+        return none;
+    }
+    return {{"me_rgb", errors->me_rgb},
+            {"mse", errors->mse},
+            {"mse_dual", errors->mse_dual},
+            {"rel_mse", errors->rel_mse},
+            {"rel_mse_dual", errors->rel_mse_dual},
+            {"smape", errors->smape},
+            {"bias2", errors->bias2 ? Json(*errors->bias2) : Json()}};
+}
+
+std::string file_name(std::string name) {
+    for (char& c : name) {
+        const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+                              std::string_view("._+=-").find(c) != std::string_view::npos;
+        c = is_plain ? c : '_';
+    }
+    return name;
+}
+
+}  // namespace
+
+ErrorBook::ErrorBook(const Plan& plan, ReferenceMaker maker) : maker_(std::move(maker)) {
+    for (const Cell& cell : plan.cells) {
+        if (!cell.convergence) {
+            continue;
+        }
+        const ReferenceTask& task = cell.convergence->reference;
+        ReferenceTask& kept = tasks_.try_emplace(task.name(), task).first->second;
+        kept.variance = std::min(kept.variance, task.variance);
+        kept.most_spp = std::max(kept.most_spp, task.most_spp);
+    }
+}
+
+void ErrorBook::make_references() {
+    for (const auto& [name, task] : tasks_) {
+        try {
+            references_.insert_or_assign(name, maker_.make(task));
+        } catch (const std::exception& exception) {
+            failures_[name] = exception.what();
+        }
+    }
+}
+
+void ErrorBook::improve(const std::string& name, double dual_error) {
+    const auto known = references_.find(name);
+    if (known != references_.end() && known->second.noise.dual_error > dual_error) {
+        known->second = maker_.make(tasks_.at(name), dual_error);
+    }
+}
+
+const Reference& ErrorBook::reference(const Cell& cell) const {
+    const std::string name = cell.convergence->reference.name();
+    const auto known = references_.find(name);
+    if (known == references_.end()) {
+        const auto failure = failures_.find(name);
+        throw std::runtime_error("no reference " + name + (failure != failures_.end() ? ": " + failure->second : ""));
+    }
+    return known->second;
+}
+
+double ErrorBook::expected_mse(const Cell& cell, const Film& film) const {
+    const Reference& right = reference(cell);
+    const std::optional<Errors> errors = errors_of(image_of(film), nullptr, right.first, right.second);
+    return errors ? errors->mse_dual * static_cast<double>(film.samples()) / cell.spp : 0;
+}
+
+std::string ErrorBook::refusal(const Cell& cell, double expected_mse) const {
+    const Reference& right = reference(cell);
+    const double allowed = allowed_reference_error * std::max(0.0, expected_mse);
+    if (right.noise.dual_error <= allowed) {
+        return "";
+    }
+    const std::string would_do =
+        allowed > 0 ? fmt::format("{:.0f} spp a half would do",
+                                  std::ceil(static_cast<double>(right.spp_per_half) * right.noise.dual_error / allowed))
+                    : std::string("the cell has no error that could be told from it");
+    return fmt::format(
+        "its reference {} is too noisy with {} spp a half: {:.3g} of error in mse_dual, allowed: {} of the expected "
+        "{:.3g}; {} (most_spp: {})",
+        right.name, right.spp_per_half, right.noise.dual_error, allowed_reference_error, expected_mse, would_do,
+        tasks_.at(right.name).most_spp);
+}
+
+Json ErrorBook::cell_facts(const Cell& cell) const {
+    Json metrics;
+    for (const auto& [name, definition] : metric_definitions) {
+        metrics[std::string(name)] = definition;
+    }
+    return {{"checkpoints", cell.convergence->checkpoints},
+            {"independent_samples", has_independent_samples(cell.variant)},
+            {"reference", reference(cell).provenance()},
+            {"metrics", metrics},
+            {"biases", declared_biases(cell)}};
+}
+
+Json ErrorBook::errors_json(const Cell& cell, const Snapshot& snapshot, const Snapshot* half) {
+    const Reference& right = reference(cell);
+    const std::string key = fmt::format("{}/{}/{}/{}", right.hash, snapshot.samples, snapshot.film.hash(),
+                                        half != nullptr ? half->film.hash() : "");
+    const auto known = known_.find(key);
+    if (known != known_.end()) {
+        return known->second;
+    }
+    Json errors;
+    if (snapshot.film.faults().nonfinite != 0) {
+        errors = json_of(std::nullopt);
+    } else if (half != nullptr) {
+        const Halves halves = halves_of(half->film, snapshot.film);
+        errors = json_of(errors_of(image_of(snapshot.film), &halves, right.first, right.second));
+    } else {
+        errors = json_of(errors_of(image_of(snapshot.film), nullptr, right.first, right.second));
+    }
+    return known_.emplace(key, std::move(errors)).first->second;
+}
+
+Json ErrorBook::rows(const Cell& cell, const std::vector<Snapshot>& snapshots) {
+    Json rows = Json::array();
+    for (const Snapshot& snapshot : snapshots) {
+        const auto half = std::find_if(snapshots.begin(), snapshots.end(),
+                                       [&](const Snapshot& other) { return 2 * other.samples == snapshot.samples; });
+        const bool has_halves = half != snapshots.end() && has_independent_samples(cell.variant);
+        Json row{{"spp", snapshot.samples},           {"wall_ms", snapshot.wall_ms},
+                 {"device_ms", snapshot.device_ms},   {"cpu_ms", snapshot.cpu_ms},
+                 {"film_hash", snapshot.film.hash()}, {"nonfinite", snapshot.film.faults().nonfinite}};
+        row.update(errors_json(cell, snapshot, has_halves ? &*half : nullptr));
+        rows.push_back(std::move(row));
+    }
+    return rows;
+}
+
+Json write_images(const std::string& result_file, const Cell& cell, const Reference& reference,
+                  const std::vector<Snapshot>& snapshots) {
+    const std::filesystem::path result(result_file);
+    const std::filesystem::path folder = result.stem().string() + "_images";
+    const auto keep = [&](const std::string& name, const Image& image) {
+        const std::filesystem::path file = folder / (file_name(name) + ".pfm");
+        write_pfm({image.begin(), image.end()}, cell.settings.width, cell.settings.height,
+                  (result.parent_path() / file).string());
+        return file.string();
+    };
+    Json names{{"reference", keep("reference/" + reference.name, reference.mean())}, {"by_spp", Json::object()}};
+    for (const Snapshot& snapshot : snapshots) {
+        names["by_spp"][std::to_string(snapshot.samples)] =
+            keep(fmt::format("{}/at:{}", cell.name, snapshot.samples), image_of(snapshot.film));
+    }
+    return names;
+}
+
+}  // namespace pt

@@ -1,0 +1,62 @@
+// What a run of error against time knows of its references and of the errors of its films: films with the same bits
+// have one error, computed once.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "harness/bench/suite.h"
+#include "harness/error/reference.h"
+
+namespace pt {
+
+// A render at one of its checkpoints, copied.
+struct Snapshot {
+    std::uint32_t samples;
+    double wall_ms, device_ms, cpu_ms;
+    Film film;
+};
+
+// The part of the smallest expected mse that a reference's own noise may add to mse_dual (ReferenceNoise::dual_error).
+// mse_dual is right in the mean whatever the reference's noise (shared/numerics.md 1.2); only this spread is left.
+inline constexpr double allowed_reference_error = 0.05;
+
+class ErrorBook {
+public:
+    // Takes the tasks of the plan's cells: of those for one reference, the most demanding.
+    ErrorBook(const Plan& plan, ReferenceMaker maker);
+
+    // Makes or loads every reference to its own variance. A task that fails is told where its reference is asked for.
+    void make_references();
+    // Renders a reference on until its error is no more than `dual_error`, or it has the task's most_spp.
+    void improve(const std::string& name, double dual_error);
+    // Throws std::runtime_error that says why there is none.
+    const Reference& reference(const Cell& cell) const;
+
+    // mse_dual that the cell will have at its spp if it falls as 1/spp, from a film of fewer.
+    double expected_mse(const Cell& cell, const Film& film) const;
+    // Why the reference is too noisy for a cell with this expected mse, with the spp that would do; empty: it is not.
+    std::string refusal(const Cell& cell, double expected_mse) const;
+
+    // What the cell has in a result file besides the errors.
+    Json cell_facts(const Cell& cell) const;
+    // The value of pt_checkpoints in a sample's row; "shared" is left for the result file to say.
+    Json rows(const Cell& cell, const std::vector<Snapshot>& snapshots);
+
+private:
+    Json errors_json(const Cell& cell, const Snapshot& snapshot, const Snapshot* half);
+
+    ReferenceMaker maker_;
+    std::map<std::string, ReferenceTask> tasks_;  // by reference
+    std::map<std::string, Reference> references_;
+    std::map<std::string, std::string> failures_;
+    std::map<std::string, Json> known_;  // errors, by reference, samples and film
+};
+
+// Writes a sample's images at its checkpoints and the reference as .pfm beside a result file; returns their names by
+// spp and that of the reference, relative to the result file.
+Json write_images(const std::string& result_file, const Cell& cell, const Reference& reference,
+                  const std::vector<Snapshot>& snapshots);
+
+}  // namespace pt

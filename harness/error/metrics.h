@@ -1,0 +1,54 @@
+// How far an image is from a reference: the metrics of shared/numerics.md section 1.1, in double precision over linear
+// radiance. A reference is two independent halves, so that its own noise neither inflates an error nor fakes a plateau.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace pt {
+
+// Mean radiance: three channels a pixel, row-major.
+using Image = std::vector<double>;
+
+// The halves of one run: of its first and of its last n/2 samples.
+struct Halves {
+    Image first, second;
+};
+
+// What there is only if every pixel is finite.
+struct Errors {
+    std::array<double, 3> me_rgb{};
+    double mse = 0;
+    double mse_dual = 0;
+    double rel_mse = 0;
+    double rel_mse_dual = 0;
+    double smape = 0;
+    std::optional<double> bias2;  // where the run's halves are known and independent
+};
+
+// Name and definition of each metric, as result files state them.
+extern const std::vector<std::pair<std::string_view, std::string_view>> metric_definitions;
+
+// Pixels with a channel that is not finite.
+std::uint64_t nonfinite_pixels(const Image& image);
+
+// Nothing if a pixel of the image or of its halves is not finite. `halves` may be null. Precondition: all images are of
+// one size and not empty, and the reference is finite.
+std::optional<Errors> errors_of(const Image& image, const Halves* halves, const Image& first_reference,
+                                const Image& second_reference);
+
+// The noise of a reference (r1 + r2) / 2, told from its halves.
+struct ReferenceNoise {
+    double variance = 0;     // of the mean of the halves, a pixel and channel: mean((r1-r2)^2) / 4
+    double mean_square = 0;  // of the mean of the halves
+    // Standard error that the reference alone gives to mse_dual, however many images are compared with it: that of
+    // mean (r1-mu)(r2-mu), from fourth powers of r1-r2; a pixel's three channels are taken to err together.
+    double dual_error = 0;
+};
+ReferenceNoise noise_of(const Image& first_reference, const Image& second_reference);
+
+}  // namespace pt
