@@ -16,8 +16,14 @@ const Registration registration(
                       "elsewhere",
         .mean_of = "generic",
         .backends = on_every_backend,
-        .does_not_apply = [](FeatureSet, const Variant& variant) -> std::string {
-            return variant["sampler"] == "pcg4d" ? "" : "is compiled with sampler=pcg4d only";
+        .does_not_apply = [](FeatureSet scene, const Variant& variant) -> std::string {
+            if (variant["sampler"] != "pcg4d") {
+                return "is compiled with sampler=pcg4d only";
+            }
+            // A camera ray through an edge takes one of two surfaces by its rounding: nothing where pixels are sampled,
+            // but a ray through a pixel's centre is the same in every sample.
+            return contains(scene, Feature::jitter) ? ""
+                                                    : "needs jitter: an unjittered camera ray may meet an edge exactly";
         },
     },
     {.specialisation = [](const KernelOffer&, const Variant&, Backend) { return all_features | Feature::matrix; }});
