@@ -335,11 +335,11 @@ TEST_F(ConvergenceTest, ASeedOfTheReferencesIsRefused) {
 TEST_F(ConvergenceTest, ABackendMayHaveItsOwnReference) {
     const Plan plan = make_plan(suite(R"({"name": "a", "type": "convergence", "scenes": ["tiny"],
         "reference": {"variance": {"cpu": 0.25, "cuda": 0.5}, "most_spp": {"cpu": 7, "cuda": 9},
-                      "axes": {"direct_light": "nee"}}})"));
+                      "axes": {"direct_light": "final_bounce"}}})"));
     const ReferenceTask& task = plan.cells.at(0).convergence->reference;
     EXPECT_EQ(task.variance, 0.25);
     EXPECT_EQ(task.most_spp, 7u);
-    EXPECT_EQ(reference_variant(task)["direct_light"], "nee");
+    EXPECT_EQ(reference_variant(task)["direct_light"], "final_bounce");
     EXPECT_EQ(reference_variant(task)["sampler"], "philox");
     EXPECT_EQ(reference_variant(task)["precision"], "double");
 }
