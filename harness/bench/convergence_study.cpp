@@ -18,6 +18,19 @@ std::uint64_t read_most(const JsonValue& value) {
     return static_cast<std::uint64_t>(value.whole(1, largest_spp, "a whole number from 1 to 2147483648"));
 }
 
+// A number, or an object with one by backend: what a GPU renders is compared with more samples.
+void read_variance(const JsonValue& value, ConvergenceSettings& settings) {
+    const auto variance = [](const JsonValue& v) { return v.number(1e-300, 1e300, "a number above 0"); };
+    if (!value.json().is_object()) {
+        settings.variance = variance(value);
+        return;
+    }
+    const JsonObject by_backend(value, {"cpu", "cuda"});
+    for (const Backend backend : all_backends) {
+        settings.variance_on[backend] = variance(by_backend.required(std::string(to_string(backend))));
+    }
+}
+
 void read_reference(const JsonValue& value, ConvergenceSettings& settings) {
     const JsonObject object(value, {"scene", "axes", "variance", "most_spp"});
     if (object.has("scene")) {
@@ -34,7 +47,7 @@ void read_reference(const JsonValue& value, ConvergenceSettings& settings) {
         }
     }
     if (object.has("variance")) {
-        settings.variance = object.at("variance").number(1e-300, 1e300, "a number above 0");
+        read_variance(object.at("variance"), settings);
     }
     if (!object.has("most_spp")) {
         return;
@@ -74,25 +87,28 @@ std::vector<std::uint32_t> octaves(std::uint32_t spp) {
 void add_checkpoints(Cell& cell, const ConvergenceSettings& settings, std::shared_ptr<const Scene> reference_scene,
                      std::uint32_t reference_depth) {
     const auto own_most = settings.most_spp_on.find(cell.backend);
+    const auto own_variance = settings.variance_on.find(cell.backend);
     CellConvergence convergence;
     convergence.checkpoints = octaves(cell.spp);
     convergence.images = settings.images;
-    convergence.reference = {.scene = std::move(reference_scene),
-                             .width = cell.settings.width,
-                             .height = cell.settings.height,
-                             .depth = reference_depth,
-                             .backend = cell.backend,
-                             .axes = settings.reference_axes,
-                             .variance = settings.variance,
-                             .most_spp = own_most != settings.most_spp_on.end() ? own_most->second : settings.most_spp};
+    convergence.reference = {
+        .scene = std::move(reference_scene),
+        .width = cell.settings.width,
+        .height = cell.settings.height,
+        .depth = reference_depth,
+        .backend = cell.backend,
+        .axes = settings.reference_axes,
+        .variance = own_variance != settings.variance_on.end() ? own_variance->second : settings.variance,
+        .most_spp = own_most != settings.most_spp_on.end() ? own_most->second : settings.most_spp};
     cell.convergence = std::move(convergence);
     cell.prepared_spp = std::min(cell.spp, prepared_samples);
     cell.name += "/checkpoints:octaves";
 }
 
-bool has_independent_samples(const Variant& variant) {
-    const auto* sampler = std::find(std::begin(axis_names), std::end(axis_names), "sampler");
-    return sampler == std::end(axis_names) || variant["sampler"] != "sobol_owen";
+bool has_independent_samples(const Variant& variant, Backend backend) {
+    return std::all_of(std::begin(axis_names), std::end(axis_names), [&](std::string_view axis) {
+        return Registry::instance().at(axis, variant, backend).descriptor.has_independent_samples;
+    });
 }
 
 std::vector<std::string> declared_biases(const Cell& cell) {

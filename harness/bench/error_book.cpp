@@ -121,7 +121,7 @@ Json ErrorBook::cell_facts(const Cell& cell) const {
         metrics[std::string(name)] = definition;
     }
     return {{"checkpoints", cell.convergence->checkpoints},
-            {"independent_samples", has_independent_samples(cell.variant)},
+            {"independent_samples", has_independent_samples(cell.variant, cell.backend)},
             {"reference", reference(cell).provenance()},
             {"metrics", metrics},
             {"biases", declared_biases(cell)}};
@@ -152,7 +152,7 @@ Json ErrorBook::rows(const Cell& cell, const std::vector<Snapshot>& snapshots) {
     for (const Snapshot& snapshot : snapshots) {
         const auto half = std::find_if(snapshots.begin(), snapshots.end(),
                                        [&](const Snapshot& other) { return 2 * other.samples == snapshot.samples; });
-        const bool has_halves = half != snapshots.end() && has_independent_samples(cell.variant);
+        const bool has_halves = half != snapshots.end() && has_independent_samples(cell.variant, cell.backend);
         Json row{{"spp", snapshot.samples},           {"wall_ms", snapshot.wall_ms},
                  {"device_ms", snapshot.device_ms},   {"cpu_ms", snapshot.cpu_ms},
                  {"film_hash", snapshot.film.hash()}, {"nonfinite", snapshot.film.faults().nonfinite}};

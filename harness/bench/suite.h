@@ -29,9 +29,10 @@ struct VariantSet {
 struct ConvergenceSettings {
     std::string reference_scene = {};  // whose image is the right one; empty: the cell's own scene
     std::map<std::string, std::string> reference_axes =
-        {};                          // choices of the reference's variant, where not the plainest
-    double variance = 1e-6;          // of the reference, a pixel and channel
-    std::uint64_t most_spp = 65536;  // a half of it
+        {};                                      // choices of the reference's variant, where not the plainest
+    double variance = 1e-6;                      // of the reference, a pixel and channel
+    std::map<Backend, double> variance_on = {};  // where a backend has its own
+    std::uint64_t most_spp = 65536;              // a half of it
     std::map<Backend, std::uint64_t> most_spp_on = {};
     bool images = false;               // keep the first sample's image at every checkpoint
     bool without_checkpoints = false;  // the cells once more as ordinary ones

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -187,18 +188,21 @@ Reference ReferenceMaker::make(const ReferenceTask& task, double dual_error) con
         return reference.spp_per_half > 0 && reference.noise.variance <= task.variance &&
                reference.noise.dual_error <= dual_error;
     };
-    const std::uint64_t cached_spp = reference.spp_per_half;
+    std::uint64_t said_spp = reference.spp_per_half;
+    const auto say = [&] {
+        if (std::exchange(said_spp, reference.spp_per_half) != reference.spp_per_half) {
+            hooks_.says(progress_text(reference, task));
+        }
+    };
     while (!is_good() && reference.spp_per_half < task.most_spp && !hooks_.is_stopped()) {
         const auto start = std::chrono::steady_clock::now();
         double_samples(reference, task, variant);
         cache.store(reference);
         if (std::chrono::steady_clock::now() - start > std::chrono::seconds(5)) {
-            hooks_.says(progress_text(reference, task));
+            say();
         }
     }
-    if (reference.spp_per_half != cached_spp) {
-        hooks_.says(progress_text(reference, task));
-    }
+    say();
     return reference;
 }
 

@@ -307,7 +307,7 @@ TEST_F(ConvergenceTest, AnInterruptedRunGoesOnWithTheSamplesThatItHad) {
     how.resume = true;
     ReferenceTask better = make_plan(what).cells.at(0).convergence->reference;
     better.variance = 0;
-    better.most_spp = 65536;
+    better.most_spp = 16384;
     (void)ReferenceMaker(how.reference_cache).make(better);
     EXPECT_NE(refusal([&] { run(what, how); }).find(" were compared with another reference than "), std::string::npos);
     EXPECT_EQ(test::content_of(journal_file), journal);
@@ -330,6 +330,18 @@ TEST_F(ConvergenceTest, ASeedOfTheReferencesIsRefused) {
     RunOptions how = options();
     how.seed = reference_seeds[0] - 2;
     EXPECT_THROW(run(suite(two_integrators), how), InputError);
+}
+
+TEST_F(ConvergenceTest, ABackendMayHaveItsOwnReference) {
+    const Plan plan = make_plan(suite(R"({"name": "a", "type": "convergence", "scenes": ["tiny"],
+        "reference": {"variance": {"cpu": 0.25, "cuda": 0.5}, "most_spp": {"cpu": 7, "cuda": 9},
+                      "axes": {"direct_light": "final_bounce"}}})"));
+    const ReferenceTask& task = plan.cells.at(0).convergence->reference;
+    EXPECT_EQ(task.variance, 0.25);
+    EXPECT_EQ(task.most_spp, 7u);
+    EXPECT_EQ(reference_variant(task)["direct_light"], "final_bounce");
+    EXPECT_EQ(reference_variant(task)["sampler"], "philox");
+    EXPECT_EQ(reference_variant(task)["precision"], "double");
 }
 
 TEST_F(ConvergenceTest, OctavesEndWithTheLastSample) {
@@ -359,6 +371,8 @@ TEST_F(ConvergenceTest, RefusesBadStudiesWithTheirPlace) {
          "$.studies[0].reference: found unknown key \"spp\", allowed: scene, axes, variance, most_spp"},
         {head + R"(, "reference": {"variance": 0}})",
          "$.studies[0].reference.variance: found 0, allowed: a number above 0"},
+        {head + R"(, "reference": {"variance": {"cpu": 1, "cuda": -1}}})",
+         "$.studies[0].reference.variance.cuda: found -1, allowed: a number above 0"},
         {head + R"(, "reference": {"most_spp": 0}})",
          "$.studies[0].reference.most_spp: found 0, allowed: a whole number from 1 to 2147483648"},
         {head + R"(, "reference": {"most_spp": {"cpu": 4}}})",
