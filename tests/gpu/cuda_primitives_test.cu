@@ -302,7 +302,9 @@ TEST_P(CudaSortingTest, IsStableAndHitsGoWithTheirPaths) {
                                                     << " keys" << (indirect ? ", by an order" : ""));
                     Cell cell(tested.layout, cuda_descriptor("sorting", tested.choice), tested.tuning);
                     const auto sorting = make_sorting(tested.choice, cell);
-                    DeviceQueue made(cell, {size, slack, 0.2, indirect, ++seed}, *sorting);
+                    // It moves the seeds' record, which has no room for it.
+                    const bool with_density = std::string(tested.choice) != "thrust_sort_by_key";
+                    DeviceQueue made(cell, {size, slack, 0.2, indirect, ++seed, with_density}, *sorting);
                     std::vector<std::uint32_t> keys(made.slots(), key_count - 1);
                     for (std::uint32_t i = 0; i < size; ++i) {
                         keys[i] = key_of(made.paths[made.order[i]], key_count);

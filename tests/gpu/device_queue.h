@@ -119,6 +119,7 @@ struct Shape {
     double ended = 0;         // fraction
     bool indirect = false;
     std::uint64_t seed = 1;
+    bool with_density = true;  // else it is 0, as without next-event estimation
 };
 
 // Paths are told apart by `pixel`, which is the slot that they were put in; each has a hit that says whose it is.
@@ -202,7 +203,8 @@ private:
             object_class.push_back(static_cast<unsigned char>(random.word() & 1u));
         }
         for (std::uint32_t slot = 0; slot < queue.bound; ++slot) {
-            paths.push_back(random_path(random, slot, slot < shape.count && random.uniform() < shape.ended));
+            paths.push_back(
+                random_path(random, slot, slot < shape.count && random.uniform() < shape.ended, shape.with_density));
         }
         order.resize(queue.bound);
         std::iota(order.begin(), order.end(), 0u);
@@ -250,14 +252,15 @@ private:
         (stages.reserve(measuring, queue), ...);
         return measuring.used();
     }
-    static Path<float> random_path(Random& random, std::uint32_t id, bool ended) {
+    static Path<float> random_path(Random& random, std::uint32_t id, bool ended, bool with_density) {
         Path<float> path{};
-        std::uint32_t words[18];
+        std::uint32_t words[sizeof path / sizeof(std::uint32_t)];
         for (std::uint32_t& word : words) {
             word = random.word() & 0xff7fffffu;  // as a number: finite, so that a copy keeps its bits
         }
         std::memcpy(&path, words, sizeof path);
         path.pixel = id;
+        path.scatter_density = with_density ? path.scatter_density : 0.0f;
         path.segment = ended ? Path<float>::ended : id % 7;
         path.departed = id % 8 == 0 ? ObjectSide{} : ObjectSide::of(path.departed.code % objects, id % 2 == 0);
         return path;

@@ -60,10 +60,10 @@ const IntegratorRegistration integrators[] = {
     {test_choice("integrator", "test_nan", "depth_first"), all_features, render_a_nan},
 };
 const Registration adds_nothing(test_choice("direct_light", "test_adds_nothing", "off", 1),
-                                {.direct_light = [] { return no_features; }});
+                                {.features = [] { return no_features; }});
 // Has the mean of a choice that has the mean of a third.
 const Registration adds_two(test_choice("direct_light", "test_adds_two", "test_adds_nothing", 2),
-                            {.direct_light = [] { return no_features; }});
+                            {.features = [] { return no_features; }});
 
 Variant with(std::string_view axis, const std::string& choice) {
     Variant variant = Registry::instance().baseline();
