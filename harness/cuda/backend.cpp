@@ -43,7 +43,7 @@ RenderResult render(const Scene& scene, const RenderRequest& request) {
     const RenderSettings settings = settings_for(request, kernel);
     const std::uint64_t film_samples = request.film_samples != 0 ? request.film_samples : request.samples;
     RenderResult result{
-        .film = Film(settings.width, settings.height, radiance_bound(scene, settings.depth), film_samples),
+        .film = Film(settings.width, settings.height, radiance_bound(scene, settings), film_samples),
         .work = {},
         .stages = {},
         .needed = kernel.needed,

@@ -42,7 +42,7 @@ RenderResult render_in(const Scene& scene, const RenderRequest& request, const K
     const SceneBuffers<Real> buffers(scene, settings);
     const std::uint64_t film_samples = request.film_samples != 0 ? request.film_samples : request.samples;
     RenderResult result{
-        .film = Film(settings.width, settings.height, radiance_bound(scene, settings.depth), film_samples),
+        .film = Film(settings.width, settings.height, radiance_bound(scene, settings), film_samples),
         .work = {},
         .stages = {},
         .needed = kernel.needed,

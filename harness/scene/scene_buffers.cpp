@@ -249,6 +249,10 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     view_.room = find_room(view_);
 }
 
+double radiance_bound(const Scene& scene, const RenderSettings& settings) {
+    return radiance_bound(scene, settings.depth) * (settings.final_bounce || settings.next_event ? 1024 : 1);
+}
+
 double radiance_bound(const Scene& scene, std::uint32_t depth) {
     double brightest = 0;
     double brightest_reflector = 0;

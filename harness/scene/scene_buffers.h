@@ -61,6 +61,9 @@ FeatureSet shortcuts_of(const Scene& scene);
 // A bound on the radiance that one sample can carry by meeting light (connections to lights may exceed it): the
 // brightest source, times the number of times that a path may meet one.
 double radiance_bound(const Scene& scene, std::uint32_t depth);
+// The same for what is rendered with these settings: connections weigh more than light that is met, the rarer the more
+// (without bound where lights are sampled by area), so they have 1024 times the room. What goes beyond it is counted.
+double radiance_bound(const Scene& scene, const RenderSettings& settings);
 
 extern template class SceneBuffers<float>;
 extern template class SceneBuffers<double>;

@@ -24,7 +24,7 @@ Film film_of(const Scene& scene, FeatureSet asked) {
     settings.roulette_start = contains(asked, Feature::russian_roulette) ? 2 : 0;
     settings.sampler = asked & samplers;
     const SceneBuffers<float> buffers(scene, settings);
-    Film film(settings.width, settings.height, radiance_bound(scene, settings.depth), samples);
+    Film film(settings.width, settings.height, radiance_bound(scene, settings), samples);
     PathCounters counters;
     for (std::uint32_t pixel = 0; pixel < settings.width * settings.height; ++pixel) {
         for (std::uint32_t sample = 0; sample < samples; ++sample) {

@@ -221,6 +221,35 @@ TYPED_TEST(NextEventTest, LampThatTouchesTheCeiling) {
     }
 }
 
+// A connection may weigh more than any light that is met: the film has room for it, and for no more than before where
+// there is none.
+TEST(NextEventFilm, HasRoomForConnections) {
+    const Scene scene = stage(lamp);
+    RenderSettings settings = default_settings(scene);
+    const double plain = radiance_bound(scene, settings.depth);
+    EXPECT_EQ(radiance_bound(scene, settings), plain);
+    settings.next_event = true;
+    EXPECT_EQ(radiance_bound(scene, settings), 1024 * plain);
+    settings.next_event = false;
+    settings.final_bounce = true;
+    EXPECT_EQ(radiance_bound(scene, settings), 1024 * plain);
+    // Close to a lamp that stands on the floor: by area, little of it is seen from next to nothing.
+    SceneBuilder close;
+    close.camera({0, 1.5, -4}, {1.5, 0, -0.755}).image(side, side, 0.5, true);
+    close.quad(close.diffuse(Vec3d(0.75)), {0, 0, 0}, 8, 8);
+    close.box(close.emitter(Vec3d(1.0)), {1.5, 0.5, -0.5}, {1, 1, 0.5});
+    const RenderOptions options{.samples = 100, .depth = 1, .final_bounce = true};
+    EXPECT_EQ(test::render<float>(close.scene, options).faults().saturated, 0u);
+    test::Stages<float> stages(close.scene, options);
+    double brightest = 0;
+    for (std::uint32_t pixel = 0; pixel < side * side; ++pixel) {
+        for (std::uint32_t sample = 0; sample < options.samples; ++sample) {
+            brightest = std::max(brightest, stages.radiance(pixel, sample).z);
+        }
+    }
+    EXPECT_GT(brightest, 64 * radiance_bound(close.scene, 1)) << "no sample that had no room before";
+}
+
 template <class Real>
 class RouletteTest : public testing::Test {};
 TYPED_TEST_SUITE(RouletteTest, Reals);

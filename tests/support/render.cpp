@@ -28,7 +28,7 @@ Film render(const Scene& scene, const RenderOptions& options) {
     const RenderSettings settings = settings_of(scene, options);
     const SceneBuffers<Real> buffers(scene, settings);
     const std::uint32_t film_samples = options.film_samples != 0 ? options.film_samples : options.samples;
-    Film film(settings.width, settings.height, radiance_bound(scene, settings.depth), film_samples);
+    Film film(settings.width, settings.height, radiance_bound(scene, settings), film_samples);
     PathCounters counters;
     for (std::uint32_t pixel = 0; pixel < settings.width * settings.height; ++pixel) {
         for (std::uint32_t i = 0; i < options.samples; ++i) {

@@ -1090,7 +1090,7 @@ WorkCounters render_with_cache(const Scene& scene, const Variant& variant, First
                                std::uint32_t first_sample, std::uint32_t samples) {
     const RenderSettings settings = default_settings(scene);
     const SceneBuffers<float> buffers(scene, settings);
-    Film film(settings.width, settings.height, radiance_bound(scene, settings.depth), samples);
+    Film film(settings.width, settings.height, radiance_bound(scene, settings), samples);
     PathQueue queue;
     queue.paths = registry().at("layout", variant).hook.layout();
     const auto compaction = registry().at("compaction", variant).hook.compaction();
