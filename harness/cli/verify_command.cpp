@@ -165,10 +165,36 @@ void verify_means(const Scene& scene, const std::vector<MeanClaim>& claims, Back
     }
 }
 
-// A product of all choices is small on the CPU backend. On CUDA it is half a million: without --axis a covering set is
-// verified instead, in which every two choices of two axes meet.
+// The plainest variant of each image: one choice away from the reference.
+std::vector<Variant> single_steps(Backend backend) {
+    const Registry& registry = Registry::instance();
+    const Variant plainest = registry.reference(registry.baseline(backend), backend);
+    std::vector<Variant> variants{plainest};
+    for (const auto& [axis, choices] : all_choices(backend)) {
+        for (const std::string& choice : choices) {
+            Variant variant = plainest;
+            variant.set(axis, choice);
+            if (!(variant == plainest)) {
+                variants.push_back(variant);
+            }
+        }
+    }
+    return variants;
+}
+
+// A product of all choices is small on the CPU backend but for roulette and samplers, which multiply it by eight; on
+// CUDA it is millions. So without --axis these meet the rest in a covering set, in which every two choices of two axes
+// meet, on CUDA all axes do, and of means each choice is tested by itself.
 std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backend backend, const Scene& scene) {
-    AxisChoices axes = all_choices(backend);
+    const bool none_named = arguments.axes.empty() && arguments.tunables.empty();
+    if (arguments.statistical && none_named) {
+        return single_steps(backend);
+    }
+    const AxisChoices all = all_choices(backend);
+    AxisChoices axes = all;
+    for (const char* axis : {"russian_roulette", "sampler"}) {
+        axes[axis] = {Registry::instance().baseline(backend)[axis]};
+    }
     TunableValues tunables;
     for (const std::string& argument : arguments.axes) {
         add_axis_argument(axes, argument, backend);
@@ -177,7 +203,16 @@ std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backen
         add_tunable_argument(tunables, argument);
     }
     if (backend == Backend::cpu) {
-        return expand(axes, backend, tunables);
+        std::vector<Variant> variants = expand(axes, backend, tunables);
+        if (none_named) {
+            const std::set<Variant> known(variants.begin(), variants.end());
+            for (const Variant& variant : covering_variants(all, features_of(scene), backend)) {
+                if (!known.contains(variant)) {
+                    variants.push_back(variant);
+                }
+            }
+        }
+        return variants;
     }
     if (!arguments.axes.empty() || !tunables.empty()) {
         AxisChoices named;
@@ -186,7 +221,7 @@ std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backen
         }
         return expand(named, backend, tunables);
     }
-    return covering_variants(axes, features_of(scene), backend);
+    return covering_variants(all, features_of(scene), backend);
 }
 
 int run_statistical(const VerifyArguments& arguments, Backend backend, const std::vector<Scene>& scenes,

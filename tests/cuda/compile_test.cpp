@@ -160,13 +160,12 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
 void add_pairs(Programs& programs, const std::vector<Scene>& scenes, std::size_t turn) {
     const std::vector<std::string> integrators = choices_of("integrator");
     const std::vector<std::string> lights = choices_of("direct_light");
-    // Kernels with everything take seconds each.
+    // Kernels with everything take seconds each: one a GPU.
     const std::vector<std::string> specialisations = choices_of("specialisation");
-    for (std::size_t i = 0; i < specialisations.size(); ++i) {
-        programs.add(scenes.front(), baseline_with({{"integrator", integrators[(i + turn) % integrators.size()]},
-                                                    {"specialisation", specialisations[i]}}));
-    }
-    for (std::size_t i = 0; i < scenes.size(); ++i) {
+    programs.add(scenes.front(), baseline_with({{"integrator", integrators[turn % integrators.size()]},
+                                                {"specialisation", specialisations[turn % specialisations.size()]}}));
+    // Every scene on two of the six GPUs.
+    for (std::size_t i = turn % 3; i < scenes.size(); i += 3) {
         const std::string& integrator = integrators[(i + turn) % integrators.size()];
         programs.add(scenes[i],
                      baseline_with({{"integrator", integrator},
