@@ -164,7 +164,7 @@ void add_pairs(Programs& programs, const std::vector<Scene>& scenes, std::size_t
     const std::vector<std::string> specialisations = choices_of("specialisation");
     programs.add(scenes.front(), baseline_with({{"integrator", integrators[turn % integrators.size()]},
                                                 {"specialisation", specialisations[turn % specialisations.size()]}}));
-    // Every scene on two of the six GPUs.
+    // Every scene on at least one of these GPUs.
     for (std::size_t i = turn % 3; i < scenes.size(); i += 3) {
         const std::string& integrator = integrators[(i + turn) % integrators.size()];
         programs.add(scenes[i],
