@@ -11,15 +11,22 @@
 #include "kernels/light.h"
 #include "kernels/material.h"
 #include "kernels/math.h"
+#include "kernels/minstd.h"
 #include "kernels/mirror.h"
 #include "kernels/mix.h"
+#include "kernels/next_event.h"
 #include "kernels/path.h"
+#include "kernels/philox.h"
 #include "kernels/quad.h"
+#include "kernels/random_words.h"
 #include "kernels/rng.h"
 #include "kernels/room.h"
+#include "kernels/russian_roulette.h"
 #include "kernels/sampling.h"
 #include "kernels/scene_view.h"
 #include "kernels/shade.h"
+#include "kernels/sobol_owen.h"
+#include "kernels/solid_angle.h"
 #include "kernels/sphere.h"
 #include "kernels/subsurface.h"
 #include "kernels/transform.h"
@@ -79,8 +86,8 @@ void on_host(const SceneView<typename Config::Real>& scene, const FilmView& film
     template __global__ void accumulate_paths<CONFIG>(FilmView, const Path<CONFIG::Real>*, std::uint32_t);        \
     template void on_host<CONFIG>(const SceneView<CONFIG::Real>&, const FilmView&, PathCounters&);
 
-using Everything = Config<float, all_features>;
-using EverythingDouble = Config<double, all_features>;
+using Everything = Config<float, all_features | samplers>;
+using EverythingDouble = Config<double, all_features | samplers>;
 using Small = Config<float, Feature::axis_box | Feature::diffuse | Feature::emitter | Feature::jitter>;
 
 PT_INSTANTIATE(Everything)

@@ -217,7 +217,7 @@ TEST_F(ResultFileTest, HasTheBaselineOfEveryAxis) {
 
 TEST_F(ResultFileTest, StudiesAndWhatDoesNotApply) {
     EXPECT_EQ(result.at("ptbench").at("studies"),
-              Json::parse(R"([{"name": "a", "title": "Title", "figure": "compaction"}])"));
+              Json::parse(R"([{"name": "a", "title": "Title", "figure": "compaction", "type": "time"}])"));
     const Json& entries = result.at("ptbench").at("not_applicable");
     ASSERT_EQ(entries.size(), 1u);
     EXPECT_EQ(entries[0].at("study"), "a");
