@@ -153,9 +153,14 @@ def _drawn_work(assessment: Assessment, drawn: np.ndarray) -> np.ndarray:
     return variance * np.median(assessment.curve.ms_per_spp[drawn], axis=1)
 
 
+def _has_noise_apart(one: Assessment) -> bool:
+    """Where samples depend on each other the last error stands for the noise, unless most of it is a plateau."""
+    return one.has_noise and (one.curve.independent or one.plateau_bias2 < _MOST_OF_PLATEAU * one.last_error)
+
+
 def compare(assessment: Assessment, baseline: Assessment | None) -> Compared | None:
-    """None where there is no fit, or no noise that more time would take away."""
-    if not assessment.has_noise or (baseline is not None and not baseline.has_noise):
+    """None where there is no fit, or no noise that more time would take away or that is told apart from a plateau."""
+    if not _has_noise_apart(assessment) or (baseline is not None and not _has_noise_apart(baseline)):
         return None
     count = assessment.curve.count
     drawn = resampled(count)

@@ -142,6 +142,13 @@ def test_what_settles_on_a_wrong_image_has_no_noise_and_no_efficiency(tmp_path):
     assert time_to(settled, 0.2).value == math.inf
 
 
+def test_dependent_samples_at_their_plateau_have_no_efficiency(tmp_path):
+    sobol = {"axes": {"sampler": "sobol_owen"}, "independent": False}
+    plain, other = pair(tmp_path, exact(sigma2=0.5), exact(sigma2=0.5, bias2=0.1), **sobol)
+    assert other.verdict.word == "plateau"
+    assert compare(other, plain) is None
+
+
 def test_no_time_is_shorter_than_the_first_checkpoint(tmp_path):
     plain, _ = pair(tmp_path, exact(sigma2=0.25), exact(sigma2=0.05))
     time = time_to(plain, 10.0)
