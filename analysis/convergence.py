@@ -43,12 +43,13 @@ RULES = (
     f"Verdicts hold over the whole file with probability {1 - FAMILY_LEVEL:.0%} (Bonferroni over its distinct error "
     "curves; half of it for bias², half for the image's mean error in three channels); the uncertainty of the "
     "reference, common to all seeds, is in the intervals. **plateau at B**: the interval of bias² lies above 0, B its "
-    "root; or that of the mean error excludes 0, B its root mean square. "
+    "root; or that of the mean error excludes 0, B at least its root mean square. "
     f"**converges**: neither, the upper end of bias² is at most {MOST_HIDDEN:.0%} of σ²/N at the last checkpoint N, "
     "and the error does not fall significantly slower than 1/n. **noise-limited**: no bias was found, but one of more "
     f"than {MOST_HIDDEN:.0%} of the last squared error could be there, or the error falls too slowly: more spp, seeds "
     "or pixels, or a better reference would tell. **invalid**: a pixel was not finite.",
-    "Slope: d log MSE / d log n, jackknife over seeds of the logarithm of their mean. It is tested against -1 over all "
+    "Slope: d log MSE / d log n, jackknife over seeds of the logarithm of their mean; the reference's uncertainty, "
+    "which moves all checkpoints alike, is in its interval. It is tested against -1 over all "
     f"distinct error curves (Holm, family-wise {FAMILY_LEVEL:.0%}); samples that are not independent only against "
     "being flatter.",
 )
@@ -60,10 +61,13 @@ class Verdict:
     reason: str = ""
     plateau: float | None = None  # B
     declared: bool = False  # a bias of the cell's predicts it
+    is_bound: bool = False  # B is at least `plateau`, which is all that the mean error tells
 
     @property
     def text(self) -> str:
-        return self.word if self.plateau is None else f"{self.word} at {self.plateau:.3g}"
+        if self.plateau is None:
+            return self.word
+        return f"{self.word} at {'least ' if self.is_bound else ''}{self.plateau:.3g}"
 
 
 @dataclass(frozen=True)
@@ -87,8 +91,12 @@ class Assessment:
 
     @property
     def has_noise(self) -> bool:
-        """Whether more samples change the error at all, but for rounding."""
-        return self.fit is not None and self.fit.sigma2.value > 1e-9 * float(np.abs(self.curve.mean).max())
+        """Whether more samples change the error at all, but for rounding; at the end, where few count no more."""
+        if self.fit is None or self.fit.sigma2.value <= 1e-9 * float(np.abs(self.curve.mean).max()):
+            return False
+        # Halves that are as wrong as the whole, in the same pixels, have no noise of their own.
+        halves, whole = self.curve.bias2, self.curve.mse[:, -1]
+        return halves is None or not np.allclose(halves, whole, rtol=1e-9, atol=0)
 
     @property
     def plateau_bias2(self) -> float:
@@ -98,7 +106,7 @@ class Assessment:
     @property
     def crossing_spp(self) -> float | None:
         """From where on more samples gain little: the noise is as large as the bias."""
-        if not self.has_noise or self.verdict.plateau is None:
+        if not self.has_noise or self.verdict.plateau is None or self.verdict.is_bound:
             return None
         return self.fit.sigma2.value / self.plateau_bias2
 
@@ -130,8 +138,8 @@ def _verdict(curve: Curve, fit: Fit, slope: Slope | None, curves: int) -> tuple[
     if low > 0:
         return Verdict(PLATEAU, why, float(np.sqrt(fit.bias2.value)), bool(biases)), (low, high)
     if (off := _mean_off(curve, level)) is not None:
-        reason = f"at least, from the image's mean, which is off by {_listed(off)}; {why}"
-        return Verdict(PLATEAU, reason, float(np.sqrt(np.mean(off**2))), bool(biases)), (low, high)
+        reason = f"from the image's mean, which is off by {_listed(off)}; {why}"
+        return Verdict(PLATEAU, reason, float(np.sqrt(np.mean(off**2))), bool(biases), is_bound=True), (low, high)
     if curve.count < LEAST_SEEDS:
         return Verdict(NO_VERDICT, f"{curve.count} seeds, a verdict needs {LEAST_SEEDS}"), (low, high)
     if slope is None:

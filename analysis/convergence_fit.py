@@ -173,8 +173,11 @@ def _slope(curve: Curve, part: slice) -> Slope:
 
     value, error = jackknife(slope, values)
     freedom = curve.count - 1
-    half = half_width(error, freedom)
-    both, above = t_test(value, error, freedom, -1.0)
+    # The reference's noise moves the errors of all seeds and checkpoints by one amount.
+    offset = reference_error(curve.reference, curve.cell.pixels)
+    common = offset * abs(float((x / np.maximum(values.mean(axis=0), lowest)).sum()))
+    half = half_width(error, freedom, LEVEL, common)
+    both, above = t_test(value, error, freedom, -1.0, common)
     estimate = Estimate(value, value - half, value + half, curve.count)
     return Slope(int(curve.spp[part][0]), int(curve.spp[part][-1]), estimate, both if curve.independent else above)
 

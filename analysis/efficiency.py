@@ -23,6 +23,8 @@ COMPANION = "_without_checkpoints"
 _ESTIMATOR_AXES = ("first_bounce", "direct_light", "russian_roulette", "sampler", "precision")
 # A plateau is in reach of no time from here on: e^2 - B^2 of less than this share of e^2 is noise of the fit.
 _NEAR_PLATEAU = 1e-3
+# Whose last squared error is so much of its plateau's has come to it.
+_MOST_OF_PLATEAU = 0.5
 
 EFFICIENCY_RULE = (
     "Work-normalised variance: σ² times render wall time per spp; of samples that are not independent, N times MSE(N) "
@@ -30,7 +32,7 @@ EFFICIENCY_RULE = (
     "Intervals: "
     "95 %, bootstrap over seeds with expanded percentiles, errors and times of a seed drawn together, seeds that both "
     "cells ran drawn for both. Time to an error: where the fitted curve, with its plateau, meets it, at the cell's own "
-    "times; never where the plateau lies above it."
+    "times, that of the first checkpoint at the least; never where the plateau lies above it."
 )
 
 
@@ -151,9 +153,14 @@ def _drawn_work(assessment: Assessment, drawn: np.ndarray) -> np.ndarray:
     return variance * np.median(assessment.curve.ms_per_spp[drawn], axis=1)
 
 
+def _has_noise_apart(one: Assessment) -> bool:
+    """Where samples depend on each other the last error stands for the noise, unless most of it is a plateau."""
+    return one.has_noise and (one.curve.independent or one.plateau_bias2 < _MOST_OF_PLATEAU * one.last_error)
+
+
 def compare(assessment: Assessment, baseline: Assessment | None) -> Compared | None:
-    """None where there is no fit, or no noise that more time would take away."""
-    if not assessment.has_noise or (baseline is not None and not baseline.has_noise):
+    """None where there is no fit, or no noise that more time would take away or that is told apart from a plateau."""
+    if not _has_noise_apart(assessment) or (baseline is not None and not _has_noise_apart(baseline)):
         return None
     count = assessment.curve.count
     drawn = resampled(count)
@@ -170,15 +177,15 @@ def compare(assessment: Assessment, baseline: Assessment | None) -> Compared | N
 
 
 def target_of(group: Sequence[Assessment]) -> float | None:
-    """A round squared error's root that every cell without a plateau has reached in what was measured."""
+    """A round squared error's root that every cell not yet at a plateau has reached in what was measured."""
     fitted = [one for one in group if one.fit is not None and one.last_error > 0]
-    unbiased = [one for one in fitted if one.verdict.word != PLATEAU]
-    errors = [float(np.sqrt(one.last_error)) for one in unbiased or fitted]
+    falling = [one for one in fitted if one.plateau_bias2 < _MOST_OF_PLATEAU * one.last_error]
+    errors = [float(np.sqrt(one.last_error)) for one in falling or fitted]
     if not errors:
         return None
     highest = max(errors)
     power = 10.0 ** np.floor(np.log10(highest))
-    return float(next(step * power for step in (1, 2, 5, 10) if step * power >= 1.02 * highest))
+    return float(next(step * power for step in (1, 2, 5, 10, 20) if step * power >= 1.02 * highest))
 
 
 def time_to(assessment: Assessment, error: float) -> Estimate | None:
@@ -190,12 +197,16 @@ def time_to(assessment: Assessment, error: float) -> Estimate | None:
     per_spp = float(np.median(curve.ms_per_spp))
     drawn = resampled(curve.count)
     speed = np.median(curve.ms_per_spp[drawn], axis=1) / per_spp
-    if curve.independent:
+    if curve.independent and assessment.has_noise:
         has_plateau = assessment.verdict.word == PLATEAU
-        bias2 = fit.bias2_of_seeds if has_plateau else np.zeros(curve.count)
+        seeds = fit.bias2_of_seeds if has_plateau else np.zeros(curve.count)
+        # A plateau that the mean error gave away may be above what bias^2 says.
+        bias2 = max(float(seeds.mean()), assessment.plateau_bias2)
+        drawn_bias2 = np.maximum(seeds[drawn].mean(axis=1) + bias2 - seeds.mean(), 0)
         sigma2 = fit.sigma2_of_seeds
-        value = _spp_to(np.array([sigma2.mean()]), np.array([assessment.plateau_bias2]), error)
-        spps = _spp_to(sigma2[drawn].mean(axis=1), np.maximum(bias2[drawn].mean(axis=1), 0), error)
+        value = _spp_to(np.array([sigma2.mean()]), np.array([bias2]), error)
+        spps = _spp_to(sigma2[drawn].mean(axis=1), drawn_bias2, error)
+        value, spps = np.maximum(value, curve.spp[0]), np.maximum(spps, curve.spp[0])
     else:
         value = _spp_measured(curve.spp, curve.mean[None], error)
         spps = _spp_measured(curve.spp, curve.mse[drawn].mean(axis=1), error)

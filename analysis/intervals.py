@@ -54,8 +54,14 @@ def jackknife(function: Callable[[np.ndarray], float], values: np.ndarray) -> tu
     return float(pseudo.mean()), standard_error(pseudo)
 
 
-def t_test(estimate: float, error: float, freedom: int, expected: float) -> tuple[float, float]:
-    """(two-sided p, one-sided p of `estimate` being above) against `expected`."""
+def t_test(estimate: float, error: float, freedom: float, expected: float, common: float = 0.0) -> tuple[float, float]:
+    """(two-sided p, one-sided p of `estimate` being above) against `expected`.
+
+    `common` is a known standard error besides the estimated one; their sum has Satterthwaite's degrees of freedom.
+    """
+    if common > 0:
+        both = float(np.hypot(error, common))
+        error, freedom = both, min(freedom * (both / max(error, 1e-12 * both)) ** 4, 1e9)
     # Where seeds agree to rounding, there is nothing to test but the value itself.
     if error <= 1e-9 * max(1.0, abs(expected)):
         if abs(estimate - expected) <= 1e-6:

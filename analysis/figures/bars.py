@@ -72,7 +72,7 @@ class TimeToError:
             groups.append(Bars(f"{group.title}, to an error of {target:g}", tuple(bars)))
         caption = (
             "Render wall time until the root mean square error (plateau included) is the one named: the smallest round "
-            f"one that every variant without a plateau reached. {EFFICIENCY_RULE}"
+            f"one that every variant not yet at its plateau reached. {EFFICIENCY_RULE}"
         )
         title = _title(study, "time to a given error")
         fields = {"quantity": "Render wall time to the error", "unit": "ms", "heading": "ms [95 %]"}
@@ -102,7 +102,8 @@ class Efficiency:
 
 def _efficiency_bar(one, group: Group) -> Bar:
     label = group.names[one.cell.name]
-    plateau = f", plateau {style.figures(one.verdict.plateau, 3)}" if one.verdict.word == PLATEAU else ""
+    bound = "≥ " if one.verdict.is_bound else ""
+    plateau = f", plateau {bound}{style.figures(one.verdict.plateau, 3)}" if one.verdict.word == PLATEAU else ""
     compared = compare(one, group.baseline)
     if compared is None:
         return Bar(label, None, "no noise to compare" + plateau)

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 
 from analysis import style
 from analysis.convergence import Assessment
+from analysis.convergence_file import Picture
 from analysis.errors import NotDrawable, bad_value
 from analysis.figures.convergence_groups import Group, groups_of, setting_of
 from analysis.images import TONE_MAPPING, displayed, exposure_of, flip, read_pfm
@@ -64,7 +65,9 @@ def collect(result: Result, study: Study) -> Data:
         if not with_images:
             reasons.append(f"{group.title}: no cell names an image")
             continue
-        missing = sorted(name for name in _names(with_images) if not (folder / name).is_file())
+        time, chosen = _at_equal_time(with_images)
+        names = {with_images[0].cell.convergence.reference_picture, *(picture.file for picture, _ in chosen)}
+        missing = sorted(name for name in names if not (folder / name).is_file())
         if missing:
             more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
             reasons.append(f"{group.title}: {folder / missing[0]}{more} is not there")
@@ -72,7 +75,7 @@ def collect(result: Result, study: Study) -> Data:
         if len(with_images) < len(group.members):
             text = f"{group.title}: {len(group.members) - len(with_images)} variants without images"
             notes.append(Note("no image", f"{text}.", text))
-        sheet, settings, failure = _sheet(folder, group, with_images)
+        sheet, settings, failure = _sheet(folder, group, with_images, time, chosen)
         sheets.append(sheet)
         if settings:
             flips[settings] = None
@@ -96,21 +99,30 @@ def _title(study: Study) -> str:
     return f"{study.title}: crops at equal time" if study.title else "Crops at equal render time"
 
 
-def _names(members: Sequence[Assessment]) -> set[str]:
-    names = {one.cell.convergence.reference_picture for one in members}
-    return names | {picture.file for one in members for picture in one.cell.convergence.pictures}
+def _at_equal_time(members: Sequence[Assessment]) -> tuple[float, list[tuple[Picture, float]]]:
+    """The time that all have an image at; each one's last image within it, or its first, and that image's own time."""
+    timed = [_timed(one) for one in members]
+    time = min(max(times.values()) for times in timed)
+    chosen = []
+    for times in timed:
+        within = [picture for picture in times if times[picture] <= time * (1 + 1e-9)]
+        picture = max(within, key=times.get) if within else min(times, key=times.get)
+        chosen.append((picture, times[picture]))
+    return time, chosen
 
 
-def _sheet(folder: Path, group: Group, members: Sequence[Assessment]) -> tuple[Sheet, str, str]:
+def _sheet(
+    folder: Path,
+    group: Group,
+    members: Sequence[Assessment],
+    time: float,
+    chosen: Sequence[tuple[Picture, float]],
+) -> tuple[Sheet, str, str]:
     """The sheet, the settings of FLIP, and why it is not there."""
-    time = min(max(_timed(one).values()) for one in members)
     reference = read_pfm(folder / members[0].cell.convergence.reference_picture)
     exposure = exposure_of(reference)
     images, facts, settings, failure = [], [], "", ""
-    for one in members:
-        times = _timed(one)
-        within = [picture for picture in times if times[picture] <= time * (1 + 1e-9)]
-        picture = max(within, key=times.get) if within else min(times, key=times.get)
+    for picture, own in chosen:
         file = folder / picture.file
         image = read_pfm(file)
         if image.shape != reference.shape:
@@ -118,8 +130,8 @@ def _sheet(folder: Path, group: Group, members: Sequence[Assessment]) -> tuple[S
             raise bad_value(file, "the image", size, f"the reference's size, {needed}")
         images.append(image)
         rmse = float(np.sqrt(np.mean((image.astype(float) - reference) ** 2)))
-        late = " (first image)" if times[picture] > _LONGEST_EQUAL * time else ""
-        text = f"{picture.spp} spp, {style.figures(times[picture], 3)} ms{late}\nRMSE {style.figures(rmse, 3)}"
+        late = " (first image)" if own > _LONGEST_EQUAL * time else ""
+        text = f"{picture.spp} spp, {style.figures(own, 3)} ms{late}\nRMSE {style.figures(rmse, 3)}"
         try:
             measured = flip(reference, image)
             text += f", FLIP {measured.mean:.3f}"
@@ -142,7 +154,7 @@ def _sheet(folder: Path, group: Group, members: Sequence[Assessment]) -> tuple[S
     return Sheet(f"{group.title}, after {style.figures(time, 3)} ms", tuple(shots), limit), settings, failure
 
 
-def _timed(one: Assessment) -> dict:
+def _timed(one: Assessment) -> dict[Picture, float]:
     """Render wall time by picture."""
     times = dict(zip(one.curve.spp.astype(int), np.median(one.curve.times["wall_ms"], axis=0), strict=True))
     timed = {picture: float(times[picture.spp]) for picture in one.cell.convergence.pictures if picture.spp in times}

@@ -34,7 +34,12 @@ class Line:
     low: np.ndarray  # of the seeds
     high: np.ndarray
     plateau: float | None
+    plateau_is_bound: bool  # the line's end is told of, not drawn: it lies higher
     crossing_ms: float | None
+
+    @property
+    def has_drawn_plateau(self) -> bool:
+        return self.plateau is not None and not self.plateau_is_bound
 
 
 @dataclass(frozen=True)
@@ -100,13 +105,14 @@ def _line(one: Assessment, label: str) -> Line:
         low=root(lowest),
         high=root(curve.mse.max(axis=0)),
         plateau=one.verdict.plateau,
+        plateau_is_bound=one.verdict.is_bound,
         crossing_ms=None if crossing is None else float(np.interp(crossing, curve.spp, times)),
     )
 
 
 def _lowest(panel: Panel) -> float:
     errors = [float(np.nanmin(line.errors)) for line in panel.lines if not np.isnan(line.errors).all()]
-    return min([*errors, *(line.plateau for line in panel.lines if line.plateau is not None)])
+    return min([*errors, *(line.plateau for line in panel.lines if line.has_drawn_plateau)])
 
 
 def _floor_limit(panel: Panel) -> float:
@@ -150,7 +156,9 @@ def draw(data: Data) -> Figure:
 
 
 def _name(line: Line) -> str:
-    return line.label + ("" if line.plateau is None else f"\nplateau {style.figures(line.plateau, 3)}")
+    if line.plateau is None:
+        return line.label
+    return f"{line.label}\nplateau {'≥ ' if line.plateau_is_bound else ''}{style.figures(line.plateau, 3)}"
 
 
 def _draw_panel(page: style.Page, axes: Axes, panel: Panel, data: Data, looks: dict, names: dict) -> None:
@@ -171,7 +179,7 @@ def _draw_panel(page: style.Page, axes: Axes, panel: Panel, data: Data, looks: d
         xs = line.times * unit
         axes.fill_between(xs, line.low, line.high, color=look.colour, alpha=0.16, linewidth=0, zorder=2)
         axes.plot(xs, line.errors, color=look.colour, marker=look.marker, markersize=4.5, linestyle=look.line, zorder=3)
-        if line.plateau is not None:
+        if line.has_drawn_plateau:
             start = first if line.crossing_ms is None else min(max(line.crossing_ms * unit, first), last)
             axes.plot(
                 [start, last * 1.4],

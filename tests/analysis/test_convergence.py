@@ -117,6 +117,29 @@ def test_a_wrong_mean_is_a_bias_that_bias2_may_be_too_weak_to_see(tmp_path):
     assert one.bias2_family[0] < 0
     assert one.verdict.word == PLATEAU
     assert "image's mean, which is off by +0.00095, " in one.verdict.reason
+    assert one.verdict.is_bound
+    assert one.verdict.text == f"plateau at least {one.verdict.plateau:.3g}"
+    assert one.crossing_spp is None
+
+
+def test_the_reference_makes_slopes_as_uncertain_as_it_is(tmp_path):
+    spps = [2**k for k in range(11)]
+    one = alone(tmp_path, Law(noisy=False, reference_variance=1e-2), reference={"dual_error": 1e-6})
+    # Of x = log n less its mean, over the sum of its squares; an offset of 1 e-6 moves log MSE by that over MSE.
+    x = np.log(spps) - np.mean(np.log(spps))
+    common = 1e-6 * abs(np.sum(x / (0.25 / np.array(spps)))) / np.sum(x**2)
+    estimate = one.fit.slope.estimate
+    assert estimate.value == pytest.approx(-1)
+    assert (estimate.high - estimate.low) / 2 == pytest.approx(1.959964 * common, rel=1e-6)
+    known = alone(tmp_path, Law(noisy=False, reference_variance=1e-2), reference={"dual_error": 0.0})
+    assert known.fit.slope.estimate.high == pytest.approx(known.fit.slope.estimate.low)
+
+
+def test_a_known_error_beside_an_estimated_one_widens_a_t_test():
+    assert t_test(-0.9, 0.05, 7, -1.0, 0.0) == t_test(-0.9, 0.05, 7, -1.0)
+    # All of it known: the normal distribution's.
+    assert t_test(-0.9, 0.0, 7, -1.0, 0.05)[0] == pytest.approx(0.0455, rel=1e-3)
+    assert t_test(-0.9, 0.05, 7, -1.0, 0.05)[0] > t_test(-0.9, 0.05, 7, -1.0)[0]
 
 
 def test_too_few_pixels_or_samples_are_noise_limited(tmp_path):

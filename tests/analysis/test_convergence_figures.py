@@ -10,6 +10,7 @@ import pytest
 from builder import Builder
 from convergence_builder import Law, convergence_cell, convergence_study, on_gpu
 from legibility import check_legible
+from matplotlib.text import Text
 from PIL import Image
 
 from analysis.errors import InputError, NotDrawable
@@ -114,6 +115,18 @@ def test_lines_are_the_errors_and_times_of_the_file(tmp_path):
     assert "reference noise" in [text.get_text() for text in axes.texts]
 
 
+def test_a_plateau_known_only_as_a_bound_is_told_of_and_not_drawn(tmp_path):
+    builder = convergence_study(on_gpu(), title="Cornell boxes")
+    convergence_cell(builder, Law(mean_bias=0.001))
+    study, data = collected(builder, tmp_path, "")
+    (line,) = data.panels[0].lines
+    assert (line.plateau_is_bound, line.has_drawn_plateau) == (True, False)
+    texts = [text.get_text() for text in draw_study(study, data, "").findobj(Text)]
+    assert any("\nplateau ≥ " in text for text in texts)
+    # The axis ends with the errors, not at the bound.
+    assert draw_study(study, data, "").axes[0].get_ylim()[0] > 10 * line.plateau
+
+
 def test_bands_are_the_lowest_and_highest_seed(tmp_path):
     builder = convergence_study(on_gpu())
     convergence_cell(builder, Law(pixels=64), spps=SPPS)
@@ -207,8 +220,11 @@ def test_missing_images_are_told_and_the_figure_left_out(tmp_path):
         collected(study_of_all(), tmp_path, "equal_time")
     builder = study_of_all()
     with_images(builder, tmp_path)
+    # An image that is not shown need not be there.
     (tmp_path / "result_images" / "0_8.pfm").unlink()
-    with pytest.raises(NotDrawable, match=r"result_images/0_8\.pfm is not there"):
+    collected(builder, tmp_path, "equal_time")
+    (tmp_path / "result_images" / "0_32.pfm").unlink()
+    with pytest.raises(NotDrawable, match=r"result_images/0_32\.pfm is not there"):
         collected(builder, tmp_path, "equal_time")
 
 

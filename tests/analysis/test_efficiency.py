@@ -110,6 +110,60 @@ def test_the_target_is_one_that_every_variant_without_a_plateau_reached(tmp_path
     assert target_of(group) == 0.5
 
 
+def test_a_target_is_found_just_below_a_power_of_ten(tmp_path):
+    group = pair(tmp_path, exact(sigma2=1024 * 0.0099**2), exact(sigma2=1024 * 0.005**2))
+    assert target_of(group) == 0.02
+
+
+def test_a_plateau_far_below_the_error_is_none_for_the_target(tmp_path):
+    # The first one's plateau is a twentieth of its last squared error.
+    group = pair(tmp_path, exact(sigma2=0.25, bias2=0.25 / 1024 / 20), exact(sigma2=0.05, bias2=0.09))
+    assert group[0].verdict.word == "plateau"
+    assert target_of(group) == 0.02
+
+
+def test_what_settles_on_a_wrong_image_has_no_noise_and_no_efficiency(tmp_path):
+    builder = convergence_study(on_gpu())
+    base = convergence_cell(builder, exact(sigma2=0.25))
+    frozen = convergence_cell(builder, exact(sigma2=0.25), axes={"first_bounce": "cached_jitters"}, biases=["declared"])
+    for row in builder.rows:
+        for checkpoint in row.get("pt_checkpoints", []) if row["name"] == frozen["cell"] else []:
+            # Four frozen samples: from there on nothing changes, and the halves are the whole.
+            checkpoint["mse_dual"] = checkpoint["mse"] = 0.25 / min(checkpoint["spp"], 4)
+            checkpoint["bias2"] = None if checkpoint["bias2"] is None else checkpoint["mse_dual"]
+    assert base["cell"] != frozen["cell"]
+    _, (plain, settled) = group_of(builder, tmp_path)
+    assert (plain.has_noise, settled.has_noise) == (True, False)
+    assert compare(settled, plain) is None
+    assert settled.crossing_spp is None
+    # 2 ms a sample; the error after one sample is 0.5, after four 0.25.
+    assert time_to(settled, 0.9).value == pytest.approx(2, rel=0.01)
+    assert time_to(settled, 0.25 * 1.0001).value == pytest.approx(8, rel=0.01)
+    assert time_to(settled, 0.2).value == math.inf
+
+
+def test_dependent_samples_at_their_plateau_have_no_efficiency(tmp_path):
+    sobol = {"axes": {"sampler": "sobol_owen"}, "independent": False}
+    plain, other = pair(tmp_path, exact(sigma2=0.5), exact(sigma2=0.5, bias2=0.1), **sobol)
+    assert other.verdict.word == "plateau"
+    assert compare(other, plain) is None
+
+
+def test_no_time_is_shorter_than_the_first_checkpoint(tmp_path):
+    plain, _ = pair(tmp_path, exact(sigma2=0.25), exact(sigma2=0.05))
+    time = time_to(plain, 10.0)
+    assert (time.low, time.value, time.high) == pytest.approx((2, 2, 2))
+
+
+def test_the_time_to_an_error_lies_in_its_interval_where_the_mean_gave_the_plateau_away(tmp_path):
+    builder = convergence_study(on_gpu())
+    convergence_cell(builder, Law(mean_bias=0.001))
+    _, (one,) = group_of(builder, tmp_path)
+    assert one.verdict.is_bound
+    time = time_to(one, 0.02)
+    assert time.low < time.value < time.high
+
+
 def test_the_baseline_is_the_plain_estimator_that_most_are_like(tmp_path):
     builder = convergence_study(on_gpu())
     convergence_cell(builder, exact())
