@@ -42,12 +42,11 @@ RenderResult render(const Scene& scene, const RenderRequest& request) {
     const KernelChoice kernel = choose_kernel(scene, request.variant, Backend::cuda);
     const RenderSettings settings = settings_for(request, kernel);
     const std::uint64_t film_samples = request.film_samples != 0 ? request.film_samples : request.samples;
-    RenderResult result{
-        .film = Film(settings.width, settings.height, radiance_bound(scene, settings), film_samples),
-        .work = {},
-        .stages = {},
-        .needed = kernel.needed,
-        .compiled = kernel.compiled};
+    RenderResult result{.film = Film(settings.width, settings.height, radiance_bound(scene, settings), film_samples),
+                        .work = {},
+                        .stages = {},
+                        .needed = kernel.needed,
+                        .compiled = kernel.compiled};
     try {
         if (registry.at("precision", request.variant, Backend::cuda).hook.cuda.real_bytes == sizeof(double)) {
             render_in<double>(scene, request, settings, kernel, result);

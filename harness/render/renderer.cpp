@@ -41,12 +41,11 @@ RenderResult render_in(const Scene& scene, const RenderRequest& request, const K
 
     const SceneBuffers<Real> buffers(scene, settings);
     const std::uint64_t film_samples = request.film_samples != 0 ? request.film_samples : request.samples;
-    RenderResult result{
-        .film = Film(settings.width, settings.height, radiance_bound(scene, settings), film_samples),
-        .work = {},
-        .stages = {},
-        .needed = kernel.needed,
-        .compiled = kernel.compiled};
+    RenderResult result{.film = Film(settings.width, settings.height, radiance_bound(scene, settings), film_samples),
+                        .work = {},
+                        .stages = {},
+                        .needed = kernel.needed,
+                        .compiled = kernel.compiled};
     const auto compaction = registry.at("compaction", request.variant).hook.compaction();
     const auto sorting = registry.at("sorting", request.variant).hook.sorting();
     PathQueue& queue = queue_for(request.variant);

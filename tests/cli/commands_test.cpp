@@ -223,8 +223,8 @@ TEST(VerifyCommandTest, QuietPrintsTheTallyOnly) {
     const CommandResult result = ptbench({"verify", "--scene", "jitter_off", "--resolution", "6x4", "--spp", "1",
                                           "--depth", "2", "--seed", "9", "--quiet"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    // 29 variants with a queue or without in 2 kernels and one in double, with 4 kinds of direct light, the first bounce
-    // off and cached; 22 more in which roulette and samplers meet them.
+    // 29 variants with a queue or without in 2 kernels and one in double, with 4 kinds of direct light, the first
+    // bounce off and cached; 22 more in which roulette and samplers meet them.
     EXPECT_EQ(result.out, "494 held, 0 failed, 3848 not applicable on cpu; 6x4 at 1 spp, scenes: jitter_off\n");
 }
 

@@ -56,7 +56,8 @@ __global__ void shade_paths(SceneView<typename Config::Real> scene, Path<typenam
                             const Hit<typename Config::Real>* hits, PathCounters* counters, std::uint32_t count) {
     const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
     if (i < count && paths[i].alive()) {
-        paths[i].segment = shade<Config>(scene, scene, paths[i], hits[i], counters[i]) ? paths[i].segment : Path<float>::ended;
+        paths[i].segment =
+            shade<Config>(scene, scene, paths[i], hits[i], counters[i]) ? paths[i].segment : Path<float>::ended;
     }
 }
 
