@@ -268,6 +268,18 @@ OrderedJson studies_json(const Suite& suite) {
 
 }  // namespace
 
+std::string rows_on_lines(const OrderedJson& value) {
+    if (!value.is_structured() || value.empty()) {
+        return value.dump();
+    }
+    std::string text;
+    for (const auto& [key, member] : value.items()) {
+        text += text.empty() ? "\n" : ",\n";
+        text += value.is_array() ? member.dump() : OrderedJson(key).dump() + ": " + rows_on_lines(member);
+    }
+    return (value.is_array() ? "[" : "{") + text + (value.is_array() ? "\n]" : "\n}");
+}
+
 std::string result_json(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts) {
     const double highest = highest_clock(plan, journal);
     const SharedErrors shared(plan, journal);
@@ -312,7 +324,7 @@ std::string result_json(const Plan& plan, const Suite& suite, const Journal& jou
                                {"baselines", baselines},
                                {"cells", cells},
                                {"not_applicable", not_applicable}}}};
-    return result.dump(1) + "\n";
+    return rows_on_lines(result) + "\n";
 }
 
 }  // namespace pt

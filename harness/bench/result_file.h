@@ -23,6 +23,10 @@ struct Aggregates {
 // Precondition: at least one value.
 Aggregates aggregate(std::vector<double> values);
 
+// A document of rows as text: each member of an object and each element of an array begins a line, and an element is
+// on that line whole. Indented, a result is a third larger.
+std::string rows_on_lines(const nlohmann::ordered_json& value);
+
 std::string result_json(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts);
 
 }  // namespace pt

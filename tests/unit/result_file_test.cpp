@@ -97,6 +97,15 @@ protected:
     }
 };
 
+TEST(RowsOnLinesTest, AnElementIsALine) {
+    const nlohmann::ordered_json value = nlohmann::ordered_json::parse(
+        R"({"b": {"list": [{"x": [1, 2]}, {"x": []}], "empty": {}}, "a": 0.1, "none": []})");
+    EXPECT_EQ(
+        rows_on_lines(value),
+        "{\n\"b\": {\n\"list\": [\n{\"x\":[1,2]},\n{\"x\":[]}\n],\n\"empty\": {}\n},\n\"a\": 0.1,\n\"none\": []\n}");
+    EXPECT_EQ(nlohmann::ordered_json::parse(rows_on_lines(value)), value);
+}
+
 TEST_F(ResultFileTest, HasOneRowASampleInOrder) {
     const std::vector<Json> rows = rows_of("ok", "iteration");
     ASSERT_EQ(rows.size(), 3u);
