@@ -7,6 +7,7 @@ overlaps or is cut off, whatever the number of series.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -178,6 +179,45 @@ class Page:
             (left / self.width, (bottom + self.bottom) / self.height, width / self.width, height / self.height),
             **options,
         )
+
+
+def panel_grid(
+    page_title: str,
+    caption: str,
+    titles: Sequence[str],
+    labels: Sequence[Sequence[str]],
+    *,
+    label_width: float,
+    left: float,
+    gap: float,
+    plot_widths: tuple[float, float],
+    least_height: float,
+    y_label: str,
+) -> tuple[Page, list[Axes]]:
+    """A page of panels in one column, or from two on in two, with room at the right of each for its labels.
+
+    `labels` are each panel's, wrapped; `plot_widths` those in one column and in two.
+    """
+    columns = 1 if len(titles) == 1 else 2
+    rows = math.ceil(len(titles) / columns)
+    right = LABEL_GAP + label_width + 0.1
+    plot_width = plot_widths[columns - 1]
+    label_height = max(sum(text_height(LABEL_SIZE, text.count("\n") + 1) for text in texts) for texts in labels)
+    height = max(least_height, 1.12 * label_height)
+    width = left + columns * (plot_width + right) + (columns - 1) * gap + MARGIN
+    wrapped_titles = [wrapped(title, BASE_SIZE + 0.5, plot_width + right - 0.1, "bold") for title in titles]
+    block = 0.3 + text_height(BASE_SIZE + 0.5, max(map(len, wrapped_titles)) - 1) + height + 0.62
+    page = Page(width, rows * block, page_title, caption)
+    panels = []
+    for index, title in enumerate(wrapped_titles):
+        column, row = index % columns, index // columns
+        x = left + column * (plot_width + right + gap)
+        axes = page.axes(x, (rows - 1 - row) * block + 0.58, plot_width, height)
+        axes.set_title("\n".join(title), linespacing=LINE_SPACING)
+        if column == 0:
+            axes.set_ylabel(y_label)
+        panels.append(axes)
+    return page, panels
 
 
 def spread(targets: Sequence[float], sizes: Sequence[float], low: float, high: float) -> list[float]:

@@ -39,31 +39,24 @@ endforeach()
 set(integrator_sources ${generated}/layouts.cpp)
 # In double precision the generic kernels alone, of the integrators that hold no queue.
 set(integrators_in_double depth_first)
+function(add_integrator_unit unit name features real)
+  file(CONFIGURE OUTPUT ${generated}/${unit}.cpp CONTENT
+"#include \"variants/integrator/${name}.h\"
+namespace pt { namespace {
+constexpr FeatureSet features = ${features};
+const IntegratorRegistration registration(integrator::${name}::descriptor, features,
+                                          &integrator::${name}::render<Config<${real}, features>>);
+} }
+")
+  set(integrator_sources ${integrator_sources} ${generated}/${unit}.cpp PARENT_SCOPE)
+endfunction()
 foreach(header ${integrator_headers})
   get_filename_component(name ${header} NAME_WE)
   set(index 0)
   foreach(features ${feature_sets})
-    set(unit ${generated}/integrator_${name}_${index}.cpp)
-    file(CONFIGURE OUTPUT ${unit} CONTENT
-"#include \"variants/integrator/${name}.h\"
-namespace pt { namespace {
-constexpr FeatureSet features = ${features};
-const IntegratorRegistration registration(integrator::${name}::descriptor, features,
-                                          &integrator::${name}::render<Config<float, features>>);
-} }
-")
-    list(APPEND integrator_sources ${unit})
+    add_integrator_unit(integrator_${name}_${index} ${name} "${features}" float)
     if(name IN_LIST integrators_in_double AND features MATCHES "^all_features" AND NOT features MATCHES "matrix")
-      set(unit ${generated}/integrator_${name}_double_${index}.cpp)
-      file(CONFIGURE OUTPUT ${unit} CONTENT
-"#include \"variants/integrator/${name}.h\"
-namespace pt { namespace {
-constexpr FeatureSet features = ${features};
-const IntegratorRegistration registration(integrator::${name}::descriptor, features,
-                                          &integrator::${name}::render<Config<double, features>>);
-} }
-")
-      list(APPEND integrator_sources ${unit})
+      add_integrator_unit(integrator_${name}_double_${index} ${name} "${features}" double)
     endif()
     math(EXPR index "${index} + 1")
   endforeach()

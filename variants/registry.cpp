@@ -112,10 +112,7 @@ Variant Registry::baseline(Backend backend) const {
 }
 
 Variant Registry::reference(const Variant& variant, Backend backend) const {
-    const bool depends_on_order = std::any_of(std::begin(axis_names), std::end(axis_names), [&](std::string_view axis) {
-        return at(axis, variant, backend).descriptor.depends_on_order;
-    });
-    if (depends_on_order) {
+    if (depends_on_order(variant, backend)) {
         return variant;
     }
     Variant reference = baseline(backend);
@@ -191,6 +188,38 @@ Variant exact_twin(const Variant& variant, Backend backend) {
         }
     }
     return twin;
+}
+
+bool depends_on_order(const Variant& variant, Backend backend) {
+    return std::any_of(std::begin(axis_names), std::end(axis_names),
+                       [&](std::string_view axis) { return descriptor_at(axis, variant, backend).depends_on_order; });
+}
+
+bool has_independent_samples(const Variant& variant, Backend backend) {
+    return std::all_of(std::begin(axis_names), std::end(axis_names), [&](std::string_view axis) {
+        return descriptor_at(axis, variant, backend).has_independent_samples;
+    });
+}
+
+std::uint32_t extra_depth(Variant variant, Backend backend) {
+    std::uint32_t extra = 0;
+    for (const std::string_view axis : axis_names) {
+        while (descriptor_at(axis, variant, backend).claim == Claim::statistical) {
+            extra += descriptor_at(axis, variant, backend).mean_at_extra_depth;
+            variant.set(axis, std::string(descriptor_at(axis, variant, backend).mean_of));
+        }
+    }
+    return extra;
+}
+
+FeatureSet features_asked(const Variant& variant, Backend backend) {
+    FeatureSet asked = no_features;
+    for (const std::string_view axis : axis_names) {
+        if (const AddFeatures& features = Registry::instance().at(axis, variant, backend).hook.features) {
+            asked |= features();
+        }
+    }
+    return asked;
 }
 
 std::vector<Tunable> tunables_of(const Variant& variant, Backend backend) {

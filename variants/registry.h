@@ -106,6 +106,15 @@ bool rounds_freely(const Variant& variant, Backend backend);
 // The same variant with each choice that rounds freely replaced by the one whose mean it claims.
 Variant exact_twin(const Variant& variant, Backend backend);
 
+// Some choice says so of itself (Descriptor), or all do.
+bool depends_on_order(const Variant& variant, Backend backend);
+bool has_independent_samples(const Variant& variant, Backend backend);
+// Segments more that a variant's expectation has than it traces (Descriptor::mean_at_extra_depth). A choice may have
+// the mean of one that has the mean of a third.
+std::uint32_t extra_depth(Variant variant, Backend backend);
+// The features that the variant's choices ask of a kernel, whatever the scene.
+FeatureSet features_asked(const Variant& variant, Backend backend);
+
 // The tunables that the variant's choices have, those of the integrator first.
 std::vector<Tunable> tunables_of(const Variant& variant, Backend backend);
 // Every tunable that some choice of the backend has, each name once.

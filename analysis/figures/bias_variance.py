@@ -96,30 +96,20 @@ def draw(data: Data) -> Figure:
     label_width = max(
         style.text_width(part, style.LABEL_SIZE) for text in wrapped.values() for part in text.split("\n")
     )
-    label_height = max(
-        sum(style.text_height(style.LABEL_SIZE, wrapped[point.label].count("\n") + 1) for point in panel.points)
-        for panel in data.panels
+    page, panels = style.panel_grid(
+        data.title,
+        data.caption,
+        [panel.title for panel in data.panels],
+        [[wrapped[point.label] for point in panel.points] for panel in data.panels],
+        label_width=label_width,
+        left=0.95,
+        gap=0.75,
+        plot_widths=(4.6, 3.3),
+        least_height=3.3,
+        y_label="bias² (log scale)",
     )
-    columns = 1 if len(data.panels) == 1 else 2
-    rows = math.ceil(len(data.panels) / columns)
-    left, gap = 0.95, 0.75
-    right = style.LABEL_GAP + label_width + 0.1
-    plot_width, height = (4.6 if columns == 1 else 3.3), max(3.3, 1.12 * label_height)
-    width = left + columns * (plot_width + right) + (columns - 1) * gap + style.MARGIN
-    titles = [
-        style.wrapped(panel.title, style.BASE_SIZE + 0.5, plot_width + right - 0.1, "bold") for panel in data.panels
-    ]
-    block = 0.3 + style.text_height(style.BASE_SIZE + 0.5, max(map(len, titles)) - 1) + height + 0.62
-    page = style.Page(width, rows * block, data.title, data.caption)
-    for index, panel in enumerate(data.panels):
-        column, row = index % columns, index // columns
-        axes = page.axes(
-            left + column * (plot_width + right + gap), (rows - 1 - row) * block + 0.58, plot_width, height
-        )
+    for panel, axes in zip(data.panels, panels, strict=True):
         _draw_panel(page, axes, panel, looks, wrapped)
-        axes.set_title("\n".join(titles[index]), linespacing=style.LINE_SPACING)
-        if column == 0:
-            axes.set_ylabel("bias² (log scale)")
     return page.figure
 
 

@@ -127,31 +127,20 @@ def draw(data: Data) -> Figure:
         for line in panel.lines
     }
     label_width = max(style.text_width(part, style.LABEL_SIZE) for text in names.values() for part in text.split("\n"))
-    label_height = max(
-        sum(style.text_height(style.LABEL_SIZE, names[panel.title, line.label].count("\n") + 1) for line in panel.lines)
-        for panel in data.panels
+    page, panels = style.panel_grid(
+        data.title,
+        data.caption,
+        [panel.title for panel in data.panels],
+        [[names[panel.title, line.label] for line in panel.lines] for panel in data.panels],
+        label_width=label_width,
+        left=0.85,
+        gap=0.7,
+        plot_widths=(5.4, 3.6),
+        least_height=3.6,
+        y_label="Root mean square error (log scale)",
     )
-    columns = 1 if len(data.panels) == 1 else 2
-    rows = math.ceil(len(data.panels) / columns)
-    left, gap = 0.85, 0.35
-    right = style.LABEL_GAP + label_width + 0.1
-    plot_width = 5.4 if columns == 1 else 3.6
-    height = max(3.6, 1.12 * label_height)
-    width = left + columns * (plot_width + right) + (columns - 1) * (gap + 0.35) + style.MARGIN
-    titles = [
-        style.wrapped(panel.title, style.BASE_SIZE + 0.5, plot_width + right - 0.1, "bold") for panel in data.panels
-    ]
-    block = 0.3 + style.text_height(style.BASE_SIZE + 0.5, max(map(len, titles)) - 1) + height + 0.62
-    page = style.Page(width, rows * block, data.title, data.caption)
-    for index, panel in enumerate(data.panels):
-        column, row = index % columns, index // columns
-        axes = page.axes(
-            left + column * (plot_width + right + gap + 0.35), (rows - 1 - row) * block + 0.58, plot_width, height
-        )
+    for panel, axes in zip(data.panels, panels, strict=True):
         _draw_panel(page, axes, panel, data, looks, names)
-        axes.set_title("\n".join(titles[index]), linespacing=style.LINE_SPACING)
-        if column == 0:
-            axes.set_ylabel("Root mean square error (log scale)")
     return page.figure
 
 

@@ -105,12 +105,6 @@ void add_checkpoints(Cell& cell, const ConvergenceSettings& settings, std::share
     cell.name += "/checkpoints:octaves";
 }
 
-bool has_independent_samples(const Variant& variant, Backend backend) {
-    return std::all_of(std::begin(axis_names), std::end(axis_names), [&](std::string_view axis) {
-        return Registry::instance().at(axis, variant, backend).descriptor.has_independent_samples;
-    });
-}
-
 std::vector<std::string> declared_biases(const Cell& cell) {
     std::vector<std::string> biases;
     for (const std::string_view axis : axis_names) {

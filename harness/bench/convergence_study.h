@@ -20,9 +20,6 @@ std::vector<std::uint32_t> octaves(std::uint32_t spp);
 void add_checkpoints(Cell& cell, const ConvergenceSettings& settings, std::shared_ptr<const Scene> reference_scene,
                      std::uint32_t reference_depth);
 
-// Whether the samples of one run are independent of each other, so that its halves are.
-bool has_independent_samples(const Variant& variant, Backend backend);
-
 // Why the cell's images are another than the reference's, or may be; each in a line.
 std::vector<std::string> declared_biases(const Cell& cell);
 

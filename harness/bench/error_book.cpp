@@ -127,36 +127,38 @@ Json ErrorBook::cell_facts(const Cell& cell) const {
             {"biases", declared_biases(cell)}};
 }
 
-Json ErrorBook::errors_json(const Cell& cell, const Snapshot& snapshot, const Snapshot* half) {
+Json ErrorBook::errors_json(const Cell& cell, const Hashed& whole, const Hashed& half) {
     const Reference& right = reference(cell);
-    const std::string key = fmt::format("{}/{}/{}/{}", right.hash, snapshot.samples, snapshot.film.hash(),
-                                        half != nullptr ? half->film.hash() : "");
+    const Film& film = whole.snapshot->film;
+    const std::string key = fmt::format("{}/{}/{}/{}", right.hash, whole.snapshot->samples, whole.hash, half.hash);
     const auto known = known_.find(key);
     if (known != known_.end()) {
         return known->second;
     }
     Json errors;
-    if (snapshot.film.faults().nonfinite != 0) {
+    if (film.faults().nonfinite != 0) {
         errors = json_of(std::nullopt);
-    } else if (half != nullptr) {
-        const Halves halves = halves_of(half->film, snapshot.film);
-        errors = json_of(errors_of(image_of(snapshot.film), &halves, right.first, right.second));
+    } else if (half.snapshot != nullptr) {
+        const Halves halves = halves_of(half.snapshot->film, film);
+        errors = json_of(errors_of(image_of(film), &halves, right.first, right.second));
     } else {
-        errors = json_of(errors_of(image_of(snapshot.film), nullptr, right.first, right.second));
+        errors = json_of(errors_of(image_of(film), nullptr, right.first, right.second));
     }
     return known_.emplace(key, std::move(errors)).first->second;
 }
 
 Json ErrorBook::rows(const Cell& cell, const std::vector<Snapshot>& snapshots) {
+    const bool has_halves = has_independent_samples(cell.variant, cell.backend);
+    std::map<std::uint64_t, Hashed> by_samples;
     Json rows = Json::array();
     for (const Snapshot& snapshot : snapshots) {
-        const auto half = std::find_if(snapshots.begin(), snapshots.end(),
-                                       [&](const Snapshot& other) { return 2 * other.samples == snapshot.samples; });
-        const bool has_halves = half != snapshots.end() && has_independent_samples(cell.variant, cell.backend);
-        Json row{{"spp", snapshot.samples},           {"wall_ms", snapshot.wall_ms},
-                 {"device_ms", snapshot.device_ms},   {"cpu_ms", snapshot.cpu_ms},
-                 {"film_hash", snapshot.film.hash()}, {"nonfinite", snapshot.film.faults().nonfinite}};
-        row.update(errors_json(cell, snapshot, has_halves ? &*half : nullptr));
+        const Hashed& whole = by_samples[snapshot.samples] = {&snapshot, snapshot.film.hash()};
+        const auto half = by_samples.find(snapshot.samples / 2);
+        const bool is_half = has_halves && half != by_samples.end() && snapshot.samples % 2 == 0;
+        Json row{{"spp", snapshot.samples},         {"wall_ms", snapshot.wall_ms},
+                 {"device_ms", snapshot.device_ms}, {"cpu_ms", snapshot.cpu_ms},
+                 {"film_hash", whole.hash},         {"nonfinite", snapshot.film.faults().nonfinite}};
+        row.update(errors_json(cell, whole, is_half ? half->second : Hashed{}));
         rows.push_back(std::move(row));
     }
     return rows;

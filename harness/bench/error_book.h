@@ -45,7 +45,12 @@ public:
     Json rows(const Cell& cell, const std::vector<Snapshot>& snapshots);
 
 private:
-    Json errors_json(const Cell& cell, const Snapshot& snapshot, const Snapshot* half);
+    // Of a film and, where there is one, that of the first half of its samples, both with their hashes.
+    struct Hashed {
+        const Snapshot* snapshot = nullptr;
+        std::string hash;
+    };
+    Json errors_json(const Cell& cell, const Hashed& whole, const Hashed& half);
 
     ReferenceMaker maker_;
     std::map<std::string, ReferenceTask> tasks_;  // by reference

@@ -47,17 +47,11 @@ RenderSettings verification_settings(RenderSettings settings) {
 
 constexpr std::uint32_t verification_spp = 2;
 
-bool depends_on_order(const Cell& cell) {
-    return std::any_of(std::begin(axis_names), std::end(axis_names), [&](std::string_view axis) {
-        return Registry::instance().at(axis, cell.variant, cell.backend).descriptor.depends_on_order;
-    });
-}
-
 // All cells whose films must be equal bit for bit.
 std::string bitwise_group(const Cell& cell) {
     std::string name = cell.name;
     // Stopping at checkpoints changes no bit, but where numbers follow the order of a queue, whose batches end there.
-    if (cell.convergence && !depends_on_order(cell)) {
+    if (cell.convergence && !depends_on_order(cell.variant, cell.backend)) {
         name.erase(name.rfind('/'));
     }
     // Two kernels that round freely need not agree: each is a group of its own.

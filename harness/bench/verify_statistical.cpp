@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "harness/error/reference.h"
+
 namespace pt {
 
 namespace {
@@ -22,19 +24,6 @@ bool samples_alike(const Variant& a, const Variant& b) {
 
 const Descriptor& descriptor_at(std::string_view axis, const Variant& variant, Backend backend) {
     return Registry::instance().at(axis, variant, backend).descriptor;
-}
-
-// How many segments more a variant's expectation has than it traces. A choice may have the mean of one that has the
-// mean of a third.
-std::uint32_t extra_depth(Variant variant, Backend backend) {
-    std::uint32_t extra = 0;
-    for (const std::string_view axis : axis_names) {
-        while (descriptor_at(axis, variant, backend).claim == Claim::statistical) {
-            extra += descriptor_at(axis, variant, backend).mean_at_extra_depth;
-            variant.set(axis, std::string(descriptor_at(axis, variant, backend).mean_of));
-        }
-    }
-    return extra;
 }
 
 // Into how many equal parts a run's samples go: at most 8, or one each where nothing else divides them.
@@ -82,11 +71,7 @@ ImageRuns StatisticalVerifier::render_runs(const Variant& variant, std::uint32_t
             if (!result.film.faults().none()) {
                 throw std::runtime_error(faults_text(result.film.faults()) + " of " + variant.name());
             }
-            Radiance& radiance = images.emplace_back();
-            for (std::uint32_t pixel = 0; pixel < settings_.width * settings_.height; ++pixel) {
-                const Vec3d mean = result.film.pixel(pixel);
-                radiance.insert(radiance.end(), {mean.x, mean.y, mean.z});
-            }
+            images.push_back(image_of(result.film));
         }
         runs.add(images);
     }

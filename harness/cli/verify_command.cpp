@@ -190,10 +190,11 @@ std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backen
     if (arguments.statistical && none_named) {
         return single_steps(backend);
     }
-    const AxisChoices all = all_choices(backend);
-    AxisChoices axes = all;
-    for (const char* axis : {"russian_roulette", "sampler"}) {
-        axes[axis] = {Registry::instance().baseline(backend)[axis]};
+    AxisChoices axes;
+    if (backend == Backend::cpu) {
+        axes = all_choices(backend);
+        axes.erase("russian_roulette");
+        axes.erase("sampler");
     }
     TunableValues tunables;
     for (const std::string& argument : arguments.axes) {
@@ -202,26 +203,19 @@ std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backen
     for (const std::string& argument : arguments.tunables) {
         add_tunable_argument(tunables, argument);
     }
-    if (backend == Backend::cpu) {
-        std::vector<Variant> variants = expand(axes, backend, tunables);
-        if (none_named) {
-            const std::set<Variant> known(variants.begin(), variants.end());
-            for (const Variant& variant : covering_variants(all, features_of(scene), backend)) {
-                if (!known.contains(variant)) {
-                    variants.push_back(variant);
-                }
+    std::vector<Variant> variants;
+    if (!none_named || backend == Backend::cpu) {
+        variants = expand(axes, backend, tunables);
+    }
+    if (none_named) {
+        const std::set<Variant> known(variants.begin(), variants.end());
+        for (const Variant& variant : covering_variants(all_choices(backend), features_of(scene), backend)) {
+            if (!known.contains(variant)) {
+                variants.push_back(variant);
             }
         }
-        return variants;
     }
-    if (!arguments.axes.empty() || !tunables.empty()) {
-        AxisChoices named;
-        for (const std::string& argument : arguments.axes) {
-            add_axis_argument(named, argument, backend);
-        }
-        return expand(named, backend, tunables);
-    }
-    return covering_variants(all, features_of(scene), backend);
+    return variants;
 }
 
 int run_statistical(const VerifyArguments& arguments, Backend backend, const std::vector<Scene>& scenes,
@@ -291,9 +285,10 @@ Command add_verify_command(CLI::App& app) {
     command->add_option("--scene", arguments->scenes, "Scenes by name or .json file, comma-separated, or \"all\"")
         ->required();
     command
-        ->add_option(
-            "--axis", arguments->axes,
-            "AXIS=CHOICE,CHOICE, repeatable (default: every choice; on cuda a set in which every two choices meet)")
+        ->add_option("--axis", arguments->axes,
+                     "AXIS=CHOICE,CHOICE, repeatable (default: every choice, but roulette and samplers by pairs with "
+                     "the rest; on "
+                     "cuda a set in which every two choices meet)")
         ->allow_extra_args(false);
     command->add_option("--tune", arguments->tunables, "TUNABLE=VALUE,VALUE, repeatable")->allow_extra_args(false);
     command->add_option("--backend", arguments->backend, "cpu or cuda (default: cuda where it is available)");

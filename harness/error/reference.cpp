@@ -31,7 +31,7 @@ void finish(Reference& reference) {
 // Mean radiance of samples [from, to) for one half.
 Image render_half(const ReferenceTask& task, const Variant& variant, std::uint64_t seed, std::uint64_t from,
                   std::uint64_t to) {
-    RenderSettings settings{task.width, task.height, depth_for_mean_of(variant, task.backend, task.depth), seed, false};
+    RenderSettings settings{task.width, task.height, depth_for_mean_of(variant, task.backend, task.depth), seed};
     const RenderResult result = render(*task.scene, {.variant = variant,
                                                      .backend = task.backend,
                                                      .settings = settings,
@@ -142,9 +142,6 @@ Variant reference_variant(const ReferenceTask& task) {
         {"integrator", "depth_first"}, {"integrator", "megakernel"}, {"specialisation", "generic"},
         {"sampler", "philox"},         {"arithmetic", "exact"},      {"precision", "double"}};
     for (const auto& [axis, choice] : wishes) {
-        if (std::find(std::begin(axis_names), std::end(axis_names), axis) == std::end(axis_names)) {
-            continue;
-        }
         Variant wished = variant;
         wished.set(axis, std::string(choice));
         if (why_not_applicable(wished, features_of(*task.scene), backend).empty()) {
@@ -158,15 +155,12 @@ Variant reference_variant(const ReferenceTask& task) {
 }
 
 std::uint32_t depth_for_mean_of(const Variant& variant, Backend backend, std::uint32_t depth) {
-    std::uint32_t extra = 0;
-    for (const std::string_view axis : axis_names) {
-        extra += Registry::instance().at(axis, variant, backend).descriptor.mean_at_extra_depth;
-    }
+    const std::uint32_t extra = extra_depth(variant, backend);
     return depth > extra ? depth - extra : 0;
 }
 
 Reference ReferenceMaker::make(const ReferenceTask& task, double dual_error) const {
-    RenderSettings settings{task.width, task.height, task.depth, 0, false};
+    const RenderSettings settings{task.width, task.height, task.depth};
     Reference reference = empty_reference(task);
     if (std::optional<ClosedForm> form = closed_form(*task.scene, settings)) {
         reference.is_closed_form = true;

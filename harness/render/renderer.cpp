@@ -118,12 +118,7 @@ std::string KernelChoice::note() const {
 
 KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend backend) {
     const Registry& registry = Registry::instance();
-    FeatureSet needed = features_of(scene);
-    for (const std::string_view axis : axis_names) {
-        if (const AddFeatures& features = registry.at(axis, variant, backend).hook.features) {
-            needed |= features();
-        }
-    }
+    const FeatureSet needed = features_of(scene) | features_asked(variant, backend);
     // On CUDA a kernel is compiled when it is needed, so there is one for every set.
     const FeatureSet shortcuts_here = shortcuts_of(scene);
     KernelOffer offer{needed, shortcuts_here, {needed, needed | shortcuts_here, all_features | (needed & samplers)}};
