@@ -18,10 +18,16 @@ int run(int argc, char** argv) {
     CLI::App app("ptbench: does a path tracing optimisation pay? Measured, with the images compared first.", "ptbench");
     app.require_subcommand(0, 1);  // none is reported below, after unknown arguments
     const std::vector<std::pair<std::string, pt::Command>> commands{
-        {"list", pt::add_list_command(app)},       {"run", pt::add_run_command(app, join_arguments(argc, argv))},
-        {"render", pt::add_render_command(app)},   {"verify", pt::add_verify_command(app)},
-        {"inspect", pt::add_inspect_command(app)}, {"autotune", pt::add_autotune_command(app)},
-        {"import", pt::add_import_command(app)},   {"machine", pt::add_machine_command(app)},
+        {"list", pt::add_list_command(app)},
+        {"run", pt::add_run_command(app, join_arguments(argc, argv))},
+        {"render", pt::add_render_command(app)},
+        {"verify", pt::add_verify_command(app)},
+        {"inspect", pt::add_inspect_command(app)},
+        {"autotune", pt::add_autotune_command(app)},
+        {"import", pt::add_import_command(app)},
+        {"machine", pt::add_machine_command(app)},
+        {"replay", pt::add_replay_command(app)},
+        {"stability", pt::add_stability_command(app, join_arguments(argc, argv))},
     };
     try {
         app.parse(argc, argv);
@@ -36,8 +42,9 @@ int run(int argc, char** argv) {
             return command();
         }
     }
-    throw pt::InputError("command line", "subcommand", "none",
-                         "list, run, render, verify, inspect, autotune, import, machine (see ptbench --help)");
+    throw pt::InputError(
+        "command line", "subcommand", "none",
+        "list, run, render, verify, inspect, autotune, import, machine, replay, stability (see ptbench --help)");
 }
 
 }  // namespace

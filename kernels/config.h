@@ -50,6 +50,10 @@ enum class Feature : std::uint32_t {
     philox = 1u << 24,
     sobol_owen = 1u << 25,
     minstd = 1u << 26,
+    // Other formulas too, and so other roundings: intersection in double within single precision (kernels/widen.h), and
+    // textbook forms throughout (kernels/naive.h).
+    double_intersection = 1u << 27,
+    naive = 1u << 28,
 };
 
 using FeatureSet = std::uint32_t;
@@ -60,6 +64,10 @@ inline constexpr FeatureSet shortcuts = static_cast<FeatureSet>(Feature::room);
 inline constexpr FeatureSet samplers = static_cast<FeatureSet>(Feature::philox) |
                                        static_cast<FeatureSet>(Feature::sobol_owen) |
                                        static_cast<FeatureSet>(Feature::minstd);
+
+// Of these a kernel has just the ones that it is asked for: they change what is computed.
+inline constexpr FeatureSet formulas =
+    static_cast<FeatureSet>(Feature::double_intersection) | static_cast<FeatureSet>(Feature::naive);
 
 PT_HD constexpr FeatureSet operator|(Feature a, Feature b) {
     return static_cast<FeatureSet>(a) | static_cast<FeatureSet>(b);

@@ -7,6 +7,7 @@
 
 #include "kernels/material.h"
 #include "kernels/mirror.h"
+#include "kernels/naive.h"
 
 namespace pt {
 
@@ -35,6 +36,18 @@ PT_HD inline Refraction<Real> fresnel(const Boundary<Real>& boundary, Real cosin
     return {Real(0.5) * (r_s * r_s + r_p * r_p), q};
 }
 
+// As the kernel has it.
+template <class Config>
+PT_HD inline Refraction<typename Config::Real> fresnel(const Boundary<typename Config::Real>& boundary,
+                                                       typename Config::Real cosine) {
+    if constexpr (has<Config>(Feature::naive)) {
+        const auto textbook = naive::fresnel(boundary.relative_ior, cosine);
+        return {textbook.reflectance, textbook.q};
+    } else {
+        return fresnel(boundary, cosine);
+    }
+}
+
 // The transmitted direction; `normal` on the incoming side.
 template <class Real>
 PT_HD inline Vec3<Real> refract(const Boundary<Real>& boundary, const Vec3<Real>& direction, const Vec3<Real>& normal,
@@ -56,7 +69,7 @@ PT_HD inline void scatter_dielectric(Path<typename Config::Real>& path, const Ve
     using Real = typename Config::Real;
     const Boundary<Real>& boundary = vertex.inside ? material.leaving : material.entering;
     const Real cosine = cosine_of_incidence(path.direction, vertex.normal());
-    const Refraction<Real> refraction = fresnel(boundary, cosine);
+    const Refraction<Real> refraction = fresnel<Config>(boundary, cosine);
     if (u < refraction.reflectance) {
         leave_on_same_side(path, vertex, reflect(path.direction, vertex.normal()));
         return;

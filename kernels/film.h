@@ -94,11 +94,53 @@ struct FilmView {
         add(pixel, quanta(radiance));
     }
 
+    // Samples of a pixel that are summed already, as radiance.
+    template <class Real>
+    PT_HD void add_sum(std::uint32_t pixel, const Vec3<Real>& sum) const {
+        using std::llrint;
+        const double x = static_cast<double>(sum.x) * scale;
+        const double y = static_cast<double>(sum.y) * scale;
+        const double z = static_cast<double>(sum.z) * scale;
+        const double largest = max(absolute(x), max(absolute(y), absolute(z)));
+        if (!(largest <= 0x1p62) || x != x || y != y || z != z) {
+            atomic_add(&faults->nonfinite, std::uint64_t{1});
+            return;
+        }
+        add(pixel, {static_cast<std::int64_t>(llrint(x)), static_cast<std::int64_t>(llrint(y)),
+                    static_cast<std::int64_t>(llrint(z))});
+    }
+
 private:
     PT_HD std::int64_t quantise(double value) const {
         using std::llrint;
         return static_cast<std::int64_t>(llrint(clamp(value, -limit, limit)));
     }
+};
+
+// What one thread sums up of one pixel's samples before they go to the film: quanta, so that no order matters. A naive
+// kernel sums radiance in its own precision, in the order of the samples.
+template <class Config>
+class PixelSum {
+public:
+    using Real = typename Config::Real;
+    PT_HD void add(const FilmView& film, const Vec3<Real>& radiance) {
+        if constexpr (has<Config>(Feature::naive)) {
+            radiance_ += radiance;
+        } else {
+            quanta_ += film.quanta(radiance);
+        }
+    }
+    PT_HD void finish(const FilmView& film, std::uint32_t pixel) const {
+        if constexpr (has<Config>(Feature::naive)) {
+            film.add_sum(pixel, radiance_);
+        } else {
+            film.add(pixel, quanta_);
+        }
+    }
+
+private:
+    FilmSum quanta_;
+    Vec3<Real> radiance_{Real(0), Real(0), Real(0)};
 };
 
 }  // namespace pt

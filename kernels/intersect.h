@@ -3,7 +3,9 @@
 // and a convex body is met again only from within, at its other root.
 #pragma once
 
+#include "kernels/naive.h"
 #include "kernels/scene_view.h"
+#include "kernels/widen.h"
 
 namespace pt {
 
@@ -20,8 +22,8 @@ PT_HD inline Ray<Real> ray_of(const Path<Real>& path) {
 }
 
 // The ray's origin as the object sees it at the ray's time: the object stands still, the ray is moved back.
-template <class Config>
-PT_HD inline Vec3<typename Config::Real> at_rest(const SceneView<typename Config::Real>& scene, std::uint32_t object,
+template <class Config, class Scene>
+PT_HD inline Vec3<typename Config::Real> at_rest(const Scene& scene, std::uint32_t object,
                                                  const Vec3<typename Config::Real>& point, typename Config::Real time) {
     if constexpr (has<Config>(Feature::motion)) {
         return point - scene.velocity[object] * time;
@@ -30,8 +32,8 @@ PT_HD inline Vec3<typename Config::Real> at_rest(const SceneView<typename Config
     }
 }
 
-template <class Config>
-PT_HD inline Vec3<typename Config::Real> in_motion(const SceneView<typename Config::Real>& scene, std::uint32_t object,
+template <class Config, class Scene>
+PT_HD inline Vec3<typename Config::Real> in_motion(const Scene& scene, std::uint32_t object,
                                                    const Vec3<typename Config::Real>& point,
                                                    typename Config::Real time) {
     if constexpr (has<Config>(Feature::motion)) {
@@ -61,9 +63,9 @@ PT_HD inline void keep_nearer(Hit<Real>& best, Real chord, const ObjectSide& dep
     }
 }
 
-template <class Config, class Body>
-PT_HD inline void closest_in(Hit<typename Config::Real>& best, const SceneView<typename Config::Real>& scene,
-                             const View<Body>& bodies, std::uint32_t first, const Ray<typename Config::Real>& ray) {
+template <class Config, class Scene, class Bodies>
+PT_HD inline void closest_in(Hit<typename Config::Real>& best, const Scene& scene, const Bodies& bodies,
+                             std::uint32_t first, const Ray<typename Config::Real>& ray) {
     for (std::uint32_t i = 0; i < bodies.size; ++i) {
         const std::uint32_t object = first + i;
         const auto origin = at_rest<Config>(scene, object, ray.origin, ray.time);
@@ -76,8 +78,8 @@ PT_HD inline void closest_in(Hit<typename Config::Real>& best, const SceneView<t
     }
 }
 
-template <class Config>
-PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const SceneView<typename Config::Real>& scene,
+template <class Config, class Scene>
+PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene& scene,
                                    const Ray<typename Config::Real>& ray, const Vec3<typename Config::Real>& inverse,
                                    bool without_walls) {
     using Real = typename Config::Real;
@@ -105,8 +107,8 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
     }
 }
 
-template <class Config>
-PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const SceneView<typename Config::Real>& scene,
+template <class Config, class Scene>
+PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene& scene,
                                    const Ray<typename Config::Real>& ray) {
     using Real = typename Config::Real;
     const Vec3<Real> inverse = reciprocal(ray.direction);
@@ -135,14 +137,14 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
     closest_axis_box<Config>(best, scene, ray, inverse, false);
 }
 
-template <class Config>
-PT_HD inline void closest_quad(Hit<typename Config::Real>& best, const SceneView<typename Config::Real>& scene,
+template <class Config, class Scene>
+PT_HD inline void closest_quad(Hit<typename Config::Real>& best, const Scene& scene,
                                const Ray<typename Config::Real>& ray) {
     using Real = typename Config::Real;
     const std::uint32_t first = scene.first_quad();
     for (std::uint32_t i = 0; i < scene.quads.size; ++i) {
         const std::uint32_t object = first + i;
-        const Quad<Real>& quad = scene.quads[i];
+        const auto& quad = scene.quads[i];
         const Interval<Real> crossing =
             interval(quad, at_rest<Config>(scene, object, ray.origin, ray.time), ray.direction);
         const bool starts_here = ray.departed.exists() && ray.departed.object() == object;
@@ -154,8 +156,8 @@ PT_HD inline void closest_quad(Hit<typename Config::Real>& best, const SceneView
 }
 
 // Every object in turn by its matrix.
-template <class Config>
-PT_HD inline void closest_transformed(Hit<typename Config::Real>& best, const SceneView<typename Config::Real>& scene,
+template <class Config, class Scene>
+PT_HD inline void closest_transformed(Hit<typename Config::Real>& best, const Scene& scene,
                                       const Ray<typename Config::Real>& ray) {
     using Real = typename Config::Real;
     for (std::uint32_t object = 0; object < scene.transforms.size; ++object) {
@@ -179,12 +181,58 @@ PT_HD inline void closest_transformed(Hit<typename Config::Real>& best, const Sc
     }
 }
 
-template <class Config>
-PT_HD inline Hit<typename Config::Real> closest_hit(const SceneView<typename Config::Real>& scene,
-                                                    const Ray<typename Config::Real>& ray) {
+template <class Real>
+PT_HD inline Ray<double> widened(const Ray<Real>& ray) {
+    return {Vec3<double>(ray.origin), Vec3<double>(ray.direction), ray.time, ray.departed};
+}
+
+// The nearest of some bodies the textbook's way: whatever lies beyond the epsilon counts.
+template <class Config, class Scene, class Bodies>
+PT_HD inline void closest_naive(Hit<typename Config::Real>& best, const Scene& scene, const Bodies& bodies,
+                                std::uint32_t first, const Ray<typename Config::Real>& ray) {
     using Real = typename Config::Real;
+    for (std::uint32_t i = 0; i < bodies.size; ++i) {
+        const std::uint32_t object = first + i;
+        const Interval<Real> crossing =
+            naive::interval(bodies[i], at_rest<Config>(scene, object, ray.origin, ray.time), ray.direction);
+        const bool inside = !(crossing.near > naive::epsilon<Real>);
+        const Real t = inside ? crossing.far : crossing.near;
+        if (crossing.hits && t > naive::epsilon<Real> && t < best.t) {
+            best.t = t;
+            best.side = ObjectSide::of(object, inside);
+        }
+    }
+}
+
+template <class Config, class Scene>
+PT_HD inline void closest_naive(Hit<typename Config::Real>& best, const Scene& scene,
+                                const Ray<typename Config::Real>& ray) {
+    closest_naive<Config>(best, scene, scene.spheres, 0, ray);
+    closest_naive<Config>(best, scene, scene.ellipsoids, scene.first_ellipsoid(), ray);
+    closest_naive<Config>(best, scene, scene.axis_boxes, scene.first_axis_box(), ray);
+    closest_naive<Config>(best, scene, scene.oriented_boxes, scene.first_oriented_box(), ray);
+    const typename Config::Real before_quads = best.t;
+    closest_naive<Config>(best, scene, scene.quads, scene.first_quad(), ray);
+    if (best.t < before_quads) {
+        const std::uint32_t object = best.side.object();
+        best.side = ObjectSide::of(
+            object, dot(ray.direction, scene.quads[object - scene.first_quad()].normal) > typename Config::Real(0));
+    }
+}
+
+template <class Config, class Scene>
+PT_HD inline Hit<typename Config::Real> closest_hit(const Scene& scene, const Ray<typename Config::Real>& ray) {
+    using Real = typename Config::Real;
+    if constexpr (has<Config>(Feature::double_intersection)) {
+        const Hit<double> hit = closest_hit<InDouble<Config>>(WideScene(scene), widened(ray));
+        return {static_cast<Real>(hit.t), hit.side};
+    }
     Hit<Real> best;
     best.t = std::numeric_limits<Real>::infinity();
+    if constexpr (has<Config>(Feature::naive)) {
+        closest_naive<Config>(best, scene, ray);
+        return best;
+    }
     if constexpr (has<Config>(Feature::matrix)) {
         closest_transformed<Config>(best, scene, ray);
         return best;
@@ -207,13 +255,43 @@ PT_HD inline Hit<typename Config::Real> closest_hit(const SceneView<typename Con
     return best;
 }
 
+// The point left where the ray's rounding puts it.
+template <class Config, class Scene>
+PT_HD inline SurfacePoint<typename Config::Real> naive_surface_at(const Scene& scene,
+                                                                  const Ray<typename Config::Real>& ray,
+                                                                  const Hit<typename Config::Real>& hit) {
+    using Real = typename Config::Real;
+    const std::uint32_t object = hit.side.object();
+    const Vec3<Real> p = at_rest<Config>(scene, object, ray.origin, ray.time) + ray.direction * hit.t;
+    const Vec3<Real> position = in_motion<Config>(scene, object, p, ray.time);
+    if (object < scene.first_ellipsoid()) {
+        return {position, naive::normal_at(scene.spheres[object], p)};
+    }
+    if (object < scene.first_axis_box()) {
+        return {position, naive::normal_at(scene.ellipsoids[object - scene.first_ellipsoid()], p)};
+    }
+    if (object < scene.first_oriented_box()) {
+        return {position, naive::normal_at(scene.axis_boxes[object - scene.first_axis_box()], p)};
+    }
+    if (object < scene.first_quad()) {
+        return {position, naive::normal_at(scene.oriented_boxes[object - scene.first_oriented_box()], p)};
+    }
+    return {position, naive::normal_at(scene.quads[object - scene.first_quad()], p)};
+}
+
 // Position on the surface (pulled back onto it) and the object's outward unit normal. Without `normal_of_face` the
 // normal is not set where the hit has a face, which tells it already.
-template <class Config, bool normal_of_face = true>
-PT_HD inline SurfacePoint<typename Config::Real> surface_at(const SceneView<typename Config::Real>& scene,
-                                                            const Ray<typename Config::Real>& ray,
+template <class Config, bool normal_of_face = true, class Scene>
+PT_HD inline SurfacePoint<typename Config::Real> surface_at(const Scene& scene, const Ray<typename Config::Real>& ray,
                                                             const Hit<typename Config::Real>& hit) {
     using Real = typename Config::Real;
+    if constexpr (has<Config>(Feature::double_intersection)) {
+        const SurfacePoint<double> point =
+            surface_at<InDouble<Config>>(WideScene(scene), widened(ray), Hit<double>{hit.t, hit.side});
+        return {Vec3<Real>(point.position), Vec3<Real>(point.normal)};
+    } else if constexpr (has<Config>(Feature::naive)) {
+        return naive_surface_at<Config>(scene, ray, hit);
+    }
     SurfacePoint<Real> point{{Real(0), Real(0), Real(0)}, {Real(0), Real(1), Real(0)}};
     if constexpr (has<Config>(Feature::room)) {
         if (hit.side.has_face() &&

@@ -18,6 +18,9 @@ PT_HD inline DirectionSample<typename Config::Real> sample_direction_to(
     using Real = typename Config::Real;
     const Vec3<Real> observer = at_rest<Config>(scene, object, position, time);
     if (has<Config>(Feature::sphere) && object < scene.first_ellipsoid()) {
+        if constexpr (has<Config>(Feature::naive)) {
+            return naive::sample_direction(scene.spheres[object], observer, u, v);
+        }
         return sample_direction(scene.spheres[object], observer, u, v, w);
     }
     if (has<Config>(Feature::ellipsoid) && object < scene.first_axis_box()) {
@@ -43,6 +46,9 @@ PT_HD inline typename Config::Real direction_measure_to(const SceneView<typename
     using Real = typename Config::Real;
     const Vec3<Real> observer = at_rest<Config>(scene, object, ray.origin, ray.time);
     if (has<Config>(Feature::sphere) && object < scene.first_ellipsoid()) {
+        if constexpr (has<Config>(Feature::naive)) {
+            return naive::direction_measure(scene.spheres[object], observer);
+        }
         return direction_measure(scene.spheres[object], observer, ray.direction, distance);
     }
     if (has<Config>(Feature::ellipsoid) && object < scene.first_axis_box()) {

@@ -11,23 +11,44 @@
 
 namespace pt {
 
+template <class Scene, class Real>
+PT_HD inline Real naive_distance_to_exit(const Scene& scene, std::uint32_t object, const Vec3<Real>& origin,
+                                         const Vec3<Real>& direction) {
+    if (object < scene.first_ellipsoid()) {
+        return naive::interval(scene.spheres[object], origin, direction).far;
+    }
+    if (object < scene.first_axis_box()) {
+        return naive::interval(scene.ellipsoids[object - scene.first_ellipsoid()], origin, direction).far;
+    }
+    if (object < scene.first_oriented_box()) {
+        return naive::interval(scene.axis_boxes[object - scene.first_axis_box()], origin, direction).far;
+    }
+    return naive::interval(scene.oriented_boxes[object - scene.first_oriented_box()], origin, direction).far;
+}
+
 // Way to the surface from a point inside the body or, if `on_surface`, from its surface inwards.
-template <class Config>
-PT_HD inline typename Config::Real distance_to_exit(const SceneView<typename Config::Real>& scene, std::uint32_t object,
+template <class Config, class Scene>
+PT_HD inline typename Config::Real distance_to_exit(const Scene& scene, std::uint32_t object,
                                                     const Vec3<typename Config::Real>& origin,
                                                     const Vec3<typename Config::Real>& direction, bool on_surface) {
     using Real = typename Config::Real;
+    if constexpr (has<Config>(Feature::double_intersection)) {
+        return static_cast<Real>(distance_to_exit<InDouble<Config>>(WideScene(scene), object, Vec3<double>(origin),
+                                                                    Vec3<double>(direction), on_surface));
+    } else if constexpr (has<Config>(Feature::naive)) {
+        return max(Real(0), naive_distance_to_exit(scene, object, origin, direction));
+    }
     if (has<Config>(Feature::sphere) && object < scene.first_ellipsoid()) {
-        const Sphere<Real>& sphere = scene.spheres[object];
+        const auto& sphere = scene.spheres[object];
         return on_surface ? chord(sphere, origin, direction) : max(Real(0), interval(sphere, origin, direction).far);
     }
     if (has<Config>(Feature::ellipsoid) && object < scene.first_axis_box()) {
-        const Ellipsoid<Real>& ellipsoid = scene.ellipsoids[object - scene.first_ellipsoid()];
+        const auto& ellipsoid = scene.ellipsoids[object - scene.first_ellipsoid()];
         return on_surface ? chord(ellipsoid, origin, direction)
                           : max(Real(0), interval(ellipsoid, origin, direction).far);
     }
     if (has<Config>(Feature::axis_box) && object < scene.first_oriented_box()) {
-        const AxisBox<Real>& box = scene.axis_boxes[object - scene.first_axis_box()];
+        const auto& box = scene.axis_boxes[object - scene.first_axis_box()];
         return max(Real(0), slab_interval(box.low, box.high, origin, reciprocal(direction)).far);
     }
     if (has<Config>(Feature::oriented_box)) {
@@ -115,7 +136,7 @@ PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, P
         if (medium.has_boundary != 0) {
             const Vec3<Real> inward = -exit.normal;
             const Real cosine = cosine_of_incidence(direction, inward);
-            const Refraction<Real> refraction = fresnel(medium.leaving, cosine);
+            const Refraction<Real> refraction = fresnel<Config>(medium.leaving, cosine);
             if (unit_interval<Real>(words.z) < refraction.reflectance) {
                 path.origin = at_rest<Config>(scene, walk.object, exit.position, path.time);
                 path.direction = reflect(direction, inward);
@@ -146,7 +167,7 @@ PT_HD inline bool scatter_subsurface(const SceneView<typename Config::Real>& sce
     if constexpr (has<Config>(Feature::subsurface_boundary)) {
         if (medium.has_boundary != 0) {
             const Real cosine = cosine_of_incidence(path.direction, vertex.normal());
-            const Refraction<Real> refraction = fresnel(medium.entering, cosine);
+            const Refraction<Real> refraction = fresnel<Config>(medium.entering, cosine);
             if (u < refraction.reflectance) {
                 leave_on_same_side(path, vertex, reflect(path.direction, vertex.normal()));
                 return true;

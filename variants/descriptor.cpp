@@ -80,8 +80,10 @@ std::vector<std::string> feature_names(FeatureSet features) {
                                             "matrix",
                                             "philox",
                                             "sobol_owen",
-                                            "minstd"};
-    static_assert(((all_features | shortcuts | Feature::matrix) | samplers) == (1u << std::size(names)) - 1u);
+                                            "minstd",
+                                            "double_intersection",
+                                            "naive"};
+    static_assert((all_features | shortcuts | Feature::matrix | samplers | formulas) == (1u << std::size(names)) - 1u);
     std::vector<std::string> present;
     for (std::size_t bit = 0; bit < std::size(names); ++bit) {
         if ((features >> bit & 1u) != 0) {

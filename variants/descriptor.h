@@ -30,7 +30,7 @@ constexpr bool contains(BackendSet set, Backend backend) { return (set & static_
 // The axes in the order in which a variant's name spells them.
 inline constexpr std::string_view axis_names[] = {
     "integrator", "compaction", "sorting",        "sort_key", "first_bounce", "direct_light", "russian_roulette",
-    "sampler",    "layout",     "specialisation", "launch",   "arithmetic",   "precision"};
+    "sampler",    "layout",     "specialisation", "launch",   "arithmetic",   "precision",    "robustness"};
 
 // A number that a choice may be tuned by. It never changes what is computed, unless the choice's claim says so.
 struct Tunable {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "kernels/health.h"
 #include "kernels/shade.h"
 #include "layouts.h"  // generated: AnyPaths, a std::variant over every layout in variants/layout
 #include "variants/descriptor.h"
@@ -107,6 +108,7 @@ struct RenderJobIn {
     FirstBounceCache<Real>* cache = nullptr;  // null: the first bounce is computed
     WorkCounters work;
     StageTimes* stages = nullptr;  // null: not instrumented
+    HealthRequest health;          // for an integrator that inspects
 };
 using RenderJob = RenderJobIn<float>;
 

@@ -25,6 +25,12 @@ TunedVariant read_entry(const JsonValue& value, Backend backend) {
     };
     TunedVariant entry;
     entry.variant = object.required("variant").text();
+    // An entry of a program with fewer axes would never be found again, in silence.
+    if (std::count(entry.variant.begin(), entry.variant.end(), '.') + 1 != static_cast<long>(std::size(axis_names))) {
+        object.required("variant").fail(
+            fmt::format("a variant's name with a choice for each of the {} axes (run ptbench autotune anew)",
+                        std::size(axis_names)));
+    }
     const JsonValue tunables = object.required("tunables");
     std::vector<std::string> names;
     if (!tunables.json().is_object()) {

@@ -23,6 +23,8 @@ Command add_inspect_command(CLI::App& app);
 Command add_autotune_command(CLI::App& app);
 Command add_import_command(CLI::App& app);
 Command add_machine_command(CLI::App& app);
+Command add_replay_command(CLI::App& app);
+Command add_stability_command(CLI::App& app, const std::string& command_line);
 
 // "WxH" -> {W, H}; throws InputError.
 std::pair<std::uint32_t, std::uint32_t> parse_resolution(const std::string& text);

@@ -182,7 +182,8 @@ std::vector<Variant> single_steps(Backend backend) {
     return variants;
 }
 
-// A product of all choices is small on the CPU backend but for roulette and samplers, which multiply it by eight; on
+// A product of all choices is small on the CPU backend but for roulette, samplers and robustness, which multiply it by
+// sixteen; on
 // CUDA it is millions. So without --axis these meet the rest in a covering set, in which every two choices of two axes
 // meet, on CUDA all axes do, and of means each choice is tested by itself.
 std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backend backend, const Scene& scene) {
@@ -195,6 +196,7 @@ std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backen
         axes = all_choices(backend);
         axes.erase("russian_roulette");
         axes.erase("sampler");
+        axes.erase("robustness");
     }
     TunableValues tunables;
     for (const std::string& argument : arguments.axes) {
@@ -286,9 +288,8 @@ Command add_verify_command(CLI::App& app) {
         ->required();
     command
         ->add_option("--axis", arguments->axes,
-                     "AXIS=CHOICE,CHOICE, repeatable (default: every choice, but roulette and samplers by pairs with "
-                     "the rest; on "
-                     "cuda a set in which every two choices meet)")
+                     "AXIS=CHOICE,CHOICE, repeatable (default: every choice, but roulette, samplers and robustness by "
+                     "pairs with the rest; on cuda a set in which every two choices meet)")
         ->allow_extra_args(false);
     command->add_option("--tune", arguments->tunables, "TUNABLE=VALUE,VALUE, repeatable")->allow_extra_args(false);
     command->add_option("--backend", arguments->backend, "cpu or cuda (default: cuda where it is available)");

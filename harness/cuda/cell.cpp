@@ -402,6 +402,8 @@ void RenderCell<Real>::reserve(Arena& arena) {
     job_.film.sums = arena.take<std::int64_t>(std::size_t{3} * job_.pixels);
     job_.film.faults = arena.take<FilmFaults>(1);
     job_.totals = arena.take<Totals>(counter_copies);
+    job_.health = health_request(scene_, buffers_.file_index());
+    job_.health.counters = arena.take<HealthCounters>(1);
     job_.next_item = arena.take<std::uint64_t>(1);
     job_.next_sample = arena.take<std::uint32_t>(1);
     job_.loop.offset = arena.take<std::uint32_t>(1);
@@ -519,6 +521,8 @@ void RenderCell<Real>::upload() {
     clear(job_.loop.offset, sizeof(std::uint32_t));
     clear(job_.loop.rounds, sizeof(std::uint64_t));
     clear(job_.totals, counter_copies * sizeof(Totals));
+    static const HealthCounters healthy;
+    PT_CUDA_CHECK(cudaMemcpyAsync(job_.health.counters, &healthy, sizeof healthy, cudaMemcpyHostToDevice, job_.stream));
     const std::size_t segment_bytes = std::size_t{job_.longest_path} * job_.segments.copies * sizeof(std::uint64_t);
     clear(job_.segments.live, segment_bytes);
     clear(job_.segments.in_play, segment_bytes);
@@ -622,6 +626,7 @@ void RenderCell<Real>::collect(RenderResult& result) {
     download_film(result.film);
     std::vector<Totals> copies(counter_copies);
     download(copies.data(), job_.totals, copies.size());
+    download(&result.health, job_.health.counters, 1);
     const Totals totals = sum_of(copies);
     const auto by_segment = [&](const std::uint64_t* device_counts) {
         std::vector<std::uint64_t> counts(std::size_t{job_.longest_path} * job_.segments.copies);

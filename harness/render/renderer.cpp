@@ -57,6 +57,8 @@ RenderResult render_in(const Scene& scene, const RenderRequest& request, const K
     job.compaction = compaction.get();
     job.sorting = sorting.get();
     job.stages = request.instrument ? &result.stages : nullptr;
+    job.health = health_request(scene, buffers.file_index());
+    job.health.counters = &result.health;
 
     FirstBounceCache<Real> cache;
     cache.rays = registry.at("first_bounce", request.variant).hook.first_bounce(request.variant, Backend::cpu);
@@ -111,6 +113,19 @@ RenderSettings settings_for(const RenderRequest& request, const KernelChoice& ke
     return settings;
 }
 
+HealthRequest health_request(const Scene& scene, const std::vector<std::uint32_t>& file_index) {
+    HealthRequest request;
+    request.knows_sides = scene.camera.aperture_radius == 0;
+    for (std::size_t object = 0; object < file_index.size(); ++object) {
+        const SceneObject& body = scene.objects[file_index[object]];
+        request.knows_sides = request.knows_sides && body.velocity == Vec3d(0.0);
+        if (object < 64 && contains_point(body, scene.camera.eye)) {
+            request.around_eye |= BodySet{1} << object;
+        }
+    }
+    return request;
+}
+
 std::string KernelChoice::note() const {
     const FeatureSet surplus = compiled & (all_features | samplers) & ~needed;
     return surplus == 0 ? "exact" : fmt::format("has {} for nothing", fmt::join(feature_names(surplus), ", "));
@@ -120,8 +135,10 @@ KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend b
     const Registry& registry = Registry::instance();
     const FeatureSet needed = features_of(scene) | features_asked(variant, backend);
     // On CUDA a kernel is compiled when it is needed, so there is one for every set.
-    const FeatureSet shortcuts_here = shortcuts_of(scene);
-    KernelOffer offer{needed, shortcuts_here, {needed, needed | shortcuts_here, all_features | (needed & samplers)}};
+    // A shortcut gives the bits of the plain formulas, not of others.
+    const FeatureSet shortcuts_here = (needed & formulas) == 0 ? shortcuts_of(scene) : no_features;
+    KernelOffer offer{
+        needed, shortcuts_here, {needed, needed | shortcuts_here, all_features | (needed & (samplers | formulas))}};
     const Hook& integrator = registry.at("integrator", variant, backend).hook;
     const bool in_double = registry.at("precision", variant, backend).hook.is_double;
     if (backend == Backend::cpu) {

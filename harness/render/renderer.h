@@ -65,6 +65,7 @@ struct RenderResult {
     double device_ms = 0;               // on the CPU backend the same
     double cpu_ms = 0;                  // CPU time of all threads over the same span
     CudaFacts cuda = {};                // of a render on CUDA
+    HealthCounters health = {};         // of an integrator that inspects its paths; else no paths
 };
 
 // The kernel that a variant runs for a scene: what is needed, and what the kernel that was compiled contains.
@@ -79,6 +80,9 @@ KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend b
 
 // The request's settings with what its variant asks of the kernel.
 RenderSettings settings_for(const RenderRequest& request, const KernelChoice& kernel);
+
+// What an integrator that inspects is to know of a scene; `file_index` by object number. Without counters.
+HealthRequest health_request(const Scene& scene, const std::vector<std::uint32_t>& file_index);
 
 // Precondition: why_not_applicable(variant, features) is empty. Throws MachineError if memory runs out, and
 // std::logic_error if the checkpoints are not as they must be.

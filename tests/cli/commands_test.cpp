@@ -55,7 +55,8 @@ TEST(RenderTest, TheSummaryHasTheFixedKeys) {
     EXPECT_EQ(summary.at("kernel"), "exact");
     EXPECT_EQ(summary.at("device_seconds"), summary.at("render_seconds"));
     EXPECT_EQ(summary.at("compile_seconds"), 0);  // of kernels at run time: there are none on the CPU
-    EXPECT_EQ(summary.at("variant"), "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float");
+    EXPECT_EQ(summary.at("variant"),
+              "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust");
 }
 
 TEST(RenderTest, PngHasTheSizeThatWasAskedFor) {
@@ -107,7 +108,7 @@ TEST(RenderTest, HonoursItsTunables) {
     const json standard = rendered({"--axis", "first_bounce=cached_jitters"});
     const json one = rendered({"--axis", "first_bounce=cached_jitters", "--tune", "jitters=1"});
     const std::string kept =
-        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float";
+        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust";
     EXPECT_EQ(standard.at("variant"), kept);
     EXPECT_EQ(one.at("variant"), kept + "+jitters=1");
     EXPECT_EQ(rendered({"--axis", "first_bounce=cached_jitters", "--tune", "jitters=16"}).at("variant"), kept);
@@ -127,7 +128,7 @@ TEST(RenderTest, HonoursItsSettings) {
     EXPECT_LE(deep.at("rays").get<int>(), 3 * shallow.at("rays").get<int>());
     const json lit = render_image({"--spp", "4", "--axis", "direct_light=final_bounce"}).summary;
     EXPECT_EQ(lit.at("variant"),
-              "wavefront.none.none.material.off.final_bounce.off.pcg4d.aos.features.stream.exact.float");
+              "wavefront.none.none.material.off.final_bounce.off.pcg4d.aos.features.stream.exact.float.robust");
     EXPECT_EQ(render_image({}).summary.at("spp"), 16);
 }
 
@@ -187,7 +188,7 @@ TEST(VerifyCommandTest, PrintsAHashAVariantAndTheTally) {
     const CommandResult result =
         ptbench({"verify", "--scene", "cornell_open,ball_glass", "--resolution", "8x6", "--spp", "2", "--axis",
                  "compaction=none,thrust_partition", "--axis", "direct_light=off", "--axis", "specialisation=features",
-                 "--axis", "sorting=none", "--axis", "precision=float"});
+                 "--axis", "sorting=none", "--axis", "precision=float", "--axis", "integrator=wavefront,depth_first"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.err, "");
     // A scene: wavefront, 2 compactions, 2 layouts; depth_first; each with the first bounce off and with camera rays
@@ -196,19 +197,18 @@ TEST(VerifyCommandTest, PrintsAHashAVariantAndTheTally) {
                   "20 held, 0 failed, 28 not applicable on cpu; 8x6 at 2 spp, scenes: cornell_open, ball_glass\n"),
               std::string::npos)
         << result.out;
-    EXPECT_NE(
-        result.out.find(" wavefront.thrust_partition.none.material.off.off.off.pcg4d.soa.features.stream.exact.float/"
-                        "scene:ball_glass  ok  film bits equal to "
-                        "depth_first.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float\n"),
-        std::string::npos)
+    EXPECT_NE(result.out.find(
+                  " wavefront.thrust_partition.none.material.off.off.off.pcg4d.soa.features.stream.exact.float.robust/"
+                  "scene:ball_glass  ok  film bits equal to "
+                  "depth_first.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float.robust\n"),
+              std::string::npos)
         << result.out;
-    EXPECT_NE(
-        result.out.find(
-            "n/a              "
-            "wavefront.none.none.material.cached.off.off.pcg4d.aos.features.stream.exact.float/scene:cornell_open  "
-            "first_bounce=cached needs "
-            "jitter off (camera.jitter is true in the scene)\n"),
-        std::string::npos)
+    EXPECT_NE(result.out.find("n/a              "
+                              "wavefront.none.none.material.cached.off.off.pcg4d.aos.features.stream.exact.float."
+                              "robust/scene:cornell_open  "
+                              "first_bounce=cached needs "
+                              "jitter off (camera.jitter is true in the scene)\n"),
+              std::string::npos)
         << result.out;
     // Every hash of a scene is the same: 16 camera rays are kept of the 2 that are traced.
     std::set<std::string> hashes;
@@ -225,14 +225,14 @@ TEST(VerifyCommandTest, QuietPrintsTheTallyOnly) {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     // 29 variants with a queue or without in 2 kernels and one in double, with 4 kinds of direct light, the first
     // bounce off and cached; 22 more in which roulette and samplers meet them.
-    EXPECT_EQ(result.out, "494 held, 0 failed, 3848 not applicable on cpu; 6x4 at 1 spp, scenes: jitter_off\n");
+    EXPECT_EQ(result.out, "541 held, 0 failed, 9212 not applicable on cpu; 6x4 at 1 spp, scenes: jitter_off\n");
 }
 
 TEST(VerifyCommandTest, NothingHeldIsNoSuccess) {
     const CommandResult result = ptbench(
         {"verify", "--scene", "cornell_open", "--resolution", "4x3", "--axis", "first_bounce=cached", "--quiet"});
     EXPECT_EQ(result.exit_code, 1);
-    EXPECT_EQ(result.out, "0 held, 0 failed, 1440 not applicable on cpu; 4x3 at 4 spp, scenes: cornell_open\n");
+    EXPECT_EQ(result.out, "0 held, 0 failed, 3240 not applicable on cpu; 4x3 at 4 spp, scenes: cornell_open\n");
 }
 
 // ---- verify --statistical ----
@@ -247,22 +247,25 @@ TEST(VerifyCommandTest, StatisticalTestsEachImageThatClaimsAMeanOnce) {
     const CommandResult result = statistical({"--scene", "cornell_open", "--depth", "3"});
     EXPECT_EQ(result.exit_code, 0) << result.err << result.out;
     const std::string baseline =
-        "same mean as depth_first.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float";
-    EXPECT_NE(result.out.find(
-                  "ok      depth_first.none.none.material.off.final_bounce.off.pcg4d.aos.generic.stream.exact.float/"
-                  "scene:cornell_open/depth:3  " +
-                  baseline + " at depth 4: p image "),
-              std::string::npos)
+        "same mean as depth_first.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float.robust";
+    EXPECT_NE(
+        result.out.find(
+            "ok      depth_first.none.none.material.off.final_bounce.off.pcg4d.aos.generic.stream.exact.float.robust/"
+            "scene:cornell_open/depth:3  " +
+            baseline + " at depth 4: p image "),
+        std::string::npos)
         << result.out;
-    EXPECT_NE(result.out.find("ok      depth_first.none.none.material.off.off.off.pcg4d.aos.matrix.stream.exact.float/"
-                              "scene:cornell_open/depth:3  " +
-                              baseline + " at depth 3: p image "),
-              std::string::npos)
+    EXPECT_NE(
+        result.out.find("ok      depth_first.none.none.material.off.off.off.pcg4d.aos.matrix.stream.exact.float.robust/"
+                        "scene:cornell_open/depth:3  " +
+                        baseline + " at depth 3: p image "),
+        std::string::npos)
         << result.out;
-    EXPECT_NE(result.out.find(
-                  "n/a     depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.exact.float/"
-                  "scene:cornell_open  claims no mean (--against"),
-              std::string::npos)
+    EXPECT_NE(
+        result.out.find(
+            "n/a     depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.exact.float.robust/"
+            "scene:cornell_open  claims no mean (--against"),
+        std::string::npos)
         << result.out;
     EXPECT_NE(result.out.find(" means held, 0 failed, "), std::string::npos) << result.out;
     EXPECT_NE(result.out.find(" not applicable on cpu; 8 runs of 8 spp a side, 16x12\n"), std::string::npos)
@@ -276,12 +279,12 @@ TEST(VerifyCommandTest, AgainstTestsWhatIsDeclaredBiased) {
                  "--axis", "first_bounce=off,cached_jitters", "--axis", "direct_light=off", "--axis",
                  "specialisation=generic", "--tune", "jitters=1"});
     EXPECT_EQ(result.exit_code, 1) << result.err << result.out;
-    EXPECT_EQ(
-        result.out.find("FAILED  depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.exact."
-                        "float+jitters=1/scene:motion_on/depth:8  samples are not independent, tested with "
-                        "depth_first.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float at depth 8: "
-                        "independence (excess variance of a run): p image "),
-        0u)
+    EXPECT_EQ(result.out.find(
+                  "FAILED  depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.exact."
+                  "float.robust+jitters=1/scene:motion_on/depth:8  samples are not independent, tested with "
+                  "depth_first.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float.robust at depth 8: "
+                  "independence (excess variance of a run): p image "),
+              0u)
         << result.out;
 }
 
@@ -315,6 +318,8 @@ TEST(VerifyCommandTest, HoldsEveryValueOfATunable) {
                                           "--axis",
                                           "first_bounce=cached_jitters",
                                           "--axis",
+                                          "integrator=wavefront,depth_first",
+                                          "--axis",
                                           "compaction=none",
                                           "--axis",
                                           "sorting=none",
@@ -331,13 +336,14 @@ TEST(VerifyCommandTest, HoldsEveryValueOfATunable) {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_NE(result.out.find("6 held, 0 failed, 0 not applicable on cpu; "), std::string::npos) << result.out;
     for (const char* tuning : {"+jitters=1", "+jitters=2", ""}) {
-        EXPECT_NE(result.out.find(
-                      " wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float" +
-                      std::string(tuning) +
-                      "/scene:cornell_open  ok  film bits equal to "
-                      "depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.exact.float" +
-                      tuning + "\n"),
-                  std::string::npos)
+        EXPECT_NE(
+            result.out.find(
+                " wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust" +
+                std::string(tuning) +
+                "/scene:cornell_open  ok  film bits equal to "
+                "depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.exact.float.robust" +
+                tuning + "\n"),
+            std::string::npos)
             << result.out;
     }
 }

@@ -78,30 +78,35 @@ TEST_F(RunCommandTest, DryRunListsTheCellsAndRunsNothing) {
         ptbench(call(7, {"--axis", "first_bounce=all", "--dry-run"}), {.folder = folder.path()});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.err, "");
-    EXPECT_EQ(
-        result.out,
-        "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float/scene:cornell_open/backend:cpu/"
-        "resolution:8x6/depth:8/spp:1\n"
-        "wavefront.none.none.material.off.off.off.pcg4d.soa.features.stream.exact.float/scene:cornell_open/backend:cpu/"
-        "resolution:8x6/depth:8/spp:1\n"
-        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float/scene:cornell_open/"
-        "backend:cpu/resolution:8x6/depth:8/spp:1\n"
-        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.soa.features.stream.exact.float/scene:cornell_open/"
-        "backend:cpu/resolution:8x6/depth:8/spp:1\n"
-        "n/a: wavefront.none.none.material.cached.off.off.pcg4d.aos.features.stream.exact.float on cornell_open: "
-        "first_bounce=cached needs jitter off "
-        "(camera.jitter is true in the scene)\n"
-        "n/a: wavefront.none.none.material.cached.off.off.pcg4d.soa.features.stream.exact.float on cornell_open: "
-        "first_bounce=cached needs jitter off "
-        "(camera.jitter is true in the scene)\n"
-        "4 cells, 28 samples, 2 not applicable\n");
+    EXPECT_EQ(result.out,
+              "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust/"
+              "scene:cornell_open/backend:cpu/"
+              "resolution:8x6/depth:8/spp:1\n"
+              "wavefront.none.none.material.off.off.off.pcg4d.soa.features.stream.exact.float.robust/"
+              "scene:cornell_open/backend:cpu/"
+              "resolution:8x6/depth:8/spp:1\n"
+              "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust/"
+              "scene:cornell_open/"
+              "backend:cpu/resolution:8x6/depth:8/spp:1\n"
+              "wavefront.none.none.material.cached_jitters.off.off.pcg4d.soa.features.stream.exact.float.robust/"
+              "scene:cornell_open/"
+              "backend:cpu/resolution:8x6/depth:8/spp:1\n"
+              "n/a: wavefront.none.none.material.cached.off.off.pcg4d.aos.features.stream.exact.float.robust on "
+              "cornell_open: "
+              "first_bounce=cached needs jitter off "
+              "(camera.jitter is true in the scene)\n"
+              "n/a: wavefront.none.none.material.cached.off.off.pcg4d.soa.features.stream.exact.float.robust on "
+              "cornell_open: "
+              "first_bounce=cached needs jitter off "
+              "(camera.jitter is true in the scene)\n"
+              "4 cells, 28 samples, 2 not applicable\n");
     EXPECT_EQ(folder.content(), Arguments());
     const CommandResult filtered = ptbench(call(7, {"--dry-run", "--benchmark_filter=\\.soa\\."}));
-    EXPECT_EQ(
-        filtered.out,
-        "wavefront.none.none.material.off.off.off.pcg4d.soa.features.stream.exact.float/scene:cornell_open/backend:cpu/"
-        "resolution:8x6/depth:8/spp:1\n"
-        "1 cells, 7 samples, 0 not applicable\n");
+    EXPECT_EQ(filtered.out,
+              "wavefront.none.none.material.off.off.off.pcg4d.soa.features.stream.exact.float.robust/"
+              "scene:cornell_open/backend:cpu/"
+              "resolution:8x6/depth:8/spp:1\n"
+              "1 cells, 7 samples, 0 not applicable\n");
     for (const char* suite : {"quick", "seeds"}) {
         const CommandResult planned = ptbench({"run", "--suite", suite, "--dry-run"}, {.folder = folder.path()});
         EXPECT_EQ(planned.exit_code, 0) << planned.err;
@@ -124,16 +129,16 @@ TEST_F(RunCommandTest, DryRunListsTunedCellsAndSizes) {
         EXPECT_EQ(result.exit_code, 0) << result.err;
         return result.out;
     };
-    const std::string off = "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float";
+    const std::string off = "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust";
     const std::string kept =
-        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float";
+        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust";
     const auto cell = [](const std::string& variant, const std::string& resolution) {
         return variant + "/scene:cornell_open/backend:cpu/resolution:" + resolution + "/depth:3/spp:1\n";
     };
     const std::string nothing_tuned =
         "n/a: " + off + "+jitters=2 on cornell_open: jitters=2 tunes none of the variant's choices\n";
     const std::string no_graph =
-        "n/a: wavefront.none.none.material.off.off.off.pcg4d.aos.features.graph.exact.float on cornell_open: "
+        "n/a: wavefront.none.none.material.off.off.off.pcg4d.aos.features.graph.exact.float.robust on cornell_open: "
         "launch=graph is not "
         "there on the backend cpu\n";
     EXPECT_EQ(planned({}), cell(kept + "+jitters=2", "8x6") + cell(kept + "+jitters=2", "4x3") + nothing_tuned +
@@ -163,7 +168,7 @@ TEST_F(RunCommandTest, DryRunListsTheCellsOfAGpuWithoutOne) {
         ptbench({"run", "--scene", "cornell_open", "--resolution", "8x6", "--depth", "3", "--spp", "2", "--backend",
                  "cuda", "--axis", "integrator=wavefront,megakernel,depth_first", "--tune", "block=64", "--dry-run"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    const std::string rest = ".none.none.material.off.off.off.pcg4d.aos.features.stream.precise.float+block=64";
+    const std::string rest = ".none.none.material.off.off.off.pcg4d.aos.features.stream.precise.float.robust+block=64";
     const std::string settings = "/scene:cornell_open/backend:cuda/resolution:8x6/depth:3/spp:2\n";
     EXPECT_EQ(result.out, "wavefront" + rest + settings + "megakernel" + rest + settings + "n/a: depth_first" + rest +
                               " on cornell_open: integrator=depth_first is not there on the backend cuda\n" +
@@ -188,10 +193,10 @@ TEST_F(RunCommandTest, GoogleBenchmarksFlagsWork) {
     EXPECT_EQ(ptbench(call(5, {"--benchmark_filter=\\.soa\\.", "--benchmark_repetitions=3"})).exit_code, 0);
     const std::vector<json> rows = samples(result());
     ASSERT_EQ(rows.size(), 3u);
-    EXPECT_EQ(
-        rows[0].at("run_name"),
-        "wavefront.none.none.material.off.off.off.pcg4d.soa.features.stream.exact.float/scene:cornell_open/backend:cpu/"
-        "resolution:8x6/depth:8/spp:1");
+    EXPECT_EQ(rows[0].at("run_name"),
+              "wavefront.none.none.material.off.off.off.pcg4d.soa.features.stream.exact.float.robust/"
+              "scene:cornell_open/backend:cpu/"
+              "resolution:8x6/depth:8/spp:1");
 }
 
 TEST_F(RunCommandTest, ASuiteFileCanBeOverriddenAndTheDefaultOutIsResults) {
@@ -205,10 +210,10 @@ TEST_F(RunCommandTest, ASuiteFileCanBeOverriddenAndTheDefaultOutIsResults) {
     out = folder.file("results/" + machine.substr(0, machine.size() - 1) + "/mine.json");
     const json file = result();
     ASSERT_EQ(file.at("ptbench").at("cells").size(), 1u);
-    EXPECT_EQ(
-        file.at("ptbench").at("cells")[0].at("cell"),
-        "wavefront.none.none.material.off.off.off.pcg4d.soa.features.stream.exact.float/scene:cornell_open/backend:cpu/"
-        "resolution:6x5/depth:4/spp:3");
+    EXPECT_EQ(file.at("ptbench").at("cells")[0].at("cell"),
+              "wavefront.none.none.material.off.off.off.pcg4d.soa.features.stream.exact.float.robust/"
+              "scene:cornell_open/backend:cpu/"
+              "resolution:6x5/depth:4/spp:3");
     EXPECT_EQ(file.at("context").at("ptbench.suite"), "mine");
 }
 

@@ -31,10 +31,12 @@ Film render(const Scene& scene, const RenderOptions& options) {
     Film film(settings.width, settings.height, radiance_bound(scene, settings), film_samples);
     PathCounters counters;
     for (std::uint32_t pixel = 0; pixel < settings.width * settings.height; ++pixel) {
+        PixelSum<Generic<Real>> sum;
         for (std::uint32_t i = 0; i < options.samples; ++i) {
-            integrator::depth_first::trace<Generic<Real>>(buffers.view(), film.view(), pixel, options.first_sample + i,
-                                                          nullptr, false, counters);
+            integrator::depth_first::trace<Generic<Real>>(buffers.view(), film.view(), sum, pixel,
+                                                          options.first_sample + i, nullptr, false, counters);
         }
+        sum.finish(film.view(), pixel);
     }
     return film;
 }

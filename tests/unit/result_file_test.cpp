@@ -182,11 +182,12 @@ TEST_F(ResultFileTest, CellsSayWhatTheyAreAndHowTheyEnded) {
     EXPECT_EQ(ok.at("scene"), "dark");
     EXPECT_EQ(ok.at("scene_hash"), "fedcba9876543210");
     EXPECT_EQ(ok.at("backend"), "cpu");
-    EXPECT_EQ(ok.at("variant"), "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float");
+    EXPECT_EQ(ok.at("variant"),
+              "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust");
     EXPECT_EQ(ok.at("axes"), Json::parse(R"({"integrator": "wavefront", "compaction": "none", "sorting": "none",
         "sort_key": "material", "first_bounce": "off", "direct_light": "off", "russian_roulette": "off",
         "sampler": "pcg4d", "layout": "aos",
-        "specialisation": "features", "launch": "stream", "arithmetic": "exact", "precision": "float"})"));
+        "specialisation": "features", "launch": "stream", "arithmetic": "exact", "precision": "float", "robustness": "robust"})"));
     EXPECT_EQ(ok.at("resolution"), Json({20, 10}));
     EXPECT_EQ(ok.at("depth"), 4);
     EXPECT_EQ(ok.at("spp"), 2);
@@ -212,11 +213,12 @@ TEST_F(ResultFileTest, CellsSayHowTheyWereTuned) {
     EXPECT_EQ(cells[0].at("tunables"), Json({{"room", 1}}));
     EXPECT_EQ(cells[2].at("tunables"), Json({{"jitters", 4}, {"room", 1}}));
     EXPECT_EQ(cells[2].at("claim"), "biased");
-    EXPECT_EQ(cells[2].at("variant"),
-              "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float+jitters=4");
+    EXPECT_EQ(
+        cells[2].at("variant"),
+        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust+jitters=4");
     EXPECT_EQ(cells[3].at("tunables"), Json({{"jitters", 16}, {"room", 1}}));
     EXPECT_EQ(cells[3].at("variant"),
-              "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float");
+              "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust");
 }
 
 // What an axis is at where nothing was asked for: readers need no registry.
@@ -232,7 +234,7 @@ TEST_F(ResultFileTest, StudiesAndWhatDoesNotApply) {
     EXPECT_EQ(entries[0].at("study"), "a");
     EXPECT_EQ(entries[0].at("scene"), "dark");
     EXPECT_EQ(entries[0].at("variant"),
-              "wavefront.none.none.material.cached.off.off.pcg4d.aos.features.stream.exact.float");
+              "wavefront.none.none.material.cached.off.off.pcg4d.aos.features.stream.exact.float.robust");
     EXPECT_EQ(entries[0].at("axes").at("first_bounce"), "cached");
     EXPECT_EQ(entries[0].at("reason"), "first_bounce=cached needs jitter off");
 }

@@ -62,8 +62,9 @@ const std::string known_axes =
     "integrator, compaction, sorting, sort_key, first_bounce, direct_light, russian_roulette, sampler, layout, "
     "specialisation, launch, "
     "arithmetic, "
-    "precision";
-const std::string baseline_name = "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float";
+    "precision, robustness";
+const std::string baseline_name =
+    "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust";
 
 std::vector<std::string> cell_names(const Plan& plan) {
     std::vector<std::string> names;
@@ -303,15 +304,15 @@ TEST_F(SuiteTest, ACellIsNamedAfterAllThatItIs) {
                                "resolution": [20, 10], "depth": 4, "spp": 5})");
     ASSERT_EQ(made.cells.size(), 1u);
     const Cell& cell = made.cells[0];
-    EXPECT_EQ(
-        cell.name,
-        "wavefront.thrust_remove_if.none.material.off.off.off.pcg4d.aos.features.stream.exact.float/scene:jittered/"
-        "backend:cpu/resolution:20x10/"
-        "depth:4/spp:5");
+    EXPECT_EQ(cell.name,
+              "wavefront.thrust_remove_if.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust/"
+              "scene:jittered/"
+              "backend:cpu/resolution:20x10/"
+              "depth:4/spp:5");
     EXPECT_EQ(cell.studies, std::vector<std::string>{"a"});
     EXPECT_EQ(cell.scene->name, "jittered");
     EXPECT_EQ(cell.variant.name(),
-              "wavefront.thrust_remove_if.none.material.off.off.off.pcg4d.aos.features.stream.exact.float");
+              "wavefront.thrust_remove_if.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust");
     EXPECT_EQ(cell.settings.width, 20u);
     EXPECT_EQ(cell.settings.height, 10u);
     EXPECT_EQ(cell.settings.depth, 4u);
@@ -320,10 +321,11 @@ TEST_F(SuiteTest, ACellIsNamedAfterAllThatItIs) {
 
 TEST_F(SuiteTest, TheScenesOwnSettingsAreTheDefault) {
     const Plan made = plan(R"({"name": "a", "scenes": ["jittered"]})");
-    ASSERT_EQ(cell_names(made),
-              std::vector<std::string>{
-                  "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float/scene:jittered/"
-                  "backend:cpu/resolution:8x6/depth:3/spp:1"});
+    ASSERT_EQ(
+        cell_names(made),
+        std::vector<std::string>{
+            "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust/scene:jittered/"
+            "backend:cpu/resolution:8x6/depth:3/spp:1"});
 }
 
 TEST_F(SuiteTest, TheProductIsFullAndWhatDoesNotApplyIsListedWithItsReason) {
@@ -368,10 +370,11 @@ TEST_F(SuiteTest, AChoiceOfAnotherBackendIsNotApplicable) {
         "axes": {"integrator": ["wavefront", "depth_first"], "launch": ["stream", "graph"]}})"),
                                   Backend::cuda);
     const std::string settings = "/scene:still/backend:cuda/resolution:8x6/depth:3/spp:1";
-    EXPECT_EQ(cell_names(on_gpu),
-              (std::vector<std::string>{
-                  "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.precise.float" + settings,
-                  "wavefront.none.none.material.off.off.off.pcg4d.aos.features.graph.precise.float" + settings}));
+    EXPECT_EQ(
+        cell_names(on_gpu),
+        (std::vector<std::string>{
+            "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.precise.float.robust" + settings,
+            "wavefront.none.none.material.off.off.off.pcg4d.aos.features.graph.precise.float.robust" + settings}));
     ASSERT_EQ(on_gpu.not_applicable.size(), 2u);
     EXPECT_EQ(on_gpu.not_applicable[0].reason, "integrator=depth_first is not there on the backend cuda");
     for (const Cell& cell : on_gpu.cells) {
@@ -421,7 +424,7 @@ TEST_F(SuiteTest, EveryValueOfATunableIsACell) {
     const Plan made = plan(R"({"name": "a", "scenes": ["jittered"], "axes": {"first_bounce": ["off", "cached_jitters"]},
                                "tunables": {"jitters": [4, 16]}})");
     const std::string kept =
-        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float";
+        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust";
     const std::string settings = "/scene:jittered/backend:cpu/resolution:8x6/depth:3/spp:1";
     // 16 is the standard: no part of the name, and nothing that a variant without the tunable lacks.
     EXPECT_EQ(cell_names(made),
@@ -450,7 +453,7 @@ TEST_F(SuiteTest, ExpansionCounts) {
         expand({{"layout", {"aos", "soa"}}, {"compaction", {"none", "thrust_partition", "thrust_remove_if"}}}).size(),
         6u);
     // The axes that have one choice on the CPU (sort_key, launch, arithmetic) count for 1.
-    EXPECT_EQ(expand(all_choices()).size(), 2u * 5u * 3u * 3u * 4u * 2u * 4u * 2u * 3u * 2u);
+    EXPECT_EQ(expand(all_choices()).size(), 3u * 5u * 3u * 3u * 4u * 2u * 4u * 2u * 3u * 3u * 2u);
 }
 
 TEST_F(SuiteTest, AxisArguments) {

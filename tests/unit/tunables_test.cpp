@@ -157,9 +157,9 @@ TEST(TunableTest, ExpandsToEveryValueAndLeavesTheStandardOut) {
     const std::vector<Variant> variants =
         expand({{"first_bounce", {"off", "cached_jitters"}}}, Backend::cpu, {{"jitters", {4, 16, 5}}});
     ASSERT_EQ(variants.size(), 6u);
-    const std::string off = "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float";
+    const std::string off = "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust";
     const std::string kept =
-        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float";
+        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust";
     const std::string expected[] = {off + "+jitters=4",  off,  off + "+jitters=5",
                                     kept + "+jitters=4", kept, kept + "+jitters=5"};
     for (std::size_t i = 0; i < variants.size(); ++i) {
@@ -213,7 +213,7 @@ TEST(TunableTest, ExpandsToTheProductOfSeveral) {
     }
     EXPECT_EQ(applicable, 6u);
     EXPECT_TRUE(names.contains(
-        "wavefront.thrust_partition.none.material.off.off.off.pcg4d.aos.features.stream.precise.float+block=64+"
+        "wavefront.thrust_partition.none.material.off.off.off.pcg4d.aos.features.stream.precise.float.robust+block=64+"
         "caching_allocator=1+spp_in_flight=4"));
 }
 
@@ -222,8 +222,9 @@ TEST(TunableTest, ExpandsToTheProductOfSeveral) {
 TEST(TunableTest, AReferenceKeepsThoseOfChoicesThatDoNotClaimBits) {
     const Registry& registry = Registry::instance();
     const Variant kept = registry.reference(variant_with({{"first_bounce", "cached_jitters"}}, {{"jitters", 4}}));
-    EXPECT_EQ(kept.name(),
-              "depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.exact.float+jitters=4");
+    EXPECT_EQ(
+        kept.name(),
+        "depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.exact.float.robust+jitters=4");
     EXPECT_EQ(registry.reference(kept), kept);
     // Those of no choice, or of one that claims bits, go.
     EXPECT_TRUE(registry.reference(variant_with({}, {{"jitters", 4}})).tuning.empty());
@@ -232,9 +233,9 @@ TEST(TunableTest, AReferenceKeepsThoseOfChoicesThatDoNotClaimBits) {
             variant_with({{"first_bounce", "cached_jitters"}, {"compaction", "thrust_partition"}},
                          {{"jitters", 4}, {"block", 256}, {"par_nosync", 1}, {"spp_in_flight", 8}}, Backend::cuda);
         const Variant reference = registry.reference(variant, Backend::cuda);
-        EXPECT_EQ(
-            reference.name(),
-            "megakernel.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.precise.float+jitters=4");
+        EXPECT_EQ(reference.name(),
+                  "megakernel.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.precise.float.robust+"
+                  "jitters=4");
         EXPECT_EQ(exact_twin(variant, Backend::cuda).tuning, variant.tuning);
     }
 }

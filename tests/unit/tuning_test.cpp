@@ -16,8 +16,9 @@
 namespace pt {
 namespace {
 
-const std::string plain = "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float";
-const std::string kept = "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float";
+const std::string plain = "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust";
+const std::string kept =
+    "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust";
 
 TunedVariant tuned(const std::string& variant, const std::map<std::string, std::uint32_t>& values) {
     return {.variant = variant,
@@ -87,7 +88,7 @@ TEST_F(TuningFileTest, WhatIsSavedIsLoaded) {
     Tuning tuning;
     tuning.put(tuned(plain, {{"room", 0}}));
     tuning.put(tuned(kept, {{"room", 0}}));
-    tuning.put(tuned("of another build", {}));
+    tuning.put(tuned("of.another.build.d.e.f.g.h.i.j.k.l.m.n", {}));
     tuning.save(file, "amd-epyc");
     const Tuning loaded = Tuning::load(file, Backend::cpu);
     ASSERT_EQ(loaded.entries().size(), 3u);
@@ -127,6 +128,9 @@ TEST_F(TuningFileTest, RefusesBadFilesWithTheirPlace) {
         {R"({"entries": [], "colour": 1})", "$: found unknown key \"colour\", allowed: machine, entries"},
         {R"({"entries": [7]})", "$.entries[0]: found 7, allowed: an object"},
         {entry(R"({"variant": 7})"), "$.entries[0].variant: found 7, allowed: a string"},
+        {entry(R"({"variant": "of.fewer.axes"})"),
+         "$.entries[0].variant: found \"of.fewer.axes\", allowed: a variant's name with a choice for each of the 14 "
+         "axes"},
         {entry(R"({"colour": 7})"), "$.entries[0]: found unknown key \"colour\", allowed: variant, tunables, "},
         {entry(R"({"tunables": [1]})"), "$.entries[0].tunables: found [1], allowed: an object"},
         {entry(R"({"tunables": {"colour": 4}})"), "$.entries[0].tunables.colour: found "},
@@ -215,7 +219,7 @@ TEST(TunedVariantTest, ItsCellsSayItInTheirNames) {
         return all;
     };
     const std::string settings = "/scene:cornell_open/backend:cpu/resolution:8x6/depth:8/spp:1";
-    const std::string soa = "wavefront.none.none.material.off.off.off.pcg4d.soa.features.stream.exact.float";
+    const std::string soa = "wavefront.none.none.material.off.off.off.pcg4d.soa.features.stream.exact.float.robust";
     EXPECT_EQ(names(tuning), (std::vector<std::string>{plain + "+room=0" + settings, soa + settings}));
     EXPECT_EQ(names({}), (std::vector<std::string>{plain + settings, soa + settings}));
     // A study that names a tunable gets the values that it names, the standard among them.

@@ -1,6 +1,7 @@
 // What is compared: the registry's content, what each choice says of itself, and that every variant renders the film
 // that it claims to.
 #include <algorithm>
+#include <bit>
 #include <cctype>
 #include <filesystem>
 #include <fstream>
@@ -96,7 +97,7 @@ void expect_choices(const AxisTable& expected, Backend backend) {
 TEST(RegistryTest, HasEveryAxisAndChoice) {
     expect_choices(
         {
-            {"integrator", {"wavefront", "depth_first"}},
+            {"integrator", {"wavefront", "audited", "depth_first"}},
             {"compaction",
              {"none", "thrust_copy_if_index", "thrust_partition", "thrust_remove_if", "thrust_stable_partition"}},
             {"sorting", {"none", "bucket", "thrust_sort_by_key"}},
@@ -109,7 +110,8 @@ TEST(RegistryTest, HasEveryAxisAndChoice) {
             {"specialisation", {"features", "generic", "matrix"}},
             {"launch", {"stream"}},
             {"arithmetic", {"exact"}},
-            {"precision", {"float", "double"}},
+            {"precision", {"float", "double", "double_intersection"}},
+            {"robustness", {"robust", "naive"}},
         },
         Backend::cpu);
 }
@@ -120,7 +122,7 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
     }
     expect_choices(
         {
-            {"integrator", {"wavefront", "megakernel", "megakernel_regen", "persistent", "wavefront_fused"}},
+            {"integrator", {"wavefront", "audited", "megakernel", "megakernel_regen", "persistent", "wavefront_fused"}},
             {"compaction",
              {"none", "atomic_append", "block_scan_append", "cub_partition", "cub_select_flagged", "cub_select_if",
               "cub_three_way", "gap_fill", "thrust_copy_if_index", "thrust_partition", "thrust_remove_if",
@@ -135,7 +137,8 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
             {"specialisation", {"features", "baked", "generic", "matrix"}},
             {"launch", {"stream", "graph", "graph_while"}},
             {"arithmetic", {"precise", "exact", "fast"}},
-            {"precision", {"float", "double"}},
+            {"precision", {"float", "double", "double_intersection"}},
+            {"robustness", {"robust", "naive"}},
         },
         Backend::cuda);
 }
@@ -208,7 +211,9 @@ TEST(RegistryTest, WhatClaimsLessThanBits) {
                                                 {"specialisation=matrix", Claim::statistical},
                                                 {"arithmetic=precise", Claim::statistical},
                                                 {"arithmetic=fast", Claim::statistical},
-                                                {"precision=double", Claim::statistical}};
+                                                {"precision=double", Claim::statistical},
+                                                {"precision=double_intersection", Claim::statistical},
+                                                {"robustness=naive", Claim::biased}};
     std::set<std::string> seen;
     for (const Backend backend : all_backends) {
         for (const std::string_view axis : axis_names) {
@@ -310,8 +315,16 @@ TEST(RegistryTest, EveryIntegratorIsCompiledForTheSameFeatureSets) {
     const auto& wavefront = registry().find("integrator", "wavefront")->hook.integrator;
     const auto& depth_first = registry().find("integrator", "depth_first")->hook.integrator;
     EXPECT_TRUE(wavefront.contains(all_features));
-    EXPECT_EQ(wavefront.size(), depth_first.size());
     for (const auto& [features, function] : wavefront) {
+        EXPECT_TRUE(depth_first.contains(features));
+    }
+    // Other formulas are compiled for a path at a time only, each alone.
+    for (const auto& [features, function] : depth_first) {
+        EXPECT_TRUE(wavefront.contains(features) || std::popcount(features & formulas) == 1);
+    }
+    const auto& audited = registry().find("integrator", "audited")->hook.integrator;
+    for (const auto& [features, function] : audited) {
+        EXPECT_TRUE(is_superset(features, all_features));
         EXPECT_TRUE(depth_first.contains(features));
     }
 }
@@ -330,22 +343,22 @@ TEST(RegistryTest, OnlyDepthFirstIsCompiledInDouble) {
 
 TEST(VariantTest, NameJoinsTheChoicesByDots) {
     EXPECT_EQ(registry().baseline().name(),
-              "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float");
+              "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust");
     EXPECT_EQ(baseline_with({{"compaction", "thrust_remove_if"}, {"layout", "soa"}, {"first_bounce", "cached"}}).name(),
-              "wavefront.thrust_remove_if.none.material.cached.off.off.pcg4d.soa.features.stream.exact.float");
+              "wavefront.thrust_remove_if.none.material.cached.off.off.pcg4d.soa.features.stream.exact.float.robust");
     EXPECT_THROW(Variant::index("colour"), std::out_of_range);
     EXPECT_EQ(Variant::index("specialisation"), 9u);
     EXPECT_EQ(Variant::index("precision"), 12u);
     if (test::cuda_is_built()) {
         EXPECT_EQ(registry().baseline(Backend::cuda).name(),
-                  "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.precise.float");
+                  "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.precise.float.robust");
     }
 }
 
 TEST(VariantTest, NameEndsWithTheTunablesByName) {
     Variant variant = baseline_with({{"first_bounce", "cached_jitters"}});
     const std::string choices =
-        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float";
+        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust";
     EXPECT_EQ(variant.name(), choices);
     variant.tuning["jitters"] = 4;
     EXPECT_EQ(variant.name(), choices + "+jitters=4");
@@ -384,11 +397,14 @@ TEST(VariantTest, ReferenceIsThePlainestVariantOfTheSameExpectation) {
                                         ? variant.name()
                                         : "depth_first.none.none.material." + first_bounce + "." +
                                               estimator_of(variant) + ".aos." + formula + ".stream.exact." +
-                                              variant["precision"]);
+                                              variant["precision"] + "." + variant["robustness"]);
         EXPECT_EQ(registry().reference(reference), reference);
         // Which do not go together.
+        const bool has_formulas = variant["precision"] == "double_intersection" || variant["robustness"] == "naive";
         const bool excluded =
-            formula == "matrix" && (variant["precision"] == "double" || variant["sampler"] != "pcg4d");
+            (formula == "matrix" && (variant["precision"] == "double" || variant["sampler"] != "pcg4d")) ||
+            (has_formulas && (formula == "matrix" || variant["sampler"] != "pcg4d")) ||
+            (variant["precision"] == "double_intersection" && variant["robustness"] == "naive");
         if (!excluded && variant["sampler"] != "minstd_by_position") {
             EXPECT_EQ(why_not_applicable(reference, all_features), "");
         }
@@ -942,6 +958,8 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
     axes["direct_light"] = {"off", "final_bounce"};
     axes["russian_roulette"] = {"off"};
     axes["sampler"] = {"pcg4d"};
+    axes["precision"] = {"float", "double"};
+    axes["robustness"] = {"robust"};
     for (const Variant& variant : expand(axes, Backend::cpu, {{"jitters", {16, 2}}})) {
         if (!why_not_applicable(variant, features).empty()) {
             continue;
@@ -978,8 +996,8 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
     }
     // 2 x 4 for depth_first and (5 x 3 - 1) x 2 x 2 x 3 for wavefront; each with the first bounce off, and cached, or,
     // with jitter, with 16 and with 2 camera rays kept.
-    // Matrices go with jitter only.
-    EXPECT_EQ(rendered, scene.camera.jitter ? 3u * 176u : 2u * 118u);
+    // Matrices go with jitter only. The audited integrator keeps no first bounce.
+    EXPECT_EQ(rendered, scene.camera.jitter ? 3u * 176u + 8u : 2u * 118u + 6u);
     // The comparison means something only if there is light, and if the expectations differ.
     ASSERT_EQ(references.size(), scene.camera.jitter ? 3u * 6u : 4u);
     const Vec3d plain = references.begin()->second.film.mean();

@@ -83,7 +83,8 @@ MeanVerdict check(const std::string& axis, const std::string& choice) {
 TEST(VerifyStatisticalTest, AClaimNamesItsBaselineAndTheDepthOfItsExpectation) {
     const MeanClaim light = claim_of_mean(with("direct_light", "final_bounce"), 8, Backend::cpu);
     EXPECT_EQ(light.tested, with("direct_light", "final_bounce"));
-    EXPECT_EQ(light.baseline.name(), "depth_first.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float");
+    EXPECT_EQ(light.baseline.name(),
+              "depth_first.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float.robust");
     EXPECT_EQ(light.depth, 8u);
     EXPECT_EQ(light.baseline_depth, 9u);
     EXPECT_FALSE(light.same_sampling);
@@ -123,7 +124,7 @@ TEST(VerifyStatisticalTest, EqualMeansHold) {
         EXPECT_TRUE(verdict.holds) << choice << ": " << verdict.message;
         EXPECT_EQ(verdict.message.find(
                       "same mean as depth_first.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact."
-                      "float at depth "),
+                      "float.robust at depth "),
                   0u)
             << verdict.message;
     }
@@ -134,7 +135,7 @@ TEST(VerifyStatisticalTest, ABiasOfTwoPercentIsFound) {
     EXPECT_FALSE(verdict.holds);
     EXPECT_EQ(verdict.message.find(
                   "not the mean of depth_first.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact."
-                  "float at depth 4: "),
+                  "float.robust at depth 4: "),
               0u)
         << verdict.message;
 }

@@ -286,7 +286,7 @@ Variant keeping_camera_rays(std::uint32_t rays, const std::string& integrator = 
     return variant;
 }
 
-const std::string reference = "depth_first.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float";
+const std::string reference = "depth_first.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float.robust";
 
 // ---- Good variants ----
 
@@ -312,12 +312,12 @@ TEST(VerifyTest, GoodVariantsHold) {
     }
     const Verdict lit = verifier.check(with("direct_light", "final_bounce"));
     EXPECT_TRUE(lit.holds) << lit.message;
-    EXPECT_EQ(
-        lit.message.find("film bits equal to "
-                         "depth_first.none.none.material.off.final_bounce.off.pcg4d.aos.generic.stream.exact.float; "
-                         "mean as declared (a "
-                         "bias of "),
-        0u)
+    EXPECT_EQ(lit.message.find(
+                  "film bits equal to "
+                  "depth_first.none.none.material.off.final_bounce.off.pcg4d.aos.generic.stream.exact.float.robust; "
+                  "mean as declared (a "
+                  "bias of "),
+              0u)
         << lit.message;
     EXPECT_NE(lit.film_hash, hash);
 }
@@ -327,7 +327,7 @@ TEST(VerifyTest, ABiasedVariantIsHeldToTheBitsOfItsOwnReference) {
     const Scene scene = closed_room();
     Verifier verifier(scene, default_settings(scene), spp);
     const std::string biased =
-        "depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.exact.float";
+        "depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.exact.float.robust";
     std::set<std::string> hashes;
     for (const std::uint32_t rays : {1u, 2u, 16u}) {
         const Verdict verdict = verifier.check(keeping_camera_rays(rays));
@@ -424,7 +424,7 @@ TEST(VerifyTest, AWrongRayOfTheCacheIsFound) {
     EXPECT_FALSE(verdict.holds);
     EXPECT_EQ(verdict.message.find(
                   "film differs from depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic."
-                  "stream.exact.float+jitters=2: first at pixel "),
+                  "stream.exact.float.robust+jitters=2: first at pixel "),
               0u)
         << verdict.message;
     EXPECT_NE(verdict.message.find(", sample 1, bounce "), std::string::npos) << verdict.message;
@@ -488,11 +488,11 @@ Variant lit_reference() {
 TEST(VerifyTest, AStatisticalIntegratorIsHeldToItsMean) {
     const Verdict good = check(closed_room(), with("integrator", "test_other_samples"));
     EXPECT_TRUE(good.holds) << good.message;
-    EXPECT_EQ(
-        good.message.find("film bits equal to "
-                          "test_other_samples.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float; "
-                          "mean as declared ("),
-        0u)
+    EXPECT_EQ(good.message.find(
+                  "film bits equal to "
+                  "test_other_samples.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float.robust; "
+                  "mean as declared ("),
+              0u)
         << good.message;
     const Verdict biased = check(closed_room(), with("integrator", "test_one_percent_brighter"));
     EXPECT_FALSE(biased.holds);
@@ -511,7 +511,7 @@ TEST(VerifyTest, WhatRoundsFreelyIsHeldToItsTwinsMean) {
     const Verdict other = check(closed_room(), with("integrator", "test_freely"));
     EXPECT_TRUE(other.holds) << other.message;
     EXPECT_EQ(other.message.find(
-                  "depth_first.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float: film bits "
+                  "depth_first.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust: film bits "
                   "equal to " +
                   reference + "; mean as declared (a bias of "),
               0u)

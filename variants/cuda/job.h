@@ -45,6 +45,7 @@ struct Job {
     HitCache<float> cache;          // of Hit<Real>; rays 0: none
     std::uint32_t cached_rays = 0;  // of a pixel, that earlier parts of the render have put there
     Totals* totals = nullptr;
+    HealthRequest health;  // for an integrator that inspects; counters: device
     SegmentCounts segments;
     std::uint64_t* lengths = nullptr;    // megakernels: paths by number of segments; null where nobody asked
     std::uint64_t* next_item = nullptr;  // for persistent threads

@@ -29,7 +29,7 @@ inline constexpr Tunable megakernel_tunables[] = {
     block_tunable,
     shading_tunable,
     min_blocks_tunable,
-    {"spp_in_flight", 1, 1, 1024, 1, "threads a pixel, each with its share of the samples"}};
+    {"spp_in_flight", 1, 1, 1048576, 1, "threads a pixel, each with its share of the samples"}};
 inline constexpr Tunable piece_tunable{"piece", 16, 1,
                                        4096,    1,  "samples of a strip of 32 pixels that a warp takes at a time"};
 inline constexpr Tunable persistent_tunables[] = {block_tunable, shading_tunable, min_blocks_tunable,

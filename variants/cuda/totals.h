@@ -1,6 +1,7 @@
 // What the kernels of a render count, in device memory. Shared by host, nvcc and NVRTC.
 #pragma once
 
+#include "kernels/health.h"
 #include "kernels/shade.h"
 
 namespace pt::cuda {

@@ -41,9 +41,9 @@ inline constexpr std::size_t pixels_a_chunk = 64;
 // Traces one path to its end and returns the number of segments it had. With a cache its camera ray is one of those
 // kept, and its first hit comes from there unless this path is the one that fills it.
 template <class Config>
-std::uint32_t trace(const SceneView<typename Config::Real>& scene, const FilmView& film, std::uint32_t pixel,
-                    std::uint32_t sample, FirstBounceCache<typename Config::Real>* cache, bool cache_has_it,
-                    PathCounters& counters) {
+std::uint32_t trace(const SceneView<typename Config::Real>& scene, const FilmView& film, PixelSum<Config>& sum,
+                    std::uint32_t pixel, std::uint32_t sample, FirstBounceCache<typename Config::Real>* cache,
+                    bool cache_has_it, PathCounters& counters) {
     using Real = typename Config::Real;
     const std::uint32_t camera_sample = cache != nullptr ? sample % cache->rays : sample;
     auto path = generate<Config>(scene, pixel, sample, camera_sample);
@@ -54,7 +54,7 @@ std::uint32_t trace(const SceneView<typename Config::Real>& scene, const FilmVie
     while (shade<Config>(scene, scene, path, hit, counters)) {
         hit = intersect<Config>(scene, path);
     }
-    accumulate(film, path);
+    sum.add(film, path.radiance);
     counters.paths += 1;
     counters.rays += path.segment;
     return path.segment;
@@ -71,15 +71,18 @@ void render(RenderJobIn<typename Config::Real>& job) {
             PathCounters counters;
             std::uint64_t chunk_fills = 0;
             for (std::size_t pixel = begin; pixel < end; ++pixel) {
+                PixelSum<Config> sum;
                 for (std::uint32_t i = 0; i < job.samples; ++i) {
                     const bool has_it = cache != nullptr && cache->has(cache->samples_seen + i);
                     chunk_fills += has_it ? 0u : 1u;
-                    const std::uint32_t length = trace<Config>(job.scene, job.film, static_cast<std::uint32_t>(pixel),
-                                                               job.first_sample + i, cache, has_it, counters);
+                    const std::uint32_t length =
+                        trace<Config>(job.scene, job.film, sum, static_cast<std::uint32_t>(pixel), job.first_sample + i,
+                                      cache, has_it, counters);
                     if (!ended_after.empty()) {
                         ended_after[length].fetch_add(1, std::memory_order_relaxed);
                     }
                 }
+                sum.finish(job.film, static_cast<std::uint32_t>(pixel));
             }
             rays += counters.rays;
             paths += counters.paths;

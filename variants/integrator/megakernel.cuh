@@ -13,7 +13,7 @@ extern "C" __global__ void PT_LAUNCH_BOUNDS megakernel(Scene parameter, FilmView
                                                        Totals* totals, std::uint64_t* ended) {
     const SceneViews scene(parameter);
     PathCounters counters;
-    pt::FilmSum sum;  // of the thread's pixel
+    pt::PixelSum<Configuration> sum;
     const std::uint32_t pixel = pt::cuda::thread_number() % scene.shade.pixel_count();
     const std::uint32_t part = pt::cuda::thread_number() / scene.shade.pixel_count();
     if (part < stride) {
@@ -23,14 +23,14 @@ extern "C" __global__ void PT_LAUNCH_BOUNDS megakernel(Scene parameter, FilmView
             while (alive) {
                 alive = shade(scene, path, trace(scene, path), counters);
             }
-            sum += film.quanta(path.radiance);
+            sum.add(film, path.radiance);
             counters.rays += path.segment - PT_CACHED;
             counters.paths += 1;
             if (ended != nullptr) {
                 pt::atomic_add(&ended[path.segment - 1], std::uint64_t{1});
             }
         }
-        film.add(pixel, sum);
+        sum.finish(film, pixel);
     }
     pt::cuda::add_counters(totals, counters, PT_CACHED ? static_cast<std::uint32_t>(counters.paths) : 0);
 }

@@ -13,9 +13,9 @@ inline constexpr Tunable feature_tunables[] = {
 };
 
 // Every feature of scenes and estimators, and of the samplers as few as serve this variant: how a sampler is compiled
-// in has nothing to do with the scene.
+// in has nothing to do with the scene. Of formulas just those that the variant asks for.
 inline FeatureSet every_feature(const KernelOffer& offer) {
-    FeatureSet best = all_features | samplers;
+    FeatureSet best = all_features | samplers | (offer.needed & formulas);
     for (const FeatureSet candidate : offer.compiled) {
         const bool fits = is_superset(candidate, all_features | offer.needed) && is_superset(best, candidate);
         best = fits ? candidate : best;
@@ -29,8 +29,8 @@ inline FeatureSet smallest_superset(const KernelOffer& offer, const Variant& var
     FeatureSet best = every_feature(offer);
     const auto surplus = [](FeatureSet set) { return std::popcount(set & (all_features | samplers)); };
     for (const FeatureSet candidate : offer.compiled) {
-        const bool fits =
-            is_superset(candidate, offer.needed) && is_superset(all_features | samplers | allowed, candidate);
+        const bool fits = is_superset(candidate, offer.needed) &&
+                          is_superset(all_features | samplers | allowed | (offer.needed & formulas), candidate);
         if (fits && (surplus(candidate) < surplus(best) ||
                      (surplus(candidate) == surplus(best) && std::popcount(candidate) > std::popcount(best)))) {
             best = candidate;

@@ -1,0 +1,325 @@
+// ptbench stability: cases with exact answers, over precision, arithmetic, robustness, integrators and backend.
+#include <algorithm>
+#include <charconv>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "harness/bench/compile_ahead.h"
+#include "harness/cli/commands.h"
+#include "harness/stability/evaluate.h"
+#include "harness/stability/report.h"
+#include "harness/write_file.h"
+
+namespace pt {
+
+namespace {
+
+using stability::Case;
+using stability::Row;
+using stability::Status;
+using stability::Task;
+
+struct StabilityArguments {
+    std::vector<std::string> cases;
+    std::vector<std::string> families;
+    std::vector<std::string> values;
+    std::vector<std::string> axes;
+    std::string backend;
+    std::uint64_t seed = 1;
+    bool quick = false;
+    bool list = false;
+    bool quiet = false;
+    bool resume = false;
+    std::string out;
+    std::string write_scenes;
+    std::string command_line;
+};
+
+const Case& find_case(const std::string& name) {
+    std::vector<std::string> names;
+    for (const Case& stiff_case : stability::catalogue()) {
+        if (stiff_case.name == name || stiff_case.catalogue == name) {
+            return stiff_case;
+        }
+        names.push_back(stiff_case.name);
+    }
+    throw InputError("--case", "name", "\"" + name + "\"", fmt::format("{}", fmt::join(names, ", ")));
+}
+
+std::vector<const Case*> chosen_cases(const StabilityArguments& arguments) {
+    std::vector<const Case*> cases;
+    for (const std::string& argument : arguments.cases) {
+        for (const std::string& name : split_names(argument)) {
+            const Case* stiff_case = &find_case(name);
+            if (std::find(cases.begin(), cases.end(), stiff_case) == cases.end()) {
+                cases.push_back(stiff_case);
+            }
+        }
+    }
+    for (const std::string& family : arguments.families) {
+        if (std::find(std::begin(stability::families), std::end(stability::families), family) ==
+            std::end(stability::families)) {
+            throw InputError("--family", "name", "\"" + family + "\"",
+                             fmt::format("{}", fmt::join(stability::families, ", ")));
+        }
+    }
+    for (const Case& stiff_case : stability::catalogue()) {
+        const bool by_family = std::find(arguments.families.begin(), arguments.families.end(), stiff_case.family) !=
+                               arguments.families.end();
+        const bool all = arguments.cases.empty() && arguments.families.empty();
+        if ((all || by_family) && std::find(cases.begin(), cases.end(), &stiff_case) == cases.end()) {
+            cases.push_back(&stiff_case);
+        }
+    }
+    return cases;
+}
+
+// "NAME=VALUE".
+std::map<std::string, double> parse_values(const std::vector<std::string>& arguments) {
+    std::map<std::string, double> values;
+    for (const std::string& argument : arguments) {
+        const std::size_t equals = argument.find('=');
+        double value = 0;
+        const char* const end = argument.data() + argument.size();
+        const char* const start = argument.data() + std::min(equals, argument.size() - 1) + 1;
+        const auto parsed = std::from_chars(start, end, value);
+        if (equals == std::string::npos || equals == 0 || start == end || parsed.ec != std::errc() ||
+            parsed.ptr != end) {
+            throw InputError("--set", "argument", "\"" + argument + "\"", "NAME=NUMBER");
+        }
+        values[argument.substr(0, equals)] = value;
+    }
+    return values;
+}
+
+// What is compared where nothing is asked for: every precision, arithmetic and robustness with the plainest integrator,
+// and the other integrators in single precision.
+std::vector<Variant> standard_variants(Backend backend, bool quick) {
+    const Registry& registry = Registry::instance();
+    const Variant plainest = registry.reference(registry.baseline(backend), backend);
+    AxisChoices axes{{"robustness", {"robust", "naive"}}};
+    for (const char* axis : {"precision", "arithmetic"}) {
+        for (const Choice* choice : registry.choices(axis, backend)) {
+            axes[axis].emplace_back(choice->descriptor.name);
+        }
+    }
+    const auto with_plainest = [&](AxisChoices choices) {
+        for (const std::string_view axis : axis_names) {
+            choices.try_emplace(std::string(axis), std::vector<std::string>{plainest[axis]});
+        }
+        return expand(choices, backend);
+    };
+    std::vector<Variant> variants = with_plainest(axes);
+    std::erase_if(variants, [&](const Variant& variant) {
+        const int changes = (variant["robustness"] != "robust" ? 1 : 0) + (variant["precision"] != "float" ? 1 : 0) +
+                            (variant["arithmetic"] != "exact" ? 1 : 0);
+        return quick && changes > 1;
+    });
+    for (const Choice* integrator : registry.choices("integrator", backend)) {
+        Variant variant = plainest;
+        variant.set("integrator", std::string(integrator->descriptor.name));
+        if (std::find(variants.begin(), variants.end(), variant) == variants.end()) {
+            variants.push_back(variant);
+        }
+    }
+    return variants;
+}
+
+std::vector<Variant> asked_variants(const StabilityArguments& arguments, Backend backend) {
+    if (arguments.axes.empty()) {
+        return standard_variants(backend, arguments.quick);
+    }
+    const Registry& registry = Registry::instance();
+    const Variant plainest = registry.reference(registry.baseline(backend), backend);
+    AxisChoices axes;
+    for (const std::string& argument : arguments.axes) {
+        add_axis_argument(axes, argument, backend);
+    }
+    for (const std::string_view axis : axis_names) {
+        axes.try_emplace(std::string(axis), std::vector<std::string>{plainest[axis]});
+    }
+    return expand(axes, backend);
+}
+
+// The variants, and each with the estimators that the case asks for unless the call named their axis.
+std::vector<Variant> with_estimators(const std::vector<Variant>& variants, const Case& stiff_case,
+                                     const StabilityArguments& arguments) {
+    std::vector<Variant> all = variants;
+    for (const auto& [axis, choices] : stiff_case.estimators) {
+        const bool is_named = std::any_of(arguments.axes.begin(), arguments.axes.end(),
+                                          [&, &name = axis](const auto& a) { return a.starts_with(name + "="); });
+        for (const std::string& choice : choices) {
+            for (const Variant& variant : variants) {
+                if (!is_named) {
+                    all.push_back(variant);
+                    all.back().set(axis, choice);
+                }
+            }
+        }
+    }
+    return all;
+}
+
+std::vector<stability::Values> points_of(const Case& stiff_case, const StabilityArguments& arguments) {
+    const std::map<std::string, double> set = parse_values(arguments.values);
+    if (!set.empty()) {
+        return {values_of(stiff_case, set)};
+    }
+    std::vector<stability::Values> points;
+    if (arguments.quick && (!stiff_case.quick_points.empty() || stiff_case.points.empty())) {
+        for (const auto& point : stiff_case.quick_points) {
+            points.push_back(values_of(stiff_case, point));
+        }
+    } else {
+        for (const auto& point : stiff_case.points) {
+            points.push_back(values_of(stiff_case, point));
+            if (arguments.quick) {
+                break;
+            }
+        }
+    }
+    if (points.empty()) {
+        points.push_back(values_of(stiff_case, {}));
+    }
+    return points;
+}
+
+std::vector<Task> tasks_of(const Case& stiff_case, const StabilityArguments& arguments, Backend backend,
+                           const std::vector<Variant>& variants) {
+    std::vector<Task> tasks;
+    for (const stability::Values& values : points_of(stiff_case, arguments)) {
+        for (const Variant& variant : with_estimators(variants, stiff_case, arguments)) {
+            tasks.push_back({&stiff_case, values, backend, variant, arguments.seed, arguments.quick});
+        }
+    }
+    return tasks;
+}
+
+void list_cases(const std::vector<const Case*>& cases) {
+    for (const Case* stiff_case : cases) {
+        fmt::print("{:<4} {:<24} {:<11} {}\n", stiff_case->catalogue, stiff_case->name, stiff_case->family,
+                   stiff_case->title);
+        fmt::print("       {}\n",
+                   stiff_case->missing_feature.empty() ? stiff_case->stiff : stiff_case->missing_feature);
+        for (const stability::Parameter& parameter : stiff_case->parameters) {
+            fmt::print("       --set {}={:g}  {} ({:g} to {:g})\n", parameter.name, parameter.standard,
+                       parameter.summary, parameter.lowest, parameter.highest);
+        }
+    }
+}
+
+void write_scenes(const std::vector<const Case*>& cases, const std::string& folder) {
+    for (const Case* stiff_case : cases) {
+        for (const auto& [name, text] : stability::scene_files(*stiff_case)) {
+            write_file(folder + "/" + name + ".json", text);
+            fmt::print("{}/{}.json\n", folder, name);
+        }
+    }
+}
+
+void compile(const std::vector<const Case*>& cases, const StabilityArguments& arguments,
+             const std::vector<Variant>& variants) {
+    std::vector<Scene> scenes;
+    std::vector<std::pair<std::size_t, Variant>> wanted;
+    for (const Case* stiff_case : cases) {
+        const auto scene = stability::a_scene_of(*stiff_case);
+        if (scene && stiff_case->missing_feature.empty()) {
+            scenes.push_back(*scene);
+            for (const Variant& variant : with_estimators(variants, *stiff_case, arguments)) {
+                wanted.emplace_back(scenes.size() - 1, variant);
+            }
+        }
+    }
+    std::vector<CompileTask> compilations;
+    for (const auto& [index, variant] : wanted) {
+        compilations.push_back({&scenes[index], variant});
+    }
+    compile_ahead(compilations);
+}
+
+void print_row(const Task& task, const Row& row, const Variant& plainest) {
+    fmt::print("{:<11} {:<4} {}  {}\n", to_string(row.status), task.stiff_case->catalogue,
+               stability::label(task, plainest), stability::in_words(row));
+    std::fflush(stdout);
+}
+
+int run(const StabilityArguments& arguments) {
+    const std::vector<const Case*> cases = chosen_cases(arguments);
+    if (arguments.list) {
+        list_cases(cases);
+        return exit_good;
+    }
+    if (!arguments.write_scenes.empty()) {
+        write_scenes(cases, arguments.write_scenes);
+        return exit_good;
+    }
+    if (!arguments.values.empty() && cases.size() != 1) {
+        throw InputError("--set", "argument", fmt::format("{} cases", cases.size()), "one case, by --case");
+    }
+    const Backend backend = parse_backend(arguments.backend);
+    const std::vector<Variant> variants = asked_variants(arguments, backend);
+    require_backend(backend);
+    stability::Report report(arguments.out, {arguments.command_line, backend, arguments.quick, arguments.seed},
+                             arguments.resume);
+    std::vector<std::vector<Task>> tasks;
+    for (const Case* stiff_case : cases) {
+        tasks.push_back(tasks_of(*stiff_case, arguments, backend, variants));
+    }
+    if (backend == Backend::cuda) {
+        compile(cases, arguments, variants);
+    }
+    const Registry& registry = Registry::instance();
+    const Variant plainest = registry.reference(registry.baseline(backend), backend);
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+        for (const Task& task : tasks[i]) {
+            if (report.has(task)) {
+                continue;
+            }
+            const std::vector<Row> rows = evaluate(task);
+            report.add(task, rows);
+            for (const Row& row : rows) {
+                const bool worth_a_line = row.status == Status::failed || row.status == Status::broken;
+                if (!arguments.quiet || (worth_a_line && stability::must_pass(task.variant))) {
+                    print_row(task, row, plainest);
+                }
+            }
+        }
+        report.save();
+    }
+    report.finish();
+    fmt::print("{}\n", report.summary());
+    return report.must_pass_failures() == 0 && report.passed() > 0 ? exit_good : exit_check_failed;
+}
+
+}  // namespace
+
+Command add_stability_command(CLI::App& app, const std::string& command_line) {
+    auto arguments = std::make_shared<StabilityArguments>();
+    arguments->command_line = command_line;
+    CLI::App* command = app.add_subcommand(
+        "stability", "Stiff and extreme cases with exact answers; exit code 1 if one fails that must pass");
+    command->add_option("--case", arguments->cases, "Cases by name or number in the catalogue, comma-separated")
+        ->allow_extra_args(false);
+    command->add_option("--family", arguments->families, "Every case of a family, repeatable")->allow_extra_args(false);
+    command->add_option("--set", arguments->values, "PARAMETER=NUMBER of the case, repeatable")
+        ->allow_extra_args(false);
+    command
+        ->add_option("--axis", arguments->axes,
+                     "AXIS=CHOICE,CHOICE, repeatable (default: every precision, arithmetic and robustness with the "
+                     "plainest integrator, and every integrator)")
+        ->allow_extra_args(false);
+    command->add_option("--backend", arguments->backend, "cpu or cuda (default: cuda where it is available)");
+    command->add_option("--seed", arguments->seed, "Seed (default 1)")->check(check_seed);
+    command->add_flag("--quick", arguments->quick, "Fewer points, samples and variants");
+    command->add_flag("--list", arguments->list, "Say what there is, and run nothing");
+    command->add_flag("--quiet", arguments->quiet, "Print failures of what must pass, and the tally, only");
+    command->add_option("--out", arguments->out, "Result file (JSON); none: print only");
+    command->add_flag("--resume", arguments->resume, "Keep the rows that --out has already");
+    command->add_option("--write-scenes", arguments->write_scenes,
+                        "Write the cases' scenes at their first point into this folder, and run nothing");
+    return [arguments] { return run(*arguments); };
+}
+
+}  // namespace pt

@@ -1,0 +1,349 @@
+// S16 to S19 and S22: surfaces that are grazed, touched by the eye, in contact, in the same place, or next to nothing.
+#include <algorithm>
+#include <cmath>
+
+#include "harness/scene/scene.h"
+#include "harness/stability/case.h"
+
+namespace pt::stability {
+namespace {
+
+using Vec3l = Vec3<long double>;
+
+// Pixels for which `counts` holds, of an image of radiances.
+template <class Condition>
+std::function<double(const RenderResult&)> pixels_where(const Condition& counts) {
+    return [counts](const RenderResult& result) {
+        double count = 0;
+        for (std::uint32_t i = 0; i < result.film.width() * result.film.height(); ++i) {
+            count += counts(i, result.film.pixel(i).x) ? 1 : 0;
+        }
+        return count;
+    };
+}
+
+// ---- S16: a quad of length 1 below the eye, whose far edge is seen `angle` degrees off its normal.
+
+std::vector<Rendering> grazing(const Values& v) {
+    constexpr std::uint32_t rows = 64;
+    const long double slope = tanl((90 - static_cast<long double>(v["angle"])) * (pi<long double> / 180));
+    const auto height = static_cast<double>(slope);
+    const auto half = static_cast<double>(4 * slope);  // of the image, at distance 1
+    const Rotation turn = rotation_of({v["tilt"], 0, 0});
+    const auto turned = [&](double y, double z) { return turn.column[1] * y + turn.column[2] * z; };
+    SceneText text("grazing");
+    text.camera({0, 0, 0}, turned(0, 1), turned(1, 0)).image(4, rows, 2 * std::atan(half) * 180 / pi<double>, false);
+    text.quad(text.emitter(Vec3d(0.5)), turned(-height, 0.5), 4, 1, {v["tilt"], 0, 0});
+    // Rows whose centres look below the far edge.
+    double covered = 0;
+    for (std::uint32_t row = 0; row < rows; ++row) {
+        const double y = half * (1 - (2 * row + 1.0) / rows);
+        covered += y < -height ? 1 : 0;
+    }
+    return {{.scene = text.json(),
+             .quick_paths = 4 * rows,
+             .full_paths = 64 * rows,
+             .quantities = {{.name = "pixels that are neither black nor as bright as the quad",
+                             .of = pixels_where([](std::uint32_t, double x) { return x != 0 && x != 0.5; }),
+                             .tolerance = {0, 0, "numerics.md S16: exactly"},
+                             .is_estimate = false},
+                            {.name = "rows below the far edge",
+                             .of = [](const RenderResult& r) { return mean_radiance(r) * rows / 0.5; },
+                             .exact = covered,
+                             .tolerance = {1, 1, "numerics.md S16: one row"},
+                             .is_estimate = false}}}};
+}
+
+// ---- S17
+
+// The number of pixels on the wrong side of the plane through the eye with the normal `out`: those that look out must
+// be white, the others black. Pixels whose cosine is below 2^-20 may be either.
+std::function<double(const RenderResult&)> misjudged(const Vec3d& forward, const Vec3d& up, const Vec3d& out) {
+    return [=](const RenderResult& result) {
+        const std::uint32_t width = result.film.width(), height = result.film.height();
+        const Vec3l ahead = normalize(Vec3l(forward));
+        const Vec3l right = normalize(cross(ahead, Vec3l(up)));
+        const Vec3l above = cross(right, ahead);
+        return pixels_where([&](std::uint32_t i, double radiance) {
+            const long double pixel = 2.0L / height;  // 90 degrees
+            const long double x = (i % width + 0.5L - width / 2.0L) * pixel;
+            const long double y = (i / width + 0.5L - height / 2.0L) * pixel;
+            const long double cosine = dot(normalize(right * x - above * y + ahead), normalize(Vec3l(out)));
+            return std::abs(cosine) >= 0x1p-20L && radiance != (cosine > 0 ? 1 : 0);
+        })(result);
+    };
+}
+
+Rendering touched(const std::string& name, SceneText text, const Vec3d& out) {
+    constexpr std::uint32_t side = 64;
+    // Along the surface, so that half of the image looks out.
+    const Vec3d forward = std::abs(out.x) + std::abs(out.y) > 0 ? Vec3d(out.y, -out.x, 0) : Vec3d(1, 0, 0);
+    text.camera({0, 0, 0}, forward, out).image(side, side, 90, false).environment(1);
+    return {.scene = text.json(),
+            .quick_paths = side * side,
+            .full_paths = 4 * side * side,
+            .quantities = {{.name = "pixels on the wrong side, the eye on " + name,
+                            .of = misjudged(forward, out, out),
+                            .tolerance = {0, 0, "numerics.md S17: none with |d.n| >= 2^-20"},
+                            .is_estimate = false}}};
+}
+
+std::vector<Rendering> eye_touches(const Values& v) {
+    const double size = v["size"];
+    std::vector<Rendering> renderings;
+    {
+        SceneText text("eye_touches");
+        renderings.push_back(
+            touched("a sphere", text.sphere(text.diffuse(Vec3d(0.0)), {0, -size, 0}, 2 * size), {0, 1, 0}));
+    }
+    {
+        SceneText text("eye_touches");
+        renderings.push_back(touched(
+            "a box", text.box(text.diffuse(Vec3d(0.0)), {size / 8, size / 4, size}, Vec3d(2 * size)), {0, 0, -1}));
+    }
+    {
+        SceneText text("eye_touches");
+        renderings.push_back(
+            touched("an ellipsoid", text.ellipsoid(text.diffuse(Vec3d(0.0)), {0, -size, 0}, {4 * size, 2 * size, size}),
+                    {0, 1, 0}));
+    }
+    // Inside of a lamp.
+    SceneText text("eye_touches");
+    text.image(16, 16, 120, true).sphere(text.emitter(Vec3d(0.75)), {size / 4, size / 2, -size / 8}, 2 * size);
+    renderings.push_back({.scene = text.json(),
+                          .quick_paths = 4096,
+                          .full_paths = 1u << 16,
+                          .quantities = {{.name = "radiance inside of a lamp",
+                                          .of = farthest_from(0.75),
+                                          .exact = 0.75,
+                                          .tolerance = {0, 0, "numerics.md S17: exactly"},
+                                          .is_estimate = false}}});
+    return renderings;
+}
+
+// An eye on a sphere whose radius has no exact inverse: (2, 3, 6) / 7 is a unit vector.
+std::vector<Rendering> eye_touches_at_slant(const Values& v) {
+    const double size = v["size"];
+    SceneText text("eye_at_slant");
+    const Vec3d out(2, 3, 6);
+    return {touched("a sphere", text.sphere(text.diffuse(Vec3d(0.0)), out * -size, 14 * size), out)};
+}
+
+std::string eye_on_sphere(const Values&, const Variant&) {
+    return "an eye on a sphere to within rounding counts as inside where |f / R|^2 rounds to less than 1; cure: "
+           "|f|^2 - R^2 formed without an error (differences of two and fused products), as for S13";
+}
+
+// Exact where the size is a power of two.
+std::string eye_on_ellipsoid(const Values& v, const Variant& variant) {
+    int exponent = 0;
+    return std::frexp(v["size"], &exponent) == 0.5 ? "" : eye_on_sphere(v, variant);
+}
+
+// ---- S18
+
+constexpr const char* contact_origin = "roundings of 1 - |p|^2 move the tangent by 4 u / 2 x: 16 u of the light";
+
+// A point of a plane at `x` radii from where a black unit sphere rests on it, under a white sky.
+Rendering sphere_on_plane(double x, double albedo) {
+    SceneText text("contact");
+    text.camera({x + x * std::cos(x), x * std::sin(x), 0}, {x, 0, 0}).depth(2).environment(1);
+    text.quad(text.diffuse(Vec3d(albedo)), {0, 0, 0}, 64, 64);
+    text.sphere(text.diffuse(Vec3d(0.0)), {0, 1, 0}, 2);
+    // The quad ends: it shows no sky, being flat.
+    const double exact = -albedo * std::expm1(-1.5 * std::log1p(x * x));
+    return {.scene = text.json(),
+            .quantities = {{.name = "radiance of the plane",
+                            .of = mean_radiance,
+                            .exact = exact,
+                            .tolerance = {16 * 0x1p-24 * albedo, 16 * 0x1p-53 * albedo + 0x1p-40, contact_origin}}}};
+}
+
+// numerics.md S8: the part of the hemisphere's cosine that a unit sphere at distance d covers, its centre at the cosine
+// w from the normal, when it reaches below the horizon.
+double covered_over_horizon(long double d, long double w) {
+    const long double h2 = d * d;
+    const long double k = sqrtl(1 - h2 * w * w);
+    const long double root = sqrtl(h2 - 1);
+    return static_cast<double>(((w * acosl(-w * root / sqrtl(1 - w * w)) - k * root) / h2 + atanl(k / root)) /
+                               pi<long double>);
+}
+
+// A point of a unit sphere at the angle x from where a black one touches it.
+Rendering sphere_on_sphere(double x, double albedo) {
+    SceneText text("contact");
+    const Vec3d point(std::sin(x), std::cos(x), 0), tangent(std::cos(x), -std::sin(x), 0);
+    text.camera(point * (1 + 0.25 * x * x) + tangent * (0.5 * x), point).depth(2).environment(1);
+    text.sphere(text.diffuse(Vec3d(albedo)), {0, 0, 0}, 2);
+    text.sphere(text.diffuse(Vec3d(0.0)), {0, 2, 0}, 2);
+    const long double cosine = cosl(static_cast<long double>(x));
+    const long double d = sqrtl(5 - 4 * cosine);
+    const double exact = albedo * (1 - covered_over_horizon(d, (2 * cosine - 1) / d));
+    return {.scene = text.json(),
+            .quantities = {{.name = "radiance of the lower sphere",
+                            .of = mean_radiance,
+                            .exact = exact,
+                            .tolerance = {16 * 0x1p-24 * albedo, 16 * 0x1p-53 * albedo + 0x1p-40, contact_origin}}}};
+}
+
+// The whole of it, from afar: darker than under the open sky everywhere.
+Rendering contact_image(double albedo) {
+    SceneText text("contact");
+    text.camera({0, 1, -4}, {0, 0.5, 0}).image(32, 32, 50, true).depth(2).environment(1);
+    text.quad(text.diffuse(Vec3d(albedo)), {0, 0, 0}, 1024, 1024);
+    text.box(text.diffuse(Vec3d(albedo)), {0, 512, 20}, {1024, 1024, 1});
+    text.sphere(text.diffuse(Vec3d(0.0)), {0, 1, 0}, 2);
+    const auto brightest = [](const RenderResult& result) {
+        double most = 0;
+        for (std::uint32_t i = 0; i < result.film.width() * result.film.height(); ++i) {
+            most = std::max(most, result.film.pixel(i).x);
+        }
+        return most;
+    };
+    return {.scene = text.json(),
+            .quick_paths = 1u << 14,
+            .full_paths = 1u << 20,
+            .quantities = {{.name = "brightest pixel",
+                            .of = brightest,
+                            .exact = albedo,
+                            .tolerance = {0, 0, "numerics.md S18: none above the open sky"},
+                            .relation = Relation::at_most,
+                            .is_estimate = false}}};
+}
+
+// ---- S19: two quads in one place. The one whose material comes first in the file is the lower object.
+
+std::vector<Rendering> coincident(const Values& v) {
+    std::vector<Rendering> renderings;
+    for (const bool reflects : {false, true}) {
+        SceneText text("coincident");
+        text.image(16, 16, 40, true).depth(2).environment(reflects ? 1 : 0);
+        for (const double value : {0.25, 0.75}) {
+            const std::string material = reflects ? text.diffuse(Vec3d(value)) : text.emitter(Vec3d(value));
+            text.quad(material, {0, 0, 4}, 8, 8, {90 - v["tilt"], v["tilt"] / 2, 0});
+        }
+        renderings.push_back({.scene = text.json(),
+                              .quick_paths = 1u << 14,
+                              .full_paths = 1u << 20,
+                              .quantities = {{.name = reflects ? "light reflected by one of two quads in one place"
+                                                               : "light emitted by one of two quads in one place",
+                                              .of = farthest_from(0.25),
+                                              .exact = 0.25,
+                                              .tolerance = {0, 0, "numerics.md S19: exactly one of the two"},
+                                              .is_estimate = false}}});
+    }
+    return renderings;
+}
+
+std::string coincident_limit(const Values& v, const Variant&) {
+    if (v["tilt"] == 0) {
+        return "";
+    }
+    return "a path leaves one quad from a point that rounding put off the plane of both, and may meet the other; "
+           "no cure without knowing that they are one: put surfaces apart, or make them one object";
+}
+
+// ---- S22: bodies of next to no size in a furnace of the same material.
+
+std::vector<Rendering> degenerate(const Values& v) {
+    constexpr std::uint32_t depth = 32;
+    const double thin = v["thickness"];
+    SceneText text("degenerate");
+    text.camera({0.25, 0.5, -0.125}, {0.5, -0.25, 1}).image(8, 8, 90, true).depth(depth);
+    const std::string wall = text.diffuse(Vec3d(0.5), Vec3d(0.5));
+    text.sphere(wall, {0, 0, 0}, 4);
+    text.sphere(wall, {0.5, 0.25, 0.5}, thin);
+    text.ellipsoid(wall, {0, 0, 0.5}, {thin, 1, 1}, {10, 20, 30}).ellipsoid(wall, {0.5, 0, 0}, {thin, 1, thin});
+    text.box(wall, {0, -0.5, 0}, {1, thin, 1}).box(wall, {-0.5, 0, 0}, {thin, thin, 1});
+    text.box(wall, {0.5, -0.25, 0.75}, {1, thin, 1}, {10, 20, 30}).box(wall, {0.5, 0, 0.25}, Vec3d(thin), {5, 6, 7});
+    text.quad(wall, {0, 0.25, 0.75}, thin, 1).quad(wall, {0.25, 0, 0.75}, thin, thin, {10, 20, 30});
+    const double exact = 1 - std::exp2(-static_cast<double>(depth));
+    return {{.scene = text.json(),
+             .quick_paths = 1u << 14,
+             .full_paths = 1u << 20,
+             .quantities = {{.name = "radiance of the pixel that is farthest off",
+                             .of = farthest_from(exact),
+                             .exact = exact,
+                             .tolerance = {1e-6, 1e-12, "numerics.md S1, and the film's quantum"},
+                             .is_estimate = false},
+                            {.name = "segments missing of a path",
+                             .of = missing_segments(depth),
+                             .tolerance = {0, 0, "a closed space loses no path"},
+                             .is_estimate = false}}}};
+}
+
+const CaseRegistration cases({
+    {.name = "grazing",
+     .catalogue = "S16",
+     .family = "geometry",
+     .title = "a quad seen along its plane",
+     .stiff = "the distance is a quotient of two numbers that are next to nothing",
+     .formula = "L = L_e on every covered pixel; rows below atan(h / length)",
+     .parameters = {{"angle", 89.99, 10, 89.9999, "of view off the normal at the far edge, degrees"},
+                    {"tilt", 0, -180, 180, "of the stage, degrees"}},
+     .points = {{{"angle", 89.9}}, {{"angle", 89.99}}, {{"angle", 89.999}}, {{"angle", 89.999}, {"tilt", 33}}},
+     .quick_points = {{{"angle", 89.9}}, {{"angle", 89.999}, {"tilt", 33}}},
+     .sweep = "angle",
+     .renderings = grazing},
+    {.name = "eye_touches",
+     .catalogue = "S17",
+     .family = "geometry",
+     .title = "an eye exactly on a body, and one inside of a lamp",
+     .stiff = "the first root is exactly 0: hit, missed or behind is decided by its sign",
+     .formula = "1 for d.n > 0, 0 for d.n < 0; L_e inside of a lamp",
+     .parameters = {{"size", 1, 1e-9, 1e9, "of the bodies, scene units"}},
+     .points = {{{"size", 1}}, {{"size", 0x1p-20}}, {{"size", 0x1p20}}, {{"size", 1e-6}}, {{"size", 1e6}}},
+     .quick_points = {{{"size", 1}}, {{"size", 1e-6}}},
+     .sweep = "size",
+     .renderings = eye_touches,
+     .known_limit = eye_on_ellipsoid},
+    {.name = "eye_touches_slant",
+     .catalogue = "S17",
+     .family = "geometry",
+     .title = "an eye on a sphere, off its axes",
+     .stiff = "|f|^2 - 1 is 0, but of rounded squares: its sign is that of a rounding",
+     .formula = "1 for d.n > 0, 0 for d.n < 0",
+     .parameters = {{"size", 1, 1e-6, 1e5, "a seventh of the radius, scene units"}},
+     .points = {{{"size", 1}}, {{"size", 0.001}}},
+     .renderings = eye_touches_at_slant,
+     .known_limit = eye_on_sphere},
+    {.name = "contact",
+     .catalogue = "S18",
+     .family = "geometry",
+     .title = "a sphere on a plane and on a sphere, near the contact",
+     .stiff = "light comes to the contact by a wedge as thin as x^2, between surfaces that shut it",
+     .formula = "rho (1 - (1 + x^2)^(-3/2)); the sphere over the horizon of numerics.md S8 with d^2 = 5 - 4 cos x",
+     .parameters = {{"x", 0.25, 0.001, 1, "from the contact, radii"}, {"albedo", 0.5, 0, 1, "of the lower surface"}},
+     .points = {{{"x", 1}}, {{"x", 0.25}}, {{"x", 0.05}}, {{"x", 0.01}}},
+     .quick_points = {{{"x", 0.25}}},
+     .sweep = "x",
+     .renderings =
+         [](const Values& v) {
+             return std::vector{sphere_on_plane(v["x"], v["albedo"]), sphere_on_sphere(v["x"], v["albedo"]),
+                                contact_image(v["albedo"])};
+         }},
+    {.name = "coincident",
+     .catalogue = "S19",
+     .family = "geometry",
+     .title = "two quads in one place",
+     .stiff = "both are met at the same distance: which one counts is decided by order, or by rounding",
+     .formula = "the quad with the lower number, in every pixel",
+     .parameters = {{"tilt", 0, 0, 80, "of the quads, degrees"}},
+     .points = {{{"tilt", 0}}, {{"tilt", 20}}},
+     .renderings = coincident,
+     .known_limit = coincident_limit},
+    {.name = "degenerate",
+     .catalogue = "S22",
+     .family = "geometry",
+     .title = "needles, plates and specks in a furnace of the same material",
+     .stiff = "inverses of next to nothing, entries and exits at one distance, normals of no length",
+     .formula = "E (1 - rho^D) / (1 - rho) as without them, and no path lost",
+     .parameters = {{"thickness", 1e-6, 1e-18, 0.25, "of the bodies, scene units"}},
+     .points = {{{"thickness", 1e-18}}, {{"thickness", 1e-12}}, {{"thickness", 1e-6}}, {{"thickness", 0.01}}},
+     .quick_points = {{{"thickness", 1e-18}}, {{"thickness", 1e-6}}},
+     .sweep = "thickness",
+     .renderings = degenerate},
+});
+
+}  // namespace
+}  // namespace pt::stability

@@ -1,0 +1,47 @@
+// The stage functions of kernels/ on the host, for direct checks: a scene's text as the kernels read it, with the
+// number type and formulas that a DirectSetting names.
+#pragma once
+
+#include <memory>
+
+#include "harness/scene/scene_buffers.h"
+#include "harness/stability/case.h"
+#include "kernels/shade.h"
+
+namespace pt::stability {
+
+template <class Kernel>
+class HostScene {
+public:
+    using Real = typename Kernel::Real;
+
+    explicit HostScene(const SceneText& text, std::uint64_t seed = 1) {
+        const Scene scene = parse_scene(text.json().dump(), "a direct check");
+        RenderSettings settings = default_settings(scene);
+        settings.seed = seed;
+        buffers_ = std::make_unique<SceneBuffers<Real>>(scene, settings);
+    }
+    const SceneView<Real>& view() const { return buffers_->view(); }
+
+private:
+    std::unique_ptr<SceneBuffers<Real>> buffers_;
+};
+
+// Calls check.operator()<Kernel>() for the kernel with every feature that the setting asks for.
+template <class Check>
+auto with_kernel(const DirectSetting& setting, const Check& check) {
+    constexpr FeatureSet naive = all_features | Feature::naive;
+    constexpr FeatureSet mixed = all_features | Feature::double_intersection;
+    if (setting.precision == "double") {
+        return setting.is_naive ? check.template operator()<Config<double, naive>>()
+                                : check.template operator()<Config<double, all_features>>();
+    }
+    if (setting.precision == "double_intersection") {
+        return setting.is_naive ? check.template operator()<Config<float, mixed | Feature::naive>>()
+                                : check.template operator()<Config<float, mixed>>();
+    }
+    return setting.is_naive ? check.template operator()<Config<float, naive>>()
+                            : check.template operator()<Config<float, all_features>>();
+}
+
+}  // namespace pt::stability

@@ -1,0 +1,467 @@
+#include "harness/stability/evaluate.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+namespace pt::stability {
+
+namespace {
+
+// Mean of a quantity over batches, with its standard error.
+struct Estimate {
+    std::vector<double> values;
+
+    double mean() const {
+        double sum = 0;
+        for (const double value : values) {
+            sum += value;
+        }
+        return sum / static_cast<double>(values.size());
+    }
+    double standard_error() const {
+        const double average = mean();
+        double squares = 0;
+        for (const double value : values) {
+            squares += (value - average) * (value - average);
+        }
+        const auto n = static_cast<double>(values.size());
+        return n > 1 ? std::sqrt(squares / (n * (n - 1))) : 0;
+    }
+    double farthest(double exact) const {
+        double result = exact;
+        for (const double value : values) {
+            result = std::abs(value - exact) <= std::abs(result - exact) ? result : value;
+        }
+        return result;
+    }
+};
+
+Row without_measurement(Status status, std::string reason) {
+    Row row;
+    row.status = status;
+    row.reason = std::move(reason);
+    return row;
+}
+
+double missed_by(const Measurement& m) {
+    const double difference = m.measured - m.exact;
+    const double missed = m.relation == Relation::at_most    ? std::max(difference, 0.0)
+                          : m.relation == Relation::at_least ? std::max(-difference, 0.0)
+                                                             : std::abs(difference);
+    return std::isnan(difference) ? std::numeric_limits<double>::infinity() : missed;
+}
+
+void judge(Row& row, const Task& task) {
+    row.error = missed_by(row.measurement);
+    row.allowed = row.measurement.tolerance.at(task.variant["precision"]) + 4 * row.measurement.standard_error;
+    if (!row.faults.none()) {
+        row.status = Status::broken;
+        row.reason = faults_text(row.faults);
+    } else {
+        row.status = row.error <= row.allowed ? Status::passed : Status::failed;
+    }
+    if (row.status != Status::passed && must_pass(task.variant) && task.stiff_case->known_limit) {
+        const std::string limit = task.stiff_case->known_limit(task.values, task.variant);
+        if (!limit.empty()) {
+            row.status = Status::known_limit;
+            row.reason = limit;
+        }
+    }
+}
+
+Scene scene_of(const Json& text, const Case& stiff_case) {
+    return parse_scene(text.dump(), "stability case " + stiff_case.name);
+}
+
+RenderRequest request_of(const Task& task, const Scene& scene, std::uint64_t seed, std::uint32_t samples) {
+    RenderRequest request{
+        .variant = task.variant, .backend = task.backend, .settings = default_settings(scene), .samples = samples};
+    request.settings.seed = seed;
+    return request;
+}
+
+// A case's image has few pixels and many samples: as many of them at once as the integrator can take, so that a GPU is
+// not left to a few threads.
+Variant with_samples_in_flight(const Task& task, std::uint64_t pixels, std::uint64_t samples) {
+    Variant variant = task.variant;
+    for (const Tunable& tunable : tunables_of(task.variant, task.backend)) {
+        if (tunable.name == "spp_in_flight" && !variant.tuning.contains("spp_in_flight")) {
+            const std::uint64_t wanted = std::min(samples, std::max<std::uint64_t>(1, (1u << 18) / pixels));
+            variant.tuning["spp_in_flight"] =
+                static_cast<std::uint32_t>(std::clamp<std::uint64_t>(wanted, tunable.lowest, tunable.highest));
+        }
+    }
+    return variant;
+}
+
+// An integrator with a queue goes once through it for every pixel's samples in flight, however few paths these are.
+std::uint64_t affordable_samples(const Task& task, const Variant& variant, std::uint64_t samples) {
+    constexpr std::uint64_t most_rounds = 1024;
+    const auto in_flight = variant.tuning.find("spp_in_flight");
+    const std::uint64_t at_once = in_flight != variant.tuning.end() ? in_flight->second : 1;
+    return task.variant["integrator"].starts_with("wavefront") ? std::min(samples, most_rounds * at_once) : samples;
+}
+
+// Everything of a rendering for one look.
+std::vector<Row> look(const Task& task, const Rendering& rendering, const Scene& scene, std::uint64_t seed,
+                      std::uint64_t paths) {
+    const bool estimates = std::any_of(rendering.quantities.begin(), rendering.quantities.end(),
+                                       [](const Quantity& quantity) { return quantity.is_estimate; });
+    const std::uint64_t batches = estimates ? rendering.batches : 1;
+    const std::uint64_t pixels = std::uint64_t{scene.camera.width} * scene.camera.height;
+    const std::uint64_t wanted = std::max<std::uint64_t>(1, paths / (pixels * batches));
+    const Variant variant = with_samples_in_flight(task, pixels, wanted);
+    const auto samples = static_cast<std::uint32_t>(
+        std::max<std::uint64_t>(1, affordable_samples(task, variant, batches * wanted) / batches));
+    Row common;
+    std::vector<Estimate> estimate(rendering.quantities.size());
+    for (std::uint64_t batch = 0; batch < batches; ++batch) {
+        RenderRequest request = request_of(task, scene, seed + batch, samples);
+        request.variant = variant;
+        const RenderResult result = render(scene, request);
+        common.paths += result.work.paths;
+        common.rays += result.work.rays;
+        common.unfinished_walks += result.work.unfinished_walks;
+        common.faults.nonfinite += result.film.faults().nonfinite;
+        common.faults.negative += result.film.faults().negative;
+        common.faults.saturated += result.film.faults().saturated;
+        common.seconds += 1e-3 * result.wall_ms;
+        common.health.add(result.health);
+        common.film_hash = batches == 1 ? result.film.hash() : "";
+        for (std::size_t i = 0; i < estimate.size(); ++i) {
+            estimate[i].values.push_back(rendering.quantities[i].of(result));
+        }
+    }
+    std::vector<Row> rows;
+    for (std::size_t i = 0; i < estimate.size(); ++i) {
+        const Quantity& quantity = rendering.quantities[i];
+        Row row = common;
+        row.measurement = {
+            .quantity = quantity.name,
+            .measured = quantity.is_estimate ? estimate[i].mean() : estimate[i].farthest(quantity.exact),
+            .exact = quantity.exact,
+            .relation = quantity.relation,
+            .standard_error = quantity.is_estimate ? estimate[i].standard_error() : 0,
+            .tolerance = quantity.tolerance,
+        };
+        judge(row, task);
+        rows.push_back(std::move(row));
+    }
+    return rows;
+}
+
+std::vector<Row> evaluate_renderings(const Task& task) {
+    std::vector<Row> rows;
+    for (const Rendering& rendering : task.stiff_case->renderings(task.values)) {
+        const Scene scene = scene_of(rendering.scene, *task.stiff_case);
+        if (std::string reason = why_not_applicable(task.variant, features_of(scene), task.backend); !reason.empty()) {
+            rows.push_back(without_measurement(Status::not_applicable, std::move(reason)));
+            continue;
+        }
+        const std::uint64_t paths = task.is_quick ? rendering.quick_paths : rendering.full_paths;
+        std::vector<Row> first = look(task, rendering, scene, task.seed, paths);
+        const bool again = std::any_of(first.begin(), first.end(), [](const Row& row) {
+            return row.status == Status::failed && row.measurement.standard_error > 0;
+        });
+        if (again) {
+            // Four times the samples, none of them the first look's.
+            std::vector<Row> second =
+                look(task, rendering, scene, task.seed + 1000003, std::min<std::uint64_t>(4 * paths, 1u << 28));
+            for (std::size_t i = 0; i < first.size(); ++i) {
+                if (first[i].status == Status::failed && first[i].measurement.standard_error > 0) {
+                    second[i].looks = 2;
+                    second[i].seconds += first[i].seconds;
+                    first[i] = std::move(second[i]);
+                }
+            }
+        }
+        std::move(first.begin(), first.end(), std::back_inserter(rows));
+    }
+    return rows;
+}
+
+// The sums of a render in so many parts.
+std::vector<std::int64_t> sums_in_parts(const Task& task, const Scene& scene, std::vector<std::uint32_t> parts,
+                                        std::uint32_t all_samples, Row& row) {
+    if (parts.empty()) {
+        parts.push_back(all_samples);
+    }
+    std::vector<std::int64_t> sums;
+    std::uint32_t done = 0;
+    for (const std::uint32_t samples : parts) {
+        RenderRequest request = request_of(task, scene, task.seed, samples);
+        request.first_sample = done;
+        request.film_samples = all_samples;
+        const RenderResult result = render(scene, request);
+        done += samples;
+        row.paths += result.work.paths;
+        row.rays += result.work.rays;
+        row.seconds += 1e-3 * result.wall_ms;
+        row.faults.nonfinite += result.film.faults().nonfinite;
+        row.faults.negative += result.film.faults().negative;
+        row.faults.saturated += result.film.faults().saturated;
+        sums.resize(result.film.sums().size());
+        for (std::size_t i = 0; i < sums.size(); ++i) {
+            sums[i] += result.film.sums()[i];
+        }
+    }
+    return sums;
+}
+
+double differing_pixels(const std::vector<std::int64_t>& a, const std::vector<std::int64_t>& b) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i + 2 < a.size(); i += 3) {
+        count += a[i] != b[i] || a[i + 1] != b[i + 1] || a[i + 2] != b[i + 2] ? 1u : 0u;
+    }
+    return static_cast<double>(count);
+}
+
+Row evaluate_pair(const Task& task, const Twins& twins) {
+    const Scene reference = scene_of(twins.reference, *task.stiff_case);
+    const Scene changed = scene_of(twins.changed, *task.stiff_case);
+    Row row;
+    row.measurement.quantity = "pixels that differ: " + twins.change;
+    row.measurement.tolerance.origin = "bit for bit";
+    Task tuned = task;
+    const std::vector<Tunable> known = tunables_of(task.variant, task.backend);
+    for (const auto& [name, value] : twins.tuning) {
+        const bool has_it = std::any_of(known.begin(), known.end(),
+                                        [&, &wanted = name](const Tunable& tunable) { return tunable.name == wanted; });
+        if (!has_it) {
+            row.reason = "the variant has no tunable " + name;
+            return row;
+        }
+        tuned.variant.tuning[name] = value;
+    }
+    for (const Scene* scene : {&reference, &changed}) {
+        row.reason = why_not_applicable(tuned.variant, features_of(*scene), task.backend);
+        if (!row.reason.empty()) {
+            return row;
+        }
+    }
+    const std::vector<std::int64_t> expected = sums_in_parts(task, reference, {}, twins.samples, row);
+    row.measurement.measured =
+        differing_pixels(expected, sums_in_parts(tuned, changed, twins.parts, twins.samples, row));
+    judge(row, task);
+    return row;
+}
+
+std::vector<Row> evaluate_direct(const Task& task) {
+    const DirectSetting setting{.precision = task.variant["precision"],
+                                .is_naive = task.variant["robustness"] == "naive",
+                                .is_quick = task.is_quick};
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<Row> rows;
+    for (Measurement& measurement : task.stiff_case->direct(task.values, setting)) {
+        Row row;
+        row.measurement = std::move(measurement);
+        judge(row, task);
+        rows.push_back(std::move(row));
+    }
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    for (Row& row : rows) {
+        row.seconds = seconds;
+    }
+    return rows;
+}
+
+std::vector<Row> evaluate_unguarded(const Task& task) {
+    if (task.stiff_case->renderings) {
+        return evaluate_renderings(task);
+    }
+    if (task.stiff_case->direct) {
+        return evaluate_direct(task);
+    }
+    std::vector<Row> rows;
+    for (const Twins& twins : task.stiff_case->twins(task.values)) {
+        rows.push_back(evaluate_pair(task, twins));
+    }
+    return rows;
+}
+
+// A check of functions has nothing to do with how paths are scheduled, and is run on the host.
+std::string direct_not_applicable(const Task& task) {
+    const Variant& variant = task.variant;
+    const Variant plainest = Registry::instance().reference(variant, Backend::cpu);
+    if (task.backend != Backend::cpu || variant["integrator"] != plainest["integrator"]) {
+        return "checks functions, not images: on the CPU, once";
+    }
+    if (variant["robustness"] == "naive" && !task.stiff_case->direct_has_naive) {
+        return "has no naive twin of what it checks";
+    }
+    if (variant["precision"] == "double_intersection" && !task.stiff_case->direct_has_mixed) {
+        return "has no intersection in it";
+    }
+    return "";
+}
+
+}  // namespace
+
+std::string_view to_string(Status status) {
+    switch (status) {
+        case Status::passed:
+            return "passed";
+        case Status::failed:
+            return "failed";
+        case Status::known_limit:
+            return "known limit";
+        case Status::not_applicable:
+            return "n/a";
+        default:
+            return "broken";
+    }
+}
+
+bool must_pass(const Variant& variant) { return variant["robustness"] == "robust" && variant["arithmetic"] != "fast"; }
+
+std::string not_applicable(const Task& task) {
+    if (!task.stiff_case->missing_feature.empty()) {
+        return task.stiff_case->missing_feature;
+    }
+    return task.stiff_case->direct ? direct_not_applicable(task) : "";
+}
+
+std::vector<Row> evaluate(const Task& task) {
+    if (std::string reason = not_applicable(task); !reason.empty()) {
+        return {without_measurement(Status::not_applicable, std::move(reason))};
+    }
+    try {
+        return evaluate_unguarded(task);
+    } catch (const std::exception& exception) {
+        return {without_measurement(Status::broken, exception.what())};
+    }
+}
+
+namespace {
+
+// JSON has no infinity and no NaN: their names stand for them.
+Json number(double value) {
+    if (std::isfinite(value)) {
+        return value;
+    }
+    return std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
+}
+
+std::string_view to_string(Relation relation) {
+    return relation == Relation::equal ? "equal" : relation == Relation::at_most ? "at most" : "at least";
+}
+
+// Where a counter's first path is: for `ptbench replay`.
+Json place_of(std::uint64_t key) {
+    return {{"pixel", key >> 42}, {"sample", (key >> 20) & 0x3fffffu}, {"segment", key & 0xfffffu}};
+}
+
+Json to_json(const HealthCounters& health) {
+    static constexpr const char* sites[] = {"camera", "hit", "point", "normal", "direction", "throughput", "radiance"};
+    static_assert(std::size(sites) == health_sites);
+    Json json{{"paths", health.paths}, {"segments", health.segments}};
+    Json nonfinite = Json::object();
+    Json first = Json::object();
+    for (std::size_t site = 0; site < health_sites; ++site) {
+        if (health.nonfinite[site] != 0) {
+            nonfinite[sites[site]] = health.nonfinite[site];
+            first[sites[site]] = place_of(health.first_nonfinite[site]);
+        }
+    }
+    if (health.self_hits != 0) {
+        first["self_hit"] = place_of(health.first_self_hit);
+    }
+    if (health.parity_errors != 0) {
+        first["parity_error"] = place_of(health.first_parity_error);
+    }
+    json["nonfinite"] = std::move(nonfinite);
+    json["negative"] = health.negative;
+    json["energy_gains"] = health.gains;
+    json["self_hits"] = health.self_hits;
+    json["parity_errors"] = health.parity_errors;
+    json["escaped"] = health.escaped;
+    json["capped"] = health.capped;
+    json["capped_energy"] = static_cast<double>(health.capped_energy) * 0x1p-32;
+    json["unfinished_walks"] = health.unfinished_walks;
+    json["worst_direction"] = static_cast<double>(health.worst_direction) * 0x1p-40;
+    json["worst_normal"] = static_cast<double>(health.worst_normal) * 0x1p-40;
+    json["first"] = std::move(first);
+    return json;
+}
+
+Json json_of(const Values& values) {
+    Json json = Json::object();
+    for (const auto& [name, value] : values.all()) {
+        json[name] = value;
+    }
+    return json;
+}
+
+}  // namespace
+
+Json to_json(const Task& task, const Row& row) {
+    Json json{{"case", task.stiff_case->name}, {"point", json_of(task.values)}};
+    json["backend"] = pt::to_string(task.backend);
+    json["variant"] = task.variant.name();
+    Json axes = Json::object();
+    for (const std::string_view axis : axis_names) {
+        axes[std::string(axis)] = task.variant[axis];
+    }
+    json["axes"] = std::move(axes);
+    json["status"] = to_string(row.status);
+    json["must_pass"] = must_pass(task.variant);
+    if (!row.reason.empty()) {
+        json["reason"] = row.reason;
+    }
+    if (row.measurement.quantity.empty()) {
+        return json;
+    }
+    const Measurement& m = row.measurement;
+    json["quantity"] = m.quantity;
+    json["relation"] = to_string(m.relation);
+    json["measured"] = number(m.measured);
+    json["exact"] = number(m.exact);
+    json["error"] = number(row.error);
+    json["allowed"] = number(row.allowed);
+    json["tolerance"] = number(m.tolerance.at(task.variant["precision"]));
+    json["tolerance_origin"] = m.tolerance.origin;
+    json["standard_error"] = number(m.standard_error);
+    json["looks"] = row.looks;
+    json["paths"] = row.paths;
+    json["rays"] = row.rays;
+    json["unfinished_walks"] = row.unfinished_walks;
+    json["nonfinite"] = row.faults.nonfinite;
+    json["negative"] = row.faults.negative;
+    json["saturated"] = row.faults.saturated;
+    if (row.health.paths != 0) {
+        json["health"] = to_json(row.health);
+    }
+    if (!row.film_hash.empty()) {
+        json["film_hash"] = row.film_hash;
+    }
+    json["seconds"] = row.seconds;
+    return json;
+}
+
+Json to_json(const Case& stiff_case) {
+    Json json{{"name", stiff_case.name},   {"catalogue", stiff_case.catalogue}, {"family", stiff_case.family},
+              {"title", stiff_case.title}, {"stiff", stiff_case.stiff},         {"formula", stiff_case.formula}};
+    json["parameters"] = Json::array();
+    for (const Parameter& parameter : stiff_case.parameters) {
+        json["parameters"].push_back({{"name", parameter.name},
+                                      {"standard", parameter.standard},
+                                      {"lowest", parameter.lowest},
+                                      {"highest", parameter.highest},
+                                      {"summary", parameter.summary}});
+    }
+    json["sweep"] = stiff_case.sweep;
+    json["kind"] = !stiff_case.missing_feature.empty() ? "missing"
+                   : stiff_case.renderings             ? "render"
+                   : stiff_case.twins                  ? "identity"
+                                                       : "direct";
+    if (!stiff_case.missing_feature.empty()) {
+        json["missing_feature"] = stiff_case.missing_feature;
+    }
+    return json;
+}
+
+}  // namespace pt::stability

@@ -1,0 +1,54 @@
+// Evaluates a case at a point with a variant: what came out, what should have, how far off it may be, and whether it
+// is. A failure is looked at twice: only one that independent samples confirm counts.
+#pragma once
+
+#include "harness/stability/case.h"
+
+namespace pt::stability {
+
+struct Task {
+    const Case* stiff_case = nullptr;
+    Values values;
+    Backend backend = Backend::cpu;
+    Variant variant;
+    std::uint64_t seed = 1;
+    bool is_quick = false;
+};
+
+// passed, failed: as they say. known_limit: failed, as the case says that it does. not_applicable: could not be asked.
+// broken: no number came out (an exception, or samples that were no numbers).
+enum class Status { passed, failed, known_limit, not_applicable, broken };
+std::string_view to_string(Status status);
+
+struct Row {
+    Status status = Status::not_applicable;
+    std::string reason;  // of every status but passed: why
+    Measurement measurement;
+    double error = 0;    // by which `measured` misses what the relation asks for, 0 if it does not
+    double allowed = 0;  // tolerance, and four standard errors
+    int looks = 1;       // independent renders that it took to say so
+    std::uint64_t paths = 0;
+    std::uint64_t rays = 0;
+    std::uint64_t unfinished_walks = 0;
+    FilmFaults faults;
+    HealthCounters health;  // of an integrator that inspects; else no paths
+    std::string film_hash;  // of a single batch; empty: there are several, or none
+    double seconds = 0;     // of rendering, or of the direct check
+
+    // Within how much of what is allowed it came; not finite where nothing is allowed but something missed.
+    double error_over_allowed() const { return error == 0 ? 0 : error / allowed; }
+};
+
+// Why the task cannot be asked; empty: it can.
+std::string not_applicable(const Task& task);
+
+// One row a quantity, or a single one that says why there is none. Throws nothing that a render throws.
+std::vector<Row> evaluate(const Task& task);
+
+// Whether ptbench claims that this passes: robust kernels in arithmetic that the rounding bounds hold in.
+bool must_pass(const Variant& variant);
+
+Json to_json(const Task& task, const Row& row);
+Json to_json(const Case& stiff_case);
+
+}  // namespace pt::stability

@@ -1,0 +1,66 @@
+// Closed spaces whose walls reflect and emit the same everywhere, and a lamp at the centre of one: geometric series.
+// shared/numerics.md S1 and S5. Depth counts ray segments.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "harness/render/film.h"
+#include "harness/stability/case.h"
+
+namespace pt::stability {
+
+// sum of albedo^j for j = 0 .. segments - 1, times the emission.
+inline double furnace(double emission, double albedo, double segments) {
+    return albedo == 1 ? emission * segments : emission * -std::expm1(segments * std::log(albedo)) / (1 - albedo);
+}
+
+// A sample in a film whose samples carry up to `bound` is rounded by no more than this.
+inline double half_quantum(double bound) { return 0.5 / film_scale(bound, 1u << 16); }
+
+// A rounding a segment of throughput and radiance in the sum of a geometric series, and the film's quantum.
+inline Tolerance furnace_tolerance(double emission, double albedo, double depth) {
+    const double exact = furnace(emission, albedo, depth);
+    const double quantum = half_quantum(emission * (1 + std::min(1 / (1 - albedo), depth)));
+    return {(depth <= 1024 ? 1e-6 : 1e-5) * exact + quantum, 1e-13 * std::max(1.0, depth / 1024) * exact + quantum,
+            "numerics.md S1: throughput and sum of a geometric series; and half the film's quantum"};
+}
+
+// A black lamp of radiance 1 and radius a at the centre of a diffuse sphere of radius 1: the wall sees it with the view
+// factor s = a^2. Radiance of the wall: s rho + s rho^2 (1 - s) + ..., so many terms.
+inline double lamp_radiance(double a, double albedo, double reflections) {
+    const double s = a * a;
+    const double ends = 1 - albedo * (1 - s);  // of a path at the wall, by absorption or at the lamp
+    return s * albedo * -std::expm1(reflections * std::log1p(-ends)) / ends;
+}
+
+// As many paths as make so many segments.
+inline std::uint64_t paths_for(double segments, double depth) {
+    return static_cast<std::uint64_t>(std::clamp(segments / depth, 16.0, 0x1p25));
+}
+
+// What a furnace is looked at for: every pixel the same, and no path that leaks out.
+inline std::vector<Quantity> furnace_quantities(double emission, double albedo, std::uint32_t depth) {
+    const double exact = furnace(emission, albedo, depth);
+    return {{.name = "radiance of the pixel that is farthest off",
+             .of = farthest_from(exact),
+             .exact = exact,
+             .tolerance = furnace_tolerance(emission, albedo, depth),
+             .is_estimate = false},
+            {.name = "segments missing of a path",
+             .of = missing_segments(depth),
+             .exact = 0,
+             .tolerance = {0, 0, "a closed space loses no path"},
+             .is_estimate = false}};
+}
+
+inline Rendering furnace_rendering(const SceneText& scene, double emission, double albedo, std::uint32_t depth) {
+    // At least a sample a pixel of 8 x 8.
+    return {.scene = scene.json(),
+            .quick_paths = std::max<std::uint64_t>(64, paths_for(1e6, depth)),
+            .full_paths = std::max<std::uint64_t>(64, paths_for(3e7, depth)),
+            .quantities = furnace_quantities(emission, albedo, depth)};
+}
+
+}  // namespace pt::stability

@@ -1,0 +1,67 @@
+// Irradiance E / Le of a point whose normal is +y, by one light of even radiance. Closed forms: shared/numerics.md S6
+// to S8 (Howell's catalogue of configuration factors; a sphere across the horizon: A. Snyder, "Area Light Sources for
+// Real-Time Graphics", 1996). The flattened ellipsoid: Lambert's contour integral along its outline.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/math.h"
+
+namespace pt::stability {
+
+// A rectangle a x b, parallel to the receiver, with one corner straight above the point at height h.
+inline double rectangle_irradiance(double a, double b, double h) {
+    const double x = a / h, y = b / h;
+    return 0.5 * (x / std::sqrt(1 + x * x) * std::atan(y / std::sqrt(1 + x * x)) +
+                  y / std::sqrt(1 + y * y) * std::atan(x / std::sqrt(1 + y * y)));
+}
+
+// A sphere whose centre is `distance` radii away, `angle` off the normal.
+inline double sphere_irradiance(double distance, double angle) {
+    const double cosine = std::cos(angle), h = distance;
+    if (h <= 1) {
+        return pi<double>;  // from within
+    }
+    if (cosine >= 1 / h) {
+        return pi<double> * cosine / (h * h);  // wholly above the horizon
+    }
+    if (cosine <= -1 / h) {
+        return 0;
+    }
+    const double k2 = 1 - h * h * cosine * cosine;
+    const double edge = std::clamp(-cosine * std::sqrt((h * h - 1) / (1 - cosine * cosine)), -1.0, 1.0);
+    return (cosine * std::acos(edge) - std::sqrt(k2 * (h * h - 1))) / (h * h) + std::atan(std::sqrt(k2 / (h * h - 1)));
+}
+
+// A disk of radius r, parallel to the receiver at height h, its centre `offset` to the side.
+inline double disk_irradiance(double r, double h, double offset) {
+    const double square = h * h + offset * offset + r * r;
+    // 1 - (square - 2 r^2) / root, without the cancellation of a small disk.
+    const double root = std::sqrt(square * square - 4 * offset * offset * r * r);
+    return 0.5 * pi<double> * (2 * r * r - 4 * offset * offset * r * r / (square + root)) / root;
+}
+
+// The same of an ellipsoid with the semi-axes (r, half_thickness, r) about the disk's centre, wholly above the horizon:
+// E = 1/2 of the contour integral of (p x dp).n / p^2. The trapezium rule of a periodic function converges faster than
+// any power.
+inline double flat_ellipsoid_irradiance(double r, double half_thickness, double h, double offset) {
+    const Vec3<double> axes(r, half_thickness, r), centre(offset, h, 0);
+    const Vec3<double> observer = -centre / axes;  // in the frame of the unit sphere
+    const double square = dot(observer, observer);
+    const Frame<double> frame(observer / std::sqrt(square));
+    const double radius = std::sqrt(1 - 1 / square);
+    constexpr int steps = 1 << 14;
+    double sum = 0;
+    for (int i = 0; i < steps; ++i) {
+        const double phi = 2 * pi<double> * i / steps;
+        const Vec3<double> p =
+            centre +
+            axes * (observer / square + (frame.tangent * std::cos(phi) + frame.bitangent * std::sin(phi)) * radius);
+        const Vec3<double> step = axes * (frame.bitangent * std::cos(phi) - frame.tangent * std::sin(phi)) * radius;
+        sum += (p.z * step.x - p.x * step.z) / dot(p, p);
+    }
+    return std::abs(sum) * pi<double> / steps;
+}
+
+}  // namespace pt::stability

@@ -1,0 +1,51 @@
+// Where an estimate, or single precision, is known to have an end: texts for Case::known_limit. Each holds only where
+// the numbers say so; a case that fails elsewhere has failed.
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include "harness/stability/case.h"
+
+namespace pt::stability {
+
+// Paths that a quick run of these cases has at least, and events of a kind that an estimate of its error needs.
+inline constexpr double quick_paths_at_least = 5e5;
+inline constexpr double enough_events = 100;
+
+inline std::string too_rare(double probability, double paths = quick_paths_at_least) {
+    return paths * probability < enough_events ? "too few paths find or miss so small a light by chance for an error "
+                                                 "to be told; cure: direct_light=nee, "
+                                                 "or more samples"
+                                               : "";
+}
+
+// Connections to a light of radiance `bright` that add up to `dim`: by next-event estimation a film has room for 1024
+// times the brightest light, so that its quantum is 2^-30 of that, for up to 2^16 samples a pixel, and 2^-25 for 2^21.
+inline std::string too_dim(double bright, double dim) {
+    return 0x1p-25 * bright > 1e-6 * dim ? "the film's quantum is 2^-30 of the brightest light, or up to 2^-25 with "
+                                           "more samples, and samples that "
+                                           "are alike all round one way; cure: rounding by a random number of the "
+                                           "sample's own, or a quantum from "
+                                           "what samples carry"
+                                         : "";
+}
+
+// A light that fills `share` of what a path may meet.
+inline std::string rare_or_dim(const Variant& variant, double share, double bright, double dim,
+                               double paths = quick_paths_at_least) {
+    return variant["direct_light"] == "off" ? too_rare(share, paths) : too_dim(bright, dim);
+}
+
+// A furnace whose last reflections are below half the last bit of the sum so far.
+inline std::string lost_tail(double emission, double albedo, double depth, const Variant& variant) {
+    const double last = emission * std::pow(albedo, depth - 1);
+    const double sum = albedo < 1 ? emission / (1 - albedo) : emission * depth;
+    return variant["precision"] != "double" && last < 0x1p-24 * sum && 0x1p-25 * sum / emission > 1e-7
+               ? "a path's light is summed in single precision: reflections fainter than half its last bit are lost, "
+                 "2^-25 / (1 - albedo) of the light in all; cure: a compensated sum of a path's light, or "
+                 "precision=double"
+               : "";
+}
+
+}  // namespace pt::stability

@@ -1,0 +1,46 @@
+// One path bounce by bounce, in single and in double precision side by side: where a number went wrong, or where the
+// two part.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "harness/scene/scene_buffers.h"
+
+namespace pt::stability {
+
+// A path's state at the end of a segment.
+struct Step {
+    std::uint32_t segment = 0;  // from 1
+    std::string object;         // "sphere 3 (glass), inside"; "nothing": the ray left the scene
+    std::uint32_t object_code = 0;
+    double t = 0;  // scene units
+    Vec3d position{0.0}, normal{0.0};
+    Vec3d direction{0.0};   // that it leaves in
+    Vec3d throughput{0.0};  // that it leaves with
+    Vec3d radiance{0.0};    // collected so far
+    bool is_alive = false;  // it goes on
+};
+
+// `features`: of the kernel, all_features | samplers with or without one of `formulas`.
+std::vector<Step> replay_single(const Scene& scene, const RenderSettings& settings, FeatureSet formula,
+                                std::uint32_t pixel, std::uint32_t sample);
+std::vector<Step> replay_double(const Scene& scene, const RenderSettings& settings, FeatureSet formula,
+                                std::uint32_t pixel, std::uint32_t sample);
+
+// The first segment at which two replays meet another object or side, or one ends; none: they go the same way.
+std::optional<std::uint32_t> first_parting(const std::vector<Step>& a, const std::vector<Step>& b);
+
+// How many of a scene's paths take another way in double precision than in single, by the segment at which they part.
+struct Divergence {
+    std::uint64_t paths = 0;
+    std::vector<std::uint64_t> parted_at;  // [k]: paths that parted at segment k + 1
+    double difference = 0;                 // mean radiance in single less that in double, over pixels and channels
+    double standard_error = 0;             // of that, from the paths' own differences
+
+    std::uint64_t parted() const;
+};
+Divergence divergence(const Scene& scene, const RenderSettings& settings, FeatureSet formula, std::uint32_t samples);
+
+}  // namespace pt::stability

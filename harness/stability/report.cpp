@@ -1,0 +1,170 @@
+#include "harness/stability/report.h"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "harness/bench/machine.h"
+#include "harness/cuda/backend.h"
+#include "harness/json_reader.h"
+#include "harness/write_file.h"
+
+namespace pt::stability {
+
+namespace {
+
+constexpr const char* schema = "ptbench-stability-1";
+
+// What rows must share to stand in one file.
+Json identity(const RunDescription& description) {
+    Json json;
+    for (const auto& [key, value] : machine_context()) {
+        json[key] = value;
+    }
+    if (description.backend == Backend::cuda) {
+        for (const auto& [key, value] : cuda::context()) {
+            json[key] = value;
+        }
+        json["ptbench.machine"] = cuda::machine_name();
+    } else {
+        json["ptbench.machine"] = machine_name();
+    }
+    json["ptbench.backend"] = pt::to_string(description.backend);
+    json["quick"] = description.is_quick;
+    json["seed"] = description.seed;
+    return json;
+}
+
+std::string key_of(const std::string& name, const Json& point, const std::string& variant) {
+    return name + point.dump() + variant;
+}
+
+Json point_of(const Task& task) { return to_json(task, {})["point"]; }
+
+}  // namespace
+
+Report::Report(std::string file, RunDescription description, bool resume)
+    : file_(std::move(file)), description_(std::move(description)) {
+    if (!resume || file_.empty() || !std::filesystem::exists(file_)) {
+        return;
+    }
+    const Json old = Json::parse(read_file(file_), nullptr, false);
+    if (!old.is_object() || old.value("schema", "") != schema || !old.contains("rows") || !old.contains("context")) {
+        throw InputError(file_, "file", "no result of ptbench stability", "one, to go on with");
+    }
+    const Json wanted = identity(description_);
+    for (const char* key : {"ptbench.machine", "ptbench.backend", "ptbench.git_sha", "quick", "seed"}) {
+        if (wanted.contains(key) && old["context"].value(key, Json()) != wanted[key]) {
+            throw InputError(file_, key, old["context"].value(key, Json()).dump(), wanted[key].dump() + " to go on");
+        }
+    }
+    rows_ = old["rows"];
+    for (const Json& row : rows_) {
+        done_.insert(key_of(row["case"], row["point"], row["variant"]));
+    }
+}
+
+bool Report::has(const Task& task) const {
+    return done_.contains(key_of(task.stiff_case->name, point_of(task), task.variant.name()));
+}
+
+void Report::add(const Task& task, const std::vector<Row>& rows) {
+    for (const Row& row : rows) {
+        rows_.push_back(to_json(task, row));
+    }
+    done_.insert(key_of(task.stiff_case->name, point_of(task), task.variant.name()));
+}
+
+void Report::write(const std::string& status) const {
+    if (file_.empty()) {
+        return;
+    }
+    Json context = identity(description_);
+    context["ptbench.command_line"] = description_.command_line;
+    context["ptbench.status"] = status;
+    std::string text = fmt::format("{{\n\"schema\": \"{}\",\n\"context\": {},\n\"cases\": [\n", schema, context.dump());
+    std::vector<std::string> lines;
+    for (const Case& stiff_case : catalogue()) {
+        lines.push_back(to_json(stiff_case).dump());
+    }
+    text += fmt::format("{}\n],\n\"rows\": [\n", fmt::join(lines, ",\n"));
+    lines.clear();
+    for (const Json& row : rows_) {
+        lines.push_back(row.dump());
+    }
+    write_file(file_, text + fmt::format("{}\n]\n}}\n", fmt::join(lines, ",\n")));
+}
+
+std::size_t Report::count(std::string_view status, bool must_pass_only) const {
+    std::size_t n = 0;
+    for (const Json& row : rows_) {
+        n += row["status"] == status && (row["must_pass"] == true || !must_pass_only) ? 1u : 0u;
+    }
+    return n;
+}
+
+std::string Report::summary() const {
+    return fmt::format(
+        "{} passed, {} failed or broke that must pass, {} known limits, {} failed or broke in naive kernels or fast "
+        "arithmetic, {} not applicable",
+        passed(), must_pass_failures(), count("known limit", false),
+        count("failed", false) + count("broken", false) - must_pass_failures(), count("n/a", false));
+}
+
+std::string label(const Task& task, const Variant& plainest) {
+    std::string text = task.stiff_case->name;
+    for (const auto& [name, value] : task.values.all()) {
+        text += fmt::format(" {}={:g}", name, value);
+    }
+    std::vector<std::string> choices;
+    for (const std::string_view axis : axis_names) {
+        if (task.variant[axis] != plainest[axis]) {
+            choices.push_back(task.variant[axis]);
+        }
+    }
+    return text + fmt::format(" [{}]", fmt::join(choices, ", "));
+}
+
+std::string in_words(const Row& row) {
+    if (row.measurement.quantity.empty()) {
+        return row.reason;
+    }
+    const Measurement& m = row.measurement;
+    const char* relation = m.relation == Relation::equal     ? "exact"
+                           : m.relation == Relation::at_most ? "at most"
+                                                             : "at least";
+    return fmt::format("{} {:.10g} ({} {:.10g}): off by {:.2g}, allowed {:.2g}{}{}", m.quantity, m.measured, relation,
+                       m.exact, row.error, row.allowed, row.reason.empty() ? "" : "; ", row.reason);
+}
+
+std::vector<std::pair<std::string, std::string>> scene_files(const Case& stiff_case) {
+    std::vector<Json> scenes;
+    const Values values =
+        values_of(stiff_case, stiff_case.points.empty() ? std::map<std::string, double>{} : stiff_case.points.front());
+    if (stiff_case.renderings) {
+        for (const Rendering& rendering : stiff_case.renderings(values)) {
+            scenes.push_back(rendering.scene);
+        }
+    } else if (stiff_case.twins) {
+        scenes.push_back(stiff_case.twins(values).front().reference);
+    }
+    std::vector<std::pair<std::string, std::string>> files;
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+        const std::string name = stiff_case.name + (i == 0 ? "" : fmt::format("_{}", i + 1));
+        scenes[i]["name"] = name;
+        scenes[i]["description"] = fmt::format("{} {}: {}.", stiff_case.catalogue, stiff_case.title, stiff_case.stiff);
+        files.emplace_back(name, scenes[i].dump(1) + "\n");
+    }
+    return files;
+}
+
+std::optional<Scene> a_scene_of(const Case& stiff_case) {
+    const auto files = scene_files(stiff_case);
+    if (files.empty()) {
+        return std::nullopt;
+    }
+    return parse_scene(files.front().second, "stability case " + stiff_case.name);
+}
+
+}  // namespace pt::stability

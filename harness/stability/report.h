@@ -1,0 +1,54 @@
+// The result file of a stability run: written after every case to a temporary name and renamed, so that a killed run
+// loses the case in flight at most, and can go on.
+#pragma once
+
+#include <optional>
+#include <set>
+
+#include "harness/stability/evaluate.h"
+
+namespace pt::stability {
+
+struct RunDescription {
+    std::string command_line;
+    Backend backend = Backend::cpu;
+    bool is_quick = false;
+    std::uint64_t seed = 1;
+};
+
+class Report {
+public:
+    // `file` empty: nothing is written. With `resume` an existing file's rows are kept; throws InputError if it is
+    // another machine's, build's, backend's or run's.
+    Report(std::string file, RunDescription description, bool resume);
+
+    bool has(const Task& task) const;
+    void add(const Task& task, const std::vector<Row>& rows);
+    void save() const { write("interrupted"); }
+    void finish() const { write("completed"); }
+
+    std::size_t passed() const { return count("passed", false); }
+    std::size_t must_pass_failures() const { return count("failed", true) + count("broken", true); }
+    std::string summary() const;
+
+private:
+    void write(const std::string& status) const;
+    std::size_t count(std::string_view status, bool must_pass_only) const;
+
+    std::string file_;
+    RunDescription description_;
+    Json rows_ = Json::array();
+    std::set<std::string> done_;  // keys of tasks
+};
+
+// "lamp a=0.1 albedo=0.5 depth=9 [nee, double]": the case, its point and what differs from the plainest variant.
+std::string label(const Task& task, const Variant& plainest);
+// "mean radiance 0.0099010 (exact 0.0099010): off by 1.2e-8 of 5.3e-8 allowed".
+std::string in_words(const Row& row);
+
+// Name and text of the scene files that show a case, at its first point; none for a direct check.
+std::vector<std::pair<std::string, std::string>> scene_files(const Case& stiff_case);
+// One scene of the case, for what is compiled ahead.
+std::optional<Scene> a_scene_of(const Case& stiff_case);
+
+}  // namespace pt::stability

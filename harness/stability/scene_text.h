@@ -1,0 +1,69 @@
+// Writes the text of a scene file, so that a case is read by the parser that users' files are read by, and can be kept
+// as a file (`ptbench stability --write-scenes`).
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "harness/scene/scene.h"
+
+namespace pt::stability {
+
+using Json = nlohmann::ordered_json;
+
+inline Json list(const Vec3d& v) { return {v.x, v.y, v.z}; }
+
+// A scene with one pixel of 90 degrees at the origin that looks along +z, no jitter, depth 1, black surroundings.
+class SceneText {
+public:
+    explicit SceneText(const std::string& name, const std::string& description = "");
+
+    SceneText& camera(const Vec3d& eye, const Vec3d& look_at, const Vec3d& up = {0, 1, 0});
+    SceneText& image(std::uint32_t width, std::uint32_t height, double vertical_fov_degrees, bool jitter);
+    SceneText& depth(std::uint32_t segments);
+    SceneText& environment(double radiance);
+    SceneText& lens(double aperture_radius, double focus_distance);
+    SceneText& shutter(double open, double close, bool late);
+
+    // Each adds a material and returns its name.
+    std::string diffuse(const Vec3d& albedo, const Vec3d& emission = Vec3d(0.0));
+    std::string mirror(const Vec3d& reflectance, const Vec3d& emission = Vec3d(0.0));
+    std::string mix(const Vec3d& albedo, const Vec3d& reflectance, double mirror_probability,
+                    const Vec3d& emission = Vec3d(0.0));
+    std::string emitter(const Vec3d& radiance);
+    std::string dielectric(double ior, const Vec3d& sigma_a = Vec3d(0.0), const Vec3d& tint = Vec3d(1.0));
+    std::string subsurface(const Vec3d& sigma_s, const Vec3d& sigma_a = Vec3d(0.0), double g = 0, double ior = 1,
+                           std::uint32_t max_scatterings = 1000000);
+
+    // Each adds an object.
+    SceneText& sphere(const std::string& material, const Vec3d& centre, double diameter);
+    SceneText& ellipsoid(const std::string& material, const Vec3d& centre, const Vec3d& scale,
+                         const Vec3d& rotate_degrees = Vec3d(0.0));
+    SceneText& box(const std::string& material, const Vec3d& centre, const Vec3d& scale,
+                   const Vec3d& rotate_degrees = Vec3d(0.0));
+    SceneText& quad(const std::string& material, const Vec3d& centre, double scale_x, double scale_z,
+                    const Vec3d& rotate_degrees = Vec3d(0.0));
+    // The six walls of the box [centre - half, centre + half], as quads that face inwards.
+    SceneText& room(const std::string& material, const Vec3d& centre, const Vec3d& half);
+    // Of the object that was added last, in scene units a second.
+    SceneText& velocity(const Vec3d& velocity);
+
+    const Json& json() const { return json_; }
+
+private:
+    std::string add_material(Json material);
+    SceneText& add_object(const std::string& shape, const std::string& material, const Vec3d& translate,
+                          const Json& scale, const Vec3d& rotate_degrees);
+
+    Json json_;
+};
+
+// Every length times `factor`, every coefficient per length divided by it.
+Json scaled(Json scene, double factor);
+// Every radiance times `factor`.
+Json brightened(Json scene, double factor);
+// Everything moved by `offset`, the camera too.
+Json moved(Json scene, const Vec3d& offset);
+
+}  // namespace pt::stability

@@ -1,0 +1,238 @@
+// Walks paths with the stages of shade.h and looks at their state in between: numbers that are none, energy out of
+// nothing, surfaces met again, bodies left that were not entered, and what paths still carried when they were cut off
+// (shared/numerics 4.1). The stages are called as everywhere else, so the film has the same bits.
+#pragma once
+
+#include "kernels/shade.h"
+
+namespace pt {
+
+// Where a number can go wrong, in the order in which a segment passes by.
+enum class HealthSite : std::uint32_t { camera, hit, point, normal, direction, throughput, radiance };
+inline constexpr std::uint32_t health_sites = 7;
+
+// Counts of one or many paths. Every entry is a sum or a maximum of whole numbers: no order of adding matters.
+struct HealthCounters {
+    static constexpr std::uint64_t nowhere = ~std::uint64_t{0};
+
+    std::uint64_t paths = 0;
+    std::uint64_t segments = 0;
+    std::uint64_t nonfinite[health_sites] = {};
+    // The first path (by pixel, sample, segment: HealthCounters::key) whose state was not finite at a site.
+    std::uint64_t first_nonfinite[health_sites] = {nowhere, nowhere, nowhere, nowhere, nowhere, nowhere, nowhere};
+    std::uint64_t negative = 0;       // throughputs or radiances with a channel below 0
+    std::uint64_t gains = 0;          // throughputs that sum to more than 3 (1 + 2^-20), with no roulette
+    std::uint64_t self_hits = 0;      // the body just left outwards, met again within a thousandth of its size
+    std::uint64_t parity_errors = 0;  // bodies met from the side that the path is not on
+    std::uint64_t first_self_hit = nowhere;
+    std::uint64_t first_parity_error = nowhere;
+    std::uint64_t escaped = 0;           // segments that left the scene
+    std::uint64_t capped = 0;            // paths cut off by the depth while they could have gone on
+    std::uint64_t capped_energy = 0;     // the mean throughput that these carried, in 2^-32
+    std::uint64_t unfinished_walks = 0;  // paths lost in a subsurface body
+    std::uint64_t worst_direction = 0;   // largest | |d|^2 - 1 |, in 2^-40
+    std::uint64_t worst_normal = 0;      // largest | |n|^2 - 1 |, in 2^-40
+
+    PT_HD void add(const HealthCounters& other);
+
+    // Sorts by pixel, then sample, then segment: 22, 22 and 20 bits.
+    PT_HD static std::uint64_t key(std::uint32_t pixel, std::uint32_t sample, std::uint32_t segment) {
+        return (static_cast<std::uint64_t>(pixel & 0x3fffffu) << 42) |
+               (static_cast<std::uint64_t>(sample & 0x3fffffu) << 20) | (segment & 0xfffffu);
+    }
+};
+
+// Calls sum, least or most with the same entry of both, after how entries of two counters go together.
+template <class Counters, class Sum, class Least, class Most>
+PT_HD inline void for_each_entry(Counters& into, const HealthCounters& from, Sum sum, Least least, Most most) {
+    sum(into.paths, from.paths);
+    sum(into.segments, from.segments);
+    for (std::uint32_t site = 0; site < health_sites; ++site) {
+        sum(into.nonfinite[site], from.nonfinite[site]);
+        least(into.first_nonfinite[site], from.first_nonfinite[site]);
+    }
+    sum(into.negative, from.negative);
+    sum(into.gains, from.gains);
+    sum(into.self_hits, from.self_hits);
+    sum(into.parity_errors, from.parity_errors);
+    least(into.first_self_hit, from.first_self_hit);
+    least(into.first_parity_error, from.first_parity_error);
+    sum(into.escaped, from.escaped);
+    sum(into.capped, from.capped);
+    sum(into.capped_energy, from.capped_energy);
+    sum(into.unfinished_walks, from.unfinished_walks);
+    most(into.worst_direction, from.worst_direction);
+    most(into.worst_normal, from.worst_normal);
+}
+
+PT_HD inline void HealthCounters::add(const HealthCounters& other) {
+    for_each_entry(
+        *this, other, [](std::uint64_t& into, std::uint64_t value) { into += value; },
+        [](std::uint64_t& into, std::uint64_t value) { into = min(into, value); },
+        [](std::uint64_t& into, std::uint64_t value) { into = max(into, value); });
+}
+
+// Bit i: the path is inside object i. Of the first 64 objects.
+using BodySet = std::uint64_t;
+
+// What an integrator that inspects is handed.
+struct HealthRequest {
+    HealthCounters* counters = nullptr;
+    BodySet around_eye = 0;    // the bodies that the eye is in
+    bool knows_sides = false;  // and so is the start of every camera ray: no lens, nothing in motion
+};
+
+template <class Real>
+PT_HD inline bool is_finite(const Vec3<Real>& v) {
+    // A sum of squares would overflow where the entries do not.
+    constexpr Real largest = std::numeric_limits<Real>::max();
+    return absolute(v.x) <= largest && absolute(v.y) <= largest && absolute(v.z) <= largest;
+}
+
+// How far a vector is from unit length, in 2^-40.
+template <class Real>
+PT_HD inline std::uint64_t off_unit(const Vec3<Real>& v) {
+    const double x = v.x;
+    const double y = v.y;
+    const double z = v.z;
+    const double off = absolute(x * x + y * y + z * z - 1.0);
+    return off < 1.0 ? static_cast<std::uint64_t>(off * 0x1p40) : std::uint64_t{1} << 40;
+}
+
+// A length that says how large an object is: the largest of its half extents. Scene units.
+template <class Real>
+PT_HD inline Real size_of(const SceneView<Real>& scene, std::uint32_t object) {
+    if (object < scene.first_ellipsoid()) {
+        return scene.spheres[object].radius;
+    }
+    if (object < scene.first_axis_box()) {
+        const Ellipsoid<Real>& e = scene.ellipsoids[object - scene.first_ellipsoid()];
+        return square_root(max(dot(e.semi_axis[0], e.semi_axis[0]),
+                               max(dot(e.semi_axis[1], e.semi_axis[1]), dot(e.semi_axis[2], e.semi_axis[2]))));
+    }
+    if (object < scene.first_oriented_box()) {
+        const AxisBox<Real>& box = scene.axis_boxes[object - scene.first_axis_box()];
+        return Real(0.5) * max(box.high.x - box.low.x, max(box.high.y - box.low.y, box.high.z - box.low.z));
+    }
+    if (object < scene.first_quad()) {
+        const OrientedBox<Real>& box = scene.oriented_boxes[object - scene.first_oriented_box()];
+        return max(box.half.x, max(box.half.y, box.half.z));
+    }
+    const Quad<Real>& quad = scene.quads[object - scene.first_quad()];
+    return max(quad.half_u, quad.half_v);
+}
+
+// One path's inspection.
+template <class Config>
+class Inspection {
+public:
+    using Real = typename Config::Real;
+
+    PT_HD Inspection(const SceneView<Real>& scene, BodySet around_eye, bool knows_sides, HealthCounters& counters)
+        : scene_(scene), inside_(around_eye), knows_sides_(knows_sides), counters_(counters) {}
+
+    PT_HD void camera(const Path<Real>& path) { look(HealthSite::camera, is_finite(path.direction), path); }
+
+    PT_HD void hit(const Path<Real>& path, const Hit<Real>& hit) {
+        counters_.segments += 1;
+        note_most(counters_.worst_direction, off_unit(path.direction));
+        if (!hit.side.exists()) {
+            counters_.escaped += 1;
+            return;
+        }
+        look(HealthSite::hit, hit.t >= Real(0) && hit.t <= std::numeric_limits<Real>::max(), path);
+        const std::uint32_t object = hit.side.object();
+        const bool same_body = path.departed.exists() && path.departed.object() == object;
+        if (same_body && !path.departed.inside() && hit.t < Real(1e-3) * size_of(scene_, object)) {
+            counters_.self_hits += 1;
+            note_least(counters_.first_self_hit, key_of(path));
+        }
+        if (knows_sides_ && object < scene_.first_quad() && object < 64 &&
+            hit.side.inside() != (((inside_ >> object) & 1u) != 0)) {
+            counters_.parity_errors += 1;
+            note_least(counters_.first_parity_error, key_of(path));
+            inside_ ^= BodySet{1} << object;
+        }
+        const SurfacePoint<Real> point = surface_at<Config>(scene_, ray_of(path), hit);
+        look(HealthSite::point, is_finite(point.position), path);
+        look(HealthSite::normal, is_finite(point.normal), path);
+        note_most(counters_.worst_normal, off_unit(point.normal));
+        met_ = hit.side;
+    }
+
+    PT_HD void shaded(const Path<Real>& path, bool alive) {
+        look(HealthSite::radiance, is_finite(path.radiance), path);
+        counters_.negative += is_negative(path.radiance) ? 1u : 0u;
+        if (!alive) {
+            return;
+        }
+        look(HealthSite::direction, is_finite(path.direction), path);
+        look(HealthSite::throughput, is_finite(path.throughput), path);
+        counters_.negative += is_negative(path.throughput) ? 1u : 0u;
+        if (scene_.roulette_start == 0) {
+            const Real sum = path.throughput.x + path.throughput.y + path.throughput.z;
+            counters_.gains += sum > Real(3) * (Real(1) + Real(0x1p-20)) ? 1u : 0u;
+        }
+        // A path that leaves on the other side of what it met has gone through.
+        if (met_.exists() && path.departed.exists() && path.departed.object() == met_.object() &&
+            path.departed.inside() != met_.inside() && met_.object() < 64) {
+            inside_ ^= BodySet{1} << met_.object();
+        }
+    }
+
+    // `throughput`: what the path carried to its last hit.
+    PT_HD void ended(const Path<Real>& path, const Hit<Real>& hit, const Vec3<Real>& throughput) {
+        counters_.paths += 1;
+        if (path.segment >= scene_.depth && hit.side.exists() &&
+            scene_.surfaces[hit.side.object()].type != MaterialType::emitter) {
+            const double mean = (static_cast<double>(throughput.x) + throughput.y + throughput.z) / 3.0;
+            counters_.capped += 1;
+            counters_.capped_energy += mean >= 0 && mean < 16 ? static_cast<std::uint64_t>(mean * 0x1p32) : 0;
+        }
+    }
+
+private:
+    PT_HD static std::uint64_t key_of(const Path<Real>& path) {
+        return HealthCounters::key(path.pixel, path.sample, path.segment);
+    }
+    PT_HD static bool is_negative(const Vec3<Real>& v) { return v.x < Real(0) || v.y < Real(0) || v.z < Real(0); }
+    PT_HD static void note_least(std::uint64_t& kept, std::uint64_t value) { kept = min(kept, value); }
+    PT_HD static void note_most(std::uint64_t& kept, std::uint64_t value) { kept = max(kept, value); }
+    PT_HD void look(HealthSite site, bool is_good, const Path<Real>& path) {
+        if (!is_good) {
+            const auto index = static_cast<std::uint32_t>(site);
+            counters_.nonfinite[index] += 1;
+            note_least(counters_.first_nonfinite[index], key_of(path));
+        }
+    }
+
+    const SceneView<Real>& scene_;
+    BodySet inside_;
+    bool knows_sides_;
+    ObjectSide met_;
+    HealthCounters& counters_;
+};
+
+// A whole path, inspected. What it collected is in path.radiance.
+template <class Config>
+PT_HD inline void inspect_path(const SceneView<typename Config::Real>& scene,
+                               const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
+                               BodySet around_eye, bool knows_sides, PathCounters& counters, HealthCounters& health) {
+    using Real = typename Config::Real;
+    Inspection<Config> inspection(scene, around_eye, knows_sides, health);
+    inspection.camera(path);
+    Hit<Real> hit;
+    Vec3<Real> throughput = path.throughput;
+    const std::uint64_t lost_before = counters.unfinished_walks;
+    for (bool alive = true; alive;) {
+        hit = closest_hit<Config>(traced, ray_of(path));
+        inspection.hit(path, hit);
+        throughput = path.throughput;
+        alive = shade<Config>(scene, traced, path, hit, counters);
+        inspection.shaded(path, alive);
+    }
+    inspection.ended(path, hit, throughput);
+    health.unfinished_walks += counters.unfinished_walks - lost_before;
+}
+
+}  // namespace pt

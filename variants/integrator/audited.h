@@ -1,0 +1,54 @@
+// depth_first with every path's state looked at between its stages (kernels/health.h): for what can go wrong, never for
+// times. Its film is held to the reference's bits like any other's.
+#pragma once
+
+#include <mutex>
+
+#include "kernels/health.h"
+#include "variants/integrator/depth_first.h"
+
+namespace pt::integrator::audited {
+
+inline std::string does_not_apply(FeatureSet features, const Variant& variant) {
+    if (variant["first_bounce"] != "off") {
+        return "looks at every segment: needs first_bounce=off, not " + variant["first_bounce"];
+    }
+    return depth_first::does_not_apply(features, variant);
+}
+
+inline constexpr Descriptor descriptor{
+    .axis = "integrator",
+    .name = "audited",
+    .summary = "depth_first that looks at every path's state between stages; for health, not for times",
+    .origin = "Falcor's InvalidPixelDetectionPass",
+    .does_not_apply = does_not_apply,
+    .work_missing = depth_first::work_missing,
+};
+
+template <class Config>
+void render(RenderJobIn<typename Config::Real>& job) {
+    std::mutex mutex;
+    parallel_for(job.scene.pixel_count(), depth_first::pixels_a_chunk, [&](std::size_t begin, std::size_t end) {
+        PathCounters counters;
+        HealthCounters health;
+        for (std::size_t pixel = begin; pixel < end; ++pixel) {
+            PixelSum<Config> sum;
+            for (std::uint32_t i = 0; i < job.samples; ++i) {
+                auto path = generate<Config>(job.scene, static_cast<std::uint32_t>(pixel), job.first_sample + i);
+                inspect_path<Config>(job.scene, job.scene, path, job.health.around_eye, job.health.knows_sides,
+                                     counters, health);
+                sum.add(job.film, path.radiance);
+                counters.rays += path.segment;
+            }
+            sum.finish(job.film, static_cast<std::uint32_t>(pixel));
+        }
+        const std::lock_guard lock(mutex);
+        job.health.counters->add(health);
+        job.work.rays += counters.rays;
+        job.work.paths += health.paths;
+        job.work.connections += counters.connections;
+        job.work.unfinished_walks += counters.unfinished_walks;
+    });
+}
+
+}  // namespace pt::integrator::audited

@@ -1,0 +1,41 @@
+// The textbook's forms (kernels/naive.h), to measure what the robust ones cost and what they are worth. For the
+// plainest integrators: a film that sums single precision depends on the order of the samples, and these keep it.
+#include "variants/registry.h"
+
+namespace pt {
+namespace {
+
+std::string does_not_apply(FeatureSet, const Variant& variant) {
+    const std::string& integrator = variant["integrator"];
+    if (integrator != "depth_first" && integrator != "megakernel" && integrator != "audited") {
+        return "sums a pixel's samples in their order: needs integrator=depth_first, megakernel or audited, not " +
+               integrator;
+    }
+    if (variant["precision"] == "double_intersection") {
+        return "has its own intersection: needs precision=float or double, not double_intersection";
+    }
+    if (variant["specialisation"] == "matrix") {
+        return "has its own intersection: needs another specialisation than matrix";
+    }
+    if (variant["sampler"] != "pcg4d") {
+        return "is compiled with sampler=pcg4d only";
+    }
+    return "";
+}
+
+const Registration registration(
+    {
+        .axis = "robustness",
+        .name = "naive",
+        .summary = "epsilon 1e-4, school-formula sphere, slabs without Ize's factor, textbook Fresnel, 1 - cos cones, "
+                   "film summed in single precision",
+        .origin = "both seeds and most first ray tracers",
+        .claim = Claim::biased,
+        .claim_note = "wrong wherever a scene's size, distance or depth does not suit an epsilon of 1e-4",
+        .backends = on_every_backend,
+        .does_not_apply = does_not_apply,
+    },
+    {.features = [] { return no_features | Feature::naive; }});
+
+}  // namespace
+}  // namespace pt
