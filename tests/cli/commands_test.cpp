@@ -192,9 +192,9 @@ TEST(VerifyCommandTest, PrintsAHashAVariantAndTheTally) {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.err, "");
     // A scene: wavefront, 2 compactions, 2 layouts; depth_first; each with the first bounce off and with camera rays
-    // kept. The rest (cached, depth_first with a queue) does not apply.
+    // kept; packet without. The rest (cached, depth_first and packet with a queue) does not apply.
     EXPECT_NE(result.out.find(
-                  "20 held, 0 failed, 28 not applicable on cpu; 8x6 at 2 spp, scenes: cornell_open, ball_glass\n"),
+                  "22 held, 0 failed, 50 not applicable on cpu; 8x6 at 2 spp, scenes: cornell_open, ball_glass\n"),
               std::string::npos)
         << result.out;
     EXPECT_NE(result.out.find(

@@ -63,7 +63,7 @@ Stopped render_with_checkpoints(const Scene& scene, RenderRequest request, std::
     return {std::move(result), std::move(seen)};
 }
 
-// Both integrators, a queue that moves its paths, and both caches; the cache of 4 rays fills from part to part.
+// Each integrator, a queue that moves its paths, and both caches; the cache of 4 rays fills from part to part.
 std::vector<Variant> variants() {
     std::vector<Variant> all;
     for (const char* const integrator : {"depth_first", "wavefront"}) {
@@ -77,6 +77,9 @@ std::vector<Variant> variants() {
             all.push_back(variant);
         }
     }
+    Variant packet = Registry::instance().baseline();
+    packet.set("integrator", "packet");
+    all.push_back(packet);
     Variant compacting = Registry::instance().baseline();
     compacting.set("integrator", "wavefront");
     compacting.set("compaction", "thrust_partition");
@@ -171,7 +174,7 @@ TEST(CheckpointsTest, PartOfALargerRenderStopsLikeAWholeOne) {
 
 TEST(CheckpointsTest, InstrumentedRendersCountTheSamePaths) {
     const Scene scene = lit_balls();
-    for (const char* const integrator : {"depth_first", "wavefront"}) {
+    for (const char* const integrator : {"depth_first", "packet", "wavefront"}) {
         Variant variant = Registry::instance().baseline();
         variant.set("integrator", integrator);
         RenderRequest request = request_for(scene, variant);

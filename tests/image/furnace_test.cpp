@@ -220,7 +220,7 @@ TYPED_TEST(FurnaceTest, ConcentricLampLightsTheWallAtEveryDepth) {
 TEST(FurnaceTest, EveryVariantIntegratorKeepsTheSeries) {
     const Scene scene = cavity_scene(
         Cavity::quads, [](auto& b) { return b.diffuse(Vec3d(0.5), Vec3d(0.5)); }, 9);
-    for (const char* integrator : {"depth_first", "wavefront"}) {
+    for (const char* integrator : {"depth_first", "packet", "wavefront"}) {
         expect_every_pixel(test::render_variant(scene, {.samples = 4}, "integrator", integrator), 0.998046875, 0);
     }
     // The tests' own loop is the program's.

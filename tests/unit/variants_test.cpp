@@ -97,7 +97,7 @@ void expect_choices(const AxisTable& expected, Backend backend) {
 TEST(RegistryTest, HasEveryAxisAndChoice) {
     expect_choices(
         {
-            {"integrator", {"wavefront", "audited", "depth_first"}},
+            {"integrator", {"wavefront", "audited", "depth_first", "packet"}},
             {"compaction",
              {"none", "thrust_copy_if_index", "thrust_partition", "thrust_remove_if", "thrust_stable_partition"}},
             {"sorting", {"none", "bucket", "thrust_sort_by_key"}},
@@ -314,9 +314,12 @@ TEST(RegistryTest, ABackendHasItsOwnChoices) {
 TEST(RegistryTest, EveryIntegratorIsCompiledForTheSameFeatureSets) {
     const auto& wavefront = registry().find("integrator", "wavefront")->hook.integrator;
     const auto& depth_first = registry().find("integrator", "depth_first")->hook.integrator;
+    const auto& packet = registry().find("integrator", "packet")->hook.integrator;
     EXPECT_TRUE(wavefront.contains(all_features));
+    EXPECT_EQ(wavefront.size(), packet.size());
     for (const auto& [features, function] : wavefront) {
         EXPECT_TRUE(depth_first.contains(features));
+        EXPECT_TRUE(packet.contains(features));
     }
     // Other formulas are compiled for a path at a time only, each alone.
     for (const auto& [features, function] : depth_first) {
@@ -570,6 +573,19 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApply) {
         {{{"integrator", "depth_first"}, {"layout", "soa"}},
          plain_features,
          "integrator=depth_first keeps one path in registers, no array of paths: needs layout=aos, not soa"},
+        {{{"integrator", "packet"}}, all_features, ""},
+        {{{"integrator", "packet"}, {"compaction", "thrust_remove_if"}},
+         plain_features,
+         "integrator=packet has no queue to compact: needs compaction=none, not thrust_remove_if"},
+        {{{"integrator", "packet"}, {"sorting", "bucket"}},
+         plain_features,
+         "integrator=packet has no queue to sort: needs sorting=none, not bucket"},
+        {{{"integrator", "packet"}, {"layout", "soa"}},
+         plain_features,
+         "integrator=packet keeps its paths in lanes, no array of paths: needs layout=aos, not soa"},
+        {{{"integrator", "packet"}, {"first_bounce", "cached"}},
+         plain_features,
+         "integrator=packet keeps no first hits: needs first_bounce=off, not cached"},
         {{{"compaction", "thrust_copy_if_index"}, {"sorting", "bucket"}}, plain_features, ""},
         {{{"compaction", "thrust_copy_if_index"}, {"sorting", "thrust_sort_by_key"}},
          plain_features,
@@ -685,6 +701,7 @@ std::vector<WorkCase> work_cases() {
          queued,
          {{with(queued, &WorkCounters::bounces, 1), "ran fewer bounces over the queue than samples"}}},
         {"integrator", "depth_first", idle, {{queued, "ran a queue"}}},
+        {"integrator", "packet", idle, {{queued, "ran a queue"}}},
         {"compaction", "none", queued, {{compacted, "a compaction ran"}}, on_every_backend},
         {"sorting", "none", queued, {{ordered, "a sort ran"}}, on_every_backend},
         {"direct_light",
@@ -893,7 +910,7 @@ TEST(KernelTest, NoteNamesWhatWasCompiledForNothing) {
 
 TEST(KernelTest, ASceneThatNoKernelWasMadeForGetsTheNearestOne) {
     const Scene scene = lens_motion_environment();
-    for (const char* integrator : {"wavefront", "depth_first"}) {
+    for (const char* integrator : {"wavefront", "depth_first", "packet"}) {
         const KernelChoice kernel = choose_kernel(scene, baseline_with({{"integrator", integrator}}));
         EXPECT_EQ(kernel.needed, features_of(scene));
         EXPECT_TRUE(is_superset(kernel.compiled, kernel.needed));
@@ -995,9 +1012,9 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
         ASSERT_EQ(result.work.connections, reference.work.connections) << variant.name();
     }
     // 2 x 4 for depth_first and (5 x 3 - 1) x 2 x 2 x 3 for wavefront; each with the first bounce off, and cached, or,
-    // with jitter, with 16 and with 2 camera rays kept.
-    // Matrices go with jitter only. The audited integrator keeps no first bounce.
-    EXPECT_EQ(rendered, scene.camera.jitter ? 3u * 176u + 8u : 2u * 118u + 6u);
+    // with jitter, with 16 and with 2 camera rays kept. 2 x 3 for packet and 2 x 4 for audited, with the first bounce off.
+    // Matrices go with jitter only.
+    EXPECT_EQ(rendered, scene.camera.jitter ? 3u * 176u + 14u : 2u * 118u + 10u);
     // The comparison means something only if there is light, and if the expectations differ.
     ASSERT_EQ(references.size(), scene.camera.jitter ? 3u * 6u : 4u);
     const Vec3d plain = references.begin()->second.film.mean();
@@ -1014,7 +1031,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, EveryVariantTest,
 
 TEST(FilmTest, DoesNotDependOnTheNumberOfThreads) {
     const Scene scene = five_materials();
-    std::vector<Variant> variants{baseline_with({{"integrator", "depth_first"}})};
+    std::vector<Variant> variants{baseline_with({{"integrator", "depth_first"}}),
+                                  baseline_with({{"integrator", "packet"}})};
     const AxisChoices all = all_choices();
     for (const std::string& compaction : all.at("compaction")) {
         variants.push_back(baseline_with({{"compaction", compaction}, {"sorting", "bucket"}, {"layout", "soa"}}));
@@ -1077,6 +1095,7 @@ TEST(CountersTest, AnInstrumentedRenderCountsTheLivePathsAndTheStages) {
     const std::vector<std::uint64_t>& live = queue.stages.live_paths;
     ASSERT_EQ(live.size(), 6u);  // one entry a segment
     EXPECT_EQ(live, loop.stages.live_paths);
+    EXPECT_EQ(live, instrumented(baseline_with({{"integrator", "packet"}})).stages.live_paths);
     EXPECT_EQ(live.front(), queue.work.paths);
     EXPECT_TRUE(std::is_sorted(live.rbegin(), live.rend()));
     std::uint64_t total = 0;

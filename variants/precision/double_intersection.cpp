@@ -16,7 +16,7 @@ std::string does_not_apply(FeatureSet, const Variant& variant) {
 }
 
 std::string does_not_apply_on_the_cpu(FeatureSet scene, const Variant& variant) {
-    if (variant["integrator"] == "wavefront") {
+    if (variant["integrator"] != "depth_first" && variant["integrator"] != "audited") {
         return "is compiled for a path at a time: needs integrator=depth_first, not " + variant["integrator"];
     }
     return does_not_apply(scene, variant);

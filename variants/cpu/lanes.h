@@ -1,0 +1,115 @@
+// Paths side by side in the lanes of a packet, a scalar of a path an array of its own, so that a loop over the lanes is
+// one that the compiler turns into vector instructions (g++ 12 does; -fopt-info-vec tells). What may stand in such a
+// loop is little: selections but no branches, `&` and `|` for `&&` and `||`, and no test of a single bit.
+#pragma once
+
+#include "kernels/shade.h"
+
+namespace pt::lanes {
+
+// A multiple of the widest vector's 16 floats. On a Zen 4 core 64 lanes trace 1.5 (open box) and 1.8 times (closed box)
+// the rays of 16, and 128 no more.
+inline constexpr std::uint32_t width = 64;
+
+template <class T>
+struct alignas(64) Lanes {
+    T of[width];
+
+    T& operator[](std::uint32_t lane) { return of[lane]; }
+    const T& operator[](std::uint32_t lane) const { return of[lane]; }
+};
+
+// 1 or 0: a truth value as wide as a number.
+using Flags = Lanes<std::uint32_t>;
+
+inline bool any(const Flags& flags) {
+    std::uint32_t found = 0;
+    for (const std::uint32_t flag : flags.of) {
+        found |= flag;
+    }
+    return found != 0;
+}
+
+// The lanes whose flags are set, in order. Found without a branch on a flag, which would be guessed wrong.
+class LaneList {
+public:
+    explicit LaneList(const Flags& flags) {
+        if (any(flags)) {
+            for (std::uint32_t lane = 0; lane < width; ++lane) {
+                lanes_[size_] = lane;
+                size_ += flags[lane];
+            }
+        }
+    }
+    const std::uint32_t* begin() const { return lanes_; }
+    const std::uint32_t* end() const { return lanes_ + size_; }
+    std::uint32_t size() const { return size_; }
+
+private:
+    std::uint32_t lanes_[width];
+    std::uint32_t size_ = 0;
+};
+
+template <class Real>
+struct Vectors {
+    Lanes<Real> x, y, z;
+
+    Vec3<Real> operator[](std::uint32_t lane) const { return {x[lane], y[lane], z[lane]}; }
+    void set(std::uint32_t lane, const Vec3<Real>& v) {
+        x[lane] = v.x;
+        y[lane] = v.y;
+        z[lane] = v.z;
+    }
+    void set_if(bool condition, std::uint32_t lane, const Vec3<Real>& v) {
+        x[lane] = condition ? v.x : x[lane];
+        y[lane] = condition ? v.y : y[lane];
+        z[lane] = condition ? v.z : z[lane];
+    }
+};
+
+template <class Real>
+struct Paths {
+    Vectors<Real> origin, direction, throughput, radiance;
+    Lanes<Real> time, scatter_density;
+    Lanes<std::uint32_t> pixel, sample, segment, departed, medium;
+
+    Path<Real> load(std::uint32_t l) const {
+        return {origin[l], direction[l], throughput[l],           radiance[l], time[l],           pixel[l],
+                sample[l], segment[l],   ObjectSide{departed[l]}, medium[l],   scatter_density[l]};
+    }
+    void store(std::uint32_t l, const Path<Real>& path) {
+        origin.set(l, path.origin);
+        direction.set(l, path.direction);
+        throughput.set(l, path.throughput);
+        radiance.set(l, path.radiance);
+        time[l] = path.time;
+        scatter_density[l] = path.scatter_density;
+        pixel[l] = path.pixel;
+        sample[l] = path.sample;
+        segment[l] = path.segment;
+        departed[l] = path.departed.code;
+        medium[l] = path.medium;
+    }
+    Ray<Real> ray(std::uint32_t l) const { return {origin[l], direction[l], time[l], ObjectSide{departed[l]}}; }
+};
+
+template <class Real>
+struct Hits {
+    Lanes<Real> t;
+    Lanes<std::uint32_t> side;
+
+    Hit<Real> operator[](std::uint32_t lane) const { return {t[lane], ObjectSide{side[lane]}}; }
+    void set(std::uint32_t lane, const Hit<Real>& hit) {
+        t[lane] = hit.t;
+        side[lane] = hit.side.code;
+    }
+};
+
+// Bit `bit` of the word, by its sign: a test of one bit is a truth value too narrow for g++ 12's vectors.
+inline bool has_bit(std::uint32_t word, std::uint32_t bit) {
+    return static_cast<std::int32_t>(word << (31u - bit)) < 0;
+}
+inline bool is_inside(ObjectSide side) { return has_bit(side.code, 0); }
+inline bool has_face(ObjectSide side) { return side.code >= 1u << 29; }
+
+}  // namespace pt::lanes

@@ -1,0 +1,138 @@
+// What happens where the segments of a packet end: kernels/shade.h over all lanes at once, for diffuse and mirror
+// surfaces. Lanes that hit other materials go through shade itself, and what is not a side of the room is placed by
+// surface_at, lane by lane. The formulas are the kernels', in their order, so a path has the same bits.
+#pragma once
+
+#include "variants/cpu/lanes_intersect.h"
+
+namespace pt::lanes {
+
+// Kernels whose shading has no more to it than that. Kinds of objects and materials may be there: they only send a lane
+// through shade.
+template <class Config>
+inline constexpr bool shades_in_lanes = (Config::features &
+                                         (Feature::emission | Feature::absorption | Feature::environment |
+                                          Feature::final_bounce | Feature::next_event | Feature::multiple_importance |
+                                          Feature::russian_roulette | Feature::matrix | samplers)) == 0;
+
+// What the rays hit.
+template <class Real>
+struct Surfaces {
+    Vectors<Real> colour, position, normal;  // the normal on the ray's side
+    Lanes<std::uint32_t> type;
+    Flags by_surface_at, by_shade;  // how the lane goes on, if not with the others
+};
+
+inline bool is_type(std::uint32_t type, MaterialType asked) { return type == static_cast<std::uint32_t>(asked); }
+
+// Loads at addresses that depend on the lane: no vectors. A lane that hit nothing reads object 0.
+template <class Real>
+inline void look_up(Surfaces<Real>& surfaces, const SceneView<Real>& scene, const Hits<Real>& hits) {
+    for (std::uint32_t l = 0; l < width; ++l) {
+        const ObjectSide side{hits.side[l]};
+        const Surface<Real>& surface = scene.surfaces[side.exists() ? side.object() : 0];
+        surfaces.colour.set(l, surface.colour);
+        surfaces.type[l] = static_cast<std::uint32_t>(surface.type);
+    }
+}
+
+// Counts the segment, collects what an emitter sends, and says which paths go on.
+template <class Config>
+inline void meet(Paths<typename Config::Real>& paths, Flags& goes_on, const Surfaces<typename Config::Real>& surfaces,
+                 const Hits<typename Config::Real>& hits, std::uint32_t depth) {
+    using Real = typename Config::Real;
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < width; ++l) {
+        const bool hits_one = ObjectSide{hits.side[l]}.exists();
+        const bool emits = has<Config>(Feature::emitter) & is_type(surfaces.type[l], MaterialType::emitter);
+        const Vec3<Real> light = paths.radiance[l] + paths.throughput[l] * surfaces.colour[l];
+        const std::uint32_t segment = paths.segment[l] + 1;
+        paths.radiance.set_if(hits_one & emits, l, light);
+        paths.segment[l] = segment;
+        goes_on[l] = hits_one & !emits & (segment < depth) ? goes_on[l] : 0u;
+    }
+}
+
+// Places the hits on the sides of the room, and says how the other lanes go on.
+template <class Config>
+inline void place_on_room(Surfaces<typename Config::Real>& surfaces, const SceneView<typename Config::Real>& scene,
+                          const Paths<typename Config::Real>& paths, const Hits<typename Config::Real>& hits,
+                          const Flags& going_on) {
+    using Real = typename Config::Real;
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < width; ++l) {
+        surfaces.normal.set(l, face_normal<Real>(ObjectSide{hits.side[l]}));
+    }
+    const Room<Real> room = scene.room;
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < width; ++l) {
+        const Vec3<Real> n = surfaces.normal[l];
+        const Vec3<Real> p = paths.origin[l] + paths.direction[l] * hits.t[l];
+        const Vec3<Real> low{n.x > Real(0) ? room.low.x : p.x, n.y > Real(0) ? room.low.y : p.y,
+                             n.z > Real(0) ? room.low.z : p.z};
+        const Vec3<Real> position{n.x < Real(0) ? room.high.x : low.x, n.y < Real(0) ? room.high.y : low.y,
+                                  n.z < Real(0) ? room.high.z : low.z};
+        const bool is_placed =
+            has<Config>(Feature::room) & has_face(ObjectSide{hits.side[l]}) & lanes::contains(room, position);
+        const bool is_here =
+            is_type(surfaces.type[l], MaterialType::diffuse) | is_type(surfaces.type[l], MaterialType::mirror);
+        surfaces.position.set(l, position);
+        surfaces.by_shade[l] = is_here ? 0u : going_on[l];
+        surfaces.by_surface_at[l] = is_here & !is_placed ? going_on[l] : 0u;
+    }
+}
+
+template <class Config>
+inline void place_others(Surfaces<typename Config::Real>& surfaces, const SceneView<typename Config::Real>& scene,
+                         const Paths<typename Config::Real>& paths, const Hits<typename Config::Real>& hits) {
+    for (const std::uint32_t l : LaneList(surfaces.by_surface_at)) {
+        const auto point = surface_at<Config>(scene, paths.ray(l), hits[l]);
+        surfaces.position.set(l, point.position);
+        surfaces.normal.set(l, ObjectSide{hits.side[l]}.inside() ? -point.normal : point.normal);
+    }
+}
+
+template <class Config>
+inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename Config::Real>& surfaces,
+                    const RandomSeed& seed, const Hits<typename Config::Real>& hits) {
+    using Real = typename Config::Real;
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < width; ++l) {
+        const RandomWords words =
+            random_words<Config>(seed, {paths.pixel[l], paths.sample[l], paths.segment[l], random_block::scatter});
+        const Vec3<Real> normal = surfaces.normal[l];
+        const Vec3<Real> local = cosine_hemisphere(unit_interval<Real>(words.y), unit_interval<Real>(words.z));
+        const Vec3<Real> spread = Frame<Real>(normal).to_world(local);
+        const Vec3<Real> mirrored = reflect(paths.direction[l], normal);
+        const bool is_diffuse = is_type(surfaces.type[l], MaterialType::diffuse);
+        const bool is_here = surfaces.by_shade[l] == 0;
+        paths.throughput.set_if(is_here, l, paths.throughput[l] * surfaces.colour[l]);
+        paths.origin.set_if(is_here, l, surfaces.position[l]);
+        paths.direction.set_if(is_here, l,
+                               {is_diffuse ? spread.x : mirrored.x, is_diffuse ? spread.y : mirrored.y,
+                                is_diffuse ? spread.z : mirrored.z});
+        const std::uint32_t side_alone = (ObjectSide::most_objects << 1) - 1u;  // of a hit that may name a face
+        paths.departed[l] = is_here ? hits.side[l] & side_alone : paths.departed[l];
+    }
+}
+
+// On return each path that `goes_on` at first has its next ray, or is over. The scene has an object.
+template <class Config>
+inline void shade(Paths<typename Config::Real>& paths, Flags& goes_on, const SceneView<typename Config::Real>& scene,
+                  const Hits<typename Config::Real>& hits, PathCounters& counters) {
+    using Real = typename Config::Real;
+    Surfaces<Real> surfaces;
+    look_up(surfaces, scene, hits);
+    meet<Config>(paths, goes_on, surfaces, hits, scene.depth);
+    place_on_room<Config>(surfaces, scene, paths, hits, goes_on);
+    place_others<Config>(surfaces, scene, paths, hits);
+    for (const std::uint32_t l : LaneList(surfaces.by_shade)) {
+        Path<Real> path = paths.load(l);
+        path.segment -= 1;  // shade counts it
+        goes_on[l] = pt::shade<Config>(scene, scene, path, hits[l], counters) ? 1u : 0u;
+        paths.store(l, path);
+    }
+    scatter<Config>(paths, surfaces, scene.seed, hits);
+}
+
+}  // namespace pt::lanes
