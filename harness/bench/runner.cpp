@@ -89,6 +89,7 @@ public:
           journal_(options.out + ".journal.jsonl", identity, options.resume),
           errors_(plan_, ReferenceMaker(options.reference_cache,
                                         {.is_stopped = [] { return interrupted.load(); }, .says = say})) {
+        check_journal(plan_, suite_, journal_);
         for (const Cell& cell : plan_.cells) {
             const std::vector<Json>& samples = journal_.samples(cell.name);
             for (std::size_t index = 0; index < samples.size(); ++index) {
