@@ -26,8 +26,15 @@ file(CONFIGURE OUTPUT ${generated}/layouts.cpp CONTENT
 
 # One translation unit an integrator and feature set; the generic kernel has them all, once with pcg4d alone and once
 # with every sampler.
+option(PTBENCH_CPU_FEATURE_SETS "Compile the CPU integrators for the sets of cpu_feature_sets.txt too (off: the generic kernels alone)" ON)
 set(feature_sets "all_features" "all_features | Feature::matrix" "all_features | samplers")
-file(STRINGS ${feature_set_file} lines)
+set(lines "")
+if(PTBENCH_CPU_FEATURE_SETS)
+  file(STRINGS ${feature_set_file} lines)
+endif()
+if(PTBENCH_FUZZ)
+  set(feature_sets "all_features")
+endif()
 foreach(line ${lines})
   string(STRIP "${line}" line)
   if(line MATCHES "^#" OR line STREQUAL "")

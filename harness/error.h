@@ -12,12 +12,27 @@ inline constexpr int exit_check_failed = 1;
 inline constexpr int exit_bad_input = 2;
 inline constexpr int exit_machine_failed = 3;
 
+// The text without line breaks and other control characters, which a file's names and values may bring along: \x0a.
+inline std::string one_line(const std::string& text) {
+    static constexpr char digits[] = "0123456789abcdef";
+    std::string line;
+    for (const char character : text) {
+        const auto byte = static_cast<unsigned char>(character);
+        if (byte < 0x20 || byte == 0x7f) {
+            line += {'\\', 'x', digits[byte / 16], digits[byte % 16]};
+        } else {
+            line += character;
+        }
+    }
+    return line;
+}
+
 class InputError : public std::runtime_error {
 public:
-    using std::runtime_error::runtime_error;
+    explicit InputError(const std::string& message) : std::runtime_error(one_line(message)) {}
     // "FILE: PLACE: found FOUND, allowed: ALLOWED"
     InputError(const std::string& file, const std::string& place, const std::string& found, const std::string& allowed)
-        : std::runtime_error(file + ": " + place + ": found " + found + ", allowed: " + allowed) {}
+        : InputError(file + ": " + place + ": found " + found + ", allowed: " + allowed) {}
 };
 
 class MachineError : public std::runtime_error {

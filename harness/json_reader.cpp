@@ -22,33 +22,46 @@ std::string read_file(const std::string& path) {
 
 namespace {
 
-// Follows the parser's events, so that a duplicate key can be reported with its place.
-class DuplicateKeys {
-public:
-    explicit DuplicateKeys(std::string file) : file_(std::move(file)) {}
+// No file of ours nests half as deep, and what copies or prints JSON calls itself once a level.
+constexpr std::size_t deepest_nesting = 64;
 
-    // Throws InputError at a key that its object has already.
-    void follow(Json::parse_event_t event, const Json& parsed) {
-        switch (event) {
-            case Json::parse_event_t::object_start:
-            case Json::parse_event_t::array_start:
-                open_.push_back({.is_array = event == Json::parse_event_t::array_start});
-                break;
-            case Json::parse_event_t::object_end:
-            case Json::parse_event_t::array_end:
-                open_.pop_back();
-                advance();
-                break;
-            case Json::parse_event_t::key:
-                open_.back().key = parsed.get<std::string>();
-                if (!open_.back().keys.insert(open_.back().key).second) {
-                    throw InputError(file_, innermost_path(), fmt::format("the key \"{}\" twice", open_.back().key),
-                                     "once");
-                }
-                break;
-            default:
-                advance();
+// "[json.exception.parse_error.101] parse error at line 1, column 2: ..." without the bracket.
+InputError not_json(const std::string& file, const Json::exception& error) {
+    std::string message = error.what();
+    if (const auto bracket = message.find("] "); bracket != std::string::npos) {
+        message = message.substr(bracket + 2);
+    }
+    std::replace(message.begin(), message.end(), '\n', ' ');
+    return InputError(fmt::format("{}: not valid JSON: {}", file, message));
+}
+
+// Reads a text through without keeping it. Throws InputError where it is no JSON, at a key that its object has already,
+// and where containers nest too deeply. (nlohmann's parser takes a callback for such things, with which it looks at all
+// elements of an array again after each.)
+class Checker final : public nlohmann::json_sax<Json> {
+public:
+    explicit Checker(std::string file) : file_(std::move(file)) {}
+
+    bool null() override { return advance(); }
+    bool boolean(bool) override { return advance(); }
+    bool number_integer(number_integer_t) override { return advance(); }
+    bool number_unsigned(number_unsigned_t) override { return advance(); }
+    bool number_float(number_float_t, const string_t&) override { return advance(); }
+    bool string(string_t&) override { return advance(); }
+    bool binary(binary_t&) override { return advance(); }
+    bool start_object(std::size_t) override { return open(false); }
+    bool end_object() override { return close(); }
+    bool start_array(std::size_t) override { return open(true); }
+    bool end_array() override { return close(); }
+    bool key(string_t& name) override {
+        open_.back().key = name;
+        if (!open_.back().keys.insert(name).second) {
+            throw InputError(file_, innermost_path(), fmt::format("the key \"{}\" twice", name), "once");
         }
+        return true;
+    }
+    bool parse_error(std::size_t, const std::string&, const Json::exception& error) override {
+        throw not_json(file_, error);
     }
 
 private:
@@ -59,7 +72,7 @@ private:
         std::set<std::string> keys = {};  // met so far
     };
 
-    // Put together only when asked for: files may nest deeply.
+    // Put together only when asked for.
     std::string innermost_path() const {
         std::string path = "$";
         for (auto container = open_.begin(); container + 1 != open_.end(); ++container) {
@@ -67,10 +80,23 @@ private:
         }
         return path;
     }
-    void advance() {
+    bool open(bool is_array) {
+        if (open_.size() == deepest_nesting) {
+            throw InputError(file_, innermost_path(), "arrays and objects within each other",
+                             fmt::format("{} levels of them", deepest_nesting));
+        }
+        open_.push_back({.is_array = is_array});
+        return true;
+    }
+    bool close() {
+        open_.pop_back();
+        return advance();
+    }
+    bool advance() {
         if (!open_.empty()) {
             open_.back().index += 1;
         }
+        return true;
     }
 
     std::string file_;
@@ -80,20 +106,12 @@ private:
 }  // namespace
 
 Json parse_json(const std::string& text, const std::string& file) {
-    DuplicateKeys duplicates(file);
-    const auto follow = [&](int, Json::parse_event_t event, Json& parsed) {
-        duplicates.follow(event, parsed);
-        return true;
-    };
+    Checker checker(file);
+    Json::sax_parse(text, &checker);
     try {
-        return Json::parse(text, follow);
+        return Json::parse(text);
     } catch (const Json::exception& error) {
-        std::string message = error.what();  // "[json.exception.parse_error.101] parse error at line 1, column 2: ..."
-        if (const auto bracket = message.find("] "); bracket != std::string::npos) {
-            message = message.substr(bracket + 2);
-        }
-        std::replace(message.begin(), message.end(), '\n', ' ');
-        throw InputError(fmt::format("{}: not valid JSON: {}", file, message));
+        throw not_json(file, error);
     }
 }
 

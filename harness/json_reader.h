@@ -19,7 +19,8 @@ using Json = nlohmann::json;
 // The text of a file; InputError if it cannot be read.
 std::string read_file(const std::string& path);
 
-// Strict parse: no comments, no duplicate keys, no numbers beyond double. `file` is for the messages.
+// Strict parse: no comments, no duplicate keys, no numbers beyond double, no more than 64 levels. `file` is for the
+// messages.
 Json parse_json(const std::string& text, const std::string& file);
 
 // A short rendering of a value for "found ...".

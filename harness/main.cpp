@@ -1,4 +1,10 @@
 // ptbench's command line. Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong, 3 the machine failed.
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <iostream>
+
 #include <fmt/format.h>
 
 #include "harness/cli/commands.h"
@@ -47,11 +53,24 @@ int run(int argc, char** argv) {
         "list, run, render, verify, inspect, autotune, import, machine, replay, stability (see ptbench --help)");
 }
 
+// What was printed may be a result: it is lost if standard output goes to a full disk.
+int check_output(int exit_code) {
+    std::cout.flush();
+    errno = 0;
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0 || !std::cout) {
+        throw pt::MachineError(fmt::format("standard output: cannot be written: {}",
+                                           errno != 0 ? std::strerror(errno) : "a write failed"));
+    }
+    return exit_code;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+    // A file that grows beyond the process's limit is a write that fails, like one on a full disk.
+    std::signal(SIGXFSZ, SIG_IGN);
     try {
-        return run(argc, argv);
+        return check_output(run(argc, argv));
     } catch (const pt::InputError& error) {
         fmt::print(stderr, "ptbench: {}\n", error.what());
         return pt::exit_bad_input;

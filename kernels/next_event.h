@@ -67,10 +67,12 @@ PT_HD inline typename Config::Real direction_measure_to(const SceneView<typename
     return Real(0);
 }
 
-// The share of light that a scattered direction met, and 1 less it: of `ratio` = r.
+// The share of light that a scattered direction met, and 1 less it: of `ratio` = r. Up to 2^60, whose square is finite
+// and whose share is 1: r may be infinite where a light is all but touched.
 template <class Real>
 PT_HD inline Real encounter_share(Real ratio, std::uint32_t exponent) {
-    const Real power = exponent == 2 ? ratio * ratio : ratio;
+    const Real finite = min(Real(0x1p60), ratio);
+    const Real power = exponent == 2 ? finite * finite : finite;
     return power / (Real(1) + power);
 }
 template <class Real>

@@ -83,7 +83,10 @@ PT_HD inline Vec3<Real> flight_weight(const Material<Real>& medium, const Vec3<R
                                    exponential((least - medium.sigma_t.y) * t),
                                    exponential((least - medium.sigma_t.z) * t)};
     const Real carried = dot(throughput, scattered ? transmittance * medium.sigma_t : transmittance);
-    const Real inverse_mean = carried > Real(0) ? (throughput.x + throughput.y + throughput.z) / carried : Real(0);
+    // Finite where hardly anything is carried: a channel that lets nothing through must not become 0 * infinity.
+    const Real inverse_mean = carried > Real(0) ? min(std::numeric_limits<Real>::max(),
+                                                      (throughput.x + throughput.y + throughput.z) / carried)
+                                                : Real(0);
     return (scattered ? transmittance * medium.sigma_s : transmittance) * inverse_mean;
 }
 
@@ -113,6 +116,10 @@ PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, P
         random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::walk + walk.step});
     walk.step += 1;
     const Real to_exit = distance_to_exit<Config>(scene, walk.object, path.origin, direction, walk.on_surface);
+    // Beyond what Real holds: the body is too thin or too far away for its coordinates.
+    if (!(to_exit <= std::numeric_limits<Real>::max())) {
+        return WalkStep::lost;
+    }
     const std::uint32_t colour = choose_channel(path.throughput, unit_interval<Real>(words.y));
     const Real sigma = channel(medium.sigma_t, colour);
     const Real flight = sigma > Real(0) ? -logarithm(positive_unit_interval<Real>(words.x)) / sigma

@@ -154,8 +154,8 @@ std::string why_not_applicable(const Variant& variant, FeatureSet scene, Backend
     }
     const std::vector<Tunable> known = tunables_of(variant, backend);
     for (const auto& [name, value] : variant.tuning) {
-        const auto position =
-            std::find_if(known.begin(), known.end(), [&](const Tunable& tunable) { return tunable.name == name; });
+        const auto position = std::find_if(known.begin(), known.end(),
+                                           [&, &name = name](const Tunable& tunable) { return tunable.name == name; });
         if (position == known.end()) {
             return name + "=" + std::to_string(value) + " tunes none of the variant's choices";
         }

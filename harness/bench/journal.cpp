@@ -20,6 +20,15 @@ std::string text_in(const Json& line, const char* key) {
     return member != line.end() && member->is_string() ? member->get<std::string>() : "";
 }
 
+// The JSON of a line; null where it is none.
+Json parse_line(const std::string& line, const std::string& file) {
+    try {
+        return parse_json(line, file);
+    } catch (const InputError&) {
+        return nullptr;
+    }
+}
+
 }  // namespace
 
 Journal::Journal(std::string file, const Json& identity, bool resume) : file_(std::move(file)) {
@@ -58,8 +67,7 @@ void Journal::read(const Json& identity) {
     std::size_t start = 0;
     bool is_first = true;
     for (std::size_t end = text.find('\n'); end != std::string::npos; start = end + 1, end = text.find('\n', start)) {
-        const Json line = Json::parse(text.begin() + static_cast<std::ptrdiff_t>(start),
-                                      text.begin() + static_cast<std::ptrdiff_t>(end), nullptr, false);
+        const Json line = parse_line(text.substr(start, end - start), file_);
         const std::string type = text_in(line, "type");
         const std::string cell = text_in(line, "cell");
         if (is_first) {

@@ -26,6 +26,7 @@ public:
     const std::vector<Json>& samples(const std::string& cell) const;
     const Json* cell(const std::string& cell) const;
     std::size_t sample_count() const;
+    const std::string& file() const { return file_; }
 
     // Removes the file; call when the result file is in place.
     void finish();

@@ -280,7 +280,30 @@ std::string rows_on_lines(const OrderedJson& value) {
     return (value.is_array() ? "[" : "{") + text + (value.is_array() ? "\n]" : "\n}");
 }
 
-std::string result_json(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts) {
+namespace {
+
+// `read()`, which reads of a journal what only another program, or an editor, can have written otherwise.
+template <class Read>
+auto guarded(const Journal& journal, const Read& read) {
+    try {
+        return read();
+    } catch (const nlohmann::detail::exception& error) {
+        throw InputError(journal.file(), "a cell or sample", error.what(),
+                         "what ptbench wrote; remove the file to start over");
+    }
+}
+
+void check_samples_have_cells(const Plan& plan, const Journal& journal) {
+    for (const Cell& cell : plan.cells) {
+        if (journal.cell(cell.name) == nullptr && !journal.samples(cell.name).empty()) {
+            throw InputError(journal.file(), cell.name, "samples without the cell's own line",
+                             "what ptbench wrote; remove the file to start over");
+        }
+    }
+}
+
+std::string text_of_result(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts) {
+    check_samples_have_cells(plan, journal);
     const double highest = highest_clock(plan, journal);
     const SharedErrors shared(plan, journal);
     OrderedJson rows = OrderedJson::array();
@@ -325,6 +348,29 @@ std::string result_json(const Plan& plan, const Suite& suite, const Journal& jou
                                {"cells", cells},
                                {"not_applicable", not_applicable}}}};
     return rows_on_lines(result) + "\n";
+}
+
+}  // namespace
+
+std::string result_json(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts) {
+    return guarded(journal, [&] { return text_of_result(plan, suite, journal, facts); });
+}
+
+void check_journal(const Plan& plan, const Suite& suite, const Journal& journal) {
+    guarded(journal, [&] {
+        // What the runner reads besides what goes into the result.
+        for (const Cell& cell : plan.cells) {
+            const Json* facts = journal.cell(cell.name);
+            if (facts != nullptr && facts->at("status").get<std::string>() == "ok" && cell.convergence) {
+                (void)facts->at("convergence").at("expected_mse").get<double>();
+            }
+            for (const Json& sample : journal.samples(cell.name)) {
+                (void)sample.at("film_hash").get<std::string>();
+                (void)sample.at("pt_rays_per_second").get<double>();
+            }
+        }
+        return text_of_result(plan, suite, journal, {});
+    });
 }
 
 }  // namespace pt

@@ -27,6 +27,9 @@ Aggregates aggregate(std::vector<double> values);
 // on that line whole. Indented, a result is a third larger.
 std::string rows_on_lines(const nlohmann::ordered_json& value);
 
+// Throws InputError if the journal holds what no run can have written there.
 std::string result_json(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts);
+// The same error, before a run goes on with the journal: at its end the time would be lost.
+void check_journal(const Plan& plan, const Suite& suite, const Journal& journal);
 
 }  // namespace pt

@@ -83,6 +83,7 @@ public:
           journal_(options.out + ".journal.jsonl", identity, options.resume),
           errors_(plan_, ReferenceMaker(options.reference_cache,
                                         {.is_stopped = [] { return interrupted.load(); }, .says = say})) {
+        check_journal(plan_, suite_, journal_);
         for (const Cell& cell : plan_.cells) {
             const std::vector<Json>& samples = journal_.samples(cell.name);
             for (std::size_t index = 0; index < samples.size(); ++index) {
@@ -311,8 +312,9 @@ private:
     // Returns what went wrong, or nothing.
     std::string take_sample(const Cell& cell, std::size_t index) {
         std::string error;
+        Json sample;
         try {
-            error = render_sample(cell, index);
+            error = render_sample(cell, index, sample);
         } catch (const std::exception& exception) {
             error = exception.what();
         }
@@ -323,12 +325,14 @@ private:
             facts["reason"] = error;
             journal_.set_cell(cell.name, facts);
             fmt::print(stderr, "\nfailed: {}: {}\n", cell.name, error);
+        } else {
+            journal_.add_sample(cell.name, sample);  // a disk that is full ends the run, not the cell
         }
         progress_->step(cell.name);
         return error;
     }
 
-    std::string render_sample(const Cell& cell, std::size_t index) {
+    std::string render_sample(const Cell& cell, std::size_t index, Json& sample) {
         RenderRequest request{
             .variant = cell.variant, .backend = cell.backend, .settings = cell.settings, .samples = cell.spp};
         request.settings.seed = options_.seed + index;
@@ -369,33 +373,32 @@ private:
         if (!faults.none()) {
             return faults_text(faults);
         }
-        Json sample{{"pt_wall_ms", result.wall_ms},
-                    {"pt_device_ms", result.device_ms},
-                    {"pt_end_to_end_ms", end_to_end},
-                    {"cpu_ms", result.cpu_ms},
-                    {"pt_seed", request.settings.seed},
-                    {"pt_spp", cell.spp},
-                    {"pt_paths", result.work.paths},
-                    {"pt_rays", result.work.rays},
-                    {"pt_rays_per_second", static_cast<double>(result.work.rays) / (1e-3 * result.wall_ms)},
-                    {"pt_launches", result.work.launches},
-                    {"pt_graph_nodes", result.work.graph_nodes},
-                    {"pt_loop_rounds", result.work.loop_rounds},
-                    {"pt_host_waits", result.work.host_waits},
-                    {"pt_order", order_++},
-                    {"pt_timestamp", seconds_now()},
-                    {"pt_clock_mhz_before", clock_before},
-                    {"pt_clock_mhz_after", clock_after},
-                    {"pt_foreign_cpu_ms", foreign.cpu_ms},
-                    {"pt_involuntary_switches", foreign.involuntary_switches},
-                    {"film_hash", hash}};
+        sample = {{"pt_wall_ms", result.wall_ms},
+                  {"pt_device_ms", result.device_ms},
+                  {"pt_end_to_end_ms", end_to_end},
+                  {"cpu_ms", result.cpu_ms},
+                  {"pt_seed", request.settings.seed},
+                  {"pt_spp", cell.spp},
+                  {"pt_paths", result.work.paths},
+                  {"pt_rays", result.work.rays},
+                  {"pt_rays_per_second", static_cast<double>(result.work.rays) / (1e-3 * result.wall_ms)},
+                  {"pt_launches", result.work.launches},
+                  {"pt_graph_nodes", result.work.graph_nodes},
+                  {"pt_loop_rounds", result.work.loop_rounds},
+                  {"pt_host_waits", result.work.host_waits},
+                  {"pt_order", order_++},
+                  {"pt_timestamp", seconds_now()},
+                  {"pt_clock_mhz_before", clock_before},
+                  {"pt_clock_mhz_after", clock_after},
+                  {"pt_foreign_cpu_ms", foreign.cpu_ms},
+                  {"pt_involuntary_switches", foreign.involuntary_switches},
+                  {"film_hash", hash}};
         if (cell.convergence) {
             sample["pt_checkpoints"] = errors_.rows(cell, snapshots);
             if (cell.convergence->images && index == 0) {
                 keep_images(cell, snapshots);
             }
         }
-        journal_.add_sample(cell.name, sample);
         return "";
     }
 

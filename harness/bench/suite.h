@@ -104,8 +104,9 @@ struct Plan {
     std::vector<NotApplicable> not_applicable;
 };
 
-// Throws InputError.
+// Throws InputError. `file` is for the messages.
 Suite load_suite(const std::string& file);
+Suite parse_suite(const std::string& text, const std::string& file);
 // Loads the scenes; throws InputError for an unknown scene, axis, choice or tunable. A choice that only another backend
 // has is not applicable on this one.
 // Variants get the values found for them by `tuning`, but for tunables that their study names.

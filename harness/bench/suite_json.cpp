@@ -230,8 +230,10 @@ void check_repetitions(const Suite& suite, const JsonObject& root) {
 
 }  // namespace
 
-Suite load_suite(const std::string& file) {
-    const Json json = parse_json(read_file(file), file);
+Suite load_suite(const std::string& file) { return parse_suite(read_file(file), file); }
+
+Suite parse_suite(const std::string& text, const std::string& file) {
+    const Json json = parse_json(text, file);
     const JsonObject root(JsonValue(json, file, "$"), {"name", "description", "repetitions", "studies"});
     Suite suite;
     suite.name = root.required("name").plain_name();

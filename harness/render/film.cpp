@@ -20,7 +20,9 @@ double film_scale(double bound, std::uint64_t samples) {
     while (sample_exponent < 62 && (std::uint64_t{1} << sample_exponent) < samples) {
         ++sample_exponent;
     }
-    return std::ldexp(1.0, 62 - 6 - sample_exponent - bound_exponent);
+    // For light fainter than any float the scale would not be finite, and no film would be.
+    constexpr int largest_exponent = 960;
+    return std::ldexp(1.0, std::min(62 - 6 - sample_exponent - bound_exponent, largest_exponent));
 }
 
 Film::Film(std::uint32_t width, std::uint32_t height, double bound, std::uint64_t samples)

@@ -243,7 +243,8 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     view_.depth = settings.depth;
     view_.seed.sampler = settings.sampler;
     view_.final_bounce = settings.final_bounce ? 1 : 0;
-    view_.next_event = settings.next_event ? 1 : 0;
+    // An emitter of no radiance is no light, so there may be none to connect to.
+    view_.next_event = settings.next_event && !lights_.empty() ? 1 : 0;
     view_.mis_exponent = settings.mis_exponent;
     view_.roulette_start = settings.roulette_start;
     view_.room = find_room(view_);

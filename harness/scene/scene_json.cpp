@@ -46,6 +46,19 @@ void read_shutter(const JsonValue& value, SceneCamera& camera) {
     }
 }
 
+// Where the shutter's ends find the object; in between it is between them.
+void check_motion(const Scene& scene, std::size_t index, const std::string& file) {
+    const SceneObject& object = scene.objects[index];
+    for (const double time : {scene.camera.shutter_open, scene.camera.shutter_close}) {
+        const Vec3d centre = object.translate + object.velocity * time;
+        if (!(std::max({std::abs(centre.x), std::abs(centre.y), std::abs(centre.z)}) <= largest_length)) {
+            throw InputError(file, fmt::format("$.objects[{}].velocity", index),
+                             fmt::format("a place beyond 1e18 at time {}", time),
+                             "a velocity that keeps the object within -1e18 to 1e18 while the shutter is open");
+        }
+    }
+}
+
 SceneCamera read_camera(const JsonValue& value) {
     const JsonObject object(value, {"eye", "look_at", "up", "vertical_fov_degrees", "resolution", "jitter",
                                     "aperture_radius", "focus_distance", "shutter"});
@@ -54,8 +67,13 @@ SceneCamera read_camera(const JsonValue& value) {
     camera.look_at = point(object.required("look_at"));
     camera.up = point(object.required("up"));
     const Vec3d forward = camera.look_at - camera.eye;
-    if (dot(forward, forward) == 0) {
-        object.at("look_at").fail("a point other than camera.eye");
+    constexpr double least_square = smallest_length * smallest_length;
+    if (!(dot(forward, forward) >= least_square)) {
+        object.at("look_at").fail("a point other than camera.eye, at least 1e-18 away");
+    }
+    // A shorter one's square would leave the range of double.
+    if (!(dot(camera.up, camera.up) >= least_square)) {
+        object.at("up").fail("a direction that is not 0: a vector of length 1e-18 or more");
     }
     const Vec3d right = cross(forward, camera.up);
     if (!(dot(right, right) > 1e-12 * dot(forward, forward) * dot(camera.up, camera.up))) {
@@ -168,6 +186,27 @@ Vec3d read_scale(const JsonValue& value) {
     return Vec3d(value.number(smallest_length, largest_length, allowed + ", or an array of 3"));
 }
 
+// An ellipsoid's surface is found in the space where it is the unit sphere; beyond this ratio of its axes, squares
+// there leave the range of float.
+void check_ellipsoid(const SceneObject& object, const JsonValue& scale) {
+    constexpr double largest_ratio = 1e12;
+    const auto [least, greatest] = std::minmax({object.scale.x, object.scale.y, object.scale.z});
+    if (object.shape == Shape::sphere && greatest > largest_ratio * least) {
+        scale.fail("of a sphere, axes that differ by no more than a factor of 1e12");
+    }
+}
+
+// No more of them than fit a message.
+std::string names_of(const std::vector<SceneMaterial>& materials) {
+    constexpr std::size_t most = 20;
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < std::min(most, materials.size()); ++i) {
+        names.push_back(materials[i].name);
+    }
+    return fmt::format("{}{}", fmt::join(names, ", "),
+                       materials.size() > most ? fmt::format(" and {} more", materials.size() - most) : "");
+}
+
 SceneObject read_object(const JsonValue& value, const std::vector<SceneMaterial>& materials) {
     const JsonObject object(value, {"shape", "material", "translate", "rotate_degrees", "scale", "velocity"});
     SceneObject result;
@@ -176,13 +215,10 @@ SceneObject read_object(const JsonValue& value, const std::vector<SceneMaterial>
     const JsonValue material_value = object.required("material");
     const std::string name = material_value.text();
     const auto material =
-        std::find_if(materials.begin(), materials.end(), [&](const SceneMaterial& m) { return m.name == name; });
-    if (material == materials.end()) {
-        std::vector<std::string> names;
-        for (const SceneMaterial& m : materials) {
-            names.push_back(m.name);
-        }
-        material_value.fail(fmt::format("a name in $.materials: {}", fmt::join(names, ", ")));
+        std::lower_bound(materials.begin(), materials.end(), name,
+                         [](const SceneMaterial& m, const std::string& wanted) { return m.name < wanted; });
+    if (material == materials.end() || material->name != name) {
+        material_value.fail("a name in $.materials: " + names_of(materials));
     }
     result.material = static_cast<std::uint32_t>(material - materials.begin());
     const bool needs_inside = material->type == MaterialType::dielectric || material->type == MaterialType::subsurface;
@@ -194,7 +230,10 @@ SceneObject read_object(const JsonValue& value, const std::vector<SceneMaterial>
     if (object.has("rotate_degrees")) {
         result.rotate_degrees = vector(object.at("rotate_degrees"), -1e6, 1e6, "an angle from -1e6 to 1e6 degrees");
     }
-    result.scale = object.has("scale") ? read_scale(object.at("scale")) : Vec3d(1.0);
+    if (object.has("scale")) {
+        result.scale = read_scale(object.at("scale"));
+        check_ellipsoid(result, object.at("scale"));
+    }
     result.velocity = object.has("velocity") ? point(object.at("velocity")) : Vec3d(0.0);
     return result;
 }
@@ -225,6 +264,7 @@ Scene parse_scene(const std::string& text, const std::string& file) {
         scene.objects.push_back(read_object(object, scene.materials));
     }
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        check_motion(scene, i, file);
         const bool is_body = scene.materials[scene.objects[i].material].type == MaterialType::subsurface;
         if (is_body && contains_point(scene.objects[i], scene.camera.eye)) {
             throw InputError(file, "$.camera.eye", fmt::format("a point inside $.objects[{}], a subsurface body", i),

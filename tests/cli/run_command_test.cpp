@@ -256,6 +256,51 @@ TEST_F(RunCommandTest, AKilledRunGoesOnWhereItWasKilled) {
     EXPECT_EQ(found, kept);
 }
 
+// Before the first sample, between samples, and again and again: what is there is whole, and the run goes on from it.
+TEST_F(RunCommandTest, ARunMayBeKilledAtAnyMoment) {
+    constexpr int repetitions = 120;
+    std::size_t kept = 0;
+    for (const std::size_t more : {0u, 1u, 2u, 30u, 5u}) {
+        RunningCommand killed(ptbench_arguments(call(repetitions, {"--resume"})), in_repository());
+        const auto is_time = [&] {
+            return (std::filesystem::exists(journal) && samples_in_journal() >= kept + more) || !killed.is_running();
+        };
+        ASSERT_TRUE(wait_until(is_time));
+        killed.signal(SIGKILL);
+        ASSERT_EQ(killed.wait().exit_code, 128 + SIGKILL);
+        EXPECT_EQ(folder.content(), Arguments{"result.json.journal.jsonl"});
+        EXPECT_GE(samples_in_journal(), kept + more);
+        kept = samples_in_journal();
+        ASSERT_LT(kept, 2u * repetitions);
+        // Every line that has an end is whole.
+        const std::string text = content_of(journal);
+        for (std::size_t start = 0, end = text.find('\n'); end != std::string::npos;
+             start = end + 1, end = text.find('\n', start)) {
+            EXPECT_TRUE(json::accept(text.substr(start, end - start))) << text.substr(start, end - start);
+        }
+    }
+    const CommandResult resumed = ptbench(call(repetitions, {"--resume"}));
+    EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+    expect_complete(repetitions);
+}
+
+// The limit on the size of a file stands for a full disk.
+TEST_F(RunCommandTest, AFullDiskEndsTheRunAndItGoesOnWhenThereIsRoom) {
+    constexpr int repetitions = 60;
+    std::string command = "ulimit -f 8; exec";
+    for (const std::string& argument : ptbench_arguments(call(repetitions))) {
+        command += " '" + argument + "'";
+    }
+    const CommandResult full = run_command({"/bin/sh", "-c", command}, in_repository());
+    EXPECT_EQ(full.exit_code, 3);
+    EXPECT_EQ(full.err.rfind("ptbench: " + journal + ": cannot be written: "), full.err.rfind("ptbench: ")) << full.err;
+    EXPECT_EQ(folder.content(), Arguments{"result.json.journal.jsonl"});
+    EXPECT_EQ(content_of(journal).back(), '\n');  // no half line
+    const CommandResult resumed = ptbench(call(repetitions, {"--resume"}));
+    EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+    expect_complete(repetitions);
+}
+
 TEST_F(RunCommandTest, AnInterruptedRunEndsWithAFileAndGoesOn) {
     constexpr int repetitions = 600;
     for (const int number : {SIGINT, SIGTERM}) {

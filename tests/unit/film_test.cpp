@@ -195,5 +195,17 @@ TEST(FilmTest, HashTellsFilmsApart) {
     EXPECT_EQ(b.hash().size(), 16u);
 }
 
+// Light of a radiance that float cannot hold: the film is black, and finite.
+TEST(FilmTest, TheFaintestLightHasAFiniteScale) {
+    for (const double bound : {1e-40, 1e-300, 5e-324}) {
+        EXPECT_TRUE(std::isfinite(film_scale(bound, 1u << 20))) << bound;
+        Film film(1, 1, bound, 1);
+        film.view().add(0, Vec3<float>(0.0f));
+        film.view().add(0, Vec3<float>(static_cast<float>(bound)));
+        EXPECT_TRUE(film.faults().none()) << faults_text(film.faults());
+        EXPECT_TRUE(std::isfinite(film.pixel(0).x));
+    }
+}
+
 }  // namespace
 }  // namespace pt

@@ -78,7 +78,7 @@ TEST_F(PlacesTest, FindsASceneInAFolderOfScenes) {
     EXPECT_EQ(find_scene("group/inner").name, "tiny");
     EXPECT_EQ(scene_names(), (std::vector<std::string>{"a", "tiny"}));
     for (const std::string name : {"group", "group/", "group/none", "../outside", "group/../../outside",
-                                   (folder.path() / "outside").string().c_str()}) {
+                                   folder.file("outside")}) {
         EXPECT_EQ(refusal([&] { find_scene(name); }),
                   "--scene: name: found \"" + name + "\", allowed: a file that ends in .json, or one of a, tiny");
     }

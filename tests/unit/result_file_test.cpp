@@ -263,5 +263,40 @@ TEST_F(ResultFileTest, ContextHasGoogleBenchmarksKeysAndOurs) {
     EXPECT_EQ(context.at("ptbench.status"), "interrupted");
 }
 
+// A journal that somebody edited: refused in one line, before a run goes on with it and at its end.
+TEST_F(ResultFileTest, WhatNoRunWroteIsRefused) {
+    const std::string file = folder.file("edited");
+    const Json good_sample = sample(1, 2, 3);
+    Json timeless = good_sample;
+    timeless.erase("pt_wall_ms");
+    Json hashless = good_sample;
+    hashless.erase("film_hash");
+    const auto refusal = [&](const Json& facts, const Json& edited) {
+        std::filesystem::remove(file);
+        Journal journal(file, "identity", false);
+        if (!facts.is_null()) {
+            journal.set_cell("ok", facts);
+        }
+        journal.add_sample("ok", edited);
+        try {
+            check_journal(plan, suite, journal);
+        } catch (const InputError& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    const Json ok{{"status", "ok"}, {"reason", ""}};
+    EXPECT_EQ(refusal(ok, good_sample), "");
+    EXPECT_EQ(refusal({}, good_sample), file +
+                                            ": ok: found samples without the cell's own line, allowed: what ptbench "
+                                            "wrote; remove the file to start over");
+    for (const auto& [facts, edited] : std::vector<std::pair<Json, Json>>{
+             {ok, timeless}, {ok, hashless}, {ok, 7}, {7, good_sample}, {Json::object(), good_sample}}) {
+        const std::string message = refusal(facts, edited);
+        EXPECT_TRUE(message.starts_with(file + ": a cell or sample: found ")) << facts << edited << message;
+        EXPECT_TRUE(message.ends_with(", allowed: what ptbench wrote; remove the file to start over")) << message;
+    }
+}
+
 }  // namespace
 }  // namespace pt

@@ -277,6 +277,8 @@ TEST(SceneJsonErrors, Camera) {
     const std::string camera_keys =
         "eye, look_at, up, vertical_fov_degrees, resolution, jitter, aperture_radius, focus_distance, shutter";
     const std::string up_allowed = "a direction that is not 0 and not parallel to look_at - eye";
+    const std::string length_allowed = "a direction that is not 0: a vector of length 1e-18 or more";
+    const std::string look_at_allowed = "a point other than camera.eye, at least 1e-18 away";
     const std::string side_allowed = "a whole number from 1 to 65536";
     const std::string fov_allowed = "an angle from 1e-6 to 179.999 degrees";
     const auto with = [&](const std::string& more) { return resolution_line + ", " + more; };
@@ -288,9 +290,13 @@ TEST(SceneJsonErrors, Camera) {
         {"[0, 1, 5]", "[0, null, 5]", "s.json: $.camera.eye[1]: found null, allowed: a number from -1e18 to 1e18"},
         {"[0, 1, 5]", "[0, 1, 1e19]", "s.json: $.camera.eye[2]: found 1e+19, allowed: a number from -1e18 to 1e18"},
         {"\"look_at\": [0, 1, 0]", "\"look_at\": [0, 1, 5]",
-         "s.json: $.camera.look_at: found [0,1,5], allowed: a point other than camera.eye"},
+         "s.json: $.camera.look_at: found [0,1,5], allowed: " + look_at_allowed},
+        {"\"look_at\": [0, 1, 0]", "\"look_at\": [1e-19, 1, 5]",
+         "s.json: $.camera.look_at: found [1e-19,1,5], allowed: " + look_at_allowed},
         {"\"up\": [0, 1, 0]", "\"up\": [0, 0, -2]", "s.json: $.camera.up: found [0,0,-2], allowed: " + up_allowed},
-        {"\"up\": [0, 1, 0]", "\"up\": [0, 0, 0]", "s.json: $.camera.up: found [0,0,0], allowed: " + up_allowed},
+        {"\"up\": [0, 1, 0]", "\"up\": [0, 0, 0]", "s.json: $.camera.up: found [0,0,0], allowed: " + length_allowed},
+        {"\"up\": [0, 1, 0]", "\"up\": [0, 1e-162, 0]",
+         "s.json: $.camera.up: found [0,1e-162,0], allowed: " + length_allowed},
         {"40", "0", "s.json: $.camera.vertical_fov_degrees: found 0, allowed: " + fov_allowed},
         {"40", "180", "s.json: $.camera.vertical_fov_degrees: found 180, allowed: " + fov_allowed},
         {"40", "true", "s.json: $.camera.vertical_fov_degrees: found true, allowed: " + fov_allowed},
@@ -414,7 +420,34 @@ TEST(SceneJsonErrors, Objects) {
          "s.json: $.objects[0].rotate_degrees[2]: found 2000000.0, allowed: an angle from -1e6 to 1e6 degrees"},
         {object_line, sphere_with("\"velocity\": [0, false, 0]"),
          "s.json: $.objects[0].velocity[1]: found false, allowed: " + point},
+        {object_line, sphere_with("\"scale\": [1, 1e-6, 2e6]"),
+         "s.json: $.objects[0].scale: found [1,1e-06,2000000.0], allowed: of a sphere, axes that differ by no more "
+         "than "
+         "a factor of 1e12"},
     });
+}
+
+TEST(SceneJsonErrors, ObjectsStayWhereFloatReaches) {
+    const std::string moving =
+        replaced(good, object_line, R"({"shape": "sphere", "material": "m", "velocity": [0, -1e18, 0]})");
+    EXPECT_EQ(error_of(moving), "");
+    EXPECT_EQ(error_of(replaced(moving, resolution_line, resolution_line + R"(, "shutter": {"close": 1})")), "");
+    EXPECT_EQ(error_of(replaced(moving, resolution_line, resolution_line + R"(, "shutter": {"close": 2})")),
+              "s.json: $.objects[0].velocity: found a place beyond 1e18 at time 2, allowed: a velocity that keeps the "
+              "object within -1e18 to 1e18 while the shutter is open");
+}
+
+TEST(SceneJsonErrors, AreOneLineWhateverTheFileSays) {
+    EXPECT_EQ(error_of(replaced(replaced(good, "\"m\": ", "\"a\\nb\": "), "0.25", "2")),
+              "s.json: $.materials.a\\x0ab.albedo[1]: found 2, allowed: a number from 0 to 1");
+}
+
+TEST(SceneJsonErrors, NoMoreLevelsThan64) {
+    const auto nested = [](std::size_t levels) { return std::string(levels, '[') + std::string(levels, ']'); };
+    EXPECT_EQ(error_of(nested(64)), "s.json: $: found an array of 1, allowed: an object");
+    const std::string message = error_of(nested(65));
+    EXPECT_TRUE(message.ends_with(": found arrays and objects within each other, allowed: 64 levels of them"))
+        << message;
 }
 
 TEST(SceneJsonErrors, QuadsNeedNoInside) {

@@ -1,6 +1,10 @@
 // A file appears whole or not at all.
 #include "harness/write_file.h"
 
+#include <csignal>
+
+#include <sys/resource.h>
+
 #include <gtest/gtest.h>
 
 #include "harness/error.h"
@@ -39,6 +43,29 @@ TEST(WriteFileTest, CreatesMissingFolders) {
     const test::TemporaryFolder folder;
     write_file(folder.file("a/b/result"), "new");
     EXPECT_EQ(test::content_of(folder.file("a/b/result")), "new");
+}
+
+// The limit on the size of a file stands for a full disk.
+TEST(WriteFileTest, AFullDiskLeavesTheOldFile) {
+    const test::TemporaryFolder folder;
+    write_file(folder.file("result.json"), "old");
+    std::signal(SIGXFSZ, SIG_IGN);
+    rlimit unlimited{};
+    ::getrlimit(RLIMIT_FSIZE, &unlimited);
+    rlimit limited = unlimited;
+    limited.rlim_cur = 4096;
+    ::setrlimit(RLIMIT_FSIZE, &limited);
+    std::string message;
+    try {
+        write_file(folder.file("result.json"), std::string(100'000, 'x'));
+    } catch (const MachineError& error) {
+        message = error.what();
+    }
+    ::setrlimit(RLIMIT_FSIZE, &unlimited);
+    std::signal(SIGXFSZ, SIG_DFL);
+    EXPECT_EQ(message, folder.file("result.json") + ": cannot be written (no such folder, no permission or disk full)");
+    EXPECT_EQ(folder.content(), std::vector<std::string>{"result.json"});
+    EXPECT_EQ(test::content_of(folder.file("result.json")), "old");
 }
 
 TEST(WriteFileTest, LeavesNothingWhereItCannotWrite) {

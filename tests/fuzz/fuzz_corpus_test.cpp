@@ -1,0 +1,55 @@
+// Every file of tests/fuzz/corpus once through its fuzz target, without libFuzzer: the starting points of the fuzzers,
+// and what they have found (named for it), which must stay mended.
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/command.h"
+
+// Each is LLVMFuzzerTestOneInput of one target (tests/fuzz/CMakeLists.txt).
+extern "C" {
+int fuzz_scene(const std::uint8_t* data, std::size_t size);
+int fuzz_import_seed(const std::uint8_t* data, std::size_t size);
+int fuzz_suite(const std::uint8_t* data, std::size_t size);
+int fuzz_journal(const std::uint8_t* data, std::size_t size);
+}
+
+namespace pt {
+namespace {
+
+using Target = int (*)(const std::uint8_t*, std::size_t);
+const std::map<std::string, Target> targets{
+    {"scene", fuzz_scene}, {"import_seed", fuzz_import_seed}, {"suite", fuzz_suite}, {"journal", fuzz_journal}};
+const std::filesystem::path corpus = std::filesystem::path(PTBENCH_SOURCE_DIR) / "tests/fuzz/corpus";
+
+class FuzzCorpusTest : public testing::TestWithParam<std::string> {};
+
+TEST_P(FuzzCorpusTest, NoFileIsAFinding) {
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(corpus / GetParam())) {
+        files.push_back(entry.path());
+    }
+    std::sort(files.begin(), files.end());
+    EXPECT_GE(files.size(), 2u);
+    for (const std::filesystem::path& file : files) {
+        const std::string text = test::content_of(file.string());
+        EXPECT_NO_THROW(targets.at(GetParam())(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()))
+            << file;
+    }
+}
+
+std::vector<std::string> target_names() {
+    std::vector<std::string> names;
+    for (const auto& [name, target] : targets) {
+        names.push_back(name);
+    }
+    return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Targets, FuzzCorpusTest, testing::ValuesIn(target_names()),
+                         [](const auto& info) { return info.param; });
+
+}  // namespace
+}  // namespace pt

@@ -1,0 +1,61 @@
+// Scene files: parsed, turned into the arrays that kernels read, and, where that is quick, rendered at 2x2 pixels:
+// every sample of an accepted scene is a finite number, 0 or more.
+#include <algorithm>
+
+#include "harness/render/film.h"
+#include "harness/scene/scene_buffers.h"
+#include "tests/fuzz/findings.h"
+#include "variants/integrator/depth_first.h"
+
+namespace pt::fuzz {
+namespace {
+
+// An input must take milliseconds: longer walks and larger scenes are what tests/image/extreme_scenes_test.cpp is for.
+constexpr std::uint32_t most_scatterings = 64;
+constexpr std::size_t most_objects = 64;
+constexpr std::uint32_t most_depth = 4;
+
+template <class Real>
+void render(const Scene& scene, const RenderSettings& settings) {
+    using Generic = Config<Real, all_features | samplers>;
+    const SceneBuffers<Real> buffers(scene, settings);
+    Film film(settings.width, settings.height, radiance_bound(scene, settings), 1);
+    PathCounters counters;
+    for (std::uint32_t pixel = 0; pixel < settings.width * settings.height; ++pixel) {
+        integrator::depth_first::trace<Generic>(buffers.view(), film.view(), pixel, 0, nullptr, false, counters);
+    }
+    require(film.faults().nonfinite == 0 && film.faults().negative == 0, faults_text(film.faults()));
+}
+
+void render_small(Scene scene) {
+    for (SceneMaterial& material : scene.materials) {
+        material.max_scatterings = std::min(material.max_scatterings, most_scatterings);
+    }
+    RenderSettings settings = default_settings(scene);
+    settings.width = settings.height = 2;
+    settings.depth = std::min(settings.depth, most_depth);
+    render<float>(scene, settings);
+    render<double>(scene, settings);
+    settings.final_bounce = true;
+    render<float>(scene, settings);
+    settings.final_bounce = false;
+    settings.next_event = true;
+    settings.mis_exponent = 2;
+    settings.roulette_start = 1;
+    render<float>(scene, settings);
+}
+
+}  // namespace
+}  // namespace pt::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    pt::fuzz::accept_or_refuse([&] {
+        const pt::Scene scene = pt::parse_scene(pt::fuzz::text_of(data, size), "scene.json");
+        (void)pt::features_of(scene);
+        (void)pt::shortcuts_of(scene);
+        if (scene.objects.size() <= pt::fuzz::most_objects) {
+            pt::fuzz::render_small(scene);
+        }
+    });
+    return 0;
+}
