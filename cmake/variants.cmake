@@ -51,6 +51,10 @@ set(integrators_generic_only audited)
 # Other formulas as well, by precision (kernels/config.h: formulas).
 set(formula_sets_float "all_features | Feature::naive" "all_features | Feature::double_intersection")
 set(formula_sets_double "all_features | Feature::naive")
+if(PTBENCH_FUZZ)
+  set(formula_sets_float "")
+  set(formula_sets_double "")
+endif()
 function(add_integrator_unit unit name features real)
   file(CONFIGURE OUTPUT ${generated}/${unit}.cpp CONTENT
 "#include \"variants/integrator/${name}.h\"
