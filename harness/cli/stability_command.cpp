@@ -28,6 +28,7 @@ struct StabilityArguments {
     std::vector<std::string> axes;
     std::string backend;
     std::uint64_t seed = 1;
+    std::uint64_t paths = 0;
     bool quick = false;
     bool list = false;
     bool quiet = false;
@@ -191,7 +192,8 @@ std::vector<Task> tasks_of(const Case& stiff_case, const StabilityArguments& arg
     std::vector<Task> tasks;
     for (const stability::Values& values : points_of(stiff_case, arguments)) {
         for (const Variant& variant : with_estimators(variants, stiff_case, arguments)) {
-            tasks.push_back({&stiff_case, values, backend, variant, arguments.seed, arguments.quick});
+            tasks.push_back(
+                {&stiff_case, values, backend, variant, arguments.seed, arguments.quick, arguments.paths});
         }
     }
     return tasks;
@@ -261,7 +263,7 @@ int run(const StabilityArguments& arguments) {
     const Backend backend = parse_backend(arguments.backend);
     const std::vector<Variant> variants = asked_variants(arguments, backend);
     require_backend(backend);
-    stability::Report report(arguments.out, {arguments.command_line, backend, arguments.quick, arguments.seed},
+    stability::Report report(arguments.out, {arguments.command_line, backend, arguments.quick, arguments.seed, arguments.paths},
                              arguments.resume);
     std::vector<std::vector<Task>> tasks;
     for (const Case* stiff_case : cases) {
@@ -312,6 +314,8 @@ Command add_stability_command(CLI::App& app, const std::string& command_line) {
         ->allow_extra_args(false);
     command->add_option("--backend", arguments->backend, "cpu or cuda (default: cuda where it is available)");
     command->add_option("--seed", arguments->seed, "Seed (default 1)")->check(check_seed);
+    command->add_option("--paths", arguments->paths, "Paths of each rendering, instead of as many as the case asks for")
+        ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 34));
     command->add_flag("--quick", arguments->quick, "Fewer points, samples and variants");
     command->add_flag("--list", arguments->list, "Say what there is, and run nothing");
     command->add_flag("--quiet", arguments->quiet, "Print failures of what must pass, and the tally, only");

@@ -200,7 +200,9 @@ std::vector<Row> evaluate_renderings(const Task& task) {
             rows.push_back(without_measurement(Status::not_applicable, std::move(reason)));
             continue;
         }
-        const std::uint64_t paths = task.is_quick ? rendering.quick_paths : rendering.full_paths;
+        const std::uint64_t paths = task.paths != 0 ? task.paths
+                                    : task.is_quick ? rendering.quick_paths
+                                                    : rendering.full_paths;
         if (std::optional<Row> row = compared_with_reference(task, scene, paths)) {
             rows.push_back(std::move(*row));
             continue;

@@ -13,6 +13,7 @@ struct Task {
     Variant variant;
     std::uint64_t seed = 1;
     bool is_quick = false;
+    std::uint64_t paths = 0;  // of a rendering; 0: as many as the case asks for
 };
 
 // passed, failed: as they say. known_limit: failed, as the case says that it does. not_applicable: could not be asked.

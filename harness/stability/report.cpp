@@ -33,6 +33,7 @@ Json identity(const RunDescription& description) {
     json["ptbench.backend"] = pt::to_string(description.backend);
     json["quick"] = description.is_quick;
     json["seed"] = description.seed;
+    json["paths"] = description.paths;
     return json;
 }
 
@@ -54,7 +55,7 @@ Report::Report(std::string file, RunDescription description, bool resume)
         throw InputError(file_, "file", "no result of ptbench stability", "one, to go on with");
     }
     const Json wanted = identity(description_);
-    for (const char* key : {"ptbench.machine", "ptbench.backend", "ptbench.git_sha", "quick", "seed"}) {
+    for (const char* key : {"ptbench.machine", "ptbench.backend", "ptbench.git_sha", "quick", "seed", "paths"}) {
         if (wanted.contains(key) && old["context"].value(key, Json()) != wanted[key]) {
             throw InputError(file_, key, old["context"].value(key, Json()).dump(), wanted[key].dump() + " to go on");
         }

@@ -14,6 +14,7 @@ struct RunDescription {
     Backend backend = Backend::cpu;
     bool is_quick = false;
     std::uint64_t seed = 1;
+    std::uint64_t paths = 0;  // of a rendering; 0: as many as the cases ask for
 };
 
 class Report {
