@@ -11,13 +11,16 @@ from analysis import style
 from analysis.errors import NotDrawable
 from analysis.figures import PICTURES, collect_study, draw_study, parts_of_study
 from analysis.files import make_folder, one_line, safe_name, write_text
-from analysis.results import Result, load
+from analysis.nodes import read_json
+from analysis.results import Result, result_of
 from analysis.saving import DPI, save_figure, save_pictures
+from analysis.stability_file import Stability, is_stability, stability_of
+from analysis.stability_plots import stability_plots
 from analysis.studies import Note, measure, notes_of
 from analysis.summary import summary
 
 
-def default_folder(result: Result) -> Path:
+def default_folder(result: Result | Stability) -> Path:
     """figures/SUITE beside the file; files of one suite under other names get folders of their own."""
     stem = result.path.stem
     name = stem if result.suite in ("", stem) else f"{result.suite}-{stem}"
@@ -39,7 +42,11 @@ def _save(figure: Figure, folder: Path, name: str, part: str) -> list[Path]:
 
 
 def plots(path: Path, out: Path | None) -> int:
-    result = load(path)
+    root = read_json(path)
+    if is_stability(root):
+        stability = stability_of(root)
+        return stability_plots(stability, out if out is not None else default_folder(stability))
+    result = result_of(root)
     folder = out if out is not None else default_folder(result)
     make_folder(folder)
     not_drawn: dict[str, list[str]] = {}

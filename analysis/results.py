@@ -309,8 +309,11 @@ class Result:
 
 def load(path: Path | str) -> Result:
     """The result file at `path`, checked; raises InputError."""
-    path = Path(path)
-    root = read_json(path)
+    return result_of(read_json(Path(path)))
+
+
+def result_of(root: Node) -> Result:
+    """The file's content, checked; raises InputError."""
     context = _context(root.need("context"))
     ptbench = root.need("ptbench")
     studies = tuple(_study(node) for node in ptbench.need("studies").items())
@@ -322,7 +325,7 @@ def load(path: Path | str) -> Result:
     absent = ptbench.maybe("not_applicable")
     baselines = ptbench.maybe("baselines")
     return Result(
-        path=path,
+        path=root.file,
         context=context,
         studies=studies,
         cells=cells,

@@ -58,6 +58,7 @@ FIGURE_AXES = {
     "sorting_by_depth": "sorting",
     "first_bounce_by_depth": "first_bounce",
     **{axis: axis for axis in AXIS_BASELINES},
+    "robustness": "robustness",
 }
 
 # What lies along the x axis of the figures that follow a cost: a setting of the cells, their scene or a tunable. They

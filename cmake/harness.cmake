@@ -8,6 +8,9 @@ else()
   list(APPEND harness_sources ${PROJECT_SOURCE_DIR}/harness/cuda/without_cuda.cpp)
 endif()
 add_library(ptbench_harness OBJECT ${harness_sources})
+# As the double_intersection kernels in variants.cmake.
+set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/stability/replay.cpp PROPERTIES COMPILE_OPTIONS
+                            "$<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>")
 target_link_libraries(ptbench_harness PUBLIC ptbench_options nlohmann_json::nlohmann_json CLI11::CLI11 benchmark::benchmark)
 target_include_directories(ptbench_harness SYSTEM PRIVATE ${PTBENCH_STB_INCLUDE})
 set(PTBENCH_HARNESS_OPTIMISATION "" CACHE STRING "Optimisation of harness/, which traces no paths (empty: the build type's)")

@@ -20,6 +20,7 @@ from analysis.figures import (
 )
 from analysis.figures.bars import CheckpointCost, Efficiency, TimeToError
 from analysis.figures.choices import Choices
+from analysis.figures.cost_of_robustness import CostOfRobustness
 from analysis.figures.scaling import SWEEPS, Scaling
 from analysis.results import Result, Study
 from analysis.studies import AXIS_BASELINES, is_tunable
@@ -30,6 +31,7 @@ FIGURES = {
     "first_bounce_by_depth": first_bounce_by_depth,
     **{figure: Scaling(figure) for figure in SWEEPS},
     **{axis: Choices(axis) for axis in AXIS_BASELINES},
+    "robustness": CostOfRobustness(),
 }
 # What a study of the figure "convergence" is drawn as: by what follows the study's name in a file's.
 CONVERGENCE_FIGURES = {

@@ -50,6 +50,7 @@ class Data:
     heading: str
     unit: str = ""
     line_at: float | None = None
+    from_line: bool = False  # a logarithmic axis on which bars begin at `line_at`
 
 
 def _data(found: Groups, groups: Sequence[Bars], title: str, caption: str, result: Result, **fields) -> Data:
@@ -186,8 +187,9 @@ def draw(data: Data, zero_based: bool = True) -> Figure:
     for group, height in zip(data.groups, heights, strict=True):
         axes = page.axes(left, top - height, plot_width, height - _HEAD)
         bounds = _bounds(group, data.line_at)
-        log = zero_based and max(bounds) > _LOG_FROM * min(bounds)
+        log = data.from_line or (zero_based and max(bounds) > _LOG_FROM * min(bounds))
         start = _scale(axes, bounds, log, zero_based)
+        start = data.line_at if data.from_line else start
         for index, bar in enumerate(group.bars):
             y = len(group.bars) - 1 - index
             centre = top - _HEAD - _ROW * (index + 0.5)
@@ -227,7 +229,8 @@ def _scale(axes: Axes, bounds: list[float], log: bool, zero_based: bool) -> floa
     if log:
         axes.set_xscale("log")
         axes.set_xlim(low / 1.5, high * 1.4)
-        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high / low < 100 else (1,)))
+        fine = (1, 1.2, 1.5, 2, 3, 5, 7, 9) if high / low < 4 else (1, 2, 5)
+        axes.xaxis.set_major_locator(LogLocator(subs=fine if high / low < 100 else (1,)))
         axes.xaxis.set_minor_locator(NullLocator())
     elif zero_based:
         axes.set_xlim(0, 1.06 * high)

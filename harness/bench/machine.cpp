@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <chrono>
+#include <ctime>
 #include <fstream>
 
 #include <benchmark/benchmark.h>
@@ -100,6 +101,15 @@ ForeignLoad ForeignLoad::now() {
     load.cpu_ms = all - milliseconds(own.ru_utime) - milliseconds(own.ru_stime);
     load.involuntary_switches = own.ru_nivcsw;
     return load;
+}
+
+std::string iso_date() {
+    const std::time_t now = std::time(nullptr);
+    std::tm local{};
+    localtime_r(&now, &local);
+    char text[64];
+    std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S%z", &local);
+    return text;
 }
 
 std::string git_sha() { return PTBENCH_GIT_SHA; }

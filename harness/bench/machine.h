@@ -13,6 +13,9 @@ std::string machine_name();
 // Keys ("ptbench." prefixed) and values for the context of a result file.
 std::vector<std::pair<std::string, std::string>> machine_context();
 
+// Now, as ISO 8601 in local time.
+std::string iso_date();
+
 std::string git_sha();
 bool git_dirty();
 // Of the sources that decide what an image is (kernels, integrators, samplers, the reading of scenes): 16 hex digits.

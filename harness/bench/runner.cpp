@@ -28,15 +28,6 @@ namespace {
 
 std::atomic<bool> interrupted = false;
 
-std::string iso_date() {
-    const std::time_t now = std::time(nullptr);
-    std::tm local{};
-    localtime_r(&now, &local);
-    char text[64];
-    std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S%z", &local);
-    return text;
-}
-
 // The size at which a cell is verified before it is timed: enough pixels to meet every object, few enough to be quick.
 RenderSettings verification_settings(RenderSettings settings) {
     const double shrink = std::min(1.0, 48.0 / std::max(settings.width, settings.height));

@@ -178,6 +178,7 @@ std::vector<Row> look(const Task& task, const Rendering& rendering, const Scene&
     for (std::size_t i = 0; i < estimate.size(); ++i) {
         const Quantity& quantity = rendering.quantities[i];
         Row row = common;
+        row.is_estimate = quantity.is_estimate;
         row.measurement = {
             .quantity = quantity.name,
             .measured = quantity.is_estimate ? estimate[i].mean() : estimate[i].farthest(quantity.exact),
@@ -208,15 +209,14 @@ std::vector<Row> evaluate_renderings(const Task& task) {
             continue;
         }
         std::vector<Row> first = look(task, rendering, scene, task.seed, paths);
-        const bool again = std::any_of(first.begin(), first.end(), [](const Row& row) {
-            return row.status == Status::failed && row.measurement.standard_error > 0;
-        });
+        const bool again = std::any_of(first.begin(), first.end(),
+                                       [](const Row& row) { return row.status == Status::failed && row.is_estimate; });
         if (again) {
             // Four times the samples, none of them the first look's.
             std::vector<Row> second =
                 look(task, rendering, scene, task.seed + 1000003, std::min<std::uint64_t>(4 * paths, 1u << 28));
             for (std::size_t i = 0; i < first.size(); ++i) {
-                if (first[i].status == Status::failed && first[i].measurement.standard_error > 0) {
+                if (first[i].status == Status::failed && first[i].is_estimate) {
                     second[i].looks = 2;
                     second[i].seconds += first[i].seconds;
                     first[i] = std::move(second[i]);

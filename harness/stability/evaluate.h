@@ -25,9 +25,10 @@ struct Row {
     Status status = Status::not_applicable;
     std::string reason;  // of every status but passed: why
     Measurement measurement;
-    double error = 0;    // by which `measured` misses what the relation asks for, 0 if it does not
-    double allowed = 0;  // tolerance, and four standard errors
-    int looks = 1;       // independent renders that it took to say so
+    double error = 0;          // by which `measured` misses what the relation asks for, 0 if it does not
+    double allowed = 0;        // tolerance, and four standard errors
+    bool is_estimate = false;  // of samples that differ
+    int looks = 1;             // independent renders that it took to say so
     std::uint64_t paths = 0;
     std::uint64_t rays = 0;
     std::uint64_t unfinished_walks = 0;

@@ -84,6 +84,7 @@ void Report::write(const std::string& status) const {
     Json context = identity(description_);
     context["ptbench.command_line"] = description_.command_line;
     context["ptbench.status"] = status;
+    context["date"] = iso_date();
     std::string text = fmt::format("{{\n\"schema\": \"{}\",\n\"context\": {},\n\"cases\": [\n", schema, context.dump());
     std::vector<std::string> lines;
     for (const Case& stiff_case : catalogue()) {

@@ -714,5 +714,6 @@ def test_figures_are_the_ones_that_suites_may_name():
         "scaling_by_materials",
         "scaling_by_shading_fmas",
         *AXIS_BASELINES,
+        "robustness",
     ]
     assert list(AXIS_BASELINES) == list(GPU_AXES)

@@ -14,10 +14,10 @@ constexpr double round_off(bool is_double) { return is_double ? 0x1p-53 : 0x1p-2
 
 // ---- S13: a sphere of radius R below an eye at height h.
 
-SceneText ground_text(const Values& v, double emission) {
+SceneText ground_text(const Values& v) {
     SceneText text("huge_sphere");
     text.camera({0, v["height"], 0}, {0, v["height"], 1});
-    text.sphere(text.emitter(Vec3d(emission)), {0, -v["radius"], 0}, 2 * v["radius"]);
+    text.sphere(text.emitter(Vec3d(1.0)), {0, -v["radius"], 0}, 2 * v["radius"]);
     return text;
 }
 
@@ -39,7 +39,7 @@ GroundHit exact_ground_hit(const Sphere<Real>& sphere, const Vec3l& direction) {
 
 template <class Real, FeatureSet formula>
 std::vector<Measurement> huge_sphere_in(const Values& v, const DirectSetting& setting) {
-    const RayScene<Real, formula> scene(ground_text(v, 1));
+    const RayScene<Real, formula> scene(ground_text(v));
     const long double dip = sqrtl(v["height"] * (2 * v["radius"] + v["height"])) / v["radius"];  // tangent
     RayRandom random(13);
     double off_tangent = 0, near_tangent = 0;
@@ -107,7 +107,7 @@ std::string sphere_cancels(const Values& v, const Variant& variant) {
 std::vector<Rendering> ground_view(const Values& v) {
     const double h = v["height"], radius = v["radius"];
     constexpr double sigma = 0.25;
-    SceneText text = ground_text(v, 1);
+    SceneText text = ground_text(v);
     text.camera({0, h, 0}, {0, h - 1, 2});
     text.box(text.dielectric(1, Vec3d(sigma / h)), {0, h, 0}, Vec3d(64 * h));
     const long double b = (radius + static_cast<long double>(h)) / sqrtl(5);
@@ -118,8 +118,8 @@ std::vector<Rendering> ground_view(const Values& v) {
     // The horizon is a hyperbola in the image plane.
     const double dip = std::sqrt(h * (2 * radius + h)) / radius;
     const double half = 4 * dip;
-    SceneText horizon = ground_text(v, 1);
-    horizon.image(1, 1, 2 * std::atan(half) * 180 / pi<double>, true);
+    SceneText horizon = ground_text(v);
+    horizon.image(16, 16, 2 * std::atan(half) * 180 / pi<double>, true);
     const double covered = 0.5 - dip * (std::sqrt(1 + half * half) + std::asinh(half) / half) / (4 * half);
     const auto horizon_error = [&](bool is_double) {
         return std::min(0.5, 4 * round_off(is_double) / (dip * half * 2));
@@ -133,7 +133,7 @@ std::vector<Rendering> ground_view(const Values& v) {
                              .tolerance = {1e-6, 1e-12, "numerics.md S13: the distance to 1e-6; the film's quantum"},
                              .is_estimate = false}}},
             {.scene = horizon.json(),
-             .quick_paths = 1u << 15,
+             .quick_paths = 1u << 17,
              .quantities = {{.name = "part of the image below the horizon",
                              .of = mean_radiance,
                              .exact = covered,
@@ -159,7 +159,7 @@ std::vector<Rendering> far_sphere(const Values& v) {
     const double radius = 1 / std::sqrt((distance - 1) * (distance + 1));  // of the disc, at distance 1
     const double half = 1.25 * radius;
     SceneText text("far_sphere");
-    text.camera({0, 0, 0}, view).image(1, 1, 2 * std::atan(half) * 180 / pi<double>, true);
+    text.camera({0, 0, 0}, view).image(16, 16, 2 * std::atan(half) * 180 / pi<double>, true);
     text.sphere(text.emitter(Vec3d(1.0)), view * distance, 2);
     const double covered = pi<double> * radius * radius / (4 * half * half);
     const auto blur = [&](bool is_double) {
@@ -168,7 +168,7 @@ std::vector<Rendering> far_sphere(const Values& v) {
         return covered * (rim * rim + 4 * round_off(is_double)) + 0x1p-40;
     };
     return {{.scene = text.json(),
-             .quick_paths = 1u << 15,
+             .quick_paths = 1u << 17,
              .quantities = {{.name = "part of the image that the disc covers",
                              .of = mean_radiance,
                              .exact = covered,

@@ -129,7 +129,10 @@ std::vector<Rendering> eye_touches_at_slant(const Values& v) {
     return {touched("a sphere", text.sphere(text.diffuse(Vec3d(0.0)), out * -size, 14 * size), out)};
 }
 
-std::string eye_on_sphere(const Values&, const Variant&) {
+std::string eye_on_sphere(const Values&, const Variant& variant) {
+    if (variant["precision"] == "float") {
+        return "";
+    }
     return "an eye on a sphere to within rounding counts as inside where |f / R|^2 rounds to less than 1; cure: "
            "|f|^2 - R^2 formed without an error (differences of two and fused products), as for S13";
 }
@@ -142,17 +145,22 @@ std::string eye_on_ellipsoid(const Values& v, const Variant& variant) {
 
 // ---- S18
 
+// So many pixels that an integrator with a queue has paths enough at once, and all of the same point.
+SceneText& narrow_view(SceneText& text) { return text.image(16, 16, 1e-6, false); }
+
 constexpr const char* contact_origin = "roundings of 1 - |p|^2 move the tangent by 4 u / 2 x: 16 u of the light";
 
 // A point of a plane at `x` radii from where a black unit sphere rests on it, under a white sky.
 Rendering sphere_on_plane(double x, double albedo) {
     SceneText text("contact");
     text.camera({x + x * std::cos(x), x * std::sin(x), 0}, {x, 0, 0}).depth(2).environment(1);
+    narrow_view(text);
     text.quad(text.diffuse(Vec3d(albedo)), {0, 0, 0}, 64, 64);
     text.sphere(text.diffuse(Vec3d(0.0)), {0, 1, 0}, 2);
-    // The quad ends: it shows no sky, being flat.
+    // The quad ends, but no point of it sees what lies below its plane.
     const double exact = -albedo * std::expm1(-1.5 * std::log1p(x * x));
     return {.scene = text.json(),
+            .quick_paths = 1u << 17,
             .quantities = {{.name = "radiance of the plane",
                             .of = mean_radiance,
                             .exact = exact,
@@ -174,12 +182,14 @@ Rendering sphere_on_sphere(double x, double albedo) {
     SceneText text("contact");
     const Vec3d point(std::sin(x), std::cos(x), 0), tangent(std::cos(x), -std::sin(x), 0);
     text.camera(point * (1 + 0.25 * x * x) + tangent * (0.5 * x), point).depth(2).environment(1);
+    narrow_view(text);
     text.sphere(text.diffuse(Vec3d(albedo)), {0, 0, 0}, 2);
     text.sphere(text.diffuse(Vec3d(0.0)), {0, 2, 0}, 2);
     const long double cosine = cosl(static_cast<long double>(x));
     const long double d = sqrtl(5 - 4 * cosine);
     const double exact = albedo * (1 - covered_over_horizon(d, (2 * cosine - 1) / d));
     return {.scene = text.json(),
+            .quick_paths = 1u << 17,
             .quantities = {{.name = "radiance of the lower sphere",
                             .of = mean_radiance,
                             .exact = exact,
@@ -253,7 +263,9 @@ std::vector<Rendering> degenerate(const Values& v) {
     const std::string wall = text.diffuse(Vec3d(0.5), Vec3d(0.5));
     text.sphere(wall, {0, 0, 0}, 4);
     text.sphere(wall, {0.5, 0.25, 0.5}, thin);
-    text.ellipsoid(wall, {0, 0, 0.5}, {thin, 1, 1}, {10, 20, 30}).ellipsoid(wall, {0.5, 0, 0}, {thin, 1, thin});
+    const double thinnest = std::max(thin, 1e-12);  // the axes of an ellipsoid differ by no more
+    text.ellipsoid(wall, {0, 0, 0.5}, {thinnest, 1, 1}, {10, 20, 30});
+    text.ellipsoid(wall, {0.5, 0, 0}, {thinnest, 1, thinnest});
     text.box(wall, {0, -0.5, 0}, {1, thin, 1}).box(wall, {-0.5, 0, 0}, {thin, thin, 1});
     text.box(wall, {0.5, -0.25, 0.75}, {1, thin, 1}, {10, 20, 30}).box(wall, {0.5, 0, 0.25}, Vec3d(thin), {5, 6, 7});
     text.quad(wall, {0, 0.25, 0.75}, thin, 1).quad(wall, {0.25, 0, 0.75}, thin, thin, {10, 20, 30});
@@ -313,7 +325,7 @@ const CaseRegistration cases({
      .title = "a sphere on a plane and on a sphere, near the contact",
      .stiff = "light comes to the contact by a wedge as thin as x^2, between surfaces that shut it",
      .formula = "rho (1 - (1 + x^2)^(-3/2)); the sphere over the horizon of numerics.md S8 with d^2 = 5 - 4 cos x",
-     .parameters = {{"x", 0.25, 0.001, 1, "from the contact, radii"}, {"albedo", 0.5, 0, 1, "of the lower surface"}},
+     .parameters = {{"x", 0.25, 0.01, 1, "from the contact, radii"}, {"albedo", 0.5, 0, 1, "of the lower surface"}},
      .points = {{{"x", 1}}, {{"x", 0.25}}, {{"x", 0.05}}, {{"x", 0.01}}},
      .quick_points = {{{"x", 0.25}}},
      .sweep = "x",

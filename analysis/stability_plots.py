@@ -1,0 +1,33 @@
+"""Figures and summary.md of a stability result."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from analysis import style
+from analysis.errors import NotDrawable
+from analysis.figures import stability_heatmap, stability_sweep
+from analysis.files import make_folder, one_line, safe_name, write_text
+from analysis.saving import save_figure
+from analysis.stability_file import Stability
+from analysis.stability_summary import summary
+
+_FIGURES = {"heatmap": stability_heatmap, "sweep": stability_sweep}
+
+
+def stability_plots(stability: Stability, folder: Path) -> int:
+    make_folder(folder)
+    not_drawn: list[str] = []
+    for name, figure in _FIGURES.items():
+        try:
+            pages = figure.collect(stability)
+        except NotDrawable as reason:
+            not_drawn.append(f"{name}: {reason}")
+            print(f"not drawn: {name}: {one_line(str(reason))}")
+            continue
+        for page in pages:
+            with style.applied():
+                for written in save_figure(figure.draw(page), folder, safe_name(page.name)):
+                    print(written)
+    print(write_text(folder / "summary.md", summary(stability, not_drawn)))
+    return 0
