@@ -224,15 +224,16 @@ TEST(VerifyCommandTest, QuietPrintsTheTallyOnly) {
                                           "--depth", "2", "--seed", "9", "--quiet"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     // 29 variants with a queue or without in 2 kernels and one in double, with 4 kinds of direct light, the first
-    // bounce off and cached; 22 more in which roulette and samplers meet them.
-    EXPECT_EQ(result.out, "494 held, 0 failed, 3848 not applicable on cpu; 6x4 at 1 spp, scenes: jitter_off\n");
+    // bounce off and cached; packets in 2 kernels, with 4 kinds of direct light; 25 more in which roulette and samplers
+    // meet them.
+    EXPECT_EQ(result.out, "505 held, 0 failed, 6000 not applicable on cpu; 6x4 at 1 spp, scenes: jitter_off\n");
 }
 
 TEST(VerifyCommandTest, NothingHeldIsNoSuccess) {
     const CommandResult result = ptbench(
         {"verify", "--scene", "cornell_open", "--resolution", "4x3", "--axis", "first_bounce=cached", "--quiet"});
     EXPECT_EQ(result.exit_code, 1);
-    EXPECT_EQ(result.out, "0 held, 0 failed, 1440 not applicable on cpu; 4x3 at 4 spp, scenes: cornell_open\n");
+    EXPECT_EQ(result.out, "0 held, 0 failed, 2160 not applicable on cpu; 4x3 at 4 spp, scenes: cornell_open\n");
 }
 
 // ---- verify --statistical ----
