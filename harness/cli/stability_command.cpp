@@ -99,7 +99,7 @@ std::map<std::string, double> parse_values(const std::vector<std::string>& argum
 // and the other integrators in single precision.
 std::vector<Variant> standard_variants(Backend backend, bool quick) {
     const Registry& registry = Registry::instance();
-    const Variant plainest = registry.reference(registry.baseline(backend), backend);
+    const Variant plainest = stability::plainest_variant(backend);
     AxisChoices axes{{"robustness", {"robust", "naive"}}};
     for (const char* axis : {"precision", "arithmetic"}) {
         for (const Choice* choice : registry.choices(axis, backend)) {
@@ -132,8 +132,7 @@ std::vector<Variant> asked_variants(const StabilityArguments& arguments, Backend
     if (arguments.axes.empty()) {
         return standard_variants(backend, arguments.quick);
     }
-    const Registry& registry = Registry::instance();
-    const Variant plainest = registry.reference(registry.baseline(backend), backend);
+    const Variant plainest = stability::plainest_variant(backend);
     AxisChoices axes;
     for (const std::string& argument : arguments.axes) {
         add_axis_argument(axes, argument, backend);
@@ -192,8 +191,7 @@ std::vector<Task> tasks_of(const Case& stiff_case, const StabilityArguments& arg
     std::vector<Task> tasks;
     for (const stability::Values& values : points_of(stiff_case, arguments)) {
         for (const Variant& variant : with_estimators(variants, stiff_case, arguments)) {
-            tasks.push_back(
-                {&stiff_case, values, backend, variant, arguments.seed, arguments.quick, arguments.paths});
+            tasks.push_back({&stiff_case, values, backend, variant, arguments.seed, arguments.quick, arguments.paths});
         }
     }
     return tasks;
@@ -263,7 +261,8 @@ int run(const StabilityArguments& arguments) {
     const Backend backend = parse_backend(arguments.backend);
     const std::vector<Variant> variants = asked_variants(arguments, backend);
     require_backend(backend);
-    stability::Report report(arguments.out, {arguments.command_line, backend, arguments.quick, arguments.seed, arguments.paths},
+    stability::Report report(arguments.out,
+                             {arguments.command_line, backend, arguments.quick, arguments.seed, arguments.paths},
                              arguments.resume);
     std::vector<std::vector<Task>> tasks;
     for (const Case* stiff_case : cases) {
@@ -272,8 +271,7 @@ int run(const StabilityArguments& arguments) {
     if (backend == Backend::cuda) {
         compile(cases, arguments, variants);
     }
-    const Registry& registry = Registry::instance();
-    const Variant plainest = registry.reference(registry.baseline(backend), backend);
+    const Variant plainest = stability::plainest_variant(backend);
     for (std::size_t i = 0; i < cases.size(); ++i) {
         for (const Task& task : tasks[i]) {
             if (report.has(task)) {

@@ -234,10 +234,11 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
     request.options = hooks("arithmetic", variant).options;
     const std::uint32_t kept =
         Registry::instance().at("first_bounce", variant, Backend::cuda).hook.first_bounce(variant, Backend::cuda);
-    request.defines = {fmt::format("-DPT_BLOCK={}", tunable(variant, "block", Backend::cuda)),
-                       fmt::format("-DPT_MIN_BLOCKS={}", tuned(variant, "min_blocks", 0)),
-                       fmt::format("-DPT_CACHED={}", kept > 0 ? 1 : 0),
-                       fmt::format("-DPT_SHADING_FMAS={}", tuned(variant, "shading_fmas", 0))};
+    request.defines = {
+        fmt::format("-DPT_BLOCK={}", tunable(variant, "block", Backend::cuda)),
+        fmt::format("-DPT_MIN_BLOCKS={}", tuned(variant, "min_blocks", 0) / (variant["precision"] == "double" ? 2 : 1)),
+        fmt::format("-DPT_CACHED={}", kept > 0 ? 1 : 0),
+        fmt::format("-DPT_SHADING_FMAS={}", tuned(variant, "shading_fmas", 0))};
     const bool bakes = hooks("specialisation", variant).bakes_scene;
     if (request.real == "double") {
         describe_scene<double>(scene, bakes, request);

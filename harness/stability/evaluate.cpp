@@ -319,12 +319,11 @@ std::vector<Row> evaluate_unguarded(const Task& task) {
     return rows;
 }
 
-// A check of functions has nothing to do with how paths are scheduled, and is run on the host.
+// A check of functions has nothing to do with how paths are scheduled, and is run on the host whatever the backend.
 std::string direct_not_applicable(const Task& task) {
     const Variant& variant = task.variant;
-    const Variant plainest = Registry::instance().reference(variant, Backend::cpu);
-    if (task.backend != Backend::cpu || variant["integrator"] != plainest["integrator"]) {
-        return "checks functions, not images: on the CPU, once";
+    if (variant["integrator"] != plainest_variant(task.backend)["integrator"] || variant["arithmetic"] != "exact") {
+        return "checks functions, not images: on the host, once";
     }
     if (variant["robustness"] == "naive" && !task.stiff_case->direct_has_naive) {
         return "has no naive twin of what it checks";
@@ -336,6 +335,13 @@ std::string direct_not_applicable(const Task& task) {
 }
 
 }  // namespace
+
+Variant plainest_variant(Backend backend) {
+    const Registry& registry = Registry::instance();
+    Variant variant = registry.reference(registry.baseline(backend), backend);
+    variant.set("arithmetic", "exact");
+    return variant;
+}
 
 std::string_view to_string(Status status) {
     switch (status) {
@@ -436,7 +442,7 @@ Json json_of(const Values& values) {
 
 Json to_json(const Task& task, const Row& row) {
     Json json{{"case", task.stiff_case->name}, {"point", json_of(task.values)}};
-    json["backend"] = pt::to_string(task.backend);
+    json["backend"] = task.stiff_case->direct ? "host" : pt::to_string(task.backend);
     json["variant"] = task.variant.name();
     Json axes = Json::object();
     for (const std::string_view axis : axis_names) {

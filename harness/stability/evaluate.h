@@ -47,6 +47,9 @@ std::string not_applicable(const Task& task);
 // One row a quantity, or a single one that says why there is none. Throws nothing that a render throws.
 std::vector<Row> evaluate(const Task& task);
 
+// The reference integrator with the generic kernel in exact arithmetic, every other axis at its plainest.
+Variant plainest_variant(Backend backend);
+
 // Whether ptbench claims that this passes: robust kernels in arithmetic that the rounding bounds hold in.
 bool must_pass(const Variant& variant);
 

@@ -20,8 +20,13 @@ inline constexpr Tunable shading_tunable{
     true};
 
 inline constexpr Tunable min_blocks_tunable{
-    "min_blocks", 0, 0,
-    32,           1, "blocks that a multiprocessor must hold at once: bounds a thread's registers; 0: no bound"};
+    "min_blocks",
+    0,
+    0,
+    32,
+    1,
+    "blocks that a multiprocessor must hold at once: bounds a thread's registers; half as many in "
+    "double precision; 0: no bound"};
 inline constexpr Tunable regeneration_tunable{
     "regenerate_at", 24, 0, 31, 1, "ended paths of a warp are replaced once no more lanes than this are alive"};
 

@@ -1,7 +1,9 @@
 // S24 to S28 and S30: glass, rendered. Lamps before and behind a pile have a colour each, so that one film tells what
 // came back, what went through and, by the channel that both have, whether anything was lost.
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <numbers>
 
 #include "harness/stability/case.h"
 #include "harness/stability/oracles/fresnel.h"
@@ -224,7 +226,9 @@ std::vector<Rendering> light_pipe(const Values& v) {
     scene.quad(scene.emitter(lamp_before), {0, 0, -1}, 1e6, 1e6, {90, 0, 0});
     const Shares exact =
         plate(reflectance(static_cast<long double>(v["ior"]) - 1, std::cos(static_cast<long double>(theta))), 1);
-    const auto paths = static_cast<std::uint64_t>(std::clamp(1e6 / (length * std::tan(theta) + 4), 1024.0, 65536.0));
+    // A power of two, so that a mean over paths that all return 1 is 1.
+    const std::uint64_t paths =
+        std::bit_floor(static_cast<std::uint64_t>(std::clamp(1e6 / (length * std::tan(theta) + 4), 1024.0, 65536.0)));
     Rendering rendering{
         .scene = scene.json(), .quick_paths = paths, .full_paths = 64 * paths, .quantities = shares(exact, paths)};
     rendering.quantities.push_back(nothing_lost("what did not leak through the sides"));

@@ -1,7 +1,9 @@
 // S32 to S37: absorbing and scattering bodies, rendered. A body of matched index in surroundings of radiance 1 shows
 // its albedo; a lamp behind a slab that one channel alone has tells transmission from reflection.
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <numbers>
 
 #include "harness/stability/case.h"
 #include "harness/stability/oracles/fresnel.h"
@@ -54,8 +56,9 @@ void add_below(SceneText& scene, const std::string& material, double depth, doub
     scene.quad(material, {0, -(depth * (1 + 0x1p-10) + 0.0625) / sigma, 0}, width, width);
 }
 
+// A power of two, so that a mean over paths that all return 1 is 1.
 std::uint64_t paths_for(double segments_a_path) {
-    return static_cast<std::uint64_t>(std::clamp(1e6 / segments_a_path, 256.0, 65536.0));
+    return std::bit_floor(static_cast<std::uint64_t>(std::clamp(1e6 / segments_a_path, 256.0, 65536.0)));
 }
 
 double albedo_of(const Values& v) { return 1 - std::exp2(-v["k"]); }
@@ -167,7 +170,7 @@ std::vector<Rendering> white_body(const Values& v) {
     const double n = v["ior"];
     scene.camera({0, 0, -3}, {0, 0, 0}).image(8, 8, 40, true).depth(n == 1 ? 2 : 1000).environment(1);
     add_body(scene, v.whole("shape"), scene.subsurface(Vec3d(v["sigma"]), Vec3d(0.0), v["g"], n, v.whole("cap")));
-    const std::uint64_t paths = std::max<std::uint64_t>(64, paths_for(4 + 2 * n * n * v["sigma"]));
+    const std::uint64_t paths = paths_for(4 + 2 * n * n * v["sigma"]);
     return {{.scene = scaled(scene.json(), v["size"]),
              .quick_paths = paths,
              .full_paths = 16 * paths,
@@ -326,6 +329,7 @@ const CaseRegistration cases({
                 {{"sigma", 10}, {"shape", 3}, {"ior", 1.5}, {"g", -0.5}},
                 {{"sigma", 100}, {"ior", 1.5}},
                 {{"sigma", 1000}},
+                {{"sigma", 1e4}},
                 {{"sigma", 10}, {"size", 1e-6}},
                 {{"sigma", 10}, {"size", 1e6}, {"shape", 3}},
                 {{"sigma", 10}, {"g", 0.999}}},

@@ -190,10 +190,11 @@ std::vector<Measurement> phase_function(const Values& v, const DirectSetting& se
             const Real u = (static_cast<Real>(i) + Real(0.5)) / static_cast<Real>(steps);
             const auto cosine = static_cast<long double>(henyey_greenstein_cosine(g, u));
             mean += cosine / steps;
-            // The nearest share of which the cosine is that of the exact inverse, but for the five roundings
-            // of numbers up to 1 that the kernel's form has: about the peak one of them holds a tenth of all
-            // directions.
-            const long double rounding = 5 * unit_round_off<Real>;
+            // The nearest share of which the cosine is that of the exact inverse, but for the kernel's roundings: five
+            // of numbers up to 1, and that of 1 + g (1 - 2u), by which it divides. About the peak one rounding of the
+            // cosine holds a tenth of all directions.
+            const long double divisor = 1 + static_cast<long double>(g) * (1 - 2 * static_cast<long double>(u));
+            const long double rounding = (5 + 1 / divisor) * unit_round_off<Real>;
             const long double wide = static_cast<long double>(g);
             const auto moved = [&](long double by) {
                 return 1 - phase_cdf(wide, std::clamp(cosine + by, -1.0L, 1.0L));

@@ -1,5 +1,6 @@
 #include "harness/stability/oracles/transfer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
