@@ -174,7 +174,7 @@ std::vector<Twins> scheduled(const Values&) {
     for (const std::uint32_t samples : {2u, 3u, 8u}) {
         add("spp_in_flight", samples);
     }
-    add("min_blocks", 4);
+    add("min_blocks", 2);
     add("read_back", 1);
     add("regenerate_at", 0);
     add("regenerate_at", 31);
