@@ -36,7 +36,9 @@ void read_journal(const std::string& text) {
     accept_or_refuse([&] {
         Journal journal(file, "identity", true);
         check_journal(plan, {}, journal);
-        const std::string result = result_json(plan, {}, journal, {.repetitions = 3});
+        RunFacts facts;
+        facts.repetitions = 3;
+        const std::string result = result_json(plan, {}, journal, facts);
         require(Json::accept(result), "a result that is no JSON");
         const std::size_t samples = journal.sample_count();
         journal.add_sample("plain", {{"pt_wall_ms", 1}});
