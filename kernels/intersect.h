@@ -286,9 +286,12 @@ PT_HD inline SurfacePoint<typename Config::Real> surface_at(const Scene& scene, 
                                                             const Hit<typename Config::Real>& hit) {
     using Real = typename Config::Real;
     if constexpr (has<Config>(Feature::double_intersection)) {
-        const SurfacePoint<double> point =
-            surface_at<InDouble<Config>>(WideScene(scene), widened(ray), Hit<double>{hit.t, hit.side});
-        return {Vec3<Real>(point.position), Vec3<Real>(point.normal)};
+        // A quad's points keep away from its edges by the rounding of the precision that they end in (quad.h).
+        if (hit.side.object() < scene.first_quad()) {
+            const SurfacePoint<double> point =
+                surface_at<InDouble<Config>>(WideScene(scene), widened(ray), Hit<double>{hit.t, hit.side});
+            return {Vec3<Real>(point.position), Vec3<Real>(point.normal)};
+        }
     } else if constexpr (has<Config>(Feature::naive)) {
         return naive_surface_at<Config>(scene, ray, hit);
     }

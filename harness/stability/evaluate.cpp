@@ -100,8 +100,8 @@ Variant with_samples_in_flight(const Task& task, std::uint64_t pixels, std::uint
 }
 
 // An integrator with a queue goes once through it for every pixel's samples in flight, however few paths these are.
-std::uint64_t affordable_samples(const Task& task, const Variant& variant, std::uint64_t samples) {
-    constexpr std::uint64_t most_rounds = 1024;
+std::uint64_t affordable_samples(const Task& task, const Variant& variant, std::uint32_t depth, std::uint64_t samples) {
+    const std::uint64_t most_rounds = std::max(1u, 512 / depth);
     const auto in_flight = variant.tuning.find("spp_in_flight");
     const std::uint64_t at_once = in_flight != variant.tuning.end() ? in_flight->second : 1;
     return task.variant["integrator"].starts_with("wavefront") ? std::min(samples, most_rounds * at_once) : samples;
@@ -121,7 +121,7 @@ std::optional<Row> compared_with_reference(const Task& task, const Scene& scene,
     const std::uint64_t pixels = std::uint64_t{scene.camera.width} * scene.camera.height;
     const std::uint64_t wanted = std::max<std::uint64_t>(1, paths / pixels);
     const Variant variant = with_samples_in_flight(task, pixels, wanted);
-    const std::uint64_t samples = affordable_samples(task, variant, wanted);
+    const std::uint64_t samples = affordable_samples(task, variant, scene.max_depth, wanted);
     if (samples == wanted || rounds_freely(task.variant, task.backend)) {
         return std::nullopt;
     }
@@ -154,7 +154,7 @@ std::vector<Row> look(const Task& task, const Rendering& rendering, const Scene&
     const std::uint64_t wanted = std::max<std::uint64_t>(1, paths / (pixels * batches));
     const Variant variant = with_samples_in_flight(task, pixels, wanted);
     const auto samples = static_cast<std::uint32_t>(
-        std::max<std::uint64_t>(1, affordable_samples(task, variant, batches * wanted) / batches));
+        std::max<std::uint64_t>(1, affordable_samples(task, variant, scene.max_depth, batches * wanted) / batches));
     Row common;
     std::vector<Estimate> estimate(rendering.quantities.size());
     for (std::uint64_t batch = 0; batch < batches; ++batch) {
