@@ -87,9 +87,8 @@ RenderRequest request_of(const Task& task, const Scene& scene, std::uint64_t see
 
 // A case's image has few pixels and many samples: as many of them at once as the integrator can take, so that a GPU is
 // not left to a few threads.
-Variant with_samples_in_flight(const Task& task, std::uint64_t pixels, std::uint64_t samples) {
-    Variant variant = task.variant;
-    for (const Tunable& tunable : tunables_of(task.variant, task.backend)) {
+Variant with_samples_in_flight(const Task& task, Variant variant, std::uint64_t pixels, std::uint64_t samples) {
+    for (const Tunable& tunable : tunables_of(variant, task.backend)) {
         if (tunable.name == "spp_in_flight" && !variant.tuning.contains("spp_in_flight")) {
             const std::uint64_t wanted = std::min(samples, std::max<std::uint64_t>(1, (1u << 18) / pixels));
             variant.tuning["spp_in_flight"] =
@@ -120,7 +119,7 @@ double differing_pixels(const std::vector<std::int64_t>& a, const std::vector<st
 std::optional<Row> compared_with_reference(const Task& task, const Scene& scene, std::uint64_t paths) {
     const std::uint64_t pixels = std::uint64_t{scene.camera.width} * scene.camera.height;
     const std::uint64_t wanted = std::max<std::uint64_t>(1, paths / pixels);
-    const Variant variant = with_samples_in_flight(task, pixels, wanted);
+    const Variant variant = with_samples_in_flight(task, task.variant, pixels, wanted);
     const std::uint64_t samples = affordable_samples(task, variant, scene.max_depth, wanted);
     if (samples == wanted || rounds_freely(task.variant, task.backend)) {
         return std::nullopt;
@@ -129,7 +128,8 @@ std::optional<Row> compared_with_reference(const Task& task, const Scene& scene,
     RenderRequest request = request_of(task, scene, task.seed, static_cast<std::uint32_t>(samples));
     request.variant = variant;
     const RenderResult result = render(scene, request);
-    request.variant = Registry::instance().reference(task.variant, task.backend);
+    request.variant =
+        with_samples_in_flight(task, Registry::instance().reference(task.variant, task.backend), pixels, samples);
     const RenderResult reference = render(scene, request);
     row.paths = result.work.paths;
     row.rays = result.work.rays;
@@ -152,7 +152,7 @@ std::vector<Row> look(const Task& task, const Rendering& rendering, const Scene&
     const std::uint64_t batches = estimates ? rendering.batches : 1;
     const std::uint64_t pixels = std::uint64_t{scene.camera.width} * scene.camera.height;
     const std::uint64_t wanted = std::max<std::uint64_t>(1, paths / (pixels * batches));
-    const Variant variant = with_samples_in_flight(task, pixels, wanted);
+    const Variant variant = with_samples_in_flight(task, task.variant, pixels, wanted);
     const auto samples = static_cast<std::uint32_t>(
         std::max<std::uint64_t>(1, affordable_samples(task, variant, scene.max_depth, batches * wanted) / batches));
     Row common;

@@ -110,7 +110,7 @@ std::vector<Rendering> cut_off(const Values& v) {
     const double slope = static_cast<double>(v["impact"] / cosine_at(v["impact"])) * 4 * 0x1p-22;
     return {{.scene = scene.json(),
              .quick_paths = paths,
-             .full_paths = 1u << 26,
+             .full_paths = 1u << 23,
              .quantities = {{.name = "radiance",
                              .of = mean_radiance,
                              .exact = static_cast<double>(1 - lost),
@@ -132,7 +132,7 @@ std::vector<Rendering> absorbing_ball(const Values& v) {
     const double slope = static_cast<double>(v["impact"] / cosine) * 4 * 0x1p-22;
     return {{.scene = scene.json(),
              .quick_paths = paths,
-             .full_paths = 1u << 26,
+             .full_paths = 1u << 23,
              .quantities = {{.name = "radiance",
                              .of = mean_radiance,
                              .exact = static_cast<double>(exact),
@@ -151,7 +151,7 @@ std::vector<Rendering> extreme_index(const Values& v) {
     const double step = r < 1 ? static_cast<double>(1 / (1 - r)) : 0;
     Rendering round{.scene = scene.json(),
                     .quick_paths = 1u << 16,
-                    .full_paths = 1u << 24,
+                    .full_paths = 1u << 23,
                     .quantities = {all_one("radiance"),
                                    {.name = "segments of a path",
                                     .of =

@@ -46,7 +46,7 @@ std::vector<Rendering> nested_balls(const Values& v) {
     const Shares exact = stacked(stacked(stacked(outside, inside), inside), outside);
     const std::uint64_t paths = 1u << 16;
     Rendering along{
-        .scene = axis.json(), .quick_paths = paths, .full_paths = 1u << 24, .quantities = shares(exact, paths)};
+        .scene = axis.json(), .quick_paths = paths, .full_paths = 1u << 23, .quantities = shares(exact, paths)};
     along.quantities.push_back(nothing_lost("transmitted and reflected"));
     SceneText image("nested_image");
     image.camera({0, 0, 0}, {0, 0, 3}).image(16, 16, 50, true).depth(without_end).environment(1);

@@ -194,7 +194,7 @@ std::vector<Rendering> absorbing_body(const Values& v) {
     const double slope = static_cast<double>(b / cosine) * 4 * 0x1p-22 * (1 + v["sigma"]);
     return {{.scene = scene.json(),
              .quick_paths = 1u << 16,
-             .full_paths = 1u << 24,
+             .full_paths = 1u << 23,
              .quantities = {{.name = "radiance",
                              .of = mean_radiance,
                              .exact = static_cast<double>(r + (1 - r) * (1 - r) * a / (1 - r * a)),
