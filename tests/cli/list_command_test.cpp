@@ -117,7 +117,8 @@ TEST(ListTest, JsonHasTheTunablesOfEveryChoice) {
 }
 
 TEST(ListTest, JsonSaysWhatAKernelOfASceneLeavesOut) {
-    for (const json& scene : json::parse(ptbench({"list", "--json"}).out).at("scenes")) {
+    const json list = json::parse(ptbench({"list", "--json"}).out);
+    for (const json& scene : list.at("scenes")) {
         std::multiset<std::string> all;
         for (const char* part : {"features", "left_out"}) {
             const std::vector<std::string> names = scene.at(part);

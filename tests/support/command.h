@@ -161,7 +161,7 @@ inline CommandResult ptbench(std::vector<std::string> arguments, const CommandOp
 
 // Waits until `condition()` holds or the limit is over; returns whether it holds.
 template <class Condition>
-bool wait_until(Condition condition, std::chrono::seconds limit = std::chrono::seconds(30)) {
+bool wait_until(Condition condition, std::chrono::seconds limit = std::chrono::seconds(120)) {
     const auto end = std::chrono::steady_clock::now() + limit;
     while (!condition()) {
         if (std::chrono::steady_clock::now() > end) {

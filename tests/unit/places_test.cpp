@@ -77,8 +77,8 @@ TEST_F(PlacesTest, FindsASceneInAFolderOfScenes) {
     test::write_text(folder.file("outside.json"), tiny_scene);
     EXPECT_EQ(find_scene("group/inner").name, "tiny");
     EXPECT_EQ(scene_names(), (std::vector<std::string>{"a", "tiny"}));
-    for (const std::string name : {"group", "group/", "group/none", "../outside", "group/../../outside",
-                                   folder.file("outside")}) {
+    for (const std::string& name : std::vector<std::string>{"group", "group/", "group/none", "../outside",
+                                                            "group/../../outside", folder.file("outside")}) {
         EXPECT_EQ(refusal([&] { find_scene(name); }),
                   "--scene: name: found \"" + name + "\", allowed: a file that ends in .json, or one of a, tiny");
     }
