@@ -22,7 +22,9 @@ void render(const Scene& scene, const RenderSettings& settings) {
     Film film(settings.width, settings.height, radiance_bound(scene, settings), 1);
     PathCounters counters;
     for (std::uint32_t pixel = 0; pixel < settings.width * settings.height; ++pixel) {
-        integrator::depth_first::trace<Generic>(buffers.view(), film.view(), pixel, 0, nullptr, false, counters);
+        PixelSum<Generic> sum;
+        integrator::depth_first::trace<Generic>(buffers.view(), film.view(), sum, pixel, 0, nullptr, false, counters);
+        sum.finish(film.view(), pixel);
     }
     require(film.faults().nonfinite == 0 && film.faults().negative == 0, faults_text(film.faults()));
 }

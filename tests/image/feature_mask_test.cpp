@@ -27,10 +27,12 @@ Film film_of(const Scene& scene, FeatureSet asked) {
     Film film(settings.width, settings.height, radiance_bound(scene, settings), samples);
     PathCounters counters;
     for (std::uint32_t pixel = 0; pixel < settings.width * settings.height; ++pixel) {
+        PixelSum<Config<float, mask>> sum;
         for (std::uint32_t sample = 0; sample < samples; ++sample) {
-            integrator::depth_first::trace<Config<float, mask>>(buffers.view(), film.view(), pixel, sample, nullptr,
-                                                                false, counters);
+            integrator::depth_first::trace<Config<float, mask>>(buffers.view(), film.view(), sum, pixel, sample,
+                                                                nullptr, false, counters);
         }
+        sum.finish(film.view(), pixel);
     }
     return film;
 }
