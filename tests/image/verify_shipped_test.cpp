@@ -48,6 +48,8 @@ TEST_P(ShippedScene, HoldsTheClaimOfEveryVariant) {
     axes["direct_light"] = {"off", "final_bounce"};
     axes["russian_roulette"] = {"off"};
     axes["sampler"] = {"pcg4d"};
+    axes["precision"] = {"float", "double"};
+    axes["robustness"] = {"robust"};
     // The kernels of a scene are those of the first with its features: all of them there, every pair of choices here.
     const bool is_first = first_with(features) == GetParam();
     for (const Variant& variant : is_first ? expand(axes, Backend::cpu, {{"jitters", {16, 2}}})
@@ -65,11 +67,11 @@ TEST_P(ShippedScene, HoldsTheClaimOfEveryVariant) {
     }
     // 14 queue variants (compaction x sorting less the pair that does not apply) in 2 layouts and depth_first, each in
     // 3 kernels, and the one of depth_first in double, with the last bounce on and off; each with the first bounce off,
-    // and cached, or, where camera rays vary, with 16 and with 2 of them kept. packet with the first bounce off only.
+    // and cached, or, where camera rays vary, with 16 and with 2 of them kept. packet and audited with the first bounce off only.
     const bool varies = (features & (Feature::jitter | Feature::lens | Feature::motion)) != 0;
     // Matrices go with jitter only.
     const unsigned kernels = contains(features, Feature::jitter) ? 3u : 2u;
-    EXPECT_EQ(held, ((14u * 2u + 1u) * kernels + 1u) * 2u * (varies ? 3u : 2u) + 2u * kernels);
+    EXPECT_EQ(held, ((14u * 2u + 1u) * kernels + 1u) * 2u * (varies ? 3u : 2u) + 2u * kernels + 2u * (kernels + 1u));
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, ShippedScene, testing::ValuesIn(shipped_scenes()),

@@ -6,6 +6,7 @@
 #include "kernels/dielectric.h"
 #include "kernels/diffuse.h"
 #include "kernels/film.h"
+#include "kernels/health.h"
 #include "kernels/in_range.h"
 #include "kernels/intersect.h"
 #include "kernels/light.h"
@@ -14,6 +15,7 @@
 #include "kernels/minstd.h"
 #include "kernels/mirror.h"
 #include "kernels/mix.h"
+#include "kernels/naive.h"
 #include "kernels/next_event.h"
 #include "kernels/path.h"
 #include "kernels/philox.h"
@@ -30,6 +32,7 @@
 #include "kernels/sphere.h"
 #include "kernels/subsurface.h"
 #include "kernels/transform.h"
+#include "kernels/widen.h"
 
 namespace pt {
 

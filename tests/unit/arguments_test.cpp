@@ -88,9 +88,9 @@ TEST(TuneArgumentTest, AValueIsAllowedIfSomeChoiceAllowsIt) {
     add_tunable_argument(tunables, "spp_in_flight=1024");  // a megakernel's, not a wavefront's
     add_tunable_argument(tunables, "block=32,1024");
     EXPECT_EQ(tunables, (TunableValues{{"block", {32, 1024}}, {"spp_in_flight", {1024}}}));
-    EXPECT_EQ(refusal<InputError>([&] { add_tunable_argument(tunables, "spp_in_flight=1025"); }),
-              "--tune: argument.spp_in_flight: found 1025, allowed: a whole number from 1 to 1024, or a whole number "
-              "from 1 to 256");
+    EXPECT_EQ(refusal<InputError>([&] { add_tunable_argument(tunables, "spp_in_flight=1048577"); }),
+              "--tune: argument.spp_in_flight: found 1048577, allowed: a whole number from 1 to 1048576, or a whole "
+              "number from 1 to 256");
     EXPECT_EQ(refusal<InputError>([&] { add_tunable_argument(tunables, "block=48"); }),
               "--tune: argument.block: found 48, allowed: a whole number from 32 to 1024, a multiple of 32");
 }

@@ -158,7 +158,7 @@ TEST(CoveringTest, NoRandomVariantHasAPairThatIsLeftOut) {
         for (const FeatureSet scene : scenes) {
             const std::set<Pair> covered = pairs_in(covering_variants(axes, scene, backend));
             std::size_t found = 0;
-            for (int trial = 0; trial < 20000; ++trial) {
+            for (int trial = 0; trial < 60000; ++trial) {
                 Variant variant;
                 for (const auto& [axis, names] : axes) {
                     variant.set(axis, names[random() % names.size()]);

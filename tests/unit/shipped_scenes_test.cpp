@@ -86,6 +86,9 @@ TEST(ShippedScenes, HaveNoMaterialThatNothingIsMadeOf) {
 
 TEST(ShippedScenes, HaveExactKernelsOfEveryIntegrator) {
     for (const Choice* integrator : Registry::instance().choices("integrator")) {
+        if (integrator->descriptor.name == "audited") {  // for health, not for times: generic kernels alone
+            continue;
+        }
         for (const std::filesystem::path& file : scene_files()) {
             const FeatureSet features = features_of(load_scene(file.string()));
             EXPECT_TRUE(integrator->hook.integrator.contains(features))

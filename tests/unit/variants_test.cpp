@@ -429,7 +429,8 @@ TEST(VariantTest, ReferenceOnCudaIsThePlainestVariantOfTheSameExpectation) {
                                         ? variant.name()
                                         : "megakernel.none.none.material." + first_bounce + "." +
                                               estimator_of(variant) + ".aos." + formula + ".stream." +
-                                              variant["arithmetic"] + "." + variant["precision"]);
+                                              variant["arithmetic"] + "." + variant["precision"] + "." +
+                                              variant["robustness"]);
         EXPECT_EQ(registry().reference(reference, Backend::cuda), reference);
         EXPECT_EQ(why_not_applicable(reference, all_features, Backend::cuda), "") << reference.name();
     }
@@ -437,8 +438,8 @@ TEST(VariantTest, ReferenceOnCudaIsThePlainestVariantOfTheSameExpectation) {
 
 TEST(VariantTest, ClaimIsTheWeakestOfItsChoices) {
     for (const Variant& variant : expand(all_choices())) {
-        const bool is_biased =
-            variant["first_bounce"] == "cached_jitters" || variant["sampler"] == "minstd_by_position";
+        const bool is_biased = variant["first_bounce"] == "cached_jitters" ||
+                               variant["sampler"] == "minstd_by_position" || variant["robustness"] == "naive";
         EXPECT_EQ(claim_of(variant), is_biased ? Claim::biased
                                      : estimator_of(variant) == "off.off.pcg4d" &&
                                              variant["specialisation"] != "matrix" && variant["precision"] == "float"
@@ -701,6 +702,7 @@ std::vector<WorkCase> work_cases() {
          queued,
          {{with(queued, &WorkCounters::bounces, 1), "ran fewer bounces over the queue than samples"}}},
         {"integrator", "depth_first", idle, {{queued, "ran a queue"}}},
+        {"integrator", "audited", idle, {{queued, "ran a queue"}}, on_cpu},
         {"integrator", "packet", idle, {{queued, "ran a queue"}}},
         {"compaction", "none", queued, {{compacted, "a compaction ran"}}, on_every_backend},
         {"sorting", "none", queued, {{ordered, "a sort ran"}}, on_every_backend},
@@ -742,7 +744,7 @@ std::vector<WorkCase> work_cases() {
         cases.push_back(
             {"integrator", name, launched, {{one_kernel, "ran no queue"}, {queued, "launched no kernel"}}, on_cuda});
     }
-    for (const char* name : {"megakernel", "megakernel_regen", "persistent"}) {
+    for (const char* name : {"audited", "megakernel", "megakernel_regen", "persistent"}) {
         cases.push_back(
             {"integrator", name, one_kernel, {{launched, "ran a queue"}, {idle, "launched no kernel"}}, on_cuda});
     }
@@ -1012,8 +1014,8 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
         ASSERT_EQ(result.work.connections, reference.work.connections) << variant.name();
     }
     // 2 x 4 for depth_first and (5 x 3 - 1) x 2 x 2 x 3 for wavefront; each with the first bounce off, and cached, or,
-    // with jitter, with 16 and with 2 camera rays kept. 2 x 3 for packet and 2 x 4 for audited, with the first bounce off.
-    // Matrices go with jitter only.
+    // with jitter, with 16 and with 2 camera rays kept. 2 x 3 for packet and 2 x 4 for audited, with the first bounce
+    // off. Matrices go with jitter only.
     EXPECT_EQ(rendered, scene.camera.jitter ? 3u * 176u + 14u : 2u * 118u + 10u);
     // The comparison means something only if there is light, and if the expectations differ.
     ASSERT_EQ(references.size(), scene.camera.jitter ? 3u * 6u : 4u);

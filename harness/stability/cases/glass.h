@@ -13,11 +13,11 @@ namespace pt::stability {
 inline constexpr std::uint32_t without_end = 1000000;
 inline const Vec3d lamp_behind(1, 0, 1), lamp_before(0, 1, 1);
 
-// Where fewer than some hundred paths decide, batches do not tell their own spread: four standard errors from the
+// Where fewer than some dozens of paths decide, batches do not tell their own spread: four standard errors from the
 // binomial law, of the quick run.
 inline double few_events(long double share, std::uint64_t paths) {
     const long double odd = std::min(std::abs(share), std::abs(1 - share));
-    const bool is_few = odd * static_cast<long double>(paths) < 400;
+    const bool is_few = odd * static_cast<long double>(paths) < 40;
     return is_few ? static_cast<double>(4 * std::sqrt(std::max(odd, 1e-18L) / static_cast<long double>(paths))) : 0;
 }
 
