@@ -67,7 +67,8 @@ TEST_P(ShippedScene, HoldsTheClaimOfEveryVariant) {
     }
     // 14 queue variants (compaction x sorting less the pair that does not apply) in 2 layouts and depth_first, each in
     // 3 kernels, and the one of depth_first in double, with the last bounce on and off; each with the first bounce off,
-    // and cached, or, where camera rays vary, with 16 and with 2 of them kept. packet and audited with the first bounce off only.
+    // and cached, or, where camera rays vary, with 16 and with 2 of them kept. packet and audited with the first bounce
+    // off only.
     const bool varies = (features & (Feature::jitter | Feature::lens | Feature::motion)) != 0;
     // Matrices go with jitter only.
     const unsigned kernels = contains(features, Feature::jitter) ? 3u : 2u;
