@@ -14,6 +14,12 @@ struct FilmFaults {
     std::uint64_t saturated = 0;  // samples beyond the film's limit: clamped to it
 
     PT_HD bool none() const { return nonfinite == 0 && negative == 0 && saturated == 0; }
+    PT_HD FilmFaults& operator+=(const FilmFaults& other) {
+        nonfinite += other.nonfinite;
+        negative += other.negative;
+        saturated += other.saturated;
+        return *this;
+    }
 };
 
 template <class T>

@@ -34,28 +34,12 @@ OrderedJson context(const RunFacts& facts) {
             {{"type", cache.type}, {"level", cache.level}, {"size", cache.size}, {"num_sharing", cache.num_sharing}});
     }
     json["load_avg"] = cpu.load_avg;
-    for (const auto& [key, value] : machine_context()) {
-        json[key] = value;
-    }
-    if (facts.backend == Backend::cuda) {
-        for (const auto& [key, value] : cuda::context()) {
-            json[key] = value;
-        }
-        json["ptbench.machine"] = cuda::machine_name();
-    }
+    json.update(machine_json(facts.backend));
     json["ptbench.command_line"] = facts.command_line;
     json["ptbench.suite"] = facts.suite;
     json["ptbench.backend"] = to_string(facts.backend);
     json["ptbench.status"] = facts.completed ? "completed" : "interrupted";
     return json;
-}
-
-OrderedJson axes_of(const Variant& variant) {
-    OrderedJson axes;
-    for (const std::string_view axis : axis_names) {
-        axes[std::string(axis)] = variant[axis];
-    }
-    return axes;
 }
 
 OrderedJson row_head(const std::string& cell, const std::string& suffix, std::size_t family, int repetitions) {
@@ -164,7 +148,7 @@ OrderedJson cell_json(const Cell& cell, const Journal& journal, int repetitions)
                      {"scene_hash", cell.scene->hash},
                      {"backend", to_string(cell.backend)},
                      {"variant", cell.variant.name()},
-                     {"axes", axes_of(cell.variant)},
+                     {"axes", axes_json(cell.variant)},
                      {"tunables", tunables_json(cell)},
                      {"resolution", {cell.settings.width, cell.settings.height}},
                      {"depth", cell.settings.depth},
@@ -268,6 +252,28 @@ OrderedJson studies_json(const Suite& suite) {
 
 }  // namespace
 
+nlohmann::ordered_json axes_json(const Variant& variant) {
+    OrderedJson axes;
+    for (const std::string_view axis : axis_names) {
+        axes[std::string(axis)] = variant[axis];
+    }
+    return axes;
+}
+
+nlohmann::ordered_json machine_json(Backend backend) {
+    OrderedJson json;
+    for (const auto& [key, value] : machine_context()) {
+        json[key] = value;
+    }
+    if (backend == Backend::cuda) {
+        for (const auto& [key, value] : cuda::context()) {
+            json[key] = value;
+        }
+        json["ptbench.machine"] = cuda::machine_name();
+    }
+    return json;
+}
+
 std::string rows_on_lines(const OrderedJson& value) {
     if (!value.is_structured() || value.empty()) {
         return value.dump();
@@ -333,7 +339,7 @@ std::string text_of_result(const Plan& plan, const Suite& suite, const Journal& 
         not_applicable.push_back({{"study", entry.study},
                                   {"scene", entry.scene},
                                   {"variant", entry.variant.name()},
-                                  {"axes", axes_of(entry.variant)},
+                                  {"axes", axes_json(entry.variant)},
                                   {"reason", entry.reason}});
     }
     OrderedJson baselines;

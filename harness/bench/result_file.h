@@ -23,6 +23,11 @@ struct Aggregates {
 // Precondition: at least one value.
 Aggregates aggregate(std::vector<double> values);
 
+// A variant's choices by axis.
+nlohmann::ordered_json axes_json(const Variant& variant);
+// What a result says of machine, build and backend.
+nlohmann::ordered_json machine_json(Backend backend);
+
 // A document of rows as text: each member of an object and each element of an array begins a line, and an element is
 // on that line whole. Indented, a result is a third larger.
 std::string rows_on_lines(const nlohmann::ordered_json& value);

@@ -55,5 +55,6 @@ bool must_pass(const Variant& variant);
 
 Json to_json(const Task& task, const Row& row);
 Json to_json(const Case& stiff_case);
+Json to_json(const Values& values);
 
 }  // namespace pt::stability

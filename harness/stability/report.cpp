@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "harness/bench/machine.h"
-#include "harness/cuda/backend.h"
+#include "harness/bench/result_file.h"
 #include "harness/json_reader.h"
 #include "harness/write_file.h"
 
@@ -18,18 +18,7 @@ constexpr const char* schema = "ptbench-stability-1";
 
 // What rows must share to stand in one file.
 Json identity(const RunDescription& description) {
-    Json json;
-    for (const auto& [key, value] : machine_context()) {
-        json[key] = value;
-    }
-    if (description.backend == Backend::cuda) {
-        for (const auto& [key, value] : cuda::context()) {
-            json[key] = value;
-        }
-        json["ptbench.machine"] = cuda::machine_name();
-    } else {
-        json["ptbench.machine"] = machine_name();
-    }
+    Json json = machine_json(description.backend);
     json["ptbench.backend"] = pt::to_string(description.backend);
     json["quick"] = description.is_quick;
     json["seed"] = description.seed;
@@ -41,7 +30,9 @@ std::string key_of(const std::string& name, const Json& point, const std::string
     return name + point.dump() + variant;
 }
 
-Json point_of(const Task& task) { return to_json(task, {})["point"]; }
+std::string key_of(const Task& task) {
+    return key_of(task.stiff_case->name, to_json(task.values), task.variant.name());
+}
 
 }  // namespace
 
@@ -66,15 +57,13 @@ Report::Report(std::string file, RunDescription description, bool resume)
     }
 }
 
-bool Report::has(const Task& task) const {
-    return done_.contains(key_of(task.stiff_case->name, point_of(task), task.variant.name()));
-}
+bool Report::has(const Task& task) const { return done_.contains(key_of(task)); }
 
 void Report::add(const Task& task, const std::vector<Row>& rows) {
     for (const Row& row : rows) {
         rows_.push_back(to_json(task, row));
     }
-    done_.insert(key_of(task.stiff_case->name, point_of(task), task.variant.name()));
+    done_.insert(key_of(task));
 }
 
 void Report::write(const std::string& status) const {
@@ -85,17 +74,15 @@ void Report::write(const std::string& status) const {
     context["ptbench.command_line"] = description_.command_line;
     context["ptbench.status"] = status;
     context["date"] = iso_date();
-    std::string text = fmt::format("{{\n\"schema\": \"{}\",\n\"context\": {},\n\"cases\": [\n", schema, context.dump());
-    std::vector<std::string> lines;
+    Json cases = Json::array();
     for (const Case& stiff_case : catalogue()) {
-        lines.push_back(to_json(stiff_case).dump());
+        cases.push_back(to_json(stiff_case));
     }
-    text += fmt::format("{}\n],\n\"rows\": [\n", fmt::join(lines, ",\n"));
-    lines.clear();
-    for (const Json& row : rows_) {
-        lines.push_back(row.dump());
-    }
-    write_file(file_, text + fmt::format("{}\n]\n}}\n", fmt::join(lines, ",\n")));
+    write_file(
+        file_,
+        rows_on_lines(
+            {{"schema", schema}, {"context", std::move(context)}, {"cases", std::move(cases)}, {"rows", rows_}}) +
+            "\n");
 }
 
 std::size_t Report::count(std::string_view status, bool must_pass_only) const {

@@ -9,8 +9,7 @@
 #include <numeric>
 
 #include "variants/cpu/lanes_shade.h"
-#include "variants/cpu/parallel_for.h"
-#include "variants/registry.h"
+#include "variants/integrator/depth_first.h"
 
 namespace pt::integrator::packet {
 
@@ -30,17 +29,13 @@ inline std::string does_not_apply(FeatureSet, const Variant& variant) {
     return "";
 }
 
-inline std::string work_missing(const WorkCounters& work, std::uint64_t) {
-    return work.bounces == 0 ? "" : "ran a queue";
-}
-
 inline constexpr Descriptor descriptor{
     .axis = "integrator",
     .name = "packet",
     .summary = "64 paths side by side in vector lanes, with regeneration; what is rare goes lane by lane",
     .origin = "Wald, Slusallek, Benthin and Wagner 2001; Novak, Havran and Dachsbacher 2010",
     .does_not_apply = does_not_apply,
-    .work_missing = work_missing,
+    .work_missing = depth_first::work_missing,
 };
 
 // The paths of a range of pixels, sample by sample.
