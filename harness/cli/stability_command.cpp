@@ -1,7 +1,9 @@
 // ptbench stability: cases with exact answers, over precision, arithmetic, robustness, integrators and backend.
 #include <algorithm>
 #include <charconv>
+#include <optional>
 #include <set>
+#include <thread>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,6 +12,7 @@
 #include "harness/cli/commands.h"
 #include "harness/stability/evaluate.h"
 #include "harness/stability/report.h"
+#include "harness/stability/workers.h"
 #include "harness/write_file.h"
 
 namespace pt {
@@ -29,6 +32,7 @@ struct StabilityArguments {
     std::string backend;
     std::uint64_t seed = 1;
     std::uint64_t paths = 0;
+    std::size_t jobs = 0;
     bool quick = false;
     bool list = false;
     bool quiet = false;
@@ -239,10 +243,52 @@ void compile(const std::vector<const Case*>& cases, const StabilityArguments& ar
     compile_ahead(compilations);
 }
 
-void print_row(const Task& task, const Row& row, const Variant& plainest) {
-    fmt::print("{:<11} {:<4} {}  {}\n", to_string(row.status), task.stiff_case->catalogue,
-               stability::label(task, plainest), stability::in_words(row));
-    std::fflush(stdout);
+// The tasks of a call, case after case.
+std::vector<Task> all_tasks(const StabilityArguments& arguments, Backend backend) {
+    const std::vector<Variant> variants = asked_variants(arguments, backend);
+    std::vector<Task> tasks;
+    for (const Case* stiff_case : chosen_cases(arguments)) {
+        for (Task& task : tasks_of(*stiff_case, arguments, backend, variants)) {
+            tasks.push_back(std::move(task));
+        }
+    }
+    return tasks;
+}
+
+// A task's rows, and what is printed of them, as a line of JSON.
+std::string evaluated(const Task& task, bool quiet) {
+    stability::Json rows = stability::Json::array();
+    std::string text;
+    const Variant plainest = stability::plainest_variant(task.backend);
+    for (const Row& row : evaluate(task)) {
+        rows.push_back(to_json(task, row));
+        const bool worth_a_line = row.status == Status::failed || row.status == Status::broken;
+        if (!quiet || (worth_a_line && stability::must_pass(task.variant))) {
+            text += fmt::format("{:<11} {:<4} {}  {}\n", to_string(row.status), task.stiff_case->catalogue,
+                                stability::label(task, plainest), stability::in_words(row));
+        }
+    }
+    return stability::Json{{"rows", std::move(rows)}, {"text", std::move(text)}}.dump();
+}
+
+// "cuda 17": the call's 17th task on that backend.
+stability::Answer worker_of(const StabilityArguments& arguments) {
+    auto tasks = std::make_shared<std::vector<Task>>();
+    return [&arguments, tasks](const std::string& question) {
+        const std::size_t space = question.find(' ');
+        if (tasks->empty()) {
+            *tasks = all_tasks(arguments, parse_backend(question.substr(0, space)));
+        }
+        return evaluated(tasks->at(std::stoul(question.substr(space + 1))), arguments.quiet);
+    };
+}
+
+// On a CPU every render has all processors already.
+std::size_t worker_count(const StabilityArguments& arguments) {
+    if (arguments.jobs != 0) {
+        return arguments.jobs;
+    }
+    return arguments.backend == "cpu" ? 1 : std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, 16);
 }
 
 int run(const StabilityArguments& arguments) {
@@ -258,35 +304,47 @@ int run(const StabilityArguments& arguments) {
     if (!arguments.values.empty() && cases.size() != 1) {
         throw InputError("--set", "argument", fmt::format("{} cases", cases.size()), "one case, by --case");
     }
+    // Before the backend is looked at: a process that has started CUDA cannot be forked.
+    const stability::Answer answer = worker_of(arguments);
+    std::optional<stability::Workers> workers;
+    if (const std::size_t count = worker_count(arguments); count > 1) {
+        workers.emplace(count, answer);
+    }
     const Backend backend = parse_backend(arguments.backend);
-    const std::vector<Variant> variants = asked_variants(arguments, backend);
     require_backend(backend);
     stability::Report report(arguments.out,
                              {arguments.command_line, backend, arguments.quick, arguments.seed, arguments.paths},
                              arguments.resume);
-    std::vector<std::vector<Task>> tasks;
-    for (const Case* stiff_case : cases) {
-        tasks.push_back(tasks_of(*stiff_case, arguments, backend, variants));
+    const std::vector<Task> tasks = all_tasks(arguments, backend);
+    std::vector<std::size_t> missing;
+    std::vector<std::string> questions;
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+        if (!report.has(tasks[i])) {
+            missing.push_back(i);
+            questions.push_back(fmt::format("{} {}", to_string(backend), i));
+        }
     }
     if (backend == Backend::cuda) {
-        compile(cases, arguments, variants);
+        compile(cases, arguments, asked_variants(arguments, backend));
     }
-    const Variant plainest = stability::plainest_variant(backend);
-    for (std::size_t i = 0; i < cases.size(); ++i) {
-        for (const Task& task : tasks[i]) {
-            if (report.has(task)) {
-                continue;
-            }
-            const std::vector<Row> rows = evaluate(task);
-            report.add(task, rows);
-            for (const Row& row : rows) {
-                const bool worth_a_line = row.status == Status::failed || row.status == Status::broken;
-                if (!arguments.quiet || (worth_a_line && stability::must_pass(task.variant))) {
-                    print_row(task, row, plainest);
-                }
-            }
+    const auto answered = [&](std::size_t question, const std::string& line) {
+        const stability::Json rows = stability::Json::parse(line);
+        const Task& task = tasks[missing[question]];
+        report.add(task, rows["rows"]);
+        fmt::print("{}", rows["text"].get<std::string>());
+        std::fflush(stdout);
+        const bool ends_case =
+            question + 1 == missing.size() || tasks[missing[question + 1]].stiff_case != task.stiff_case;
+        if (ends_case) {
+            report.save();
         }
-        report.save();
+    };
+    if (workers && (arguments.jobs != 0 || backend == Backend::cuda)) {
+        workers->ask(questions, answered);
+    } else {
+        for (std::size_t i = 0; i < questions.size(); ++i) {
+            answered(i, answer(questions[i]));
+        }
     }
     report.finish();
     fmt::print("{}\n", report.summary());
@@ -314,6 +372,11 @@ Command add_stability_command(CLI::App& app, const std::string& command_line) {
     command->add_option("--seed", arguments->seed, "Seed (default 1)")->check(check_seed);
     command->add_option("--paths", arguments->paths, "Paths of each rendering, instead of as many as the case asks for")
         ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 34));
+    command
+        ->add_option("--jobs", arguments->jobs,
+                     "Processes that evaluate tasks at once (default: one for each processor, at most 16, on cuda; one "
+                     "on cpu). Rows do not depend on it but for their seconds")
+        ->check(CLI::Range(std::size_t{1}, std::size_t{256}));
     command->add_flag("--quick", arguments->quick, "Fewer points, samples and variants");
     command->add_flag("--list", arguments->list, "Say what there is, and run nothing");
     command->add_flag("--quiet", arguments->quiet, "Print failures of what must pass, and the tally, only");
