@@ -58,6 +58,13 @@ TEST(BatchesTest, ALaunchTakesNoMoreSamplesThanThePartHas) {
     EXPECT_EQ(samples_a_launch(job), 3u);
     job.samples = 0xffffffffu;
     EXPECT_EQ(samples_a_launch(job), 0xffffffffu / (2 * 8 * 128));
+    job.samples_in_flight = 4;  // each of a pixel's four threads takes that many
+    EXPECT_EQ(samples_a_launch(job), 4 * (0xffffffffu / (2 * 8 * 128)));
+    job.longest_path = 1000000;
+    job.samples_in_flight = 1u << 18;
+    EXPECT_EQ(samples_a_launch(job), (1u << 18) * 16);
+    job.samples = 1u << 20;
+    EXPECT_EQ(samples_a_launch(job), 1u << 20);
 }
 
 TEST(BatchesTest, APersistentLaunchTakesAsManySamplesAsItCanCount) {

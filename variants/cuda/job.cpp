@@ -24,8 +24,9 @@ void fill_cache(Job& job) {
 
 std::uint32_t samples_a_launch(const Job& job) {
     const std::uint64_t rays_a_sample = 2ull * job.longest_path;  // a segment and, at most, a connection
-    const std::uint64_t most = 0xffffffffull / (rays_a_sample * job.block);
-    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(most, 1, job.samples));
+    const std::uint64_t a_thread = std::max<std::uint64_t>(1, 0xffffffffull / (rays_a_sample * job.block));
+    const std::uint64_t threads_a_pixel = std::min(job.samples_in_flight, job.samples);
+    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(a_thread * threads_a_pixel, 1, job.samples));
 }
 
 std::uint32_t samples_a_persistent_launch(const Job& job, std::uint32_t threads) {

@@ -95,7 +95,8 @@ std::uint32_t take_missing_rays(Job& job);
 // Fills the first-bounce cache, if there is one, with those.
 void fill_cache(Job& job);
 
-// Samples that one launch of a kernel may take a thread, so that a thread's and a block's counters fit in 32 bits.
+// Samples of a pixel that one launch may take when its threads share them, so that a thread's and a block's counters
+// fit in 32 bits.
 std::uint32_t samples_a_launch(const Job& job);
 // The same for a launch whose `threads` threads share all items. A thread may take many more than its share, so a
 // block's counters must hold 16 times its own, or all that a launch can count where that is less; and the number of
