@@ -23,7 +23,7 @@ _NUMERIC = {
     "Depth", "spp", "n", "ms/spp", "95 % interval", "Mrays/s", "Ratio", "Ratio's 95 % interval",
     "Device/wall", "Launches/spp", "Host waits/spp", "Hottest kernel's registers",
 }  # fmt: skip
-_GPU_TEXT = (
+GPU_TEXT = (
     "On a GPU: device time over render wall time is the median of the samples'; launches are kernels, copies and "
     "graphs that the host enqueues, host waits how often it waits for the device meanwhile; the hottest kernel is that "
     "of the longest stage whose kernel is ours."
@@ -38,7 +38,7 @@ def summary(result: Result, not_drawn: dict[str, Sequence[str]], notes: dict[str
     lines += [f"Times are medians of render wall time per sample per pixel. Intervals: {INTERVAL_TEXT}.", ""]
     lines += [VERDICT_RULE, "Low-clock samples are flagged, never dropped.", ""]
     if any(cell.on_gpu for cell in result.cells):
-        lines += [_GPU_TEXT, ""]
+        lines += [GPU_TEXT, ""]
     lines += convergence_rules(result)
     for study in result.studies:
         lines += study_section(
