@@ -16,8 +16,8 @@ from analysis.saving import DPI, png_of, svg_of
 from analysis.stability_file import Stability
 from analysis.studies import Note
 
-# An SVG of so many bytes has thousands of points: pixels may take less.
-_LARGE_SVG = 120_000
+# An SVG of so many bytes has thousands of points: pixels may take less. Finding out takes seconds.
+_LARGE_SVG = 500_000
 _PICTURES_DPI = 120  # photographs in pages are looked at, not measured
 _CSS_PIXELS = 96  # an inch
 

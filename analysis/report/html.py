@@ -25,6 +25,8 @@ from analysis.tables import Table
 _INLINE = re.compile(r"`([^`]+)`|\*\*(.+?)\*\*")
 # Longer words without a space may be broken at their joints; without that, one name is as wide as a page.
 _LONG_WORD = re.compile(r"[^\s<>&;]{24,}")
+_LONG_TEXT = 36  # characters
+_WIDE = 9  # columns; such a table is printed on a page across
 _POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src data:"
 
 
@@ -68,9 +70,17 @@ def inline(text: str) -> str:
     for match in _INLINE.finditer(text):
         parts.append(_breakable(text[end : match.start()]))
         tag, inside = ("code", match[1]) if match[1] is not None else ("strong", match[2])
-        parts.append(f"<{tag}>{_breakable(inside)}</{tag}>")
+        parts.append(f"<{tag}>{_words(inside) if tag == 'code' else _breakable(inside)}</{tag}>")
         end = match.end()
     return "".join([*parts, _breakable(text[end:])])
+
+
+def _words(code: str) -> str:
+    """A command's options stay whole: a line that ends after a hyphen reads as another option."""
+    words = code.split(" ")
+    if len(words) == 1:
+        return _breakable(code)
+    return " ".join(f"<span>{_breakable(word)}</span>" for word in words)
 
 
 def _breakable(text: str) -> str:
@@ -132,7 +142,10 @@ def _data(media_type: str, data: bytes) -> str:
 
 
 def _table(table: Table) -> str:
-    sides = [' class="number"' if is_number else "" for is_number in table.numeric]
+    sides = [
+        ' class="number"' if is_number else ' class="text"' if _is_long(table, column) else ""
+        for column, is_number in enumerate(table.numeric)
+    ]
     head = "".join(
         f'<th scope="col"{side}><button type="button">{escape(name) or "&nbsp;"}</button></th>'
         for name, side in zip(table.head, sides, strict=True)
@@ -141,8 +154,13 @@ def _table(table: Table) -> str:
     # A box that scrolls must be reached by the keyboard.
     return (
         f'<div class="scroll" tabindex="0" role="region" aria-label="Table: {escape(", ".join(table.head[:3]))}">'
-        f"<table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n"
+        f"<table{' class="wide"' if len(table.head) >= _WIDE else ''}>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n"
     )
+
+
+def _is_long(table: Table, column: int) -> bool:
+    """Whether a column's texts need lines to be broken; others are one line each, so that nothing else is squeezed."""
+    return any(len(row[column]) > _LONG_TEXT for row in table.rows)
 
 
 def _row(cells: Iterable[str], sides: Sequence[str]) -> str:

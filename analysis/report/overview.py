@@ -1,4 +1,4 @@
-"""The parts of a report that speak of all its files: machines, what ran, what was left out, scenes, method, raw rows."""
+"""The parts of a report that speak of all its files: machines, what ran, what was left out, scenes, method, rows."""
 
 from __future__ import annotations
 
@@ -165,8 +165,8 @@ def _scenes(chapters: Sequence[Chapter], pictures: Sequence[ScenePicture]) -> li
     lacking = [picture for picture in pictures if picture.image is None]
     if lacking:
         blocks.append(Paragraph(f"{plural(len(lacking), 'scene')} without a picture. {NO_PICTURES}"))
-        rows = [(picture.scene, f"{picture.caption} {picture.failure}") for picture in lacking]
-        blocks.append(table_of(("Scene", "What is known, and why there is no picture"), rows))
+        rows = [(picture.scene, f"`{picture.scene_hash}`", picture.sizes, picture.failure) for picture in lacking]
+        blocks.append(table_of(("Scene", "Hash", "Measured at", "Why there is no picture"), rows))
     cases = sum(chapter.stability_cases for chapter in chapters)
     if cases:
         blocks.append(

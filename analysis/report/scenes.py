@@ -6,7 +6,7 @@ import io
 import os
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -52,12 +52,18 @@ class Renderer:
 
 @dataclass(frozen=True)
 class ScenePicture:
-    """`image`, or `failure` says why there is none."""
+    """`image` and how it came about, or `failure`: why there is none."""
 
     scene: str
-    caption: str
-    image: Image | None
+    scene_hash: str
+    sizes: str  # at which the scene was measured
+    image: Image | None = None
+    how: str = ""
     failure: str = ""
+
+    @property
+    def caption(self) -> str:
+        return f"`{self.scene}`, hash `{self.scene_hash}`, measured at {self.sizes}; {self.how}."
 
 
 def scene_uses(result: Result) -> tuple[SceneUse, ...]:
@@ -94,18 +100,18 @@ def scene_pictures(uses: Sequence[SceneUse], renderer: Renderer | None) -> list[
 
 def _picture(uses: Sequence[SceneUse], renderer: Renderer | None) -> ScenePicture:
     use = next((use for use in uses if use.reference is not None), uses[0])
-    sizes = list(dict.fromkeys(size for one in uses for size in one.resolutions))
-    sizes = [size.replace("x", "×") for size in sorted(sizes, key=lambda size: [int(n) for n in size.split("x")])]
-    about = f"`{use.scene}`, hash `{use.scene_hash or 'unknown'}`, measured at {', '.join(sizes)}"
+    sizes = {tuple(map(int, size.split("x"))) for one in uses for size in one.resolutions}
+    measured = ", ".join(f"{width}×{height}" for width, height in sorted(sizes))
+    known = ScenePicture(use.scene, use.scene_hash or "unknown", measured)
     if use.reference is not None:
         by = f"{use.reference_spp} spp by {use.reference_variant}" if use.reference_spp else "in closed form"
         try:
-            return ScenePicture(use.scene, f"{about}; the convergence study's reference, {by}.", _from_reference(use))
+            return replace(known, image=_from_reference(use), how=f"the convergence study's reference, {by}")
         except InputError as error:
-            return ScenePicture(use.scene, f"{about}.", None, one_line(str(error)))
+            return replace(known, failure=one_line(str(error)))
     if renderer is None:
-        return ScenePicture(use.scene, f"{about}.", None, "no picture: none beside the result files")
-    return _rendered(use, about, renderer)
+        return replace(known, failure="none lies beside the result files, and no program was given to render one")
+    return _rendered(known, use, renderer)
 
 
 def _from_reference(use: SceneUse) -> Image:
@@ -128,28 +134,26 @@ def _framed(use: SceneUse, jpeg: bytes) -> Image:
     return Image(name, jpeg, f"The scene {use.scene}", _SHOWN, round(_SHOWN * height / width))
 
 
-def _rendered(use: SceneUse, about: str, renderer: Renderer) -> ScenePicture:
+def _rendered(known: ScenePicture, use: SceneUse, renderer: Renderer) -> ScenePicture:
     """Rendered now, or by an earlier report into the same folder: the name says what of, how large and how well."""
     size = _fitting(use.resolutions[0], renderer.side)
-    kept = renderer.folder / safe_name(
-        f"{use.scene}-{use.scene_hash or 'unknown'}-{size[0]}x{size[1]}-{renderer.spp}spp.jpg"
-    )
     how = f"rendered at {size[0]}×{size[1]}, {renderer.spp} spp"
+    name = f"{use.scene}-{known.scene_hash}-{size[0]}x{size[1]}-{renderer.spp}spp"
+    kept = renderer.folder / (safe_name(name) + ".jpg")
     if use.scene_hash and kept.is_file():
-        return ScenePicture(use.scene, f"{about}; {how}.", _framed(use, kept.read_bytes()))
+        return replace(known, image=_framed(use, kept.read_bytes()), how=how)
     with tempfile.TemporaryDirectory(dir=renderer.folder, prefix=".render-") as scratch:
         wanted = gallery.Picture(use.scene, use.scene, {})
         done = gallery.render(renderer.binary.resolve(), wanted, renderer.spp, size, Path(scratch))
     if done.image is None:
-        return ScenePicture(use.scene, f"{about}.", None, f"not rendered: {one_line(done.failure)}")
+        return replace(known, failure=f"not rendered: {one_line(done.failure)}")
     if use.scene_hash and done.scene_hash != use.scene_hash:
-        found = f"`{done.scene_hash}`" if done.scene_hash else "unknown"
-        return ScenePicture(
-            use.scene, f"{about}.", None, f"no picture: the program's scene of that name is another one, hash {found}"
-        )
+        found = done.scene_hash or "unknown"
+        return replace(known, failure=f"the program's scene of that name is another one, of hash {found}")
     image = _image(use, np.round(255 * done.image).astype(np.uint8))
-    write_whole(kept, lambda path: path.write_bytes(image.data) and None)
-    return ScenePicture(use.scene, "; ".join([f"{about}; {how}", *done.remarks]) + ".", image)
+    if not done.remarks:
+        write_whole(kept, lambda path: path.write_bytes(image.data) and None)
+    return replace(known, image=image, how="; ".join([how, *done.remarks]))
 
 
 def _fitting(resolution: str, side: int) -> tuple[int, int]:
