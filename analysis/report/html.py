@@ -151,10 +151,12 @@ def _table(table: Table) -> str:
         for name, side in zip(table.head, sides, strict=True)
     )
     rows = "".join(_row(row, sides) for row in table.rows)
+    label = escape("Table: " + ", ".join(table.head[:3]))
+    kind = ' class="wide"' if len(table.head) >= _WIDE else ""
     # A box that scrolls must be reached by the keyboard.
     return (
-        f'<div class="scroll" tabindex="0" role="region" aria-label="Table: {escape(", ".join(table.head[:3]))}">'
-        f"<table{' class="wide"' if len(table.head) >= _WIDE else ''}>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n"
+        f'<div class="scroll" tabindex="0" role="region" aria-label="{label}"><table{kind}>\n'
+        f"<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n"
     )
 
 

@@ -43,14 +43,14 @@ class Page:
             self.call(f"{domain}.enable")
 
     def open(self, file: Path, width: int, height: int = 900, *, mobile: bool = False) -> None:
-        self.call(
-            "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=mobile
-        )
+        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=mobile)
         self._loaded = False
         self.call("Page.navigate", url=file.resolve().as_uri())
         while not self._loaded:
             self._next()
-        self.evaluate("Promise.all(Array.from(document.images, (image) => image.decode().catch(() => 0))).then(() => 0)")
+        self.evaluate(
+            "Promise.all(Array.from(document.images, (image) => image.decode().catch(() => 0))).then(() => 0)"
+        )
 
     def evaluate(self, expression: str):
         """The value of a JavaScript expression; promises are awaited."""
@@ -59,7 +59,7 @@ class Page:
         return answer["result"].get("value")
 
     def press(self, key: str) -> None:
-        """"Tab", "Enter" or another key that is named as what it is."""
+        """ "Tab", "Enter" or another key that is named as what it is."""
         text = {"Enter": "\r", " ": " "}.get(key)
         code = {"Tab": 9, "Enter": 13, " ": 32}[key]
         common = {"key": key, "code": "Space" if key == " " else key, "windowsVirtualKeyCode": code}
