@@ -87,7 +87,8 @@ def _glance(chapters: Sequence[Chapter]) -> list[Block]:
     blocks.append(table_of(head, rows, ("Failed", "n/a", "Samples", "Flagged samples")))
     blocks.append(
         Paragraph(
-            "Verdicts are counted over all comparisons of a file; a cell of two studies counts in both. "
+            "Verdicts are counted over all comparisons of a file; a cell of two studies counts in both. Of a "
+            "stability file the checks are counted: those of variants that are there to compare may fail. "
             "What the words mean is said under Method; flagged samples are explained under What was left out, and why."
         )
     )

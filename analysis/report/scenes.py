@@ -110,7 +110,7 @@ def _picture(uses: Sequence[SceneUse], renderer: Renderer | None) -> ScenePictur
         except InputError as error:
             return replace(known, failure=one_line(str(error)))
     if renderer is None:
-        return replace(known, failure="none lies beside the result files, and no program was given to render one")
+        return replace(known, failure="none beside the result files; no program to render it")
     return _rendered(known, use, renderer)
 
 

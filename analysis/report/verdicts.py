@@ -22,8 +22,14 @@ def plural(count: int, what: str) -> str:
 
 def verdict_counts(result: Result) -> Counter[str]:
     """How often each verdict was given, over all studies: a cell of two studies counts in both."""
-    rows = [row for study in result.studies if not study.is_convergence for row in measure(result, study)]
-    return Counter(row.verdict.word for row in rows if row.verdict is not None)
+    counts: Counter[str] = Counter()
+    for study in result.studies:
+        judged = [one for cell in result.cells_of(study) if (one := assess(result).get(cell.name)) is not None]
+        # A study of convergence asks for no ratios of times.
+        rows = [] if judged else measure(result, study)
+        counts.update(one.verdict.word for one in judged)
+        counts.update(row.verdict.word for row in rows if row.verdict is not None)
+    return counts
 
 
 def counts_text(counts: Counter[str]) -> str:
