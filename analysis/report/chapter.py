@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from analysis.convergence import LEAST_SEEDS
 from analysis.files import one_line, safe_name
 from analysis.report import tidy
 from analysis.report.blocks import Block, Bullets, Download, Facts, Paragraph, Section, anchor_of, blocks_of
@@ -224,7 +225,9 @@ def _doubts(result: Result) -> list[tuple[str, int, str]]:
     cells = result.cells
     samples = plural(sum(len(cell.samples) for cell in cells), "sample")
     of_cells = plural(len(cells), "cell")
-    few = [cell for cell in cells if cell.measured and len(cell.samples) < MINIMUM_SAMPLES]
+    measured = [cell for cell in cells if cell.measured]
+    few = [cell for cell in measured if cell.convergence is None and len(cell.samples) < MINIMUM_SAMPLES]
+    few_seeds = [cell for cell in measured if cell.convergence is not None and len(cell.samples) < LEAST_SEEDS]
     without = [cell for cell in cells if not cell.failed and not cell.samples]
     found = [
         ("run interrupted: cells and samples may be missing", int(result.interrupted), "1 run"),
@@ -234,7 +237,8 @@ def _doubts(result: Result) -> list[tuple[str, int, str]]:
         ("samples that failed", sum(len(cell.errors) for cell in cells), samples),
         ("cells interrupted while measuring", sum(cell.status == "interrupted" for cell in cells), of_cells),
         ("cells without a sample", len(without), of_cells),
-        (f"cells with fewer than {MINIMUM_SAMPLES} samples, which get no verdict", len(few), of_cells),
+        (f"cells with fewer than {MINIMUM_SAMPLES} samples, too few for a verdict on times", len(few), of_cells),
+        (f"cells with fewer than {LEAST_SEEDS} seeds, too few for every verdict on errors", len(few_seeds), of_cells),
         ("cells whose variant is declared biased", sum(cell.claim == "biased" for cell in cells), of_cells),
         ("cells with film values that are not finite", sum(cell.nonfinite > 0 for cell in cells), of_cells),
         ("cells with negative film values", sum(cell.negative > 0 for cell in cells), of_cells),

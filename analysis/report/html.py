@@ -26,7 +26,7 @@ _INLINE = re.compile(r"`([^`]+)`|\*\*(.+?)\*\*")
 # Longer words without a space may be broken at their joints; without that, one name is as wide as a page.
 _LONG_WORD = re.compile(r"[^\s<>&;]{24,}")
 _LONG_TEXT = 44  # characters
-_WIDE = 9  # columns; such a table is printed on a page across
+_WIDE = 11  # columns; such a table is printed on a page across
 _POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src data:"
 
 
