@@ -171,7 +171,7 @@ def _child(title: str, heading: str, name: str, blocks: Sequence[Block]) -> Sect
 
 def _study_section(result: Result, study, drawn: Drawn, title: str) -> Section:
     head, items = study_verdicts(result, study)
-    notes = drawn.notes or notes_of(result, study, measure(result, study))
+    notes = notes_of(result, study, measure(result, study)) if drawn.notes is None else drawn.notes
     lines = study_section(result, study, "## ", drawn.not_drawn, notes)
     blocks: list[Block] = [Paragraph(head)]
     if items:

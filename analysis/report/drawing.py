@@ -24,10 +24,13 @@ _CSS_PIXELS = 96  # an inch
 
 @dataclass(frozen=True)
 class Drawn:
-    """The figures of a study or of a stability file, what they leave unsaid, and why others were not drawn."""
+    """The figures of a study or of a stability file, what they leave unsaid, and why others were not drawn.
+
+    Without a figure there are no notes: nothing was asked what it leaves unsaid.
+    """
 
     images: tuple[Image, ...]
-    notes: tuple[Note, ...] = ()
+    notes: tuple[Note, ...] | None = None
     not_drawn: tuple[str, ...] = ()
 
 
@@ -46,7 +49,7 @@ def draw_study_figures(result: Result, study: Study, prefix: str) -> Drawn:
         name = safe_name(f"{prefix}_{study.name}" + (f"_{part}" if part else ""))
         figure = draw_study(study, data, part)
         images.append(_image(figure, name, _alt(data), is_picture=part in PICTURES))
-    return Drawn(tuple(images), tuple(notes), tuple(not_drawn))
+    return Drawn(tuple(images), tuple(notes) if images else None, tuple(not_drawn))
 
 
 def draw_stability_figures(stability: Stability, prefix: str) -> Drawn:
@@ -61,7 +64,7 @@ def draw_stability_figures(stability: Stability, prefix: str) -> Drawn:
             with style.applied():
                 figure = module.draw(page)
             images.append(_image(figure, safe_name(f"{prefix}_{page.name}"), _alt(page)))
-    return Drawn(tuple(images), (), tuple(not_drawn))
+    return Drawn(tuple(images), not_drawn=tuple(not_drawn))
 
 
 def _alt(data) -> str:

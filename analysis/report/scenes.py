@@ -19,6 +19,7 @@ from analysis.images import displayed, exposure_of, read_pfm
 from analysis.report.blocks import Image
 from analysis.results import Result
 
+_LESS_NOISE = {"direct_light": "nee_mis"}
 _JPEG_QUALITY = 88
 _SHOWN = 200  # CSS pixels across
 
@@ -137,14 +138,12 @@ def _framed(use: SceneUse, jpeg: bytes) -> Image:
 def _rendered(known: ScenePicture, use: SceneUse, renderer: Renderer) -> ScenePicture:
     """Rendered now, or by an earlier report into the same folder: the name says what of, how large and how well."""
     size = _fitting(use.resolutions[0], renderer.side)
-    how = f"rendered at {size[0]}×{size[1]}, {renderer.spp} spp"
+    how = f"rendered at {size[0]}×{size[1]}, {renderer.spp} spp, light sampled where that applies"
     name = f"{use.scene}-{known.scene_hash}-{size[0]}x{size[1]}-{renderer.spp}spp"
     kept = renderer.folder / (safe_name(name) + ".jpg")
     if use.scene_hash and kept.is_file():
         return replace(known, image=_framed(use, kept.read_bytes()), how=how)
-    with tempfile.TemporaryDirectory(dir=renderer.folder, prefix=".render-") as scratch:
-        wanted = gallery.Picture(use.scene, use.scene, {})
-        done = gallery.render(renderer.binary.resolve(), wanted, renderer.spp, size, Path(scratch))
+    done = _render(use.scene, size, renderer)
     if done.image is None:
         return replace(known, failure=f"not rendered: {one_line(done.failure)}")
     if use.scene_hash and done.scene_hash != use.scene_hash:
@@ -154,6 +153,18 @@ def _rendered(known: ScenePicture, use: SceneUse, renderer: Renderer) -> ScenePi
     if not done.remarks:
         write_whole(kept, lambda path: path.write_bytes(image.data) and None)
     return replace(known, image=image, how="; ".join([how, *done.remarks]))
+
+
+def _render(scene: str, size: tuple[int, int], renderer: Renderer) -> gallery.Rendered:
+    """With light sampling, which has the same mean and less noise; without it where it does not apply."""
+    program = renderer.binary.resolve()
+    with tempfile.TemporaryDirectory(dir=renderer.folder, prefix=".render-") as scratch:
+        for axes in (_LESS_NOISE, {}):
+            wanted = gallery.Picture(scene, scene, axes)
+            done = gallery.render(program, wanted, renderer.spp, size, Path(scratch))
+            if done.image is not None:
+                break
+    return done
 
 
 def _fitting(resolution: str, side: int) -> tuple[int, int]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 import xml.etree.ElementTree as ElementTree
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -105,7 +106,7 @@ def test_lines_are_as_full_as_they_can_be(width):
     size = style.CAPTION_SIZE
     lines = style.wrapped(text, size, width)
     assert "".join(lines).replace(" ", "") == text.replace(" ", "")
-    for line, following in zip(lines, lines[1:], strict=False):
+    for line, following in pairwise(lines):
         assert style.text_width(line, size) <= width
         # A word that is too long for a line is broken before it: then the next character must not fit.
         first = following.split()[0]
