@@ -166,9 +166,15 @@ def _is_long(table: Table, column: int) -> bool:
 
 
 def _row(cells: Iterable[str], sides: Sequence[str]) -> str:
-    return (
-        "<tr>" + "".join(f"<td{side}>{inline(text)}</td>" for text, side in zip(cells, sides, strict=True)) + "</tr>\n"
+    return "<tr>" + "".join(map(_cell, cells, sides)) + "</tr>\n"
+
+
+def _cell(text: str, side: str) -> str:
+    # A line must not end within a number, after "1.2e-".
+    inside = (
+        " ".join(f"<span>{escape(word)}</span>" for word in text.split()) if "e-" in text and "number" in side else ""
     )
+    return f"<td{side}>{inside or inline(text)}</td>"
 
 
 def _download(download: Download) -> str:

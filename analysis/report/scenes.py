@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import tempfile
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,6 +20,8 @@ from analysis.images import displayed, exposure_of, read_pfm
 from analysis.report.blocks import Image
 from analysis.results import Result
 
+_SCENES = Path(__file__).resolve().parents[2] / "scenes"
+_LONGEST_REASON = 160  # characters
 _LESS_NOISE = {"direct_light": "nee_mis"}
 _JPEG_QUALITY = 88
 _SHOWN = 200  # CSS pixels across
@@ -143,9 +146,9 @@ def _rendered(known: ScenePicture, use: SceneUse, renderer: Renderer) -> ScenePi
     kept = renderer.folder / (safe_name(name) + ".jpg")
     if use.scene_hash and kept.is_file():
         return replace(known, image=_framed(use, kept.read_bytes()), how=how)
-    done = _render(use.scene, size, renderer)
+    done = _render(use, size, renderer)
     if done.image is None:
-        return replace(known, failure=f"not rendered: {one_line(done.failure)}")
+        return replace(known, failure=f"not rendered: {textwrap.shorten(done.failure, _LONGEST_REASON)}")
     if use.scene_hash and done.scene_hash != use.scene_hash:
         found = done.scene_hash or "unknown"
         return replace(known, failure=f"the program's scene of that name is another one, of hash {found}")
@@ -155,12 +158,24 @@ def _rendered(known: ScenePicture, use: SceneUse, renderer: Renderer) -> ScenePi
     return replace(known, image=image, how="; ".join([how, *done.remarks]))
 
 
-def _render(scene: str, size: tuple[int, int], renderer: Renderer) -> gallery.Rendered:
+def _render(use: SceneUse, size: tuple[int, int], renderer: Renderer) -> gallery.Rendered:
+    """The scene by its name, or from the file of that name that has its hash; else the first attempt's failure."""
+    attempts = []
+    # A suite may name scenes by their files, which the program does not know by name.
+    files = sorted(path for path in _SCENES.rglob("*.json") if path.stem == use.scene)
+    for source in (use.scene, *map(str, files)):
+        attempts.append(_render_source(source, size, renderer))
+        if attempts[-1].image is not None and use.scene_hash in ("", attempts[-1].scene_hash):
+            return attempts[-1]
+    return attempts[0]
+
+
+def _render_source(source: str, size: tuple[int, int], renderer: Renderer) -> gallery.Rendered:
     """With light sampling, which has the same mean and less noise; without it where it does not apply."""
     program = renderer.binary.resolve()
     with tempfile.TemporaryDirectory(dir=renderer.folder, prefix=".render-") as scratch:
         for axes in (_LESS_NOISE, {}):
-            wanted = gallery.Picture(scene, scene, axes)
+            wanted = gallery.Picture(source, source, axes)
             done = gallery.render(program, wanted, renderer.spp, size, Path(scratch))
             if done.image is not None:
                 break
