@@ -1,4 +1,4 @@
-"""The command line: `python3 -m analysis plots|gallery ...`.
+"""The command line: `python3 -m analysis plots|gallery|report ...`.
 
 Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong.
 """
@@ -35,7 +35,7 @@ def _positive(text: str) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="python3 -m analysis", description="Draws what ptbench measured.")
-    commands = parser.add_subparsers(dest="command", required=True, metavar="plots|gallery")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="plots|gallery|report")
     plots = commands.add_parser("plots", help="every study's figure and summary.md, from a result file alone")
     plots.add_argument("result", type=Path, metavar="RESULT.json")
     plots.add_argument("--out", type=Path, metavar="DIR", help="default: figures/SUITE beside the result file")
@@ -47,6 +47,16 @@ def _parser() -> argparse.ArgumentParser:
     gallery.add_argument(
         "--resolution", type=_resolution, default=(200, 200), metavar="WxH", help="pixels a picture (default: 200x200)"
     )
+    report = commands.add_parser("report", help="one page of one or more result files: report.html and report.md")
+    report.add_argument("results", type=Path, nargs="+", metavar="RESULT", help="a result file, or a folder of some")
+    report.add_argument("--out", type=Path, required=True, metavar="DIR")
+    report.add_argument(
+        "--binary", type=Path, metavar="PTBENCH", help="renders the scenes' pictures (default: no rendering)"
+    )
+    report.add_argument("--spp", type=_positive, default=16, metavar="N", help="of those pictures (default: 16)")
+    report.add_argument(
+        "--side", type=_positive, default=160, metavar="N", help="pixels of their longer side (default: 160)"
+    )
     return parser
 
 
@@ -55,8 +65,11 @@ def main(arguments: list[str] | None = None) -> int:
     # Drawing libraries take a moment to load; a wrong call should not wait for them.
     from analysis.gallery import gallery
     from analysis.plots import plots
+    from analysis.report.command import report
 
     try:
+        if options.command == "report":
+            return report(options.results, options.out, options.binary, options.spp, options.side)
         if options.command == "plots":
             return plots(options.result, options.out)
         return gallery(options.binary, options.spec, options.out, options.spp, options.resolution)

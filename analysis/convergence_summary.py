@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -19,18 +19,13 @@ from analysis.efficiency import (
     target_of,
     time_to,
 )
-from analysis.files import one_line
 from analysis.results import Result, Study
 from analysis.statistics import Estimate
 from analysis.style import figures, interval, ratio
+from analysis.tables import Lines, Table
 
 _NONE = "—"
 _CLOCK_NAMES = {"wall_ms": "Wall", "device_ms": "Device", "cpu_ms": "CPU"}
-
-
-def table_line(values: Iterable[str]) -> str:
-    # A message from a compiler may hold anything; a pipe or a line break would end the table's cell.
-    return "| " + " | ".join(one_line(value).replace("|", "\\|") for value in values) + " |"
 
 
 def convergence_rules(result: Result) -> list[str]:
@@ -40,11 +35,11 @@ def convergence_rules(result: Result) -> list[str]:
     return ["\n\n".join((*RULES, EFFICIENCY_RULE)), ""]
 
 
-def convergence_tables(result: Result, study: Study) -> list[str]:
+def convergence_tables(result: Result, study: Study) -> Lines:
     """Everything that the study's figures show, in numbers, scene by scene."""
     assessed = assess(result)
     members = [assessed[cell.name] for cell in result.cells_of(study) if cell.name in assessed]
-    lines: list[str] = []
+    lines: Lines = []
     places = by_place(members)
     for place, group in places.items():
         lines += [f"### {place.title(list(places))}", "", _reference_line(group, place), ""]
@@ -78,7 +73,7 @@ def _reference_line(group: Sequence[Assessment], place: Place) -> str:
     return f"Reference of {place.scene}: {'; '.join(dict.fromkeys(texts))}."
 
 
-def _verdicts(group: Sequence[Assessment], names: dict[str, str]) -> list[str]:
+def _verdicts(group: Sequence[Assessment], names: dict[str, str]) -> Lines:
     head = (
         "Variant",
         "Verdict",
@@ -120,7 +115,7 @@ def _verdict_row(one: Assessment, name: str) -> list[str]:
     ]
 
 
-def _slopes(group: Sequence[Assessment], names: dict[str, str]) -> list[str]:
+def _slopes(group: Sequence[Assessment], names: dict[str, str]) -> Lines:
     """Overall and by octave; the test's word where it rejects."""
     octaves = sorted({(octave.first, octave.last) for one in group if one.fit for octave in one.fit.octaves})
     head = ("Slope of", "over all", "95 % interval", "p of -1", "", *(f"{first}-{last}" for first, last in octaves))
@@ -148,7 +143,7 @@ def _octave_text(estimate: Estimate) -> str:
     return f"{estimate.value:.3f} ± {(estimate.high - estimate.low) / 2:.3f}"
 
 
-def _errors(group: Sequence[Assessment], names: dict[str, str]) -> list[str]:
+def _errors(group: Sequence[Assessment], names: dict[str, str]) -> Lines:
     head = (
         "Errors at the last checkpoint",
         "spp",
@@ -179,7 +174,7 @@ def _errors(group: Sequence[Assessment], names: dict[str, str]) -> list[str]:
     return _table(head, rows, "lrrrrrrr")
 
 
-def _costs(group: Sequence[Assessment], names: dict[str, str], baseline: Assessment | None) -> list[str]:
+def _costs(group: Sequence[Assessment], names: dict[str, str], baseline: Assessment | None) -> Lines:
     target = target_of(group)
     clocks = [clock for clock in _CLOCK_NAMES if any(clock in one.ms_per_spp for one in group)]
     head = (
@@ -223,7 +218,6 @@ def _ends(estimate: Estimate) -> str:
     return _NONE if estimate.low is None else interval(estimate.low, estimate.high, 3)
 
 
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]], sides: str) -> list[str]:
-    if not rows:
-        return []
-    return [table_line(head), table_line("---" if side == "l" else "---:" for side in sides), *map(table_line, rows)]
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]], sides: str) -> Lines:
+    """Nothing where there are no rows."""
+    return [Table(tuple(head), tuple(map(tuple, rows)), tuple(side == "r" for side in sides))] if rows else []

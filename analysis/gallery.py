@@ -58,6 +58,7 @@ class Rendered:
     image: np.ndarray | None
     remarks: tuple[str, ...]
     failure: str = ""
+    scene_hash: str = ""  # of what was rendered
 
 
 def load_spec(path: Path) -> tuple[str, tuple[Row, ...]]:
@@ -118,7 +119,8 @@ def render(binary: Path, picture: Picture, spp: int, resolution: tuple[int, int]
             said = [line.strip() for line in done.stderr.splitlines() if line.strip()]
             return Rendered(None, (), said[-1] if said else f"exit code {done.returncode}, nothing on stderr")
         try:
-            remarks = _remarks(json.loads(done.stdout))
+            report = json.loads(done.stdout)
+            remarks, scene_hash = _remarks(report), str(report.get("scene_hash", ""))
         except (ValueError, TypeError) as error:
             return Rendered(None, (), f"no JSON summary on stdout ({error})")
         try:
@@ -126,7 +128,7 @@ def render(binary: Path, picture: Picture, spp: int, resolution: tuple[int, int]
         except (OSError, ValueError, SyntaxError) as error:
             return Rendered(None, (), f"no picture that can be read ({type(error).__name__})")
         os.replace(target, folder / picture.file_name)
-        return Rendered(image, remarks)
+        return Rendered(image, remarks, scene_hash=scene_hash)
 
 
 def _remarks(report: dict) -> tuple[str, ...]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -29,24 +28,27 @@ _FONTS = "'DejaVu Sans', Verdana, sans-serif"
 def save_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
     """NAME.png and NAME.svg."""
     return [
-        write_whole(folder / f"{name}.png", lambda path: _write_png(figure, path, DPI, _in_few_colours)),
-        write_whole(folder / f"{name}.svg", lambda path: path.write_text(_svg(figure), encoding="utf-8") and None),
+        write_whole(
+            folder / f"{name}.png", lambda path: path.write_bytes(png_of(figure, DPI, few_colours=True)) and None
+        ),
+        write_whole(folder / f"{name}.svg", lambda path: path.write_text(svg_of(figure), encoding="utf-8") and None),
     ]
 
 
 def save_pictures(figure: Figure, target: Path, dpi: float) -> Path:
     """A page of photographs as PNG, in all its colours."""
-    return write_whole(target, lambda path: _write_png(figure, path, dpi))
+    return write_whole(target, lambda path: path.write_bytes(png_of(figure, dpi, few_colours=False)) and None)
 
 
-def _write_png(
-    figure: Figure, path: Path, dpi: float, convert: Callable[[Image.Image], Image.Image] = lambda image: image
-) -> None:
+def png_of(figure: Figure, dpi: float, *, few_colours: bool) -> bytes:
+    """The page as a PNG file; photographs need all their colours."""
     with io.BytesIO() as drawn:
         figure.savefig(drawn, format="png", dpi=dpi, pil_kwargs={"compress_level": 1})
         # Nothing on a page is transparent: its paper is white.
         image = Image.open(drawn).convert("RGB")
-    convert(image).save(path, "PNG", optimize=True, dpi=(dpi, dpi))
+    with io.BytesIO() as written:
+        (_in_few_colours(image) if few_colours else image).save(written, "PNG", optimize=True, dpi=(dpi, dpi))
+        return written.getvalue()
 
 
 def _in_few_colours(image: Image.Image) -> Image.Image:
@@ -78,7 +80,8 @@ def _palette(by_frequency: np.ndarray, tolerance: int) -> np.ndarray | None:
     return kept
 
 
-def _svg(figure: Figure) -> str:
+def svg_of(figure: Figure) -> str:
+    """The page as an SVG document."""
     with io.StringIO() as drawn:
         figure.savefig(drawn, format="svg", metadata={"Date": None, "Creator": None, "Type": None, "Format": None})
         text = drawn.getvalue()

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from analysis.convergence_summary import table_line
 from analysis.figures.stability_caption import setting
 from analysis.files import one_line
 from analysis.stability import Layout, count, failures, point_label, short_power
 from analysis.stability_file import BROKEN, KNOWN_LIMIT, NOT_APPLICABLE, PASSED, Row, Stability
+from analysis.tables import Lines, markdown, table_of
 
-_RULE = (
+RULE = (
     "A check is one quantity of one case at one point in one variant. Everything robust in arithmetic that is not fast "
     "must pass: its error must be no more than allowed, which is a tolerance for rounding with its origin, plus four "
     "standard errors where the quantity is an estimate. Naive kernels and fast arithmetic are there to compare."
@@ -21,10 +21,10 @@ _RULE = (
 def summary(stability: Stability, not_drawn: Sequence[str]) -> str:
     """The whole page as Markdown."""
     layout = Layout(stability)
-    lines = ["# Stability: what came out of stiff cases", ""]
+    lines: Lines = ["# Stability: what came out of stiff cases", ""]
     lines += [f"- Result file: {stability.path.name}", f"- {setting(stability)}"]
     lines += [f"- Run: {'' if stability.is_complete else 'NOT COMPLETE: '}{stability.about('status')}"]
-    lines += [f"- Command: `{one_line(stability.about('command_line'))}`", "", _RULE, ""]
+    lines += [f"- Command: `{one_line(stability.about('command_line'))}`", "", RULE, ""]
     for reason in not_drawn:
         lines += [f"Not drawn: {one_line(reason)}", ""]
     lines += ["## By family", ""]
@@ -32,8 +32,7 @@ def summary(stability: Stability, not_drawn: Sequence[str]) -> str:
         lines += [family_text(stability, layout, family), ""]
     if not stability.families:
         lines += ["The file has no cases.", ""]
-    lines += _limits(stability, layout) + _failures(stability, layout) + _missing(stability)
-    return "\n".join(lines).rstrip() + "\n"
+    return markdown([*lines, *limits(stability, layout), *must_pass_failures(stability, layout), *missing(stability)])
 
 
 def _plural(n: int, what: str) -> str:
@@ -104,10 +103,8 @@ def _short(value: float) -> str:
     return f"{value:.0f}" if 10 <= value < 1000 else short_power(f"{value:.2g}")
 
 
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]], numeric: Iterable[str] = ()) -> list[str]:
-    numeric = set(numeric)
-    lines = [table_line(head), table_line("---:" if name in numeric else "---" for name in head)]
-    return [*lines, *(table_line([one_line(cell) for cell in row]) for row in rows), ""]
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]], numeric: Iterable[str] = ()) -> Lines:
+    return [table_of(head, rows, numeric), ""]
 
 
 def _where(row: Row) -> tuple[str, str]:
@@ -118,7 +115,7 @@ def _variant(layout: Layout, row: Row) -> str:
     return " ".join(part for part in (layout.column_of(row), layout.place_of(row).estimator) if part)
 
 
-def _limits(stability: Stability, layout: Layout) -> list[str]:
+def limits(stability: Stability, layout: Layout) -> Lines:
     lines = ["## Known limits", ""]
     rows = [row for row in stability.rows if row.status == KNOWN_LIMIT]
     if not rows:
@@ -138,7 +135,7 @@ def _limits(stability: Stability, layout: Layout) -> list[str]:
     return lines + _table(head, table, ("Worst error", "Allowed"))
 
 
-def _failures(stability: Stability, layout: Layout) -> list[str]:
+def must_pass_failures(stability: Stability, layout: Layout) -> Lines:
     lines = ["## Failures of what must pass", ""]
     rows = failures(stability.rows)
     if not rows:
@@ -168,7 +165,7 @@ def _failures(stability: Stability, layout: Layout) -> list[str]:
     return lines + _table(head, table, ("Measured", "Exact", "Error", "Allowed", "Looks"))
 
 
-def _missing(stability: Stability) -> list[str]:
+def missing(stability: Stability) -> Lines:
     """Cases that ptbench cannot show, and those that the run left out."""
     run = {row.case for row in stability.rows}
     lacking = [(case.shown, case.title, case.missing_feature) for case in stability.cases if case.missing_feature]

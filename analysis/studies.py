@@ -135,8 +135,24 @@ class Note:
     full: str
 
 
+_LAST: list[tuple[Result, dict[str | None, list[Row]]]] = []
+
+
 def measure(result: Result, study: Study | None) -> list[Row]:
-    """Every cell of the study (None: the cells of no study), measured or not, in the file's order."""
+    """Every cell of the study (None: the cells of no study), measured or not, in the file's order.
+
+    Figure and table of a study ask for the same: those of the last file are kept.
+    """
+    if not _LAST or _LAST[0][0] is not result:
+        _LAST[:] = [(result, {})]
+    measured = _LAST[0][1]
+    name = None if study is None else study.name
+    if name not in measured:
+        measured[name] = _measure(result, study)
+    return list(measured[name])
+
+
+def _measure(result: Result, study: Study | None) -> list[Row]:
     cells = result.cells_of(study) if study is not None else tuple(cell for cell in result.cells if not cell.studies)
     question = question_of(result, study)
     dimensions = varying_dimensions(cells, question, swept_by(study))

@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 
 import matplotlib
 import numpy as np
@@ -123,6 +124,17 @@ def text_width(text: str, size: float, weight: str = "normal") -> float:
     return width / 100
 
 
+@cache
+def _character_width(character: str, size: float, weight: str) -> float:
+    # Between two others: a lone space has no width.
+    return text_width(f"x{character}x", size, weight) - text_width("xx", size, weight)
+
+
+def _may_exceed(text: str, size: float, weight: str, width: float) -> bool:
+    """False where the sum of the characters' widths leaves far more room than kerning and hinting could take."""
+    return 1.1 * sum(_character_width(character, size, weight) for character in text) > width
+
+
 def text_height(size: float, lines: int = 1) -> float:
     return lines * size * LINE_HEIGHT / 72
 
@@ -133,7 +145,7 @@ def wrapped(text: str, size: float, width: float, weight: str = "normal") -> lis
     for paragraph in text.split("\n"):
         line = ""
         for word in paragraph.split():
-            while text_width(word, size, weight) > width:
+            while _may_exceed(word, size, weight, width) and text_width(word, size, weight) > width:
                 fits = max(n for n in range(1, len(word) + 1) if n == 1 or text_width(word[:n], size, weight) <= width)
                 if line:
                     lines.append(line)
@@ -141,7 +153,8 @@ def wrapped(text: str, size: float, width: float, weight: str = "normal") -> lis
                 lines.append(word[:fits])
                 word = word[fits:]
             longer = f"{line} {word}" if line else word
-            if line and text_width(longer, size, weight) > width:
+            # Measuring is what takes the time of a page, and most words are far from the end of their line.
+            if line and _may_exceed(longer, size, weight, width) and text_width(longer, size, weight) > width:
                 lines.append(line)
                 longer = word
             line = longer

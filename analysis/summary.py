@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from analysis.convergence_summary import convergence_rules, convergence_tables, table_line
+from analysis.convergence_summary import convergence_rules, convergence_tables
 from analysis.files import one_line
 from analysis.gpu import about_gpu, gpu_line, hottest_kernel
 from analysis.results import Cell, Result, Study
 from analysis.statistics import INTERVAL_TEXT, VERDICT_RULE, Estimate
 from analysis.studies import Note, Row, measure, notes_of, question_of, usual_baseline
 from analysis.style import figures, interval, ratio
+from analysis.tables import Lines, markdown, table_of
 
 _COLUMNS = (
     "Variant", "Scene", "Depth", "Resolution", "Backend", "spp", "n", "ms/spp", "95 % interval", "Mrays/s",
@@ -22,7 +23,7 @@ _NUMERIC = {
     "Depth", "spp", "n", "ms/spp", "95 % interval", "Mrays/s", "Ratio", "Ratio's 95 % interval",
     "Device/wall", "Launches/spp", "Host waits/spp", "Hottest kernel's registers",
 }  # fmt: skip
-_GPU_TEXT = (
+GPU_TEXT = (
     "On a GPU: device time over render wall time is the median of the samples'; launches are kernels, copies and "
     "graphs that the host enqueues, host waits how often it waits for the device meanwhile; the hottest kernel is that "
     "of the longest stage whose kernel is ours."
@@ -31,28 +32,31 @@ _GPU_TEXT = (
 
 def summary(result: Result, not_drawn: dict[str, Sequence[str]], notes: dict[str, Sequence[Note]]) -> str:
     """The whole page as Markdown. By study name: `not_drawn`, why a figure is missing; `notes`, what it left unsaid."""
-    lines = [f"# {result.suite or result.path.stem}: what was measured", "", *_about(result), ""]
+    lines: Lines = [f"# {result.suite or result.path.stem}: what was measured", ""]
+    lines += [f"- {key}: {one_line(value)}" for key, value in about(result)]
+    lines += [""]
     lines += [f"Times are medians of render wall time per sample per pixel. Intervals: {INTERVAL_TEXT}.", ""]
     lines += [VERDICT_RULE, "Low-clock samples are flagged, never dropped.", ""]
     if any(cell.on_gpu for cell in result.cells):
-        lines += [_GPU_TEXT, ""]
+        lines += [GPU_TEXT, ""]
     lines += convergence_rules(result)
     for study in result.studies:
-        lines += _section(
+        lines += study_section(
             result, study, f"## {study.title or study.name}", not_drawn.get(study.name, ()), notes.get(study.name)
         )
     if not result.studies:
         lines += ["The file has no studies.", ""]
     if any(not cell.studies for cell in result.cells):
-        lines += _section(result, None, "## Cells of no study", (), None)
-    lines += _stages(result) + _on_device(result) + _not_applicable(result) + _failed(result.cells)
-    return "\n".join(lines).rstrip() + "\n"
+        lines += study_section(result, None, "## Cells of no study", (), None)
+    lines += stages(result) + on_device(result) + not_applicable(result) + failed(result.cells)
+    return markdown(lines)
 
 
-def _about(result: Result) -> list[str]:
+def about(result: Result) -> list[tuple[str, str]]:
+    """What is said of the whole file: what, and the text."""
     on_gpu = any(cell.on_gpu for cell in result.cells)
     host = f"{result.about('cpu_model')}, {result.about('threads')} threads"
-    facts = [
+    return [
         ("Result file", result.path.name),
         ("Run", "INTERRUPTED: cells and samples may be missing" if result.interrupted else result.about("status")),
         ("Machine", result.about("machine") + ("" if on_gpu else f": {host}")),
@@ -65,14 +69,14 @@ def _about(result: Result) -> list[str]:
         ("ptbench", f"{result.about('version')}, git {result.git}, {result.context['date'] or 'no date'}"),
         ("Command", f"`{result.about('command_line')}`"),
     ]
-    return [f"- {key}: {one_line(value)}" for key, value in facts]
 
 
-def _section(
+def study_section(
     result: Result, study: Study | None, heading: str, not_drawn: Sequence[str], notes: Sequence[Note] | None
-) -> list[str]:
+) -> Lines:
+    """A study's table and notes; without a study, those of the cells that belong to none."""
     rows = measure(result, study)
-    lines = [heading, ""]
+    lines: Lines = [heading, ""]
     question = question_of(result, study)
     if question is not None:
         usual = usual_baseline(result, question.axis)
@@ -85,10 +89,7 @@ def _section(
     elif rows:
         on_gpu = any(row.cell.on_gpu for row in rows)
         columns = (*_COLUMNS[:-1], *_GPU_COLUMNS, _COLUMNS[-1]) if on_gpu else _COLUMNS
-        lines += [table_line(columns)]
-        lines += [table_line("---:" if name in _NUMERIC else "---" for name in columns)]
-        lines += [table_line(_table_row(row, on_gpu)) for row in rows]
-        lines += [""]
+        lines += [table_of(columns, (_table_row(row, on_gpu) for row in rows), _NUMERIC), ""]
         if on_gpu:
             lines += [gpu_line(result, [row.cell for row in rows]), ""]
     else:
@@ -156,75 +157,70 @@ def _remarks(row: Row) -> Iterable[str]:
             yield f"{counter.replace('_', ' ')} {getattr(cell, counter)}"
 
 
-def _stages(result: Result) -> list[str]:
+def stages(result: Result) -> Lines:
     """Where the time of each cell's instrumented pass went; that pass is not a result, its shares are."""
     cells = [cell for cell in result.cells if cell.instrumented is not None and cell.instrumented.wall_ms]
     if not cells:
         return []
     names = list(dict.fromkeys(name for cell in cells for name in cell.instrumented.stage_ms))
-    lines = ["## Where the time goes", ""]
+    lines: Lines = ["## Where the time goes", ""]
     lines += ["Shares of the instrumented pass's wall time. Where they miss it by more than 5 %, the row says so.", ""]
     # Where it says nothing, an older table stays as it was.
     sizes = len({cell.resolution for cell in cells}) > 1
     head = ["Variant", "Scene", "Depth", *(["Resolution"] if sizes else []), *names, "rest", "Remarks"]
-    lines += [table_line(head)]
-    lines += [table_line("---" if name in ("Variant", "Scene", "Resolution", "Remarks") else "---:" for name in head)]
+    rows = []
     for cell in cells:
         wall = cell.instrumented.wall_ms
-        stages = [cell.instrumented.stage_ms.get(name) for name in names]
-        rest = 1 - sum(ms for ms in stages if ms is not None) / wall
-        shares = ["—" if ms is None else f"{100 * ms / wall:.1f} %" for ms in stages]
+        times = [cell.instrumented.stage_ms.get(name) for name in names]
+        rest = 1 - sum(ms for ms in times if ms is not None) / wall
+        shares = ["—" if ms is None else f"{100 * ms / wall:.1f} %" for ms in times]
         remark = "stages do not add up to the wall time" if abs(rest) > 0.05 else ""
         size = [cell.resolution_text] if sizes else []
-        lines += [
-            table_line([cell.variant, cell.scene, str(cell.depth), *size, *shares, f"{100 * rest:.1f} %", remark])
-        ]
-    return [*lines, ""]
+        rows.append((cell.variant, cell.scene, str(cell.depth), *size, *shares, f"{100 * rest:.1f} %", remark))
+    numeric = set(head) - {"Variant", "Scene", "Resolution", "Remarks"}
+    return [*lines, table_of(head, rows, numeric), ""]
 
 
-def _on_device(result: Result) -> list[str]:
+def on_device(result: Result) -> Lines:
     """What each cell took of the device and what the compiler made of its kernels."""
     cells = [cell for cell in result.cells if cell.cuda is not None]
     if not cells:
         return []
     head = ("Variant", "Scene", "Resolution", "Threads a block", "Device MiB", "Bytes a path", "Prepare ms", "Kernels")
-    lines = ["## On the device", ""]
+    lines: Lines = ["## On the device", ""]
     lines += [
         "Kernels: registers a thread, bytes of local memory a thread (arrays, spills), bytes of shared memory a block.",
         "",
     ]
-    lines += [table_line(head), table_line(["---", "---", "---", *["---:"] * 4, "---"])]
+    rows = []
     for cell in cells:
         cuda = cell.cuda
         kernels = [f"{name} {k.registers}/{k.local_bytes}/{k.shared_bytes}" for name, k in cuda.kernels.items()]
-        lines += [
-            table_line(
-                [
-                    cell.variant,
-                    cell.scene,
-                    cell.resolution_text,
-                    "—" if cuda.block is None else str(cuda.block),
-                    "—" if cuda.device_bytes is None else f"{cuda.device_bytes / 2**20:.1f}",
-                    "—" if cuda.path_bytes is None else str(cuda.path_bytes),
-                    "—" if cuda.prepare_ms is None else figures(cuda.prepare_ms),
-                    ", ".join(kernels) or "—",
-                ]
+        rows.append(
+            (
+                cell.variant,
+                cell.scene,
+                cell.resolution_text,
+                "—" if cuda.block is None else str(cuda.block),
+                "—" if cuda.device_bytes is None else f"{cuda.device_bytes / 2**20:.1f}",
+                "—" if cuda.path_bytes is None else str(cuda.path_bytes),
+                "—" if cuda.prepare_ms is None else figures(cuda.prepare_ms),
+                ", ".join(kernels) or "—",
             )
-        ]
-    return [*lines, ""]
+        )
+    return [*lines, table_of(head, rows, head[3:7]), ""]
 
 
-def _not_applicable(result: Result) -> list[str]:
-    lines = ["## Not applicable", ""]
+def not_applicable(result: Result) -> Lines:
+    lines: Lines = ["## Not applicable", ""]
     if not result.not_applicable:
         return [*lines, "None.", ""]
-    lines += [table_line(("Study", "Scene", "Variant", "Reason")), table_line(["---"] * 4)]
     entries = dict.fromkeys((item.study, item.scene, item.variant, item.reason) for item in result.not_applicable)
-    return [*lines, *(table_line(entry) for entry in entries), ""]
+    return [*lines, table_of(("Study", "Scene", "Variant", "Reason"), entries), ""]
 
 
-def _failed(cells: Sequence[Cell]) -> list[str]:
-    failed = [cell for cell in cells if cell.failed]
-    if not failed:
+def failed(cells: Sequence[Cell]) -> Lines:
+    bad = [cell for cell in cells if cell.failed]
+    if not bad:
         return ["## Failed", "", "None.", ""]
-    return ["## Failed", "", *(f"- {one_line(cell.name)}: {one_line(cell.failure)}" for cell in failed), ""]
+    return ["## Failed", "", *(f"- {one_line(cell.name)}: {one_line(cell.failure)}" for cell in bad), ""]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 import xml.etree.ElementTree as ElementTree
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -96,3 +97,18 @@ def test_what_a_page_says_is_not_rounded(tmp_path):
     with style.applied():
         _, svg = save_figure(page, tmp_path, "said")
     assert [text.text for text in ElementTree.parse(svg).getroot().findall(f".//{SVG}text")] == [said]
+
+
+@pytest.mark.parametrize("width", [0.3, 1.1, 2.0, 6.0])
+def test_lines_are_as_full_as_they_can_be(width):
+    """Measuring only where a line may be full must not change where it ends."""
+    text = "fi AVAVAV ,,,,.... WWWW iiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiii wavefront.thrust_remove_if.none.off.packed/" * 2
+    size = style.CAPTION_SIZE
+    lines = style.wrapped(text, size, width)
+    assert "".join(lines).replace(" ", "") == text.replace(" ", "")
+    for line, following in pairwise(lines):
+        assert style.text_width(line, size) <= width
+        # A word that is too long for a line is broken before it: then the next character must not fit.
+        first = following.split()[0]
+        more = f"{line} {first}" if f"{line} {first}" in text else line + following[0]
+        assert style.text_width(more, size) > width
