@@ -276,7 +276,7 @@ def _why_alone(cell: Cell, of: Result, there: Result, axes: Sequence[str], acros
 
 
 def _nearest(cell: Cell, there: Result, axes: Sequence[str], across: bool) -> tuple[str, str]:
-    """In what the cells that come nearest differ; they may differ in settings or how they compute, not in what they do."""
+    """In what the nearest cells differ: in settings or in how they compute, not in what they do."""
     mine = _fields(cell, axes, across)
     tellable = (
         ("spp",), ("depth",), ("resolution",), ("tunables",), ("checkpoints",), *((axis,) for axis in _HOW_IT_COMPUTES),

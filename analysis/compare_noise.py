@@ -1,14 +1,15 @@
 """What two runs of one program on one machine differ by: the noise floor of a machine, from A/A runs.
 
-A sample's spread within a run does not hold what changes from run to run (where memory lies, how warm the device is, who
-else is there), so an interval from one run each is too narrow for what a comparison claims. Two result files of one
-machine and one program show it: each cell that both hold gives one ratio whose true value is 1.
+The spread of samples within a run does not hold what changes from run to run (where memory lies, how warm the device
+is, who else is there), so an interval from one run each is too narrow for what a comparison claims. Two result files of
+one machine and one program show it: each cell that both hold gives one ratio whose true value is 1.
 
 The floor is the smallest t such that a further such ratio lies within a factor of 1 + t of 1 in 95 % of cases: of m
 values of |log ratio| in ascending order, the k-th, k = ceil(0.95 (m + 1)), holds a further one with probability
-k / (m + 1) whatever the distribution (Wilks 1941). Below m = 19 that is out of reach: the largest is taken, and its
-chance, m / (m + 1), is told. It takes the cells of a machine as alike in their noise. Cells of one run share what
-befell that run, so two files know little of it: their geometric mean is told, and more runs make a better floor.
+k / (m + 1) whatever the distribution: all ranks of that one are equally likely. Below m = 19 that is out of reach: the
+largest is taken, and its chance, m / (m + 1), is told. It takes the cells of a machine as alike in their noise. Cells
+of one run share what befell that run, so two files know little of it: their geometric mean is told, and more runs make
+a better floor.
 
 A verdict then counts differences within max(1 %, floor) as none: SAME widens, FASTER and SLOWER need more.
 """

@@ -1,7 +1,7 @@
 """Which variant is ahead of which in a scene, on each machine, and where that changes from one to another.
 
-A change is told as one only where verdicts support it on both machines: FASTER on one and SLOWER on the other. Where the
-medians change places and a verdict does not hold, that is counted as within the noise.
+A change is told as one only where verdicts support it on both machines: FASTER on one and SLOWER on the other. Where
+the medians change places and a verdict does not hold, that is counted as within the noise.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Change:
 
 @dataclass(frozen=True)
 class Ranking:
-    """Variants of one scene and settings that every file measured; `cells[variant][file]`, as the reference has them."""
+    """Variants of one scene and settings that every file measured: `cells[variant][file]`, in the reference's order."""
 
     scene: str
     resolution: str

@@ -1,7 +1,7 @@
 """What the pairs of two result files say: a ratio and a verdict a pair, geometric means, and what the machines explain.
 
-The rules are those of every table (analysis/statistics.py), with two differences. Differences within a known noise floor
-count as none. And between two machines the cycles do not veto a verdict: there, the clock is part of what is compared.
+The rules are those of every table (analysis/statistics.py), with two differences. Within a known noise floor there is
+no difference. And between two machines the cycles do not veto a verdict: there, the clock is part of what is compared.
 """
 
 from __future__ import annotations
