@@ -63,12 +63,6 @@ class Pair:
     other: Cell
     remarks: tuple[str, ...] = ()
 
-    @property
-    def same_samples(self) -> bool:
-        """The very same renders, written in two files: that is no repetition."""
-        one, two = ([(s.timestamp, s.wall_ms) for s in cell.samples] for cell in (self.reference, self.other))
-        return one == two and bool(one)
-
 
 @dataclass(frozen=True)
 class Alone:
@@ -96,7 +90,7 @@ def match(reference: Result, other: Result, *, films_may_differ: bool = False) -
     `films_may_differ`: a pair whose films have other bits stands if its rays agree in the mean.
     """
     across = _backends(reference).isdisjoint(_backends(other))
-    axes = [*dict.fromkeys([*_axes(reference), *_axes(other)])]
+    axes = axes_of(reference, other)
     matched = _by_identity(reference, other, axes, across)
     partners = {cell.name: partner for cell, partner in matched}
     reverse = {partner.name: cell for cell, partner in matched}
@@ -125,6 +119,10 @@ def _backends(result: Result) -> set[str]:
     return {cell.backend for cell in result.cells}
 
 
+def axes_of(*results: Result) -> list[str]:
+    return list(dict.fromkeys(axis for result in results for axis in _axes(result)))
+
+
 def _axes(result: Result) -> list[str]:
     return list(dict.fromkeys(axis for cell in result.cells for axis in cell.axes))
 
@@ -135,7 +133,8 @@ def _assumed(result: Result, axes: Sequence[str]) -> str:
     return f"{result.path} is older than some axes; taken as {', '.join(taken)}" if taken else ""
 
 
-def _choice(cell: Cell, axis: str) -> str | None:
+def choice_of(cell: Cell, axis: str) -> str | None:
+    """What the cell has of an axis, named or from before there was one; None: its file cannot say."""
     return cell.axes.get(axis, _BEFORE.get(axis))
 
 
@@ -147,7 +146,7 @@ def _fields(cell: Cell, axes: Sequence[str], across: bool) -> dict[str, object]:
     """
     return {
         "scene": cell.scene_hash,
-        **{axis: _choice(cell, axis) for axis in axes},
+        **{axis: choice_of(cell, axis) for axis in axes},
         "tunables": tuple(sorted(cell.tuned.items())),
         "resolution": cell.resolution_text,
         "depth": cell.depth,
@@ -187,6 +186,8 @@ def _same_work(
         if not one.samples:
             why = f" ({one.status}{': ' + one.reason if one.reason else ''})" if one.status != "ok" else ""
             return ("no samples", f"no samples in {which}{why}"), []
+    if _renders(cell) == _renders(partner):
+        return ("same renders", "both files hold the very same samples: one run is no two"), []
     if cell.claim != partner.claim:
         return ("other claim", f"claims {cell.claim or 'nothing'} here and {partner.claim or 'nothing'} there"), []
     remarks = []
@@ -209,6 +210,10 @@ def _same_work(
     return None, remarks
 
 
+def _renders(cell: Cell) -> list[tuple]:
+    return [(sample.timestamp, sample.wall_ms) for sample in cell.samples]
+
+
 def _moved_standards(cell: Cell, partner: Cell) -> list[str]:
     return [
         f"{name} ({value}, now {partner.tunables[name]})"
@@ -220,7 +225,7 @@ def _moved_standards(cell: Cell, partner: Cell) -> list[str]:
 def _has_bits(cell: Cell, partner: Cell) -> bool:
     """Whether both must have left the same film: exact arithmetic, a claim of bits, the same seeds and samples."""
     return (
-        all(one.claim == "bitwise" and _choice(one, "arithmetic") == "exact" for one in (cell, partner))
+        all(one.claim == "bitwise" and choice_of(one, "arithmetic") == "exact" for one in (cell, partner))
         and cell.spp == partner.spp
         and bool(_common_seeds(cell, partner))
     )
@@ -266,10 +271,10 @@ def _why_alone(cell: Cell, of: Result, there: Result, axes: Sequence[str], acros
             return "other scene content", f"{cell.scene} is {cell.scene_hash} here, {', '.join(sorted(hashes))} there"
         return "scene not there", f"no cell of {cell.scene}"
     for item in there.not_applicable:
-        same = all(item.axes.get(axis, _BEFORE.get(axis)) == _choice(cell, axis) for axis in axes)
+        same = all(item.axes.get(axis, _BEFORE.get(axis)) == choice_of(cell, axis) for axis in axes)
         if item.scene == cell.scene and same and item.tuned == cell.tuned:
             return "n/a", f"not applicable there: {item.reason}"
-    unknown = [axis for axis in cell.axes if axis not in _axes(there) and _choice(cell, axis) != _BEFORE.get(axis)]
+    unknown = [axis for axis in cell.axes if axis not in _axes(there) and choice_of(cell, axis) != _BEFORE.get(axis)]
     if unknown:
         return "axis not there", "that file does not know " + ", ".join(f"{a}={cell.axes[a]}" for a in unknown)
     return _nearest(cell, there, axes, across)

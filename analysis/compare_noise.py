@@ -23,7 +23,7 @@ from itertools import combinations
 
 import numpy as np
 
-from analysis.compare_match import Pair, is_repeated, machine_of, match
+from analysis.compare_match import is_repeated, machine_of, match
 from analysis.errors import InputError
 from analysis.results import Result
 from analysis.statistics import CONFIDENCE, THRESHOLD, Estimate, geometric_mean_of_ratios, ratio_estimate
@@ -55,19 +55,13 @@ class Floor:
         return max(THRESHOLD, self.value)
 
 
-def repeated(pairs: Sequence[Pair]) -> list[Pair]:
-    """The pairs that were rendered twice; the same samples in two files are one run."""
-    return [pair for pair in pairs if not pair.same_samples]
-
-
 def repeats_of(results: Sequence[Result]) -> list[Repeat]:
     """Every two of the files that are an A/A run and have a cell in common that each of them rendered."""
     found = []
     for one, other in combinations(results, 2):
         if not is_repeated(one, other):
             continue
-        pairs = repeated(match(one, other).pairs)
-        if pairs:
+        if pairs := match(one, other).pairs:
             sides = [(pair.other.ms_per_spp, pair.reference.ms_per_spp) for pair in pairs]
             ratios = tuple(ratio_estimate(*side).value for side in sides)
             found.append(Repeat(one, other, ratios, geometric_mean_of_ratios(sides)))

@@ -7,7 +7,7 @@ no difference. And between two machines the cycles do not veto a verdict: there,
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from analysis.statistics import (
     UNSURE,
     Estimate,
     Verdict,
+    confirmed,
     geometric_mean_of_ratios,
     verdict_of_ratio,
 )
@@ -105,6 +106,8 @@ def compare(matching: Matching, floors: Sequence[Floor]) -> Comparison:
         if row.cycles is not None
     ]
     cycles = _mean(clocked, len(rows), threshold)
+    if one_machine and cycles.verdict is not None and not cycles.left_out:
+        time = replace(time, verdict=confirmed(time.verdict, cycles.verdict))
     return Comparison(
         reference,
         other,
