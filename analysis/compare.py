@@ -47,6 +47,7 @@ class Compared:
     comparisons: tuple[Comparison, ...]
     repeats: tuple[Repeat, ...]
     rankings: tuple[Ranking, ...]
+    ranked: tuple[str, ...]  # the marks of the files whose variants are ranked
     labels: Labels
 
     def marks_of(self, comparison: Comparison) -> tuple[str, str]:
@@ -98,8 +99,15 @@ def compare_files(paths: Sequence[Path], noise: Sequence[Path] = (), *, films_ma
         floor = floor_of(result, repeats)
         return THRESHOLD if floor is None else floor.threshold
 
+    # A second run of the reference's program tells noise; as a machine of its own it would only thin out the ranking.
+    ranked = [index for index, one in enumerate(comparisons) if not one.repeated] or list(range(len(comparisons)))
     return Compared(
-        tuple(results), tuple(comparisons), tuple(repeats), tuple(rankings(matchings, threshold)), labels_of(matchings)
+        tuple(results),
+        tuple(comparisons),
+        tuple(repeats),
+        tuple(rankings([matchings[index] for index in ranked], threshold)),
+        (MARKS[0], *(MARKS[index + 1] for index in ranked)),
+        labels_of(matchings),
     )
 
 
@@ -137,7 +145,6 @@ def fails(compared: Compared, what: str) -> bool:
 
 def sections(compared: Compared, whole: bool) -> list[Section]:
     """The report; `whole` names every cell that was left out and every place in a ranking."""
-    marks = MARKS[: len(compared.results)]
     found = [files_section(compared.results)]
     for comparison in compared.comparisons:
         pair = compared.marks_of(comparison)
@@ -145,4 +152,4 @@ def sections(compared: Compared, whole: bool) -> list[Section]:
         left_out = left_out_section(comparison.matching, pair, whole)
         found += [left_out] if left_out is not None else []
     found.append(noise_section(compared.repeats, compared.comparisons))
-    return found + ranking_sections(compared.rankings, compared.labels, marks, whole)
+    return found + ranking_sections(compared.rankings, compared.labels, compared.ranked, whole)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from analysis.compare_match import Matching
 from analysis.compare_noise import Floor, Repeat
 from analysis.compare_ranking import Ranking
+from analysis.compare_text import MARKS
 from analysis.compare_verdicts import Comparison, Mean, Row, capacity_of
 from analysis.results import Cell, Result
 from analysis.statistics import CONFIDENCE, Estimate, median_estimate
@@ -27,6 +28,7 @@ def as_json(compared: Compared) -> dict:
         "files": [_file(result) for result in compared.results],
         "comparisons": [_comparison(one, index) for one in compared.comparisons],
         "noise": [_repeat(repeat) for repeat in compared.repeats],
+        "ranked_files": [MARKS.index(mark) for mark in compared.ranked],  # "places", "spp", "at" are in their order
         "rankings": [_ranking(group) for group in compared.rankings],
     }
 
@@ -63,6 +65,7 @@ def _comparison(comparison: Comparison, index: dict[int, int]) -> dict:
         "reference": index[id(comparison.reference)],
         "other": index[id(comparison.other)],
         "one_machine": comparison.one_machine,
+        "repeated": comparison.repeated,
         "across_backends": matching.across_backends,
         "assumed": list(matching.assumed),
         "threshold": comparison.threshold,

@@ -124,7 +124,8 @@ def _differing(key: str, results: Sequence[Result]) -> str:
     }
     if len(set(said.values())) < 2:
         return ""
-    return f"{key}: " + "; ".join(f"{mark} {value}" for mark, value in said.items())
+    marks = {value: ", ".join(mark for mark in said if said[mark] == value) for value in said.values()}
+    return f"{key}: " + "; ".join(f"{of} {value}" for value, of in marks.items())
 
 
 @dataclass(frozen=True)
@@ -217,14 +218,21 @@ def rule(comparison: Comparison) -> str:
         if comparison.one_machine
         else "cycles are told and veto nothing, as the machines' clocks are part of the difference"
     )
-    if comparison.floors:
-        floor = max(comparison.floors, key=lambda floor: floor.value)
-        why = f"the larger of {THRESHOLD:.0%} and the noise floor of {floor.machine}"
-    else:
-        why = "no A/A run of the machine is known (--noise): what changes from run to run is not in the intervals"
+    usual = f"{100 * THRESHOLD:.3g} %"
+    known = [floor.machine for floor in comparison.floors]
+    machines = dict.fromkeys(result.about("machine") for result in (comparison.reference, comparison.other))
+    unknown = [machine for machine in machines if machine not in known]
+    why = f"{percent} is the larger of {usual} and the noise floor of {' and '.join(known)}." if known else ""
+    if comparison.repeated:
+        why += " One machine and one program: whatever differs is noise, and any SLOWER or FASTER a false alarm."
+    elif unknown:
+        why += (
+            f" No A/A run of {' or '.join(unknown)} is known (--noise): what changes from run to run there is not in "
+            "the intervals."
+        )
     return (
         f"Verdict: with at least {MINIMUM_SAMPLES} samples a side, FASTER or SLOWER where the whole 95 % interval lies "
-        f"more than {percent} from 1, SAME where all of it lies within, else UNSURE; {cycles}. {percent}: {why}. "
+        f"more than {percent} from 1, SAME where all of it lies within, else UNSURE; {cycles}. {why.strip()} "
         f"Intervals: {INTERVAL_TEXT}."
     )
 
@@ -349,10 +357,12 @@ def ranking_sections(found: Sequence[Ranking], label: Labels, marks: Sequence[st
     if not found:
         return [Section("Ranking of variants", ("No two variants of one scene and settings are in all files.",))]
     changed = [group for group in found if group.changes]
+    ranked = sum(len(group.cells) for group in found)
     lines = [
-        f"{len(found)} groups of variants of one scene and settings are in all files; verdicts support a change of "
+        f"{ranked} variants in {len(found)} groups of one scene and settings are in all of {', '.join(marks)}; verdicts support a change of "
         f"order in {len(changed)}. A change needs FASTER on one and SLOWER on the other; "
-        f"{sum(group.within_noise for group in found)} pairs change places within the noise, which is none.",
+        f"{sum(group.within_noise for group in found)} pairs change places within the noise, which is none. Left out: "
+        "variants that are not in all of these files or alone in their group.",
         "Times only: they say nothing of the error that a variant leaves.",
     ]
     same = [_group_name(group, marks) for group in found if not group.changes]

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analysis.compare_match import Matching, Pair, machine_of
+from analysis.compare_match import Matching, Pair, is_repeated, machine_of
 from analysis.compare_noise import Floor
 from analysis.results import GPU_BACKEND, Result
 from analysis.statistics import (
@@ -87,6 +87,7 @@ class Comparison:
     cycles: Mean
     normalised: tuple[Normalised, ...]
     one_machine: bool
+    repeated: bool  # one program, too: an A/A run
 
     def count(self, word: str) -> int:
         return sum(row.verdict.word == word for row in self.rows)
@@ -119,6 +120,7 @@ def compare(matching: Matching, floors: Sequence[Floor]) -> Comparison:
         cycles,
         () if one_machine else (_by_clock(reference, other, time, cycles), _by_bandwidth(reference, other, time)),
         one_machine,
+        is_repeated(reference, other),
     )
 
 
