@@ -17,12 +17,10 @@ from analysis.compare_json import as_json
 from analysis.compare_match import Matching, match
 from analysis.compare_noise import Repeat, check_noise_files, floor_of, repeats_of
 from analysis.compare_ranking import Ranking, rankings
+from analysis.compare_sections import Section, as_markdown, as_text
 from analysis.compare_text import (
     MARKS,
     Labels,
-    Section,
-    as_markdown,
-    as_text,
     comparison_section,
     files_section,
     labels_of,

@@ -52,7 +52,9 @@ def collect(compared: Compared, comparison: Comparison) -> list[Data]:
     title = f"{comparison.other.about('machine')} against {comparison.reference.about('machine')}"
     if comparison.one_machine:
         gits = [result.git[:12] for result in (comparison.other, comparison.reference)]
-        title = f"{comparison.reference.about('machine')}: {gits[0]} against {gits[1]}"
+        title = f"{comparison.reference.about('machine')}: {gits[0]} against {gits[1]}" + (
+            ", an A/A run" if comparison.repeated else ""
+        )
     return [
         Data(
             title + (f", page {number} of {len(parts)}" if len(parts) > 1 else ""),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -10,75 +9,15 @@ from dataclasses import dataclass
 from analysis.compare_match import MACHINE_KEYS, PROGRAM_KEYS, Alone, Matching, axes_of, choice_of
 from analysis.compare_noise import Repeat
 from analysis.compare_ranking import Change, Ranking
+from analysis.compare_sections import Section, Table
 from analysis.compare_verdicts import WORDS, Comparison, Mean, Row
-from analysis.convergence_summary import table_line
 from analysis.files import one_line
 from analysis.results import GPU_BACKEND, Cell, Result
 from analysis.statistics import INTERVAL_TEXT, MINIMUM_SAMPLES, THRESHOLD, Estimate
 from analysis.style import figures, ratio
 
-_WIDTH = 118  # of lines on stdout; tables may be wider
 _SHOWN = 5  # reasons, or changes of a ranking, that stdout lists of one kind
 MARKS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
-
-
-@dataclass(frozen=True)
-class Table:
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    numeric: frozenset[str] = frozenset()
-
-
-@dataclass(frozen=True)
-class Section:
-    heading: str
-    lines: tuple[str, ...] = ()
-    table: Table | None = None
-    after: tuple[str, ...] = ()
-
-
-def as_text(sections: Iterable[Section]) -> str:
-    blocks = []
-    for section in sections:
-        lines = [section.heading, *_wrapped(section.lines)]
-        if section.table is not None:
-            lines += ["", *_aligned(section.table)]
-        if section.after:
-            lines += ["", *_wrapped(section.after)]
-        blocks.append("\n".join(lines))
-    return "\n\n".join(blocks) + "\n"
-
-
-def _wrapped(lines: Iterable[str]) -> Iterable[str]:
-    for line in lines:
-        yield from textwrap.wrap(line, _WIDTH, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
-
-
-def as_markdown(title: str, sections: Iterable[Section]) -> str:
-    lines = [f"# {title}", ""]
-    for section in sections:
-        lines += [f"## {section.heading}", ""]
-        lines += [f"- {one_line(line)}" for line in section.lines] + ([""] if section.lines else [])
-        if section.table is not None:
-            table = section.table
-            lines += [table_line(table.columns)]
-            lines += [table_line("---:" if name in table.numeric else "---" for name in table.columns)]
-            lines += [*map(table_line, table.rows), ""]
-        lines += [f"- {one_line(line)}" for line in section.after] + ([""] if section.after else [])
-    return "\n".join(lines).rstrip() + "\n"
-
-
-def _aligned(table: Table) -> list[str]:
-    rows = [table.columns, *(tuple(map(one_line, row)) for row in table.rows)]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(table.columns))]
-    aligned = []
-    for row in rows:
-        parts = [
-            text.rjust(width) if name in table.numeric else text.ljust(width)
-            for text, width, name in zip(row, widths, table.columns, strict=True)
-        ]
-        aligned.append("  ".join(parts).rstrip())
-    return aligned
 
 
 def files_section(results: Sequence[Result]) -> Section:
@@ -358,11 +297,12 @@ def ranking_sections(found: Sequence[Ranking], label: Labels, marks: Sequence[st
         return [Section("Ranking of variants", ("No two variants of one scene and settings are in all files.",))]
     changed = [group for group in found if group.changes]
     ranked = sum(len(group.cells) for group in found)
+    within_noise = sum(group.within_noise for group in found)
     lines = [
-        f"{ranked} variants in {len(found)} groups of one scene and settings are in all of {', '.join(marks)}; verdicts support a change of "
-        f"order in {len(changed)}. A change needs FASTER on one and SLOWER on the other; "
-        f"{sum(group.within_noise for group in found)} pairs change places within the noise, which is none. Left out: "
-        "variants that are not in all of these files or alone in their group.",
+        f"{ranked} variants in {len(found)} groups of one scene and settings are in all of {', '.join(marks)}; verdicts "
+        f"support a change of order in {len(changed)} groups. A change needs FASTER on one and SLOWER on the other; "
+        f"{within_noise} pairs change places within the noise, which is none. Left out: variants that are not in all of "
+        "these files or alone in their group.",
         "Times only: they say nothing of the error that a variant leaves.",
     ]
     same = [_group_name(group, marks) for group in found if not group.changes]
