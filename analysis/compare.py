@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.compare_json import as_json
-from analysis.compare_match import Matching, match
-from analysis.compare_noise import Repeat, check_noise_files, floor_of, repeats_of
+from analysis.compare_match import Matching, machine_of, match
+from analysis.compare_noise import Floor, Repeat, check_noise_files, floor_of, repeats_of
 from analysis.compare_ranking import Ranking, rankings
 from analysis.compare_sections import Section, as_markdown, as_text
 from analysis.compare_text import (
@@ -44,6 +44,7 @@ class Compared:
     results: tuple[Result, ...]
     comparisons: tuple[Comparison, ...]
     repeats: tuple[Repeat, ...]
+    floors: tuple[Floor, ...]  # one a machine of which there is an A/A run
     rankings: tuple[Ranking, ...]
     ranked: tuple[str, ...]  # the marks of the files whose variants are ranked
     labels: Labels
@@ -54,17 +55,18 @@ class Compared:
 
 def compare_command(options: argparse.Namespace) -> int:
     compared = compare_files(options.results, options.noise, films_may_differ=options.films_may_differ)
+    for folder in (options.out, options.json and options.json.parent):
+        if folder is not None:
+            make_folder(folder)
     print(as_text(sections(compared, whole=False)), end="")
     written = []
     if options.json is not None:
         text = json.dumps(as_json(compared), indent=1, allow_nan=False) + "\n"
-        make_folder(options.json.parent)
         written.append(write_text(options.json, text))
     if options.out is not None:
         # Drawing libraries take a moment to load.
         from analysis.compare_figure import save_forest
 
-        make_folder(options.out)
         figures = [
             path for index in range(len(compared.comparisons)) for path in save_forest(compared, index, options.out)
         ]
@@ -90,7 +92,7 @@ def compare_files(paths: Sequence[Path], noise: Sequence[Path] = (), *, films_ma
     for matching in matchings:
         _refuse_strangers(matching)
     repeats = repeats_of([*results, *noise_results])
-    comparisons = [compare(matching, _floors(matching, repeats)) for matching in matchings]
+    comparisons = [_judged(matching, repeats) for matching in matchings]
 
     def threshold(result: Result) -> float:
         # Two cells of one run differ by less than two runs do: the floor is on the safe side.
@@ -103,6 +105,7 @@ def compare_files(paths: Sequence[Path], noise: Sequence[Path] = (), *, films_ma
         tuple(results),
         tuple(comparisons),
         tuple(repeats),
+        _floors([*results, *noise_results], repeats),
         tuple(rankings([matchings[index] for index in ranked], threshold)),
         (MARKS[0], *(MARKS[index + 1] for index in ranked)),
         labels_of(matchings),
@@ -127,10 +130,16 @@ def _refuse_strangers(matching: Matching) -> None:
     )
 
 
-def _floors(matching: Matching, repeats: Sequence[Repeat]):
+def _judged(matching: Matching, repeats: Sequence[Repeat]) -> Comparison:
     sides = (matching.reference, matching.other)
-    found = [floor_of(side, repeats, without=sides) for side in sides]
-    return [floor for index, floor in enumerate(found) if floor is not None and floor not in found[:index]]
+    return compare(matching, _floors(sides, repeats, without=sides))
+
+
+def _floors(results: Sequence[Result], repeats: Sequence[Repeat], without: Sequence[Result] = ()) -> tuple[Floor, ...]:
+    """Those of the files' machines, each once."""
+    machines = {machine_of(result): result for result in results}
+    found = (floor_of(result, repeats, without) for result in machines.values())
+    return tuple(floor for floor in found if floor is not None)
 
 
 def fails(compared: Compared, what: str) -> bool:
@@ -149,5 +158,5 @@ def sections(compared: Compared, whole: bool) -> list[Section]:
         found.append(comparison_section(comparison, compared.labels, pair))
         left_out = left_out_section(comparison.matching, pair, whole)
         found += [left_out] if left_out is not None else []
-    found.append(noise_section(compared.repeats, compared.comparisons))
+    found.append(noise_section(compared.repeats, compared.floors, compared.comparisons))
     return found + ranking_sections(compared.rankings, compared.labels, compared.ranked, whole)

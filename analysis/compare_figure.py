@@ -52,9 +52,8 @@ def collect(compared: Compared, comparison: Comparison) -> list[Data]:
     title = f"{comparison.other.about('machine')} against {comparison.reference.about('machine')}"
     if comparison.one_machine:
         gits = [result.git[:12] for result in (comparison.other, comparison.reference)]
-        title = f"{comparison.reference.about('machine')}: {gits[0]} against {gits[1]}" + (
-            ", an A/A run" if comparison.repeated else ""
-        )
+        repeated = ", an A/A run" if comparison.repeated else ""
+        title = f"{comparison.reference.about('machine')}: {gits[0]} against {gits[1]}{repeated}"
     return [
         Data(
             title + (f", page {number} of {len(parts)}" if len(parts) > 1 else ""),

@@ -27,7 +27,10 @@ def as_json(compared: Compared) -> dict:
         "confidence": CONFIDENCE,
         "files": [_file(result) for result in compared.results],
         "comparisons": [_comparison(one, index) for one in compared.comparisons],
-        "noise": [_repeat(repeat) for repeat in compared.repeats],
+        "noise": {
+            "runs": [_repeat(repeat) for repeat in compared.repeats],
+            "floors": [_floor(floor) for floor in compared.floors],
+        },
         "ranked_files": [MARKS.index(mark) for mark in compared.ranked],  # "places", "spp", "at" are in their order
         "rankings": [_ranking(group) for group in compared.rankings],
     }

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from analysis.compare_match import MACHINE_KEYS, PROGRAM_KEYS, Alone, Matching, axes_of, choice_of
-from analysis.compare_noise import Repeat
+from analysis.compare_noise import Floor, Repeat
 from analysis.compare_ranking import Change, Ranking
 from analysis.compare_sections import Section, Table
 from analysis.compare_verdicts import WORDS, Comparison, Mean, Row
@@ -262,8 +262,8 @@ def left_out_section(matching: Matching, marks: tuple[str, str], whole: bool) ->
     )
 
 
-def noise_section(repeats: Sequence[Repeat], comparisons: Sequence[Comparison]) -> Section:
-    floors = {floor.machine: floor for comparison in comparisons for floor in comparison.floors}
+def noise_section(repeats: Sequence[Repeat], floors: Sequence[Floor], comparisons: Sequence[Comparison]) -> Section:
+    """The A/A runs, what they differ by, and which of them judged a verdict; `floors` is one a machine."""
     lines = []
     for repeat in repeats:
         shift = repeat.geometric_mean
@@ -272,7 +272,7 @@ def noise_section(repeats: Sequence[Repeat], comparisons: Sequence[Comparison]) 
             f"{repeat.one.path}: {len(repeat.ratios)} ratios from {min(repeat.ratios):.4f} to "
             f"{max(repeat.ratios):.4f}, geometric mean {shift.value:.4f}."
         )
-    for floor in floors.values():
+    for floor in floors:
         lines.append(
             f"Noise floor of {floor.machine}: {100 * floor.value:.3g} % (of {len(floor.ratios)} ratios of two runs; "
             f"a further one lies within it with probability {floor.chance:.3f})."
@@ -280,7 +280,7 @@ def noise_section(repeats: Sequence[Repeat], comparisons: Sequence[Comparison]) 
         if floor.chance < 0.95:
             lines.append(f"{len(floor.ratios)} ratios are too few for 95 %: the largest is taken.")
     for repeat in repeats:
-        if not any(repeat in floor.repeats for floor in floors.values()):
+        if not any(repeat in floor.repeats for comparison in comparisons for floor in comparison.floors):
             lines.append(
                 f"{repeat.other.path} over {repeat.one.path} judges no verdict above: it would be judged by itself."
             )
@@ -299,10 +299,10 @@ def ranking_sections(found: Sequence[Ranking], label: Labels, marks: Sequence[st
     ranked = sum(len(group.cells) for group in found)
     within_noise = sum(group.within_noise for group in found)
     lines = [
-        f"{ranked} variants in {len(found)} groups of one scene and settings are in all of {', '.join(marks)}; verdicts "
-        f"support a change of order in {len(changed)} groups. A change needs FASTER on one and SLOWER on the other; "
-        f"{within_noise} pairs change places within the noise, which is none. Left out: variants that are not in all of "
-        "these files or alone in their group.",
+        f"{ranked} variants in {len(found)} groups of one scene and settings are in all of {', '.join(marks)}; "
+        f"verdicts support a change of order in {len(changed)} groups. A change needs FASTER on one and SLOWER on the "
+        f"other; {within_noise} pairs change places within the noise, which is none. Left out: variants that are not in "
+        "all of these files or alone in their group.",
         "Times only: they say nothing of the error that a variant leaves.",
     ]
     same = [_group_name(group, marks) for group in found if not group.changes]
