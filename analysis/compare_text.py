@@ -301,8 +301,8 @@ def ranking_sections(found: Sequence[Ranking], label: Labels, marks: Sequence[st
     lines = [
         f"{ranked} variants in {len(found)} groups of one scene and settings are in all of {', '.join(marks)}; "
         f"verdicts support a change of order in {len(changed)} groups. A change needs FASTER on one and SLOWER on the "
-        f"other; {within_noise} pairs change places within the noise, which is none. Left out: variants that are not in "
-        "all of these files or alone in their group.",
+        f"other; {within_noise} pairs change places within the noise, which is none. Left out: variants that are not "
+        "in all of these files or alone in their group.",
         "Times only: they say nothing of the error that a variant leaves.",
     ]
     same = [_group_name(group, marks) for group in found if not group.changes]
