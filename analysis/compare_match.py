@@ -8,7 +8,7 @@ where both claim them, and rays.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -97,20 +97,18 @@ def match(reference: Result, other: Result, *, films_may_differ: bool = False) -
     level = _FAMILY_ERROR / max(1, len(matched))
     pairs: list[Pair] = []
     alone: list[Alone] = []
+    there = _There(other, reverse.keys(), axes, across)
     for cell in reference.cells:
         if (partner := partners.get(cell.name)) is None:
-            alone.append(Alone(True, cell, *_why_alone(cell, reference, other, axes, across)))
+            alone.append(Alone(True, cell, *there.why_not(cell)))
             continue
         refused, remarks = _same_work(cell, partner, level, films_may_differ)
         if refused is None:
             pairs.append(Pair(cell, partner, tuple(remarks)))
         else:
             alone += [Alone(True, cell, *refused), Alone(False, partner, *refused)]
-    alone += [
-        Alone(False, cell, *_why_alone(cell, other, reference, axes, across))
-        for cell in other.cells
-        if cell.name not in reverse
-    ]
+    here = _There(reference, partners.keys(), axes, across)
+    alone += [Alone(False, cell, *here.why_not(cell)) for cell in other.cells if cell.name not in reverse]
     assumed = [sentence for result in (reference, other) if (sentence := _assumed(result, axes))]
     return Matching(reference, other, tuple(pairs), tuple(alone), across, tuple(assumed))
 
@@ -261,44 +259,88 @@ def _other_rays(cell: Cell, partner: Cell, level: float) -> str | None:
     return f"{rays.mean():.6g} rays a path against {theirs.mean():.6g}: not the same work"
 
 
-def _why_alone(cell: Cell, of: Result, there: Result, axes: Sequence[str], across: bool) -> tuple[str, str]:
-    """(kind, reason) why no cell of `there` is this one: the most telling thing that differs."""
-    if not cell.scene_hash:
-        return "no scene hash", "its file does not say the scene's content"
-    if cell.scene_hash not in {other.scene_hash for other in there.cells}:
-        hashes = {other.scene_hash for other in there.cells if other.scene == cell.scene}
-        if hashes:
-            return "other scene content", f"{cell.scene} is {cell.scene_hash} here, {', '.join(sorted(hashes))} there"
-        return "scene not there", f"no cell of {cell.scene}"
-    for item in there.not_applicable:
-        same = all(item.axes.get(axis, _BEFORE.get(axis)) == choice_of(cell, axis) for axis in axes)
-        if item.scene == cell.scene and same and item.tuned == cell.tuned:
-            return "n/a", f"not applicable there: {item.reason}"
-    unknown = [axis for axis in cell.axes if axis not in _axes(there) and choice_of(cell, axis) != _BEFORE.get(axis)]
-    if unknown:
-        return "axis not there", "that file does not know " + ", ".join(f"{a}={cell.axes[a]}" for a in unknown)
-    return _nearest(cell, there, axes, across)
+# What may differ for a cell to be told as near, most telling first: how it computes and its settings, not what it does.
+_TELLABLE = (
+    ("spp",), *((axis,) for axis in _HOW_IT_COMPUTES), ("tunables",), ("checkpoints",), ("backend",), ("depth",),
+    ("resolution",), ("backend", "spp"), ("depth", "spp"), ("resolution", "spp"), ("resolution", "depth", "spp"),
+    ("tunables", "spp"),
+)  # fmt: skip
 
 
-def _nearest(cell: Cell, there: Result, axes: Sequence[str], across: bool) -> tuple[str, str]:
-    """In what the nearest cells differ: in settings or in how they compute, not in what they do."""
-    mine = _fields(cell, axes, across)
-    tellable = (
-        ("spp",), ("depth",), ("resolution",), ("tunables",), ("checkpoints",), *((axis,) for axis in _HOW_IT_COMPUTES),
-        ("backend",), ("backend", "spp"), ("depth", "spp"), ("resolution", "spp"), ("resolution", "depth", "spp"),
-        ("tunables", "spp"),
-    )  # fmt: skip
-    others = [_fields(other, axes, across) for other in there.cells]
-    for names in tellable:
-        if any(name not in mine for name in names):
-            continue
-        found = [other for other in others if all(other[key] == mine[key] for key in mine if key not in names)]
-        if found and all(any(other[name] != mine[name] for other in found) for name in names):
-            return _kind(names), "; ".join(_difference(name, mine, found) for name in names)
-        if found:
-            nearer = ", whose samples per pixel are nearer" if across else " that is alike"
+class _Cells:
+    """Cells to be found by all but a few of their fields."""
+
+    def __init__(self, fields: Sequence[dict[str, object]]):
+        self._fields = fields
+        self._by_rest: dict[tuple[str, ...], dict[tuple, list[dict[str, object]]]] = {}
+
+    def but_for(self, names: tuple[str, ...], mine: dict[str, object]) -> list[dict[str, object]]:
+        """Those that are like `mine` but for every one of `names`."""
+        if names not in self._by_rest:
+            groups = self._by_rest[names] = {}
+            for fields in self._fields:
+                groups.setdefault(_rest(fields, names), []).append(fields)
+        alike = self._by_rest[names].get(_rest(mine, names), [])
+        return [fields for fields in alike if all(fields[name] != mine[name] for name in names)]
+
+    def nearest(self, mine: dict[str, object]) -> tuple[str, str] | None:
+        """(kind, reason) of those that differ in the first of _TELLABLE; None: they all differ in more."""
+        for names in _TELLABLE:
+            if all(name in mine for name in names) and (found := self.but_for(names, mine)):
+                return _kind(names), "; ".join(_difference(name, mine, found) for name in names)
+        return None
+
+
+def _rest(fields: dict[str, object], names: tuple[str, ...]) -> tuple:
+    return tuple(value for name, value in fields.items() if name not in names)
+
+
+class _There:
+    """A file as seen from the other one: why it has no cell like a given one."""
+
+    def __init__(self, result: Result, paired: Collection[str], axes: Sequence[str], across: bool):
+        self._result, self._axes, self._across = result, axes, across
+        self._own_axes = _axes(result)
+        self._hashes: dict[str, set[str]] = {}
+        for cell in result.cells:
+            self._hashes.setdefault(cell.scene, set()).add(cell.scene_hash)
+        fields = {cell.name: _fields(cell, axes, across) for cell in result.cells}
+        # A cell that has no partner either is the likeliest to be what became of one.
+        self._lonely = _Cells([of_cell for name, of_cell in fields.items() if name not in paired])
+        self._every = _Cells(list(fields.values()))
+
+    def why_not(self, cell: Cell) -> tuple[str, str]:
+        """(kind, reason)."""
+        if not cell.scene_hash:
+            return "no scene hash", "its file does not say the scene's content"
+        if not any(cell.scene_hash in hashes for hashes in self._hashes.values()):
+            if hashes := self._hashes.get(cell.scene):
+                return (
+                    "other scene content",
+                    f"{cell.scene} is {cell.scene_hash} here, {', '.join(sorted(hashes))} there",
+                )
+            return "scene not there", f"no cell of {cell.scene}"
+        if (reason := self._not_applicable(cell)) is not None:
+            return "n/a", f"not applicable there: {reason}"
+        choices = {axis: choice for axis, choice in cell.axes.items() if axis not in self._own_axes}
+        if unknown := [f"{axis}={choice}" for axis, choice in choices.items() if choice != _BEFORE.get(axis)]:
+            return "axis not there", "that file does not know " + ", ".join(unknown)
+        mine = _fields(cell, self._axes, self._across)
+        nearest = self._lonely.nearest(mine) or self._every.nearest(mine)
+        if nearest is not None:
+            return nearest
+        if self._every.but_for((), mine):
+            nearer = ", whose samples per pixel are nearer" if self._across else " that is alike"
             return "already paired", f"the cell there is the partner of another one{nearer}"
-    return "not run there", "no cell of this variant"
+        return "not run there", "no cell of this variant"
+
+    def _not_applicable(self, cell: Cell) -> str | None:
+        for item in self._result.not_applicable:
+            if item.scene == cell.scene and item.tuned == cell.tuned:
+                axes = (item.axes.get(axis, _BEFORE.get(axis)) == choice_of(cell, axis) for axis in self._axes)
+                if all(axes):
+                    return item.reason
+        return None
 
 
 def _kind(names: Sequence[str]) -> str:

@@ -26,7 +26,7 @@ import numpy as np
 from analysis.compare_match import is_repeated, machine_of, match
 from analysis.errors import InputError
 from analysis.results import Result
-from analysis.statistics import CONFIDENCE, THRESHOLD, Estimate, geometric_mean_of_ratios, ratio_estimate
+from analysis.statistics import CONFIDENCE, THRESHOLD, Estimate, geometric_mean_of_ratios
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def repeats_of(results: Sequence[Result]) -> list[Repeat]:
             continue
         if pairs := match(one, other).pairs:
             sides = [(pair.other.ms_per_spp, pair.reference.ms_per_spp) for pair in pairs]
-            ratios = tuple(ratio_estimate(*side).value for side in sides)
+            ratios = tuple(float(np.median(values) / np.median(baseline)) for values, baseline in sides)
             found.append(Repeat(one, other, ratios, geometric_mean_of_ratios(sides)))
     return found
 
