@@ -35,17 +35,11 @@ def collect(compared: Compared, comparison: Comparison) -> list[Data]:
     one, two = compared.marks_of(comparison)
     rows: dict[tuple, list[Row]] = {}
     for row in comparison.rows:
-        cell = row.pair.reference
-        rows.setdefault((cell.scene, cell.resolution_text, cell.depth), []).append(row)
+        cell, spp = row.pair.reference, (row.pair.reference.spp, row.pair.other.spp)
+        rows.setdefault((cell.scene, cell.resolution_text, cell.depth, spp), []).append(row)
     order = list(dict.fromkeys(cell.scene for cell in comparison.reference.cells))
-    scenes = sorted(rows, key=lambda key: (order.index(key[0]), key[1], key[2]))
-    groups = [
-        Group(
-            f"{scene}, {resolution.replace('x', '×')}, depth {depth}",
-            tuple(_item(row, compared.labels) for row in rows[scene, resolution, depth]),
-        )
-        for scene, resolution, depth in scenes
-    ]
+    keys = sorted(rows, key=lambda key: (order.index(key[0]), *key[1:]))
+    groups = [Group(_title(*key), tuple(_item(row, compared.labels) for row in rows[key])) for key in keys]
     means = _means(comparison)
     parts = pages(groups, MOST_ROWS - len(means.items))
     caption = _caption(compared, comparison)
@@ -66,10 +60,13 @@ def collect(compared: Compared, comparison: Comparison) -> list[Data]:
     ]
 
 
+def _title(scene: str, resolution: str, depth: int, spp: tuple[int, int]) -> str:
+    told = f"{spp[0]} spp" if spp[0] == spp[1] else f"{spp[0]} against {spp[1]} spp"
+    return f"{scene}, {resolution.replace('x', '×')}, depth {depth}, {told}"
+
+
 def _item(row: Row, label: Labels) -> Item:
-    cell, other = row.pair.reference, row.pair.other
-    spp = "" if cell.spp == other.spp else f" ({cell.spp}|{other.spp} spp)"
-    return Item(label(cell) + spp, row.ratio, row.verdict.word)
+    return Item(label(row.pair.reference), row.ratio, row.verdict.word)
 
 
 def _means(comparison: Comparison) -> Group:

@@ -87,6 +87,7 @@ def _mean(mean: Mean) -> dict:
     return {
         "ratio": _estimate(mean.estimate),
         "verdict": None if mean.verdict is None else mean.verdict.word,
+        "reason": "" if mean.verdict is None else mean.verdict.reason,
         "used": mean.used,
         "left_out": mean.left_out,
         "smallest": mean.smallest,
@@ -152,6 +153,7 @@ def _ranking(group: Ranking) -> dict:
         "resolution": group.resolution,
         "depth": group.depth,
         "spp": list(group.spp),
+        "work": group.work,
         "variants": [
             {"cells": [cell.name for cell in cells], "places": list(places)}
             for cells, places in zip(group.cells, group.places, strict=True)

@@ -17,6 +17,9 @@ from analysis.results import Cell, Result
 from analysis.statistics import FASTER, SLOWER, Estimate
 from analysis.studies import time_ratio
 
+# Tunables that add to the work: variants that differ in them have another task, not another way of doing it.
+_WORK = ("shading_fmas",)
+
 
 @dataclass(frozen=True)
 class Change:
@@ -38,6 +41,7 @@ class Ranking:
     resolution: str
     depth: int
     spp: tuple[int, ...]  # a file each
+    work: str  # what else sets the task: "shading_fmas=64", "with checkpoints"; mostly nothing
     cells: tuple[tuple[Cell, ...], ...]
     places: tuple[tuple[int, ...], ...]  # [variant][file], the fastest is 1
     changes: tuple[Change, ...]
@@ -56,10 +60,16 @@ def rankings(matchings: Sequence[Matching], thresholds: Callable[[Result], float
         if all(cell.name in of_file for of_file in partners):
             cells = (cell, *(of_file[cell.name] for of_file in partners))
             # Within a file, what is ranked has the same settings, samples per pixel included.
-            key = (cell.scene, cell.scene_hash, cell.resolution_text, cell.depth, tuple(c.spp for c in cells))
+            spp = tuple(one.spp for one in cells)
+            key = (cell.scene, cell.scene_hash, cell.resolution_text, cell.depth, spp, _work_of(cell))
             groups.setdefault(key, []).append(cells)
     limits = [thresholds(file) for file in files]
     return [_ranking(key, variants, limits) for key, variants in groups.items() if len(variants) > 1]
+
+
+def _work_of(cell: Cell) -> str:
+    told = [f"{name}={cell.tuned[name]}" for name in _WORK if name in cell.tuned]
+    return ", ".join([*told, *(("with checkpoints",) if cell.convergence is not None else ())])
 
 
 def _ranking(key: tuple, variants: list[tuple[Cell, ...]], limits: Sequence[float]) -> Ranking:
@@ -83,7 +93,15 @@ def _ranking(key: tuple, variants: list[tuple[Cell, ...]], limits: Sequence[floa
             else:
                 within_noise += 1
     changes.sort(key=lambda change: change.ratio.value / change.turned_ratio.value)
-    scene, _, resolution, depth, spp = key
+    scene, _, resolution, depth, spp, work = key
     return Ranking(
-        scene, resolution, depth, spp, tuple(variants), tuple(map(tuple, places.tolist())), tuple(changes), within_noise
+        scene,
+        resolution,
+        depth,
+        spp,
+        work,
+        tuple(variants),
+        tuple(map(tuple, places.tolist())),
+        tuple(changes),
+        within_noise,
     )

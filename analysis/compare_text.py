@@ -73,17 +73,19 @@ class Labels:
 
     axes: tuple[str, ...]
     fixed: tuple[str, ...]
+    tells_checkpoints: bool  # some cells were rendered in parts and some at once
 
     @staticmethod
     def of(cells: Sequence[Cell], axes: Sequence[str]) -> Labels:
         choices = {axis: dict.fromkeys(choice_of(cell, axis) for cell in cells) for axis in axes}
         varying = tuple(axis for axis in axes if len(choices[axis]) > 1) or tuple(axes[:1])
         fixed = tuple(f"{axis}={next(iter(choices[axis]))}" for axis in axes if axis not in varying)
-        return Labels(varying, fixed)
+        return Labels(varying, fixed, len({cell.convergence is None for cell in cells}) > 1)
 
     def __call__(self, cell: Cell) -> str:
         name = ".".join(choice_of(cell, axis) or "?" for axis in self.axes)
-        return name + "".join(f"+{key}={value}" for key, value in cell.tuned.items())
+        name += "".join(f"+{key}={value}" for key, value in cell.tuned.items())
+        return name + (" with checkpoints" if self.tells_checkpoints and cell.convergence is not None else "")
 
 
 def labels_of(matchings: Sequence[Matching]) -> Labels:
@@ -136,8 +138,9 @@ def estimate_text(estimate: Estimate) -> str:
 def _mean_line(what: str, mean: Mean, of: str) -> str:
     if mean.estimate is None:
         return f"{what}: none, no pair has it; left out: {mean.left_out}."
+    why = f" ({mean.verdict.reason})" if mean.verdict.reason else ""
     return (
-        f"{what}: {estimate_text(mean.estimate)} {mean.verdict.word}, over {mean.used} pairs ({of}), "
+        f"{what}: {estimate_text(mean.estimate)} {mean.verdict.word}{why}, over {mean.used} pairs ({of}), "
         f"{mean.left_out} left out; ratios from {ratio(mean.smallest)} to {ratio(mean.largest)}."
     )
 
@@ -324,7 +327,7 @@ def _group_name(group: Ranking, marks: Sequence[str]) -> str:
         if len(set(group.spp)) == 1
         else "spp " + ", ".join(f"{mark} {spp}" for mark, spp in zip(marks, group.spp, strict=True))
     )
-    return f"{group.scene}, {group.resolution}, depth {group.depth}, {spp}"
+    return f"{group.scene}, {group.resolution}, depth {group.depth}, {spp}" + (f", {group.work}" if group.work else "")
 
 
 def _change_text(group: Ranking, change: Change, label: Labels, marks: Sequence[str]) -> str:

@@ -23,6 +23,7 @@ from compare_builder import (
     written,
 )
 from conftest import ROOT
+from convergence_builder import convergence_cell, convergence_study, on_gpu
 from legibility import check_legible
 from scipy import stats
 
@@ -249,6 +250,27 @@ def test_within_one_backend_spp_must_be_equal(compared):
     assert (True, "other settings", "spp 8 here, 16 there") in left_out(one)
 
 
+def test_cells_rendered_in_parts_are_held_against_such_only(compared):
+    files = []
+    for name in ("a", "b"):
+        builder = convergence_study(on_gpu())
+        builder.context["ptbench.machine"] = name
+        builder.study("one")
+        builder.cell("one", ms_per_spp=1.0 if name == "a" else 2.0, spp=1024, depth=4, noise=1e-3)
+        whole = builder.cell("one", spp=1024, resolution=[64, 64], noise=1e-3)
+        if name == "a":
+            builder.cells.remove(whole)
+            builder.rows = [row for row in builder.rows if row["run_name"] != whole["cell"]]
+            convergence_cell(builder)
+        files.append(builder.document())
+    (one,) = compared(*files).comparisons
+    assert [row.pair.reference.depth for row in one.rows] == [4]
+    assert left_out(one) == {
+        (True, "other clock", "rendered in parts, with checkpoints, here only"),
+        (False, "other clock", "rendered in parts, with checkpoints, there only"),
+    }
+
+
 # Verdicts
 
 
@@ -468,6 +490,24 @@ def test_equal_medians_share_a_place_and_change_nothing(compared):
     assert group.places == ((1, 3), (1, 2), (3, 1))
     assert [(change.ahead, change.behind) for change in group.changes] == [(0, 2), (1, 2)]
     assert group.within_noise == 0
+
+
+def test_what_sets_another_task_is_not_ranked_with_the_rest(compared):
+    """Injected work and rendering in parts are no variants' merit."""
+    files = []
+    for name, factors in (("a", (1.0, 2.0)), ("b", (2.0, 1.0))):
+        builder = Builder().on_gpu().study("one")
+        builder.context["ptbench.machine"] = name
+        for fmas, factor in zip((0, 64), factors, strict=True):
+            tuned = {"shading_fmas": fmas}
+            builder.cell("one", ms_per_spp=factor, tunables=tuned, noise=1e-3)
+            builder.cell("one", ms_per_spp=8 * factor, axes={"layout": "x"}, tunables=tuned, noise=1e-3)
+        files.append(builder.document())
+    groups = compared(*files).rankings
+    assert [(group.work, len(group.cells), group.changes) for group in groups] == [
+        ("", 2, ()),
+        ("shading_fmas=64", 2, ()),
+    ]
 
 
 # The command

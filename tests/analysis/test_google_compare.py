@@ -1,7 +1,7 @@
 """Google Benchmark's own compare.py reads our files, and where it can say what `compare` says it says the same.
 
-It compares rows of equal names, the medians that Google Benchmark wrote. Of names that only one file has it says nothing
-but takes them into its geometric mean; ours is over what both have, so the means agree where the names do.
+It compares rows of equal names, the medians that Google Benchmark wrote. Of names that only one file has it says
+nothing but takes them into its geometric mean; ours is over what both have, so the means agree where the names do.
 """
 
 from __future__ import annotations
