@@ -159,7 +159,7 @@ def _by_identity(reference: Result, other: Result, axes: Sequence[str], across: 
     for cell in other.cells:
         candidates.setdefault(tuple(_fields(cell, axes, across).values()), []).append(cell)
     possible = [
-        (abs(math.log2(partner.spp / cell.spp)), -partner.spp, partner.scene != cell.scene, order, cell, partner)
+        (abs(math.log2(partner.spp / cell.spp)), -partner.spp * cell.spp, partner.scene != cell.scene, order, cell, partner)
         for order, cell in enumerate(reference.cells)
         # A scene without a hash may be any scene.
         if cell.scene_hash

@@ -220,7 +220,8 @@ def test_a_standard_that_moved_is_part_of_what_is_compared_and_told(base, compar
 
 def test_files_of_two_backends_are_held_against_each_other_at_the_nearest_spp(compared):
     gpu, cpu = Builder().on_gpu(), Builder()
-    cpu.axes = gpu.axes
+    # Films of other samples per pixel have other bits, exact or not.
+    gpu.axes = cpu.axes = gpu.axes | {"arithmetic": "exact"}
     gpu.study("one")
     cpu.study("one")
     for spp in (8, 32):
@@ -235,6 +236,19 @@ def test_files_of_two_backends_are_held_against_each_other_at_the_nearest_spp(co
     assert (in_reference, kind) == (True, "already paired")
     assert [item.ratio for item in one.normalised] == [None, None]
     assert one.normalised[0].how == "132 SMs and 2 threads do not compare"
+
+
+@pytest.mark.parametrize("gpu_first", [True, False])
+def test_of_two_samples_per_pixel_as_near_the_larger_is_taken(compared, gpu_first):
+    gpu, cpu = Builder().on_gpu().study("one"), Builder().study("one")
+    cpu.axes = gpu.axes
+    for spp in (8, 32):
+        gpu.cell("one", spp=spp)
+    cpu.cell("one", spp=16)
+    files = (gpu, cpu) if gpu_first else (cpu, gpu)
+    (one,) = compared(*(builder.document() for builder in files)).comparisons
+    ((pair,),) = [[row.pair for row in one.rows]]
+    assert {pair.reference.spp, pair.other.spp} == {16, 32}
 
 
 def test_within_one_backend_spp_must_be_equal(compared):
