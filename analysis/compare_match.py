@@ -159,7 +159,7 @@ def _by_identity(reference: Result, other: Result, axes: Sequence[str], across: 
     for cell in other.cells:
         candidates.setdefault(tuple(_fields(cell, axes, across).values()), []).append(cell)
     possible = [
-        (abs(math.log2(partner.spp / cell.spp)), -partner.spp * cell.spp, partner.scene != cell.scene, order, cell, partner)
+        (*_apart(cell, partner), order, cell, partner)
         for order, cell in enumerate(reference.cells)
         # A scene without a hash may be any scene.
         if cell.scene_hash
@@ -167,11 +167,16 @@ def _by_identity(reference: Result, other: Result, axes: Sequence[str], across: 
     ]
     taken: set[tuple[bool, str]] = set()
     matched = []
-    for *_, cell, partner in sorted(possible, key=lambda item: item[:4]):
+    for *_, cell, partner in sorted(possible, key=lambda item: item[:-2]):
         if (True, cell.name) not in taken and (False, partner.name) not in taken:
             taken |= {(True, cell.name), (False, partner.name)}
             matched.append((cell, partner))
     return matched
+
+
+def _apart(cell: Cell, partner: Cell) -> tuple[float, int, bool]:
+    """How far from each other, to be sorted by; the product tells the larger of two that are as near."""
+    return abs(math.log2(partner.spp / cell.spp)), -partner.spp * cell.spp, partner.scene != cell.scene
 
 
 def _same_work(
