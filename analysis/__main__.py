@@ -1,4 +1,4 @@
-"""The command line: `python3 -m analysis plots|gallery|report ...`.
+"""The command line: `python3 -m analysis plots|report|compare|gallery ...`.
 
 Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong.
 """
@@ -10,6 +10,7 @@ import re
 import sys
 from pathlib import Path
 
+from analysis.compare_options import add_compare
 from analysis.errors import InputError
 
 
@@ -35,10 +36,11 @@ def _positive(text: str) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="python3 -m analysis", description="Draws what ptbench measured.")
-    commands = parser.add_subparsers(dest="command", required=True, metavar="plots|gallery|report")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="plots|report|compare|gallery")
     plots = commands.add_parser("plots", help="every study's figure and summary.md, from a result file alone")
     plots.add_argument("result", type=Path, metavar="RESULT.json")
     plots.add_argument("--out", type=Path, metavar="DIR", help="default: figures/SUITE beside the result file")
+    add_compare(commands)
     gallery = commands.add_parser("gallery", help="render the picture pairs of a gallery file into one labelled sheet")
     gallery.add_argument("--binary", type=Path, required=True, metavar="PTBENCH")
     gallery.add_argument("--spec", type=Path, default=Path(__file__).with_name("gallery.json"), metavar="GALLERY.json")
@@ -63,6 +65,7 @@ def _parser() -> argparse.ArgumentParser:
 def main(arguments: list[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     # Drawing libraries take a moment to load; a wrong call should not wait for them.
+    from analysis.compare import compare_command
     from analysis.gallery import gallery
     from analysis.plots import plots
     from analysis.report.command import report
@@ -72,6 +75,8 @@ def main(arguments: list[str] | None = None) -> int:
             return report(options.results, options.out, options.binary, options.spp, options.side)
         if options.command == "plots":
             return plots(options.result, options.out)
+        if options.command == "compare":
+            return compare_command(options)
         return gallery(options.binary, options.spec, options.out, options.spp, options.resolution)
     except InputError as error:
         print(f"python3 -m analysis: {error}", file=sys.stderr)

@@ -71,6 +71,18 @@ def t_test(estimate: float, error: float, freedom: float, expected: float, commo
     return float(2 * stdtr(freedom, -abs(t))), float(stdtr(freedom, -t))
 
 
+def welch_test(values: np.ndarray, others: np.ndarray) -> float:
+    """Two-sided p of equal means of two sets of at least two values each, whose variances may differ."""
+    errors = np.array([standard_error(values), standard_error(others)])
+    error = float(np.hypot(*errors))
+    difference = float(np.mean(values) - np.mean(others))
+    if error == 0:
+        return 1.0 if difference == 0 else 0.0
+    shares = (errors / error) ** 2
+    freedom = 1 / float(np.sum(shares**2 / (np.array([len(values), len(others)]) - 1)))
+    return float(2 * stdtr(freedom, -abs(difference) / error))
+
+
 def holm(p_values: Sequence[float], level: float) -> list[bool]:
     """Which hypotheses are rejected so that any of them is so wrongly with probability `level` at most."""
     rejected = [False] * len(p_values)

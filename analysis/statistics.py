@@ -7,6 +7,7 @@ ratio is that of two medians, both sets drawn independently.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -83,17 +84,41 @@ def ratio_estimate(values: np.ndarray, baseline: np.ndarray) -> Estimate:
     return Estimate(ratio, low, high, n)
 
 
-def verdict_of_ratio(ratio: Estimate) -> Verdict:
-    """What the interval of a ratio of times allows to say."""
+def geometric_mean_of_ratios(sides: Sequence[tuple[np.ndarray, np.ndarray]]) -> Estimate:
+    """Geometric mean of the ratios of medians of (values, baseline); n is the smallest number of samples.
+
+    The pairs are a fixed set: what is resampled is each side's samples, independently of every other side's. So the
+    interval holds for these pairs and says nothing of others that might have been chosen.
+    """
+    if not sides:
+        raise ValueError("no ratios: there is no geometric mean")
+    sides = [(np.asarray(values, dtype=float), np.asarray(baseline, dtype=float)) for values, baseline in sides]
+    n = min(min(values.size, baseline.size) for values, baseline in sides)
+    if n == 0:
+        raise ValueError("no samples: there is no ratio")
+    value = float(np.exp(np.mean([np.log(np.median(values) / np.median(baseline)) for values, baseline in sides])))
+    if n == 1:
+        return Estimate(value, None, None, 1)
+    random = np.random.default_rng(SEED)
+    drawn = np.zeros(RESAMPLES)
+    for values, baseline in sides:
+        drawn += np.log(_resampled_medians(values, random)) - np.log(_resampled_medians(baseline, random))
+    low, high = _percentiles(np.exp(drawn / len(sides)))
+    return Estimate(value, low, high, n)
+
+
+def verdict_of_ratio(ratio: Estimate, threshold: float = THRESHOLD) -> Verdict:
+    """What the interval of a ratio of times allows to say; a difference within `threshold` counts as none."""
     if ratio.n < MINIMUM_SAMPLES or ratio.low is None or ratio.high is None:
         return Verdict(UNSURE, f"n = {ratio.n}, a verdict needs {MINIMUM_SAMPLES}", needs_samples=True)
-    if ratio.high < 1 - THRESHOLD:
+    if ratio.high < 1 - threshold:
         return Verdict(FASTER)
-    if ratio.low > 1 + THRESHOLD:
+    if ratio.low > 1 + threshold:
         return Verdict(SLOWER)
-    if ratio.low >= 1 - THRESHOLD and ratio.high <= 1 + THRESHOLD:
+    if ratio.low >= 1 - threshold and ratio.high <= 1 + threshold:
         return Verdict(SAME)
-    return Verdict(UNSURE, f"interval [{ratio.low:.3f}, {ratio.high:.3f}] reaches both sides of a 1 % limit")
+    limit = f"{100 * threshold:.3g} %"
+    return Verdict(UNSURE, f"interval [{ratio.low:.3f}, {ratio.high:.3f}] reaches both sides of a {limit} limit")
 
 
 def confirmed(in_time: Verdict, in_cycles: Verdict | None) -> Verdict:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from analysis.results import LATER_AXES, Cell, NotApplicable, Result, Study
 from analysis.statistics import (
     MINIMUM_SAMPLES,
+    THRESHOLD,
     Estimate,
     Verdict,
     confirmed,
@@ -181,14 +182,28 @@ def _against_baseline(cell: Cell, cells: Sequence[Cell], question: Question) -> 
         return None, Verdict("—", f"no cell with {name} and all else equal")
     if not baseline.measured:
         return None, Verdict("—", f"the baseline {name} has no times ({baseline.status})")
+    return time_ratio(cell, baseline)
+
+
+def time_ratio(
+    cell: Cell, baseline: Cell, threshold: float = THRESHOLD, *, one_clock: bool = True
+) -> tuple[Estimate, Verdict]:
+    """Time of one measured cell over that of another, a sample per pixel, and what that allows to say.
+
+    `one_clock`: both ran on one machine, so that a ratio that is another one in cycles comes from a clock that moved.
+    """
     ratio = ratio_estimate(cell.ms_per_spp, baseline.ms_per_spp)
-    cycles, baseline_cycles = cell.mega_cycles_per_spp, baseline.mega_cycles_per_spp
-    in_cycles = None
     if _is_contended(cell) or _is_contended(baseline):
         return ratio, Verdict("UNSURE", _CONTENDED)
-    if cycles is not None and baseline_cycles is not None:
-        in_cycles = verdict_of_ratio(ratio_estimate(cycles, baseline_cycles))
-    return ratio, confirmed(verdict_of_ratio(ratio), in_cycles)
+    cycles = cycles_ratio(cell, baseline) if one_clock else None
+    in_cycles = None if cycles is None else verdict_of_ratio(cycles, threshold)
+    return ratio, confirmed(verdict_of_ratio(ratio, threshold), in_cycles)
+
+
+def cycles_ratio(cell: Cell, baseline: Cell) -> Estimate | None:
+    """The ratio in cycles of each one's clock; None where a clock was not measured."""
+    cycles, baseline_cycles = cell.mega_cycles_per_spp, baseline.mega_cycles_per_spp
+    return None if cycles is None or baseline_cycles is None else ratio_estimate(cycles, baseline_cycles)
 
 
 def _is_contended(cell: Cell) -> bool:

@@ -1,0 +1,173 @@
+"""What `compare` found as JSON, for programs: every pair, every cell that was left out, every place and change."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from analysis.compare_match import Matching
+from analysis.compare_noise import Floor, Repeat
+from analysis.compare_ranking import Ranking
+from analysis.compare_text import MARKS
+from analysis.compare_verdicts import Comparison, Mean, Row, capacity_of
+from analysis.results import Cell, Result
+from analysis.statistics import CONFIDENCE, Estimate, median_estimate
+
+if TYPE_CHECKING:
+    from analysis.compare import Compared
+
+SCHEMA_VERSION = "1"
+
+
+def as_json(compared: Compared) -> dict:
+    """Files are named by their index in "files"; times are ms per sample per pixel, ratios other over reference."""
+    index = {id(result): number for number, result in enumerate(compared.results)}
+    return {
+        "schema": "ptbench.compare",
+        "schema_version": SCHEMA_VERSION,
+        "confidence": CONFIDENCE,
+        "files": [_file(result) for result in compared.results],
+        "comparisons": [_comparison(one, index) for one in compared.comparisons],
+        "noise": {
+            "runs": [_repeat(repeat) for repeat in compared.repeats],
+            "floors": [_floor(floor) for floor in compared.floors],
+        },
+        "ranked_files": [MARKS.index(mark) for mark in compared.ranked],  # "places", "spp", "at" are in their order
+        "rankings": [_ranking(group) for group in compared.rankings],
+    }
+
+
+def _file(result: Result) -> dict:
+    capacity = capacity_of(result)
+    return {
+        "path": str(result.path),
+        "machine": result.about("machine"),
+        "backend": result.about("backend"),
+        "git": result.git,
+        "program_hash": result.about("program_hash"),
+        "suite": result.suite,
+        "date": result.context["date"],
+        "interrupted": result.interrupted,
+        "cells": len(result.cells),
+        "units": capacity.units,
+        "unit": capacity.unit,
+        "clock_mhz": capacity.clock_mhz,
+        "clock_from": capacity.clock_from,
+        "bandwidth_gb_s": capacity.bandwidth_gb_s,
+    }
+
+
+def _estimate(estimate: Estimate | None) -> dict | None:
+    if estimate is None:
+        return None
+    return {"value": estimate.value, "low": estimate.low, "high": estimate.high, "n": estimate.n}
+
+
+def _comparison(comparison: Comparison, index: dict[int, int]) -> dict:
+    matching = comparison.matching
+    return {
+        "reference": index[id(comparison.reference)],
+        "other": index[id(comparison.other)],
+        "one_machine": comparison.one_machine,
+        "repeated": comparison.repeated,
+        "across_backends": matching.across_backends,
+        "assumed": list(matching.assumed),
+        "threshold": comparison.threshold,
+        "floors": [_floor(floor) for floor in comparison.floors],
+        "geometric_mean": {"time": _mean(comparison.time), "cycles": _mean(comparison.cycles)},
+        "normalised": [
+            {"by": item.by, "factor": item.factor, "ratio": _estimate(item.ratio), "how": item.how}
+            for item in comparison.normalised
+        ],
+        "pairs": [_row(row) for row in comparison.rows],
+        "left_out": _left_out(matching),
+    }
+
+
+def _mean(mean: Mean) -> dict:
+    return {
+        "ratio": _estimate(mean.estimate),
+        "verdict": None if mean.verdict is None else mean.verdict.word,
+        "reason": "" if mean.verdict is None else mean.verdict.reason,
+        "used": mean.used,
+        "left_out": mean.left_out,
+        "smallest": mean.smallest,
+        "largest": mean.largest,
+    }
+
+
+def _row(row: Row) -> dict:
+    cell = row.pair.reference
+    return {
+        "reference": _side(cell),
+        "other": _side(row.pair.other),
+        "scene": cell.scene,
+        "scene_hash": cell.scene_hash,
+        "resolution": list(cell.resolution),
+        "depth": cell.depth,
+        "ratio": _estimate(row.ratio),
+        "cycles": _estimate(row.cycles),
+        "verdict": row.verdict.word,
+        "reason": row.verdict.reason,
+        "remarks": list(row.remarks),
+    }
+
+
+def _side(cell: Cell) -> dict:
+    return {"cell": cell.name, "spp": cell.spp, "ms_per_spp": _estimate(median_estimate(cell.ms_per_spp))}
+
+
+def _left_out(matching: Matching) -> list[dict]:
+    return [
+        {
+            "of": "reference" if item.in_reference else "other",
+            "cell": item.cell.name,
+            "kind": item.kind,
+            "reason": item.reason,
+        }
+        for item in matching.alone
+    ]
+
+
+def _floor(floor: Floor) -> dict:
+    return {
+        "machine": floor.machine,
+        "value": floor.value,
+        "chance": floor.chance,
+        "ratios": len(floor.ratios),
+        "runs": [[str(repeat.one.path), str(repeat.other.path)] for repeat in floor.repeats],
+    }
+
+
+def _repeat(repeat: Repeat) -> dict:
+    return {
+        "machine": repeat.one.about("machine"),
+        "files": [str(repeat.one.path), str(repeat.other.path)],
+        "ratios": list(repeat.ratios),
+        "geometric_mean": _estimate(repeat.geometric_mean),
+    }
+
+
+def _ranking(group: Ranking) -> dict:
+    return {
+        "scene": group.scene,
+        "resolution": group.resolution,
+        "depth": group.depth,
+        "spp": list(group.spp),
+        "work": group.work,
+        "variants": [
+            {"cells": [cell.name for cell in cells], "places": list(places)}
+            for cells, places in zip(group.cells, group.places, strict=True)
+        ],
+        "changes": [
+            {
+                "ahead": change.ahead,
+                "behind": change.behind,
+                "at": change.at,
+                "turned_at": change.turned_at,
+                "ratio": _estimate(change.ratio),
+                "turned_ratio": _estimate(change.turned_ratio),
+            }
+            for change in group.changes
+        ],
+        "within_noise": group.within_noise,
+    }

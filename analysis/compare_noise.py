@@ -1,0 +1,99 @@
+"""What two runs of one program on one machine differ by: the noise floor of a machine, from A/A runs.
+
+The spread of samples within a run does not hold what changes from run to run (where memory lies, how warm the device
+is, who else is there), so an interval from one run each is too narrow for what a comparison claims. Two result files of
+one machine and one program show it: each cell that both hold gives one ratio whose true value is 1.
+
+The floor is the smallest t such that a further such ratio lies within a factor of 1 + t of 1 in 95 % of cases: of m
+values of |log ratio| in ascending order, the k-th, k = ceil(0.95 (m + 1)), holds a further one with probability
+k / (m + 1) whatever the distribution: all ranks of that one are equally likely. Below m = 19 that is out of reach: the
+largest is taken, and its chance, m / (m + 1), is told. It takes the cells of a machine as alike in their noise. Cells
+of one run share what befell that run, so two files know little of it: their geometric mean is told, and more runs make
+a better floor.
+
+A verdict then counts differences within max(1 %, floor) as none: SAME widens, FASTER and SLOWER need more.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from analysis.compare_match import is_repeated, machine_of, match
+from analysis.errors import InputError
+from analysis.results import Result
+from analysis.statistics import CONFIDENCE, THRESHOLD, Estimate, geometric_mean_of_ratios
+
+
+@dataclass(frozen=True)
+class Repeat:
+    """Two files of one machine and program; `ratios` are the second's medians over the first's, a cell each."""
+
+    one: Result
+    other: Result
+    ratios: tuple[float, ...]
+    geometric_mean: Estimate
+
+
+@dataclass(frozen=True)
+class Floor:
+    """Of one machine: `value` is a part of 1; `chance` that a further ratio lies within it."""
+
+    machine: str
+    value: float
+    chance: float
+    ratios: tuple[float, ...]
+    repeats: tuple[Repeat, ...]
+
+    @property
+    def threshold(self) -> float:
+        """Differences up to here count as none."""
+        return max(THRESHOLD, self.value)
+
+
+def repeats_of(results: Sequence[Result]) -> list[Repeat]:
+    """Every two of the files that are an A/A run and have a cell in common that each of them rendered."""
+    found = []
+    for one, other in combinations(results, 2):
+        if not is_repeated(one, other):
+            continue
+        if pairs := match(one, other).pairs:
+            sides = [(pair.other.ms_per_spp, pair.reference.ms_per_spp) for pair in pairs]
+            ratios = tuple(float(np.median(values) / np.median(baseline)) for values, baseline in sides)
+            found.append(Repeat(one, other, ratios, geometric_mean_of_ratios(sides)))
+    return found
+
+
+def check_noise_files(results: Sequence[Result], others: Sequence[Result]) -> None:
+    """Raises InputError for a file of --noise that is no repetition of any of the files given."""
+    repeats = repeats_of([*results, *others])
+    for result in results:
+        if not any(result is side for repeat in repeats for side in (repeat.one, repeat.other)):
+            raise InputError(
+                f"{result.path}: --noise: found no other file of machine {result.about('machine')} and program "
+                f"{result.about('program_hash')} with a cell of its own run in common, allowed: two runs of one program"
+            )
+
+
+def floor_of(result: Result, repeats: Sequence[Repeat], without: Sequence[Result] = ()) -> Floor | None:
+    """The floor of the machine of `result`; None: no A/A run of it is known.
+
+    A run between two of the files `without` is left out: it cannot be judged by a floor that comes from itself.
+    """
+    own = tuple(
+        repeat
+        for repeat in repeats
+        if machine_of(repeat.one) == machine_of(result)
+        and not all(any(side is file for file in without) for side in (repeat.one, repeat.other))
+    )
+    ratios = tuple(ratio for repeat in own for ratio in repeat.ratios)
+    if not ratios:
+        return None
+    distances = np.sort(np.abs(np.log(ratios)))
+    count = len(distances)
+    rank = min(math.ceil(CONFIDENCE * (count + 1)), count)
+    return Floor(result.about("machine"), float(np.expm1(distances[rank - 1])), rank / (count + 1), ratios, own)

@@ -1,0 +1,28 @@
+"""The command line of `compare`, apart from what it does, which takes a moment to load."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+FAIL_ON = ("slower", "different", "unmatched")
+
+
+def add_compare(commands) -> None:
+    """The subcommand's options."""
+    parser = commands.add_parser("compare", help="hold result files of commits, machines or GPUs against the first one")
+    parser.add_argument(
+        "results", type=Path, nargs="+", metavar="RESULT.json", help="two or more; the first: reference"
+    )
+    parser.add_argument(
+        "--noise", type=Path, nargs="+", action="extend", default=[], metavar="FILE",
+        help="runs of one program on one machine (A/A), which tell its noise floor",
+    )  # fmt: skip
+    parser.add_argument(
+        "--films-may-differ", action="store_true", help="compare also cells whose films have other bits, if rays agree"
+    )
+    parser.add_argument(
+        "--fail-on", choices=FAIL_ON, action="append", default=[],
+        help="exit code 1 if a cell is SLOWER; SLOWER or FASTER; if one of the reference has no partner (repeatable)",
+    )  # fmt: skip
+    parser.add_argument("--json", type=Path, metavar="FILE", help="everything, for programs")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="compare.md and the figures")
