@@ -12,6 +12,8 @@ from pathlib import Path
 
 from analysis.errors import InputError
 
+_COMMAND = "ptbench-analysis"
+
 
 class _Parser(argparse.ArgumentParser):
     """argparse with complaints of one line, as all of ptbench's are."""
@@ -33,8 +35,13 @@ def _positive(text: str) -> int:
     return int(text)
 
 
+def _program() -> str:
+    """How it was called: as the installed command, or from the repository."""
+    return _COMMAND if Path(sys.argv[0]).stem == _COMMAND else "python3 -m analysis"
+
+
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(prog="python3 -m analysis", description="Draws what ptbench measured.")
+    parser = _Parser(prog=_program(), description="Draws what ptbench measured.")
     commands = parser.add_subparsers(dest="command", required=True, metavar="plots|gallery")
     plots = commands.add_parser("plots", help="every study's figure and summary.md, from a result file alone")
     plots.add_argument("result", type=Path, metavar="RESULT.json")
@@ -61,7 +68,7 @@ def main(arguments: list[str] | None = None) -> int:
             return plots(options.result, options.out)
         return gallery(options.binary, options.spec, options.out, options.spp, options.resolution)
     except InputError as error:
-        print(f"python3 -m analysis: {error}", file=sys.stderr)
+        print(f"{_program()}: {error}", file=sys.stderr)
         return 2
 
 
