@@ -15,6 +15,7 @@ from analysis.results import Cell, Result
 from analysis.style import figures
 from analysis.style import ratio as ratio_text
 
+MILLION_RAYS, NS_A_RAY = "million rays a spp", "ns a ray"
 # A clock or a count that differs by less is the same one.
 _SAME = 0.001
 _CLOCK_MATTERS = 0.005
@@ -77,8 +78,8 @@ def _rays(accounting: Accounting) -> Iterator[Fact]:
     each_a, each_b = a.total.value / rays_a, b.total.value / rays_b
     # Exact: more rays at the first one's price, then all of the second one's rays at the difference in price.
     more, dearer = (rays_b - rays_a) * each_a, rays_b * (each_b - each_a)
-    yield Fact("million rays a spp", rays_a / 1e6, rays_b / 1e6, f"{signed(more)} ms at A's time a ray")
-    yield Fact("ns a ray", each_a * 1e6, each_b * 1e6, f"{signed(dearer)} ms over B's rays")
+    yield Fact(MILLION_RAYS, rays_a / 1e6, rays_b / 1e6, f"{signed(more)} ms at A's time a ray")
+    yield Fact(NS_A_RAY, each_a * 1e6, each_b * 1e6, f"{signed(dearer)} ms over B's rays")
 
 
 def _upkeep(accounting: Accounting) -> Iterator[Fact]:
@@ -129,9 +130,10 @@ def _launches(result: Result, accounting: Accounting) -> Iterator[Fact]:
         if more and least is not None:
             ms, cell = least
             says = (
-                f"{signed(more * ms)} ms at the file's least time a launch, its kernel's work included "
-                f"({figures(1e3 * ms, 3)} us: {cell.axes.get('integrator', cell.variant)} in {cell.scene}, "
-                f"{cell.resolution_text}, depth {cell.depth}); a library call counts as one launch"
+                f"no more than {signed(more * ms)} ms, at the least time that a launch took in any cell of the file, "
+                f"its kernel's work included ({figures(1e3 * ms, 3)} us: {cell.axes.get('integrator', cell.variant)} "
+                f"in {cell.scene}, {cell.resolution_text}, depth {cell.depth}); but a library's call, which may launch "
+                "several kernels, counts as one"
             )
         yield Fact("launches a spp", *counts, says)
     waits = a.work_per_spp("host_waits"), b.work_per_spp("host_waits")
@@ -250,5 +252,5 @@ def rated_bandwidth(result: Result) -> float | None:
 
 def same_work(facts: Sequence[Fact]) -> bool:
     """Whether both trace the same rays."""
-    rays = next((fact for fact in facts if fact.quantity == "million rays a spp"), None)
+    rays = next((fact for fact in facts if fact.quantity == MILLION_RAYS), None)
     return rays is not None and abs(rays.b / rays.a - 1) <= _SAME

@@ -15,8 +15,10 @@ from analysis.explain_text import explained, page_of
 from analysis.figures.difference import draw
 from analysis.files import make_folder, safe_name, write_text
 from analysis.inspect_file import Inspected, inspected_of, load_inspected
-from analysis.results import Cell, Result, load
+from analysis.nodes import read_json, shown
+from analysis.results import Cell, Result, result_of
 from analysis.saving import save_figure
+from analysis.stability_file import is_stability
 from analysis.statistics import Estimate, Verdict
 from analysis.studies import verdict_between
 from analysis.variant_names import find_variant, labels_of
@@ -76,9 +78,12 @@ def explain(
     path: Path, a: str, b: str, choice: Choice | None = None, counters: Sequence[Path] = (), out: Path | None = None
 ) -> int:
     """Prints the explanation, and writes it as explain.md beside a figure for each setting; the exit code."""
-    result = load(path)
+    root = read_json(path)
+    if is_stability(root):
+        raise bad_value(path, "$.schema", shown(root.fields()["schema"]), "a result of `ptbench run`, which has times")
+    result = result_of(root)
     entries = [entry for file in counters for entry in load_inspected(file)]
-    names = find_variant(result, a), find_variant(result, b)
+    names = find_variant(result, a, "variant A"), find_variant(result, b, "variant B")
     if names[0] == names[1]:
         raise bad_value(path, "the variants", f"{names[0]} for both names", "two variants")
     found = pairs_of(result, names, choice or Choice(), entries)
@@ -105,7 +110,9 @@ def pairs_of(result: Result, names: tuple[str, str], choice: Choice, entries: Se
         for cell in result.cells:
             if cell.variant == name and _is_chosen(cell, choice):
                 side.setdefault(_setting(cell), []).append(cell)
-    common = [setting for setting in by_setting[0] if setting in by_setting[1]]
+    both = [setting for setting in by_setting[0] if setting in by_setting[1]]
+    scenes = list(dict.fromkeys(setting.scene for setting in both))
+    common = sorted(both, key=lambda setting: (scenes.index(setting.scene), setting.resolution, setting.depth))
     if not common:
         raise _nothing_in_common(result, names, choice)
     found = Found()
@@ -119,11 +126,9 @@ def pairs_of(result: Result, names: tuple[str, str], choice: Choice, entries: Se
         if not unmeasured:
             found.pairs.append(_pair(result, setting, a, b, entries, found.left_out))
     for side, other in ((0, 1), (1, 0)):
-        found.left_out += [
-            f"{setting}: only {names[side]} ran there"
-            for setting in by_setting[side]
-            if setting not in by_setting[other]
-        ]
+        alone = [str(setting) for setting in by_setting[side] if setting not in by_setting[other]]
+        if alone:
+            found.left_out.append(f"only {names[side]} ran with: {'; '.join(alone)}")
     return found
 
 
@@ -177,12 +182,8 @@ def _nothing_in_common(result: Result, names: tuple[str, str], choice: Choice) -
     if choice.scene and choice.scene not in common:
         shown = ", ".join(common) or "none: they ran in no scene together"
         return bad_value(result.path, "the scene", f'"{choice.scene}"', f"one in which both ran: {shown}")
-    places = [
-        list(
-            dict.fromkeys(str(_setting(c)) for c in result.cells if c.variant == name and choice.scene in ("", c.scene))
-        )
-        for name in names
-    ]
+    cells = [cell for cell in result.cells if choice.scene in ("", cell.scene)]
+    places = [list(dict.fromkeys(str(_setting(c)) for c in cells if c.variant == name)) for name in names]
     what = " and ".join(f"{_few(of)} for {name}" for name, of in zip(names, places, strict=True))
     return bad_value(result.path, "the variants", what, "scene, backend, resolution and depth that both ran with")
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from analysis.accounting import ADD_UP_WITHIN, OUTSIDE, PASSES, Account, Step
-from analysis.accounting_facts import percent, same_work, signed
+from analysis.accounting import ADD_UP_WITHIN, OUTSIDE, PASSES, TRACING, WHOLE, Account, Step
+from analysis.accounting_facts import NS_A_RAY, percent, rays_per_spp, same_work, signed
 from analysis.inspect_file import KernelCounters, price_of_a_ray
 from analysis.results import Result
 from analysis.statistics import FASTER, INTERVAL_TEXT, SLOWER, VERDICT_RULE
@@ -18,11 +18,17 @@ if TYPE_CHECKING:
 
 _METHOD = (
     "Times are ms a sample per pixel (spp). The total is the median of the timed samples. Stages are timed in the "
-    "instrumented pass, another render that counts and records events between stages, so that it is slower. The "
+    "instrumented pass, another render that counts and records events between stages, on a GPU at a cost. The "
     f'differences of the stages, "{OUTSIDE}" (gaps between launches and waits of the host in that pass) and "{PASSES}" '
-    "(what that pass took more, below zero) add up to the difference of the medians. Range: where a stage's difference "
-    "may lie in the timed samples, if any part of what the passes differ by, from none to all, is in that stage. "
-    "What differs beside the times goes with the difference; that it causes it, no file can say."
+    "(what the passes differ by) add up to the difference of the medians. Range: where a stage's difference may lie in "
+    "the timed samples, if any part of what the passes differ by, from none to all, is in that stage; not all stages "
+    "can be at the ends of theirs together. What differs beside the times goes with the difference; that it causes it, "
+    "no file can say."
+)
+
+_PROFILED = (
+    ", more than 5 % away: the profiled render, another one with its own spp and clocks, does not account for this "
+    "difference"
 )
 
 
@@ -82,8 +88,7 @@ def _where(pair: Pair) -> str:
     accounting = pair.accounting
     if not (accounting.a.divided or accounting.b.divided):
         stages = ", ".join(dict.fromkeys([*accounting.a.stages, *accounting.b.stages]))
-        work = "of the same rays" if same_work(pair.facts) else "of other numbers of rays"
-        return f"the file does not divide either ({stages}), so all of it is in the tracing {work}"
+        return f"the file does not divide either ({stages}), so all of it is in that stage{_per_ray(pair)}"
     settled = [step for step in accounting.stages if step.is_settled]
     difference = accounting.difference
     along = sorted((s for s in settled if s.difference * difference > 0), key=lambda s: -abs(s.difference))
@@ -99,6 +104,15 @@ def _where(pair: Pair) -> str:
         other = "less" if difference > 0 else "more"
         text += ", but " + " and ".join(_told(step, other) for step in against)
     return text
+
+
+def _per_ray(pair: Pair) -> str:
+    """What the rays alone say, where no stages say more."""
+    price = next((fact for fact in pair.facts if fact.quantity == NS_A_RAY), None)
+    if price is None:
+        return ""
+    rays = "the same rays" if same_work(pair.facts) else "other numbers of rays"
+    return f": {rays} at {price.ratio} of the time a ray"
 
 
 def _told(step: Step, verb: str) -> str:
@@ -128,7 +142,7 @@ def how_far(pair: Pair) -> list[str]:
     if accounting.merged:
         lines.append(
             "A and B divide tracing and shading differently, so it is one row: "
-            f"A has {', '.join(accounting.a.stages)}; B has {', '.join(accounting.b.stages)}."
+            f"A has {_tracing(accounting.a)}; B has {_tracing(accounting.b)}."
         )
     for name, account in (("A", accounting.a), ("B", accounting.b)):
         lines.append(_passes(name, account))
@@ -140,6 +154,10 @@ def how_far(pair: Pair) -> list[str]:
     return lines
 
 
+def _tracing(account: Account) -> str:
+    return ", ".join(name for name in account.stages if name in (*TRACING, WHOLE))
+
+
 def _passes(name: str, account: Account) -> str:
     if not account.divided:
         where = f"one stage ({', '.join(account.stages)})" if account.cell.instrumented else "no instrumented pass"
@@ -149,36 +167,45 @@ def _passes(name: str, account: Account) -> str:
             text += f" (its instrumented pass took {ratio_text(share)} of that)"
         return text + "."
     staged, wall, timed = sum(account.stages.values()), account.instrumented, account.total.value
-    own = "" if abs(wall - staged) <= ADD_UP_WITHIN * wall else ", more than 5 % off"
+    own = "within 5 %" if abs(wall - staged) <= ADD_UP_WITHIN * wall else "more than 5 % off"
     text = (
-        f"{name}: stages are {100 * staged / wall:.1f} % of the instrumented pass's wall time{own}, and "
+        f"{name}: its stages add up to {100 * staged / wall:.1f} % of the instrumented pass's wall time ({own}) and to "
         f"{100 * staged / timed:.1f} % of the timed median"
     )
     if account.adds_up:
-        return text + ": they add up within 5 %."
+        return text + " (within 5 %)."
     graph = account.cell.axes.get("launch", "stream")
     without = f"; that pass ran without the {graph}" if graph != "stream" else ""
-    return text + f": more than 5 % off, they are that pass's times, not the timed samples'{without}."
+    return text + f" (more than 5 % off): they are that pass's times, not the timed samples'{without}."
 
 
 def _counted(pair: Pair) -> list[str]:
     """Counters of `ptbench inspect`, where its files were named and have both."""
     if pair.inspected is None:
         return []
-    rows = [
-        (side, *_kernel_row(kernel)) for side, of in zip("AB", pair.inspected, strict=True) for kernel in of.kernels
+    kernels = [
+        (f"{side}: {kernel.name}", kernel)
+        for side, of in zip("AB", pair.inspected, strict=True)
+        for kernel in of.kernels
     ]
+    rows = [(name, *_kernel_row(kernel)) for name, kernel in kernels if kernel.bound]
+    unseen = [name for name, kernel in kernels if not kernel.bound]
     head = (
-        "Kernel (inspect)", "", "Registers", "Spilled bytes", "Occupancy", "Reached", "Active lanes",
+        "Kernel (inspect)", "Registers", "Spilled bytes", "Occupancy", "Reached", "Active lanes",
         "Instructions a ray", "Bytes a ray", "Nearest ceiling",
     )  # fmt: skip
     lines = [*_table(head, rows), ""]
+    if unseen:
+        lines += [f"- Without counters, so not in the table: {', '.join(unseen)}.", ""]
     price = price_of_a_ray(*pair.inspected)
     if price is not None:
+        rays = [rays_per_spp(cell) for cell in pair.cells]
+        timed = pair.ratio.value * rays[0] / rays[1]
+        doubt = "" if abs(price.time / timed - 1) <= ADD_UP_WITHIN else _PROFILED
         lines += [
             f"- Time a ray in those kernels, B over A: {ratio_text(price.time)} = {ratio_text(price.instructions)} "
             f"(instructions a ray) x {ratio_text(price.lanes)} (for active lanes) x {ratio_text(price.issue)} (for the "
-            "share of the issue ceiling); a profiled render, not a timed one.",
+            f"share of the issue ceiling). The timed samples have {ratio_text(timed)}{doubt}.",
             "",
         ]
     return lines
@@ -188,7 +215,6 @@ def _kernel_row(kernel: KernelCounters) -> tuple[str, ...]:
     reached = (kernel.of_ceiling or {}).get(kernel.bound)
     share = "" if reached is None else f" {100 * reached:.0f} %"
     return (
-        kernel.name,
         str(kernel.registers),
         str(kernel.spill_bytes),
         f"{100 * kernel.occupancy:.0f} %",

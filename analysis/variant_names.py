@@ -13,12 +13,13 @@ from analysis.results import Cell, Result, tuned_in
 _SHOWN = 3
 
 
-def find_variant(result: Result, text: str) -> str:
+def find_variant(result: Result, text: str, role: str = "the variant") -> str:
     """The whole name of the file's one variant that `text` names; raises InputError.
 
-    `text` is the whole name, or some of its parts in their order: choices, AXIS=CHOICE, TUNABLE=VALUE, between dots,
-    commas or plus signs. A choice that several axes have is the first one's that fits: "wavefront.none.soa" has no
-    compaction. Where no tunable is named, a variant that has all at their standards comes before others.
+    `role` is what the call names it. `text` is the whole name, or some of its parts in their order: choices,
+    AXIS=CHOICE, TUNABLE=VALUE, between dots, commas or plus signs. A choice that several axes have is the first one's
+    that fits: "wavefront.none.soa" has no compaction. Where no tunable is named, a variant that has all at their
+    standards comes before others.
     """
     axes = {cell.variant: cell.axes for cell in result.cells}
     if text in axes:
@@ -37,8 +38,8 @@ def find_variant(result: Result, text: str) -> str:
             f"{name} ({', '.join(values)})" for name, values in _differences([(axes[v], tuned_in(v)) for v in found])
         )
         what = f'{len(found)} variants with "{text}", which differ in {differing}'
-        raise bad_value(result.path, "the variant", what, "what names one of them")
-    raise _unknown(result.path, text, parts, axes)
+        raise bad_value(result.path, role, what, "what names one of them")
+    raise _unknown(result.path, role, text, parts, axes)
 
 
 def _places(axes: Mapping[str, str], tuned: Mapping[str, str], parts: Sequence[str]) -> tuple[int, ...] | None:
@@ -72,15 +73,15 @@ def _differences(variants: Sequence[tuple[Mapping[str, str], Mapping[str, str]]]
     return [(name, found) for name, found in values.items() if len(found) > 1]
 
 
-def _unknown(path: Path, text: str, parts: Sequence[str], axes: Mapping[str, Mapping[str, str]]) -> InputError:
+def _unknown(
+    path: Path, role: str, text: str, parts: Sequence[str], axes: Mapping[str, Mapping[str, str]]
+) -> InputError:
     choices = list(dict.fromkeys(choice for of in axes.values() for choice in of.values()))
     unknown = [part for part in parts if "=" not in part and part not in choices]
     close = [name for part in unknown for name in get_close_matches(part, choices, _SHOWN)]
     close = close or get_close_matches(text, axes, _SHOWN, cutoff=0.3) or list(axes)[:_SHOWN]
     nearest = ", ".join(dict.fromkeys(close[:_SHOWN])) or "it has none"
-    return bad_value(
-        path, "the variant", f'"{text}"', f"a variant of the file or a part of one name; nearest: {nearest}"
-    )
+    return bad_value(path, role, f'"{text}"', f"a variant of the file or a part of one name; nearest: {nearest}")
 
 
 def labels_of(a: Cell, b: Cell) -> tuple[str, str]:
