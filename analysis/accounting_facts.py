@@ -129,11 +129,11 @@ def _launches(result: Result, accounting: Accounting) -> Iterator[Fact]:
         least = _least_time_of_a_launch(result)
         if more and least is not None:
             ms, cell = least
+            which = f"{cell.axes.get('integrator', cell.variant)} in {cell.scene}, {cell.resolution_text}"
             says = (
-                f"no more than {signed(more * ms)} ms, at the least time that a launch took in any cell of the file, "
-                f"its kernel's work included ({figures(1e3 * ms, 3)} us: {cell.axes.get('integrator', cell.variant)} "
-                f"in {cell.scene}, {cell.resolution_text}, depth {cell.depth}); but a library's call, which may launch "
-                "several kernels, counts as one"
+                f"at most {figures(abs(more) * ms, 3)} ms {'more' if more > 0 else 'less'}, at the least time that a "
+                f"launch took in any cell of the file, its kernel's work included ({figures(1e3 * ms, 3)} us: {which}, "
+                f"depth {cell.depth}); but a library's call, which may launch several kernels, counts as one"
             )
         yield Fact("launches a spp", *counts, says)
     waits = a.work_per_spp("host_waits"), b.work_per_spp("host_waits")
