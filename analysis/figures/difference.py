@@ -90,8 +90,8 @@ def _caption(result: Result, pair: Pair) -> str:
             f"Diamonds: medians of the timed samples, n = {style.span((len(a.samples), len(b.samples)))}; bars on "
             f"them: {INTERVAL_TEXT}. Bars: stages of the instrumented pass, another render; where the file has one "
             "stage, the timed median. Steps: what each adds to A's median on the way to B's (orange: more, blue: less, "
-            "hatched: in no stage); thin lines: their range, if from none to all of what the two passes differ by is in "
-            "that stage.",
+            "hatched: in no stage); thin lines: their range, if from none to all of what the two passes differ by is "
+            "in that stage.",
             setting_of(result, pair.cells, told=False),
             f"A: {a.variant}",
             f"B: {b.variant}",
