@@ -21,8 +21,9 @@ _METHOD = (
     "instrumented pass, another render that counts and records events between stages, on a GPU at a cost. The "
     f'differences of the stages, "{OUTSIDE}" (gaps between launches and waits of the host in that pass) and "{PASSES}" '
     "(what the passes differ by) add up to the difference of the medians. Range: where a stage's difference may lie in "
-    "the timed samples, if any part of what the passes differ by, from none to all, is in that stage; not all stages "
-    "can be at the ends of theirs together. What differs beside the times goes with the difference; that it causes it, "
+    "the timed samples, if any part of what the passes differ by, from none to all, is in that stage, for any timed "
+    "median in its interval; not all stages can be at the ends of theirs together. The instrumented pass is one "
+    "render, whose own noise is not known. What differs beside the times goes with the difference; that it causes it, "
     "no file can say."
 )
 

@@ -93,6 +93,19 @@ def test_a_stages_range_is_what_the_passes_differ_by(tmp_path):
     assert [step.name for step in pair.accounting.stages if step.is_settled] == ["shade", "compact"]
 
 
+def test_a_range_holds_for_the_whole_interval_of_the_median(tmp_path):
+    builder = compacted()
+    # The median stays 3.5, the interval of it does not: the last four of nine samples took 8 ms.
+    rows = [row for row in builder.rows if row["name"] == builder.cells[0]["cell"] and "pt_wall_ms" in row]
+    for row in rows[5:]:
+        row["pt_wall_ms"] = 8.0 * SPP
+    _, pair = pair_of(builder, tmp_path)
+    account = pair.accounting.a
+    assert (account.total.value, account.total.low, account.total.high) == (3.5, 3.5, 8.0)
+    assert account.range_of(["shade"]) == (2.0 - 0.5, 2.0 + 4.0)
+    assert pair.accounting.difference == 2
+
+
 def test_the_finding_names_the_stages_that_are_settled(tmp_path):
     _, pair = pair_of(compacted(), tmp_path)
     assert finding(pair) == (
