@@ -20,7 +20,7 @@ from analysis.results import Cell, Result, result_of
 from analysis.saving import save_figure
 from analysis.stability_file import is_stability
 from analysis.statistics import Estimate, Verdict
-from analysis.studies import verdict_between
+from analysis.studies import time_ratio
 from analysis.variant_names import find_variant, labels_of
 
 
@@ -158,7 +158,7 @@ def _closest(a: Sequence[Cell], b: Sequence[Cell]) -> tuple[Cell, Cell, list[Cel
 def _pair(
     result: Result, setting: Setting, a: Cell, b: Cell, entries: Sequence[Inspected], left_out: list[str]
 ) -> Pair:
-    ratio, verdict = verdict_between(b, a)
+    ratio, verdict = time_ratio(b, a)
     accounting = accounting_of(a, b)
     counted = inspected_of(a, list(entries)), inspected_of(b, list(entries))
     for cell, of in zip((a, b), counted, strict=True):

@@ -165,11 +165,11 @@ def _against_baseline(cell: Cell, cells: Sequence[Cell], question: Question) -> 
         return None, Verdict("—", f"no cell with {name} and all else equal")
     if not baseline.measured:
         return None, Verdict("—", f"the baseline {name} has no times ({baseline.status})")
-    return verdict_between(cell, baseline)
+    return time_ratio(cell, baseline)
 
 
-def verdict_between(cell: Cell, baseline: Cell) -> tuple[Estimate, Verdict]:
-    """The ratio of two measured cells' times, `cell` over `baseline`, and what it allows to say."""
+def time_ratio(cell: Cell, baseline: Cell) -> tuple[Estimate, Verdict]:
+    """Time of one measured cell over that of another, a sample per pixel, and what that allows to say."""
     ratio = ratio_estimate(cell.ms_per_spp, baseline.ms_per_spp)
     cycles, baseline_cycles = cell.mega_cycles_per_spp, baseline.mega_cycles_per_spp
     in_cycles = None
