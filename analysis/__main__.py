@@ -1,4 +1,4 @@
-"""The command line: `python3 -m analysis plots|report|compare|gallery ...`.
+"""The command line: `python3 -m analysis plots|report|compare|explain|gallery ...`.
 
 Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong.
 """
@@ -12,6 +12,8 @@ from pathlib import Path
 
 from analysis.compare_options import add_compare
 from analysis.errors import InputError
+
+_COMMAND = "ptbench-analysis"
 
 
 class _Parser(argparse.ArgumentParser):
@@ -34,13 +36,30 @@ def _positive(text: str) -> int:
     return int(text)
 
 
+def _program() -> str:
+    """How it was called: as the installed command, or from the repository."""
+    return _COMMAND if Path(sys.argv[0]).stem == _COMMAND else "python3 -m analysis"
+
+
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(prog="python3 -m analysis", description="Draws what ptbench measured.")
-    commands = parser.add_subparsers(dest="command", required=True, metavar="plots|report|compare|gallery")
+    parser = _Parser(prog=_program(), description="Draws what ptbench measured.")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="plots|report|compare|explain|gallery")
     plots = commands.add_parser("plots", help="every study's figure and summary.md, from a result file alone")
     plots.add_argument("result", type=Path, metavar="RESULT.json")
     plots.add_argument("--out", type=Path, metavar="DIR", help="default: figures/SUITE beside the result file")
     add_compare(commands)
+    explain = commands.add_parser("explain", help="where the time of two variants differs, and what goes with that")
+    explain.add_argument("result", type=Path, metavar="RESULT.json")
+    explain.add_argument("a", metavar="A", help="a variant's dotted name, or parts that name one: wavefront.soa")
+    explain.add_argument("b", metavar="B", help="the variant that is held against A")
+    explain.add_argument("--scene", default="", help="default: every scene in which both ran")
+    explain.add_argument("--depth", type=_positive, metavar="N", help="default: every depth")
+    explain.add_argument("--resolution", type=_resolution, metavar="WxH", help="default: every resolution")
+    explain.add_argument(
+        "--counters", type=Path, action="append", default=[], metavar="INSPECT.json",
+        help="what `ptbench inspect --counters --json` measured of the variants",
+    )  # fmt: skip
+    explain.add_argument("--out", type=Path, metavar="DIR", help="default: figures/explain-... beside the result file")
     gallery = commands.add_parser("gallery", help="render the picture pairs of a gallery file into one labelled sheet")
     gallery.add_argument("--binary", type=Path, required=True, metavar="PTBENCH")
     gallery.add_argument("--spec", type=Path, default=Path(__file__).with_name("gallery.json"), metavar="GALLERY.json")
@@ -66,6 +85,7 @@ def main(arguments: list[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     # Drawing libraries take a moment to load; a wrong call should not wait for them.
     from analysis.compare import compare_command
+    from analysis.explain import Choice, explain
     from analysis.gallery import gallery
     from analysis.plots import plots
     from analysis.report.command import report
@@ -77,9 +97,12 @@ def main(arguments: list[str] | None = None) -> int:
             return plots(options.result, options.out)
         if options.command == "compare":
             return compare_command(options)
+        if options.command == "explain":
+            choice = Choice(options.scene, options.depth, options.resolution)
+            return explain(options.result, options.a, options.b, choice, options.counters, options.out)
         return gallery(options.binary, options.spec, options.out, options.spp, options.resolution)
     except InputError as error:
-        print(f"python3 -m analysis: {error}", file=sys.stderr)
+        print(f"{_program()}: {error}", file=sys.stderr)
         return 2
 
 

@@ -62,6 +62,8 @@ class Sample:
     low_clock: bool = False
     contended: bool = False
     cpu_ms: float | None = None
+    foreign_cpu_ms: float | None = None  # that other processes took meanwhile; below zero where clocks round
+    involuntary_switches: int | None = None
     checkpoints: tuple[Checkpoint, ...] = ()  # of a convergence cell
     work: dict[str, float] = field(default_factory=dict)  # "launches" and its like, where the file has them a sample
 
@@ -117,6 +119,7 @@ class Cuda:
     prepare_ms: float | None
     options: tuple[str, ...]
     kernels: dict[str, Kernel]
+    path_state_bytes: int | None = None  # of path_bytes, one copy of the path itself
 
 
 def tuned_in(variant: str) -> dict[str, str]:
@@ -155,6 +158,7 @@ class Cell:
     counters: dict[str, int] = field(default_factory=dict)  # of the instrumented pass, `spp` samples a pixel
     cuda: Cuda | None = None
     convergence: Convergence | None = None
+    failed_repetitions: tuple[int, ...] = ()  # of `errors`, one each
 
     @property
     def failed(self) -> bool:
@@ -363,11 +367,11 @@ def _study(node: Node) -> Study:
     )
 
 
-def _samples(rows: Node, cells: Node) -> tuple[dict[str, list[Sample]], dict[str, list[str]]]:
-    """Samples and error messages by cell name; rows that are Google Benchmark's own aggregates are left alone."""
+def _samples(rows: Node, cells: Node) -> tuple[dict[str, list[Sample]], dict[str, list[tuple[int, str]]]]:
+    """Samples, and (repetition, error message), by cell name; Google Benchmark's own aggregates are left alone."""
     known = {cell.need("cell").name() for cell in cells.items()}
     samples: dict[str, list[Sample]] = {name: [] for name in known}
-    errors: dict[str, list[str]] = {name: [] for name in known}
+    errors: dict[str, list[tuple[int, str]]] = {name: [] for name in known}
     for row in rows.items():
         if row.need("run_type").one_of(("iteration", "aggregate")) == "aggregate":
             continue
@@ -377,7 +381,7 @@ def _samples(rows: Node, cells: Node) -> tuple[dict[str, list[Sample]], dict[str
             raise named.wrong("the name of a cell in $.ptbench.cells")
         occurred = row.maybe("error_occurred")
         if occurred is not None and occurred.value is not False:
-            errors[cell].append(row.optional_text("error_message"))
+            errors[cell].append((row.optional_integer("repetition_index") or 0, row.optional_text("error_message")))
         else:
             samples[cell].append(_sample(row))
     for taken in samples.values():
@@ -395,7 +399,9 @@ def _sample(row: Node) -> Sample:
         rays=row.need("pt_rays").number(),
         paths=row.need("pt_paths").number(),
         device_ms=row.optional_number("pt_device_ms"),
-        cpu_ms=row.optional_number("pt_cpu_ms"),
+        cpu_ms=_cpu_ms(row),
+        foreign_cpu_ms=_signed(row, "pt_foreign_cpu_ms"),
+        involuntary_switches=row.optional_integer("pt_involuntary_switches"),
         checkpoints=checkpoints_of(row),
         end_to_end_ms=row.optional_number("pt_end_to_end_ms"),
         seed=row.optional_integer("pt_seed"),
@@ -409,8 +415,21 @@ def _sample(row: Node) -> Sample:
     )
 
 
+def _cpu_ms(row: Node) -> float | None:
+    """The process's CPU time of the render, all threads: Google Benchmark's own key, if it is in milliseconds."""
+    return row.optional_number("cpu_time") if row.optional_text("time_unit") == "ms" else None
+
+
+def _signed(row: Node, key: str) -> float | None:
+    node = row.maybe(key)
+    return None if node is None else node.number(signed=True)
+
+
 def _cell(
-    node: Node, study_names: tuple[str, ...], samples: dict[str, list[Sample]], errors: dict[str, list[str]]
+    node: Node,
+    study_names: tuple[str, ...],
+    samples: dict[str, list[Sample]],
+    errors: dict[str, list[tuple[int, str]]],
 ) -> Cell:
     name = node.need("cell").name()
     resolution = [item.integer(minimum=1) for item in node.need("resolution").items()]
@@ -446,7 +465,8 @@ def _cell(
         # A cell that never got to its counting pass has none, or an empty object.
         instrumented=None if instrumented is None or instrumented.value == {} else _instrumented(instrumented),
         samples=tuple(samples[name]),
-        errors=tuple(errors[name]),
+        errors=tuple(message for _, message in errors[name]),
+        failed_repetitions=tuple(repetition for repetition, _ in errors[name]),
         tunables={} if tunables is None else tunables.integers(),
         counters={} if counters is None else counters.integers(),
         cuda=None if cuda is None or cuda.value == {} else _cuda(cuda),
@@ -474,6 +494,7 @@ def _cuda(node: Node) -> Cuda:
         prepare_ms=node.optional_number("prepare_ms"),
         options=() if options is None else tuple(item.text() for item in options.items()),
         kernels={} if kernels is None else {name: _kernel(kernels.need(name)) for name in kernels.fields()},
+        path_state_bytes=node.optional_integer("path_state_bytes"),
     )
 
 

@@ -1,0 +1,46 @@
+"""A figure of one's own from a result file: do the samples drift while a run goes on?
+
+Run it from the repository's root, `python3 -m analysis.examples.own_plot`, or cell by cell in an editor that knows
+`# %%`, with the package installed (`pip install ".[frames]"`). It writes own_plot.png into the current folder.
+"""
+
+# %% One row a sample, every axis and setting a column of its own
+from itertools import cycle
+
+import matplotlib
+
+matplotlib.use("Agg")  # leave this out to see the figure in a notebook
+import matplotlib.pyplot as plt
+
+from analysis import frames
+
+RESULT = "results/nvidia-h200/seeds.json"
+samples = frames.samples(RESULT)
+good = samples[samples["status"] == "ok"]
+print(f"{len(samples)} samples of {samples['cell'].nunique()} cells, {len(samples) - len(good)} of them failed")
+
+# %% Medians a cell; without `observed` pandas makes a row of every combination, without `dropna` it drops missing keys
+keys = ["scene", "variant", "width", "depth", "spp"]
+medians = good.groupby(keys, observed=True, dropna=False)["ms_per_spp"].median()
+print(medians.head(12).to_string())
+
+# %% Each sample over the median of its cell, in the order in which the run took them
+drift = good.assign(
+    over_median=good["ms_per_spp"] / good.groupby("cell", observed=True)["ms_per_spp"].transform("median"),
+    minutes=(good["timestamp"] - good["timestamp"].min()) / 60,
+)
+figure, axes = plt.subplots(figsize=(8, 4), layout="constrained")
+for (scene, of_scene), marker in zip(drift.groupby("scene", observed=True), cycle("osD^v"), strict=False):
+    axes.plot(of_scene["minutes"], of_scene["over_median"], marker, markersize=3, alpha=0.5, label=scene)
+axes.axhline(1, color="black", linewidth=0.8)
+axes.set(xlabel="Minutes since the first sample", ylabel="Time over the cell's median")
+axes.set_title(f"{samples['machine'].iloc[0]}, commit {samples['commit'].iloc[0][:7]}, {len(good)} samples")
+figure.legend(loc="outside right upper")
+figure.savefig("own_plot.png", dpi=150)
+
+# %% Where the time goes: shares of the instrumented pass, one row a cell and stage
+stages = frames.stages(RESULT)
+stages["share"] = stages["stage_ms"] / stages["instrumented_wall_ms"]
+of_one = stages[(stages["scene"] == "cornell_open") & (stages["layout"] == "aos") & (stages["depth"] == 8)]
+shares = of_one.pivot_table(index="variant", columns="stage", values="share", aggfunc="first", observed=True)
+print(shares.round(3).to_string())

@@ -1,0 +1,121 @@
+"""The package installs with pip and runs outside the repository, without a network."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import sysconfig
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+from builder import Builder, small
+from conftest import ROOT
+from packaging.requirements import Requirement
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+# What is in the folder for a checkout, not for an installed package.
+NOT_INSTALLED = {"requirements.txt", "examples/own_plot.py"}
+
+
+def _run(*command: object, cwd: Path, **environment: str) -> subprocess.CompletedProcess:
+    kept = {key: value for key, value in os.environ.items() if not key.startswith(("PYTHON", "PIP_"))}
+    return subprocess.run(
+        list(map(str, command)), cwd=cwd, env={**kept, **environment}, capture_output=True, text=True, check=False
+    )
+
+
+@pytest.fixture(scope="session")
+def wheel(tmp_path_factory) -> Path:
+    """The wheel of the sources as they are, built from a copy so that nothing is left in the repository."""
+    folder = tmp_path_factory.mktemp("wheel")
+    sources = folder / "sources"
+    shutil.copytree(ROOT / "analysis", sources / "analysis", ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, sources / name)
+    offline = ("--no-deps", "--no-build-isolation", "--no-index", "--disable-pip-version-check", "--no-cache-dir")
+    built = _run(sys.executable, "-m", "pip", "wheel", *offline, "--wheel-dir", folder, sources, cwd=folder)
+    assert built.returncode == 0, built.stdout + built.stderr
+    (path,) = folder.glob("*.whl")
+    return path
+
+
+@pytest.fixture(scope="session")
+def installed(wheel, tmp_path_factory) -> Path:
+    """A virtual environment's folder of programs, with the wheel in it; the libraries are those of this environment."""
+    folder = tmp_path_factory.mktemp("venv")
+    venv.create(folder, with_pip=False, symlinks=True)
+    python = folder / "bin" / "python"
+    site = Path(_run(python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))", cwd=folder).stdout.strip())
+    offline = ("--no-deps", "--no-index", "--disable-pip-version-check")
+    done = _run(sys.executable, "-m", "pip", "--python", python, "install", *offline, wheel, cwd=folder)
+    assert done.returncode == 0, done.stdout + done.stderr
+    (site / "libraries.pth").write_text(sysconfig.get_path("purelib") + "\n", encoding="utf-8")
+    return folder / "bin"
+
+
+def test_the_wheel_has_all_that_the_folder_has(wheel):
+    there = {name for name in zipfile.ZipFile(wheel).namelist() if name.startswith("analysis/")}
+    files = (path for path in (ROOT / "analysis").rglob("*") if path.is_file() and "__pycache__" not in path.parts)
+    wanted = {f"analysis/{path.relative_to(ROOT / 'analysis').as_posix()}" for path in files}
+    assert there == wanted - {f"analysis/{name}" for name in NOT_INSTALLED}
+
+
+def test_it_draws_outside_the_repository(installed, tmp_path):
+    # An empty folder of the same name must not hide the installed package from its command.
+    (tmp_path / "analysis").mkdir()
+    said = _run(installed / "ptbench-analysis", "plots", "--help", cwd=tmp_path)
+    assert said.returncode == 0, said.stderr
+    assert said.stdout.startswith("usage: ptbench-analysis plots")
+    builder = Builder().study("compaction")
+    builder.cell("compaction")
+    file = builder.write(tmp_path / "quick.json")
+    drawn = _run(installed / "ptbench-analysis", "plots", file, "--out", tmp_path / "out", cwd=tmp_path)
+    assert drawn.returncode == 0, drawn.stderr
+    assert (tmp_path / "out" / "summary.md").is_file()
+    wrong = _run(installed / "ptbench-analysis", "plots", tmp_path / "nothing.json", cwd=tmp_path)
+    assert (wrong.returncode, wrong.stderr.count("\n")) == (2, 1)
+    assert wrong.stderr.startswith("ptbench-analysis: ")
+
+
+def test_it_is_imported_from_the_wheel(installed, tmp_path):
+    file = small().write(tmp_path / "quick.json")
+    code = (
+        "import analysis.gallery, analysis.frames as f, pathlib; "
+        f"print(f.__file__); print(len(f.samples({str(file)!r}))); "
+        "print(pathlib.Path(analysis.gallery.__file__).with_name('gallery.json').is_file())"
+    )
+    done = _run(installed / "python", "-c", code, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    where, rows, has_data = done.stdout.split("\n")[:3]
+    assert Path(where).is_relative_to(installed.parent)
+    assert int(rows) == sum(row["run_type"] == "iteration" for row in small().rows)
+    assert has_data == "True"
+
+
+def test_what_it_depends_on_is_pinned_and_allowed():
+    lines = (ROOT / "analysis" / "requirements.txt").read_text(encoding="utf-8").splitlines()
+    pins = {
+        pin.name.lower(): pin
+        for line in lines
+        if (text := line.partition("#")[0].strip())
+        for pin in [Requirement(text)]
+    }
+    wanted = [*PROJECT["dependencies"], *(text for of in PROJECT["optional-dependencies"].values() for text in of)]
+    for need in map(Requirement, wanted):
+        (version,) = (str(spec.version) for spec in pins[need.name.lower()].specifier)
+        assert need.specifier.contains(version), need
+
+
+def test_its_version_is_the_programs():
+    cmake = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
+    assert re.search(r"project\(ptbench VERSION (\S+)", cmake)[1] == PROJECT["version"]
