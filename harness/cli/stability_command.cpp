@@ -1,6 +1,8 @@
 // ptbench stability: cases with exact answers, over precision, arithmetic, robustness, integrators and backend.
 #include <algorithm>
 #include <charconv>
+#include <memory>
+#include <mutex>
 #include <set>
 
 #include <fmt/format.h>
@@ -8,6 +10,8 @@
 
 #include "harness/bench/compile_ahead.h"
 #include "harness/cli/commands.h"
+#include "harness/interrupt.h"
+#include "harness/locked_file.h"
 #include "harness/stability/evaluate.h"
 #include "harness/stability/report.h"
 #include "harness/write_file.h"
@@ -245,6 +249,84 @@ void print_row(const Task& task, const Row& row, const Variant& plainest) {
     std::fflush(stdout);
 }
 
+// The report itself is another file after every case: what is locked lies beside it.
+class ReportLock {
+public:
+    explicit ReportLock(const std::string& file) : file_(file) {}
+    ~ReportLock() { file_.remove(); }
+    ReportLock(const ReportLock&) = delete;
+    ReportLock& operator=(const ReportLock&) = delete;
+
+private:
+    LockedFile file_;
+};
+
+// Evaluates tasks, one after the other, into a report that is whole at every moment.
+class StabilityRun {
+public:
+    StabilityRun(const StabilityArguments& arguments, Backend backend)
+        : arguments_(arguments),
+          plainest_(stability::plainest_variant(backend)),
+          lock_(arguments.out.empty() ? nullptr : std::make_unique<ReportLock>(arguments.out + ".lock")),
+          report_(arguments.out, {arguments.command_line, backend, arguments.quick, arguments.seed, arguments.paths},
+                  arguments.resume) {}
+
+    int run(const std::vector<std::vector<Task>>& tasks_by_case) {
+        interrupt_.when_overdue([this] {
+            mutex_.lock();
+            const int exit_code = end_interrupted();
+            lock_.reset();  // nothing else of this process is put away
+            return exit_code;
+        });
+        for (const std::vector<Task>& tasks : tasks_by_case) {
+            for (const Task& task : tasks) {
+                if (interrupt_.requested()) {
+                    interrupt_.begin_end();
+                    return end_interrupted();
+                }
+                if (!report_.has(task)) {
+                    evaluate_one(task);
+                }
+            }
+            const std::lock_guard lock(mutex_);
+            report_.save();
+        }
+        interrupt_.begin_end();
+        report_.finish();
+        fmt::print("{}\n", report_.summary());
+        return report_.must_pass_failures() == 0 && report_.passed() > 0 ? exit_good : exit_check_failed;
+    }
+
+private:
+    void evaluate_one(const Task& task) {
+        const std::vector<Row> rows = evaluate(task);
+        const std::lock_guard lock(mutex_);
+        report_.add(task, rows);
+        for (const Row& row : rows) {
+            const bool worth_a_line = row.status == Status::failed || row.status == Status::broken;
+            if (!arguments_.quiet || (worth_a_line && stability::must_pass(task.variant))) {
+                print_row(task, row, plainest_);
+            }
+        }
+    }
+
+    int end_interrupted() const {
+        report_.save();
+        fmt::print("interrupted: {}\n", report_.summary());
+        if (!arguments_.out.empty()) {
+            fmt::print("go on with: {}{}\n", arguments_.command_line, arguments_.resume ? "" : " --resume");
+        }
+        return exit_interrupted;
+    }
+
+    const StabilityArguments& arguments_;
+    const Variant plainest_;
+    std::unique_ptr<ReportLock> lock_;
+    stability::Report report_;
+    std::mutex mutex_;  // held while the report changes
+    Interrupt interrupt_;
+};
+
 int run(const StabilityArguments& arguments) {
     const std::vector<const Case*> cases = chosen_cases(arguments);
     if (arguments.list) {
@@ -261,36 +343,15 @@ int run(const StabilityArguments& arguments) {
     const Backend backend = parse_backend(arguments.backend);
     const std::vector<Variant> variants = asked_variants(arguments, backend);
     require_backend(backend);
-    stability::Report report(arguments.out,
-                             {arguments.command_line, backend, arguments.quick, arguments.seed, arguments.paths},
-                             arguments.resume);
     std::vector<std::vector<Task>> tasks;
     for (const Case* stiff_case : cases) {
         tasks.push_back(tasks_of(*stiff_case, arguments, backend, variants));
     }
+    StabilityRun stability_run(arguments, backend);
     if (backend == Backend::cuda) {
         compile(cases, arguments, variants);
     }
-    const Variant plainest = stability::plainest_variant(backend);
-    for (std::size_t i = 0; i < cases.size(); ++i) {
-        for (const Task& task : tasks[i]) {
-            if (report.has(task)) {
-                continue;
-            }
-            const std::vector<Row> rows = evaluate(task);
-            report.add(task, rows);
-            for (const Row& row : rows) {
-                const bool worth_a_line = row.status == Status::failed || row.status == Status::broken;
-                if (!arguments.quiet || (worth_a_line && stability::must_pass(task.variant))) {
-                    print_row(task, row, plainest);
-                }
-            }
-        }
-        report.save();
-    }
-    report.finish();
-    fmt::print("{}\n", report.summary());
-    return report.must_pass_failures() == 0 && report.passed() > 0 ? exit_good : exit_check_failed;
+    return stability_run.run(tasks);
 }
 
 }  // namespace
