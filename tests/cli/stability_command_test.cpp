@@ -64,7 +64,7 @@ TEST(StabilityCommandTest, AnInterruptLeavesWhatIsThereAndTheWayToGoOn) {
     ASSERT_TRUE(wait_until([&] { return !running.is_running(); }));
     const CommandResult ended = running.wait();
     EXPECT_EQ(ended.exit_code, 130) << ended.err;
-    EXPECT_TRUE(ended.out.ends_with(" --backend cpu --out " + out + " --resume\n")) << ended.out;
+    EXPECT_TRUE(ended.out.ends_with(" --backend cpu --quick --out " + out + " --resume\n")) << ended.out;
     EXPECT_EQ(folder.content(), Arguments{"s.json"});
     const json cut = json::parse(content_of(out));
     EXPECT_EQ(cut.at("context").at("ptbench.status"), "interrupted");

@@ -19,13 +19,16 @@ std::function<void()> before_flock;
 
 }  // namespace
 
-// The C library's, for a test that does something at the last moment.
+// The C library's, for a test that does something at the last moment. (A struct has the name too.)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"
 extern "C" int flock(int descriptor, int operation) noexcept {
     if (const auto hook = std::exchange(before_flock, nullptr)) {
         hook();
     }
     return static_cast<int>(::syscall(SYS_flock, descriptor, operation));
 }
+#pragma GCC diagnostic pop
 
 namespace pt {
 namespace {
