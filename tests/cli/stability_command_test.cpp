@@ -54,7 +54,7 @@ TEST(StabilityCommandTest, ResumesWithWhatIsThere) {
 TEST(StabilityCommandTest, AnInterruptLeavesWhatIsThereAndTheWayToGoOn) {
     const TemporaryFolder folder;
     const std::string out = folder.file("s.json");
-    const Arguments call = ptbench_arguments({"stability", "--backend", "cpu", "--out", out});  // takes minutes
+    const Arguments call = ptbench_arguments({"stability", "--backend", "cpu", "--quick", "--out", out});  // all cases
     RunningCommand running(call, in_repository());
     ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(out) || !running.is_running(); }));
     const CommandResult second = run_command(call, in_repository());
