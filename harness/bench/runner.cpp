@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <mutex>
 #include <regex>
+#include <utility>
 
 #include <unistd.h>
 
@@ -94,7 +95,6 @@ public:
             }
         }
         order_ = journal_.sample_count();
-        journal_.add_session({{"date", iso_date()}, {"host_name", identity.at("host_name")}, {"process", ::getpid()}});
     }
 
     int run() {
@@ -126,11 +126,20 @@ private:
 
     void record_cell(const Cell& cell, const Json& facts) {
         const std::lock_guard lock(journal_mutex_);
+        begin_session();
         journal_.set_cell(cell.name, facts);
     }
     void record_sample(const Cell& cell, const Json& sample) {
         const std::lock_guard lock(journal_mutex_);
+        begin_session();
         journal_.add_sample(cell.name, sample);
+    }
+    // Before the first fact that this process finds: one that is refused, or has nothing to do, leaves no trace.
+    void begin_session() {
+        if (!std::exchange(has_session_, true)) {
+            journal_.add_session(
+                {{"date", iso_date()}, {"host_name", identity_.at("host_name")}, {"process", ::getpid()}});
+        }
     }
 
     bool is_ok(const Cell& cell) const {
@@ -543,6 +552,7 @@ private:
     Interrupt& interrupt_;
     Journal journal_;
     std::mutex journal_mutex_;  // held while it changes
+    bool has_session_ = false;
     ErrorBook errors_;
     std::unique_ptr<Progress> progress_;
     TimeLeft time_left_;
