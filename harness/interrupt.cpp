@@ -5,7 +5,6 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
-#include <utility>
 
 #include <fmt/format.h>
 #include <semaphore.h>
@@ -75,7 +74,8 @@ void Interrupt::when_overdue(std::function<int()> end) {
 
 void Interrupt::begin_end() {
     std::unique_lock lock(mutex_);
-    if (std::exchange(is_ending_, true)) {
+    is_ending_ = true;
+    if (is_overdue_) {
         lock.unlock();
         while (true) {
             ::pause();
@@ -88,9 +88,10 @@ void Interrupt::watch() {
     }
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, grace_, [this] { return is_over_; });
-    if (is_over_ || std::exchange(is_ending_, true)) {
+    if (is_over_ || is_ending_) {
         return;
     }
+    is_overdue_ = true;
     const std::function<int()> end = end_;
     lock.unlock();
     const int exit_code = end_with(end);

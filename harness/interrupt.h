@@ -25,7 +25,8 @@ public:
     // What ends the program if it has not ended itself `grace` after a signal, in place of an exit with
     // exit_interrupted: `end` is called on a thread of its own, and the process exits with what it returns.
     void when_overdue(std::function<int()> end);
-    // Before a program ends by itself: `end` is not called any more. Does not return where it was called already.
+    // Before a program ends by itself, or what `end` needs goes: it is not called any more. Does not return where it
+    // was called already.
     void begin_end();
 
 private:
@@ -35,7 +36,8 @@ private:
     std::function<int()> end_;
     std::mutex mutex_;
     std::condition_variable changed_;
-    bool is_ending_ = false;
+    bool is_ending_ = false;   // by itself
+    bool is_overdue_ = false;  // by end_
     bool is_over_ = false;
     std::thread watcher_;
 };

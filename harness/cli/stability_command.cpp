@@ -3,7 +3,9 @@
 #include <charconv>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
+#include <thread>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,6 +16,7 @@
 #include "harness/locked_file.h"
 #include "harness/stability/evaluate.h"
 #include "harness/stability/report.h"
+#include "harness/stability/workers.h"
 #include "harness/write_file.h"
 
 namespace pt {
@@ -33,6 +36,7 @@ struct StabilityArguments {
     std::string backend;
     std::uint64_t seed = 1;
     std::uint64_t paths = 0;
+    std::size_t jobs = 0;
     bool quick = false;
     bool list = false;
     bool quiet = false;
@@ -243,10 +247,52 @@ void compile(const std::vector<const Case*>& cases, const StabilityArguments& ar
     compile_ahead(compilations);
 }
 
-void print_row(const Task& task, const Row& row, const Variant& plainest) {
-    fmt::print("{:<11} {:<4} {}  {}\n", to_string(row.status), task.stiff_case->catalogue,
-               stability::label(task, plainest), stability::in_words(row));
-    std::fflush(stdout);
+// The tasks of a call, case after case.
+std::vector<Task> all_tasks(const StabilityArguments& arguments, Backend backend) {
+    const std::vector<Variant> variants = asked_variants(arguments, backend);
+    std::vector<Task> tasks;
+    for (const Case* stiff_case : chosen_cases(arguments)) {
+        for (Task& task : tasks_of(*stiff_case, arguments, backend, variants)) {
+            tasks.push_back(std::move(task));
+        }
+    }
+    return tasks;
+}
+
+// A task's rows, and what is printed of them, as a line of JSON.
+std::string evaluated(const Task& task, bool quiet) {
+    stability::Json rows = stability::Json::array();
+    std::string text;
+    const Variant plainest = stability::plainest_variant(task.backend);
+    for (const Row& row : evaluate(task)) {
+        rows.push_back(to_json(task, row));
+        const bool worth_a_line = row.status == Status::failed || row.status == Status::broken;
+        if (!quiet || (worth_a_line && stability::must_pass(task.variant))) {
+            text += fmt::format("{:<11} {:<4} {}  {}\n", to_string(row.status), task.stiff_case->catalogue,
+                                stability::label(task, plainest), stability::in_words(row));
+        }
+    }
+    return stability::Json{{"rows", std::move(rows)}, {"text", std::move(text)}}.dump();
+}
+
+// "cuda 17": the call's 17th task on that backend.
+stability::Answer worker_of(const StabilityArguments& arguments) {
+    auto tasks = std::make_shared<std::vector<Task>>();
+    return [&arguments, tasks](const std::string& question) {
+        const std::size_t space = question.find(' ');
+        if (tasks->empty()) {
+            *tasks = all_tasks(arguments, parse_backend(question.substr(0, space)));
+        }
+        return evaluated(tasks->at(std::stoul(question.substr(space + 1))), arguments.quiet);
+    };
+}
+
+// On a CPU every render has all processors already.
+std::size_t worker_count(const StabilityArguments& arguments) {
+    if (arguments.jobs != 0) {
+        return arguments.jobs;
+    }
+    return arguments.backend == "cpu" ? 1 : std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, 16);
 }
 
 // The report itself is another file after every case: what is locked lies beside it.
@@ -261,35 +307,42 @@ private:
     LockedFile file_;
 };
 
-// Evaluates tasks, one after the other, into a report that is whole at every moment.
+// The tasks of a call whose rows the report has not yet, one answer after the other into it.
 class StabilityRun {
 public:
     StabilityRun(const StabilityArguments& arguments, Backend backend)
         : arguments_(arguments),
-          plainest_(stability::plainest_variant(backend)),
+          backend_(backend),
           lock_(arguments.out.empty() ? nullptr : std::make_unique<ReportLock>(arguments.out + ".lock")),
           report_(arguments.out, {arguments.command_line, backend, arguments.quick, arguments.seed, arguments.paths},
-                  arguments.resume) {}
-
-    int run(const std::vector<std::vector<Task>>& tasks_by_case) {
-        interrupt_.when_overdue([this] {
-            mutex_.lock();
-            const int exit_code = end_interrupted();
-            lock_.reset();  // nothing else of this process is put away
-            return exit_code;
-        });
-        for (const std::vector<Task>& tasks : tasks_by_case) {
-            for (const Task& task : tasks) {
-                if (interrupt_.requested()) {
-                    interrupt_.begin_end();
-                    return end_interrupted();
-                }
-                if (!report_.has(task)) {
-                    evaluate_one(task);
-                }
+                  arguments.resume),
+          tasks_(all_tasks(arguments, backend)) {
+        for (std::size_t i = 0; i < tasks_.size(); ++i) {
+            if (!report_.has(tasks_[i])) {
+                missing_.push_back(i);
             }
-            const std::lock_guard lock(mutex_);
-            report_.save();
+        }
+        interrupt_.when_overdue([this] { return abandon(); });
+    }
+    ~StabilityRun() { interrupt_.begin_end(); }
+    StabilityRun(const StabilityRun&) = delete;
+    StabilityRun& operator=(const StabilityRun&) = delete;
+
+    // Without workers `answer` is called here.
+    int run(stability::Workers* workers, const stability::Answer& answer) {
+        std::vector<std::string> questions;
+        for (const std::size_t task : missing_) {
+            questions.push_back(fmt::format("{} {}", to_string(backend_), task));
+        }
+        if (workers != nullptr) {  // of an interrupt they know nothing: what they are at is abandoned
+            workers->ask(questions, [this](std::size_t i, const std::string& line) { answered(i, line); });
+        }
+        for (std::size_t i = 0; i < questions.size() && workers == nullptr; ++i) {
+            if (interrupt_.requested()) {
+                interrupt_.begin_end();
+                return end_interrupted();
+            }
+            answered(i, answer(questions[i]));
         }
         interrupt_.begin_end();
         report_.finish();
@@ -298,16 +351,26 @@ public:
     }
 
 private:
-    void evaluate_one(const Task& task) {
-        const std::vector<Row> rows = evaluate(task);
+    void answered(std::size_t question, const std::string& line) {
+        const stability::Json rows = stability::Json::parse(line);
+        const Task& task = tasks_[missing_[question]];
         const std::lock_guard lock(mutex_);
-        report_.add(task, rows);
-        for (const Row& row : rows) {
-            const bool worth_a_line = row.status == Status::failed || row.status == Status::broken;
-            if (!arguments_.quiet || (worth_a_line && stability::must_pass(task.variant))) {
-                print_row(task, row, plainest_);
-            }
+        report_.add(task, rows["rows"]);
+        fmt::print("{}", rows["text"].get<std::string>());
+        std::fflush(stdout);
+        const bool ends_case =
+            question + 1 == missing_.size() || tasks_[missing_[question + 1]].stiff_case != task.stiff_case;
+        if (ends_case) {
+            report_.save();
         }
+    }
+
+    // On another thread, for good: nothing else of this process is put away.
+    int abandon() {
+        mutex_.lock();
+        const int exit_code = end_interrupted();
+        lock_.reset();
+        return exit_code;
     }
 
     int end_interrupted() const {
@@ -320,9 +383,11 @@ private:
     }
 
     const StabilityArguments& arguments_;
-    const Variant plainest_;
+    Backend backend_;
     std::unique_ptr<ReportLock> lock_;
     stability::Report report_;
+    std::vector<Task> tasks_;
+    std::vector<std::size_t> missing_;
     std::mutex mutex_;  // held while the report changes
     Interrupt interrupt_;
 };
@@ -340,18 +405,20 @@ int run(const StabilityArguments& arguments) {
     if (!arguments.values.empty() && cases.size() != 1) {
         throw InputError("--set", "argument", fmt::format("{} cases", cases.size()), "one case, by --case");
     }
-    const Backend backend = parse_backend(arguments.backend);
-    const std::vector<Variant> variants = asked_variants(arguments, backend);
-    require_backend(backend);
-    std::vector<std::vector<Task>> tasks;
-    for (const Case* stiff_case : cases) {
-        tasks.push_back(tasks_of(*stiff_case, arguments, backend, variants));
+    // Before the backend is looked at: a process that has started CUDA cannot be forked.
+    const stability::Answer answer = worker_of(arguments);
+    std::optional<stability::Workers> workers;
+    if (const std::size_t count = worker_count(arguments); count > 1) {
+        workers.emplace(count, answer);
     }
+    const Backend backend = parse_backend(arguments.backend);
+    require_backend(backend);
     StabilityRun stability_run(arguments, backend);
     if (backend == Backend::cuda) {
-        compile(cases, arguments, variants);
+        compile(cases, arguments, asked_variants(arguments, backend));
     }
-    return stability_run.run(tasks);
+    const bool uses_workers = workers && (arguments.jobs != 0 || backend == Backend::cuda);
+    return stability_run.run(uses_workers ? &*workers : nullptr, answer);
 }
 
 }  // namespace
@@ -375,6 +442,11 @@ Command add_stability_command(CLI::App& app, const std::string& command_line) {
     command->add_option("--seed", arguments->seed, "Seed (default 1)")->check(check_seed);
     command->add_option("--paths", arguments->paths, "Paths of each rendering, instead of as many as the case asks for")
         ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 34));
+    command
+        ->add_option("--jobs", arguments->jobs,
+                     "Processes that evaluate tasks at once (default: one for each processor, at most 16, on cuda; one "
+                     "on cpu). Rows do not depend on it but for their seconds")
+        ->check(CLI::Range(std::size_t{1}, std::size_t{256}));
     command->add_flag("--quick", arguments->quick, "Fewer points, samples and variants");
     command->add_flag("--list", arguments->list, "Say what there is, and run nothing");
     command->add_flag("--quiet", arguments->quiet, "Print failures of what must pass, and the tally, only");

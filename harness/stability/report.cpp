@@ -64,10 +64,8 @@ Report::Report(std::string file, RunDescription description, bool resume)
 
 bool Report::has(const Task& task) const { return done_.contains(key_of(task)); }
 
-void Report::add(const Task& task, const std::vector<Row>& rows) {
-    for (const Row& row : rows) {
-        rows_.push_back(to_json(task, row));
-    }
+void Report::add(const Task& task, const Json& rows) {
+    rows_.insert(rows_.end(), rows.begin(), rows.end());
     done_.insert(key_of(task));
 }
 

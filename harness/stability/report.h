@@ -24,7 +24,8 @@ public:
     Report(std::string file, RunDescription description, bool resume);
 
     bool has(const Task& task) const;
-    void add(const Task& task, const std::vector<Row>& rows);
+    // rows: what to_json makes of them.
+    void add(const Task& task, const Json& rows);
     void save() const { write("interrupted"); }
     void finish() const { write("completed"); }
 

@@ -1,12 +1,13 @@
-// Every kernel that a shipped scene can ask for compiles, for every GPU that ptbench supports. No GPU is needed: NVRTC
-// compiles for any. It takes a second or more a program, so not every combination is tried:
-// - sm_90 gets every scene with two integrators, every choice that changes a program one at a time on the scene with
-//   every material, both direct lights and the cache on a scene whose first hits can be cached, and every stage in
-//   every layout and precision.
-// - The others get every specialisation with an integrator that changes from GPU to GPU; every scene, with an
-//   integrator and a direct light that change from scene to scene and from GPU to GPU, so that over the GPUs every
-//   scene meets every integrator; and every stage in one layout. Nothing in the sources depends on the scene and the
-//   GPU at once.
+// The kernels that a shipped scene can ask for compile, for every GPU that ptbench supports. No GPU is needed: NVRTC
+// compiles for any. It takes a second or two a program, ten with every feature, so not every combination is tried:
+// - sm_90 gets every scene with an integrator that changes from scene to scene, every choice that changes a program one
+//   at a time on the scene with every material (what compiles every feature with two integrators, else with all), both
+//   direct lights and the cache on a scene whose first hits can be cached, and every stage in every layout and
+//   precision.
+// - The others together get every scene once more, with an integrator and a direct light that change from scene to
+//   scene; each gets every second stage in one layout and one specialisation, which change from GPU to GPU. Nothing in
+//   the sources depends on the scene and the GPU at once.
+// - A scene of scenes/stability counts where it has a set of features that no other has.
 // What has compiled is kept in the build folder, so a second run takes seconds.
 #include <algorithm>
 #include <cstdlib>
@@ -80,21 +81,31 @@ private:
     std::map<std::string, Program> programs_;
 };
 
-// Those whose kernels differ: scenes with the same features and numbers of objects share them.
+// The scenes whose kernels differ: of those for users by program, of the stability cases' by features.
 std::vector<Scene> scenes_by_program() {
-    std::vector<fs::path> files;
+    std::vector<fs::path> shipped, stiff;
     for (const auto& entry : fs::recursive_directory_iterator(home_folder() / "scenes")) {
-        if (entry.path().extension() == ".json" && entry.path().parent_path().filename() != "suites") {
-            files.push_back(entry.path());
+        const fs::path folder = entry.path().parent_path().filename();
+        if (entry.path().extension() == ".json" && folder != "suites") {
+            (folder == "stability" ? stiff : shipped).push_back(entry.path());
         }
     }
-    std::sort(files.begin(), files.end());
+    std::sort(shipped.begin(), shipped.end());
+    std::sort(stiff.begin(), stiff.end());
     std::vector<Scene> scenes;
-    std::set<std::string> seen;
-    for (const fs::path& file : files) {
-        const Scene scene = load_scene(file.string());
-        if (seen.insert(cuda::module_key(cuda::module_request(scene, baseline_with({}), "sm_90"))).second) {
-            scenes.push_back(scene);
+    std::set<std::string> programs;
+    std::set<FeatureSet> features;
+    for (const fs::path& file : shipped) {
+        Scene scene = load_scene(file.string());
+        features.insert(features_of(scene));
+        if (programs.insert(cuda::module_key(cuda::module_request(scene, baseline_with({}), "sm_90"))).second) {
+            scenes.push_back(std::move(scene));
+        }
+    }
+    for (const fs::path& file : stiff) {
+        Scene scene = load_scene(file.string());
+        if (features.insert(features_of(scene)).second) {
+            scenes.push_back(std::move(scene));
         }
     }
     return scenes;
@@ -114,24 +125,31 @@ std::vector<std::string> stage_sources() {
 void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
     const std::vector<std::string> integrators = choices_of("integrator");
     for (std::size_t i = 0; i < scenes.size(); ++i) {
-        for (const std::size_t step : {0u, 2u}) {
-            programs.add(scenes[i], baseline_with({{"integrator", integrators[(i + step) % integrators.size()]}}));
-        }
+        programs.add(scenes[i], baseline_with({{"integrator", integrators[i % integrators.size()]}}));
     }
+    using Choices = std::initializer_list<std::pair<const char*, const char*>>;
     const Scene five = find_scene("cornell_open_five");
     for (const std::string& integrator : integrators) {
-        for (const auto& [axis, choice] :
-             std::initializer_list<std::pair<const char*, const char*>>{{"layout", "soa"},
-                                                                        {"layout", "packed"},
-                                                                        {"precision", "double"},
-                                                                        {"arithmetic", "exact"},
-                                                                        {"arithmetic", "fast"},
-                                                                        {"specialisation", "baked"},
-                                                                        {"specialisation", "generic"},
-                                                                        {"specialisation", "matrix"},
-                                                                        {"first_bounce", "cached_jitters"}}) {
+        for (const auto& [axis, choice] : Choices{{"layout", "soa"},
+                                                  {"layout", "packed"},
+                                                  {"arithmetic", "exact"},
+                                                  {"arithmetic", "fast"},
+                                                  {"specialisation", "baked"},
+                                                  {"first_bounce", "cached_jitters"}}) {
             programs.add(five, baseline_with({{"integrator", integrator}, {axis, choice}}));
         }
+    }
+    std::size_t turn = 0;
+    for (const auto& [axis, choice] : Choices{{"precision", "double"},
+                                              {"precision", "double_intersection"},
+                                              {"robustness", "naive"},
+                                              {"specialisation", "generic"},
+                                              {"specialisation", "matrix"}}) {
+        for (const std::size_t step : {0u, 3u}) {
+            programs.add(
+                five, baseline_with({{"integrator", integrators[(turn + step) % integrators.size()]}, {axis, choice}}));
+        }
+        ++turn;
     }
     for (const char* compaction : {"atomic_append", "block_scan_append"}) {
         programs.add(five, baseline_with({{"integrator", "wavefront_fused"}, {"compaction", compaction}}));
@@ -160,19 +178,17 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
 void add_pairs(Programs& programs, const std::vector<Scene>& scenes, std::size_t turn) {
     const std::vector<std::string> integrators = choices_of("integrator");
     const std::vector<std::string> lights = choices_of("direct_light");
-    // Kernels with everything take seconds each: one a GPU.
     const std::vector<std::string> specialisations = choices_of("specialisation");
     programs.add(scenes.front(), baseline_with({{"integrator", integrators[turn % integrators.size()]},
                                                 {"specialisation", specialisations[turn % specialisations.size()]}}));
-    // Every scene on at least one of these GPUs.
-    for (std::size_t i = turn % 3; i < scenes.size(); i += 3) {
-        const std::string& integrator = integrators[(i + turn) % integrators.size()];
-        programs.add(scenes[i],
-                     baseline_with({{"integrator", integrator},
-                                    {"direct_light", lights[(i / integrators.size() + turn) % lights.size()]}}));
+    for (std::size_t i = turn; i < scenes.size(); i += std::size(architectures) - 1) {
+        const std::string& integrator = integrators[(i + 1) % integrators.size()];
+        programs.add(scenes[i], baseline_with({{"integrator", integrator},
+                                               {"direct_light", lights[(i / integrators.size()) % lights.size()]}}));
     }
-    for (const std::string& source : stage_sources()) {
-        programs.add_stage(source, baseline_with({}));
+    const std::vector<std::string> sources = stage_sources();
+    for (std::size_t i = turn % 2; i < sources.size(); i += 2) {
+        programs.add_stage(sources[i], baseline_with({}));
     }
 }
 
@@ -185,12 +201,13 @@ protected:
         ASSERT_EQ(cuda::nvrtc_missing(), "");
         const std::vector<Scene> scenes = scenes_by_program();
         ASSERT_GE(scenes.size(), 10u);
-        for (std::size_t turn = 0; turn < std::size(architectures); ++turn) {
-            Programs& programs = all().try_emplace(architectures[turn], architectures[turn]).first->second;
-            if (architectures[turn] == full_architecture) {
+        std::size_t turn = 0;
+        for (const char* architecture : architectures) {
+            Programs& programs = all().try_emplace(architecture, architecture).first->second;
+            if (architecture == full_architecture) {
                 add_everything(programs, scenes);
             } else {
-                add_pairs(programs, scenes, turn);
+                add_pairs(programs, scenes, turn++);
             }
         }
         remove_what_others_left();

@@ -1,0 +1,180 @@
+#include "harness/stability/workers.h"
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <map>
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "harness/error.h"
+
+namespace pt::stability {
+
+namespace {
+
+constexpr std::size_t none = ~std::size_t{0};
+
+// False if the other end is gone.
+bool send_line(int socket, const std::string& text) {
+    const std::string line = text + "\n";
+    for (std::size_t sent = 0; sent < line.size();) {
+        const ssize_t count = ::send(socket, line.data() + sent, line.size() - sent, MSG_NOSIGNAL);
+        if (count < 0 && errno == EINTR) {
+            continue;
+        }
+        if (count <= 0) {
+            return false;
+        }
+        sent += static_cast<std::size_t>(count);
+    }
+    return true;
+}
+
+// Appends what has come. False if the other end is gone.
+bool receive(int socket, std::string& text) {
+    char buffer[65536];
+    for (;;) {
+        const ssize_t count = ::recv(socket, buffer, sizeof buffer, 0);
+        if (count < 0 && errno == EINTR) {
+            continue;
+        }
+        if (count <= 0) {
+            return false;
+        }
+        text.append(buffer, static_cast<std::size_t>(count));
+        return true;
+    }
+}
+
+// In a child: answers until its parent is gone, and leaves without running what that registered to run at exit.
+[[noreturn]] void serve(int socket, const Answer& answer, pid_t parent) {
+    // What a terminal sends to all of a command is for the parent to decide; a question may take longer than that
+    // lives.
+    std::signal(SIGINT, SIG_IGN);
+    std::signal(SIGTERM, SIG_IGN);
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (::getppid() != parent) {
+        ::_exit(0);
+    }
+    std::string received;
+    for (;;) {
+        const std::size_t end = received.find('\n');
+        if (end == std::string::npos) {
+            if (!receive(socket, received)) {
+                ::_exit(0);
+            }
+            continue;
+        }
+        const std::string question = received.substr(0, end);
+        received.erase(0, end + 1);
+        try {
+            if (!send_line(socket, answer(question))) {
+                ::_exit(0);
+            }
+        } catch (const std::exception& error) {
+            fmt::print(stderr, "ptbench: {}\n", error.what());
+            ::_exit(1);
+        }
+    }
+}
+
+std::string ending(int status) {
+    return WIFSIGNALED(status) ? fmt::format("ended by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)))
+                               : fmt::format("ended with exit code {}", WEXITSTATUS(status));
+}
+
+}  // namespace
+
+Workers::Workers(std::size_t count, const Answer& answer) : workers_(count) {
+    const pid_t parent = ::getpid();
+    for (Worker& worker : workers_) {
+        int ends[2];
+        if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
+            throw MachineError(std::string("no socket: ") + std::strerror(errno));
+        }
+        worker.process = ::fork();
+        if (worker.process < 0) {
+            throw MachineError(std::string("no process: ") + std::strerror(errno));
+        }
+        if (worker.process == 0) {
+            // A parent's end that a child holds would keep the others from noticing that the parent is gone.
+            for (const Worker& other : workers_) {
+                if (other.socket >= 0) {
+                    ::close(other.socket);
+                }
+            }
+            ::close(ends[0]);
+            serve(ends[1], answer, parent);
+        }
+        ::close(ends[1]);
+        worker.socket = ends[0];
+    }
+}
+
+Workers::~Workers() {
+    for (const Worker& worker : workers_) {
+        if (worker.socket >= 0) {
+            ::close(worker.socket);
+        }
+    }
+    for (const Worker& worker : workers_) {
+        if (worker.process > 0) {
+            (void)::waitpid(worker.process, nullptr, 0);
+        }
+    }
+}
+
+void Workers::ask(const std::vector<std::string>& questions,
+                  const std::function<void(std::size_t, const std::string&)>& answered) {
+    std::size_t next = 0, handed_on = 0;
+    std::map<std::size_t, std::string> waiting;  // answers whose turn has not come
+    const auto give = [&](Worker& worker) {
+        worker.question = next < questions.size() ? next++ : none;
+        if (worker.question != none) {
+            (void)send_line(worker.socket, questions[worker.question]);  // that it is gone shows when it is read from
+        }
+    };
+    for (Worker& worker : workers_) {
+        give(worker);
+    }
+    while (handed_on < questions.size()) {
+        std::vector<pollfd> sockets;
+        for (const Worker& worker : workers_) {
+            sockets.push_back({worker.question != none ? worker.socket : -1, POLLIN, 0});
+        }
+        if (::poll(sockets.data(), sockets.size(), -1) < 0 && errno != EINTR) {
+            throw MachineError(std::string("cannot wait for the workers: ") + std::strerror(errno));
+        }
+        for (std::size_t i = 0; i < workers_.size(); ++i) {
+            Worker& worker = workers_[i];
+            if (sockets[i].revents == 0) {
+                continue;
+            }
+            if (!receive(worker.socket, worker.received)) {
+                int status = 0;
+                (void)::waitpid(worker.process, &status, 0);
+                worker.process = -1;
+                throw MachineError(fmt::format("a worker {} at {}", ending(status), questions[worker.question]));
+            }
+            if (worker.received.back() == '\n') {
+                worker.received.pop_back();
+                waiting[worker.question] = std::move(worker.received);
+                worker.received.clear();
+                give(worker);
+            }
+        }
+        while (!waiting.empty() && waiting.begin()->first == handed_on) {
+            answered(handed_on, waiting.begin()->second);
+            waiting.erase(waiting.begin());
+            ++handed_on;
+        }
+    }
+}
+
+}  // namespace pt::stability

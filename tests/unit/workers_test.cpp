@@ -1,0 +1,66 @@
+// Processes that answer at once hand their answers on in the order of the questions, and one that ends is named.
+#include <chrono>
+#include <thread>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "harness/error.h"
+#include "harness/stability/workers.h"
+
+namespace pt::stability {
+namespace {
+
+std::vector<std::string> questions_up_to(int count) {
+    std::vector<std::string> questions;
+    for (int i = 0; i < count; ++i) {
+        questions.push_back(std::to_string(i));
+    }
+    return questions;
+}
+
+TEST(Workers, AnswersComeInTheOrderOfTheQuestions) {
+    Workers workers(3, [](const std::string& question) {
+        // Every third is slow, so that those after it are there first.
+        if (std::stoi(question) % 3 == 0) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }
+        return question + " " + std::string(100000, 'x');
+    });
+    std::vector<std::size_t> order;
+    workers.ask(questions_up_to(40), [&](std::size_t question, const std::string& answer) {
+        order.push_back(question);
+        EXPECT_EQ(answer, fmt::format("{} {}", question, std::string(100000, 'x')));
+    });
+    ASSERT_EQ(order.size(), 40u);
+    EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
+}
+
+TEST(Workers, MoreWorkersThanQuestionsAndNoQuestions) {
+    Workers workers(4, [](const std::string& question) { return question; });
+    workers.ask({}, [](std::size_t, const std::string&) { FAIL(); });
+    int answers = 0;
+    workers.ask(questions_up_to(2), [&](std::size_t, const std::string&) { ++answers; });
+    EXPECT_EQ(answers, 2);
+    workers.ask(questions_up_to(9), [&](std::size_t, const std::string&) { ++answers; });
+    EXPECT_EQ(answers, 11);
+}
+
+TEST(Workers, OneThatEndsIsNamedWithItsQuestion) {
+    Workers workers(2, [](const std::string& question) {
+        if (question == "5") {
+            ::_exit(7);
+        }
+        return question;
+    });
+    try {
+        workers.ask(questions_up_to(20), [](std::size_t question, const std::string&) { EXPECT_LT(question, 5u); });
+        FAIL() << "nothing was thrown";
+    } catch (const MachineError& error) {
+        EXPECT_STREQ(error.what(), "a worker ended with exit code 7 at 5");
+    }
+}
+
+}  // namespace
+}  // namespace pt::stability
