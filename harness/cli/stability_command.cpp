@@ -261,18 +261,17 @@ std::vector<Task> all_tasks(const StabilityArguments& arguments, Backend backend
 
 // A task's rows, and what is printed of them, as a line of JSON.
 std::string evaluated(const Task& task, bool quiet) {
-    stability::Json rows = stability::Json::array();
+    const std::vector<Row> rows = evaluate(task);
     std::string text;
     const Variant plainest = stability::plainest_variant(task.backend);
-    for (const Row& row : evaluate(task)) {
-        rows.push_back(to_json(task, row));
+    for (const Row& row : rows) {
         const bool worth_a_line = row.status == Status::failed || row.status == Status::broken;
         if (!quiet || (worth_a_line && stability::must_pass(task.variant))) {
             text += fmt::format("{:<11} {:<4} {}  {}\n", to_string(row.status), task.stiff_case->catalogue,
                                 stability::label(task, plainest), stability::in_words(row));
         }
     }
-    return stability::Json{{"rows", std::move(rows)}, {"text", std::move(text)}}.dump();
+    return stability::Json{{"rows", to_json(task, rows)}, {"text", std::move(text)}}.dump();
 }
 
 // "cuda 17": the call's 17th task on that backend.

@@ -54,6 +54,7 @@ Variant plainest_variant(Backend backend);
 bool must_pass(const Variant& variant);
 
 Json to_json(const Task& task, const Row& row);
+Json to_json(const Task& task, const std::vector<Row>& rows);
 Json to_json(const Case& stiff_case);
 Json to_json(const Values& values);
 

@@ -109,6 +109,14 @@ Json to_json(const Task& task, const Row& row) {
     return json;
 }
 
+Json to_json(const Task& task, const std::vector<Row>& rows) {
+    Json json = Json::array();
+    for (const Row& row : rows) {
+        json.push_back(to_json(task, row));
+    }
+    return json;
+}
+
 Json to_json(const Case& stiff_case) {
     Json json{{"name", stiff_case.name},   {"catalogue", stiff_case.catalogue}, {"family", stiff_case.family},
               {"title", stiff_case.title}, {"stiff", stiff_case.stiff},         {"formula", stiff_case.formula}};

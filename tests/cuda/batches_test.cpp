@@ -60,5 +60,19 @@ TEST(BatchesTest, ALaunchTakesNoMoreSamplesThanThePartHas) {
     EXPECT_EQ(samples_a_launch(job), 0xffffffffu / (2 * 8 * 128));
 }
 
+TEST(BatchesTest, APersistentLaunchTakesAsManySamplesAsItCanCount) {
+    Job job;
+    job.samples = 0xffffffffu;
+    job.longest_path = 8;
+    job.pixels = 800 * 800;
+    EXPECT_EQ(samples_a_persistent_launch(job, 320000), 0xffffffffu / (2 * 8 * 128 * 16 * 2));
+    // One pixel: no block can count more than the whole launch.
+    job.longest_path = 1000000;
+    job.pixels = 1;
+    EXPECT_EQ(samples_a_persistent_launch(job, 320000), 0xffffffffu / 2000000);
+    job.longest_path = 0x80000000u;
+    EXPECT_EQ(samples_a_persistent_launch(job, 320000), 1u);
+}
+
 }  // namespace
 }  // namespace pt::cuda

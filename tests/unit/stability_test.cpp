@@ -184,7 +184,7 @@ TEST_F(ReportTest, IsReadBackToGoOnAndRefusesWhatIsNotItsOwn) {
     {
         Report report(file(), description, false);
         EXPECT_FALSE(report.has(task));
-        report.add(task, evaluate(task));
+        report.add(task, to_json(task, evaluate(task)));
         report.save();
         EXPECT_TRUE(report.has(task));
         EXPECT_EQ(report.passed(), 1u);

@@ -28,6 +28,14 @@ std::uint32_t samples_a_launch(const Job& job) {
     return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(most, 1, job.samples));
 }
 
+std::uint32_t samples_a_persistent_launch(const Job& job, std::uint32_t threads) {
+    const std::uint64_t shares = (std::uint64_t{job.pixels} + threads - 1) / threads;
+    const std::uint64_t items_a_sample = std::min(std::uint64_t{job.block} * 16 * shares, std::uint64_t{job.pixels});
+    const std::uint64_t by_counters = 0xffffffffull / (2ull * job.longest_path * items_a_sample);
+    const std::uint64_t by_pieces = 0xffffffffull / ((job.pixels + 31) / 32) - 1;
+    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(std::min(by_counters, by_pieces), 1, job.samples));
+}
+
 void prepare_batches(Job& job, const EnqueueBatch& enqueue_batch) {
     if (!job.is_captured || job.stages != nullptr) {  // events that time stages cannot be captured
         return;

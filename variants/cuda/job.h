@@ -97,6 +97,10 @@ void fill_cache(Job& job);
 
 // Samples that one launch of a kernel may take a thread, so that a thread's and a block's counters fit in 32 bits.
 std::uint32_t samples_a_launch(const Job& job);
+// The same for a launch whose `threads` threads share all items. A thread may take many more than its share, so a
+// block's counters must hold 16 times its own, or all that a launch can count where that is less; and the number of
+// pieces must fit too.
+std::uint32_t samples_a_persistent_launch(const Job& job, std::uint32_t threads);
 
 // Runs `enqueue_batch(first_sample, samples)` for all samples of the job, samples_in_flight at a time. A last batch
 // that is not full, and so every part of a render with fewer samples than that, takes the places of the first paths of

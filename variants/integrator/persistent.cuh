@@ -59,14 +59,7 @@ inline void render(Job& job) {
     const Stage stage(job.stages, "trace", job.stream);
     const auto blocks =
         static_cast<std::uint32_t>(job.module->blocks_a_multiprocessor("persistent", job.block)) * job.multiprocessors;
-    const std::uint32_t threads = blocks * job.block;
-    // A thread may take many more items than its share, but a block's counters must hold: as in samples_a_launch, with
-    // a factor of 16 for the uneven shares. So must the number of pieces.
-    const std::uint64_t shares = (std::uint64_t{job.pixels} + threads - 1) / threads;
-    const std::uint64_t by_counters = 0xffffffffull / (2ull * job.longest_path * job.block * 16 * shares);
-    const std::uint64_t by_pieces = 0xffffffffull / ((job.pixels + 31) / 32) - 1;
-    const auto most =
-        static_cast<std::uint32_t>(std::clamp<std::uint64_t>(std::min(by_counters, by_pieces), 1, job.samples));
+    const std::uint32_t most = samples_a_persistent_launch(job, blocks * job.block);
     for (std::uint32_t done = 0; done < job.samples;) {
         const std::uint32_t samples = std::min(most, job.samples - done);
         PT_CUDA_CHECK(cudaMemsetAsync(job.next_item, 0, sizeof(std::uint64_t), job.stream));
