@@ -1,4 +1,5 @@
-// ptbench's command line. Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong, 3 the machine failed.
+// ptbench's command line. Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong, 3 the machine failed,
+// 130 interrupted.
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -12,10 +13,23 @@
 
 namespace {
 
+// As a shell takes it: quoted where it has to be.
+std::string quoted(const std::string& argument) {
+    constexpr const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%^";
+    if (!argument.empty() && argument.find_first_not_of(plain) == std::string::npos) {
+        return argument;
+    }
+    std::string text = "'";
+    for (const char character : argument) {
+        text += character == '\'' ? std::string("'\\''") : std::string(1, character);
+    }
+    return text + "'";
+}
+
 std::string join_arguments(int argc, char** argv) {
     std::string joined;
     for (int i = 0; i < argc; ++i) {
-        joined += (i == 0 ? "" : " ") + std::string(argv[i]);
+        joined += (i == 0 ? "" : " ") + quoted(argv[i]);
     }
     return joined;
 }
@@ -26,6 +40,7 @@ int run(int argc, char** argv) {
     const std::vector<std::pair<std::string, pt::Command>> commands{
         {"list", pt::add_list_command(app)},
         {"run", pt::add_run_command(app, join_arguments(argc, argv))},
+        {"merge", pt::add_merge_command(app, join_arguments(argc, argv))},
         {"render", pt::add_render_command(app)},
         {"verify", pt::add_verify_command(app)},
         {"inspect", pt::add_inspect_command(app)},
@@ -50,7 +65,7 @@ int run(int argc, char** argv) {
     }
     throw pt::InputError(
         "command line", "subcommand", "none",
-        "list, run, render, verify, inspect, autotune, import, machine, replay, stability (see ptbench --help)");
+        "list, run, merge, render, verify, inspect, autotune, import, machine, replay, stability (see ptbench --help)");
 }
 
 // What was printed may be a result: it is lost if standard output goes to a full disk.

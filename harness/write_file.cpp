@@ -1,13 +1,57 @@
 #include "harness/write_file.h"
 
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
-#include <fstream>
+#include <vector>
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include "harness/error.h"
 
 namespace pt {
+
+namespace {
+
+// Returns whether every byte is on the disk; else errno says why not.
+bool write_through(int descriptor, const std::string& content) {
+    for (std::size_t done = 0; done < content.size();) {
+        const ssize_t written = ::write(descriptor, content.data() + done, content.size() - done);
+        if (written < 0 && errno != EINTR) {
+            return false;
+        }
+        done += static_cast<std::size_t>(std::max<ssize_t>(written, 0));
+    }
+    return ::fsync(descriptor) == 0;
+}
+
+// 0, or the errno of what failed.
+int write_new(const std::string& file, const std::string& content) {
+    const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (descriptor < 0) {
+        return errno;
+    }
+    int failed = write_through(descriptor, content) ? 0 : errno;
+    if (::close(descriptor) != 0 && failed == 0) {
+        failed = errno;
+    }
+    return failed;
+}
+
+// The new name is on the disk too. Some file systems cannot say so of a folder: the file itself is whole either way.
+void sync_folder(const std::filesystem::path& folder) {
+    const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor >= 0) {
+        (void)!::fsync(descriptor);
+        ::close(descriptor);
+    }
+}
+
+constexpr const char* partial_suffix = ".partial";  // and the process
+
+}  // namespace
 
 void write_file(const std::string& file, const std::string& content) {
     const std::filesystem::path path(file);
@@ -15,21 +59,32 @@ void write_file(const std::string& file, const std::string& content) {
     if (path.has_parent_path()) {
         std::filesystem::create_directories(path.parent_path(), ignored);
     }
-    const std::string partial = file + ".partial" + std::to_string(::getpid());
-    {
-        std::ofstream stream(partial, std::ios::binary);
-        stream.write(content.data(), static_cast<std::streamsize>(content.size()));
-        stream.close();
-        if (!stream) {
-            std::filesystem::remove(partial, ignored);
-            throw MachineError(file + ": cannot be written (no such folder, no permission or disk full)");
+    const std::string partial = file + partial_suffix + std::to_string(::getpid());
+    int failed = write_new(partial, content);
+    if (failed == 0 && ::rename(partial.c_str(), file.c_str()) != 0) {
+        failed = errno;
+    }
+    if (failed != 0) {
+        std::filesystem::remove(partial, ignored);
+        throw MachineError(file + ": cannot be written: " + std::strerror(failed));
+    }
+    sync_folder(path.parent_path());
+}
+
+void remove_partial_files(const std::string& file) {
+    const std::filesystem::path path(file);
+    const std::string start = path.filename().string() + partial_suffix;
+    const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+    std::vector<std::filesystem::path> found;
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+        const std::string name = entry.path().filename().string();
+        if (name.starts_with(start) && name.find_first_not_of("0123456789", start.size()) == std::string::npos) {
+            found.push_back(entry.path());
         }
     }
-    std::error_code failed;
-    std::filesystem::rename(partial, path, failed);
-    if (failed) {
+    for (const std::filesystem::path& partial : found) {
         std::filesystem::remove(partial, ignored);
-        throw MachineError(file + ": cannot be written: " + failed.message());
     }
 }
 

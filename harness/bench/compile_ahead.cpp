@@ -1,10 +1,12 @@
 #include "harness/bench/compile_ahead.h"
 
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <thread>
 
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -48,7 +50,15 @@ using Programs = std::vector<std::pair<std::string, std::function<void()>>>;
 
 // In a child process: NVRTC compiles one program at a time in a process, whatever the threads (CUDA 13.0). The child
 // calls nothing of CUDA but the compiler, and leaves without running what its parent registered to run at exit.
-[[noreturn]] void compile_share(const Programs& programs, std::size_t worker, std::size_t workers, int done) {
+[[noreturn]] void compile_share(const Programs& programs, std::size_t worker, std::size_t workers, int done,
+                                pid_t parent) {
+    // A share holds the locks of its parent's files: one that outlived it would keep a resumed run from them.
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    std::signal(SIGINT, SIG_DFL);
+    std::signal(SIGTERM, SIG_DFL);
+    if (::getppid() != parent) {
+        ::_exit(0);
+    }
     for (std::size_t i = worker; i < programs.size(); i += workers) {
         try {
             programs[i].second();
@@ -81,10 +91,11 @@ void compile_programs(const std::map<std::string, std::function<void()>>& progra
     Progress progress("compile", missing.size());
     Pipe finished;
     std::vector<pid_t> children;
+    const pid_t parent = ::getpid();
     for (std::size_t worker = 0; worker < workers; ++worker) {
         const pid_t child = ::fork();
         if (child == 0) {
-            compile_share(missing, worker, workers, finished.write_end());
+            compile_share(missing, worker, workers, finished.write_end(), parent);
         }
         if (child > 0) {
             children.push_back(child);

@@ -1,11 +1,11 @@
 #include "harness/bench/journal.h"
 
+#include <algorithm>
+#include <cerrno>
 #include <cstring>
-#include <filesystem>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include "harness/error.h"
@@ -29,63 +29,108 @@ Json parse_line(const std::string& line, const std::string& file) {
     }
 }
 
+std::string shown(const Json* value) {
+    // Names of cells differ anywhere, and are longer than what describe() shows.
+    const bool is_name = value != nullptr && value->is_string();
+    return value == nullptr ? "none"
+           : is_name        ? value->dump(-1, ' ', false, Json::error_handler_t::replace)
+                            : describe(*value);
+}
+
+const Json* member(const Json& object, const std::string& key) {
+    const auto position = object.find(key);
+    return position == object.end() ? nullptr : &*position;
+}
+
+std::string list_difference(const Json& there, const Json& here) {
+    std::size_t same = 0;
+    while (same < there.size() && same < here.size() && there[same] == here[same]) {
+        ++same;
+    }
+    const auto element = [&](const Json& list) { return same < list.size() ? shown(&list[same]) : "none"; };
+    return fmt::format("{} of them, here {}; number {} is {}, here {}", there.size(), here.size(), same + 1,
+                       element(there), element(here));
+}
+
+void collect(const std::string& name, const Json* there, const Json* here, std::vector<std::string>& found) {
+    if (there != nullptr && here != nullptr && *there == *here) {
+        return;
+    }
+    if (there != nullptr && here != nullptr && there->is_object() && here->is_object()) {
+        std::vector<std::string> keys;
+        for (const Json* object : {there, here}) {
+            for (const auto& [key, value] : object->items()) {
+                if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
+                    keys.push_back(key);
+                }
+            }
+        }
+        for (const std::string& key : keys) {
+            collect(name.empty() ? key : name + " " + key, member(*there, key), member(*here, key), found);
+        }
+        return;
+    }
+    const bool are_lists = there != nullptr && here != nullptr && there->is_array() && here->is_array();
+    const std::string prefix = name.empty() ? "" : name + ": ";
+    found.push_back(
+        prefix + (are_lists ? list_difference(*there, *here) : fmt::format("{}, here {}", shown(there), shown(here))));
+}
+
+Json without(Json object, const std::vector<std::string>& keys) {
+    for (const std::string& key : keys) {
+        if (object.is_object()) {
+            object.erase(key);
+        }
+    }
+    return object;
+}
+
 }  // namespace
 
-Journal::Journal(std::string file, const Json& identity, bool resume) : file_(std::move(file)) {
-    const std::filesystem::path folder = std::filesystem::path(file_).parent_path();
-    std::error_code ignored;
-    if (!folder.empty()) {
-        std::filesystem::create_directories(folder, ignored);
-    }
-    const bool exists = std::filesystem::exists(file_) && std::filesystem::file_size(file_) > 0;
-    descriptor_ = std::make_unique<OpenFile>(::open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
-    if (*descriptor_ < 0) {
-        throw MachineError(fmt::format("{}: cannot be written: {}", file_, std::strerror(errno)));
-    }
-    if (::flock(*descriptor_, LOCK_EX | LOCK_NB) != 0) {
-        throw MachineError(fmt::format("{}: another run is writing it", file_));
-    }
-    if (exists && !resume) {
+std::string difference(const Json& there, const Json& here) {
+    constexpr std::size_t most = 3;
+    std::vector<std::string> found;
+    collect("", &there, &here, found);
+    const std::size_t others = found.size() - std::min(found.size(), most);
+    found.resize(found.size() - others);
+    return fmt::format("{}{}", fmt::join(found, "; "), others == 0 ? "" : fmt::format("; and {} more", others));
+}
+
+Journal::Journal(std::string file, const Json& identity, bool resume, const std::vector<std::string>& that_may_differ)
+    : file_(std::move(file)), locked_(file_) {
+    if (locked_.size() == 0) {
+        append({{"type", "run"}, {"identity", identity}});
+    } else if (resume) {
+        read(identity, that_may_differ);
+    } else {
         throw InputError(
             fmt::format("{}: found an unfinished run, allowed: go on with --resume, or remove the file", file_));
     }
-    if (exists) {
-        read(identity);
-    } else {
-        append({{"type", "run"}, {"identity", identity}});
-    }
 }
 
-Journal::OpenFile::~OpenFile() {
-    if (descriptor_ >= 0) {
-        ::close(descriptor_);
-    }
-}
-
-void Journal::read(const Json& identity) {
+void Journal::read(const Json& identity, const std::vector<std::string>& that_may_differ) {
     const std::string text = read_file(file_);
     std::size_t start = 0;
     bool is_first = true;
     for (std::size_t end = text.find('\n'); end != std::string::npos; start = end + 1, end = text.find('\n', start)) {
         const Json line = parse_line(text.substr(start, end - start), file_);
-        const std::string type = text_in(line, "type");
-        const std::string cell = text_in(line, "cell");
-        if (is_first) {
-            if (type != "run" || line.value("identity", Json()) != identity) {
-                throw InputError(file_, "line 1", "another run (machine, build, suite or settings differ)",
-                                 "the run that it was started with; remove the file to start over");
-            }
-            is_first = false;
-        } else if (type == "sample" && !cell.empty() && line.contains("sample")) {
-            samples_[cell].push_back(line.at("sample"));
-        } else if (type == "cell" && !cell.empty() && line.contains("facts")) {
-            cells_[cell] = line.at("facts");
-        } else {
-            throw InputError(file_, fmt::format("byte {}", start), "a damaged line",
-                             "lines that ptbench wrote; remove the file to start over");
+        if (!is_first) {
+            read_line(line, fmt::format("byte {}", start));
+            continue;
         }
+        if (text_in(line, "type") != "run" || !line.contains("identity")) {
+            throw InputError(file_, "line 1", "no line of a run",
+                             "the line with which ptbench begins; remove the file to start over");
+        }
+        const std::string other =
+            difference(without(line.at("identity"), that_may_differ), without(identity, that_may_differ));
+        if (!other.empty()) {
+            throw InputError(file_, "line 1", "another run (" + other + ")",
+                             "the run that it was started with; remove the file to start over");
+        }
+        is_first = false;
     }
-    if (start != text.size() && ::ftruncate(*descriptor_, static_cast<off_t>(start)) != 0) {
+    if (start != text.size() && ::ftruncate(locked_.descriptor(), static_cast<off_t>(start)) != 0) {
         throw MachineError(fmt::format("{}: cannot be written: {}", file_, std::strerror(errno)));
     }
     if (is_first) {
@@ -93,28 +138,60 @@ void Journal::read(const Json& identity) {
     }
 }
 
+void Journal::read_line(const Json& line, const std::string& place) {
+    const std::string type = text_in(line, "type");
+    const std::string cell = text_in(line, "cell");
+    if (type == "sample" && !cell.empty() && line.contains("sample")) {
+        keep_sample(cell, line.at("sample"));
+    } else if (type == "cell" && !cell.empty() && line.contains("facts")) {
+        cells_[cell] = line.at("facts");
+    } else if (type == "session" && line.contains("facts") && line.at("facts").is_object()) {
+        keep_session(line.at("facts"));
+    } else {
+        throw InputError(file_, place, "a damaged line", "lines that ptbench wrote; remove the file to start over");
+    }
+}
+
 void Journal::append(const Json& line) {
     const std::string text = line.dump() + "\n";
-    const off_t end = ::lseek(*descriptor_, 0, SEEK_END);
+    const off_t end = ::lseek(locked_.descriptor(), 0, SEEK_END);
     // One write: a line is whole, or it is the last and cut off.
-    const ssize_t written = ::write(*descriptor_, text.data(), text.size());
+    const ssize_t written = ::write(locked_.descriptor(), text.data(), text.size());
     if (written != static_cast<ssize_t>(text.size())) {
         std::string why = written < 0 ? std::strerror(errno) : "disk full";
-        if (written > 0 && ::ftruncate(*descriptor_, end) != 0) {  // no half line in front of the next one
+        if (written > 0 && ::ftruncate(locked_.descriptor(), end) != 0) {  // no half line in front of the next one
             why += fmt::format("; {}", std::strerror(errno));
         }
-        throw MachineError(fmt::format("{}: cannot be written: {}", file_, why));
+        throw MachineError(
+            fmt::format("{}: cannot be written: {} (what it holds is kept; go on with --resume)", file_, why));
     }
+}
+
+void Journal::keep_sample(const std::string& cell, const Json& sample) {
+    samples_[cell].push_back(sample);
+    if (!sessions_.empty()) {
+        sessions_.back()["samples"] = sessions_.back().value("samples", 0) + 1;
+    }
+}
+
+void Journal::keep_session(Json facts) {
+    facts["samples"] = 0;
+    sessions_.push_back(std::move(facts));
 }
 
 void Journal::add_sample(const std::string& cell, const Json& sample) {
     append({{"type", "sample"}, {"cell", cell}, {"sample", sample}});
-    samples_[cell].push_back(sample);
+    keep_sample(cell, sample);
 }
 
 void Journal::set_cell(const std::string& cell, const Json& facts) {
     append({{"type", "cell"}, {"cell", cell}, {"facts", facts}});
     cells_[cell] = facts;
+}
+
+void Journal::add_session(const Json& facts) {
+    append({{"type", "session"}, {"facts", facts}});
+    keep_session(facts);
 }
 
 const std::vector<Json>& Journal::samples(const std::string& cell) const {
@@ -136,9 +213,6 @@ std::size_t Journal::sample_count() const {
     return count;
 }
 
-void Journal::finish() {
-    std::error_code ignored;
-    std::filesystem::remove(file_, ignored);
-}
+void Journal::finish() { locked_.remove(); }
 
 }  // namespace pt

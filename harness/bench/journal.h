@@ -3,28 +3,32 @@
 #pragma once
 
 #include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "harness/json_reader.h"
+#include "harness/locked_file.h"
 
 namespace pt {
 
 class Journal {
 public:
-    // Opens `file` and locks it. A journal that is there already must be resumed (same `identity`) or is refused; a
-    // last line that was cut off is dropped. Throws InputError (unfinished run, other identity), MachineError (cannot
-    // write).
-    Journal(std::string file, const Json& identity, bool resume);
+    // Opens `file` and locks it. A journal that is there already must be resumed (same `identity`, but for the keys
+    // `that_may_differ`) or is refused; a last line that was cut off is dropped. Throws InputError (unfinished run,
+    // other identity: what differs), MachineError (cannot write).
+    Journal(std::string file, const Json& identity, bool resume, const std::vector<std::string>& that_may_differ = {});
 
     // One sample of a cell, in the order of its index.
     void add_sample(const std::string& cell, const Json& sample);
     // What is known of a cell besides its samples; a later call replaces an earlier one.
     void set_cell(const std::string& cell, const Json& facts);
+    // A process that takes samples: what is said of it. The samples that follow are its own.
+    void add_session(const Json& facts);
 
     const std::vector<Json>& samples(const std::string& cell) const;
     const Json* cell(const std::string& cell) const;
+    // The facts of each session with the number of its "samples".
+    const std::vector<Json>& sessions() const { return sessions_; }
     std::size_t sample_count() const;
     const std::string& file() const { return file_; }
 
@@ -32,26 +36,21 @@ public:
     void finish();
 
 private:
-    void read(const Json& identity);
+    void read(const Json& identity, const std::vector<std::string>& that_may_differ);
+    void read_line(const Json& line, const std::string& place);
     void append(const Json& line);
-
-    // Closed, and so unlocked, also where the constructor throws.
-    class OpenFile {
-    public:
-        explicit OpenFile(int descriptor) : descriptor_(descriptor) {}
-        ~OpenFile();
-        OpenFile(const OpenFile&) = delete;
-        OpenFile& operator=(const OpenFile&) = delete;
-        operator int() const { return descriptor_; }  // NOLINT: a descriptor, for the system's calls
-
-    private:
-        int descriptor_;
-    };
+    void keep_sample(const std::string& cell, const Json& sample);
+    void keep_session(Json facts);
 
     std::string file_;
-    std::unique_ptr<OpenFile> descriptor_;
+    LockedFile locked_;
     std::map<std::string, std::vector<Json>> samples_;
     std::map<std::string, Json> cells_;
+    std::vector<Json> sessions_;
 };
+
+// What differs between two identities, key by key, "seed: 1, here 2; ..": at most three things and the number of the
+// others. Empty: nothing does.
+std::string difference(const Json& there, const Json& here);
 
 }  // namespace pt

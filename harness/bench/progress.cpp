@@ -5,15 +5,16 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 namespace pt {
 
 namespace {
 
-std::string minutes(double seconds) {
-    const long whole = std::lround(seconds);
-    return fmt::format("{}:{:02}", whole / 60, whole % 60);
+std::size_t terminal_width() {
+    winsize size{};
+    return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col : 80;
 }
 
 }  // namespace
@@ -22,20 +23,84 @@ double seconds_now() {
     return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-Progress::Progress(std::string what, std::size_t total)
-    : what_(std::move(what)), total_(total), start_(seconds_now()), is_terminal_(::isatty(STDERR_FILENO) != 0) {}
+std::string clock_text(double seconds) {
+    const long whole = std::lround(seconds);
+    return whole < 3600 ? fmt::format("{}:{:02}", whole / 60, whole % 60)
+                        : fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
+void TimeLeft::expect(const std::string& name, std::size_t steps, double size) {
+    names_[name].left += steps;
+    names_[name].size = size;
+}
+
+void TimeLeft::took(const std::string& name, double seconds, bool was_expected) {
+    Name& entry = names_[name];
+    entry.measured += 1;
+    entry.total += seconds;
+    entry.left -= was_expected && entry.left > 0 ? 1 : 0;
+}
+
+void TimeLeft::drop(const std::string& name) {
+    Name& entry = names_[name];
+    entry.left -= entry.left > 0 ? 1 : 0;
+}
+
+std::optional<double> TimeLeft::seconds() const {
+    double sizes = 0, means = 0;  // of the names that were measured
+    for (const auto& [name, entry] : names_) {
+        if (entry.measured > 0) {
+            sizes += entry.size;
+            means += entry.total / static_cast<double>(entry.measured);
+        }
+    }
+    if (sizes <= 0) {
+        return std::nullopt;
+    }
+    double left = 0;
+    for (const auto& [name, entry] : names_) {
+        const double each =
+            entry.measured > 0 ? entry.total / static_cast<double>(entry.measured) : entry.size * means / sizes;
+        left += static_cast<double>(entry.left) * each;
+    }
+    return left;
+}
+
+Progress::Progress(std::string what, std::size_t total, Lines lines)
+    : what_(std::move(what)),
+      total_(total),
+      lines_(lines),
+      start_(seconds_now()),
+      is_terminal_(::isatty(STDERR_FILENO) != 0) {}
+
+// A log of a run of days is no longer than one of hours by much.
+double Progress::pause(double elapsed) const { return is_terminal_ ? 1 : std::clamp(elapsed / 50, 10.0, 600.0); }
 
 void Progress::step(const std::string& name) {
+    step(name, [this]() -> std::optional<double> {
+        return (seconds_now() - start_) / static_cast<double>(done_) *
+               static_cast<double>(total_ - std::min(done_, total_));
+    });
+}
+
+void Progress::step(const std::string& name, const std::function<std::optional<double>()>& seconds_left) {
     done_ += 1;
     const double now = seconds_now();
-    if (!is_terminal_ && now - last_shown_ < 10 && done_ != total_) {
+    const double elapsed = now - start_;
+    if (lines_ == Lines::hidden || (now - last_shown_ < pause(elapsed) && done_ != total_)) {
         return;
     }
     last_shown_ = now;
-    const double elapsed = now - start_;
-    const double left = elapsed / static_cast<double>(done_) * static_cast<double>(total_ - std::min(done_, total_));
-    fmt::print(stderr, "{}[{}/{}] {}: {} elapsed, about {} left  {}{}", is_terminal_ ? "\r\033[K" : "", done_, total_,
-               what_, minutes(elapsed), minutes(left), name, is_terminal_ && done_ != total_ ? "" : "\n");
+    const std::optional<double> left = seconds_left();
+    const std::string line =
+        fmt::format("[{}/{}] {}: {} elapsed, {} left  {}", done_, total_, what_, clock_text(elapsed),
+                    left ? "about " + clock_text(*left) : "unknown time", name);
+    if (is_terminal_) {
+        // One that the terminal breaks could not be written over.
+        fmt::print(stderr, "\r\033[K{}{}", line.substr(0, terminal_width() - 1), done_ != total_ ? "" : "\n");
+    } else {
+        fmt::print(stderr, "{}\n", line);
+    }
     std::fflush(stderr);
 }
 

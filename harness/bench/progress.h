@@ -1,7 +1,10 @@
-// "[i/N] 0:31 elapsed, about 2:10 left  CELL" on stderr: in place on a terminal, now and then otherwise.
+// "[i/N] time: 0:31 elapsed, about 2:10 left  CELL" on stderr: in place on a terminal, now and then otherwise.
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <map>
+#include <optional>
 #include <string>
 
 namespace pt {
@@ -9,19 +12,54 @@ namespace pt {
 // Seconds since 1970.
 double seconds_now();
 
-class Progress {
+// How long what is left will take, from what was measured: steps of one name are taken to last as long as those before
+// them; steps of a name that has none yet, as long as their size says at the rate of the names that have.
+class TimeLeft {
 public:
-    // `what` names the phase; `total` steps are expected.
-    Progress(std::string what, std::size_t total);
-    void step(const std::string& name);
+    // `steps` of the name are to come; `size`, above 0, is how large each of them is beside those of other names.
+    void expect(const std::string& name, std::size_t steps, double size);
+    // A step was measured: one of those to come, or (`was_expected` false) one of an earlier session.
+    void took(const std::string& name, double seconds, bool was_expected = true);
+    // A step will not come after all.
+    void drop(const std::string& name);
+
+    // Nothing if nothing was measured yet.
+    std::optional<double> seconds() const;
 
 private:
+    struct Name {
+        std::size_t left = 0;
+        double size = 1;
+        std::size_t measured = 0;
+        double total = 0;  // seconds
+    };
+    std::map<std::string, Name> names_;
+};
+
+class Progress {
+public:
+    enum class Lines { shown, hidden };
+
+    // `what` names the phase; `total` steps are expected.
+    Progress(std::string what, std::size_t total, Lines lines = Lines::shown);
+    // The steps so far are taken to say how long the others last.
+    void step(const std::string& name);
+    // `seconds_left` is called where a line is shown only.
+    void step(const std::string& name, const std::function<std::optional<double>()>& seconds_left);
+
+private:
+    double pause(double elapsed) const;
+
     std::string what_;
     std::size_t total_;
+    Lines lines_;
     std::size_t done_ = 0;
     double start_;
     double last_shown_ = 0;
     bool is_terminal_;
 };
+
+// "0:07", "12:34", "3:04:05".
+std::string clock_text(double seconds);
 
 }  // namespace pt

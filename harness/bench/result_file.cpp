@@ -51,30 +51,13 @@ OrderedJson row_head(const std::string& cell, const std::string& suffix, std::si
             {"repetitions", repetitions}};
 }
 
-// Judged over the whole run: a sample's clock against the highest that was seen, its foreign load against its own time.
-double highest_clock(const Plan& plan, const Journal& journal) {
-    double highest = 0;
-    for (const Cell& cell : plan.cells) {
-        for (const Json& sample : journal.samples(cell.name)) {
-            highest =
-                std::max({highest, sample.value("pt_clock_mhz_before", 0.0), sample.value("pt_clock_mhz_after", 0.0)});
-        }
-    }
-    return highest;
-}
-
-bool has_low_clock(const Json& sample, double highest) {
-    return std::min(sample.value("pt_clock_mhz_before", highest), sample.value("pt_clock_mhz_after", highest)) <
-           0.9 * highest;
-}
-
 // Another process took more than a tenth of the render's own CPU time, and more than the counter's resolution.
 bool is_contended(const Json& sample) {
     return sample.value("pt_foreign_cpu_ms", 0.0) > std::max(20.0, 0.1 * sample.value("cpu_ms", 0.0));
 }
 
 OrderedJson sample_row(const std::string& cell, std::size_t family, int repetitions, std::size_t index,
-                       const Json& sample, double highest) {
+                       const Json& sample) {
     OrderedJson row = row_head(cell, "", family, repetitions);
     row["repetition_index"] = index;
     row["threads"] = 1;
@@ -87,7 +70,7 @@ OrderedJson sample_row(const std::string& cell, std::size_t family, int repetiti
             row[key] = value;
         }
     }
-    row["pt_low_clock"] = has_low_clock(sample, highest) ? 1 : 0;
+    row["pt_low_clock"] = 0;  // by mark_low_clocks, when all are known
     row["pt_contended"] = is_contended(sample) ? 1 : 0;
     return row;
 }
@@ -274,6 +257,24 @@ nlohmann::ordered_json machine_json(Backend backend) {
     return json;
 }
 
+// Judged over the whole run: a sample's clock against the highest that was seen, its foreign load against its own time.
+void mark_low_clocks(OrderedJson& rows) {
+    const auto clocks = [](const OrderedJson& row, double missing) {
+        return std::pair(row.value("pt_clock_mhz_before", missing), row.value("pt_clock_mhz_after", missing));
+    };
+    double highest = 0;
+    for (const OrderedJson& row : rows) {
+        const auto [before, after] = clocks(row, 0.0);
+        highest = std::max({highest, before, after});
+    }
+    for (OrderedJson& row : rows) {
+        if (row.contains("pt_low_clock")) {
+            const auto [before, after] = clocks(row, highest);
+            row["pt_low_clock"] = std::min(before, after) < 0.9 * highest ? 1 : 0;
+        }
+    }
+}
+
 std::string rows_on_lines(const OrderedJson& value) {
     if (!value.is_structured() || value.empty()) {
         return value.dump();
@@ -310,7 +311,6 @@ void check_samples_have_cells(const Plan& plan, const Journal& journal) {
 
 std::string text_of_result(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts) {
     check_samples_have_cells(plan, journal);
-    const double highest = highest_clock(plan, journal);
     const SharedErrors shared(plan, journal);
     OrderedJson rows = OrderedJson::array();
     OrderedJson cells = OrderedJson::array();
@@ -322,7 +322,7 @@ std::string text_of_result(const Plan& plan, const Suite& suite, const Journal& 
             cells.back()["convergence"]["shared_with"] = shared.shared_with(journal, cell);
         }
         for (std::size_t i = 0; i < samples.size(); ++i) {
-            rows.push_back(sample_row(cell.name, family, facts.repetitions, i, samples[i], highest));
+            rows.push_back(sample_row(cell.name, family, facts.repetitions, i, samples[i]));
             if (cell.convergence) {
                 shared.mark(journal, cell, samples[i], rows.back());
             }
@@ -334,6 +334,9 @@ std::string text_of_result(const Plan& plan, const Suite& suite, const Journal& 
             rows.push_back(failed_row(cell.name, family, facts.repetitions, cells.back()["reason"]));
         }
     }
+    mark_low_clocks(rows);
+    OrderedJson run = facts.run;
+    run["sessions"] = journal.sessions();
     OrderedJson not_applicable = OrderedJson::array();
     for (const NotApplicable& entry : plan.not_applicable) {
         not_applicable.push_back({{"study", entry.study},
@@ -349,7 +352,8 @@ std::string text_of_result(const Plan& plan, const Suite& suite, const Journal& 
     const OrderedJson result{{"context", context(facts)},
                              {"benchmarks", rows},
                              {"ptbench",
-                              {{"studies", studies_json(suite)},
+                              {{"run", run},
+                               {"studies", studies_json(suite)},
                                {"baselines", baselines},
                                {"cells", cells},
                                {"not_applicable", not_applicable}}}};

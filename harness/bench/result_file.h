@@ -15,6 +15,7 @@ struct RunFacts {
     Backend backend = Backend::cpu;
     bool completed = true;
     int repetitions = 1;
+    nlohmann::ordered_json run = nlohmann::ordered_json::object();  // ptbench.run (run_identity.h), less its sessions
 };
 
 struct Aggregates {
@@ -31,6 +32,9 @@ nlohmann::ordered_json machine_json(Backend backend);
 // A document of rows as text: each member of an object and each element of an array begins a line, and an element is
 // on that line whole. Indented, a result is a third larger.
 std::string rows_on_lines(const nlohmann::ordered_json& value);
+
+// Marks each sample's row whose clock was low, judged by the highest clock of all these rows.
+void mark_low_clocks(nlohmann::ordered_json& rows);
 
 // Throws InputError if the journal holds what no run can have written there.
 std::string result_json(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts);

@@ -1,12 +1,13 @@
 #include "harness/bench/runner.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <csignal>
-#include <ctime>
 #include <filesystem>
+#include <mutex>
 #include <regex>
+#include <utility>
+
+#include <unistd.h>
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
@@ -18,15 +19,15 @@
 #include "harness/bench/machine.h"
 #include "harness/bench/progress.h"
 #include "harness/bench/result_file.h"
+#include "harness/bench/run_identity.h"
 #include "harness/bench/verify.h"
 #include "harness/cuda/backend.h"
+#include "harness/interrupt.h"
 #include "harness/write_file.h"
 
 namespace pt {
 
 namespace {
-
-std::atomic<bool> interrupted = false;
 
 // The size at which a cell is verified before it is timed: enough pixels to meet every object, few enough to be quick.
 RenderSettings verification_settings(RenderSettings settings) {
@@ -62,18 +63,30 @@ public:
 
 double clock_mhz(Backend backend) { return backend == Backend::cuda ? cuda::measure_clock_mhz() : measure_clock_mhz(); }
 
+std::string journal_of(const RunOptions& options) { return options.out + ".journal.jsonl"; }
+
 void say(const std::string& line) { fmt::print(stderr, "\n{}\n", line); }
+
+// Of one sample of a cell, or its preparation, beside those of other cells.
+double size_of(const Cell& cell, std::uint32_t spp) {
+    return static_cast<double>(cell.settings.width) * cell.settings.height * spp;
+}
 
 class Runner {
 public:
-    Runner(const Suite& suite, Plan plan, const RunOptions& options, int repetitions, const Json& identity)
+    // `part` is what is run of the whole plan of `identity`: the cells at `positions`.
+    Runner(const Suite& suite, Plan part, std::vector<std::size_t> positions, const RunOptions& options,
+           int repetitions, const Json& identity, Interrupt& interrupt)
         : suite_(suite),
-          plan_(std::move(plan)),
+          plan_(std::move(part)),
+          positions_(std::move(positions)),
           options_(options),
           repetitions_(repetitions),
-          journal_(options.out + ".journal.jsonl", identity, options.resume),
+          identity_(identity),
+          interrupt_(interrupt),
+          journal_(journal_of(options), identity, options.resume, that_may_differ(options)),
           errors_(plan_, ReferenceMaker(options.reference_cache,
-                                        {.is_stopped = [] { return interrupted.load(); }, .says = say})) {
+                                        {.is_stopped = [this] { return interrupt_.requested(); }, .says = say})) {
         check_journal(plan_, suite_, journal_);
         for (const Cell& cell : plan_.cells) {
             const std::vector<Json>& samples = journal_.samples(cell.name);
@@ -85,14 +98,50 @@ public:
     }
 
     int run() {
-        errors_.make_references();
-        prepare();
-        settle_references();
-        time_samples();
+        interrupt_.when_overdue([this] { return abandon(); });
+        try {
+            errors_.make_references();
+            prepare();
+            settle_references();
+            time_samples();
+        } catch (...) {
+            interrupt_.begin_end();
+            throw;
+        }
+        interrupt_.begin_end();
         return finish();
     }
 
 private:
+    // A host's name may differ where the call says so: the result keeps the names, session by session.
+    static std::vector<std::string> that_may_differ(const RunOptions& options) {
+        return options.other_host ? std::vector<std::string>{"host_name"} : std::vector<std::string>{};
+    }
+
+    // On another thread, while a render goes on that nobody waits for any more; for good.
+    int abandon() {
+        journal_mutex_.lock();
+        return finish();
+    }
+
+    void record_cell(const Cell& cell, const Json& facts) {
+        const std::lock_guard lock(journal_mutex_);
+        begin_session();
+        journal_.set_cell(cell.name, facts);
+    }
+    void record_sample(const Cell& cell, const Json& sample) {
+        const std::lock_guard lock(journal_mutex_);
+        begin_session();
+        journal_.add_sample(cell.name, sample);
+    }
+    // Before the first fact that this process finds: one that is refused, or has nothing to do, leaves no trace.
+    void begin_session() {
+        if (!std::exchange(has_session_, true)) {
+            journal_.add_session(
+                {{"date", iso_date()}, {"host_name", identity_.at("host_name")}, {"process", ::getpid()}});
+        }
+    }
+
     bool is_ok(const Cell& cell) const {
         const Json* facts = journal_.cell(cell.name);
         return facts != nullptr && facts->at("status") == "ok";
@@ -101,23 +150,34 @@ private:
     // Verification and the instrumented pass, for the cells that the journal does not know yet.
     void prepare() {
         compile_kernels();
-        Progress progress("verify", plan_.cells.size());
-        std::map<std::string, Verifier> verifiers;
+        std::vector<const Cell*> unknown;
+        TimeLeft time_left;
         for (const Cell& cell : plan_.cells) {
-            if (interrupted) {
+            if (journal_.cell(cell.name) == nullptr) {
+                unknown.push_back(&cell);
+                time_left.expect(cell.name, 1, size_of(cell, cell.samples_to_prepare()));
+            }
+        }
+        Progress progress("verify", unknown.size(), lines());
+        std::map<std::string, Verifier> verifiers;
+        for (const Cell* const position : unknown) {
+            const Cell& cell = *position;
+            if (interrupt_.requested()) {
                 return;
             }
-            if (journal_.cell(cell.name) == nullptr) {
-                const RenderSettings small = verification_settings(cell.settings);
-                const std::string key =
-                    fmt::format("{}/{}x{}/{}", cell.scene->name, small.width, small.height, small.depth);
-                Verifier& verifier =
-                    verifiers.try_emplace(key, *cell.scene, small, verification_spp, cell.backend).first->second;
-                journal_.set_cell(cell.name, prepare_or_fail(cell, verifier));
-            }
-            progress.step(cell.name);
+            const double start = seconds_now();
+            const RenderSettings small = verification_settings(cell.settings);
+            const std::string key =
+                fmt::format("{}/{}x{}/{}", cell.scene->name, small.width, small.height, small.depth);
+            Verifier& verifier =
+                verifiers.try_emplace(key, *cell.scene, small, verification_spp, cell.backend).first->second;
+            record_cell(cell, prepare_or_fail(cell, verifier));
+            time_left.took(cell.name, seconds_now() - start);
+            progress.step(cell.name, [&] { return time_left.seconds(); });
         }
     }
+
+    Progress::Lines lines() const { return options_.quiet ? Progress::Lines::hidden : Progress::Lines::shown; }
 
     // References become as accurate as the cells' expected errors ask for; cells that ask for more than most_spp allows
     // are refused.
@@ -134,7 +194,7 @@ private:
             errors_.improve(name, allowed_reference_error * mse);
         }
         for (const Cell& cell : plan_.cells) {
-            if (cell.convergence && is_ok(cell) && !interrupted) {
+            if (cell.convergence && is_ok(cell) && !interrupt_.requested()) {
                 settle_reference(cell);
             }
         }
@@ -164,7 +224,7 @@ private:
             facts["reason"] = refusal;
             say(fmt::format("failed: {}: {}", cell.name, refusal));
         }
-        journal_.set_cell(cell.name, facts);
+        record_cell(cell, facts);
     }
 
     void compile_kernels() const {
@@ -253,14 +313,20 @@ private:
         std::size_t samples = 0;
         benchmark::ClearRegisteredBenchmarks();
         for (const Cell& cell : plan_.cells) {
+            const std::vector<Json>& taken = journal_.samples(cell.name);
             if (is_ok(cell)) {
-                samples += static_cast<std::size_t>(repetitions_) -
-                           std::min(journal_.samples(cell.name).size(), static_cast<std::size_t>(repetitions_));
+                const std::size_t left = static_cast<std::size_t>(repetitions_) -
+                                         std::min(taken.size(), static_cast<std::size_t>(repetitions_));
+                samples += left;
+                time_left_.expect(cell.name, left, pass_ms(cell));
+                for (const Json& sample : taken) {
+                    time_left_.took(cell.name, 1e-3 * sample.value("pt_end_to_end_ms", 0.0), false);
+                }
                 register_cell(cell);
             }
         }
-        progress_ = std::make_unique<Progress>("time", std::max<std::size_t>(1, samples));
-        if (interrupted) {
+        progress_ = std::make_unique<Progress>("time", std::max<std::size_t>(1, samples), lines());
+        if (interrupt_.requested()) {
             return;
         }
         QuietReporter reporter;
@@ -268,6 +334,14 @@ private:
             std::any_of(options_.benchmark_flags.begin(), options_.benchmark_flags.end(),
                         [](const std::string& flag) { return flag.starts_with("--benchmark_format"); });
         benchmark::RunSpecifiedBenchmarks(own_format ? nullptr : &reporter);
+    }
+
+    // What a sample may take, told from the instrumented pass.
+    double pass_ms(const Cell& cell) const {
+        const Json& facts = *journal_.cell(cell.name);
+        const auto pass = facts.find("instrumented");
+        const double wall = pass != facts.end() ? pass->value("wall_ms", 0.0) : 0.0;
+        return std::max(1e-6, wall * cell.spp / cell.samples_to_prepare());
     }
 
     void register_cell(const Cell& cell) {
@@ -286,7 +360,7 @@ private:
     void benchmark_cell(benchmark::State& state, const Cell& cell, std::size_t index) {
         for (auto iteration : state) {
             (void)iteration;
-            std::string error = interrupted ? "interrupted" : failures_[cell.name];
+            std::string error = interrupt_.requested() ? "interrupted" : failures_[cell.name];
             if (error.empty() && index >= journal_.samples(cell.name).size()) {
                 error = take_sample(cell, index);
             }
@@ -304,8 +378,10 @@ private:
     std::string take_sample(const Cell& cell, std::size_t index) {
         std::string error;
         Json sample;
+        std::vector<Snapshot> snapshots;
+        const double start = seconds_now();
         try {
-            error = render_sample(cell, index, sample);
+            error = render_sample(cell, index, sample, snapshots);
         } catch (const std::exception& exception) {
             error = exception.what();
         }
@@ -314,16 +390,21 @@ private:
             Json facts = *journal_.cell(cell.name);
             facts["status"] = "failed";
             facts["reason"] = error;
-            journal_.set_cell(cell.name, facts);
+            record_cell(cell, facts);
             fmt::print(stderr, "\nfailed: {}: {}\n", cell.name, error);
-        } else {
-            journal_.add_sample(cell.name, sample);  // a disk that is full ends the run, not the cell
+            time_left_.drop(cell.name);
+        } else {  // a disk that is full ends the run, not the cell
+            if (cell.convergence && cell.convergence->images && index == 0) {
+                keep_images(cell, snapshots);
+            }
+            record_sample(cell, sample);
+            time_left_.took(cell.name, seconds_now() - start);
         }
-        progress_->step(cell.name);
+        progress_->step(cell.name, [this] { return time_left_.seconds(); });
         return error;
     }
 
-    std::string render_sample(const Cell& cell, std::size_t index, Json& sample) {
+    std::string render_sample(const Cell& cell, std::size_t index, Json& sample, std::vector<Snapshot>& snapshots) {
         RenderRequest request{
             .variant = cell.variant, .backend = cell.backend, .settings = cell.settings, .samples = cell.spp};
         request.settings.seed = options_.seed + index;
@@ -332,7 +413,6 @@ private:
             warm_up.samples = 1;
             (void)render(*cell.scene, warm_up);
         }
-        std::vector<Snapshot> snapshots;
         if (cell.convergence) {
             request.checkpoints = cell.convergence->checkpoints;
             request.on_checkpoint = [&](const Checkpoint& c) {
@@ -386,9 +466,6 @@ private:
                   {"film_hash", hash}};
         if (cell.convergence) {
             sample["pt_checkpoints"] = errors_.rows(cell, snapshots);
-            if (cell.convergence->images && index == 0) {
-                keep_images(cell, snapshots);
-            }
         }
         return "";
     }
@@ -396,7 +473,7 @@ private:
     void keep_images(const Cell& cell, const std::vector<Snapshot>& snapshots) {
         Json facts = *journal_.cell(cell.name);
         facts["convergence"]["images"] = write_images(options_.out, cell, errors_.reference(cell), snapshots);
-        journal_.set_cell(cell.name, facts);
+        record_cell(cell, facts);
     }
 
     void print_table() const {
@@ -425,9 +502,13 @@ private:
             unfinished += !cell_failed && static_cast<int>(journal_.samples(cell.name).size()) < repetitions_ ? 1u : 0u;
         }
         const bool completed = unfinished == 0;
+        if (!completed && ::isatty(STDERR_FILENO) != 0) {
+            fmt::print(stderr, "\n");  // after the line of progress that stands there
+        }
         if (journal_.sample_count() == 0 && !completed) {
-            fmt::print("interrupted before the first sample: no result written; go on with --resume\n");
-            return exit_check_failed;
+            fmt::print("interrupted before the first sample: no result written\n");
+            say_how_to_go_on();
+            return exit_interrupted;
         }
         write_file(options_.out, result_json(plan_, suite_, journal_,
                                              {.command_line = options_.command_line,
@@ -435,25 +516,46 @@ private:
                                               .date = iso_date(),
                                               .backend = options_.backend,
                                               .completed = completed,
-                                              .repetitions = repetitions_}));
+                                              .repetitions = repetitions_,
+                                              .run = run_facts()}));
         print_table();
-        fmt::print(
-            "{}\n{} cells, {} samples, {} failed, {} not applicable{}\n", options_.out, plan_.cells.size(),
-            journal_.sample_count(), failed, plan_.not_applicable.size(),
-            completed ? "" : fmt::format("; interrupted with {} cells unfinished: go on with --resume", unfinished));
-        if (completed) {
-            journal_.finish();
+        fmt::print("{}\n{} cells, {} samples, {} failed, {} not applicable{}\n", options_.out, plan_.cells.size(),
+                   journal_.sample_count(), failed, plan_.not_applicable.size(),
+                   completed ? "" : fmt::format("; interrupted with {} cells unfinished", unfinished));
+        if (!completed) {
+            say_how_to_go_on();
+            return exit_interrupted;
         }
-        return completed && failed == 0 ? exit_good : exit_check_failed;
+        remove_partial_files(options_.out);
+        journal_.finish();
+        return failed == 0 ? exit_good : exit_check_failed;
+    }
+
+    nlohmann::ordered_json run_facts() const {
+        nlohmann::ordered_json facts = run_json(identity_);
+        if (!options_.shard.is_whole()) {
+            facts["positions"] = positions_;
+        }
+        return facts;
+    }
+
+    void say_how_to_go_on() const {
+        fmt::print("go on with: {}{}\n", options_.command_line, options_.resume ? "" : " --resume");
     }
 
     const Suite& suite_;
     Plan plan_;
+    std::vector<std::size_t> positions_;
     const RunOptions& options_;
     int repetitions_;
+    const Json& identity_;
+    Interrupt& interrupt_;
     Journal journal_;
+    std::mutex journal_mutex_;  // held while it changes
+    bool has_session_ = false;
     ErrorBook errors_;
     std::unique_ptr<Progress> progress_;
+    TimeLeft time_left_;
     std::map<std::string, std::string> failures_;
     std::set<std::string> warm_;
     std::map<std::pair<std::string, std::size_t>, std::pair<std::string, std::string>> hashes_;  // to hash and cell
@@ -478,12 +580,6 @@ void initialize_benchmark(const RunOptions& options, int repetitions) {
     }
 }
 
-// The first interrupt lets the sample in flight end; a second one ends the process at once.
-void interrupt(int signal) {
-    interrupted = true;
-    std::signal(signal, SIG_DFL);
-}
-
 void apply_filter(Plan& plan, const std::string& filter) {
     if (filter.empty()) {
         return;
@@ -498,10 +594,6 @@ void apply_filter(Plan& plan, const std::string& filter) {
     }
 }
 
-std::string plan_machine(const Plan& plan) {
-    return plan.cells.front().backend == Backend::cuda ? cuda::machine_name() : machine_name();
-}
-
 // Halves of a reference are independent of what is compared with them: no sample may have one's seed.
 void check_seeds(const Plan& plan, std::uint64_t first, int repetitions) {
     const bool has_errors = std::any_of(plan.cells.begin(), plan.cells.end(),
@@ -514,19 +606,30 @@ void check_seeds(const Plan& plan, std::uint64_t first, int repetitions) {
     }
 }
 
-Json identity_of(const Plan& plan, const RunOptions& options, int repetitions) {
-    Json cells = Json::array();
-    for (const Cell& cell : plan.cells) {
-        std::string text = cell.name + "#" + cell.scene->hash;
-        if (cell.convergence) {
-            const ReferenceTask& task = cell.convergence->reference;
-            text += fmt::format("#{}#{}#{}#{}", task.name(), task.scene->hash, task.variance, task.most_spp);
-        }
-        cells.push_back(text);
+// Whether the result of this very run is there, and no journal: a run that was killed as it ended, or called again.
+bool is_done(const RunOptions& options, const Json& identity) {
+    if (!options.resume || std::filesystem::exists(journal_of(options)) || !std::filesystem::exists(options.out)) {
+        return false;
     }
-    return {{"machine", plan_machine(plan)}, {"program", program_hash()}, {"openmp", openmp_environment()},
-            {"git_sha", git_sha()},          {"git_dirty", git_dirty()},  {"cells", cells},
-            {"seed", options.seed},          {"repetitions", repetitions}};
+    const Json result = Json::parse(read_file(options.out), nullptr, false);
+    const Json::json_pointer run("/ptbench/run");
+    const Json::json_pointer status("/context/ptbench.status");
+    if (!result.is_object() || !result.contains(run) || !result.at(run).is_object() ||
+        result.value(status, "") != "completed") {
+        return false;
+    }
+    const Json& there = result.at(run);
+    const Json here(run_json(identity));
+    return there.value("identity", "") == here.at("identity") && there.value("shard", "") == here.value("shard", "");
+}
+
+// The exit code of the run that wrote the result.
+int exit_code_of(const std::string& file) {
+    const Json result = Json::parse(read_file(file));
+    const Json& cells = result.at("ptbench").at("cells");
+    const bool any_failed =
+        std::any_of(cells.begin(), cells.end(), [](const Json& cell) { return cell.value("status", "") == "failed"; });
+    return any_failed ? exit_check_failed : exit_good;
 }
 
 }  // namespace
@@ -559,18 +662,25 @@ Plan plan_run(const Suite& suite, const RunOptions& options) {
 }
 
 int run_suite(const Suite& suite, const RunOptions& options) {
-    Plan plan = plan_run(suite, options);
+    const Plan whole = plan_run(suite, options);
+    const std::vector<std::size_t> positions = positions_of(whole, options.shard);
     if (std::filesystem::is_directory(options.out)) {
         throw InputError("--out", "file name", "\"" + options.out + "\", a folder", "a file");
     }
     const int repetitions = options.repetitions > 0 ? options.repetitions : suite.repetitions;
-    check_seeds(plan, options.seed, repetitions);
+    check_seeds(whole, options.seed, repetitions);
     initialize_benchmark(options, repetitions);
-    interrupted = false;
-    std::signal(SIGINT, interrupt);
-    std::signal(SIGTERM, interrupt);
-    const Json identity = identity_of(plan, options, repetitions);
-    return Runner(suite, std::move(plan), options, repetitions, identity).run();
+    const Json identity = identity_of(whole, {.suite = suite.name,
+                                              .backend = options.backend,
+                                              .seed = options.seed,
+                                              .repetitions = repetitions,
+                                              .shard = options.shard});
+    if (is_done(options, identity)) {
+        fmt::print("{}\nnothing left to do: this run is complete\n", options.out);
+        return exit_code_of(options.out);
+    }
+    Interrupt interrupt(options.grace);
+    return Runner(suite, part_of(whole, positions), positions, options, repetitions, identity, interrupt).run();
 }
 
 }  // namespace pt

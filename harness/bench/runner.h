@@ -2,9 +2,11 @@
 // interleaved; every fact goes to the journal at once, and the result file is made from the journal.
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <vector>
 
+#include "harness/bench/shard.h"
 #include "harness/bench/suite.h"
 
 namespace pt {
@@ -12,20 +14,25 @@ namespace pt {
 struct RunOptions {
     Backend backend = Backend::cpu;
     std::string out;           // result file
-    std::string command_line;  // for the record
+    std::string command_line;  // for the record, and to go on with
     int repetitions = 0;       // 0: the suite's
     bool resume = false;
+    bool other_host = false;  // resume although the host has another name
+    bool quiet = false;       // no progress on stderr
+    Shard shard = {};
     std::string reference_cache = {};  // folder that keeps references; empty: none are kept
     bool untuned = false;              // leave tunables at their standards, whatever was found on this machine
     std::uint64_t seed = 1;            // of sample 0; sample i has seed + i
     std::string filter = {};           // regular expression on cell names; empty: all
     std::vector<std::string> benchmark_flags = {};  // --benchmark_*, passed on
+    // After an interrupt a sample in flight has so long to end.
+    std::chrono::milliseconds grace = std::chrono::seconds(1);
 };
 
-// Returns an exit code: 0, 1 if a cell failed or the run was interrupted. Throws InputError, MachineError.
+// Returns an exit code: 0, 1 if a cell failed, exit_interrupted. Throws InputError, MachineError.
 int run_suite(const Suite& suite, const RunOptions& options);
 
-// The cells that run_suite would run. Throws InputError, also where no cell is left.
+// The cells that run_suite would run in all its shards. Throws InputError, also where no cell is left.
 Plan plan_run(const Suite& suite, const RunOptions& options);
 // The cells and what does not apply, as text.
 std::string describe_plan(const Plan& plan, int repetitions);

@@ -17,6 +17,7 @@ using Command = std::function<int()>;
 
 Command add_list_command(CLI::App& app);
 Command add_run_command(CLI::App& app, const std::string& command_line);
+Command add_merge_command(CLI::App& app, const std::string& command_line);
 Command add_render_command(CLI::App& app);
 Command add_verify_command(CLI::App& app);
 Command add_inspect_command(CLI::App& app);

@@ -25,6 +25,9 @@ struct RunArguments {
     std::uint64_t seed = 1;
     std::string out;
     bool resume = false;
+    bool other_host = false;
+    bool quiet = false;
+    std::string shard;
     bool untuned = false;
     bool dry_run = false;
     std::string reference_cache;
@@ -86,6 +89,9 @@ RunOptions make_options(const RunArguments& arguments, const std::vector<std::st
         .command_line = command_line,
         .repetitions = arguments.repetitions,
         .resume = arguments.resume,
+        .other_host = arguments.other_host,
+        .quiet = arguments.quiet,
+        .shard = arguments.shard.empty() ? Shard() : parse_shard(arguments.shard),
         .reference_cache = arguments.reference_cache.empty() ? default_reference_folder() : arguments.reference_cache,
         .untuned = arguments.untuned,
         .seed = arguments.seed};
@@ -128,14 +134,17 @@ int run(const RunArguments& arguments, const std::vector<std::string>& extras, c
     RunOptions options = make_options(arguments, extras, command_line);
     options.backend = backend;
     if (arguments.dry_run) {
-        fmt::print("{}", describe_plan(plan_run(suite, options),
+        const Plan whole = plan_run(suite, options);
+        fmt::print("{}", describe_plan(part_of(whole, positions_of(whole, options.shard)),
                                        options.repetitions > 0 ? options.repetitions : suite.repetitions));
         return exit_good;
     }
     require_backend(backend);
     if (options.out.empty()) {
-        options.out = fmt::format("results/{}/{}.json",
-                                  backend == Backend::cuda ? cuda::machine_name() : machine_name(), suite.name);
+        const Shard& shard = options.shard;
+        options.out =
+            fmt::format("results/{}/{}{}.json", backend == Backend::cuda ? cuda::machine_name() : machine_name(),
+                        suite.name, shard.is_whole() ? "" : fmt::format(".shard-{}-of-{}", shard.index, shard.count));
     }
     return run_suite(suite, options);
 }
@@ -158,7 +167,13 @@ Command add_run_command(CLI::App& app, const std::string& command_line) {
         ->check(CLI::Range(1, 10000));
     command->add_option("--seed", arguments->seed, "Seed of the first sample (default 1)")->check(check_seed);
     command->add_option("--out", arguments->out, "Result file (default results/MACHINE/SUITE.json)");
-    command->add_flag("--resume", arguments->resume, "Go on with an unfinished run");
+    CLI::Option* resume = command->add_flag("--resume", arguments->resume, "Go on with an unfinished run");
+    command
+        ->add_flag("--other-host", arguments->other_host, "Go on although the host has another name (the result says)")
+        ->needs(resume);
+    command->add_option("--shard", arguments->shard,
+                        "I/N: the I-th of N parts, for N equal machines; `ptbench merge` puts them together");
+    command->add_flag("--quiet", arguments->quiet, "No progress on standard error");
     command->add_flag("--untuned", arguments->untuned,
                       "Leave tunables at their standards, whatever `ptbench autotune` found on this machine");
     command->add_option("--reference-cache", arguments->reference_cache,

@@ -1,6 +1,8 @@
 // ptbench stability: cases with exact answers, over precision, arithmetic, robustness, integrators and backend.
 #include <algorithm>
 #include <charconv>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <thread>
@@ -10,6 +12,8 @@
 
 #include "harness/bench/compile_ahead.h"
 #include "harness/cli/commands.h"
+#include "harness/interrupt.h"
+#include "harness/locked_file.h"
 #include "harness/stability/evaluate.h"
 #include "harness/stability/report.h"
 #include "harness/stability/workers.h"
@@ -290,6 +294,103 @@ std::size_t worker_count(const StabilityArguments& arguments) {
     return arguments.backend == "cpu" ? 1 : std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, 16);
 }
 
+// The report itself is another file after every case: what is locked lies beside it.
+class ReportLock {
+public:
+    explicit ReportLock(const std::string& file) : file_(file) {}
+    ~ReportLock() { file_.remove(); }
+    ReportLock(const ReportLock&) = delete;
+    ReportLock& operator=(const ReportLock&) = delete;
+
+private:
+    LockedFile file_;
+};
+
+// The tasks of a call whose rows the report has not yet, one answer after the other into it.
+class StabilityRun {
+public:
+    StabilityRun(const StabilityArguments& arguments, Backend backend)
+        : arguments_(arguments),
+          backend_(backend),
+          lock_(arguments.out.empty() ? nullptr : std::make_unique<ReportLock>(arguments.out + ".lock")),
+          report_(arguments.out, {arguments.command_line, backend, arguments.quick, arguments.seed, arguments.paths},
+                  arguments.resume),
+          tasks_(all_tasks(arguments, backend)) {
+        for (std::size_t i = 0; i < tasks_.size(); ++i) {
+            if (!report_.has(tasks_[i])) {
+                missing_.push_back(i);
+            }
+        }
+        interrupt_.when_overdue([this] { return abandon(); });
+    }
+    ~StabilityRun() { interrupt_.begin_end(); }
+    StabilityRun(const StabilityRun&) = delete;
+    StabilityRun& operator=(const StabilityRun&) = delete;
+
+    // Without workers `answer` is called here.
+    int run(stability::Workers* workers, const stability::Answer& answer) {
+        std::vector<std::string> questions;
+        for (const std::size_t task : missing_) {
+            questions.push_back(fmt::format("{} {}", to_string(backend_), task));
+        }
+        if (workers != nullptr) {  // of an interrupt they know nothing: what they are at is abandoned
+            workers->ask(questions, [this](std::size_t i, const std::string& line) { answered(i, line); });
+        }
+        for (std::size_t i = 0; i < questions.size() && workers == nullptr; ++i) {
+            if (interrupt_.requested()) {
+                interrupt_.begin_end();
+                return end_interrupted();
+            }
+            answered(i, answer(questions[i]));
+        }
+        interrupt_.begin_end();
+        report_.finish();
+        fmt::print("{}\n", report_.summary());
+        return report_.must_pass_failures() == 0 && report_.passed() > 0 ? exit_good : exit_check_failed;
+    }
+
+private:
+    void answered(std::size_t question, const std::string& line) {
+        const stability::Json rows = stability::Json::parse(line);
+        const Task& task = tasks_[missing_[question]];
+        const std::lock_guard lock(mutex_);
+        report_.add(task, rows["rows"]);
+        fmt::print("{}", rows["text"].get<std::string>());
+        std::fflush(stdout);
+        const bool ends_case =
+            question + 1 == missing_.size() || tasks_[missing_[question + 1]].stiff_case != task.stiff_case;
+        if (ends_case) {
+            report_.save();
+        }
+    }
+
+    // On another thread, for good: nothing else of this process is put away.
+    int abandon() {
+        mutex_.lock();
+        const int exit_code = end_interrupted();
+        lock_.reset();
+        return exit_code;
+    }
+
+    int end_interrupted() const {
+        report_.save();
+        fmt::print("interrupted: {}\n", report_.summary());
+        if (!arguments_.out.empty()) {
+            fmt::print("go on with: {}{}\n", arguments_.command_line, arguments_.resume ? "" : " --resume");
+        }
+        return exit_interrupted;
+    }
+
+    const StabilityArguments& arguments_;
+    Backend backend_;
+    std::unique_ptr<ReportLock> lock_;
+    stability::Report report_;
+    std::vector<Task> tasks_;
+    std::vector<std::size_t> missing_;
+    std::mutex mutex_;  // held while the report changes
+    Interrupt interrupt_;
+};
+
 int run(const StabilityArguments& arguments) {
     const std::vector<const Case*> cases = chosen_cases(arguments);
     if (arguments.list) {
@@ -311,43 +412,12 @@ int run(const StabilityArguments& arguments) {
     }
     const Backend backend = parse_backend(arguments.backend);
     require_backend(backend);
-    stability::Report report(arguments.out,
-                             {arguments.command_line, backend, arguments.quick, arguments.seed, arguments.paths},
-                             arguments.resume);
-    const std::vector<Task> tasks = all_tasks(arguments, backend);
-    std::vector<std::size_t> missing;
-    std::vector<std::string> questions;
-    for (std::size_t i = 0; i < tasks.size(); ++i) {
-        if (!report.has(tasks[i])) {
-            missing.push_back(i);
-            questions.push_back(fmt::format("{} {}", to_string(backend), i));
-        }
-    }
+    StabilityRun stability_run(arguments, backend);
     if (backend == Backend::cuda) {
         compile(cases, arguments, asked_variants(arguments, backend));
     }
-    const auto answered = [&](std::size_t question, const std::string& line) {
-        const stability::Json rows = stability::Json::parse(line);
-        const Task& task = tasks[missing[question]];
-        report.add(task, rows["rows"]);
-        fmt::print("{}", rows["text"].get<std::string>());
-        std::fflush(stdout);
-        const bool ends_case =
-            question + 1 == missing.size() || tasks[missing[question + 1]].stiff_case != task.stiff_case;
-        if (ends_case) {
-            report.save();
-        }
-    };
-    if (workers && (arguments.jobs != 0 || backend == Backend::cuda)) {
-        workers->ask(questions, answered);
-    } else {
-        for (std::size_t i = 0; i < questions.size(); ++i) {
-            answered(i, answer(questions[i]));
-        }
-    }
-    report.finish();
-    fmt::print("{}\n", report.summary());
-    return report.must_pass_failures() == 0 && report.passed() > 0 ? exit_good : exit_check_failed;
+    const bool uses_workers = workers && (arguments.jobs != 0 || backend == Backend::cuda);
+    return stability_run.run(uses_workers ? &*workers : nullptr, answer);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "harness/bench/journal.h"
 #include "harness/bench/machine.h"
 #include "harness/bench/result_file.h"
 #include "harness/json_reader.h"
@@ -45,11 +46,15 @@ Report::Report(std::string file, RunDescription description, bool resume)
     if (!old.is_object() || old.value("schema", "") != schema || !old.contains("rows") || !old.contains("context")) {
         throw InputError(file_, "file", "no result of ptbench stability", "one, to go on with");
     }
-    const Json wanted = identity(description_);
-    for (const char* key : {"ptbench.machine", "ptbench.backend", "ptbench.git_sha", "quick", "seed", "paths"}) {
-        if (wanted.contains(key) && old["context"].value(key, Json()) != wanted[key]) {
-            throw InputError(file_, key, old["context"].value(key, Json()).dump(), wanted[key].dump() + " to go on");
+    Json there = old["context"];
+    for (const char* own : {"ptbench.command_line", "ptbench.status", "date"}) {
+        if (there.is_object()) {
+            there.erase(own);
         }
+    }
+    if (const std::string other = difference(there, identity(description_)); !other.empty()) {
+        throw InputError(file_, "context", "another run (" + other + ")",
+                         "the run that it was started with; remove the file to start over");
     }
     rows_ = old["rows"];
     for (const Json& row : rows_) {

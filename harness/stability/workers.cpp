@@ -1,11 +1,13 @@
 #include "harness/stability/workers.h"
 
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <map>
 
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -51,7 +53,15 @@ bool receive(int socket, std::string& text) {
 }
 
 // In a child: answers until its parent is gone, and leaves without running what that registered to run at exit.
-[[noreturn]] void serve(int socket, const Answer& answer) {
+[[noreturn]] void serve(int socket, const Answer& answer, pid_t parent) {
+    // What a terminal sends to all of a command is for the parent to decide; a question may take longer than that
+    // lives.
+    std::signal(SIGINT, SIG_IGN);
+    std::signal(SIGTERM, SIG_IGN);
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (::getppid() != parent) {
+        ::_exit(0);
+    }
     std::string received;
     for (;;) {
         const std::size_t end = received.find('\n');
@@ -82,6 +92,7 @@ std::string ending(int status) {
 }  // namespace
 
 Workers::Workers(std::size_t count, const Answer& answer) : workers_(count) {
+    const pid_t parent = ::getpid();
     for (Worker& worker : workers_) {
         int ends[2];
         if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
@@ -99,7 +110,7 @@ Workers::Workers(std::size_t count, const Answer& answer) : workers_(count) {
                 }
             }
             ::close(ends[0]);
-            serve(ends[1], answer);
+            serve(ends[1], answer, parent);
         }
         ::close(ends[1]);
         worker.socket = ends[0];

@@ -47,7 +47,8 @@ Arguments run_with(const Arguments& added) {
 TEST(BadCallsTest, Subcommands) {
     expect_refusal(
         {}, 2,
-        "command line: subcommand: found none, allowed: list, run, render, verify, inspect, autotune, import, machine");
+        "command line: subcommand: found none, allowed: list, run, merge, render, verify, inspect, autotune, import, "
+        "machine");
     expect_refusal({"frob"}, 2, "The following argument was not expected: frob (see ptbench --help)\n");
     expect_refusal({"--frob"}, 2, "The following argument was not expected: --frob (see ptbench --help)\n");
     expect_refusal({"list", "--frob"}, 2, "The following argument was not expected: --frob");
@@ -69,6 +70,11 @@ TEST(BadCallsTest, MissingValues) {
     expect_refusal({"import"}, 2, "FILE is required");
     expect_refusal({"import", "scene.txt"}, 2, "--out is required");
     expect_refusal({"run", "--suite"}, 2, "--suite: 1 required TEXT missing");
+    expect_refusal({"merge", "--out", "all.json"}, 2, "shards is required");
+    expect_refusal({"merge", "shard.json"}, 2, "--out is required");
+    expect_refusal(run_with({"--scene", "cornell_open", "--other-host"}), 2, "--other-host requires --resume");
+    expect_refusal(run_with({"--scene", "cornell_open", "--shard", "3/2"}), 2,
+                   "--shard: argument: found \"3/2\", allowed: I/N, the I-th of N parts, I from 1 to N\n");
 }
 
 TEST(BadCallsTest, SceneOrSuite) {

@@ -51,6 +51,31 @@ TEST(StabilityCommandTest, ResumesWithWhatIsThere) {
     EXPECT_EQ(json::parse(content_of(folder.file("stability.json"))).at("rows"), json::parse(first).at("rows"));
 }
 
+// With what works in this process, and with processes that work for it.
+TEST(StabilityCommandTest, AnInterruptLeavesWhatIsThereAndTheWayToGoOn) {
+    for (const std::string jobs : {"1", "2"}) {
+        SCOPED_TRACE(jobs + " jobs");
+        const TemporaryFolder folder;
+        const std::string out = folder.file("s.json");
+        const Arguments call =
+            ptbench_arguments({"stability", "--backend", "cpu", "--quick", "--jobs", jobs, "--out", out});  // all cases
+        RunningCommand running(call, in_repository());
+        ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(out) || !running.is_running(); }));
+        const CommandResult second = run_command(call, in_repository());
+        EXPECT_EQ(second.exit_code, 3);
+        EXPECT_EQ(second.err, "ptbench: " + out + ".lock: another run is writing it\n");
+        running.signal(SIGINT);
+        ASSERT_TRUE(wait_until([&] { return !running.is_running(); }));
+        const CommandResult ended = running.wait();
+        EXPECT_EQ(ended.exit_code, 130) << ended.err;
+        EXPECT_TRUE(ended.out.ends_with(" --quick --jobs " + jobs + " --out " + out + " --resume\n")) << ended.out;
+        EXPECT_EQ(folder.content(), Arguments{"s.json"});
+        const json cut = json::parse(content_of(out));
+        EXPECT_EQ(cut.at("context").at("ptbench.status"), "interrupted");
+        EXPECT_FALSE(cut.at("rows").empty());
+    }
+}
+
 TEST(StabilityCommandTest, AuditedRowsSayWhatWasSeen) {
     const TemporaryFolder folder;
     EXPECT_EQ(stability({"--case", "S1", "--set", "depth=9", "--axis", "integrator=audited", "--out", "s.json"}, folder)

@@ -9,6 +9,7 @@
 
 #include "harness/bench/convergence_study.h"
 #include "harness/bench/runner.h"
+#include "harness/interrupt.h"
 #include "tests/support/command.h"
 #include "variants/cpu/thrust_compaction.h"
 
@@ -70,7 +71,11 @@ protected:
         return load_suite(file);
     }
     RunOptions options() const {
-        return {.out = out, .command_line = "the test", .repetitions = 3, .reference_cache = folder.file("cache")};
+        return {.out = out,
+                .command_line = "the test",
+                .repetitions = 3,
+                .reference_cache = folder.file("cache"),
+                .grace = std::chrono::hours(24)};
     }
     int run(const Suite& what, const RunOptions& how) {
         testing::internal::CaptureStdout();
@@ -297,7 +302,7 @@ TEST_F(ConvergenceTest, AnInterruptedRunGoesOnWithTheSamplesThatItHad) {
             std::raise(SIGINT);
         }
     };
-    ASSERT_EQ(run(what, how), exit_check_failed);
+    ASSERT_EQ(run(what, how), exit_interrupted);
     on_render = nullptr;
     const auto cut = sample_rows(result()).begin()->second;
     ASSERT_EQ(cut.size(), 2u);

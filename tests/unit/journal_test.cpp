@@ -1,12 +1,34 @@
 // The journal: what was written is there again, whatever happened in between.
 #include "harness/bench/journal.h"
 
+#include <algorithm>
 #include <csignal>
+#include <functional>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include "tests/support/command.h"
+
+namespace {
+
+std::function<void()> before_flock;
+
+}  // namespace
+
+// The C library's, for a test that does something at the last moment. (A struct has the name too.)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"
+extern "C" int flock(int descriptor, int operation) noexcept {
+    if (const auto hook = std::exchange(before_flock, nullptr)) {
+        hook();
+    }
+    return static_cast<int>(::syscall(SYS_flock, descriptor, operation));
+}
+#pragma GCC diagnostic pop
 
 namespace pt {
 namespace {
@@ -135,11 +157,11 @@ TEST_F(JournalTest, AnUnfinishedRunIsRefusedWithoutResume) {
 TEST_F(JournalTest, AnotherRunIsRefused) {
     write_three_facts();
     const std::string before = test::content_of(file);
-    EXPECT_EQ(
-        refusal<InputError>({{"machine", "n"}, {"cells", {"a", "b"}}}),
-        file +
-            ": line 1: found another run (machine, build, suite or settings differ), allowed: the run that it was "
-            "started with; remove the file to start over");
+    EXPECT_EQ(refusal<InputError>({{"machine", "n"}, {"cells", {"a", "b"}}}),
+              file +
+                  ": line 1: found another run (machine: \"m\", here \"n\"), allowed: the run that it was started "
+                  "with; remove "
+                  "the file to start over");
     EXPECT_EQ(test::content_of(file), before);
     EXPECT_EQ(refusal<InputError>(), "");
 }
@@ -168,7 +190,62 @@ TEST_F(JournalTest, ADamagedLineIsRefusedWithItsPlace) {
         EXPECT_EQ(test::content_of(file), damaged);
     }
     test::write_text(file, "{\"type\":\"sample\"}\n");  // and a first line that is not the run's
-    EXPECT_NE(refusal<InputError>().find(": line 1: found another run"), std::string::npos);
+    EXPECT_NE(refusal<InputError>().find(": line 1: found no line of a run, allowed: "), std::string::npos);
+}
+
+TEST_F(JournalTest, WhatMayDifferDoesNotRefuse) {
+    write_three_facts();
+    const Json other{{"machine", "n"}, {"cells", {"a", "b"}}};
+    EXPECT_THROW(Journal(file, other, true, {"cells"}), InputError);
+    EXPECT_EQ(Journal(file, other, true, {"machine"}).sample_count(), 2u);
+    EXPECT_EQ(refusal<InputError>(), "");  // it still is the first one's
+}
+
+TEST(DifferenceTest, NamesWhatDiffersByItsKeys) {
+    EXPECT_EQ(difference(identity, identity), "");
+    EXPECT_EQ(difference({{"a", 1}, {"b", {{"c", "x"}, {"d", 2}}}}, {{"a", 1}, {"b", {{"c", "y"}, {"d", 2}}}}),
+              "b c: \"x\", here \"y\"");
+    EXPECT_EQ(difference({{"shard", "1/2"}}, Json::object()), "shard: \"1/2\", here none");
+    EXPECT_EQ(difference(Json::object(), {{"shard", "1/2"}}), "shard: none, here \"1/2\"");
+    EXPECT_EQ(difference({{"cells", {"p", "q"}}}, {{"cells", {"p", "r", "s"}}}),
+              "cells: 2 of them, here 3; number 2 is \"q\", here \"r\"");
+    EXPECT_EQ(difference({{"cells", {"p", "q"}}}, {{"cells", {"p"}}}),
+              "cells: 2 of them, here 1; number 2 is \"q\", here none");
+    EXPECT_EQ(difference({{"a", 1}, {"b", 1}, {"c", 1}, {"d", 1}, {"e", 1}}, Json::object()),
+              "a: 1, here none; b: 1, here none; c: 1, here none; and 2 more");
+    EXPECT_EQ(difference("identity", 7), "\"identity\", here 7");
+}
+
+TEST_F(JournalTest, KnowsWhichSessionTookHowManySamples) {
+    {
+        Journal journal(file, identity, false);
+        journal.add_session({{"host_name", "x"}});
+        journal.add_sample("a", {{"pt_seed", 1}});
+        journal.add_sample("b", {{"pt_seed", 1}});
+    }
+    {
+        Journal journal(file, identity, true);
+        journal.add_session({{"host_name", "y"}});
+        journal.add_sample("a", {{"pt_seed", 2}});
+    }
+    const Journal journal(file, identity, true);
+    EXPECT_EQ(Json(journal.sessions()),
+              Json({{{"host_name", "x"}, {"samples", 2}}, {{"host_name", "y"}, {"samples", 1}}}));
+}
+
+// Whoever had the lock may remove the file between another one's opening it and locking it: that one must not write
+// into a file that has no name any more.
+TEST_F(JournalTest, AFileThatGoesBeforeItIsLockedIsMadeAnew) {
+    auto first = std::make_unique<Journal>(file, identity, false);
+    before_flock = [&] {
+        first->finish();
+        first.reset();
+    };
+    Journal second(file, identity, true);
+    EXPECT_EQ(first, nullptr);
+    second.add_sample("a", {{"pt_seed", 1}});
+    EXPECT_EQ(std::ranges::count(test::content_of(file), '\n'), 2);
+    EXPECT_EQ(refusal<MachineError>(), file + ": another run is writing it");
 }
 
 TEST_F(JournalTest, FinishRemovesTheFile) {

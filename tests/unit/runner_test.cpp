@@ -9,8 +9,10 @@
 #include <utility>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "harness/bench/journal.h"
+#include "harness/interrupt.h"
 #include "tests/support/command.h"
 #include "variants/cpu/thrust_compaction.h"
 
@@ -86,7 +88,10 @@ protected:
         study.spp = 2;
         return {.name = "tiny_suite", .description = "", .repetitions = repetitions, .studies = {study}};
     }
-    RunOptions options() const { return {.out = out, .command_line = "the test"}; }
+    RunOptions options() const {
+        // Nothing is abandoned, however slow this machine is: the process would end.
+        return {.out = out, .command_line = "the test", .grace = std::chrono::hours(24)};
+    }
     // Runs with what it prints kept in `printed`.
     int run(const Suite& what, const RunOptions& how) {
         testing::internal::CaptureStdout();
@@ -400,8 +405,9 @@ TEST_F(RunnerTest, ResumeKeepsTheSamplesThatWereTaken) {
     for (std::size_t end = kept.find('\n'); end != std::string::npos; end = kept.find('\n', end + 1)) {
         ends.push_back(end + 1);
     }
-    // The run, the cells and, whatever the order of the samples, one of the hooked choice before its last render.
-    ASSERT_GE(ends.size(), 1u + 3u + 1u);
+    // The run, its session, the cells and, whatever the order of the samples, one of the hooked choice before its last
+    // render.
+    ASSERT_GE(ends.size(), 2u + 3u + 1u);
 
     for (std::size_t lines = 0; lines <= ends.size(); ++lines) {
         SCOPED_TRACE(lines);
@@ -426,7 +432,7 @@ TEST_F(RunnerTest, ResumeKeepsTheSamplesThatWereTaken) {
                 orders.insert(rows[i].at("pt_order").get<std::int64_t>());
             }
         }
-        EXPECT_EQ(unchanged, lines > 4 ? lines - 4 : 0);
+        EXPECT_EQ(unchanged, lines > 5 ? lines - 5 : 0);
         EXPECT_EQ(orders.size(), 3u * repetitions);
     }
 }
@@ -443,8 +449,9 @@ TEST_F(RunnerTest, AnInterruptEndsTheRunWithAResultAndAJournal) {
             }
         };
         RunOptions how = options();
-        ASSERT_EQ(run(suite(three_compactions), how), exit_check_failed);
+        ASSERT_EQ(run(suite(three_compactions), how), exit_interrupted);
         EXPECT_TRUE(std::filesystem::exists(journal_file));
+        EXPECT_TRUE(printed.ends_with("\ngo on with: the test --resume\n")) << printed;
         if (renders_before < 3) {  // nothing was measured: an older result of this name would not be replaced by it
             EXPECT_FALSE(std::filesystem::exists(out));
             EXPECT_NE(printed.find("interrupted before the first sample"), std::string::npos) << printed;
@@ -456,7 +463,7 @@ TEST_F(RunnerTest, AnInterruptEndsTheRunWithAResultAndAJournal) {
         const Json cut = result();
         EXPECT_EQ(cut.at("context").at("ptbench.status"), "interrupted");
         EXPECT_NE(printed.find("; interrupted with "), std::string::npos) << printed;
-        EXPECT_NE(printed.find(" cells unfinished: go on with --resume\n"), std::string::npos) << printed;
+        EXPECT_NE(printed.find(" cells unfinished\n"), std::string::npos) << printed;
         bool any_interrupted = false;
         for (const auto& [compaction, status] : statuses(cut)) {
             EXPECT_TRUE(status == "ok" || status.find("interrupted: the run ended before this cell ") == 0) << status;
@@ -485,7 +492,7 @@ TEST_F(RunnerTest, AnotherRunsJournalIsRefused) {
         }
     };
     RunOptions how = options();
-    ASSERT_EQ(run(suite(three_compactions), how), exit_check_failed);
+    ASSERT_EQ(run(suite(three_compactions), how), exit_interrupted);
     on_render = nullptr;
     how.resume = true;
     const std::string journal = test::content_of(journal_file);
@@ -498,19 +505,195 @@ TEST_F(RunnerTest, AnotherRunsJournalIsRefused) {
         }
         return "";
     };
-    const std::string message = journal_file + ": line 1: found another run ";
-    EXPECT_EQ(refusal(suite({}), how).find(message), 0u);
+    const auto message = [&](const std::string& differs) {
+        return journal_file + ": line 1: found another run (" + differs +
+               "), allowed: the run that it was started with; " + "remove the file to start over";
+    };
+    const std::string other_cells = refusal(suite({}), how);
+    EXPECT_EQ(other_cells.find(journal_file + ": line 1: found another run (cells: 3 of them, here 1; number 2 is \""),
+              0u)
+        << other_cells;
     RunOptions other_seed = how;
     other_seed.seed = 2;
-    EXPECT_EQ(refusal(suite(three_compactions), other_seed).find(message), 0u);
+    EXPECT_EQ(refusal(suite(three_compactions), other_seed), message("seed: 1, here 2"));
     RunOptions other_repetitions = how;
     other_repetitions.repetitions = repetitions - 1;
-    EXPECT_EQ(refusal(suite(three_compactions), other_repetitions).find(message), 0u);
+    EXPECT_EQ(refusal(suite(three_compactions), other_repetitions), message("repetitions: 3, here 2"));
+    // Another build, OpenMP with other settings.
+    ::setenv("OMP_DISPLAY_ENV", "FALSE", 1);
+    EXPECT_EQ(refusal(suite(three_compactions), how).find("found another run (machine ptbench.openmp_environment: \""),
+              journal_file.size() + std::string(": line 1: ").size());
+    ::unsetenv("OMP_DISPLAY_ENV");
     // A scene of the same name that was edited in between.
     std::string text = scene_text;
     text.replace(text.find("0.5, 0.5, 0.5"), 13, "0.5, 0.5, 0.6");
     test::write_text(folder.file("scenes/tiny.json"), text);
-    EXPECT_EQ(refusal(suite(three_compactions), how).find(message), 0u);
+    EXPECT_NE(refusal(suite(three_compactions), how).find("found another run (scenes tiny: \""), std::string::npos);
+}
+
+// A journal of another machine: what ours says, but for one value.
+TEST_F(RunnerTest, AnotherMachinesJournalIsRefused) {
+    on_render = [raised = false]() mutable {
+        if (!std::exchange(raised, true)) {
+            std::raise(SIGINT);
+        }
+    };
+    RunOptions how = options();
+    ASSERT_EQ(run(suite(three_compactions), how), exit_interrupted);
+    on_render = nullptr;
+    how.resume = true;
+    const std::string journal = test::content_of(journal_file);
+    const Json identity = Json::parse(journal.substr(0, journal.find('\n'))).at("identity");
+    const auto refusal_of = [&](const Json::json_pointer& place, bool other_host) -> std::string {
+        Json other = identity;
+        other[place] = "another";
+        test::write_text(journal_file, Json{{"type", "run"}, {"identity", other}}.dump() + "\n");
+        RunOptions so = how;
+        so.other_host = other_host;
+        try {
+            run(suite(three_compactions), so);
+        } catch (const InputError& error) {
+            return error.what();
+        }
+        return "";
+    };
+    const auto found = [&](const std::string& key) {
+        return journal_file + ": line 1: found another run (" + key + ": \"another\", here ";
+    };
+    for (const std::string key : {"ptbench.cpu_model", "ptbench.program_hash", "ptbench.git_sha", "ptbench.os"}) {
+        EXPECT_EQ(refusal_of(Json::json_pointer("/machine/" + key), true).find(found("machine " + key)), 0u) << key;
+    }
+    EXPECT_EQ(refusal_of(Json::json_pointer("/host_name"), false).find(found("host_name")), 0u);
+    EXPECT_EQ(refusal_of(Json::json_pointer("/host_name"), true), "");
+    EXPECT_EQ(result().at("context").at("ptbench.status"), "completed");
+}
+
+TEST_F(RunnerTest, ACompletedRunIsNotMeasuredAgainByResume) {
+    RunOptions how = options();
+    ASSERT_EQ(run(suite(three_compactions), how), exit_good);
+    const std::string before = test::content_of(out);
+    how.resume = true;
+    ASSERT_EQ(run(suite(three_compactions), how), exit_good);
+    EXPECT_EQ(printed, out + "\nnothing left to do: this run is complete\n");
+    EXPECT_EQ(test::content_of(out), before);
+    how.seed = 2;  // another run, which begins
+    ASSERT_EQ(run(suite(three_compactions), how), exit_good);
+    EXPECT_NE(test::content_of(out), before);
+    how.resume = false;  // and a call that does not say so measures
+    const std::string second = test::content_of(out);
+    ASSERT_EQ(run(suite(three_compactions), how), exit_good);
+    EXPECT_NE(test::content_of(out), second);
+}
+
+TEST_F(RunnerTest, ACompletedRunWithAFailureSaysSoAgain) {
+    on_compact = [](PathQueue& queue) { queue.count -= queue.count > 0 ? 1 : 0; };
+    RunOptions how = options();
+    how.resume = true;
+    EXPECT_EQ(run(suite(three_compactions), how), exit_check_failed);
+    EXPECT_EQ(run(suite(three_compactions), how), exit_check_failed);
+    EXPECT_EQ(printed, out + "\nnothing left to do: this run is complete\n");
+}
+
+TEST_F(RunnerTest, QuietShowsNoProgress) {
+    RunOptions how = options();
+    how.quiet = true;
+    EXPECT_EQ(run(suite({}), how), exit_good);
+    EXPECT_EQ(progress, "");
+}
+
+// ---- A sample that does not end: run in a process of its own, by the tests after it ----
+
+class RunThatHangsTest : public RunnerTest {
+protected:
+    // Interrupted so often in the sample that begins after so many renders, and that never ends.
+    void run_and_hang(int signals) {
+        out = std::getenv("PTBENCH_TEST_OUT");
+        int renders = 0;
+        on_render = [&renders, signals] {
+            if (renders++ == 6) {
+                for (int i = 0; i < signals; ++i) {
+                    std::raise(SIGINT);
+                }
+                while (true) {
+                    ::pause();
+                }
+            }
+        };
+        RunOptions how = options();
+        how.grace = signals == 1 ? std::chrono::milliseconds(10) : std::chrono::hours(24);
+        run_suite(suite({{"compaction", {"test_hooked"}}}), how);
+    }
+    // In another process; its exit code and what it printed.
+    test::CommandResult in_a_process(const std::string& test) const {
+        test::RunningCommand process({"/proc/self/exe", "--gtest_also_run_disabled_tests", "--gtest_filter=*" + test},
+                                     {.environment = {{"PTBENCH_TEST_OUT", out}}});
+        EXPECT_TRUE(test::wait_until([&] { return !process.is_running(); })) << test << " goes on and on";
+        process.signal(SIGKILL);
+        return process.wait();
+    }
+};
+
+TEST_F(RunThatHangsTest, DISABLED_InterruptedOnce) { run_and_hang(1); }
+TEST_F(RunThatHangsTest, DISABLED_InterruptedTwice) { run_and_hang(2); }
+
+TEST_F(RunThatHangsTest, TheSampleInFlightIsAbandoned) {
+    const test::CommandResult ended = in_a_process("DISABLED_InterruptedOnce");
+    EXPECT_EQ(ended.exit_code, exit_interrupted) << ended.err;
+    EXPECT_NE(ended.out.find("; interrupted with 1 cells unfinished\ngo on with: the test --resume\n"),
+              std::string::npos)
+        << ended.out;
+    const Json cut = result();
+    EXPECT_EQ(cut.at("context").at("ptbench.status"), "interrupted");
+    const auto rows = sample_rows(cut).begin()->second;
+    EXPECT_EQ(rows.size(), 2u);  // verification, two renders to prepare, a warm-up, two samples, and the third hangs
+    EXPECT_TRUE(std::filesystem::exists(journal_file));
+}
+
+TEST_F(RunThatHangsTest, ASecondInterruptKills) {
+    EXPECT_EQ(in_a_process("DISABLED_InterruptedTwice").exit_code, 128 + SIGINT);
+    EXPECT_FALSE(std::filesystem::exists(out));
+    EXPECT_TRUE(std::filesystem::exists(journal_file));
+}
+
+// ---- Full disks ----
+
+// The limit on the size of a file stands for a full disk: the journal fits, the result, which says more, does not.
+TEST_F(RunnerTest, AResultThatDoesNotFitIsMadeWhenThereIsRoom) {
+    std::uintmax_t journal_size = 0;
+    on_render = [&] {
+        journal_size = std::filesystem::exists(journal_file) ? std::filesystem::file_size(journal_file) : 0;
+    };
+    ASSERT_EQ(run(suite(three_compactions), options()), exit_good);
+    const std::uintmax_t result_size = std::filesystem::file_size(out);
+    const std::uintmax_t limit = result_size - 1000;
+    ASSERT_LT(journal_size + 3000, limit);  // a sample's line is less than 1000 bytes
+    test::write_text(out, "an older one");
+    on_render = nullptr;
+    RunOptions how = options();
+    std::signal(SIGXFSZ, SIG_IGN);
+    rlimit unlimited{};
+    ::getrlimit(RLIMIT_FSIZE, &unlimited);
+    rlimit limited = unlimited;
+    limited.rlim_cur = limit;
+    ::setrlimit(RLIMIT_FSIZE, &limited);
+    std::string message;
+    try {
+        run(suite(three_compactions), how);
+    } catch (const MachineError& error) {
+        message = error.what();
+    }
+    ::setrlimit(RLIMIT_FSIZE, &unlimited);
+    std::signal(SIGXFSZ, SIG_DFL);
+    EXPECT_EQ(message, out + ": cannot be written: File too large");
+    EXPECT_EQ(test::content_of(out), "an older one");
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.file("out")), {}), 2);  // and the journal
+    int renders = 0;
+    on_render = [&] { ++renders; };
+    how.resume = true;
+    EXPECT_EQ(run(suite(three_compactions), how), exit_good);
+    EXPECT_EQ(renders, 0);
+    EXPECT_EQ(sample_rows(result()).size(), 3u);
+    EXPECT_FALSE(std::filesystem::exists(journal_file));
 }
 
 // ---- Filters and plans ----

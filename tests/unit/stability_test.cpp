@@ -201,6 +201,10 @@ TEST_F(ReportTest, IsReadBackToGoOnAndRefusesWhatIsNotItsOwn) {
     RunDescription other_seed = description;
     other_seed.seed = 2;
     EXPECT_THROW(Report(file(), other_seed, true), InputError);
+    Json other_build = written;
+    other_build["context"]["ptbench.program_hash"] = "0";
+    write_file(file(), other_build.dump());
+    EXPECT_THROW(Report(file(), description, true), InputError);
     write_file(file(), "{}");
     EXPECT_THROW(Report(file(), description, true), InputError);
 }

@@ -63,16 +63,26 @@ TEST(WriteFileTest, AFullDiskLeavesTheOldFile) {
     }
     ::setrlimit(RLIMIT_FSIZE, &unlimited);
     std::signal(SIGXFSZ, SIG_DFL);
-    EXPECT_EQ(message, folder.file("result.json") + ": cannot be written (no such folder, no permission or disk full)");
+    EXPECT_EQ(message, folder.file("result.json") + ": cannot be written: File too large");
     EXPECT_EQ(folder.content(), std::vector<std::string>{"result.json"});
     EXPECT_EQ(test::content_of(folder.file("result.json")), "old");
+}
+
+TEST(WriteFileTest, WhatKilledWritersLeftCanBeRemoved) {
+    const test::TemporaryFolder folder;
+    for (const char* name : {"result", "result.partial1", "result.partial234", "result.partial1x", "other.partial1"}) {
+        test::write_text(folder.file(name), "");
+    }
+    remove_partial_files(folder.file("result"));
+    EXPECT_EQ(folder.content(), (std::vector<std::string>{"other.partial1", "result", "result.partial1x"}));
+    remove_partial_files(folder.file("missing/result"));
 }
 
 TEST(WriteFileTest, LeavesNothingWhereItCannotWrite) {
     const test::TemporaryFolder folder;
     test::write_text(folder.file("plain"), "a file, not a folder");
     EXPECT_EQ(refusal(folder.file("plain/result")),
-              folder.file("plain/result") + ": cannot be written (no such folder, no permission or disk full)");
+              folder.file("plain/result") + ": cannot be written: Not a directory");
     std::filesystem::create_directory(folder.file("taken"));
     EXPECT_EQ(refusal(folder.file("taken")), folder.file("taken") + ": cannot be written: Is a directory");
     EXPECT_EQ(folder.content(), (std::vector<std::string>{"plain", "taken"}));

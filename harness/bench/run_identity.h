@@ -1,0 +1,26 @@
+// What makes two runs one: a run goes on, is found to be done, or is put together from shards only where all of this is
+// equal.
+#pragma once
+
+#include "harness/bench/shard.h"
+#include "harness/json_reader.h"
+
+namespace pt {
+
+struct RunSettings {
+    std::string suite;
+    Backend backend = Backend::cpu;
+    std::uint64_t seed = 1;
+    int repetitions = 1;
+    Shard shard = {};
+};
+
+// Machine, build, the host's name, the settings, and of the whole plan (whatever the shard) the content of every scene,
+// every cell and every reference.
+Json identity_of(const Plan& whole, const RunSettings& settings);
+
+// What a result file keeps of it, under ptbench.run: lists as hashes, and "identity", the hash of all but the host's
+// name and the shard.
+nlohmann::ordered_json run_json(const Json& identity);
+
+}  // namespace pt

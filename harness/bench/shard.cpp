@@ -1,0 +1,120 @@
+#include "harness/bench/shard.h"
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+#include <numeric>
+
+#include <fmt/format.h>
+
+namespace pt {
+
+namespace {
+
+// A forest in which every cell points towards its group's first one.
+class Groups {
+public:
+    explicit Groups(std::size_t size) : parents_(size) { std::iota(parents_.begin(), parents_.end(), 0); }
+
+    std::size_t first_of(std::size_t cell) const {
+        while (parents_[cell] != cell) {
+            cell = parents_[cell];
+        }
+        return cell;
+    }
+    // Cells of equal keys are one group.
+    void join(std::map<std::string, std::size_t>& known, const std::string& key, std::size_t cell) {
+        const std::size_t a = first_of(known.try_emplace(key, cell).first->second);
+        const std::size_t b = first_of(cell);
+        parents_[std::max(a, b)] = std::min(a, b);
+    }
+
+private:
+    std::vector<std::size_t> parents_;
+};
+
+// What the name says after the variant, but for checkpoints: a cell and its twin without them are compared.
+std::string setting_of(const Cell& cell) {
+    const std::string setting = cell.name.substr(std::min(cell.name.find('/'), cell.name.size()));
+    return setting.substr(0, setting.find("/checkpoints:"));
+}
+
+std::uint64_t work_of(const Plan& plan, const std::vector<std::size_t>& group) {
+    std::uint64_t work = 0;
+    for (const std::size_t position : group) {
+        const Cell& cell = plan.cells[position];
+        work += std::uint64_t{cell.settings.width} * cell.settings.height * cell.spp;
+    }
+    return work;
+}
+
+}  // namespace
+
+std::string Shard::name() const { return fmt::format("{}/{}", index, count); }
+
+Shard parse_shard(const std::string& text) {
+    Shard shard;
+    const char* const end = text.data() + text.size();
+    const auto first = std::from_chars(text.data(), end, shard.index);
+    bool good = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
+    if (good) {
+        const auto second = std::from_chars(first.ptr + 1, end, shard.count);
+        good = second.ec == std::errc() && second.ptr == end;
+    }
+    if (!good || shard.index < 1 || shard.index > shard.count) {
+        throw InputError("--shard", "argument", "\"" + text + "\"", "I/N, the I-th of N parts, I from 1 to N");
+    }
+    return shard;
+}
+
+std::vector<std::vector<std::size_t>> groups_of(const Plan& plan) {
+    Groups groups(plan.cells.size());
+    std::map<std::string, std::size_t> by_setting, by_reference;
+    for (std::size_t i = 0; i < plan.cells.size(); ++i) {
+        groups.join(by_setting, setting_of(plan.cells[i]), i);
+        if (plan.cells[i].convergence) {
+            groups.join(by_reference, plan.cells[i].convergence->reference.name(), i);
+        }
+    }
+    std::map<std::size_t, std::vector<std::size_t>> by_first;
+    for (std::size_t i = 0; i < plan.cells.size(); ++i) {
+        by_first[groups.first_of(i)].push_back(i);
+    }
+    std::vector<std::vector<std::size_t>> found;
+    for (auto& [first, group] : by_first) {
+        found.push_back(std::move(group));
+    }
+    return found;
+}
+
+std::vector<std::size_t> positions_of(const Plan& plan, const Shard& shard) {
+    std::vector<std::vector<std::size_t>> groups = groups_of(plan);
+    if (!shard.is_whole() && shard.count > groups.size()) {
+        throw InputError(
+            "--shard", "argument", "\"" + shard.name() + "\"",
+            fmt::format("at most {} parts of this run: cells of one scene and setting stay together", groups.size()));
+    }
+    std::stable_sort(groups.begin(), groups.end(),
+                     [&](const auto& a, const auto& b) { return work_of(plan, a) > work_of(plan, b); });
+    std::vector<std::uint64_t> loads(shard.count);
+    std::vector<std::size_t> positions;
+    for (const std::vector<std::size_t>& group : groups) {
+        const auto least = std::min_element(loads.begin(), loads.end());
+        *least += work_of(plan, group);
+        if (least - loads.begin() + 1 == shard.index) {
+            positions.insert(positions.end(), group.begin(), group.end());
+        }
+    }
+    std::sort(positions.begin(), positions.end());
+    return positions;
+}
+
+Plan part_of(const Plan& plan, const std::vector<std::size_t>& positions) {
+    Plan part{{}, plan.not_applicable};
+    for (const std::size_t position : positions) {
+        part.cells.push_back(plan.cells[position]);
+    }
+    return part;
+}
+
+}  // namespace pt

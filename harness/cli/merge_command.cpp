@@ -1,0 +1,56 @@
+// ptbench merge: the shards of a run as one result file.
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "harness/bench/merge.h"
+#include "harness/bench/result_file.h"
+#include "harness/cli/commands.h"
+#include "harness/write_file.h"
+
+namespace pt {
+
+namespace {
+
+int merge_files(const std::vector<std::string>& files, const std::string& out, const std::string& command_line) {
+    if (std::filesystem::is_directory(out)) {
+        throw InputError("--out", "file name", "\"" + out + "\", a folder", "a file");
+    }
+    for (const std::string& file : files) {
+        std::error_code ignored;
+        if (std::filesystem::equivalent(file, out, ignored)) {
+            throw InputError("--out", "file name", "\"" + out + "\", a shard", "a file of its own");
+        }
+    }
+    const std::vector<ShardResult> shards = read_shards(files);
+    const Merged merged = merge(shards, out, command_line);
+    for (const auto& [from, to] : merged.copies) {
+        write_file(to, read_file(from));
+    }
+    write_file(out, rows_on_lines(merged.result) + "\n");
+    std::size_t failed = 0, samples = 0;
+    for (const auto& cell : merged.result.at("ptbench").at("cells")) {
+        failed += cell.at("status") == "failed" ? 1u : 0u;
+    }
+    for (const auto& row : merged.result.at("benchmarks")) {
+        samples += row.contains("pt_order") ? 1u : 0u;
+    }
+    fmt::print("{}\n{} cells, {} samples, {} failed, {} not applicable, from {} shards on {}\n", out,
+               merged.result.at("ptbench").at("cells").size(), samples, failed,
+               merged.result.at("ptbench").at("not_applicable").size(), shards.size(),
+               merged.result.at("context").at("host_name").get<std::string>());
+    return failed == 0 ? exit_good : exit_check_failed;
+}
+
+}  // namespace
+
+Command add_merge_command(CLI::App& app, const std::string& command_line) {
+    auto files = std::make_shared<std::vector<std::string>>();
+    auto out = std::make_shared<std::string>();
+    CLI::App* command = app.add_subcommand("merge", "Put the shards of a run together; write one result file");
+    command->add_option("shards", *files, "The result files of every shard of one run")->required();
+    command->add_option("--out", *out, "Result file")->required();
+    return [files, out, command_line] { return merge_files(*files, *out, command_line); };
+}
+
+}  // namespace pt
