@@ -43,7 +43,9 @@ def _program() -> str:
 
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog=_program(), description="Draws what ptbench measured.")
-    commands = parser.add_subparsers(dest="command", required=True, metavar="plots|report|compare|explain|gallery|validate")
+    commands = parser.add_subparsers(
+        dest="command", required=True, metavar="plots|report|compare|explain|gallery|validate"
+    )
     plots = commands.add_parser("plots", help="every study's figure and summary.md, from a result file alone")
     plots.add_argument("result", type=Path, metavar="RESULT.json")
     plots.add_argument("--out", type=Path, metavar="DIR", help="default: figures/SUITE beside the result file")
@@ -87,19 +89,20 @@ def _parser() -> argparse.ArgumentParser:
 
 def main(arguments: list[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
+    if options.command == "validate":
+        from analysis.validate import validate_command
+
+        return validate_command(options.files, _program())
     # Drawing libraries take a moment to load; a wrong call should not wait for them.
     from analysis.compare import compare_command
     from analysis.explain import Choice, explain
     from analysis.gallery import gallery
     from analysis.plots import plots
     from analysis.report.command import report
-    from analysis.validate import validate_command
 
     try:
         if options.command == "report":
             return report(options.results, options.out, options.binary, options.spp, options.side)
-        if options.command == "validate":
-            return validate_command(options.files, _program())
         if options.command == "plots":
             return plots(options.result, options.out)
         if options.command == "compare":

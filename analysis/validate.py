@@ -60,8 +60,9 @@ def kind_of(path: Path, value: object) -> str:
 
 def complaints(value: object, kind: str, place: str = "$") -> Iterator[str]:
     """What is wrong with a value of a kind of file, one line each: "PLACE: found .., allowed: .."."""
-    for error in validator(kind).iter_errors(value):
-        yield from _lines(error, place)
+    errors = validator(kind).iter_errors(value)
+    # Two rules may ask for one thing.
+    yield from dict.fromkeys(line for error in errors for line in _lines(error, place))
 
 
 def journal_complaints(path: Path) -> Iterator[str]:
@@ -79,7 +80,7 @@ def journal_complaints(path: Path) -> Iterator[str]:
             continue
         yield from complaints(value, "journal", f"{place} $")
         if number == 1 and isinstance(value, dict) and value.get("type") != "run":
-            yield f"{place} $.type: found {shown(value.get('type'))}, allowed: \"run\" in the first line"
+            yield f'{place} $.type: found {shown(value.get("type"))}, allowed: "run" in the first line'
 
 
 def validate(path: Path) -> list[str]:

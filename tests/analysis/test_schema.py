@@ -246,8 +246,7 @@ def test_a_wrong_result_is_refused(errors_file, name):
     fault, line = RESULT_FAULTS[name]
     value = copy.deepcopy(errors_file)
     fault(value)
-    (found,) = complaints(value, "result")
-    assert found.endswith(line)
+    assert next(complaints(value, "result")).endswith(line)
 
 
 STABILITY_FAULTS = {
@@ -332,7 +331,9 @@ def test_a_wrong_journal_is_refused(journal, name):
 def test_a_journal_is_read_line_by_line(journal, tmp_path):
     assert validate(journal()) == []
     assert validate(journal(end='\n{"type": "sam')) == []  # cut off by a kill
-    assert validate(journal(end='\n{"type": "sam\n')) == ["line 5: found no valid JSON, allowed: one JSON object a line"]
+    assert validate(journal(end='\n{"type": "sam\n')) == [
+        "line 5: found no valid JSON, allowed: one JSON object a line"
+    ]
     empty = tmp_path / "empty.jsonl"
     empty.touch()
     assert validate(empty) == ["line 1: found nothing, allowed: a line of type run"]
