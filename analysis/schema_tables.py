@@ -12,7 +12,8 @@ from analysis.validate import KINDS, schema
 
 _HEAD = """# Every field of the files that ptbench writes
 
-Written by `python3 -m analysis.schema_tables` from the schemas in [schema](schema); [results.md](results.md) is the guide.
+Written by `python3 -m analysis.schema_tables` from the schemas in [schema](schema).
+[results.md](results.md) is the guide.
 A field that is not required is there where its meaning says so. "Since commit": files of earlier programs lack it.
 `[]` is each item of an array, `NAME` each key of an object whose keys are names.
 """
