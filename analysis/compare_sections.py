@@ -6,7 +6,7 @@ import textwrap
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from analysis.convergence_summary import table_line
+from analysis.tables import table_line
 from analysis.files import one_line
 
 _WIDTH = 118  # of lines on a terminal; tables may be wider
