@@ -6,8 +6,8 @@ import textwrap
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from analysis.tables import table_line
 from analysis.files import one_line
+from analysis.tables import table_line
 
 _WIDTH = 118  # of lines on a terminal; tables may be wider
 
