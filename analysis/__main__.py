@@ -1,4 +1,4 @@
-"""The command line: `python3 -m analysis plots|report|compare|explain|gallery ...`.
+"""The command line: `python3 -m analysis plots|report|compare|explain|gallery|validate ...`.
 
 Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong.
 """
@@ -43,7 +43,9 @@ def _program() -> str:
 
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog=_program(), description="Draws what ptbench measured.")
-    commands = parser.add_subparsers(dest="command", required=True, metavar="plots|report|compare|explain|gallery")
+    commands = parser.add_subparsers(
+        dest="command", required=True, metavar="plots|report|compare|explain|gallery|validate"
+    )
     plots = commands.add_parser("plots", help="every study's figure and summary.md, from a result file alone")
     plots.add_argument("result", type=Path, metavar="RESULT.json")
     plots.add_argument("--out", type=Path, metavar="DIR", help="default: figures/SUITE beside the result file")
@@ -78,11 +80,19 @@ def _parser() -> argparse.ArgumentParser:
     report.add_argument(
         "--side", type=_positive, default=160, metavar="N", help="pixels of their longer side (default: 160)"
     )
+    check = commands.add_parser("validate", help="hold files that ptbench wrote against their JSON Schemas")
+    check.add_argument(
+        "files", type=Path, nargs="+", metavar="FILE", help="of run, merge, stability, inspect, autotune, or a journal"
+    )
     return parser
 
 
 def main(arguments: list[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
+    if options.command == "validate":
+        from analysis.validate import validate_command
+
+        return validate_command(options.files, _program())
     # Drawing libraries take a moment to load; a wrong call should not wait for them.
     from analysis.compare import compare_command
     from analysis.explain import Choice, explain

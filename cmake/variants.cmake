@@ -127,6 +127,7 @@ ${choices_not_built}};
 # An object library: from an archive the linker would drop the registrations that nobody names.
 add_library(ptbench_variants OBJECT ${variant_sources} ${integrator_sources})
 target_link_libraries(ptbench_variants PUBLIC ptbench_options)
+ptbench_precompile_headers(ptbench_variants)
 if(PTBENCH_CUDA)
   target_link_libraries(ptbench_variants PUBLIC ptbench_cudart)
   target_include_directories(ptbench_variants SYSTEM PRIVATE ${PTBENCH_NVRTC_INCLUDE})

@@ -47,6 +47,7 @@ int run(int argc, char** argv) {
         {"autotune", pt::add_autotune_command(app)},
         {"import", pt::add_import_command(app)},
         {"machine", pt::add_machine_command(app)},
+        {"new", pt::add_new_command(app)},
         {"replay", pt::add_replay_command(app)},
         {"stability", pt::add_stability_command(app, join_arguments(argc, argv))},
     };
@@ -63,9 +64,9 @@ int run(int argc, char** argv) {
             return command();
         }
     }
-    throw pt::InputError(
-        "command line", "subcommand", "none",
-        "list, run, merge, render, verify, inspect, autotune, import, machine, replay, stability (see ptbench --help)");
+    throw pt::InputError("command line", "subcommand", "none",
+                         "list, run, merge, render, verify, inspect, autotune, import, machine, new, replay, stability "
+                         "(see ptbench --help)");
 }
 
 // What was printed may be a result: it is lost if standard output goes to a full disk.

@@ -240,7 +240,7 @@ def test_an_output_name_that_is_taken_by_a_folder_leaves_no_half_files(tmp_path,
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ([], "the following arguments are required: plots|report|compare|explain|gallery"),
+        ([], "the following arguments are required: plots|report|compare|explain|gallery|validate"),
         (["pie"], "invalid choice: 'pie'"),
         (["plots"], "the following arguments are required: RESULT.json"),
         (["plots", "a.json", "--size", "3"], "unrecognized arguments: --size 3"),

@@ -1,13 +1,14 @@
 // The kernels that a shipped scene can ask for compile, for every GPU that ptbench supports. No GPU is needed: NVRTC
 // compiles for any. It takes a second or two a program, ten with every feature, so not every combination is tried:
-// - sm_90 gets every scene with an integrator that changes from scene to scene, every choice that changes a program one
-//   at a time on the scene with every material (what compiles every feature with two integrators, else with all), both
-//   direct lights and the cache on a scene whose first hits can be cached, and every stage in every layout and
-//   precision.
+// - sm_90 gets every scene with an integrator that changes from scene to scene; every choice that changes a program,
+// one
+//   at a time, on the scene with every material with half of the integrators (what compiles every feature: with two);
+//   the direct lights and the cache, on a scene whose first hits can be cached, likewise; and every stage in every
+//   layout and in both precisions.
 // - The others together get every scene once more, with an integrator and a direct light that change from scene to
 //   scene; each gets every second stage in one layout and one specialisation, which change from GPU to GPU. Nothing in
 //   the sources depends on the scene and the GPU at once.
-// - A scene of scenes/stability counts where it has a set of features that no other has.
+// - The scenes of scenes/stability are run with the generic kernels.
 // What has compiled is kept in the build folder, so a second run takes seconds.
 #include <algorithm>
 #include <cstdlib>
@@ -81,31 +82,21 @@ private:
     std::map<std::string, Program> programs_;
 };
 
-// The scenes whose kernels differ: of those for users by program, of the stability cases' by features.
+// Those whose kernels differ: scenes with the same features and numbers of objects share them.
 std::vector<Scene> scenes_by_program() {
-    std::vector<fs::path> shipped, stiff;
-    for (const auto& entry : fs::recursive_directory_iterator(home_folder() / "scenes")) {
-        const fs::path folder = entry.path().parent_path().filename();
-        if (entry.path().extension() == ".json" && folder != "suites") {
-            (folder == "stability" ? stiff : shipped).push_back(entry.path());
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(home_folder() / "scenes")) {
+        if (entry.path().extension() == ".json") {
+            files.push_back(entry.path());
         }
     }
-    std::sort(shipped.begin(), shipped.end());
-    std::sort(stiff.begin(), stiff.end());
+    std::sort(files.begin(), files.end());
     std::vector<Scene> scenes;
-    std::set<std::string> programs;
-    std::set<FeatureSet> features;
-    for (const fs::path& file : shipped) {
-        Scene scene = load_scene(file.string());
-        features.insert(features_of(scene));
-        if (programs.insert(cuda::module_key(cuda::module_request(scene, baseline_with({}), "sm_90"))).second) {
-            scenes.push_back(std::move(scene));
-        }
-    }
-    for (const fs::path& file : stiff) {
-        Scene scene = load_scene(file.string());
-        if (features.insert(features_of(scene)).second) {
-            scenes.push_back(std::move(scene));
+    std::set<std::string> seen;
+    for (const fs::path& file : files) {
+        const Scene scene = load_scene(file.string());
+        if (seen.insert(cuda::module_key(cuda::module_request(scene, baseline_with({}), "sm_90"))).second) {
+            scenes.push_back(scene);
         }
     }
     return scenes;
@@ -127,29 +118,31 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
     for (std::size_t i = 0; i < scenes.size(); ++i) {
         programs.add(scenes[i], baseline_with({{"integrator", integrators[i % integrators.size()]}}));
     }
+    // With half of the integrators, the other half for the next; with two of them what compiles every feature.
+    std::size_t turn = 0;
+    const auto add_by_turns = [&](const Scene& scene, std::map<std::string, std::string> choices, std::size_t step) {
+        for (std::size_t i = turn % step; i < integrators.size(); i += step) {
+            choices["integrator"] = integrators[i];
+            programs.add(scene, baseline_with(choices));
+        }
+        ++turn;
+    };
     using Choices = std::initializer_list<std::pair<const char*, const char*>>;
     const Scene five = find_scene("cornell_open_five");
-    for (const std::string& integrator : integrators) {
-        for (const auto& [axis, choice] : Choices{{"layout", "soa"},
-                                                  {"layout", "packed"},
-                                                  {"arithmetic", "exact"},
-                                                  {"arithmetic", "fast"},
-                                                  {"specialisation", "baked"},
-                                                  {"first_bounce", "cached_jitters"}}) {
-            programs.add(five, baseline_with({{"integrator", integrator}, {axis, choice}}));
-        }
+    for (const auto& [axis, choice] : Choices{{"layout", "soa"},
+                                              {"layout", "packed"},
+                                              {"arithmetic", "exact"},
+                                              {"arithmetic", "fast"},
+                                              {"specialisation", "baked"},
+                                              {"first_bounce", "cached_jitters"}}) {
+        add_by_turns(five, {{axis, choice}}, 2);
     }
-    std::size_t turn = 0;
     for (const auto& [axis, choice] : Choices{{"precision", "double"},
                                               {"precision", "double_intersection"},
                                               {"robustness", "naive"},
                                               {"specialisation", "generic"},
                                               {"specialisation", "matrix"}}) {
-        for (const std::size_t step : {0u, 3u}) {
-            programs.add(
-                five, baseline_with({{"integrator", integrators[(turn + step) % integrators.size()]}, {axis, choice}}));
-        }
-        ++turn;
+        add_by_turns(five, {{axis, choice}}, 3);
     }
     for (const char* compaction : {"atomic_append", "block_scan_append"}) {
         programs.add(five, baseline_with({{"integrator", "wavefront_fused"}, {"compaction", compaction}}));
@@ -158,17 +151,13 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
         programs.add(five, baseline_with({{"sorting", "cub_radix"}, {"sort_key", key}}));
     }
     const Scene still = find_scene("cornell_open_unjittered");
-    for (const std::string& integrator : integrators) {
-        programs.add(still, baseline_with({{"integrator", integrator}, {"first_bounce", "cached"}}));
-        programs.add(still, baseline_with({{"integrator", integrator}, {"direct_light", "final_bounce"}}));
-        programs.add(still, baseline_with({{"integrator", integrator},
-                                           {"direct_light", "nee_mis"},
-                                           {"russian_roulette", "throughput"},
-                                           {"sampler", "sobol_owen"}}));
-    }
+    add_by_turns(still, {{"first_bounce", "cached"}}, 2);
+    add_by_turns(still, {{"direct_light", "final_bounce"}}, 2);
+    add_by_turns(still, {{"direct_light", "nee_mis"}, {"russian_roulette", "throughput"}, {"sampler", "sobol_owen"}},
+                 2);
     for (const std::string& source : stage_sources()) {
         for (const std::string& layout : choices_of("layout")) {
-            for (const std::string& precision : choices_of("precision")) {
+            for (const char* precision : {"float", "double"}) {
                 programs.add_stage(source, baseline_with({{"layout", layout}, {"precision", precision}}));
             }
         }

@@ -1,142 +1,23 @@
 // The choices that rest on Thrust (remove_if, partition, stable_partition, copy_if, sort_by_key, for_each on
 // thrust::omp::par) and the counting sort, held against the standard library on hand-made queues, in both layouts.
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <bit>
 #include <numeric>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 
-#include "tests/support/statistics.h"
+#include "tests/support/hand_made_queue.h"
 #include "variants/cpu/parallel_for.h"
-#include "variants/registry.h"
 
 namespace pt {
 namespace {
 
-constexpr std::size_t sizes[] = {0, 1, 2, 3, 1023, 1024, 1025, 4095, 4096, 4097, 100000};
-
-// Every scalar of a path, bit for bit. There is no padding to skip.
-using PathBits = std::array<std::uint32_t, 19>;
-static_assert(sizeof(PathBits) == sizeof(Path<float>));
-PathBits bits_of(const Path<float>& path) { return std::bit_cast<PathBits>(path); }
-
-Path<float> random_path(test::Random& random, std::uint32_t id, bool alive) {
-    const auto vector = [&] {
-        return Vec3<float>{static_cast<float>(random.uniform(-1, 1)), static_cast<float>(random.uniform(-1, 1)),
-                           static_cast<float>(random.uniform(-1, 1))};
-    };
-    Path<float> path{};
-    path.origin = vector();
-    path.direction = vector();
-    path.throughput = vector();
-    path.radiance = vector();
-    path.time = static_cast<float>(random.uniform());
-    path.scatter_density = static_cast<float>(random.uniform());
-    path.pixel = id;
-    path.sample = random.word();
-    path.segment = alive ? id % 7 : Path<float>::ended;
-    path.departed = ObjectSide{random.word()};
-    path.medium = random.word();
-    return path;
-}
-
-enum class Pattern { all, none, random, rare, first_only, last_only, alternating };
-constexpr Pattern patterns[] = {Pattern::all,        Pattern::none,      Pattern::random,     Pattern::rare,
-                                Pattern::first_only, Pattern::last_only, Pattern::alternating};
-
-bool is_alive(Pattern pattern, std::size_t i, std::size_t count, test::Random& random) {
-    switch (pattern) {
-        case Pattern::all:
-            return true;
-        case Pattern::none:
-            return false;
-        case Pattern::random:
-            return random.uniform() < 0.5;
-        case Pattern::rare:
-            return random.uniform() < 0.01;
-        case Pattern::first_only:
-            return i == 0;
-        case Pattern::last_only:
-            return i + 1 == count;
-        default:
-            return i % 2 == 0;
-    }
-}
-
-// A queue of paths that are told apart by `pixel`, each with a hit that says whose it is, and a copy of what was put
-// in.
-struct HandMadeQueue {
-    PathQueue queue;
-    std::vector<Path<float>> paths;  // as put in, by slot
-
-    HandMadeQueue(const std::string& layout, std::size_t count, Pattern pattern, std::uint64_t seed) {
-        queue.paths = Registry::instance().find("layout", layout)->hook.layout();
-        queue.reserve(count + 5);  // a queue is as large as the largest render so far
-        queue.count = count;
-        test::Random random(seed);
-        for (std::size_t i = 0; i < count; ++i) {
-            const bool alive = is_alive(pattern, i, count, random);
-            paths.push_back(random_path(random, static_cast<std::uint32_t>(i), alive));
-            std::visit([&](auto& stored) { stored.store(i, paths[i]); }, queue.paths);
-            queue.hits[i] = {static_cast<float>(i), ObjectSide{static_cast<std::uint32_t>(i)}};
-        }
-    }
-
-    Path<float> load(std::size_t slot) const {
-        return std::visit([&](const auto& stored) { return stored.load(slot); }, queue.paths);
-    }
-    // The ids of the paths in play, in their order.
-    std::vector<std::uint32_t> ids_in_play() const {
-        std::vector<std::uint32_t> ids;
-        for (std::size_t i = 0; i < queue.count; ++i) {
-            ids.push_back(load(queue.slot(i)).pixel);
-        }
-        return ids;
-    }
-    // The ids of the paths in slots [first, last).
-    std::vector<std::uint32_t> ids_in_slots(std::size_t first, std::size_t last) const {
-        std::vector<std::uint32_t> ids;
-        for (std::size_t slot = first; slot < last; ++slot) {
-            ids.push_back(load(slot).pixel);
-        }
-        return ids;
-    }
-    std::vector<std::uint32_t> ids_where(bool alive) const {
-        std::vector<std::uint32_t> ids;
-        for (const Path<float>& path : paths) {
-            if (path.alive() == alive) {
-                ids.push_back(path.pixel);
-            }
-        }
-        return ids;
-    }
-    // Every path in slots [0, last) is one of those that were put in, with no field changed.
-    bool payload_is_intact(std::size_t last) const {
-        for (std::size_t slot = 0; slot < last; ++slot) {
-            const Path<float> path = load(slot);
-            if (path.pixel >= paths.size() || bits_of(path) != bits_of(paths[path.pixel])) {
-                return false;
-            }
-        }
-        return true;
-    }
-    bool payload_is_in_place() const {
-        for (std::size_t slot = 0; slot < paths.size(); ++slot) {
-            if (bits_of(load(slot)) != bits_of(paths[slot]) || queue.hits[slot].side.code != slot) {
-                return false;
-            }
-        }
-        return true;
-    }
-};
-
-std::vector<std::uint32_t> sorted(std::vector<std::uint32_t> ids) {
-    std::sort(ids.begin(), ids.end());
-    return ids;
-}
+using test::HandMadeQueue;
+using test::Pattern;
+using test::patterns;
+using test::queue_sizes;
+using test::sorted;
 
 class CompactionTest : public testing::TestWithParam<const char*> {
 protected:
@@ -149,7 +30,7 @@ protected:
         const auto compaction = make(compaction_name);  // one object for all: a render calls it many times too
         ASSERT_TRUE(compaction->is_active());
         std::uint64_t seed = 1;
-        for (const std::size_t count : sizes) {
+        for (const std::size_t count : queue_sizes) {
             for (const Pattern pattern : patterns) {
                 SCOPED_TRACE(testing::Message() << count << " paths, pattern " << static_cast<int>(pattern));
                 HandMadeQueue made(GetParam(), count, pattern, ++seed);
@@ -195,17 +76,6 @@ TEST_P(CompactionTest, CopyIfIndexKeepsThePayloadInPlace) {
     });
 }
 
-// Ends some of the paths in play, as a bounce does.
-void end_every_third(HandMadeQueue& made) {
-    for (std::size_t i = 0; i < made.queue.count; i += 3) {
-        const std::uint32_t slot = made.queue.slot(i);
-        Path<float> path = made.load(slot);
-        path.segment = Path<float>::ended;
-        std::visit([&](auto& stored) { stored.store(slot, path); }, made.queue.paths);
-        made.paths[path.pixel].segment = Path<float>::ended;
-    }
-}
-
 TEST_P(CompactionTest, BounceAfterBounceTheLivePathsStay) {
     for (const std::string name :
          {"thrust_remove_if", "thrust_partition", "thrust_stable_partition", "thrust_copy_if_index"}) {
@@ -214,7 +84,7 @@ TEST_P(CompactionTest, BounceAfterBounceTheLivePathsStay) {
         HandMadeQueue made(GetParam(), 5000, Pattern::random, 3);
         while (made.queue.count > 0) {
             const std::size_t before = made.queue.count;
-            end_every_third(made);
+            made.end_every_third();
             compaction->compact(made.queue);
             ASSERT_LT(made.queue.count, before);
             ASSERT_EQ(sorted(made.ids_in_play()), made.ids_where(true));
@@ -237,7 +107,7 @@ TEST_P(CompactionTest, CompactsAfterAnIndexSort) {
             }
             bucket->sort(made.queue, 5);
             const std::vector<std::uint32_t> in_sorted_order = made.ids_in_play();
-            end_every_third(made);
+            made.end_every_third();
             compaction->compact(made.queue);
             ASSERT_EQ(sorted(made.ids_in_play()), made.ids_where(true));
             if (name == "thrust_copy_if_index") {  // keeps the order that it finds
@@ -300,7 +170,7 @@ TEST_P(SortingTest, SortByKeyMovesPathsAndTheirHitsTogether) {
     const auto sorting = make("thrust_sort_by_key");
     ASSERT_TRUE(sorting->is_active());
     std::uint64_t seed = 10;
-    for (const std::size_t count : sizes) {
+    for (const std::size_t count : queue_sizes) {
         // 0xffffffff: keys with the highest bit set, which CCCL 3.0.1 would misplace were they signed.
         for (const std::uint32_t key_count : {1u, 2u, 7u, 300u, 0xffffffffu}) {
             SCOPED_TRACE(testing::Message() << count << " paths, " << key_count << " keys");
@@ -330,7 +200,7 @@ TEST_P(SortingTest, BucketIsStableAndKeepsThePayloadInPlace) {
     const auto sorting = make("bucket");
     ASSERT_TRUE(sorting->is_active());
     std::uint64_t seed = 100;
-    for (const std::size_t count : sizes) {
+    for (const std::size_t count : queue_sizes) {
         for (const std::uint32_t key_count : {1u, 2u, 7u, 300u}) {
             SCOPED_TRACE(testing::Message() << count << " paths, " << key_count << " keys");
             HandMadeQueue made(GetParam(), count, Pattern::random, ++seed);
@@ -373,7 +243,7 @@ INSTANTIATE_TEST_SUITE_P(Layouts, SortingTest, testing::Values("aos", "soa"),
                          [](const auto& test) { return std::string(test.param); });
 
 TEST(ParallelForTest, MeetsEveryIndexOnceInRangesNoLongerThanAChunk) {
-    for (const std::size_t count : sizes) {
+    for (const std::size_t count : queue_sizes) {
         for (const std::size_t chunk : {std::size_t{1}, std::size_t{64}, std::size_t{1000}, std::size_t{1024}}) {
             if (count / chunk > 10000) {
                 continue;

@@ -1,0 +1,188 @@
+// `new`: writes the starting files of a choice of one's own, whole and working, from harness/templates/AXIS.
+#include <algorithm>
+#include <array>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "harness/cli/commands.h"
+#include "harness/json_reader.h"
+#include "harness/places.h"
+#include "harness/write_file.h"
+#include "variants/registry.h"
+
+namespace pt {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct TemplateFile {
+    std::string_view source;   // in harness/templates/AXIS
+    std::string_view written;  // in the repository
+    std::string_view what;
+};
+
+// "@NAME@" stands for the choice's name, in a template's path and in its text.
+constexpr std::string_view placeholder = "@NAME@";
+
+constexpr TemplateFile compaction_files[] = {
+    {"choice.cpp.in", "variants/compaction/@NAME@.cpp", "the CPU's side"},
+    {"choice.cuh.in", "variants/compaction/@NAME@.cuh", "CUDA's side"},
+    {"test.cpp.in", "tests/unit/@NAME@_compaction_test.cpp", "its test"},
+};
+
+struct NewFile {
+    fs::path path;
+    std::string text;
+    std::string_view what;
+};
+
+std::string with_name(std::string_view text, const std::string& name) {
+    std::string filled(text);
+    for (std::size_t at = filled.find(placeholder); at != std::string::npos; at = filled.find(placeholder, at)) {
+        filled.replace(at, placeholder.size(), name);
+        at += name.size();
+    }
+    return filled;
+}
+
+// Names that are words of C++ or of the command line, or that would hide what the written files refer to.
+constexpr std::string_view reserved_names[] = {
+    "alignas",       "alignof",     "all",       "and",       "and_eq",       "asm",
+    "auto",          "bitand",      "bitor",     "bool",      "break",        "case",
+    "catch",         "char",        "char16_t",  "char32_t",  "char8_t",      "class",
+    "co_await",      "co_return",   "co_yield",  "compl",     "concept",      "const",
+    "const_cast",    "consteval",   "constexpr", "constinit", "continue",     "decltype",
+    "default",       "delete",      "do",        "double",    "dynamic_cast", "else",
+    "enum",          "errno",       "explicit",  "export",    "extern",       "false",
+    "float",         "for",         "friend",    "goto",      "if",           "inline",
+    "int",           "long",        "mutable",   "namespace", "new",          "noexcept",
+    "not",           "not_eq",      "nullptr",   "on_cuda",   "operator",     "or",
+    "or_eq",         "private",     "protected", "public",    "register",     "reinterpret_cast",
+    "requires",      "return",      "short",     "signed",    "sizeof",       "static",
+    "static_assert", "static_cast", "std",       "stderr",    "stdin",        "stdout",
+    "struct",        "switch",      "template",  "this",      "thread_local", "throw",
+    "true",          "try",         "typedef",   "typeid",    "typename",     "union",
+    "unsigned",      "using",       "virtual",   "void",      "volatile",     "wchar_t",
+    "while",         "xor",         "xor_eq"};
+
+constexpr std::size_t longest_name = 32;  // a variant's name spells it beside thirteen others
+
+// Words of small letters and digits, joined by single underscores; the first character is a letter.
+bool is_snake_case(const std::string& name) {
+    constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyz0123456789_";
+    return !name.empty() && name.front() >= 'a' && name.front() <= 'z' && name.back() != '_' &&
+           name.find_first_not_of(allowed) == std::string::npos && name.find("__") == std::string::npos;
+}
+
+void check_name(const std::string& name) {
+    if (!is_snake_case(name) || name.size() > longest_name) {
+        throw InputError("new", "NAME", "\"" + name + "\"",
+                         fmt::format("lower_snake_case of at most {} characters, e.g. my_scan", longest_name));
+    }
+    if (std::find(std::begin(reserved_names), std::end(reserved_names), name) != std::end(reserved_names)) {
+        throw InputError("new", "NAME", "\"" + name + "\"", "a name that is no word of C++ or of ptbench");
+    }
+}
+
+// A file of the folder, or of a folder in it, that has this name before its first dot; empty: there is none.
+fs::path file_named(const fs::path& folder, const std::string& name) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+        const std::string found = entry.path().filename().string();
+        if (found.substr(0, found.find('.')) == name) {
+            return entry.path();
+        }
+    }
+    return {};
+}
+
+void check_is_free(const fs::path& home, const std::string& axis, const std::string& name) {
+    for (const Backend backend : all_backends) {
+        if (Registry::instance().find(axis, name, backend) != nullptr) {
+            throw InputError(
+                "new", "NAME", "\"" + name + "\"",
+                fmt::format("a name that is not taken: {} is a choice of {} (see ptbench list)", name, axis));
+        }
+    }
+    for (const auto& [folder, stem] : {std::pair{home / "variants" / axis, name},
+                                       std::pair{home / "tests", fmt::format("{}_{}_test", name, axis)}}) {
+        if (const fs::path taken = file_named(folder, stem); !taken.empty()) {
+            throw InputError("new", "NAME", "\"" + name + "\"",
+                             fmt::format("a name that is not taken: there is a file {}", taken.string()));
+        }
+    }
+}
+
+// What is to be written, with nothing written yet.
+std::vector<NewFile> new_files(const fs::path& home, const std::string& axis, const std::string& name) {
+    std::vector<NewFile> files;
+    for (const TemplateFile& file : compaction_files) {
+        files.push_back({home / with_name(file.written, name),
+                         with_name(read_file((home / "harness/templates" / axis / file.source).string()), name),
+                         file.what});
+    }
+    return files;
+}
+
+// All or none: what is there of them when one cannot be written is taken away again.
+void write_all(const std::vector<NewFile>& files) {
+    std::size_t written = 0;
+    try {
+        for (const NewFile& file : files) {
+            write_file(file.path.string(), file.text);
+            written += 1;
+        }
+    } catch (const MachineError&) {
+        std::error_code ignored;
+        for (std::size_t i = 0; i < written; ++i) {
+            fs::remove(files[i].path, ignored);
+        }
+        throw;
+    }
+}
+
+int run(const std::string& axis, const std::string& name) {
+    if (axis != "compaction") {
+        throw InputError("new", "AXIS", "\"" + axis + "\"", "compaction");
+    }
+    check_name(name);
+    const fs::path home = home_folder();
+    for (const fs::path& folder :
+         {fs::path("harness/templates") / axis, fs::path("variants") / axis, fs::path("tests/unit")}) {
+        if (!fs::is_directory(home / folder)) {
+            throw InputError("new", "folder", fmt::format("no {} in {}", folder.string(), home.string()),
+                             "a checkout of the repository (a package has no sources that a choice could be added to)");
+        }
+    }
+    check_is_free(home, axis, name);
+    const std::vector<NewFile> files = new_files(home, axis, name);
+    write_all(files);
+    for (const NewFile& file : files) {
+        fmt::print("{}  {}\n", file.path.string(), file.what);
+    }
+    fmt::print(
+        "Next, in {0}:\n"
+        "  ./run build && build/tests/{1}_{2}_test\n"
+        "  build/ptbench verify --scene cornell_open --axis {2}={1} --quiet\n"
+        "  build/ptbench run --scene cornell_open,cornell_closed --axis {2}=none,{1}\n",
+        home.string(), name, axis);
+    return exit_good;
+}
+
+}  // namespace
+
+Command add_new_command(CLI::App& app) {
+    struct NewArguments {
+        std::string axis;
+        std::string name;
+    };
+    auto arguments = std::make_shared<NewArguments>();
+    CLI::App* command = app.add_subcommand("new", "Write the starting files of a choice of your own, with its test");
+    command->add_option("AXIS", arguments->axis, "The axis that it is a choice of: compaction")->required();
+    command->add_option("NAME", arguments->name, "Its name, in lower_snake_case")->required();
+    return [arguments] { return run(arguments->axis, arguments->name); };
+}
+
+}  // namespace pt

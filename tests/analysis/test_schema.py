@@ -1,0 +1,361 @@
+"""The JSON Schemas: they hold for every committed file and for fresh ones, and refuse what is wrong."""
+
+from __future__ import annotations
+
+import copy
+import json
+import os
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from builder import small
+from conftest import ROOT
+from jsonschema import Draft202012Validator
+
+from analysis.results import CELL_STATUSES, CLAIMS, RUN_STATUSES, STUDY_TYPES
+from analysis.schema_tables import tables
+from analysis.validate import KINDS, SCHEMAS, complaints, kind_of, schema, validate
+
+COMMITTED = sorted((ROOT / "results").glob("*/*.json"))
+BINARY = ROOT / "build" / "ptbench"
+CELL = (
+    "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust"
+    "/scene:edge/backend:cpu/resolution:8x8/depth:2/spp:1"
+)
+_LISTS_OF_MANY = ("benchmarks", "rows", "cells", "not_applicable", "cases", "pt_checkpoints")
+
+
+def shape(value: object) -> object:
+    """The keys, statuses and JSON types of a value, without its numbers and texts."""
+    if isinstance(value, dict):
+        kept = {"status", "run_type", "kind", "backend", "claim"}
+        return tuple((key, inner if key in kept else shape(inner)) for key, inner in value.items())
+    if isinstance(value, list):
+        return tuple(sorted({repr(shape(item)) for item in value}))
+    return type(value).__name__
+
+
+def thinned(value: object, key: str = "") -> object:
+    """`value` with one of each shape in its long lists."""
+    if isinstance(value, dict):
+        return {name: thinned(inner, name) for name, inner in value.items()}
+    if isinstance(value, list) and key in _LISTS_OF_MANY:
+        return [thinned(item) for item in {shape(item): item for item in value}.values()]
+    return value
+
+
+def nodes(node: object, place: str) -> Iterator[tuple[str, dict]]:
+    """Every object within a schema, with where it stands."""
+    if isinstance(node, dict):
+        yield place, node
+    for key, inner in node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ():
+        yield from nodes(inner, f"{place}/{key}")
+
+
+@pytest.mark.parametrize("name", [*KINDS, "common"])
+def test_a_schema_describes_every_field_and_allows_no_other(name):
+    own = schema(name)
+    Draft202012Validator.check_schema(own)
+    for place, node in nodes(own, name):
+        for key, field in node.get("properties", {}).items() if node.get("type") == "object" else ():
+            assert "description" in field or "$ref" in field, f"{place}: {key}"
+        open_on_purpose = place in ("result/$defs/row", "result/$defs/cell_facts", "common/$defs/machine", "journal")
+        if node.get("type") == "object" and not open_on_purpose:
+            assert "additionalProperties" in node or node.get("unevaluatedProperties") is False, place
+
+
+def test_the_documented_tables_are_those_of_the_schemas():
+    written = (ROOT / "docs" / "result-fields.md").read_text(encoding="utf-8")
+    assert written == tables(), "python3 -m analysis.schema_tables > docs/result-fields.md"
+    assert (ROOT / "docs" / "schema").resolve() == SCHEMAS.resolve()
+
+
+def test_the_names_that_are_read_are_those_of_the_schema():
+    own = schema("result")["$defs"]
+    assert own["cell_facts"]["properties"]["status"]["enum"] == list(CELL_STATUSES)
+    assert own["cell"]["properties"]["claim"]["enum"] == list(CLAIMS)
+    assert own["study"]["properties"]["type"]["enum"] == list(STUDY_TYPES)
+    assert schema("common")["$defs"]["run_status"]["enum"] == list(RUN_STATUSES)
+
+
+def test_lists_are_thinned_to_one_of_each_shape():
+    rows = [{"a": 1}, {"a": 2}, {"a": 1.5}, {"a": 1, "b": []}]
+    assert thinned({"rows": rows, "options": [1, 1]}) == {"rows": [{"a": 2}, {"a": 1.5}, rows[3]], "options": [1, 1]}
+
+
+@pytest.mark.parametrize("path", COMMITTED, ids=lambda path: f"{path.parent.name}/{path.stem}")
+def test_committed_files_are_valid(path):
+    value = thinned(json.loads(path.read_text(encoding="utf-8")))
+    assert list(complaints(value, kind_of(path, value))) == []
+
+
+@pytest.fixture(scope="module")
+def ptbench(tmp_path_factory):
+    """Runs the built program on the CPU: (exit code, the file that it wrote)."""
+    if not BINARY.is_file():
+        pytest.skip("build/ptbench is not there")
+    folder = tmp_path_factory.mktemp("fresh")
+
+    def run(name: str, *arguments: str) -> Path:
+        environment = {**os.environ, "PTBENCH_HOME": str(ROOT), "XDG_CACHE_HOME": str(folder / "cache")}
+        command = [BINARY, *arguments, "--backend", "cpu", "--out", folder / name]
+        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
+        return folder / name
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def fresh(ptbench) -> dict:
+    """A result with one cell and something that does not apply."""
+    size = ("--resolution", "8x8", "--depth", "2", "--spp", "1", "--repetitions", "2")
+    path = ptbench("run.json", "run", "--scene", "cornell_open", "--axis", "first_bounce=off,cached", *size)
+    assert validate(path) == []
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def test_a_fresh_run_is_valid(fresh):
+    assert {row["run_type"] for row in fresh["benchmarks"]} == {"iteration", "aggregate"}
+    assert fresh["ptbench"]["cells"]
+    assert fresh["ptbench"]["not_applicable"]
+
+
+def test_a_fresh_study_of_errors_is_valid(ptbench, tmp_path):
+    study = {"name": "errors", "title": "Errors", "type": "convergence", "figure": "convergence", "scenes": ["edge"]}
+    study |= {"axes": {"sampler": ["pcg4d", "sobol_owen"]}, "resolution": [8, 8], "depth": 1, "spp": 4, "images": True}
+    study["reference"] = {"variance": 1, "most_spp": 64}
+    suite = tmp_path / "tiny.json"
+    suite.write_text(json.dumps({"name": "tiny", "description": "", "repetitions": 8, "studies": [study]}))
+    path = ptbench("errors.json", "run", "--suite", str(suite))
+    assert validate(path) == []
+    assert '"pt_checkpoints"' in path.read_text(encoding="utf-8")
+
+
+def test_a_fresh_stability_file_is_valid(ptbench):
+    path = ptbench("stability.json", "stability", "--case", "lamp", "--quick", "--paths", "1024", "--quiet")
+    assert validate(path) == []
+    assert any("health" in row for row in json.loads(path.read_text(encoding="utf-8"))["rows"])
+
+
+def _first(value: dict, kind: str) -> dict:
+    return next(row for row in value["benchmarks"] if row["run_type"] == kind)
+
+
+def _committed(name: str) -> dict:
+    return thinned(json.loads((ROOT / "results" / name).read_text(encoding="utf-8")))
+
+
+@pytest.fixture(scope="module")
+def errors_file() -> dict:
+    return _committed("nvidia-h200/convergence.json")
+
+
+# What is done to a good file, and the line that must come of it.
+RESULT_FAULTS = {
+    "a cell without film_hash": (
+        lambda v: v["ptbench"]["cells"][0].pop("film_hash"),
+        "$.ptbench.cells[0].film_hash: found nothing, allowed: this key is required",
+    ),
+    "a checkpoint without film_hash": (
+        lambda v: v["benchmarks"][0]["pt_checkpoints"][0].pop("film_hash"),
+        "$.benchmarks[0].pt_checkpoints[0].film_hash: found nothing, allowed: this key is required",
+    ),
+    "a checkpoint without shared": (
+        lambda v: v["benchmarks"][0]["pt_checkpoints"][0].pop("shared"),
+        "$.benchmarks[0].pt_checkpoints[0].shared: found nothing, allowed: this key is required",
+    ),
+    "a status of its own": (
+        lambda v: v["ptbench"]["cells"][0].update(status="good"),
+        '$.ptbench.cells[0].status: found "good", allowed: "ok" or "failed" or "interrupted"',
+    ),
+    "a cell that is ok and says why not": (
+        lambda v: v["ptbench"]["cells"][0].update(reason="too slow"),
+        '$.ptbench.cells[0].reason: found "too slow", allowed: ""',
+    ),
+    "a cuda cell without its kernels": (
+        lambda v: v["ptbench"]["cells"][0].pop("cuda"),
+        "$.ptbench.cells[0].cuda: found nothing, allowed: this key is required",
+    ),
+    "an unknown key of a sample": (
+        lambda v: v["benchmarks"][0].update(pt_joules=1),
+        '$.benchmarks[0]: found the key "pt_joules", allowed: the keys that the schema has',
+    ),
+    "an unknown key of a cell": (
+        lambda v: v["ptbench"]["cells"][0].update(mood="fine"),
+        '$.ptbench.cells[0]: found the key "mood", allowed: the keys that the schema has',
+    ),
+    "an unknown key of the context": (
+        lambda v: v["context"].update({"ptbench.cuda_joules": "1"}),
+        '$.context: found the key "ptbench.cuda_joules", allowed: the keys that the schema has',
+    ),
+    "an unknown key of the file": (
+        lambda v: v.update(notes=[]),
+        '$: found the key "notes", allowed: the keys that the schema has',
+    ),
+    "a context of cuda without its device": (
+        lambda v: v["context"].pop("ptbench.cuda_device"),
+        "$.context.ptbench.cuda_device: found nothing, allowed: this key is required",
+    ),
+    "a negative time": (
+        lambda v: v["benchmarks"][0].update(pt_wall_ms=-1.0),
+        "$.benchmarks[0].pt_wall_ms: found -1.0, allowed: at least 0",
+    ),
+    "a number in a string": (
+        lambda v: v["benchmarks"][0].update(pt_rays="7"),
+        '$.benchmarks[0].pt_rays: found "7", allowed: an integer',
+    ),
+    "a sample without its time": (
+        lambda v: v["benchmarks"][0].pop("real_time"),
+        "$.benchmarks[0].real_time: found nothing, allowed: this key is required",
+    ),
+    "an aggregate of another kind": (
+        lambda v: _first(v, "aggregate").update(aggregate_name="max"),
+        'aggregate_name: found "max", allowed: "mean" or "median" or "stddev" or "cv"',
+    ),
+    "a failed row with a time": (
+        lambda v: next(row for row in v["benchmarks"] if "error_occurred" in row).update(real_time=1.0),
+        "real_time: found 1.0, allowed: 0",
+    ),
+    "a hash that is none": (
+        lambda v: v["ptbench"]["cells"][0].update(scene_hash="0x12"),
+        '$.ptbench.cells[0].scene_hash: found "0x12", allowed: a string like ^[0-9a-f]{16}$',
+    ),
+    "a rendered reference without its spp": (
+        lambda v: next(
+            cell["convergence"]["reference"].pop("spp_per_half")
+            for cell in v["ptbench"]["cells"]
+            if cell.get("convergence", {}).get("reference", {}).get("kind") == "rendered"
+        ),
+        "convergence.reference.spp_per_half: found nothing, allowed: this key is required",
+    ),
+    "a shard without its positions": (
+        lambda v: v["ptbench"].update(
+            run={"identity": "0" * 16, "seed": 1, "repetitions": 8, "scenes": {}, "references": "0" * 16, "cells": 1}
+            | {"cells_hash": "0" * 16, "sessions": [], "shard": "1/2"}
+        ),
+        "$.ptbench.run.positions: found nothing, allowed: this key is required",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", RESULT_FAULTS)
+def test_a_wrong_result_is_refused(errors_file, name):
+    fault, line = RESULT_FAULTS[name]
+    value = copy.deepcopy(errors_file)
+    fault(value)
+    assert next(complaints(value, "result")).endswith(line)
+
+
+STABILITY_FAULTS = {
+    "a status of its own": (lambda row: row.update(status="skipped"), '.status: found "skipped", allowed: "passed"'),
+    "a known limit without its reason": (lambda row: row.update(status="known limit"), ".reason: found nothing"),
+    "a quantity without what is exact": (lambda row: row.pop("exact"), ".exact: found nothing"),
+    "a word that is no number": (lambda row: row.update(measured="big"), '.measured: found "big", allowed: a finite'),
+    "an unknown key": (lambda row: row.update(mood=1), ': found the key "mood"'),
+}
+
+
+@pytest.mark.parametrize("name", STABILITY_FAULTS)
+def test_a_wrong_stability_row_is_refused(name):
+    fault, text = STABILITY_FAULTS[name]
+    value = _committed("nvidia-h200/stability_segments.json")
+    value["rows"] = [row for row in value["rows"] if row["status"] == "passed"][:1]
+    assert list(complaints(value, "stability")) == []
+    fault(value["rows"][0])
+    assert any(line.startswith(f"$.rows[0]{text}") for line in complaints(value, "stability"))
+
+
+@pytest.fixture
+def journal(errors_file, tmp_path):
+    """Writes a journal of one cell with what `change` does to its lines."""
+    common = {key: value for key, value in errors_file["context"].items() if key.startswith("ptbench.")}
+    machine = {
+        key: value for key, value in common.items() if key.rpartition(".")[2] not in ("suite", "command_line", "status")
+    }
+    machine.pop("ptbench.backend")
+    identity = {"machine": machine, "host_name": "vm", "suite": "adhoc", "backend": "cpu", "seed": 1, "repetitions": 2}
+    identity |= {"scenes": {"edge": "0" * 16}, "references": {}, "cells": [CELL]}
+    row = _first(errors_file, "iteration")
+    sample = {key: value for key, value in row.items() if key.startswith("pt_")}
+    for derived in ("pt_low_clock", "pt_contended", "pt_checkpoints"):
+        sample.pop(derived, None)
+    lines = [
+        {"type": "run", "identity": identity},
+        {"type": "session", "facts": {"date": "2026-01-02T03:04:05+0000", "host_name": "vm", "process": 7}},
+        {"type": "cell", "cell": CELL, "facts": {"status": "failed", "reason": "it threw"}},
+        {"type": "sample", "cell": CELL, "sample": {**sample, "cpu_ms": 1.0, "film_hash": "0" * 16}},
+    ]
+
+    def write(change=lambda lines: None, end: str = "\n") -> Path:
+        change(lines)
+        path = tmp_path / "result.json.journal.jsonl"
+        path.write_text("\n".join(json.dumps(line) for line in lines) + end, encoding="utf-8")
+        return path
+
+    return write
+
+
+JOURNAL_FAULTS = {
+    "a sample without film_hash": (
+        lambda lines: lines[3]["sample"].pop("film_hash"),
+        "line 4 $.sample.film_hash: found nothing, allowed: this key is required",
+    ),
+    "a status of its own": (
+        lambda lines: lines[2]["facts"].update(status="good"),
+        'line 3 $.facts.status: found "good", allowed: "ok" or "failed" or "interrupted"',
+    ),
+    "an unknown key": (
+        lambda lines: lines[1]["facts"].update(mood=1),
+        'line 2 $.facts: found the key "mood", allowed: the keys that the schema has',
+    ),
+    "no line of the run": (
+        lambda lines: lines.pop(0),
+        'line 1 $.type: found "session", allowed: "run" in the first line',
+    ),
+    "a line of another type": (
+        lambda lines: lines[1].update(type="note"),
+        'line 2 $.type: found "note", allowed: "run" or "session" or "cell" or "sample"',
+    ),
+}
+
+
+@pytest.mark.parametrize("name", JOURNAL_FAULTS)
+def test_a_wrong_journal_is_refused(journal, name):
+    fault, line = JOURNAL_FAULTS[name]
+    assert validate(journal(fault)) == [line]
+
+
+def test_a_journal_is_read_line_by_line(journal, tmp_path):
+    assert validate(journal()) == []
+    assert validate(journal(end='\n{"type": "sam')) == []  # cut off by a kill
+    assert validate(journal(end='\n{"type": "sam\n')) == [
+        "line 5: found no valid JSON, allowed: one JSON object a line"
+    ]
+    empty = tmp_path / "empty.jsonl"
+    empty.touch()
+    assert validate(empty) == ["line 1: found nothing, allowed: a line of type run"]
+
+
+def test_the_command_says_one_line_a_file(analysis, errors_file, tmp_path):
+    good, bad, other = (tmp_path / f"{name}.json" for name in ("good", "bad", "other"))
+    good.write_text(json.dumps(errors_file), encoding="utf-8")
+    wrong = copy.deepcopy(errors_file)
+    wrong["benchmarks"][0] |= {"pt_wall_ms": -1, "pt_joules": 1}
+    bad.write_text(json.dumps(wrong), encoding="utf-8")
+    other.write_text('{"name": "quick"}', encoding="utf-8")
+    assert analysis("validate", good) == (0, f"{good}: good\n", "")
+    code, out, err = analysis("validate", good, bad)
+    first = f"{bad}: $.benchmarks[0].pt_wall_ms: found -1, allowed: at least 0 (and 1 more)"
+    assert (code, out.splitlines(), err) == (1, [f"{good}: good", first], "")
+    code, out, err = analysis("validate", other, tmp_path / "nothing.json", bad, good)
+    assert (code, out.splitlines(), len(err.splitlines())) == (2, [first, f"{good}: good"], 2)
+    assert f'{other}: $: found {{"name": "quick"}}, allowed: a file of ptbench run, merge' in err
+
+
+def test_what_the_other_tests_read_is_what_ptbench_writes(tmp_path):
+    """The builder of other tests leaves keys out, but writes none that ptbench does not."""
+    found = validate(small().write(tmp_path / "small.json"))
+    assert [line for line in found if "found the key" in line] == []

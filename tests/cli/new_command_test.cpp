@@ -1,0 +1,148 @@
+// `new` as a user calls it: what it writes, what it refuses, and that it never leaves a part of it behind.
+#include <gtest/gtest.h>
+
+#include "tests/support/command.h"
+
+namespace pt::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* axis_folder = "harness/templates/compaction";
+
+// What of the repository the command looks at.
+class NewCommandTest : public testing::Test {
+protected:
+    const TemporaryFolder home;
+
+    void SetUp() override {
+        for (const char* folder : {"scenes/suites", "variants/compaction", "tests/unit", "tests/image", axis_folder}) {
+            fs::create_directories(home.path() / folder);
+        }
+        for (const char* file : {"choice.cpp.in", "choice.cuh.in", "test.cpp.in"}) {
+            fs::copy_file(fs::path(PTBENCH_SOURCE_DIR) / axis_folder / file, home.path() / axis_folder / file);
+        }
+    }
+    CommandResult call(std::vector<std::string> arguments) const {
+        arguments.insert(arguments.begin(), "new");
+        return ptbench(arguments, {.folder = home.path(), .environment = {{"PTBENCH_HOME", home.path()}}});
+    }
+    void expect_refusal(const std::vector<std::string>& arguments, const std::string& message,
+                        int exit_code = 2) const {
+        SCOPED_TRACE(message);
+        const std::vector<std::string> before = home.content();
+        const CommandResult result = call(arguments);
+        EXPECT_EQ(result.exit_code, exit_code);
+        EXPECT_EQ(result.out, "");
+        EXPECT_EQ(result.err, "ptbench: " + message + "\n");
+        EXPECT_EQ(home.content(), before);
+    }
+    std::string filled(const std::string& source, const std::string& name) const {
+        std::string text = content_of(home.file(std::string(axis_folder) + "/" + source));
+        for (std::size_t at = 0; (at = text.find("@NAME@", at)) != std::string::npos;) {
+            text.replace(at, 6, name);
+        }
+        return text;
+    }
+};
+
+TEST_F(NewCommandTest, WritesTheTemplatesUnderTheName) {
+    const std::vector<std::string> before = home.content();
+    const CommandResult result = call({"compaction", "my_scan2"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+    std::vector<std::string> expected = before;
+    for (const auto& [file, source] : {std::pair{"variants/compaction/my_scan2.cpp", "choice.cpp.in"},
+                                       std::pair{"variants/compaction/my_scan2.cuh", "choice.cuh.in"},
+                                       std::pair{"tests/unit/my_scan2_compaction_test.cpp", "test.cpp.in"}}) {
+        // As CMake fills them in for the test that compiles them.
+        EXPECT_EQ(content_of(home.file(file)), filled(source, "my_scan2"));
+        EXPECT_NE(content_of(home.file(file)).find("my_scan2"), std::string::npos);
+        EXPECT_EQ(content_of(home.file(file)).find('@'), std::string::npos);
+        EXPECT_NE(result.out.find(home.file(file) + "  "), std::string::npos) << result.out;
+        expected.emplace_back(file);
+    }
+    std::sort(expected.begin(), expected.end());
+    EXPECT_EQ(home.content(), expected);
+    for (const char* next :
+         {"./run build && build/tests/my_scan2_compaction_test\n",
+          "build/ptbench verify --scene cornell_open --axis compaction=my_scan2 --quiet\n",
+          "build/ptbench run --scene cornell_open,cornell_closed --axis compaction=none,my_scan2\n"}) {
+        EXPECT_NE(result.out.find(next), std::string::npos) << result.out;
+    }
+    EXPECT_EQ(call({"compaction", "my_scan3"}).exit_code, 0);  // beside the first
+}
+
+TEST_F(NewCommandTest, RefusesWhatIsNoName) {
+    for (const std::string name : {"", "MyScan", "2scan", "my-scan", "_scan", "scan_", "my__scan", "my scan", "../scan",
+                                   "scan.cpp", "sc\xc3\xa4n", "a23456789_123456789_123456789_123"}) {
+        expect_refusal(
+            {"compaction", name},
+            "new: NAME: found \"" + name + "\", allowed: lower_snake_case of at most 32 characters, e.g. my_scan");
+    }
+    for (const std::string name : {"template", "class", "co_await", "static_assert", "xor_eq", "std", "all", "errno"}) {
+        expect_refusal({"compaction", name},
+                       "new: NAME: found \"" + name + "\", allowed: a name that is no word of C++ or of ptbench");
+    }
+}
+
+TEST_F(NewCommandTest, RefusesANameThatIsTaken) {
+    const auto choice = [](const std::string& name) {
+        return "new: NAME: found \"" + name + "\", allowed: a name that is not taken: " + name +
+               " is a choice of compaction (see ptbench list)";
+    };
+    expect_refusal({"compaction", "none"}, choice("none"));
+    expect_refusal({"compaction", "thrust_partition"}, choice("thrust_partition"));
+    const auto file = [&](const std::string& name, const std::string& path) {
+        return "new: NAME: found \"" + name + "\", allowed: a name that is not taken: there is a file " +
+               home.file(path);
+    };
+    // Not built, or not here: a file is enough.
+    write_text(home.file("variants/compaction/my_scan.cu"), "mine");
+    expect_refusal({"compaction", "my_scan"}, file("my_scan", "variants/compaction/my_scan.cu"));
+    // Two test programs cannot have one name.
+    write_text(home.file("tests/image/other_compaction_test.cpp"), "mine");
+    expect_refusal({"compaction", "other"}, file("other", "tests/image/other_compaction_test.cpp"));
+    ASSERT_EQ(call({"compaction", "twice"}).exit_code, 0);
+    EXPECT_EQ(call({"compaction", "twice"}).exit_code, 2);
+}
+
+TEST_F(NewCommandTest, RefusesAnAxisWithoutTemplates) {
+    for (const std::string axis : {"sorting", "integrator", "scene", "frob", ""}) {
+        expect_refusal({axis, "my_own"}, "new: AXIS: found \"" + axis + "\", allowed: compaction");
+    }
+    expect_refusal({}, "AXIS is required (see ptbench --help)");
+    expect_refusal({"compaction"}, "NAME is required (see ptbench --help)");
+}
+
+TEST_F(NewCommandTest, APackageHasNoSources) {
+    fs::remove_all(home.path() / "harness");
+    expect_refusal(
+        {"compaction", "my_scan"},
+        "new: folder: found no harness/templates/compaction in " + home.path().string() +
+            ", allowed: a checkout of the repository (a package has no sources that a choice could be added to)");
+}
+
+TEST_F(NewCommandTest, ATemplateThatIsMissingLeavesNothing) {
+    fs::remove(home.path() / axis_folder / "test.cpp.in");
+    expect_refusal({"compaction", "my_scan"},
+                   home.file(std::string(axis_folder) + "/test.cpp.in") +
+                       ": cannot be read (no such file, a directory, empty or no permission)");
+}
+
+// The last of the files is longer than the process may write: the first ones go again.
+TEST_F(NewCommandTest, AFileThatCannotBeWrittenLeavesNothing) {
+    const std::string large(1 << 20, 'x');
+    write_text(home.file(std::string(axis_folder) + "/test.cpp.in"), large);
+    const std::vector<std::string> before = home.content();
+    const CommandResult result =
+        run_command({"/bin/sh", "-c", "ulimit -f 512; exec \"$0\" new compaction my_scan", PTBENCH_BINARY},
+                    {.folder = home.path(), .environment = {{"PTBENCH_HOME", home.path()}}});
+    EXPECT_EQ(result.exit_code, 3);
+    EXPECT_EQ(result.err, "ptbench: " + home.file("tests/unit/my_scan_compaction_test.cpp") +
+                              ": cannot be written: File too large\n");
+    EXPECT_EQ(home.content(), before);
+}
+
+}  // namespace
+}  // namespace pt::test
