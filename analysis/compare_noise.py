@@ -69,14 +69,25 @@ def repeats_of(results: Sequence[Result]) -> list[Repeat]:
 
 
 def check_noise_files(results: Sequence[Result], others: Sequence[Result]) -> None:
-    """Raises InputError for a file of --noise that is no repetition of any of the files given."""
+    """Raises InputError for a file of --noise that is given already, or no repetition of any of the files given."""
     repeats = repeats_of([*results, *others])
+    given = list(others)
     for result in results:
+        # Given twice, a run would be its own evidence: its ratios would count again, and judge themselves.
+        if (twin := next((other for other in given if _samples_of(other) == _samples_of(result)), None)) is not None:
+            raise InputError(
+                f"{result.path}: --noise: found the very samples of {twin.path}, allowed: a run of its own"
+            )
+        given.append(result)
         if not any(result is side for repeat in repeats for side in (repeat.one, repeat.other)):
             raise InputError(
                 f"{result.path}: --noise: found no other file of machine {result.about('machine')} and program "
                 f"{result.about('program_hash')} with a cell of its own run in common, allowed: two runs of one program"
             )
+
+
+def _samples_of(result: Result) -> list[tuple]:
+    return sorted((cell.name, [(sample.timestamp, sample.wall_ms) for sample in cell.samples]) for cell in result.cells)
 
 
 def floor_of(result: Result, repeats: Sequence[Repeat], without: Sequence[Result] = ()) -> Floor | None:

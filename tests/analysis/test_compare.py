@@ -448,6 +448,20 @@ def test_runs_among_the_files_are_found_and_a_floor_is_of_its_machine_only(base,
     assert [floor.machine for floor in found.floors] == ["b"]
 
 
+def test_a_noise_file_that_is_given_already_is_refused(base, analysis, tmp_path):
+    files = [written(base, tmp_path / "a.json"), written(run_again(base), tmp_path / "b.json")]
+    copy = written(base, tmp_path / "copy.json")
+    for noise, twin in ((files[1], files[1]), (copy, files[0])):
+        code, out, err = analysis("compare", *files, "--noise", noise)
+        assert (code, out) == (2, "")
+        assert err == (
+            f"python3 -m analysis: {noise}: --noise: found the very samples of {twin}, allowed: a run of its own\n"
+        )
+    again = written(run_again(run_again(base)), tmp_path / "c.json")
+    assert analysis("compare", *files, "--noise", again)[0] == 0
+    assert analysis("compare", *files, "--noise", again, again)[0] == 2
+
+
 def test_noise_files_that_repeat_nothing_are_refused(base, analysis, tmp_path):
     files = [written(base, tmp_path / "a.json"), written(other_program(run_again(base)), tmp_path / "b.json")]
     stranger = written(other_machine(base, "b"), tmp_path / "n.json")
