@@ -86,8 +86,9 @@ def check_noise_files(results: Sequence[Result], others: Sequence[Result]) -> No
             )
 
 
-def _samples_of(result: Result) -> list[tuple]:
-    return sorted((cell.name, [(sample.timestamp, sample.wall_ms) for sample in cell.samples]) for cell in result.cells)
+def _samples_of(result: Result) -> tuple:
+    cells = [(cell.name, [(sample.timestamp, sample.wall_ms) for sample in cell.samples]) for cell in result.cells]
+    return machine_of(result), sorted(cells)
 
 
 def floor_of(result: Result, repeats: Sequence[Repeat], without: Sequence[Result] = ()) -> Floor | None:
