@@ -15,7 +15,7 @@ target_link_libraries(ptbench_harness PUBLIC ptbench_options nlohmann_json::nloh
 target_include_directories(ptbench_harness SYSTEM PRIVATE ${PTBENCH_STB_INCLUDE})
 set(PTBENCH_HARNESS_OPTIMISATION "" CACHE STRING "Optimisation of harness/, which traces no paths (empty: the build type's)")
 target_compile_options(ptbench_harness PRIVATE ${PTBENCH_HARNESS_OPTIMISATION})
-ptbench_precompile_headers(ptbench_harness <CLI/CLI.hpp>)
+ptbench_precompile_headers(ptbench_harness)
 if(PTBENCH_CUDA)
   target_link_libraries(ptbench_harness PUBLIC ptbench_cudart)
   target_compile_definitions(ptbench_harness PRIVATE PTBENCH_CCCL_VERSION="${PTBENCH_CCCL_VERSION}")
