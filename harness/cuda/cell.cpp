@@ -409,7 +409,7 @@ void RenderCell<Real>::reserve(Arena& arena) {
     job_.next_sample = arena.take<std::uint32_t>(1);
     job_.loop.offset = arena.take<std::uint32_t>(1);
     job_.loop.rounds = arena.take<std::uint64_t>(1);
-    job_.segments.copies = job_.longest_path <= 4096 ? counter_copies : 1;
+    job_.segments.copies = job_.longest_path <= few_segments ? counter_copies : 1;
     const std::size_t segment_counts = std::size_t{job_.longest_path} * job_.segments.copies;
     job_.segments.live = arena.take<std::uint64_t>(segment_counts);
     job_.lengths = request_.instrument ? job_.segments.live : nullptr;

@@ -48,6 +48,10 @@ const Registration registrations[] = {
     broken("test_repeated", repeat_a_sample),
 };
 
+Scene stability_scene(const std::string& name) {
+    return find_scene((home_folder() / "scenes" / "stability" / (name + ".json")).string());
+}
+
 class Gate : public testing::Test {
 protected:
     void SetUp() override {
@@ -79,8 +83,12 @@ TEST_F(Gate, PassesASoundIntegrator) {
 
 // The device's double kernels round as the CPU's do: what references are made by is the same on both.
 TEST_F(Gate, DoublePrecisionHasTheCpusBits) {
-    for (const char* name : {"cornell_open", "cornell_closed_five", "subsurface_box_on", "motion_on"}) {
-        const Scene scene = find_scene(name);
+    const std::pair<const char*, Scene> cases[] = {{"cornell_open", find_scene("cornell_open")},
+                                                   {"cornell_closed_five", find_scene("cornell_closed_five")},
+                                                   {"subsurface_box_on", find_scene("subsurface_box_on")},
+                                                   {"motion_on", find_scene("motion_on")},
+                                                   {"near_sphere", stability_scene("ground_view")}};
+    for (const auto& [name, scene] : cases) {
         RenderRequest request{
             .variant = expand({}, Backend::cpu).front(), .settings = default_settings(scene), .samples = 4};
         request.settings.width = request.settings.height = 32;
@@ -98,6 +106,31 @@ TEST_F(Gate, DoublePrecisionHasTheCpusBits) {
             request.variant.set("precision", "double");
             ASSERT_EQ(why_not_applicable(request.variant, features_of(scene), Backend::cuda), "");
             EXPECT_EQ(render(scene, request).film.hash(), expected) << name << " " << integrator;
+        }
+    }
+}
+
+// A depth of 10^6 where a path has four segments or so: a wavefront without a read-back asks whether any lives.
+TEST_F(Gate, WavefrontsEndWithTheirPathsNotWithTheDepth) {
+    const Scene scene = stability_scene("absorbing_ball");
+    RenderRequest request{.variant = expand({}, Backend::cuda).front(),
+                          .backend = Backend::cuda,
+                          .settings = default_settings(scene),
+                          .samples = 3};
+    request.variant.set("arithmetic", "exact");
+    request.variant.set("integrator", "megakernel");
+    const RenderResult expected = render(scene, request);
+    ASSERT_GE(request.settings.depth, 100000u);
+    for (const char* integrator : {"wavefront", "wavefront_fused"}) {
+        for (const char* compaction : {"none", "cub_select_if"}) {
+            request.variant.set("integrator", integrator);
+            request.variant.set("compaction", compaction);
+            const RenderResult result = render(scene, request);
+            EXPECT_EQ(result.film.hash(), expected.film.hash()) << integrator << " " << compaction;
+            EXPECT_EQ(result.work.paths, expected.work.paths);
+            EXPECT_EQ(result.work.rays, expected.work.rays);
+            EXPECT_LE(result.work.bounces, 3u * 1024) << integrator << " " << compaction;
+            EXPECT_GE(result.work.host_waits, 3u);
         }
     }
 }

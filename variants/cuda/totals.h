@@ -16,6 +16,9 @@ struct Totals {
     std::uint64_t cache_uses = 0;   // paths that took their first hit from it
 };
 
+// Paths of no more segments than this have their segments counted in several copies.
+inline constexpr std::uint32_t few_segments = 4096;
+
 // Counts by segment (0: the camera ray's), over all batches of a render; copy c of a segment's count is at
 // segment * copies + c.
 struct SegmentCounts {

@@ -45,6 +45,44 @@ inline void compact(Job& job, Queue& queue) {
     }
 }
 
+// Without a read-back nobody tells the host that all paths of a batch have ended. Where they may be long enough for
+// that to cost more than asking, it asks now and then: the device counts the paths that each segment finds alive. Made
+// before the segment is enqueued; a batch that is captured cannot ask.
+class EndOfPaths {
+public:
+    EndOfPaths(Job& job, std::uint32_t segment)
+        : job_(job),
+          asks_(job.cursor == nullptr && job.longest_path > few_segments && segment % segments_between == 0),
+          live_(job.segments.live + segment),
+          counts_(reinterpret_cast<std::uint64_t*>(job.pinned_count)) {
+        if (asks_) {
+            read(0);
+        }
+    }
+    // Whether no path was alive in the segment, which has been enqueued by now.
+    bool is_reached() {
+        if (!asks_) {
+            return false;
+        }
+        read(1);
+        PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
+        job_.work.host_waits += 1;
+        return counts_[0] == counts_[1];  // it counts earlier batches too
+    }
+
+private:
+    static constexpr std::uint32_t segments_between = 512;
+
+    void read(int i) {
+        PT_CUDA_CHECK(cudaMemcpyAsync(counts_ + i, live_, sizeof *live_, cudaMemcpyDeviceToHost, job_.stream));
+    }
+
+    Job& job_;
+    bool asks_;
+    const std::uint64_t* live_;
+    std::uint64_t* counts_;
+};
+
 // The body of a loop must leave the queue as it found it: what it swaps, it swaps back.
 inline void check_round_trip(const Queue& before, const Queue& after) {
     if (before.paths.base != after.paths.base || before.order != after.order || before.keys != after.keys ||

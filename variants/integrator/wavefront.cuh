@@ -155,7 +155,11 @@ public:
         enqueue_segment(0);
         for (std::uint32_t segment = 1 + enqueue_loop(job_, [&] { return enqueue_round(); });
              segment < job_.longest_path && queue_.bound > 0; ++segment) {
+            EndOfPaths end(job_, segment);
             enqueue_segment(segment);
+            if (end.is_reached()) {
+                break;
+            }
         }
     }
 

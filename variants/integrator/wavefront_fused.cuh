@@ -214,8 +214,12 @@ public:
             queue_.count = counts_after(looped);
         }
         for (std::uint32_t segment = 1 + looped; segment < job_.longest_path && queue_.bound > 0; ++segment) {
+            EndOfPaths end(job_, segment);
             enqueue_segment(segment);
             ended(segment);
+            if (end.is_reached()) {
+                break;
+            }
         }
     }
 
