@@ -54,12 +54,14 @@ enum class Feature : std::uint32_t {
     // textbook forms throughout (kernels/naive.h).
     double_intersection = 1u << 27,
     naive = 1u << 28,
+    // Spheres that the eye is near, as the ground under it (sphere.h, NearSphere).
+    near_sphere = 1u << 29,
 };
 
 using FeatureSet = std::uint32_t;
 
 inline constexpr FeatureSet no_features = 0;
-inline constexpr FeatureSet all_features = (1u << 22) - 1u;
+inline constexpr FeatureSet all_features = ((1u << 22) - 1u) | static_cast<FeatureSet>(Feature::near_sphere);
 inline constexpr FeatureSet shortcuts = static_cast<FeatureSet>(Feature::room);
 inline constexpr FeatureSet samplers = static_cast<FeatureSet>(Feature::philox) |
                                        static_cast<FeatureSet>(Feature::sobol_owen) |

@@ -43,6 +43,24 @@ PT_HD inline Vec3<typename Config::Real> in_motion(const Scene& scene, std::uint
     }
 }
 
+// The spheres as a kernel with Feature::near_sphere meets them.
+template <class Real, class Spheres>
+struct NearSpheres {
+    const Spheres& spheres;
+    std::uint32_t size;
+
+    PT_HD NearSphere<Real> operator[](std::uint32_t i) const { return {spheres[i]}; }
+};
+
+template <class Config, class Scene>
+PT_HD inline decltype(auto) spheres_of(const Scene& scene) {
+    if constexpr (has<Config>(Feature::near_sphere)) {
+        return NearSpheres<typename Config::Real, decltype(scene.spheres)>{scene.spheres, scene.spheres.size};
+    } else {
+        return (scene.spheres);
+    }
+}
+
 // Keeps the nearer of `best` and a convex body crossed over [near, far]: entered from outside, or left from inside.
 template <class Real>
 PT_HD inline void keep_nearer(Hit<Real>& best, const Interval<Real>& crossing, std::uint32_t object) {
@@ -63,18 +81,23 @@ PT_HD inline void keep_nearer(Hit<Real>& best, Real chord, const ObjectSide& dep
     }
 }
 
+template <class Config, class Scene, class Body>
+PT_HD inline void closest_body(Hit<typename Config::Real>& best, const Scene& scene, const Body& body,
+                               std::uint32_t object, const Ray<typename Config::Real>& ray) {
+    const auto origin = at_rest<Config>(scene, object, ray.origin, ray.time);
+    const bool starts_here = ray.departed.exists() && ray.departed.object() == object;
+    if (!starts_here) {
+        keep_nearer(best, interval(body, origin, ray.direction), object);
+    } else if (ray.departed.inside()) {
+        keep_nearer(best, chord(body, origin, ray.direction), ray.departed);
+    }
+}
+
 template <class Config, class Scene, class Bodies>
 PT_HD inline void closest_in(Hit<typename Config::Real>& best, const Scene& scene, const Bodies& bodies,
                              std::uint32_t first, const Ray<typename Config::Real>& ray) {
     for (std::uint32_t i = 0; i < bodies.size; ++i) {
-        const std::uint32_t object = first + i;
-        const auto origin = at_rest<Config>(scene, object, ray.origin, ray.time);
-        const bool starts_here = ray.departed.exists() && ray.departed.object() == object;
-        if (!starts_here) {
-            keep_nearer(best, interval(bodies[i], origin, ray.direction), object);
-        } else if (ray.departed.inside()) {
-            keep_nearer(best, chord(bodies[i], origin, ray.direction), ray.departed);
-        }
+        closest_body<Config>(best, scene, bodies[i], first + i, ray);
     }
 }
 
@@ -238,7 +261,7 @@ PT_HD inline Hit<typename Config::Real> closest_hit(const Scene& scene, const Ra
         return best;
     }
     if constexpr (has<Config>(Feature::sphere)) {
-        closest_in<Config>(best, scene, scene.spheres, 0, ray);
+        closest_in<Config>(best, scene, spheres_of<Config>(scene), 0, ray);
     }
     if constexpr (has<Config>(Feature::ellipsoid)) {
         closest_in<Config>(best, scene, scene.ellipsoids, scene.first_ellipsoid(), ray);
@@ -310,7 +333,7 @@ PT_HD inline SurfacePoint<typename Config::Real> surface_at(const Scene& scene, 
     if constexpr (has<Config>(Feature::matrix)) {
         point = surface_point(scene.transforms[object], origin, ray.direction, hit.t, hit.side.inside());
     } else if (has<Config>(Feature::sphere) && object < scene.first_ellipsoid()) {
-        point = surface_point(scene.spheres[object], origin, ray.direction, hit.t);
+        point = surface_point(spheres_of<Config>(scene)[object], origin, ray.direction, hit.t);
     } else if (has<Config>(Feature::ellipsoid) && object < scene.first_axis_box()) {
         point = surface_point(scene.ellipsoids[object - scene.first_ellipsoid()], origin, ray.direction, hit.t);
     } else if (has<Config>(Feature::axis_box) && object < scene.first_oriented_box()) {

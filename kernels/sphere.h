@@ -15,7 +15,16 @@ struct Sphere {
     Vec3<Real> centre;
     Real radius;
     Real inverse_radius;
+    Real eye_power = Real(0);       // of a NearSphere
+    std::uint32_t is_near_eye = 0;  // 1: is to be treated as one
 };
+
+// A sphere in a kernel with Feature::near_sphere. Of a sphere that the eye is near, as the ground beneath it, |f|^2 - 1
+// keeps only the digits in which the eye's height differs from none. But it is the power of the point with respect to
+// the sphere, and that of any origin follows from the eye's, which is formed at load in doubled precision: positions
+// are relative to the eye, so |o - c|^2 - r^2 = (|c|^2 - r^2) + o.(o - 2 c), and all terms are small near the eye.
+template <class Real>
+struct NearSphere : Sphere<Real> {};
 
 // An affine image of the unit sphere: p = centre + to_world * f, with |f| = 1.
 template <class Real>
@@ -85,6 +94,31 @@ PT_HD inline Interval<Real> interval(const Sphere<Real>& sphere, const Vec3<Real
     return {keep_smaller(q, other) * sphere.radius, keep_larger(q, other) * sphere.radius, true};
 }
 
+// The power of a point with respect to a sphere near the eye, in square radii.
+template <class Real>
+PT_HD inline Real power_at(const Sphere<Real>& sphere, const Vec3<Real>& point) {
+    const Vec3<Real> p = point * sphere.inverse_radius;
+    return dot(p, p - sphere.centre * (Real(2) * sphere.inverse_radius)) + sphere.eye_power;
+}
+
+template <class Real>
+PT_HD inline Interval<Real> interval(const NearSphere<Real>& sphere, const Vec3<Real>& origin,
+                                     const Vec3<Real>& direction) {
+    if (sphere.is_near_eye == 0) {
+        return interval<Real>(static_cast<const Sphere<Real>&>(sphere), origin, direction);
+    }
+    const Real b = -dot((origin - sphere.centre) * sphere.inverse_radius, direction);
+    const Real power = power_at(sphere, origin);
+    const Real discriminant = b * b - power;
+    if (!(discriminant > Real(0))) {
+        return {Real(0), Real(0), false};
+    }
+    const Real root = square_root(discriminant);
+    const Real q = b < Real(0) ? b - root : b + root;
+    const Real other = power / q;
+    return {keep_smaller(q, other) * sphere.radius, keep_larger(q, other) * sphere.radius, true};
+}
+
 template <class Real>
 PT_HD inline Interval<Real> interval(const Ellipsoid<Real>& e, const Vec3<Real>& origin, const Vec3<Real>& direction) {
     return unit_sphere_interval(e.to_unit(origin - e.centre), e.to_unit(direction));
@@ -111,6 +145,18 @@ PT_HD inline SurfacePoint<Real> surface_point(const Sphere<Real>& sphere, const 
                                               const Vec3<Real>& direction, Real t) {
     const Vec3<Real> normal = nearly_unit(((origin - sphere.centre) + direction * t) * sphere.inverse_radius);
     return {sphere.centre + normal * sphere.radius, normal};
+}
+
+// A sphere that is near the eye may be too wide to be measured from its centre: the point is pulled along the normal.
+template <class Real>
+PT_HD inline SurfacePoint<Real> surface_point(const NearSphere<Real>& sphere, const Vec3<Real>& origin,
+                                              const Vec3<Real>& direction, Real t) {
+    if (sphere.is_near_eye == 0) {
+        return surface_point<Real>(static_cast<const Sphere<Real>&>(sphere), origin, direction, t);
+    }
+    const Vec3<Real> point = origin + direction * t;
+    const Vec3<Real> normal = nearly_unit((point - sphere.centre) * sphere.inverse_radius);
+    return {point - normal * (Real(0.5) * power_at(sphere, point) * sphere.radius), normal};
 }
 
 template <class Real>

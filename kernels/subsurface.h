@@ -39,7 +39,7 @@ PT_HD inline typename Config::Real distance_to_exit(const Scene& scene, std::uin
         return max(Real(0), naive_distance_to_exit(scene, object, origin, direction));
     }
     if (has<Config>(Feature::sphere) && object < scene.first_ellipsoid()) {
-        const auto& sphere = scene.spheres[object];
+        const auto& sphere = spheres_of<Config>(scene)[object];
         return on_surface ? chord(sphere, origin, direction) : max(Real(0), interval(sphere, origin, direction).far);
     }
     if (has<Config>(Feature::ellipsoid) && object < scene.first_axis_box()) {

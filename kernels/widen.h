@@ -11,7 +11,7 @@ PT_HD inline Vec3<double> widened(const Vec3<float>& v) { return Vec3<double>(v)
 PT_HD inline Vec3<float> narrowed(const Vec3<double>& v) { return Vec3<float>(v); }
 
 PT_HD inline Sphere<double> widened(const Sphere<float>& s) {
-    return {widened(s.centre), s.radius, 1.0 / static_cast<double>(s.radius)};
+    return {widened(s.centre), s.radius, 1.0 / static_cast<double>(s.radius), s.eye_power, s.is_near_eye};
 }
 PT_HD inline AxisBox<double> widened(const AxisBox<float>& box) { return {widened(box.low), widened(box.high)}; }
 PT_HD inline OrientedBox<double> widened(const OrientedBox<float>& box) {

@@ -82,7 +82,8 @@ std::vector<std::string> feature_names(FeatureSet features) {
                                             "sobol_owen",
                                             "minstd",
                                             "double_intersection",
-                                            "naive"};
+                                            "naive",
+                                            "near_sphere"};
     static_assert((all_features | shortcuts | Feature::matrix | samplers | formulas) == (1u << std::size(names)) - 1u);
     std::vector<std::string> present;
     for (std::size_t bit = 0; bit < std::size(names); ++bit) {

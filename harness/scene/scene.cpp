@@ -88,6 +88,59 @@ bool contains_point(const SceneObject& object, const Vec3d& point) {
     }
 }
 
+namespace {
+
+// What the sum of two numbers loses: Knuth's two-sum.
+double lost_in_sum(double a, double b, double sum) {
+    const double b_in_sum = sum - a;
+    return (a - (sum - b_in_sum)) + (b - b_in_sum);
+}
+
+// A sum of products in twice a double's precision: Ogita, Rump and Oishi, "Accurate Sum and Dot Product", SIAM J. Sci.
+// Comput. 26(6), 2005.
+class DoubledSum {
+public:
+    void add_product(double a, double b) {
+        const double product = a * b;
+        error_ += std::fma(a, b, -product);
+        add(product);
+    }
+    double value() const { return sum_ + error_; }
+
+private:
+    void add(double term) {
+        const double sum = sum_ + term;
+        error_ += lost_in_sum(sum_, term, sum);
+        sum_ = sum;
+    }
+
+    double sum_ = 0, error_ = 0;
+};
+
+}  // namespace
+
+double eye_power(const SceneObject& sphere, const Vec3d& eye) {
+    // In units of the power of two below the radius, whose square neither overflows nor vanishes.
+    int exponent = 0;
+    const double radius = std::frexp(0.5 * sphere.scale.x, &exponent);
+    DoubledSum sum;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double place = std::ldexp(sphere.translate[axis], -exponent);
+        const double seen_from = std::ldexp(eye[axis], -exponent);
+        const double offset = place - seen_from;
+        const double rest = lost_in_sum(place, -seen_from, offset);
+        sum.add_product(offset, offset);
+        sum.add_product(2 * offset, rest);
+        sum.add_product(rest, rest);
+    }
+    sum.add_product(-radius, radius);
+    return sum.value() / (radius * radius);
+}
+
+bool is_near_eye(const SceneObject& object, const Vec3d& eye) {
+    return classify(object) == PrimitiveKind::sphere && std::abs(eye_power(object, eye)) < 0.5;
+}
+
 FeatureSet features_of(const Scene& scene) {
     static constexpr Feature by_kind[] = {Feature::sphere, Feature::ellipsoid, Feature::axis_box, Feature::oriented_box,
                                           Feature::quad};
@@ -96,6 +149,9 @@ FeatureSet features_of(const Scene& scene) {
     for (const SceneObject& object : scene.objects) {
         features = features | by_kind[static_cast<std::size_t>(classify(object))];
         features |= material_features(scene.materials[object.material]);
+        if (is_near_eye(object, scene.camera.eye)) {
+            features = features | Feature::near_sphere;
+        }
         if (shutter_moves_objects && !is_black(object.velocity)) {
             features = features | Feature::motion;
         }

@@ -67,6 +67,13 @@ FeatureSet features_of(const Scene& scene);
 // Whether a point lies inside the object as it stands at time 0; never inside a quad.
 bool contains_point(const SceneObject& object, const Vec3d& point);
 
+// The power of the camera's eye with respect to a sphere, |centre - eye|^2 - radius^2, in square radii: to one rounding
+// of a double from the numbers of the scene.
+double eye_power(const SceneObject& sphere, const Vec3d& eye);
+// Whether that is how the sphere is met best (kernels/sphere.h, NearSphere): the eye is off its surface by less than
+// about a quarter of its radius. Not for objects of other kinds.
+bool is_near_eye(const SceneObject& object, const Vec3d& eye);
+
 // Columns of the rotation "about x, then y, then z"; exact at multiples of 90 degrees.
 struct Rotation {
     Vec3d column[3];

@@ -121,6 +121,17 @@ AxisBox<Real> make_axis_box(const Vec3d& centre, const Rotation& rotation, const
 }
 
 template <class Real>
+Sphere<Real> make_sphere(const SceneObject& object, const Vec3d& eye) {
+    Sphere<Real> sphere{narrow<Real>(object.translate - eye), static_cast<Real>(0.5 * object.scale.x),
+                        static_cast<Real>(2.0 / object.scale.x)};
+    if (is_near_eye(object, eye)) {
+        sphere.eye_power = static_cast<Real>(eye_power(object, eye));
+        sphere.is_near_eye = 1;
+    }
+    return sphere;
+}
+
+template <class Real>
 Ellipsoid<Real> make_ellipsoid(const Vec3d& centre, const Rotation& rotation, const Vec3d& scale) {
     Ellipsoid<Real> ellipsoid{};
     ellipsoid.centre = narrow<Real>(centre);
@@ -182,8 +193,7 @@ void SceneBuffers<Real>::add_object(const Scene& scene, std::uint32_t index) {
     const Rotation rotation = rotation_of(object.rotate_degrees);
     switch (classify(object)) {
         case PrimitiveKind::sphere:
-            spheres_.push_back({narrow<Real>(centre), static_cast<Real>(0.5 * object.scale.x),
-                                static_cast<Real>(2.0 / object.scale.x)});
+            spheres_.push_back(make_sphere<Real>(object, scene.camera.eye));
             break;
         case PrimitiveKind::ellipsoid:
             ellipsoids_.push_back(make_ellipsoid<Real>(centre, rotation, object.scale));

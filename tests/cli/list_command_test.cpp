@@ -137,7 +137,8 @@ TEST(ListTest, TextSaysTheSame) {
          {"Axes (the first choice of each is the baseline)\n", "  compaction\n", "    thrust_remove_if ", "Scenes\n",
           "  cornell_open ", "   needs sphere axis_box diffuse emitter mirror jitter\n",
           "   leaves out ellipsoid oriented_box quad motion mix dielectric subsurface emission absorption "
-          "subsurface_boundary environment lens final_bounce next_event multiple_importance russian_roulette\n",
+          "subsurface_boundary environment lens final_bounce next_event multiple_importance russian_roulette "
+          "near_sphere\n",
           "   n/a: first_bounce=cached needs jitter off (camera.jitter is true in the scene)\n", "Suites\n", "  quick ",
           "Backends\n", "  cpu ", "  cuda                       not available (",
           "   tunable jitters=16 (1 to 4096): camera rays of a pixel that are kept (K)\n"}) {

@@ -95,6 +95,11 @@ const Case cases[] = {
                         [](Still& s) {
                             s.builder.quad(s.grey, {0.3, 0, 2}, 0.6, 0.8, {40, 20, 0});
                         }),
+    with<Feature::near_sphere>("near_sphere",
+                               [](Still& s) {
+                                   // A ground above the floor, whose place single precision holds to 4 units.
+                                   s.builder.sphere(s.builder.emitter(Vec3d(0.1)), {0, -1e8 - 0.3, 2.5}, 2e8);
+                               }),
     with<Feature::motion>("motion",
                           [](Still& s) {
                               s.ball().velocity = Vec3d(0.5, 0.2, 0);

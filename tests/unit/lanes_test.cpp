@@ -82,6 +82,7 @@ TEST(LanesTest, MeetWhatARayAloneMeets) {
         EXPECT_GT(expect_the_hits_of_single_rays<general>(name), many);
     }
     EXPECT_GT(expect_the_hits_of_single_rays<(general | Feature::matrix)>("cornell_open"), many);
+    EXPECT_GT(expect_the_hits_of_single_rays<general>(PTBENCH_SOURCE_DIR "/scenes/stability/ground_view.json"), many);
 }
 
 TEST(LanesTest, AListNamesTheLanesThatAreSet) {

@@ -34,12 +34,28 @@ inline void keep_nearer(Hits<Real>& hits, std::uint32_t l, const Interval<Real>&
     hits.side[l] = leaves ? departed.code : meets ? side : hits.side[l];
 }
 
+// What has no loop over lanes: find(hit, ray) for each of them.
+template <class Real, class Find>
+inline void closest_by_lane(Hits<Real>& hits, const Paths<Real>& paths, const Find& find) {
+    for (std::uint32_t l = 0; l < width; ++l) {
+        Hit<Real> hit = hits[l];
+        find(hit, paths.ray(l));
+        hits.set(l, hit);
+    }
+}
+
 template <class Config>
 inline void closest_sphere(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
                            const Paths<typename Config::Real>& paths) {
     using Real = typename Config::Real;
     for (std::uint32_t object = 0; object < scene.spheres.size; ++object) {
         const Sphere<Real> sphere = scene.spheres[object];
+        if (has<Config>(Feature::near_sphere) && sphere.is_near_eye != 0) {
+            closest_by_lane(hits, paths, [&](auto& hit, const auto& ray) {
+                closest_body<Config>(hit, scene, NearSphere<Real>{sphere}, object, ray);
+            });
+            continue;
+        }
 #pragma GCC ivdep
         for (std::uint32_t l = 0; l < width; ++l) {
             const ObjectSide departed{paths.departed[l]};
@@ -194,16 +210,6 @@ inline void closest_axis_box(Hits<typename Config::Real>& hits, const SceneView<
     for (const std::uint32_t l : LaneList(exits.unclear)) {
         Hit<Real> hit = before[l];
         pt::closest_axis_box<Config>(hit, scene, paths.ray(l));
-        hits.set(l, hit);
-    }
-}
-
-// The kinds that have no loop over lanes: find(hit, ray) for each of them.
-template <class Real, class Find>
-inline void closest_by_lane(Hits<Real>& hits, const Paths<Real>& paths, const Find& find) {
-    for (std::uint32_t l = 0; l < width; ++l) {
-        Hit<Real> hit = hits[l];
-        find(hit, paths.ray(l));
         hits.set(l, hit);
     }
 }

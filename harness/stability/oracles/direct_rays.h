@@ -47,8 +47,8 @@ template <class RealT, FeatureSet formula>
 class RayScene {
 public:
     using Real = RealT;
-    static constexpr FeatureSet shapes =
-        Feature::sphere | Feature::ellipsoid | Feature::axis_box | Feature::oriented_box | Feature::quad;
+    static constexpr FeatureSet shapes = Feature::sphere | Feature::near_sphere | Feature::ellipsoid |
+                                         Feature::axis_box | Feature::oriented_box | Feature::quad;
     using Kernel = Config<Real, shapes | formula>;
     // The robust functions of the same precision.
     using RobustKernel = Config<Real, shapes | (formula & ~static_cast<FeatureSet>(Feature::naive))>;
