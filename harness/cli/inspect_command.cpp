@@ -21,7 +21,7 @@ struct InspectArguments {
     std::string out;
 };
 
-std::string text_of(const nlohmann::ordered_json& report) {
+std::string text_of_report(const nlohmann::ordered_json& report) {
     std::string text = fmt::format("{} on {}, {}\n", report["variant"].get<std::string>(),
                                    report["scene"].get<std::string>(), report["architecture"].get<std::string>());
     for (const auto& kernel : report["kernels"]) {
@@ -115,7 +115,7 @@ int run(const InspectArguments& arguments) {
         if (arguments.counters) {
             add_counters(arguments, scene, variant, reports.back());
         }
-        fmt::print("{}", text_of(reports.back()));
+        fmt::print("{}", text_of_report(reports.back()));
     }
     if (reports.empty()) {
         throw InputError(not_applicable.substr(0, not_applicable.find('\n')));
