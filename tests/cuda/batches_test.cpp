@@ -67,18 +67,26 @@ TEST(BatchesTest, ALaunchTakesNoMoreSamplesThanThePartHas) {
     EXPECT_EQ(samples_a_launch(job), 1u << 20);
 }
 
-TEST(BatchesTest, APersistentLaunchTakesAsManySamplesAsItCanCount) {
+TEST(BatchesTest, APersistentLaunchTakesAsManySamplesAsItHasNumbersForPieces) {
     Job job;
-    job.samples = 0xffffffffu;
-    job.longest_path = 8;
-    job.pixels = 800 * 800;
-    EXPECT_EQ(samples_a_persistent_launch(job, 320000), 0xffffffffu / (2 * 8 * 128 * 16 * 2));
-    // One pixel: no block can count more than the whole launch.
+    job.samples = 1u << 20;
     job.longest_path = 1000000;
-    job.pixels = 1;
-    EXPECT_EQ(samples_a_persistent_launch(job, 320000), 0xffffffffu / 2000000);
+    job.pixels = 16 * 16;
+    EXPECT_EQ(samples_a_persistent_launch(job), 1u << 20);
+    job.samples = 0xffffffffu;
+    job.pixels = 800 * 800;
+    EXPECT_EQ(samples_a_persistent_launch(job), 0xffffffffu / 20000 - 1);
+}
+
+TEST(BatchesTest, AThreadCanCountAPiece) {
+    Job job;
+    job.samples_a_piece = 128;
+    job.longest_path = 8;
+    EXPECT_EQ(samples_of_a_strip(job), 128u);
+    job.longest_path = 1000000;
+    EXPECT_EQ(samples_of_a_strip(job), 67u);  // 2^32 / (64 * 10^6)
     job.longest_path = 0x80000000u;
-    EXPECT_EQ(samples_a_persistent_launch(job, 320000), 1u);
+    EXPECT_EQ(samples_of_a_strip(job), 1u);
 }
 
 }  // namespace

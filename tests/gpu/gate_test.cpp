@@ -135,6 +135,24 @@ TEST_F(Gate, WavefrontsEndWithTheirPathsNotWithTheDepth) {
     }
 }
 
+// Threads that count more than their block can add up do so in between.
+TEST_F(Gate, PersistentThreadsCountWhatDoesNotFitIntoABlocksSum) {
+    const Scene scene = stability_scene("furnace_sphere");
+    RenderRequest request{.variant = expand({}, Backend::cuda).front(),
+                          .backend = Backend::cuda,
+                          .settings = default_settings(scene),
+                          .samples = 48};
+    request.settings.width = request.settings.height = 16;
+    request.settings.depth = 1u << 17;
+    request.variant.set("integrator", "persistent");
+    request.variant.tuning["piece"] = 48;
+    const std::uint64_t rays_a_thread = 48ull * request.settings.depth;
+    ASSERT_GT(rays_a_thread, cuda::few_rays);
+    const RenderResult result = render(scene, request);
+    EXPECT_EQ(result.work.rays, 256 * rays_a_thread);
+    EXPECT_EQ(result.work.paths, 256u * 48);
+}
+
 TEST_F(Gate, RefusesAKernelThatDoesNothing) {
     const Verdict nothing = verdict("test_null");
     EXPECT_FALSE(nothing.holds);

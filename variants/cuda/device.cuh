@@ -99,7 +99,22 @@ __device__ inline void add_segment_counts(const SegmentCounts& segments, std::ui
     }
 }
 
-// A thread's counters of one kernel fit in 32 bits: the host splits longer renders into several launches.
+// What a thread has counted, if that is more than a block can add up: added by itself, and counted anew.
+__device__ inline void add_if_many(Totals* totals, PathCounters& counters) {
+    if (counters.rays + counters.paths < few_rays) {
+        return;
+    }
+    Totals* const mine = own_copy(totals);
+    atomic_add(&mine->paths.paths, counters.paths);
+    atomic_add(&mine->paths.rays, counters.rays);
+    atomic_add(&mine->paths.connections, counters.connections);
+    atomic_add(&mine->paths.unfinished_walks, counters.unfinished_walks);
+    atomic_add(&mine->cache_uses, PT_CACHED ? counters.paths : 0);
+    counters = {};
+}
+
+// A thread's counters of one kernel fit in 32 bits: the host splits longer renders into several launches, or the kernel
+// adds up in between.
 __device__ inline void add_counters(Totals* totals, const PathCounters& counters, std::uint32_t cache_uses) {
     const std::uint32_t values[] = {static_cast<std::uint32_t>(counters.paths),
                                     static_cast<std::uint32_t>(counters.rays),

@@ -29,12 +29,15 @@ std::uint32_t samples_a_launch(const Job& job) {
     return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(a_thread * threads_a_pixel, 1, job.samples));
 }
 
-std::uint32_t samples_a_persistent_launch(const Job& job, std::uint32_t threads) {
-    const std::uint64_t shares = (std::uint64_t{job.pixels} + threads - 1) / threads;
-    const std::uint64_t items_a_sample = std::min(std::uint64_t{job.block} * 16 * shares, std::uint64_t{job.pixels});
-    const std::uint64_t by_counters = 0xffffffffull / (2ull * job.longest_path * items_a_sample);
+std::uint32_t samples_a_persistent_launch(const Job& job) {
     const std::uint64_t by_pieces = 0xffffffffull / ((job.pixels + 31) / 32) - 1;
-    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(std::min(by_counters, by_pieces), 1, job.samples));
+    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(by_pieces, 1, job.samples));
+}
+
+std::uint32_t samples_of_a_strip(const Job& job) {
+    const std::uint64_t rays_a_sample = 32ull * 2 * job.longest_path;
+    const std::uint64_t countable = (0xffffffffull - few_rays) / rays_a_sample;
+    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(countable, 1, job.samples_a_piece));
 }
 
 void prepare_batches(Job& job, const EnqueueBatch& enqueue_batch) {

@@ -98,10 +98,12 @@ void fill_cache(Job& job);
 // Samples of a pixel that one launch may take when its threads share them, so that a thread's and a block's counters
 // fit in 32 bits.
 std::uint32_t samples_a_launch(const Job& job);
-// The same for a launch whose `threads` threads share all items. A thread may take many more than its share, so a
-// block's counters must hold 16 times its own, or all that a launch can count where that is less; and the number of
-// pieces must fit too.
-std::uint32_t samples_a_persistent_launch(const Job& job, std::uint32_t threads);
+// The same for persistent threads, which add up what they have counted after a piece: so many that the pieces' numbers
+// fit in 32 bits.
+std::uint32_t samples_a_persistent_launch(const Job& job);
+// Samples of the strip of 32 pixels that is a piece: job.samples_a_piece, or fewer, so that a thread that happens to
+// trace them all can count them in 32 bits.
+std::uint32_t samples_of_a_strip(const Job& job);
 
 // Runs `enqueue_batch(first_sample, samples)` for all samples of the job, samples_in_flight at a time. A last batch
 // that is not full, and so every part of a render with fewer samples than that, takes the places of the first paths of

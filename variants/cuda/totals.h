@@ -16,6 +16,9 @@ struct Totals {
     std::uint64_t cache_uses = 0;   // paths that took their first hit from it
 };
 
+// Rays and paths that each of the 1024 threads that a block may have can count so that their sum fits in 32 bits.
+inline constexpr std::uint32_t few_rays = 1u << 22;
+
 // Paths of no more segments than this have their segments counted in several copies.
 inline constexpr std::uint32_t few_segments = 4096;
 

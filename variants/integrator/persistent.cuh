@@ -32,6 +32,7 @@ extern "C" __global__ void PT_LAUNCH_BOUNDS persistent(Scene parameter, FilmView
         const pt::PixelPlace first = pt::PixelPlace::of(piece % strips * 32, width);
         const Items items{32 * rounds, pixels, width, first, first_sample + done, 1};
         trace_items(scene, film, items, cache, counters, ended);
+        pt::cuda::add_if_many(totals, counters);
         piece = take_piece();
     }
     pt::cuda::add_counters(totals, counters, PT_CACHED ? static_cast<std::uint32_t>(counters.paths) : 0);
@@ -59,12 +60,12 @@ inline void render(Job& job) {
     const Stage stage(job.stages, "trace", job.stream);
     const auto blocks =
         static_cast<std::uint32_t>(job.module->blocks_a_multiprocessor("persistent", job.block)) * job.multiprocessors;
-    const std::uint32_t most = samples_a_persistent_launch(job, blocks * job.block);
+    const std::uint32_t most = samples_a_persistent_launch(job);
     for (std::uint32_t done = 0; done < job.samples;) {
         const std::uint32_t samples = std::min(most, job.samples - done);
         PT_CUDA_CHECK(cudaMemsetAsync(job.next_item, 0, sizeof(std::uint64_t), job.stream));
         job.launch_blocks("persistent", blocks, job.scene, job.film, job.first_sample + done, samples, job.cache,
-                          job.totals, job.lengths, job.samples_a_piece, job.next_item);
+                          job.totals, job.lengths, samples_of_a_strip(job), job.next_item);
         done += samples;
     }
 }

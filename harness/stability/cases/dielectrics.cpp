@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "harness/stability/cases/glass.h"
+#include "harness/stability/oracles/limits.h"
 
 namespace pt::stability {
 namespace {
@@ -233,7 +234,9 @@ const CaseRegistration cases({
      .points = {{{"hits", 1}}, {{"hits", 2}}, {{"hits", 4}}, {{"hits", 8}}, {{"hits", 500}, {"ior", 1000}}},
      .quick_points = {{{"hits", 2}}, {{"hits", 8}}},
      .sweep = "hits",
-     .renderings = cut_off},
+     .renderings = cut_off,
+     .known_limit = [](const Values& v,
+                       const Variant& variant) { return turns_inside(variant, v["impact"], v["ior"], v["hits"]); }},
     {.name = "absorbing_ball",
      .catalogue = "S25",
      .family = "dielectrics",
@@ -280,7 +283,12 @@ const CaseRegistration cases({
                 {{"ior", 0.75}, {"impact", 0.9}}},
      .quick_points = {{{"ior", 1000}}, {{"ior", 0.75}, {"impact", 0.9}}},
      .sweep = "ior",
-     .renderings = extreme_index},
+     .renderings = extreme_index,
+     .known_limit =
+         [](const Values& v, const Variant& variant) {
+             const long double r = reflectance(static_cast<long double>(v["ior"]) - 1, cosine_at(v["impact"]));
+             return turns_inside(variant, v["impact"], v["ior"], r < 1 ? static_cast<double>(1 / (1 - r)) : 0);
+         }},
 });
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "harness/stability/case.h"
 
 namespace pt::stability {
@@ -35,6 +37,18 @@ inline std::string too_dim(double bright, double dim) {
 inline std::string rare_or_dim(const Variant& variant, double share, double bright, double dim,
                                double paths = quick_paths_at_least) {
     return variant["direct_light"] == "off" ? too_rare(share, paths) : too_dim(bright, dim);
+}
+
+// A ray within a ball of a high index crosses near the centre, again and again along one line: each internal reflection
+// turns it by a rounding of a sine of impact / ior, and each the same way.
+inline std::string turns_inside(const Variant& variant, double impact, double ior, double hits) {
+    const double drift = impact > 0 ? hits * 0x1p-24 * ior / impact : 0;
+    return variant["precision"] != "double" && drift > 1e-3
+               ? fmt::format(
+                     "hundreds of internal reflections along one line turn a ray the same way by a rounding "
+                     "each, up to {:.1g} of the sine by which it misses the centre; cure: precision=double",
+                     drift)
+               : "";
 }
 
 // A furnace whose last reflections are below half the last bit of the sum so far.
