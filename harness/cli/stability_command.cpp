@@ -12,6 +12,7 @@
 
 #include "harness/bench/compile_ahead.h"
 #include "harness/cli/commands.h"
+#include "harness/cuda/backend.h"
 #include "harness/interrupt.h"
 #include "harness/locked_file.h"
 #include "harness/stability/evaluate.h"
@@ -417,6 +418,13 @@ int run(const StabilityArguments& arguments) {
         compile(cases, arguments, asked_variants(arguments, backend));
     }
     const bool uses_workers = workers && (arguments.jobs != 0 || backend == Backend::cuda);
+    if (uses_workers && backend == Backend::cuda && !cuda::runs_processes_at_once()) {
+        fmt::print(
+            stderr,
+            "note: {} processes take turns on the GPU; under NVIDIA's MPS (nvidia-cuda-mps-control -d) they run on "
+            "it at once, in a part of the time\n",
+            worker_count(arguments));
+    }
     return stability_run.run(uses_workers ? &*workers : nullptr, answer);
 }
 

@@ -119,6 +119,8 @@ std::string machine_name() {
     return name;
 }
 
+bool runs_processes_at_once() { return not_available().empty() && device().mps; }
+
 std::vector<std::pair<std::string, std::string>> context() {
     if (!not_available().empty()) {
         return {};
@@ -134,6 +136,7 @@ std::vector<std::pair<std::string, std::string>> context() {
         {"ptbench.cuda_memory_mib", std::to_string(d.memory_bytes >> 20)},
         {"ptbench.cuda_l2_bytes", std::to_string(d.l2_bytes)},
         {"ptbench.cuda_ecc", d.ecc ? "true" : "false"},
+        {"ptbench.cuda_mps", d.mps ? "true" : "false"},
         {"ptbench.cuda_driver", version_text(d.driver_version)},
         {"ptbench.cuda_runtime", version_text(d.runtime_version)},
         {"ptbench.cuda_nvrtc", nvrtc_version()},

@@ -43,6 +43,8 @@ void collect_programs(const Scene& scene, const Variant& variant, const std::str
 
 // A name for folders, e.g. "nvidia-h200". Precondition: not_available() is empty.
 std::string machine_name();
+// Whether processes run on the device at once (NVIDIA's MPS) rather than by turns; false if not available.
+bool runs_processes_at_once();
 // Keys ("ptbench.cuda_" prefixed) and values for the context of a result file; empty if not available.
 std::vector<std::pair<std::string, std::string>> context();
 

@@ -20,6 +20,7 @@ nlohmann::ordered_json kernel_counters(const std::vector<std::string>&, const st
 void collect_programs(const Scene&, const Variant&, const std::string&, std::map<std::string, std::function<void()>>&) {
 }
 std::string machine_name() { throw MachineError(reason); }
+bool runs_processes_at_once() { return false; }
 std::vector<std::pair<std::string, std::string>> context() { return {}; }
 double measure_clock_mhz() { return 0; }
 

@@ -35,6 +35,18 @@ int attribute(cudaDeviceAttr which) {
     return value;
 }
 
+// Drivers that do not know the question have an error for an answer.
+bool has_multi_process_service() {
+#if CUDART_VERSION >= 12080
+    int value = 0;
+    if (cudaDeviceGetAttribute(&value, cudaDevAttrMpsEnabled, 0) == cudaSuccess) {
+        return value != 0;
+    }
+    (void)cudaGetLastError();
+#endif
+    return false;
+}
+
 Device read_device() {
     Device d;
     cudaDeviceProp properties{};
@@ -49,6 +61,7 @@ Device read_device() {
     d.memory_bus_bits = attribute(cudaDevAttrGlobalMemoryBusWidth);
     d.l2_bytes = attribute(cudaDevAttrL2CacheSize);
     d.ecc = attribute(cudaDevAttrEccEnabled) != 0;
+    d.mps = has_multi_process_service();
     PT_CUDA_CHECK(cudaDriverGetVersion(&d.driver_version));
     PT_CUDA_CHECK(cudaRuntimeGetVersion(&d.runtime_version));
     return d;
