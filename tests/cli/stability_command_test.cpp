@@ -155,9 +155,10 @@ TEST(ReplayCommandTest, CountsPathsThatPart) {
         EXPECT_NE(result.out.find(" of 4096 paths go another way"), std::string::npos) << result.out;
         return std::stoi(result.out);
     };
-    const int robust = parted("robustness=robust");
-    EXPECT_GT(parted("robustness=naive"), robust);
-    EXPECT_LT(parted("precision=double_intersection"), robust);
+    EXPECT_GT(parted("robustness=naive"), 10);
+    // Both have the ground by the eye's power (kernels/sphere.h): so near to double that no path goes another way.
+    EXPECT_EQ(parted("robustness=robust"), 0);
+    EXPECT_EQ(parted("precision=double_intersection"), 0);
 }
 
 TEST(ReplayCommandTest, RefusesWhatItCannotShow) {

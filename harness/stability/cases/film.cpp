@@ -228,12 +228,14 @@ std::vector<Rendering> pixel_edge(const Values& v) {
     column.image(1, rows, 90, true);
     column.quad(column.emitter(Vec3d(1.0)), {(share - 0.5) * pixel - 2, 0, 1}, 4, 4, {90, 0, 0});
     Rendering upright = one_segment(column, coverage(share, tolerance));
-    const auto variance = [share](const RenderResult& result) {
+    // About the pixels' own mean: where the edge reaches out, that is off for all of them alike.
+    const auto variance = [](const RenderResult& result) {
+        const double mean = mean_radiance(result);
         double squares = 0;
         for (std::uint32_t i = 0; i < rows; ++i) {
-            squares += std::pow(result.film.pixel(i).x - share, 2);
+            squares += std::pow(result.film.pixel(i).x - mean, 2);
         }
-        return squares / rows * static_cast<double>(result.film.samples());
+        return squares / (rows - 1) * static_cast<double>(result.film.samples());
     };
     upright.quantities.push_back({.name = "variance of a sample, from that of the pixels",
                                   .of = variance,

@@ -119,9 +119,16 @@ std::vector<Rendering> thin_walls(const Values& v) {
 }
 
 std::string limit_of_walls(const Values& v, const Variant& variant) {
-    return variant["precision"] != "double" && std::fmod(v["turn"], 90) != 0 && v["thickness"] < 0x1p-18
-               ? "turned walls thinner than 16 roundings of the room's size: points near an edge are rounded past the "
-                 "neighbouring wall; cure: precision=double"
+    if (variant["precision"] == "double") {
+        return "";
+    }
+    if (v["thickness"] < 0x1p-18) {
+        return "walls thinner than 16 roundings of the room's size: points near an edge are rounded past the "
+               "neighbouring wall; cure: precision=double";
+    }
+    return variant["precision"] == "double_intersection" && std::fmod(v["turn"], 90) != 0
+               ? "a point that was found in double ends in single precision off the turned wall that it lies on, by a "
+                 "rounding that the next intersection sees: one of some 1e7 rays leaves; cure: precision=double"
                : "";
 }
 
