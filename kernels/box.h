@@ -1,6 +1,6 @@
 // Boxes: axis-aligned ones in scene coordinates, oriented ones in their own frame.
 // Slab test of Kay and Kajiya with Ize's rounding bound ("Robust BVH Ray Traversal", JCGT 2(2), 2013): without the
-// factor 1 + 2 gamma(3), 4 % of the rays through an edge miss (shared/numerics S21).
+// factor 1 + 2 gamma(3), 4 % of the rays through an edge miss (docs/numerics.md S21).
 #pragma once
 
 #include "kernels/in_range.h"

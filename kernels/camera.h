@@ -72,7 +72,7 @@ PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Confi
             in_pixel_y = unit_interval<Real>(words.y);
         }
     }
-    // x - width/2 is exact, so a sample cannot round into the neighbouring pixel (shared/numerics S45).
+    // x - width/2 is exact, so a sample cannot round into the neighbouring pixel (docs/numerics.md S45).
     const Real x = (static_cast<Real>(place.x) - Real(0.5) * static_cast<Real>(camera.width)) + in_pixel_x;
     const Real y = (static_cast<Real>(place.y) - Real(0.5) * static_cast<Real>(camera.height)) + in_pixel_y;
     Vec3<Real> direction =

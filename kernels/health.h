@@ -1,6 +1,6 @@
 // Walks paths with the stages of shade.h and looks at their state in between: numbers that are none, energy out of
 // nothing, surfaces met again, bodies left that were not entered, and what paths still carried when they were cut off
-// (shared/numerics 4.1). The stages are called as everywhere else, so the film has the same bits.
+// (docs/numerics.md 4.1). The stages are called as everywhere else, so the film has the same bits.
 #pragma once
 
 #include "kernels/shade.h"

@@ -2,7 +2,7 @@
 // the scene's scale. Discriminant and roots as in Haines, Günther and Akenine-Möller, "Precision Improvements for
 // Ray/Sphere Intersection", Ray Tracing Gems ch. 7, 2019.
 // A ray that starts on the surface never uses an epsilon: it knows which root it starts from and takes the other one
-// (shared/numerics S15: no self-hit and chords to 3e-7 for radii 1e-6 to 1e6).
+// (docs/numerics.md S15: no self-hit and chords to 3e-7 for radii 1e-6 to 1e6).
 #pragma once
 
 #include "kernels/in_range.h"

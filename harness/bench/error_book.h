@@ -19,7 +19,7 @@ struct Snapshot {
 };
 
 // The part of the smallest expected mse that a reference's own noise may add to mse_dual (ReferenceNoise::dual_error).
-// mse_dual is right in the mean whatever the reference's noise (shared/numerics.md 1.2); only this spread is left.
+// mse_dual is right in the mean whatever the reference's noise (docs/numerics.md 1.2); only this spread is left.
 inline constexpr double allowed_reference_error = 0.05;
 
 class ErrorBook {

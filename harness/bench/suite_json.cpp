@@ -218,7 +218,7 @@ void check_names(const Suite& suite, const std::string& file) {
     }
 }
 
-// Error bars come from seeds only, and a spread told from fewer is none (shared/numerics.md 1.6).
+// Error bars come from seeds only, and a spread told from fewer is none (docs/numerics.md 1.6).
 void check_repetitions(const Suite& suite, const JsonObject& root) {
     constexpr int least = 8;
     const bool has_convergence = std::any_of(suite.studies.begin(), suite.studies.end(),

@@ -155,7 +155,7 @@ RenderResult Verifier::render_part(const Variant& variant, std::uint32_t first, 
 }
 
 // The CPU's reference variant is the same mathematics in the same rounding, so all films should be equal bit for bit.
-// What is allowed is a sample in 1e5 that went another way (shared/numerics.md 4): pixels that differ are counted, each
+// What is allowed is a sample in 1e5 that went another way (docs/numerics.md 4): pixels that differ are counted, each
 // for one sample at least.
 std::string Verifier::against_cpu(const Variant& reference_variant) {
     const auto known = against_cpu_.find(reference_variant);

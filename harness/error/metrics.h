@@ -1,4 +1,4 @@
-// How far an image is from a reference: the metrics of shared/numerics.md section 1.1, in double precision over linear
+// How far an image is from a reference: the metrics of docs/numerics.md section 1.1, in double precision over linear
 // radiance. A reference is two independent halves, so that its own noise neither inflates an error nor fakes a plateau.
 #pragma once
 

@@ -1,5 +1,5 @@
 // Do two variants converge to the same image? A two-sample test between independent runs of each, by statistics that
-// are blind in different places (shared/numerics.md 1.7), and how large a difference they saw or would have seen.
+// are blind in different places (docs/numerics.md 1.7), and how large a difference they saw or would have seen.
 //
 //   image    mean of the image by channel, Welch's t: sees what is everywhere, however small
 //   blocks   means of 16x16 blocks, Welch's t: sees what is in one place

@@ -10,7 +10,7 @@
 
 // Warp w takes strip w mod strips, and of its samples w / strips, w / strips + stride, ...; items are numbered sample
 // by sample, pixels within. The loop ends at its condition: nvcc 13.0's ptxas miscompiles the form that breaks out from
-// the middle (shared/DESIGN.md, traps).
+// the middle.
 extern "C" __global__ void PT_LAUNCH_BOUNDS megakernel_regen(Scene parameter, FilmView film, std::uint32_t first_sample,
                                                              std::uint32_t samples, std::uint32_t stride,
                                                              HitCache cache, Totals* totals, std::uint64_t* ended) {

@@ -1,5 +1,5 @@
 // Closed spaces whose walls reflect and emit the same everywhere, and a lamp at the centre of one: geometric series.
-// shared/numerics.md S1 and S5. Depth counts ray segments.
+// docs/numerics.md S1 and S5. Depth counts ray segments.
 #pragma once
 
 #include <algorithm>

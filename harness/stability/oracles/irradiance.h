@@ -1,4 +1,4 @@
-// Irradiance E / Le of a point whose normal is +y, by one light of even radiance. Closed forms: shared/numerics.md S6
+// Irradiance E / Le of a point whose normal is +y, by one light of even radiance. Closed forms: docs/numerics.md S6
 // to S8 (Howell's catalogue of configuration factors; a sphere across the horizon: A. Snyder, "Area Light Sources for
 // Real-Time Graphics", 1996). The flattened ellipsoid: Lambert's contour integral along its outline.
 #pragma once
