@@ -2,7 +2,7 @@
 // the host's side, without a device.
 #include <gtest/gtest.h>
 
-#include "variants/cuda/job.h"
+#include "variants/cuda/wavefronts.h"
 
 namespace pt::cuda {
 namespace {
@@ -65,6 +65,31 @@ TEST(BatchesTest, ALaunchTakesNoMoreSamplesThanThePartHas) {
     EXPECT_EQ(samples_a_launch(job), (1u << 18) * 16);
     job.samples = 1u << 20;
     EXPECT_EQ(samples_a_launch(job), 1u << 20);
+}
+
+struct NoCompaction : Compaction {
+    void compact(Queue&) override {}
+};
+
+TEST(BatchesTest, TheHostAsksForTheEndOfLongPathsWhereNobodyTellsIt) {
+    Job job;
+    job.longest_path = 1000000;
+    EXPECT_TRUE(asks_for_the_end(job, 512));
+    EXPECT_FALSE(asks_for_the_end(job, 513));
+    NoCompaction compaction;
+    job.compaction = &compaction;
+    EXPECT_TRUE(asks_for_the_end(job, 512));
+    // The read-back of the count has the pinned words that asking would use.
+    job.reads_back = true;
+    EXPECT_FALSE(asks_for_the_end(job, 512));
+    job.compaction = nullptr;  // nothing to read back
+    EXPECT_TRUE(asks_for_the_end(job, 512));
+    const std::uint32_t sample = 0;
+    job.cursor = &sample;
+    EXPECT_FALSE(asks_for_the_end(job, 512));
+    job.cursor = nullptr;
+    job.longest_path = few_segments;
+    EXPECT_FALSE(asks_for_the_end(job, 512));
 }
 
 TEST(BatchesTest, APersistentLaunchTakesAsManySamplesAsItHasNumbersForPieces) {

@@ -135,6 +135,22 @@ TEST_F(Gate, WavefrontsEndWithTheirPathsNotWithTheDepth) {
     }
 }
 
+// Where the host reads the count back it need not ask, and paths that all live on must not be taken for ended.
+TEST_F(Gate, AReadBackOfLongPathsTakesThemAllToTheirEnd) {
+    const Scene scene = stability_scene("furnace_sphere");
+    RenderRequest request{
+        .variant = expand({}, Backend::cuda).front(), .backend = Backend::cuda, .settings = default_settings(scene)};
+    request.settings.width = request.settings.height = 16;
+    request.settings.depth = 5000;
+    request.variant.set("arithmetic", "exact");
+    request.variant.set("compaction", "cub_select_if");
+    request.variant.tuning["read_back"] = 1;
+    for (const char* integrator : {"wavefront", "wavefront_fused"}) {
+        request.variant.set("integrator", integrator);
+        EXPECT_EQ(render(scene, request).work.rays, 256u * 5000) << integrator;
+    }
+}
+
 // Threads that count more than their block can add up do so in between.
 TEST_F(Gate, PersistentThreadsCountWhatDoesNotFitIntoABlocksSum) {
     const Scene scene = stability_scene("furnace_sphere");

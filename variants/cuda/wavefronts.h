@@ -46,13 +46,20 @@ inline void compact(Job& job, Queue& queue) {
 }
 
 // Without a read-back nobody tells the host that all paths of a batch have ended. Where they may be long enough for
-// that to cost more than asking, it asks now and then: the device counts the paths that each segment finds alive. Made
-// before the segment is enqueued; a batch that is captured cannot ask.
+// that to cost more than asking, it asks now and then. A batch that is captured cannot ask.
+inline bool asks_for_the_end(const Job& job, std::uint32_t segment) {
+    constexpr std::uint32_t segments_between = 512;
+    const bool is_told = job.reads_back && job.compaction != nullptr;
+    return !is_told && job.cursor == nullptr && job.longest_path > few_segments && segment % segments_between == 0;
+}
+
+// The device counts the paths that each segment finds alive. Made before the segment is enqueued; the pinned words are
+// those of a read-back, which there is none of where this asks.
 class EndOfPaths {
 public:
     EndOfPaths(Job& job, std::uint32_t segment)
         : job_(job),
-          asks_(job.cursor == nullptr && job.longest_path > few_segments && segment % segments_between == 0),
+          asks_(asks_for_the_end(job, segment)),
           live_(job.segments.live + segment),
           counts_(reinterpret_cast<std::uint64_t*>(job.pinned_count)) {
         if (asks_) {
@@ -71,8 +78,6 @@ public:
     }
 
 private:
-    static constexpr std::uint32_t segments_between = 512;
-
     void read(int i) {
         PT_CUDA_CHECK(cudaMemcpyAsync(counts_ + i, live_, sizeof *live_, cudaMemcpyDeviceToHost, job_.stream));
     }
