@@ -147,9 +147,10 @@ FeatureSet features_of(const Scene& scene) {
     const bool shutter_moves_objects = scene.camera.shutter_open != 0 || scene.camera.shutter_close != 0;
     FeatureSet features = no_features;
     for (const SceneObject& object : scene.objects) {
-        features = features | by_kind[static_cast<std::size_t>(classify(object))];
+        const PrimitiveKind kind = classify(object);
+        features = features | by_kind[static_cast<std::size_t>(kind)];
         features |= material_features(scene.materials[object.material]);
-        if (is_near_eye(object, scene.camera.eye)) {
+        if (kind == PrimitiveKind::sphere && is_near_eye(object, scene.camera.eye)) {
             features = features | Feature::near_sphere;
         }
         if (shutter_moves_objects && !is_black(object.velocity)) {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "kernels/light.h"
+#include "tests/support/random_vectors.h"
 #include "tests/support/render.h"
 #include "tests/support/scenes.h"
 
@@ -17,6 +18,7 @@ namespace pt {
 namespace {
 
 using test::Random;
+using test::random_in_cube;
 using test::SceneBuilder;
 using test::Stages;
 using Wide = Vec3<long double>;
@@ -25,12 +27,6 @@ template <class Real>
 class IntersectTest : public testing::Test {};
 using Reals = testing::Types<float, double>;
 TYPED_TEST_SUITE(IntersectTest, Reals);
-
-template <class Real>
-Vec3<Real> random_in_cube(Random& random, double half) {
-    return {static_cast<Real>(random.uniform(-half, half)), static_cast<Real>(random.uniform(-half, half)),
-            static_cast<Real>(random.uniform(-half, half))};
-}
 
 template <class Real>
 Ray<Real> random_ray(Random& random, double half) {

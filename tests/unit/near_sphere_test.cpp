@@ -7,13 +7,14 @@
 
 #include "harness/scene/scene_buffers.h"
 #include "kernels/intersect.h"
+#include "tests/support/random_vectors.h"
 #include "tests/support/scenes.h"
-#include "tests/support/statistics.h"
 
 namespace pt {
 namespace {
 
 using test::Random;
+using test::random_in_cube;
 using test::SceneBuilder;
 using Wide = Vec3<long double>;
 
@@ -35,12 +36,6 @@ Scene ground(double radius) {
     return builder.scene;
 }
 
-template <class Real>
-Vec3<Real> in_cube(Random& random, double half) {
-    return {static_cast<Real>(random.uniform(-half, half)), static_cast<Real>(random.uniform(-half, half)),
-            static_cast<Real>(random.uniform(-half, half))};
-}
-
 // |o - c|^2 - R^2 of a point relative to the eye, without the cancellation: the ground's pole is at y = -height.
 long double exact_power(const Wide& point, long double radius) {
     const long double above = point.y + static_cast<long double>(height);
@@ -59,8 +54,8 @@ TYPED_TEST(NearSphereTest, DistancesKeepTheirDigits) {
         const SceneBuffers<Real> buffers(scene, default_settings(scene));
         int met = 0;
         for (int i = 0; i < 20000; ++i) {
-            const Vec3<Real> origin = i % 2 == 0 ? Vec3<Real>(Real(0)) : in_cube<Real>(random, 1);
-            Vec3<Real> direction = normalize(in_cube<Real>(random, 1));
+            const Vec3<Real> origin = i % 2 == 0 ? Vec3<Real>(Real(0)) : random_in_cube<Real>(random, 1);
+            Vec3<Real> direction = normalize(random_in_cube<Real>(random, 1));
             direction.y = -std::abs(direction.y);
             const Wide o(origin), d(direction);
             const long double a = dot(d, d), power = exact_power(o, radius);
@@ -100,7 +95,7 @@ TYPED_TEST(NearSphereTest, FromWithinToo) {
     const Wide centre(Vec3<double>(0, radius - height, 0));
     const long double inside = static_cast<long double>(radius) - centre.y;  // the height, as the scene has it
     for (int i = 0; i < 20000; ++i) {
-        const Vec3<Real> direction = normalize(in_cube<Real>(random, 1));
+        const Vec3<Real> direction = normalize(random_in_cube<Real>(random, 1));
         const Wide d(direction);
         const long double a = dot(d, d), b = dot(centre, d);
         const long double power = -inside * (2 * static_cast<long double>(radius) - inside);
@@ -163,7 +158,7 @@ TEST(NearSphere, OthersKeepTheirBits) {
     const SceneBuffers<float> buffers(builder.scene, default_settings(builder.scene));
     int met = 0;
     for (int i = 0; i < 20000; ++i) {
-        const Ray<float> ray{in_cube<float>(random, 6), normalize(in_cube<float>(random, 1)), 0, {}};
+        const Ray<float> ray{random_in_cube<float>(random, 6), normalize(random_in_cube<float>(random, 1)), 0, {}};
         const Hit<float> without = closest_hit<Config<float, no_features | Feature::sphere>>(buffers.view(), ray);
         const Hit<float> with = closest_hit<Config<float, Feature::sphere | Feature::near_sphere>>(buffers.view(), ray);
         ASSERT_EQ(bits_of(with.t), bits_of(without.t));

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "kernels/light.h"
+#include "tests/support/random_vectors.h"
 #include "tests/support/render.h"
 #include "tests/support/scenes.h"
 
@@ -14,6 +15,7 @@ namespace pt {
 namespace {
 
 using test::Random;
+using test::random_in_cube;
 using Wide = Vec3<long double>;
 
 template <class Real>
@@ -30,12 +32,6 @@ Vec3<Real> random_direction(Random& random) {
     const long double z = 1 - 2 * static_cast<long double>(u), r = sqrtl(1 - z * z), phi = 6.283185307179586L * v;
     return normalize(
         Vec3<Real>{static_cast<Real>(r * cosl(phi)), static_cast<Real>(r * sinl(phi)), static_cast<Real>(z)});
-}
-
-template <class Real>
-Vec3<Real> random_in_cube(Random& random, double half) {
-    return {static_cast<Real>(random.uniform(-half, half)), static_cast<Real>(random.uniform(-half, half)),
-            static_cast<Real>(random.uniform(-half, half))};
 }
 
 Wide unit_quadratic_terms(const Wide& f, const Wide& g) { return {dot(g, g), -dot(f, g), dot(f, f) - 1}; }

@@ -3,8 +3,6 @@
 #include <cmath>
 #include <type_traits>
 
-#include <fmt/format.h>
-
 #include "harness/stability/oracles/direct_rays.h"
 
 namespace pt::stability {
