@@ -7,7 +7,7 @@ ratio is that of two medians, both sets drawn independently.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +25,8 @@ VERDICT_RULE = (
     f"With at least {MINIMUM_SAMPLES} samples on both sides: "
     f"FASTER or SLOWER where the whole 95 % interval of the ratio lies more than {THRESHOLD:.0%} below or above 1; "
     f"SAME where all of it lies within 1 ± {THRESHOLD:.0%}; UNSURE otherwise, with the reason. "
-    "Where the clock was measured, the same rule in cycles (time x clock) must not contradict it; if it does, UNSURE."
+    "Where the clock was measured, the same rule in cycles (time x clock) must not contradict it; if it does, UNSURE. "
+    "Where it was not, the verdict is one in time alone and says so. Intervals have as many digits as show the verdict."
 )
 INTERVAL_TEXT = "95 % percentile bootstrap of the median ({} resamples, fixed seed)".format(
     f"{RESAMPLES:,}".replace(",", " ")
@@ -47,6 +48,13 @@ class Verdict:
     word: str
     reason: str = ""
     needs_samples: bool = False  # more of them, nothing else, would settle it
+    note: str = ""  # what a reader of the word must know, whatever the word
+    withheld: str = ""  # the word that the times alone would give, where the way they were taken forbids it
+
+    @property
+    def said(self) -> str:
+        """All that stands beside the word."""
+        return "; ".join(text for text in (self.reason, self.note) if text)
 
 
 def _resampled_medians(values: np.ndarray, random: np.random.Generator) -> np.ndarray:
@@ -111,14 +119,75 @@ def verdict_of_ratio(ratio: Estimate, threshold: float = THRESHOLD) -> Verdict:
     """What the interval of a ratio of times allows to say; a difference within `threshold` counts as none."""
     if ratio.n < MINIMUM_SAMPLES or ratio.low is None or ratio.high is None:
         return Verdict(UNSURE, f"n = {ratio.n}, a verdict needs {MINIMUM_SAMPLES}", needs_samples=True)
-    if ratio.high < 1 - threshold:
-        return Verdict(FASTER)
-    if ratio.low > 1 + threshold:
-        return Verdict(SLOWER)
-    if ratio.low >= 1 - threshold and ratio.high <= 1 + threshold:
-        return Verdict(SAME)
-    limit = f"{100 * threshold:.3g} %"
-    return Verdict(UNSURE, f"interval [{ratio.low:.3f}, {ratio.high:.3f}] reaches both sides of a {limit} limit")
+    word = word_of(ratio.low, ratio.high, threshold)
+    if word != UNSURE:
+        return Verdict(word)
+    limit, ends = decisive(ratio.low, ratio.high, threshold)
+    return Verdict(UNSURE, f"interval {ends} reaches both sides of a {limit} % limit")
+
+
+def word_of(low: float, high: float, threshold: float = THRESHOLD) -> str:
+    """The verdict on an interval of a ratio, however many samples are behind it."""
+    if high < 1 - threshold:
+        return FASTER
+    if low > 1 + threshold:
+        return SLOWER
+    return SAME if low >= 1 - threshold and high <= 1 + threshold else UNSURE
+
+
+def telling_digits(
+    values: Sequence[float], limits: Sequence[float], text: Callable[[float, int], str], least: int = 3
+) -> int:
+    """The fewest digits, from `least` on, with which every printed value is on its own side of each limit."""
+
+    def sides(value: float) -> list[tuple[bool, bool]]:
+        return [(value < limit, value > limit) for limit in limits]
+
+    def tells(digits: int) -> bool:
+        return all(sides(float(text(value, digits))) == sides(value) for value in values)
+
+    return next((digits for digits in range(least, 18) if tells(digits)), 18)
+
+
+def decisive(low: float, high: float, *thresholds: float) -> tuple[str, str]:
+    """The first limit in per cent and the interval, in digits that show on which side of every limit each end lies.
+
+    So whoever judges by the printed numbers comes to the verdict that was given.
+    """
+    thresholds = thresholds or (THRESHOLD,)
+    limit = _limit_text(low, high, thresholds[0])
+    limits = [1 + sign * one for one in (*thresholds, float(limit) / 100) for sign in (-1, 1)]
+    digits = telling_digits((low, high), limits, _rounded)
+    return limit, f"[{_rounded(low, digits)}, {_rounded(high, digits)}]"
+
+
+def _limit_text(low: float, high: float, threshold: float) -> str:
+    """In per cent; a noise floor is cut off, too, and must leave each end on its side."""
+
+    def sides(limit: float) -> list[tuple[bool, bool]]:
+        return [(end < 1 - limit, end > 1 + limit) for end in (low, high)]
+
+    texts = [f"{100 * threshold:.{digits}g}" for digits in range(3, 18)]
+    return next((text for text in texts if sides(float(text) / 100) == sides(threshold)), texts[-1])
+
+
+def interval_of_ratio(estimate: Estimate, *thresholds: float) -> str:
+    """ "[0.9938, 1.0102]", in digits that show the verdict at those thresholds; empty without an interval."""
+    if estimate.low is None or estimate.high is None:
+        return ""
+    return decisive(estimate.low, estimate.high, *thresholds)[1]
+
+
+def _rounded(value: float, digits: int) -> str:
+    return f"{value:.{digits if abs(value) < 10 else digits - 1}f}"
+
+
+CLOCK_UNKNOWN = "cycles not compared: the clock is unknown"
+
+
+def withheld(verdict: Verdict, reason: str) -> Verdict:
+    """UNSURE for what is known of the samples, whatever their times say; that is kept, as it may matter to a gate."""
+    return Verdict(UNSURE, reason, note=verdict.note, withheld=verdict.word)
 
 
 def confirmed(in_time: Verdict, in_cycles: Verdict | None) -> Verdict:

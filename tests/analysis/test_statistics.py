@@ -10,13 +10,18 @@ from analysis.statistics import (
     FASTER,
     SAME,
     SLOWER,
+    THRESHOLD,
     UNSURE,
     Estimate,
     Verdict,
     confirmed,
+    decisive,
+    interval_of_ratio,
     median_estimate,
     ratio_estimate,
     verdict_of_ratio,
+    withheld,
+    word_of,
 )
 
 
@@ -108,6 +113,41 @@ def test_the_verdict_rule(low, high, n, word):
     assert bool(verdict.reason) == (word == UNSURE)
     if n < 9:
         assert verdict.reason == "n = 8, a verdict needs 9"
+
+
+def test_printed_intervals_show_what_is_claimed():
+    verdict = verdict_of_ratio(Estimate(1, 0.99381, 1.01021, 9))
+    assert verdict.reason == "interval [0.9938, 1.0102] reaches both sides of a 1 % limit"
+    assert interval_of_ratio(Estimate(0.95, 0.9, 0.98996, 9)) == "[0.90000, 0.98996]"
+    assert interval_of_ratio(Estimate(0.95, 0.9, 0.98, 9)) == "[0.900, 0.980]"
+    assert interval_of_ratio(Estimate(20, 12.346, 30, 9)) == "[12.35, 30.00]"
+    assert interval_of_ratio(Estimate(1.1, 1.00004, 1.2, 9), 0.0) == "[1.00004, 1.20000]"
+    assert interval_of_ratio(Estimate(1, None, None, 1)) == ""
+
+
+def test_the_verdict_by_the_printed_digits_is_the_verdict():
+    """Random intervals, most with an end close to a limit; at 1 % and at noise floors of any digits."""
+    random = np.random.default_rng(7)
+    seen = set()
+    for _ in range(4000):
+        threshold = THRESHOLD if random.random() < 0.5 else float(random.uniform(0.01, 0.25))
+        near = [1 - threshold, 1 + threshold, 1.0, float(random.uniform(0.5, 2))]
+        ends = sorted(float(random.choice(near)) + random.normal() * 10 ** random.uniform(-9, -1) for _ in range(2))
+        verdict = verdict_of_ratio(Estimate(sum(ends) / 2, *ends, 9), threshold)
+        limit, shown = decisive(*ends, threshold)
+        low, high = map(float, shown.strip("[]").split(", "))
+        for told in (threshold, float(limit) / 100):
+            assert word_of(low, high, told) == verdict.word, (ends, threshold, shown, limit)
+        if verdict.word == UNSURE:
+            assert f"interval {shown} reaches both sides of a {limit} % limit" == verdict.reason
+            assert any(low <= side <= high for side in (1 - threshold, 1 + threshold))
+        seen.add(verdict.word)
+    assert seen == {FASTER, SLOWER, SAME, UNSURE}
+
+
+def test_a_verdict_withheld_keeps_what_the_times_say():
+    verdict = withheld(Verdict(SLOWER, note="a note"), "disturbed")
+    assert (verdict.word, verdict.withheld, verdict.said) == (UNSURE, SLOWER, "disturbed; a note")
 
 
 @pytest.mark.parametrize(
