@@ -196,10 +196,10 @@ class Cell:
 
         Other processes can only make the host late, and then the render takes longer than the device worked.
         """
-        return sum(
-            sample.contended and (self.backend != "cuda" or sample.host_share > MOST_HOST_SHARE)
-            for sample in self.samples
-        )
+        return sum(self.is_disturbed(sample) for sample in self.samples)
+
+    def is_disturbed(self, sample: Sample) -> bool:
+        return sample.contended and (self.backend != GPU_BACKEND or sample.host_share > MOST_HOST_SHARE)
 
     @property
     def resolution_text(self) -> str:
