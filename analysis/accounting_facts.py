@@ -12,6 +12,7 @@ import numpy as np
 
 from analysis.accounting import Accounting
 from analysis.results import Cell, Result
+from analysis.statistics import CLOCK_UNKNOWN
 from analysis.style import figures
 from analysis.style import ratio as ratio_text
 
@@ -44,15 +45,18 @@ def percent(part: float, whole: float) -> str:
     return f"{round(100 * part / whole)} %" if whole else "no part"
 
 
-def facts_of(result: Result, accounting: Accounting) -> list[Fact]:
-    """All that the file has on the two, in the order: work, host, machine, kernels, bytes."""
+def facts_of(result: Result, accounting: Accounting, *, has_difference: bool = True) -> list[Fact]:
+    """All that the file has on the two, in the order: work, host, machine, kernels, bytes.
+
+    Without a verdict of FASTER or SLOWER there is no difference that anything could be a share of.
+    """
     a, b = accounting.a.cell, accounting.b.cell
     return [
         *_rays(accounting),
-        *_upkeep(accounting),
+        *_upkeep(accounting, has_difference),
         *_slots(a, b),
-        *_launches(result, accounting),
-        *_host(accounting),
+        *_launches(result, accounting, has_difference),
+        *_host(accounting, has_difference),
         *_clock(a, b),
         *_threads(result, a, b),
         *_kernels(a, b),
@@ -82,7 +86,7 @@ def _rays(accounting: Accounting) -> Iterator[Fact]:
     yield Fact(NS_A_RAY, each_a * 1e6, each_b * 1e6, f"{signed(dearer)} ms over B's rays")
 
 
-def _upkeep(accounting: Accounting) -> Iterator[Fact]:
+def _upkeep(accounting: Accounting, has_difference: bool) -> Iterator[Fact]:
     """What keeping the queue or a cache costs, against what it saves elsewhere."""
     upkeep = [step for step in accounting.stages if not step.is_tracing]
     if not upkeep:
@@ -90,7 +94,9 @@ def _upkeep(accounting: Accounting) -> Iterator[Fact]:
     tracing = [step for step in accounting.stages if step.is_tracing]
     cost, rest = sum(s.difference for s in upkeep), sum(s.difference for s in tracing)
     says = ""
-    if cost > 0 > rest:
+    if not has_difference:
+        says = f"{signed(cost)} ms here, {signed(rest)} ms in tracing and shading"
+    elif cost > 0 > rest:
         says = f"tracing and shading give back {percent(-rest, cost)} of what it costs more"
     elif cost < 0 < rest:
         says = f"tracing and shading take back {percent(rest, -cost)} of what it saves"
@@ -120,7 +126,7 @@ def _slots(a: Cell, b: Cell) -> Iterator[Fact]:
     )
 
 
-def _launches(result: Result, accounting: Accounting) -> Iterator[Fact]:
+def _launches(result: Result, accounting: Accounting, has_difference: bool) -> Iterator[Fact]:
     a, b = accounting.a.cell, accounting.b.cell
     counts = a.work_per_spp("launches"), b.work_per_spp("launches")
     if None not in counts and any(counts):
@@ -140,7 +146,7 @@ def _launches(result: Result, accounting: Accounting) -> Iterator[Fact]:
     if None not in waits and any(waits):
         more = waits[1] - waits[0]
         says = ""
-        if more:
+        if more and has_difference:
             each = 1e3 * accounting.difference / more
             says = f"the whole difference would be {figures(each, 3)} us a wait; its share is not measured apart"
         yield Fact("host waits a spp", *waits, says)
@@ -159,7 +165,7 @@ def _least_time_of_a_launch(result: Result) -> tuple[float, Cell] | None:
     return min(found, key=lambda pair: pair[0], default=None)
 
 
-def _host(accounting: Accounting) -> Iterator[Fact]:
+def _host(accounting: Accounting, has_difference: bool) -> Iterator[Fact]:
     a, b = accounting.a.cell, accounting.b.cell
     if not (a.on_gpu and b.on_gpu):
         return
@@ -172,7 +178,8 @@ def _host(accounting: Accounting) -> Iterator[Fact]:
     ]
     if None not in times:
         more = times[1] - times[0]
-        says = f"{percent(more, accounting.difference)} of the difference; waits within the render are device time"
+        share = f"{percent(more, accounting.difference)} of the difference; " if has_difference else ""
+        says = f"{share}waits within the render are device time"
         yield Fact("wall less device time, ms a spp", *times, says)
 
 
@@ -186,6 +193,8 @@ def _clock(a: Cell, b: Cell) -> Iterator[Fact]:
         apart = abs(clocks[1] / clocks[0] - 1)
         says = "compare cycles" if apart > _CLOCK_MATTERS else f"the same within {100 * _CLOCK_MATTERS:g} %"
         yield Fact("clock round the samples, MHz", *clocks, says)
+    else:
+        yield Fact("clock round the samples, MHz", *clocks, CLOCK_UNKNOWN)
 
 
 def _threads(result: Result, a: Cell, b: Cell) -> Iterator[Fact]:

@@ -23,7 +23,7 @@ from analysis.convergence_fit import (
 )
 from analysis.intervals import half_width, holm, standard_error, stands_apart
 from analysis.results import Cell, Result
-from analysis.statistics import Estimate, median_estimate
+from analysis.statistics import Estimate, median_estimate, telling_digits
 
 CONVERGES, PLATEAU, NOISE_LIMITED, INVALID = "converges", "plateau", "noise-limited", "invalid"
 NO_VERDICT = "no verdict"
@@ -152,9 +152,15 @@ def _verdict(curve: Curve, fit: Fit, slope: Slope | None, curves: int) -> tuple[
     if high > MOST_HIDDEN * last:
         common = half_width(0, freedom, level, offset) > 0.5 * half
         what = "a better reference" if common else "more spp, seeds or pixels"
-        share = f"{100 * high / last:.0f} % of the last squared error" if last > 0 else f"{high:.2g}"
+        share = f"{_percent(high / last)} of the last squared error" if last > 0 else f"{high:.2g}"
         return Verdict(NOISE_LIMITED, f"bias² of up to {share} could be there; {what} would tell"), (low, high)
     return Verdict(CONVERGES), (low, high)
+
+
+def _percent(share: float) -> str:
+    """In digits that show on which side of the limit it lies."""
+    digits = telling_digits([100 * share], [100 * MOST_HIDDEN], lambda value, count: f"{value:.{count}f}", least=0)
+    return f"{100 * share:.{digits}f} %"
 
 
 def _mean_off(curve: Curve, level: float) -> np.ndarray | None:

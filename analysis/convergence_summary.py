@@ -15,14 +15,16 @@ from analysis.efficiency import (
     by_place,
     checkpoint_costs,
     compare,
+    ends_beside_one,
     names_in,
     target_of,
     time_to,
 )
 from analysis.results import Result, Study
 from analysis.statistics import Estimate
-from analysis.style import figures, interval, ratio
+from analysis.style import figures, ratio
 from analysis.tables import Lines, Table
+from analysis.withdrawn import between
 
 _NONE = "—"
 _CLOCK_NAMES = {"wall_ms": "Wall", "device_ms": "Device", "cpu_ms": "CPU"}
@@ -52,7 +54,9 @@ def convergence_tables(result: Result, study: Study) -> Lines:
         lines += [*_costs(group, names, baseline), ""]
         if costs := checkpoint_costs(result, group):
             lines += ["Render wall time per spp with checkpoints over that without, 95 % bootstrap of the medians:", ""]
-            rows = [[names[cost.cell.name], ratio(cost.ratio.value), _ends(cost.ratio), cost.word] for cost in costs]
+            rows = [
+                [names[cost.cell.name], ratio(cost.ratio.value), cost.interval or _NONE, cost.word] for cost in costs
+            ]
             lines += [*_table(("Variant", "Ratio", "95 % interval", ""), rows, "lrrl"), ""]
     return lines
 
@@ -192,13 +196,18 @@ def _costs(group: Sequence[Assessment], names: dict[str, str], baseline: Assessm
                 *(_value(one.ms_per_spp.get(clock), figures) for clock in clocks),
                 _value(None if compared is None else compared.work, lambda value: f"{value:.4g}"),
                 _NONE if compared is None else _small(compared.work),
-                "baseline" if one is baseline else _value(efficiency, lambda value: figures(value, 3)),
-                _NONE if efficiency is None else _ends(efficiency),
+                "baseline" if one is baseline else _efficiency(efficiency, one, baseline),
+                _NONE if efficiency is None else (ends_beside_one(efficiency) or _NONE),
                 _value(time, _time),
                 _NONE if time is None or time.low is None else f"[{_time(time.low)}, {_time(time.high)}]",
             ]
         )
     return _table(head, rows, "l" + "r" * (len(head) - 1))
+
+
+def _efficiency(efficiency: Estimate | None, one: Assessment, baseline: Assessment | None) -> str:
+    is_withdrawn = efficiency is not None and baseline is not None and between(one.cell, baseline.cell)
+    return _value(efficiency, lambda value: figures(value, 3)) + (" (withdrawn)" if is_withdrawn else "")
 
 
 def _value(estimate: Estimate | None, text: Callable[[float], str]) -> str:
@@ -212,10 +221,6 @@ def _time(value: float) -> str:
 def _small(estimate: Estimate) -> str:
     """An interval of numbers that may be far below 1, or below 0."""
     return _NONE if estimate.low is None else f"[{estimate.low:.3g}, {estimate.high:.3g}]"
-
-
-def _ends(estimate: Estimate) -> str:
-    return _NONE if estimate.low is None else interval(estimate.low, estimate.high, 3)
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]], sides: str) -> Lines:

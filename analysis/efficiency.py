@@ -14,8 +14,9 @@ import numpy as np
 from analysis.convergence import PLATEAU, Assessment
 from analysis.intervals import bootstrap_interval, resampled
 from analysis.results import Cell, Result
-from analysis.statistics import SEED, Estimate, ratio_estimate
+from analysis.statistics import SEED, THRESHOLD, Estimate, interval_of_ratio, ratio_estimate, telling_digits
 from analysis.studies import usual_baseline
+from analysis.style import figures, interval
 
 _SUFFIX = "/checkpoints:octaves"
 COMPANION = "_without_checkpoints"
@@ -176,6 +177,14 @@ def compare(assessment: Assessment, baseline: Assessment | None) -> Compared | N
     return Compared(work, bootstrap_interval(ratio, theirs / own, min(count, others)))
 
 
+def ends_beside_one(efficiency: Estimate) -> str:
+    """The interval in digits that show on which side of 1 each end lies; empty without one."""
+    if efficiency.low is None or efficiency.high is None:
+        return ""
+    ends = efficiency.low, efficiency.high
+    return interval(*ends, telling_digits(ends, [1], figures))
+
+
 def target_of(group: Sequence[Assessment]) -> float | None:
     """A round squared error's root that every cell not yet at a plateau has reached in what was measured."""
     fitted = [one for one in group if one.fit is not None and one.last_error > 0]
@@ -254,13 +263,18 @@ class CheckpointCost:
     ratio: Estimate
 
     @property
+    def interval(self) -> str:
+        """In digits that show the word; empty with one sample."""
+        return interval_of_ratio(self.ratio, 0, THRESHOLD)
+
+    @property
     def word(self) -> str:
         low, high = self.ratio.low, self.ratio.high
         if low is None or high is None:
             return "one sample: no interval"
         if low <= 1 <= high:
             return "within noise"
-        if low >= 0.99 and high <= 1.01:
+        if low >= 1 - THRESHOLD and high <= 1 + THRESHOLD:
             return "within 1 %"
         return "SLOWER with checkpoints" if low > 1 else "FASTER with checkpoints"
 

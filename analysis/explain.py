@@ -19,7 +19,7 @@ from analysis.nodes import read_json, shown
 from analysis.results import Cell, Result, result_of
 from analysis.saving import save_figure
 from analysis.stability_file import is_stability
-from analysis.statistics import Estimate, Verdict
+from analysis.statistics import FASTER, SLOWER, Estimate, Verdict
 from analysis.studies import time_ratio
 from analysis.variant_names import find_variant, labels_of
 
@@ -51,6 +51,11 @@ class Pair:
     accounting: Accounting
     facts: tuple[Fact, ...]
     inspected: tuple[Inspected, Inspected] | None = None
+
+    @property
+    def has_difference(self) -> bool:
+        """Whether there is a difference for the parts to be parts of."""
+        return self.verdict.word in (FASTER, SLOWER)
 
     @property
     def cells(self) -> tuple[Cell, Cell]:
@@ -170,7 +175,7 @@ def _pair(
         ratio,
         verdict,
         accounting,
-        tuple(facts_of(result, accounting)),
+        tuple(facts_of(result, accounting, has_difference=verdict.word in (FASTER, SLOWER))),
         None if None in counted else counted,
     )
 

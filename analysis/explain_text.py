@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 
 from analysis.accounting import ADD_UP_WITHIN, OUTSIDE, PASSES, TRACING, WHOLE, Account, Step
 from analysis.accounting_facts import NS_A_RAY, percent, rays_per_spp, same_work, signed
+from analysis.disturbed import disturbance_of
 from analysis.inspect_file import KernelCounters, price_of_a_ray
 from analysis.results import Result
-from analysis.statistics import FASTER, INTERVAL_TEXT, SLOWER, VERDICT_RULE
-from analysis.style import figures, interval
+from analysis.statistics import INTERVAL_TEXT, VERDICT_RULE, interval_of_ratio, telling_digits
+from analysis.style import figures
 from analysis.style import ratio as ratio_text
+from analysis.withdrawn import between
 
 if TYPE_CHECKING:
     from analysis.explain import Found, Pair
@@ -26,6 +28,8 @@ _METHOD = (
     "render, whose own noise is not known. What differs beside the times goes with the difference; that it causes it, "
     "no file can say."
 )
+
+_NO_PART = "—"  # of a difference that is not known to be there
 
 _PROFILED = (
     ", more than 5 % away: the profiled render, another one with its own spp and clocks, does not account for this "
@@ -61,6 +65,8 @@ def page_of(result: Result, names: tuple[str, str], found: Found, pictures: dict
 
 def _section(pair: Pair) -> list[str]:
     lines = [f"## {pair.setting}", "", finding(pair), ""]
+    lines += [f"- Disturbed, {side}: {disturbance_of([cell])}." for side, cell in zip("AB", pair.cells, strict=True)]
+    lines += [f"- Withdrawn: {entry.full}" for entry in between(*pair.cells)] + [""]
     lines += [*_table(("", "A", "B", "B - A", "Range", "Part of the difference"), _step_rows(pair)), ""]
     lines += [f"- {text}" for text in how_far(pair)] + [""]
     if pair.facts:
@@ -72,17 +78,17 @@ def _section(pair: Pair) -> list[str]:
 def finding(pair: Pair) -> str:
     """The result in one sentence, no firmer than the verdict on the times."""
     a, b = pair.labels
-    word, reason = pair.verdict.word, pair.verdict.reason
+    word, said = pair.verdict.word, pair.verdict.said
     totals = f"{figures(pair.accounting.b.total.value)} against {figures(pair.accounting.a.total.value)} ms a spp"
-    times = f"{ratio_text(pair.ratio.value)} {interval(pair.ratio.low, pair.ratio.high)}"
-    if word not in (FASTER, SLOWER):
-        because = f" ({reason})" if reason else ""
+    times = f"{ratio_text(pair.ratio.value)} {interval_of_ratio(pair.ratio) or 'no interval'}"
+    because = f" ({said})" if said else ""
+    if not pair.has_difference:
         known = "take the same time" if word == "SAME" else "are not known to differ"
         return (
             f"{word}: B ({b}) and A ({a}) {known}, {times} of the time, {totals}{because}: there is nothing to "
             "explain; the differences below cancel or are noise."
         )
-    return f"{word}: B ({b}) takes {times} of the time of A ({a}), {totals}; {_where(pair)}."
+    return f"{word}: B ({b}) takes {times} of the time of A ({a}), {totals}{because}; {_where(pair)}."
 
 
 def _where(pair: Pair) -> str:
@@ -128,11 +134,11 @@ def _step_rows(pair: Pair) -> list[tuple[str, ...]]:
     rows = []
     for step in accounting.steps:
         span = f"{signed(step.low)} to {signed(step.high)}" if step.is_stage else "in no stage"
-        rows.append(
-            (step.name, _ms(step.a), _ms(step.b), signed(step.difference), span, percent(step.difference, whole))
-        )
+        part = percent(step.difference, whole) if pair.has_difference else _NO_PART
+        rows.append((step.name, _ms(step.a), _ms(step.b), signed(step.difference), span, part))
     totals = accounting.a.total.value, accounting.b.total.value
-    rows.append(("median of the timed samples", _ms(totals[0]), _ms(totals[1]), signed(whole), "", "100 %"))
+    part = "100 %" if pair.has_difference else _NO_PART
+    rows.append(("median of the timed samples", _ms(totals[0]), _ms(totals[1]), signed(whole), "", part))
     return rows
 
 
@@ -170,14 +176,21 @@ def _passes(name: str, account: Account) -> str:
     staged, wall, timed = sum(account.stages.values()), account.instrumented, account.total.value
     own = "within 5 %" if abs(wall - staged) <= ADD_UP_WITHIN * wall else "more than 5 % off"
     text = (
-        f"{name}: its stages add up to {100 * staged / wall:.1f} % of the instrumented pass's wall time ({own}) and to "
-        f"{100 * staged / timed:.1f} % of the timed median"
+        f"{name}: its stages add up to {_share(staged / wall)} of the instrumented pass's wall time ({own}) and to "
+        f"{_share(staged / timed)} of the timed median"
     )
     if account.adds_up:
         return text + " (within 5 %)."
     graph = account.cell.axes.get("launch", "stream")
     without = f"; that pass ran without the {graph}" if graph != "stream" else ""
     return text + f" (more than 5 % off): they are that pass's times, not the timed samples'{without}."
+
+
+def _share(part: float) -> str:
+    """In digits that show whether it is within 5 % of all."""
+    limits = [100 * (1 - ADD_UP_WITHIN), 100 * (1 + ADD_UP_WITHIN)]
+    digits = telling_digits([100 * part], limits, lambda value, count: f"{value:.{count}f}", least=1)
+    return f"{100 * part:.{digits}f} %"
 
 
 def _counted(pair: Pair) -> list[str]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from analysis import style
+from analysis.disturbed import disturbance_of
 from analysis.errors import NotDrawable
 from analysis.figures import PICTURES, collect_study, draw_study, parts_of_study
 from analysis.files import make_folder, one_line, safe_name, write_text
@@ -49,6 +50,7 @@ def plots(path: Path, out: Path | None) -> int:
     result = result_of(root)
     folder = out if out is not None else default_folder(result)
     make_folder(folder)
+    print(f"disturbed: {disturbance_of(result.cells)}")
     not_drawn: dict[str, list[str]] = {}
     notes: dict[str, Sequence[Note]] = {}
     taken: set[str] = set()

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from analysis.disturbed import MOST_DISTURBED
 from analysis.results import LATER_AXES, Cell, NotApplicable, Result, Study
 from analysis.statistics import (
+    CLOCK_UNKNOWN,
     MINIMUM_SAMPLES,
     THRESHOLD,
     Estimate,
@@ -16,7 +18,9 @@ from analysis.statistics import (
     median_estimate,
     ratio_estimate,
     verdict_of_ratio,
+    withheld,
 )
+from analysis.withdrawn import among, between
 
 
 @dataclass(frozen=True)
@@ -172,7 +176,7 @@ def _measure(result: Result, study: Study | None) -> list[Row]:
     return rows
 
 
-_CONTENDED = "other processes took CPU time during more than a tenth of the samples"
+CONTENDED = "other processes took CPU time during more than a tenth of the samples"
 
 
 def _against_baseline(cell: Cell, cells: Sequence[Cell], question: Question) -> tuple[Estimate | None, Verdict]:
@@ -193,11 +197,12 @@ def time_ratio(
     `one_clock`: both ran on one machine, so that a ratio that is another one in cycles comes from a clock that moved.
     """
     ratio = ratio_estimate(cell.ms_per_spp, baseline.ms_per_spp)
-    if _is_contended(cell) or _is_contended(baseline):
-        return ratio, Verdict("UNSURE", _CONTENDED)
     cycles = cycles_ratio(cell, baseline) if one_clock else None
     in_cycles = None if cycles is None else verdict_of_ratio(cycles, threshold)
-    return ratio, confirmed(verdict_of_ratio(ratio, threshold), in_cycles)
+    notes = [entry.mark for entry in between(cell, baseline)]
+    notes += [CLOCK_UNKNOWN] if one_clock and cycles is None else []
+    verdict = replace(confirmed(verdict_of_ratio(ratio, threshold), in_cycles), note="; ".join(notes))
+    return ratio, withheld(verdict, CONTENDED) if is_contended(cell) or is_contended(baseline) else verdict
 
 
 def cycles_ratio(cell: Cell, baseline: Cell) -> Estimate | None:
@@ -206,8 +211,8 @@ def cycles_ratio(cell: Cell, baseline: Cell) -> Estimate | None:
     return None if cycles is None or baseline_cycles is None else ratio_estimate(cycles, baseline_cycles)
 
 
-def _is_contended(cell: Cell) -> bool:
-    return cell.disturbed_samples > 0.1 * len(cell.samples)
+def is_contended(cell: Cell) -> bool:
+    return cell.disturbed_samples > MOST_DISTURBED * len(cell.samples)
 
 
 # An axis that says how another one's choice works, and the choice with which it says nothing.
@@ -399,6 +404,7 @@ def notes_of(result: Result, study: Study | None, rows: Sequence[Row]) -> list[N
             where = f"{row.label} in {row.cell.scene} at depth {row.cell.depth}"
             short = f"Failed: {where} ({_clipped(_gist(row.cell))})."
             notes.append(Note("failed", short, f"{row.cell.name}: {row.cell.failure}"))
+    notes += withdrawn_notes(cells)
     _note_cells(notes, "interrupted", [c for c in cells if c.status == "interrupted"], "interrupted while measuring")
     without = [c for c in cells if not c.failed and not c.samples]
     _note_cells(notes, "no samples", without, "without a sample")
@@ -420,10 +426,13 @@ def notes_of(result: Result, study: Study | None, rows: Sequence[Row]) -> list[N
     if contended:
         total = sum(len(cell.samples) for cell in timed)
         text = f"{contended} of {total} samples while other processes took over a tenth of the CPU, kept"
-        if unsure := sum(row.verdict is not None and row.verdict.reason == _CONTENDED for row in rows):
+        if unsure := sum(row.verdict is not None and row.verdict.reason == CONTENDED for row in rows):
             text += f" ({unsure} verdict{'s' if unsure > 1 else ''} UNSURE for that)"
         where = _first([f"{cell.name} ({cell.contended_samples})" for cell in timed if cell.contended_samples])
         notes.append(Note("contended", f"{text}.", f"{text}: {where}"))
+    if unknown := [cell for cell in timed if cell.mega_cycles_per_spp is None]:
+        text = f"{len(unknown)} of {len(timed)} cells whose clock is unknown: judged in time alone, cycles not compared"
+        notes.append(Note("clock unknown", f"{text}.", f"{text}: {_first([cell.name for cell in unknown])}"))
     biased = list(dict.fromkeys(row.label for row in rows if row.cell.claim == "biased" and row.cell.measured))
     if biased:
         text = f"declared biased: {', '.join(biased)}"
@@ -438,6 +447,11 @@ def notes_of(result: Result, study: Study | None, rows: Sequence[Row]) -> list[N
         bad = [cell for cell in timed if getattr(cell, counter)]
         _note_cells(notes, counter, bad, f"with {what}", lambda cell, key=counter: str(getattr(cell, key)))
     return notes
+
+
+def withdrawn_notes(cells: Sequence[Cell]) -> list[Note]:
+    """What is withdrawn of the verdicts that these cells give against each other."""
+    return [Note("withdrawn", entry.short, entry.full) for entry in among([cell for cell in cells if cell.measured])]
 
 
 def missed(result: Result, study: Study | None) -> list[NotApplicable]:

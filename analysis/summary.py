@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from analysis.convergence_summary import convergence_rules, convergence_tables
+from analysis.disturbed import disturbance_of
 from analysis.files import one_line
 from analysis.gpu import about_gpu, gpu_line, hottest_kernel
 from analysis.results import Cell, Result, Study
-from analysis.statistics import INTERVAL_TEXT, VERDICT_RULE, Estimate
+from analysis.statistics import INTERVAL_TEXT, VERDICT_RULE, Estimate, interval_of_ratio, telling_digits
 from analysis.studies import Note, Row, measure, notes_of, question_of, usual_baseline
 from analysis.style import figures, interval, ratio
 from analysis.tables import Lines, markdown, table_of
+from analysis.withdrawn import concerning
 
 _COLUMNS = (
     "Variant", "Scene", "Depth", "Resolution", "Backend", "spp", "n", "ms/spp", "95 % interval", "Mrays/s",
@@ -59,6 +61,8 @@ def about(result: Result) -> list[tuple[str, str]]:
     return [
         ("Result file", result.path.name),
         ("Run", "INTERRUPTED: cells and samples may be missing" if result.interrupted else result.about("status")),
+        ("Disturbed", str(disturbance_of(result.cells))),
+        *(("Withdrawn", entry.full) for entry in concerning(result.cells)),
         ("Machine", result.about("machine") + ("" if on_gpu else f": {host}")),
         *(about_gpu(result, host) if on_gpu else ()),
         ("Backend", result.about("backend")),
@@ -115,7 +119,7 @@ def _table_row(row: Row, on_gpu: bool) -> list[str]:
         _ends(row.estimate),
         figures(row.mega_rays_per_second.value) if row.mega_rays_per_second else "—",
         ratio(row.ratio.value) if row.ratio else "—",
-        f"[{ratio(row.ratio.low)}, {ratio(row.ratio.high)}]" if row.ratio and row.ratio.low is not None else "—",
+        (interval_of_ratio(row.ratio) if row.ratio else "") or "—",
         "FAILED" if cell.failed else verdict,
         *(_gpu_columns(cell) if on_gpu else ()),
         "; ".join(_remarks(row)),
@@ -144,8 +148,8 @@ def _remarks(row: Row) -> Iterable[str]:
         yield "interrupted" + (f": {cell.reason}" if cell.reason else "")
     if not cell.failed and not cell.samples:
         yield "no samples"
-    if row.verdict and row.verdict.reason:
-        yield row.verdict.reason
+    if row.verdict and row.verdict.said:
+        yield row.verdict.said
     if cell.low_clock_samples:
         yield f"{cell.low_clock_samples} low-clock"
     if cell.contended_samples:
@@ -175,8 +179,9 @@ def stages(result: Result) -> Lines:
         rest = 1 - sum(ms for ms in times if ms is not None) / wall
         shares = ["—" if ms is None else f"{100 * ms / wall:.1f} %" for ms in times]
         remark = "stages do not add up to the wall time" if abs(rest) > 0.05 else ""
+        digits = telling_digits([100 * rest], [-5, 5], lambda value, count: f"{value:.{count}f}", least=1)
         size = [cell.resolution_text] if sizes else []
-        rows.append((cell.variant, cell.scene, str(cell.depth), *size, *shares, f"{100 * rest:.1f} %", remark))
+        rows.append((cell.variant, cell.scene, str(cell.depth), *size, *shares, f"{100 * rest:.{digits}f} %", remark))
     numeric = set(head) - {"Variant", "Scene", "Resolution", "Remarks"}
     return [*lines, table_of(head, rows, numeric), ""]
 

@@ -12,7 +12,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocato
 
 from analysis import style
 from analysis.convergence import PLATEAU
-from analysis.efficiency import EFFICIENCY_RULE, checkpoint_costs, compare, target_of, time_to
+from analysis.efficiency import EFFICIENCY_RULE, checkpoint_costs, compare, ends_beside_one, target_of, time_to
 from analysis.errors import NotDrawable
 from analysis.figures.convergence_groups import Group, Groups, groups_of, setting_of
 from analysis.results import Result, Study
@@ -111,8 +111,8 @@ def _efficiency_bar(one, group: Group) -> Bar:
     efficiency = compared.efficiency
     if efficiency is None:
         return Bar(label, Estimate(1.0, None, None, one.curve.count), "baseline" + plateau)
-    ends = "" if efficiency.low is None else f" {style.interval(efficiency.low, efficiency.high, 3)}"
-    return Bar(label, efficiency, f"{style.figures(efficiency.value, 3)}×{ends}{plateau}")
+    ends = ends_beside_one(efficiency)
+    return Bar(label, efficiency, f"{style.figures(efficiency.value, 3)}×{f' {ends}' if ends else ''}{plateau}")
 
 
 class CheckpointCost:
@@ -127,7 +127,7 @@ class CheckpointCost:
                 Bar(
                     group.names[cost.cell.name],
                     cost.ratio,
-                    f"{style.ratio(cost.ratio.value)}×{_ends(cost.ratio)} {cost.word}",
+                    " ".join(filter(None, (f"{style.ratio(cost.ratio.value)}×", cost.interval, cost.word))),
                 )
                 for cost in costs
             ]
@@ -150,10 +150,6 @@ class CheckpointCost:
 
 def _title(study: Study, what: str) -> str:
     return f"{study.title}: {what}" if study.title else what[0].upper() + what[1:]
-
-
-def _ends(ratio: Estimate) -> str:
-    return "" if ratio.low is None else f" [{style.ratio(ratio.low)}, {style.ratio(ratio.high)}]"
 
 
 def _time_text(time: Estimate | None) -> str:

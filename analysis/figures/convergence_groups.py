@@ -11,7 +11,7 @@ from analysis.efficiency import baseline_among, by_place, names_in
 from analysis.errors import NotDrawable
 from analysis.figures.caption import note_lines, setting
 from analysis.results import Result, Study
-from analysis.studies import MOST_TOGETHER, Note
+from analysis.studies import MOST_TOGETHER, Note, withdrawn_notes
 
 
 @dataclass(frozen=True)
@@ -86,6 +86,7 @@ def convergence_notes(result: Result, study: Study, assessed: Sequence[Assessmen
     if result.interrupted:
         text = "the run was interrupted: cells and samples may be missing"
         notes.append(Note("interrupted run", "Run interrupted: cells and samples may be missing.", text))
+    notes += withdrawn_notes(result.cells_of(study))
     for cell in result.cells_of(study):
         if cell.convergence is None:
             notes.append(Note("no checkpoints", f"{cell.variant} has no checkpoints.", f"{cell.name}: no checkpoints"))

@@ -14,7 +14,8 @@ from analysis.accounting import OUTSIDE, Account, Step, stage_order
 from analysis.accounting_facts import signed
 from analysis.figures.caption import setting as setting_of
 from analysis.results import Result
-from analysis.statistics import FASTER, INTERVAL_TEXT, SLOWER
+from analysis.statistics import FASTER, INTERVAL_TEXT, SLOWER, interval_of_ratio
+from analysis.withdrawn import between
 
 if TYPE_CHECKING:
     from analysis.explain import Pair
@@ -82,17 +83,18 @@ def _title(pair: Pair) -> str:
 
 
 def _caption(result: Result, pair: Pair) -> str:
-    verdict = pair.verdict.word + (f" ({pair.verdict.reason})" if pair.verdict.reason else "")
+    verdict = pair.verdict.word + (f" ({pair.verdict.said})" if pair.verdict.said else "")
     a, b = pair.cells
     return "\n".join(
         [
-            f"B over A: {style.ratio(pair.ratio.value)} {style.interval(pair.ratio.low, pair.ratio.high)}, {verdict}. "
+            f"B over A: {style.ratio(pair.ratio.value)} {interval_of_ratio(pair.ratio) or 'no interval'}, {verdict}. "
             f"Diamonds: medians of the timed samples, n = {style.span((len(a.samples), len(b.samples)))}; bars on "
             f"them: {INTERVAL_TEXT}. Bars: stages of the instrumented pass, another render; where the file has one "
             "stage, the timed median. Steps: what each adds to A's median on the way to B's (orange: more, blue: less, "
             "hatched: in no stage); thin lines: their range, if from none to all of what the two passes differ by is "
             "in that stage.",
             setting_of(result, pair.cells, told=False),
+            *(entry.short for entry in between(a, b)),
             f"A: {a.variant}",
             f"B: {b.variant}",
         ]

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
 from analysis import style
-from analysis.statistics import FASTER, SAME, SLOWER, UNSURE, Estimate
+from analysis.statistics import FASTER, SAME, SLOWER, UNSURE, Estimate, interval_of_ratio
 
 # A verdict is told by marker and word, too; what is unsure is grey.
 LOOKS = {
@@ -68,7 +68,9 @@ def pages(groups: Sequence[Group], most: int) -> list[tuple[Group, ...]]:
 
 
 def draw(data: Data) -> Figure:
-    texts = [[f"{_ratio_text(item.ratio)} {item.word}" for item in group.items] for group in data.groups]
+    texts = [
+        [f"{_ratio_text(item.ratio, data.threshold)} {item.word}" for item in group.items] for group in data.groups
+    ]
     heading = f"{data.axis} [95 %]"
 
     def widest(lines, weight: str = "normal") -> float:
@@ -135,6 +137,5 @@ def _scale(axes: Axes, limits: tuple[float, float], log: bool) -> None:
     axes.grid(axis="x")
 
 
-def _ratio_text(estimate: Estimate) -> str:
-    ends = "" if estimate.low is None else f" [{style.ratio(estimate.low)}, {style.ratio(estimate.high)}]"
-    return f"{style.ratio(estimate.value)}{ends}"
+def _ratio_text(estimate: Estimate, threshold: float) -> str:
+    return f"{style.ratio(estimate.value)} {interval_of_ratio(estimate, threshold)}".rstrip()

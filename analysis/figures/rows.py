@@ -11,7 +11,7 @@ from analysis import style
 from analysis.errors import NotDrawable
 from analysis.figures.caption import timing_caption
 from analysis.results import NotApplicable, Result, Study
-from analysis.statistics import Estimate, Verdict
+from analysis.statistics import Estimate, Verdict, interval_of_ratio
 from analysis.studies import (
     Note,
     Question,
@@ -221,5 +221,5 @@ def _ratio_text(item: Item, baseline: str) -> str:
         return "baseline"
     if item.ratio is None:
         return "" if item.time is None else f"no {baseline} to compare"
-    ends = "" if item.ratio.low is None else f" [{style.ratio(item.ratio.low)}, {style.ratio(item.ratio.high)}]"
-    return f"{style.ratio(item.ratio.value)}×{ends} {item.verdict.word}"
+    ends = interval_of_ratio(item.ratio)
+    return f"{style.ratio(item.ratio.value)}×{f' {ends}' if ends else ''} {item.verdict.word}"

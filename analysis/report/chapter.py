@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.convergence import LEAST_SEEDS
+from analysis.disturbed import disturbance_of
 from analysis.files import one_line, safe_name
 from analysis.report import tidy
 from analysis.report.blocks import Block, Bullets, Download, Facts, Paragraph, Section, anchor_of, blocks_of
@@ -23,6 +24,7 @@ from analysis.statistics import MINIMUM_SAMPLES
 from analysis.studies import measure, notes_of
 from analysis.summary import failed, not_applicable, on_device, stages, study_section
 from analysis.tables import Lines
+from analysis.withdrawn import concerning
 
 # What makes a machine, by context key; a file that lacks one says nothing of it.
 _MACHINE_FACTS = (
@@ -49,7 +51,7 @@ class Counts:
     failed: int
     not_applicable: int
     samples: int | None
-    flagged: int | None
+    disturbed: str | None
     verdicts: str
 
 
@@ -84,6 +86,7 @@ class Chapter:
     has_gpu: bool = False
     has_convergence: bool = False
     stability_cases: int = 0
+    withdrawn: tuple[str, ...] = ()  # of what the file's cells say
 
 
 def chapter_of(path: Path, title: str) -> Chapter:
@@ -150,7 +153,13 @@ def _timing_chapter(result: Result, title: str) -> Chapter:
         downloads.append(
             tidy.download(f"{prefix}.checkpoints.csv", tidy.checkpoint_rows(result), "a checkpoint of a sample")
         )
-    blocks: list[Block] = [Facts(tuple(_run_facts(result) + _options(result)))]
+    facts = [
+        *_run_facts(result),
+        ("Disturbed", str(disturbance_of(result.cells))),
+        *(("Withdrawn", entry.full) for entry in concerning(result.cells)),
+        *_options(result),
+    ]
+    blocks: list[Block] = [Facts(tuple(facts))]
     if not result.studies:
         blocks.append(Paragraph("The file has no studies."))
     return Chapter(
@@ -162,6 +171,7 @@ def _timing_chapter(result: Result, title: str) -> Chapter:
         section=Section(title, anchor_of("file", title), tuple(blocks), tuple(children)),
         has_gpu=any(cell.on_gpu for cell in result.cells),
         has_convergence=has_convergence,
+        withdrawn=tuple(entry.full for entry in concerning(result.cells)),
     )
 
 
@@ -200,13 +210,12 @@ def _options(result: Result) -> list[tuple[str, str]]:
 def _counts(result: Result) -> Counts:
     cells = result.cells
     verdicts = counts_text(verdict_counts(result))
-    samples = [sample for cell in cells for sample in cell.samples]
     return Counts(
         measured=f"{sum(cell.measured for cell in cells)} of {plural(len(cells), 'cell')}",
         failed=sum(cell.failed for cell in cells),
         not_applicable=len(result.not_applicable),
-        samples=len(samples),
-        flagged=sum(sample.low_clock or sample.contended for sample in samples),
+        samples=sum(len(cell.samples) for cell in cells),
+        disturbed=str(disturbance_of(cells)),
         verdicts=verdicts,
     )
 
@@ -234,6 +243,11 @@ def _doubts(result: Result) -> list[tuple[str, int, str]]:
         ("samples at a low clock, kept", sum(cell.low_clock_samples for cell in cells), samples),
         ("samples while other processes used the host, kept", sum(cell.contended_samples for cell in cells), samples),
         ("of those, samples whose time may be wrong for it", sum(cell.disturbed_samples for cell in cells), samples),
+        (
+            "samples whose clock is unknown: no verdict of theirs is held against cycles",
+            sum(sample.mega_cycles_per_spp is None for cell in cells for sample in cell.samples),
+            samples,
+        ),
         ("samples that failed", sum(len(cell.errors) for cell in cells), samples),
         ("cells interrupted while measuring", sum(cell.status == "interrupted" for cell in cells), of_cells),
         ("cells without a sample", len(without), of_cells),
@@ -283,7 +297,7 @@ def _stability_chapter(stability: Stability, title: str) -> Chapter:
             failed=len(bad),
             not_applicable=count(rows, NOT_APPLICABLE),
             samples=None,
-            flagged=None,
+            disturbed=None,
             verdicts=_stability_words(stability),
         ),
         left_out=LeftOut(

@@ -67,7 +67,7 @@ def _glance(chapters: Sequence[Chapter]) -> list[Block]:
             warnings.append(f"**{chapter.title}**: built with uncommitted changes: the commit does not say what ran.")
         if chapter.counts.failed:
             warnings.append(f"**{chapter.title}**: {chapter.counts.failed} failed.")
-    head = ("File", "Machine", "Backend", "Measured", "Failed", "n/a", "Samples", "Flagged samples", "Verdicts")
+    head = ("File", "Machine", "Backend", "Measured", "Failed", "n/a", "Samples", "Disturbed", "Verdicts")
     rows = [
         (
             chapter.title,
@@ -77,19 +77,22 @@ def _glance(chapters: Sequence[Chapter]) -> list[Block]:
             str(chapter.counts.failed),
             str(chapter.counts.not_applicable),
             "—" if chapter.counts.samples is None else str(chapter.counts.samples),
-            "—" if chapter.counts.flagged is None else str(chapter.counts.flagged),
+            chapter.counts.disturbed or "—",
             chapter.counts.verdicts,
         )
         for chapter in chapters
     ]
     blocks: list[Block] = [Paragraph(text)]
     blocks += [Bullets(tuple(warnings))] if warnings else [Paragraph("All runs are complete, and nothing failed.")]
-    blocks.append(table_of(head, rows, ("Failed", "n/a", "Samples", "Flagged samples")))
+    if withdrawn := dict.fromkeys(text for chapter in chapters for text in chapter.withdrawn):
+        blocks += [Paragraph("Withdrawn of what these files say:"), Bullets(tuple(withdrawn))]
+    blocks.append(table_of(head, rows, ("Failed", "n/a", "Samples")))
     blocks.append(
         Paragraph(
             "Verdicts are counted over all comparisons of a file; a cell of two studies counts in both. Of a "
             "stability file the checks are counted: those of variants that are there to compare may fail. "
-            "What the words mean is said under Method; flagged samples are explained under What was left out, and why."
+            "What the words mean is said under Method. Disturbed: samples taken while other processes had the CPU, or "
+            "at a low clock; every flag is counted under What was left out, and why."
         )
     )
     return blocks

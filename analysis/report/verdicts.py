@@ -6,11 +6,12 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 
 from analysis.convergence import NO_VERDICT, Assessment, assess
-from analysis.efficiency import baseline_among, by_place, compare, names_in
+from analysis.efficiency import baseline_among, by_place, compare, ends_beside_one, names_in
 from analysis.results import Cell, Result, Study
-from analysis.statistics import FASTER, SAME, SLOWER, UNSURE
+from analysis.statistics import FASTER, SAME, SLOWER, UNSURE, interval_of_ratio
 from analysis.studies import Question, Row, dimension, measure, question_of, swept_by, varying_dimensions
 from analysis.style import ratio
+from analysis.withdrawn import between
 
 WORDS = (FASTER, SLOWER, SAME, UNSURE)
 NOT_COMPARED = "—"
@@ -90,7 +91,8 @@ def _choice_text(choice: str, rows: Sequence[Row], where: Callable[[Cell], str])
     if alone:
         reasons = dict.fromkeys(row.verdict.reason for row in alone)
         parts.append(f"no verdict in {len(alone)} of {len(rows)} ({'; '.join(reasons)})")
-    return f"`{choice}`: " + "; ".join(parts) + "."
+    said = "".join(f" ({note})" for note in dict.fromkeys(row.verdict.note for row in rows if row.verdict.note))
+    return f"`{choice}`: " + "; ".join(parts) + said + "."
 
 
 def _range(rows: Sequence[Row], where: Callable[[Cell], str]) -> str:
@@ -104,8 +106,7 @@ def _range(rows: Sequence[Row], where: Callable[[Cell], str]) -> str:
 
 def _ratio_text(row: Row, where: Callable[[Cell], str]) -> str:
     estimate = row.ratio
-    ends = "" if estimate.low is None else f" [{ratio(estimate.low)}, {ratio(estimate.high)}]"
-    return f"{ratio(estimate.value)}{ends} ({where(row.cell)})"
+    return " ".join(filter(None, (ratio(estimate.value), interval_of_ratio(estimate), f"({where(row.cell)})")))
 
 
 def _convergence(result: Result, study: Study) -> tuple[str, list[str]]:
@@ -147,6 +148,6 @@ def _efficiency(group: Sequence[Assessment], names: dict[str, str], baseline: As
             sides["not defined"].append(f"`{names[one.cell.name]}`")
             continue
         side = "higher" if estimate.low > 1 else "lower" if estimate.high < 1 else "not told apart from 1"
-        ends = f"[{ratio(estimate.low)}, {ratio(estimate.high)}]"
-        sides[side].append(f"`{names[one.cell.name]}` {ratio(estimate.value)} {ends}")
+        mark = " (withdrawn)" if between(one.cell, baseline.cell) else ""
+        sides[side].append(f"`{names[one.cell.name]}` {ratio(estimate.value)} {ends_beside_one(estimate)}{mark}")
     return "; ".join(f"{side}: {', '.join(cells)}" for side, cells in sides.items() if cells)
