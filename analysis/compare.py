@@ -1,7 +1,7 @@
 """`python3 -m analysis compare A.json B.json ...`: result files of two commits, two machines or many GPUs.
 
-Every file is held against the first. Exit codes: 0 compared; 1 what `--fail-on` names was found; 2 bad input, which a
-file without a single cell in common with the first is, too.
+Every file is held against the first. Exit codes: 0 compared; 1 what `--fail-on` names was found, or could not be
+judged; 2 bad input, which a file without a single cell in common with the first is, too.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from analysis.compare_gate import outcome
 from analysis.compare_json import as_json
 from analysis.compare_match import Matching, machine_of, match
 from analysis.compare_noise import Floor, Repeat, check_noise_files, floor_of, repeats_of
@@ -34,7 +35,7 @@ from analysis.files import make_folder, write_text
 from analysis.nodes import read_json
 from analysis.results import Result, result_of
 from analysis.stability_file import is_stability
-from analysis.statistics import FASTER, SLOWER, THRESHOLD
+from analysis.statistics import THRESHOLD
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,11 @@ def compare_command(options: argparse.Namespace) -> int:
     if written:
         print()
         print("\n".join(map(str, written)))
-    return 1 if any(fails(compared, what) for what in options.fail_on) else 0
+    outcomes = [outcome(compared.comparisons, what) for what in dict.fromkeys(options.fail_on)]
+    if outcomes:
+        print()
+        print("\n".join(one.text for one in outcomes))
+    return 1 if any(one.fails for one in outcomes) else 0
 
 
 def compare_files(paths: Sequence[Path], noise: Sequence[Path] = (), *, films_may_differ: bool = False) -> Compared:
@@ -140,14 +145,6 @@ def _floors(results: Sequence[Result], repeats: Sequence[Repeat], without: Seque
     machines = {machine_of(result): result for result in results}
     found = (floor_of(result, repeats, without) for result in machines.values())
     return tuple(floor for floor in found if floor is not None)
-
-
-def fails(compared: Compared, what: str) -> bool:
-    """Whether the files have what `--fail-on` names."""
-    if what == "unmatched":
-        return any(item.in_reference for one in compared.comparisons for item in one.matching.alone)
-    words = (SLOWER,) if what == "slower" else (SLOWER, FASTER)
-    return any(one.count(word) for one in compared.comparisons for word in words)
 
 
 def sections(compared: Compared, whole: bool) -> list[Section]:

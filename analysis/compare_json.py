@@ -9,8 +9,10 @@ from analysis.compare_noise import Floor, Repeat
 from analysis.compare_ranking import Ranking
 from analysis.compare_text import MARKS
 from analysis.compare_verdicts import Comparison, Mean, Row, capacity_of
+from analysis.disturbed import Disturbance, disturbance_of
 from analysis.results import Cell, Result
 from analysis.statistics import CONFIDENCE, Estimate, median_estimate
+from analysis.withdrawn import among
 
 if TYPE_CHECKING:
     from analysis.compare import Compared
@@ -48,11 +50,21 @@ def _file(result: Result) -> dict:
         "date": result.context["date"],
         "interrupted": result.interrupted,
         "cells": len(result.cells),
+        "disturbed": _disturbed(disturbance_of(result.cells)),
         "units": capacity.units,
         "unit": capacity.unit,
         "clock_mhz": capacity.clock_mhz,
         "clock_from": capacity.clock_from,
         "bandwidth_gb_s": capacity.bandwidth_gb_s,
+    }
+
+
+def _disturbed(found: Disturbance) -> dict:
+    return {
+        "samples": found.samples,
+        "disturbed": found.disturbed,
+        "contended": found.contended,
+        "low_clock": found.low_clock,
     }
 
 
@@ -73,6 +85,8 @@ def _comparison(comparison: Comparison, index: dict[int, int]) -> dict:
         "assumed": list(matching.assumed),
         "threshold": comparison.threshold,
         "floors": [_floor(floor) for floor in comparison.floors],
+        "floors_refused": [_floor(floor) for floor in comparison.no_floors],
+        "withdrawn": [entry.full for entry in among([row.pair.reference for row in comparison.rows])],
         "geometric_mean": {"time": _mean(comparison.time), "cycles": _mean(comparison.cycles)},
         "normalised": [
             {"by": item.by, "factor": item.factor, "ratio": _estimate(item.ratio), "how": item.how}
@@ -88,6 +102,8 @@ def _mean(mean: Mean) -> dict:
         "ratio": _estimate(mean.estimate),
         "verdict": None if mean.verdict is None else mean.verdict.word,
         "reason": "" if mean.verdict is None else mean.verdict.reason,
+        "note": "" if mean.verdict is None else mean.verdict.note,
+        "withheld": "" if mean.verdict is None else mean.verdict.withheld,
         "used": mean.used,
         "left_out": mean.left_out,
         "smallest": mean.smallest,
@@ -108,6 +124,8 @@ def _row(row: Row) -> dict:
         "cycles": _estimate(row.cycles),
         "verdict": row.verdict.word,
         "reason": row.verdict.reason,
+        "note": row.verdict.note,
+        "withheld": row.verdict.withheld,
         "remarks": list(row.remarks),
     }
 
@@ -134,6 +152,7 @@ def _floor(floor: Floor) -> dict:
         "value": floor.value,
         "chance": floor.chance,
         "ratios": len(floor.ratios),
+        "refused": floor.refusal,
         "runs": [[str(repeat.one.path), str(repeat.other.path)] for repeat in floor.repeats],
     }
 
@@ -143,6 +162,8 @@ def _repeat(repeat: Repeat) -> dict:
         "machine": repeat.one.about("machine"),
         "files": [str(repeat.one.path), str(repeat.other.path)],
         "ratios": list(repeat.ratios),
+        "refused": repeat.refusal,
+        "disturbed": [_disturbed(found) for found in repeat.disturbed],
         "geometric_mean": _estimate(repeat.geometric_mean),
     }
 

@@ -12,6 +12,10 @@ of one run share what befell that run, so two files know little of it: their geo
 a better floor.
 
 A verdict then counts differences within max(1 %, floor) as none: SAME widens, FASTER and SLOWER need more.
+
+A floor that says something else than what two runs of one program differ by is refused. Where more than a tenth of the
+samples were disturbed, it is what befell the machine: such a run tells no floor. Where it is above 25 %, nobody knows
+what it is, and by it a program that takes a fourth more time would be the SAME: then no verdict on that machine holds.
 """
 
 from __future__ import annotations
@@ -23,10 +27,13 @@ from itertools import combinations
 
 import numpy as np
 
-from analysis.compare_match import is_repeated, machine_of, match
+from analysis.compare_match import Pair, is_repeated, machine_of, match
+from analysis.disturbed import MOST_DISTURBED, Disturbance, disturbance_of
 from analysis.errors import InputError
 from analysis.results import Result
-from analysis.statistics import CONFIDENCE, THRESHOLD, Estimate, geometric_mean_of_ratios
+from analysis.statistics import CONFIDENCE, THRESHOLD, Estimate, geometric_mean_of_ratios, telling_digits
+
+MOST_PLAUSIBLE = 0.25
 
 
 @dataclass(frozen=True)
@@ -37,6 +44,13 @@ class Repeat:
     other: Result
     ratios: tuple[float, ...]
     geometric_mean: Estimate
+    disturbed: tuple[Disturbance, Disturbance]  # of the cells that both have
+
+    @property
+    def refusal(self) -> str:
+        """Why it tells no noise floor; empty where it does."""
+        sides = zip((self.one, self.other), self.disturbed, strict=True)
+        return "; ".join(f"{file.path}: {of} disturbed" for file, of in sides if of.is_too_much)
 
 
 @dataclass(frozen=True)
@@ -52,7 +66,27 @@ class Floor:
     @property
     def threshold(self) -> float:
         """Differences up to here count as none."""
-        return max(THRESHOLD, self.value)
+        return max(THRESHOLD, self.value) if self.is_plausible else math.inf
+
+    @property
+    def is_plausible(self) -> bool:
+        return self.value <= MOST_PLAUSIBLE
+
+    @property
+    def text(self) -> str:
+        """In per cent, in digits that show whether it is plausible."""
+        digits = telling_digits([100 * self.value], [100 * MOST_PLAUSIBLE], lambda value, count: f"{value:.{count}g}")
+        return f"{100 * self.value:.{digits}g} %"
+
+    @property
+    def refusal(self) -> str:
+        """Why no verdict on its machine holds; empty where it is a floor."""
+        if self.is_plausible:
+            return ""
+        return (
+            f"two runs of one program on {self.machine} differ by {self.text}, above {100 * MOST_PLAUSIBLE:g} %: "
+            "no difference can be told from that"
+        )
 
 
 def repeats_of(results: Sequence[Result]) -> list[Repeat]:
@@ -64,8 +98,13 @@ def repeats_of(results: Sequence[Result]) -> list[Repeat]:
         if pairs := match(one, other).pairs:
             sides = [(pair.other.ms_per_spp, pair.reference.ms_per_spp) for pair in pairs]
             ratios = tuple(float(np.median(values) / np.median(baseline)) for values, baseline in sides)
-            found.append(Repeat(one, other, ratios, geometric_mean_of_ratios(sides)))
+            disturbed = _disturbed(pairs)
+            found.append(Repeat(one, other, ratios, geometric_mean_of_ratios(sides), disturbed))
     return found
+
+
+def _disturbed(pairs: Sequence[Pair]) -> tuple[Disturbance, Disturbance]:
+    return disturbance_of(pair.reference for pair in pairs), disturbance_of(pair.other for pair in pairs)
 
 
 def check_noise_files(results: Sequence[Result], others: Sequence[Result]) -> None:
@@ -84,6 +123,23 @@ def check_noise_files(results: Sequence[Result], others: Sequence[Result]) -> No
                 f"{result.path}: --noise: found no other file of machine {result.about('machine')} and program "
                 f"{result.about('program_hash')} with a cell of its own run in common, allowed: two runs of one program"
             )
+        _refuse_disturbed(result)
+        if (floor := floor_of(result, repeats)) is not None and not floor.is_plausible:
+            raise InputError(
+                f"{result.path}: --noise: found runs of one program that differ by {floor.text}, allowed: at most "
+                f"{100 * MOST_PLAUSIBLE:g} %; by such a floor a program that takes a fourth more time would be the SAME"
+            )
+
+
+def _refuse_disturbed(result: Result) -> None:
+    disturbed = disturbance_of(cell for cell in result.cells if cell.measured)
+    if disturbed.is_too_much:
+        raise InputError(
+            f"{result.path}: --noise: found {disturbed.disturbed} of {disturbed.samples} samples disturbed (other "
+            f"processes took the CPU: {disturbed.contended}, a low clock: {disturbed.low_clock}), allowed: at most "
+            f"{math.floor(MOST_DISTURBED * disturbed.samples)}, a tenth; what befell the machine is no noise of the "
+            "program's runs"
+        )
 
 
 def _samples_of(result: Result) -> tuple:
@@ -94,12 +150,14 @@ def _samples_of(result: Result) -> tuple:
 def floor_of(result: Result, repeats: Sequence[Repeat], without: Sequence[Result] = ()) -> Floor | None:
     """The floor of the machine of `result`; None: no A/A run of it is known.
 
-    A run between two of the files `without` is left out: it cannot be judged by a floor that comes from itself.
+    A run between two of the files `without` is left out: it cannot be judged by a floor that comes from itself. So is a
+    disturbed one, whose files say why (Repeat.refusal).
     """
     own = tuple(
         repeat
         for repeat in repeats
         if machine_of(repeat.one) == machine_of(result)
+        and not repeat.refusal
         and not all(any(side is file for file in without) for side in (repeat.one, repeat.other))
     )
     ratios = tuple(ratio for repeat in own for ratio in repeat.ratios)

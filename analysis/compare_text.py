@@ -11,10 +11,19 @@ from analysis.compare_noise import Floor, Repeat
 from analysis.compare_ranking import Change, Ranking
 from analysis.compare_sections import Section, Table
 from analysis.compare_verdicts import WORDS, Comparison, Mean, Row
+from analysis.disturbed import disturbance_of
 from analysis.files import one_line
 from analysis.results import GPU_BACKEND, Cell, Result
-from analysis.statistics import INTERVAL_TEXT, MINIMUM_SAMPLES, THRESHOLD, Estimate
+from analysis.statistics import (
+    CLOCK_UNKNOWN,
+    INTERVAL_TEXT,
+    MINIMUM_SAMPLES,
+    THRESHOLD,
+    Estimate,
+    interval_of_ratio,
+)
 from analysis.style import figures, ratio
+from analysis.withdrawn import among, between
 
 _SHOWN = 5  # reasons, or changes of a ranking, that stdout lists of one kind
 MARKS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
@@ -38,6 +47,7 @@ def files_section(results: Sequence[Result]) -> Section:
     columns = ("", "File", "Machine", "Backend", "Device", "git", "Suite", "Date", "Cells")
     lines = []
     for mark, result in zip(MARKS, results, strict=False):
+        lines.append(f"{mark}: disturbed: {disturbance_of(result.cells)}.")
         if result.interrupted:
             lines.append(f"{mark} was interrupted: cells and samples may be missing.")
     differing = [line for key in (*MACHINE_KEYS, *PROGRAM_KEYS) if (line := _differing(key, results))]
@@ -101,14 +111,19 @@ def comparison_section(comparison: Comparison, label: Labels, marks: tuple[str, 
         f"below 1, {two} is faster.",
         *_matched_lines(comparison.matching, marks),
         "Verdicts: " + ", ".join(f"{comparison.count(word)} {word}" for word in WORDS) + ".",
-        _mean_line("Geometric mean in time", comparison.time, "the cells of both files"),
+        _mean_line("Geometric mean in time", comparison.time, "the cells of both files", comparison.threshold),
         _mean_line(
-            "Geometric mean in cycles (time x clock, each of its own)", comparison.cycles, "pairs with sampled clocks"
+            "Geometric mean in cycles (time x clock, each of its own)",
+            comparison.cycles,
+            "pairs with sampled clocks",
+            comparison.threshold,
         ),
         *_normalised_lines(comparison),
         rule(comparison),
         f"Variants: {'.'.join(label.axes)}+tunables" + (f"; all: {', '.join(label.fixed)}." if label.fixed else "."),
     ]
+    lines += [f"No verdict holds: {floor.refusal}." for floor in comparison.no_floors]
+    lines += [f"Withdrawn: {entry.full}" for entry in among([row.pair.reference for row in comparison.rows])]
     if constant := constant_columns(comparison):
         lines.append("All pairs: " + ", ".join(f"{name.lower()} {value}" for name, value in constant.items()) + ".")
     return Section(f"{two} against {one}", tuple(lines), _table(comparison, label, marks))
@@ -130,17 +145,16 @@ def _matched_lines(matching: Matching, marks: tuple[str, str]) -> Iterable[str]:
     yield from (f"{sentence}." for sentence in matching.assumed)
 
 
-def estimate_text(estimate: Estimate) -> str:
-    ends = "no interval" if estimate.low is None else f"[{ratio(estimate.low)}, {ratio(estimate.high)}]"
-    return f"{ratio(estimate.value)} {ends}"
+def estimate_text(estimate: Estimate, threshold: float = THRESHOLD) -> str:
+    return f"{ratio(estimate.value)} {interval_of_ratio(estimate, threshold) or 'no interval'}"
 
 
-def _mean_line(what: str, mean: Mean, of: str) -> str:
+def _mean_line(what: str, mean: Mean, of: str, threshold: float) -> str:
     if mean.estimate is None:
-        return f"{what}: none, no pair has it; left out: {mean.left_out}."
-    why = f" ({mean.verdict.reason})" if mean.verdict.reason else ""
+        return f"{what}: none, no pair has it ({CLOCK_UNKNOWN}); left out: {mean.left_out}."
+    why = f" ({mean.verdict.said})" if mean.verdict.said else ""
     return (
-        f"{what}: {estimate_text(mean.estimate)} {mean.verdict.word}{why}, over {mean.used} pairs ({of}), "
+        f"{what}: {estimate_text(mean.estimate, threshold)} {mean.verdict.word}{why}, over {mean.used} pairs ({of}), "
         f"{mean.left_out} left out; ratios from {ratio(mean.smallest)} to {ratio(mean.largest)}."
     )
 
@@ -161,10 +175,11 @@ def rule(comparison: Comparison) -> str:
         else "cycles are told and veto nothing, as the machines' clocks are part of the difference"
     )
     usual = f"{100 * THRESHOLD:.3g} %"
-    known = [floor.machine for floor in comparison.floors]
+    known = [floor.machine for floor in (*comparison.floors, *comparison.no_floors)]
+    used = [floor.machine for floor in comparison.floors]
     machines = dict.fromkeys(result.about("machine") for result in (comparison.reference, comparison.other))
     unknown = [machine for machine in machines if machine not in known]
-    why = f"{percent} is the larger of {usual} and the noise floor of {' and '.join(known)}." if known else ""
+    why = f"{percent} is the larger of {usual} and the noise floor of {' and '.join(used)}." if used else ""
     if comparison.repeated:
         why += " One machine and one program: whatever differs is noise, and any SLOWER or FASTER a false alarm."
     elif unknown:
@@ -184,7 +199,7 @@ def _table(comparison: Comparison, label: Labels, marks: tuple[str, str]) -> Tab
     columns: dict[str, Callable[[Row], str]] = {
         "Verdict": lambda row: row.verdict.word,
         "Ratio": lambda row: ratio(row.ratio.value),
-        "95 %": lambda row: "—" if row.ratio.low is None else f"[{ratio(row.ratio.low)}, {ratio(row.ratio.high)}]",
+        "95 %": lambda row: interval_of_ratio(row.ratio, comparison.threshold) or "—",
         "Cycles": lambda row: "—" if row.cycles is None else ratio(row.cycles.value),
         f"{one} ms/spp": lambda row: _median(row.pair.reference),
         f"{two} ms/spp": lambda row: _median(row.pair.other),
@@ -275,15 +290,24 @@ def noise_section(repeats: Sequence[Repeat], floors: Sequence[Floor], comparison
             f"{repeat.one.path}: {len(repeat.ratios)} ratios from {min(repeat.ratios):.4f} to "
             f"{max(repeat.ratios):.4f}, geometric mean {shift.value:.4f}."
         )
+        if repeat.refusal:
+            lines.append(
+                "Not used for a noise floor, because more than a tenth of the samples were disturbed: "
+                f"{repeat.refusal}."
+            )
     for floor in floors:
+        if not floor.is_plausible:
+            lines.append(f"No noise floor of {floor.machine}: {floor.refusal}.")
+            continue
         lines.append(
             f"Noise floor of {floor.machine}: {100 * floor.value:.3g} % (of {len(floor.ratios)} ratios of two runs; "
             f"a further one lies within it with probability {floor.chance:.3f})."
         )
         if floor.chance < 0.95:
             lines.append(f"{len(floor.ratios)} ratios are too few for 95 %: the largest is taken.")
+    judging = [repeat for one in comparisons for floor in (*one.floors, *one.no_floors) for repeat in floor.repeats]
     for repeat in repeats:
-        if not any(repeat in floor.repeats for comparison in comparisons for floor in comparison.floors):
+        if not repeat.refusal and repeat not in judging:
             lines.append(
                 f"{repeat.other.path} over {repeat.one.path} judges no verdict above: it would be judged by itself."
             )
@@ -301,12 +325,14 @@ def ranking_sections(found: Sequence[Ranking], label: Labels, marks: Sequence[st
     changed = [group for group in found if group.changes]
     ranked = sum(len(group.cells) for group in found)
     within_noise = sum(group.within_noise for group in found)
+    withdrawn = dict.fromkeys(entry.full for group in found for entry in among([cells[0] for cells in group.cells]))
     lines = [
         f"{ranked} variants in {len(found)} groups of one scene and settings are in all of {', '.join(marks)}; "
         f"verdicts support a change of order in {len(changed)} groups. A change needs FASTER on one and SLOWER on the "
         f"other; {within_noise} pairs change places within the noise, which is none. Left out: variants that are not "
         "in all of these files or alone in their group.",
         "Times only: they say nothing of the error that a variant leaves.",
+        *(f"Withdrawn: {text}" for text in withdrawn),
     ]
     same = [_group_name(group, marks) for group in found if not group.changes]
     if same:
@@ -331,10 +357,11 @@ def _group_name(group: Ranking, marks: Sequence[str]) -> str:
 
 
 def _change_text(group: Ranking, change: Change, label: Labels, marks: Sequence[str]) -> str:
+    notes = between(group.cells[change.ahead][0], group.cells[change.behind][0])
     ahead, behind = (label(group.cells[variant][0]) for variant in (change.ahead, change.behind))
     return (
         f"CHANGED: {ahead} against {behind} takes {estimate_text(change.ratio)} on {marks[change.at]} and "
-        f"{estimate_text(change.turned_ratio)} on {marks[change.turned_at]}."
+        f"{estimate_text(change.turned_ratio)} on {marks[change.turned_at]}{''.join(f'; {one.mark}' for one in notes)}."
     )
 
 

@@ -13,8 +13,10 @@ import numpy as np
 
 from analysis.compare_match import Matching, Pair, is_repeated, machine_of
 from analysis.compare_noise import Floor
-from analysis.results import GPU_BACKEND, Result
+from analysis.disturbed import disturbance_of
+from analysis.results import GPU_BACKEND, Cell, Result
 from analysis.statistics import (
+    CLOCK_UNKNOWN,
     FASTER,
     SAME,
     SLOWER,
@@ -25,8 +27,9 @@ from analysis.statistics import (
     confirmed,
     geometric_mean_of_ratios,
     verdict_of_ratio,
+    withheld,
 )
-from analysis.studies import cycles_ratio, time_ratio
+from analysis.studies import CONTENDED, cycles_ratio, time_ratio
 
 WORDS = (SLOWER, UNSURE, SAME, FASTER)  # worst first
 
@@ -88,17 +91,25 @@ class Comparison:
     normalised: tuple[Normalised, ...]
     one_machine: bool
     repeated: bool  # one program, too: an A/A run
+    no_floors: tuple[Floor, ...] = ()  # that are above what is plausible: no verdict holds
 
     def count(self, word: str) -> int:
         return sum(row.verdict.word == word for row in self.rows)
+
+    def count_withheld(self, word: str) -> int:
+        """Of UNSURE verdicts, those that would be `word` by their times alone."""
+        return sum(row.verdict.withheld == word for row in self.rows)
 
 
 def compare(matching: Matching, floors: Sequence[Floor]) -> Comparison:
     """Needs at least one pair. `floors` are those that are known of the two machines; the larger one counts."""
     reference, other = matching.reference, matching.other
+    no_floors = tuple(floor for floor in floors if not floor.is_plausible)
+    floors = [floor for floor in floors if floor.is_plausible]
     threshold = max([THRESHOLD, *(floor.threshold for floor in floors)])
+    refusal = "; ".join(floor.refusal for floor in no_floors)
     one_machine = machine_of(reference) == machine_of(other)
-    rows = [_row(pair, threshold, one_machine) for pair in matching.pairs]
+    rows = [_row(pair, threshold, one_machine, refusal) for pair in matching.pairs]
     rows.sort(key=lambda row: (WORDS.index(row.verdict.word), -row.ratio.value, row.pair.reference.name))
     time = _mean([(row.pair.other.ms_per_spp, row.pair.reference.ms_per_spp) for row in rows], len(rows), threshold)
     clocked = [
@@ -109,6 +120,14 @@ def compare(matching: Matching, floors: Sequence[Floor]) -> Comparison:
     cycles = _mean(clocked, len(rows), threshold)
     if one_machine and cycles.verdict is not None and not cycles.left_out:
         time = replace(time, verdict=confirmed(time.verdict, cycles.verdict))
+    elif one_machine:
+        time = replace(time, verdict=replace(time.verdict, note=f"{CLOCK_UNKNOWN} in {cycles.left_out} pairs"))
+    sides = [[pair.reference for pair in matching.pairs], [pair.other for pair in matching.pairs]]
+    if reason := refusal or _too_much(sides):
+        time, cycles = (
+            mean if mean.verdict is None else replace(mean, verdict=withheld(mean.verdict, reason))
+            for mean in (time, cycles)
+        )
     return Comparison(
         reference,
         other,
@@ -121,12 +140,24 @@ def compare(matching: Matching, floors: Sequence[Floor]) -> Comparison:
         () if one_machine else (_by_clock(reference, other, time, cycles), _by_bandwidth(reference, other, time)),
         one_machine,
         is_repeated(reference, other),
+        no_floors,
     )
 
 
-def _row(pair: Pair, threshold: float, one_machine: bool) -> Row:
+def _too_much(sides: Sequence[Sequence[Cell]]) -> str:
+    """Why a mean has no verdict: the rule for a cell (contention, as cycles answer for the clock), over all samples."""
+    for cells in sides:
+        found = disturbance_of(cells)
+        if replace(found, disturbed=found.contended).is_too_much:
+            return CONTENDED
+    return ""
+
+
+def _row(pair: Pair, threshold: float, one_machine: bool, refusal: str) -> Row:
     ratio, verdict = time_ratio(pair.other, pair.reference, threshold, one_clock=one_machine)
-    remarks = [*((verdict.reason,) if verdict.reason else ()), *pair.remarks]
+    if refusal and not verdict.withheld:
+        verdict = withheld(verdict, refusal)
+    remarks = [*((verdict.said,) if verdict.said else ()), *pair.remarks]
     for name, cell in (("reference", pair.reference), ("other", pair.other)):
         for kind, count in (("low-clock", cell.low_clock_samples), ("contended", cell.contended_samples)):
             if count:
