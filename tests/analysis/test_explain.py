@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,7 @@ from analysis import style
 from analysis.accounting import OUTSIDE, PASSES, WHOLE, account_of, accounting_of
 from analysis.accounting_facts import MILLION_RAYS, NS_A_RAY, facts_of, rated_bandwidth
 from analysis.errors import InputError
-from analysis.explain import Choice, pairs_of
+from analysis.explain import Choice, Found, pairs_of
 from analysis.explain_text import explained, finding, how_far
 from analysis.figures.difference import draw
 from analysis.inspect_file import inspected_of, load_inspected, price_of_a_ray
@@ -205,6 +206,62 @@ def test_without_a_verdict_there_is_nothing_to_explain(tmp_path, ms, noise, n, s
     assert finding(pair).startswith(starts)
     assert "there is nothing to explain" in finding(pair)
     assert "spends" not in finding(pair)
+
+
+_SHARE = re.compile(r"\d %[^|.;]* (of (the|this) difference|of what it)|whole difference")
+
+
+def unsettled(ms: float, noise: float, n: int = 9) -> Builder:
+    """As compacted(), with other times for the second cell."""
+    builder = compacted()
+    row_of = [row for row in builder.rows if row["name"] == builder.cells[1]["cell"] and "pt_wall_ms" in row]
+    for index, row in enumerate(row_of):
+        share = ms * SPP * (1 + noise * (2 * index / (len(row_of) - 1) - 1)) / row["pt_wall_ms"]
+        row |= {key: share * row[key] for key in ("pt_wall_ms", "pt_device_ms")}
+    builder.rows = [row for row in builder.rows if row.get("repetition_index", 0) < n]
+    for row in builder.rows:
+        row["repetitions"] = n
+    return builder
+
+
+@pytest.mark.parametrize(
+    ("word", "ms", "noise", "n"), [("SAME", 3.5, 0.0, 9), ("UNSURE", 3.6, 0.1, 9), ("UNSURE", 5.5, 0.0, 5)]
+)
+def test_no_share_of_a_difference_that_is_not_known_to_be_there(tmp_path, word, ms, noise, n):
+    result, pair = pair_of(unsettled(ms, noise, n), tmp_path)
+    assert pair.verdict.word == word
+    text = explained(result, (pair.cells[0].variant, pair.cells[1].variant), Found([pair]))
+    assert not _SHARE.search(text)
+    parts = [line.split("|")[-2].strip() for line in text.splitlines() if line.startswith("|")]
+    begin = parts.index("Part of the difference")
+    assert set(parts[begin + 2 : begin + 9]) == {"—"}
+    assert facts_by_name(pair)["compact, instrumented ms"].says == "+4.00 ms here, -1.50 ms in tracing and shading"
+
+
+def test_with_a_verdict_the_shares_are_told(tmp_path):
+    result, pair = pair_of(compacted(), tmp_path)
+    text = explained(result, (pair.cells[0].variant, pair.cells[1].variant), Found([pair]))
+    assert _SHARE.search(text)
+    assert "| 100 % |" in text
+
+
+def test_committed_pairs_without_a_verdict_have_no_shares():
+    result, pairs = every_pair(H200 / "schedulers.json")
+    unsettled_pairs = 0
+    for a, b in pairs[::2]:
+        for pair in pairs_of(result, (a.variant, b.variant), Choice(a.scene, a.depth, a.resolution)).pairs:
+            if not pair.has_difference:
+                unsettled_pairs += 1
+                assert not _SHARE.search(explained(result, (a.variant, b.variant), Found([pair])))
+    assert unsettled_pairs > 0
+
+
+def test_a_share_close_to_its_limit_is_printed_in_digits_that_show_it(tmp_path):
+    builder = compacted()
+    wall = 4.0
+    builder.cells[0]["instrumented"] = passed(wall, {"generate": 0.25, "shade": 0.9496 * wall - 0.25})
+    _, pair = pair_of(builder, tmp_path)
+    assert "add up to 94.96 % of the instrumented pass's wall time (more than 5 % off)" in how_far(pair)[1]
 
 
 def every_pair(path: Path) -> tuple[Result, list]:
