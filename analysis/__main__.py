@@ -10,17 +10,13 @@ import re
 import sys
 from pathlib import Path
 
+from analysis import __version__
+from analysis.command_line import Parser
 from analysis.compare_options import add_compare
 from analysis.errors import InputError
+from analysis.terminal import visible_output
 
 _COMMAND = "ptbench-analysis"
-
-
-class _Parser(argparse.ArgumentParser):
-    """argparse with complaints of one line, as all of ptbench's are."""
-
-    def error(self, message: str):
-        self.exit(2, f"{self.prog}: {message}; see --help\n")
 
 
 def _resolution(text: str) -> tuple[int, int]:
@@ -42,7 +38,8 @@ def _program() -> str:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(prog=_program(), description="Draws what ptbench measured.")
+    parser = Parser(prog=_program(), description="Draws what ptbench measured.")
+    parser.add_argument("--version", action="version", version=f"{_COMMAND} {__version__}")
     commands = parser.add_subparsers(
         dest="command", required=True, metavar="plots|report|compare|explain|gallery|validate"
     )
@@ -80,7 +77,9 @@ def _parser() -> argparse.ArgumentParser:
     report.add_argument(
         "--side", type=_positive, default=160, metavar="N", help="pixels of their longer side (default: 160)"
     )
-    check = commands.add_parser("validate", help="hold files that ptbench wrote against their JSON Schemas")
+    check = commands.add_parser(
+        "validate", help="hold files that ptbench wrote against their JSON Schemas, and samples against each other"
+    )
     check.add_argument(
         "files", type=Path, nargs="+", metavar="FILE", help="of run, merge, stability, inspect, autotune, or a journal"
     )
@@ -88,6 +87,11 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def main(arguments: list[str] | None = None) -> int:
+    with visible_output():
+        return _main(sys.argv[1:] if arguments is None else arguments)
+
+
+def _main(arguments: list[str]) -> int:
     options = _parser().parse_args(arguments)
     if options.command == "validate":
         from analysis.validate import validate_command

@@ -31,11 +31,12 @@ from analysis.compare_text import (
 )
 from analysis.compare_verdicts import Comparison, compare
 from analysis.errors import InputError
-from analysis.files import make_folder, write_text
+from analysis.files import check_output_file, make_folder, write_text
 from analysis.nodes import read_json
 from analysis.results import Result, result_of
 from analysis.stability_file import is_stability
 from analysis.statistics import THRESHOLD
+from analysis.terminal import say
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,8 @@ def compare_command(options: argparse.Namespace) -> int:
     for folder in (options.out, options.json and options.json.parent):
         if folder is not None:
             make_folder(folder)
+    if options.json is not None:
+        check_output_file(options.json)
     print(as_text(sections(compared, whole=False)), end="")
     written = []
     if options.json is not None:
@@ -76,7 +79,8 @@ def compare_command(options: argparse.Namespace) -> int:
         written += [*figures, write_text(options.out / "compare.md", page + "\n" + "\n\n".join(pictures) + "\n")]
     if written:
         print()
-        print("\n".join(map(str, written)))
+        for target in written:
+            say(target)
     outcomes = [outcome(compared.comparisons, what) for what in dict.fromkeys(options.fail_on)]
     if outcomes:
         print()

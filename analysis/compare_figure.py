@@ -13,6 +13,7 @@ from analysis.figures.caption import setting
 from analysis.figures.forest import Data, Group, Item, draw, pages
 from analysis.saving import save_figure
 from analysis.statistics import INTERVAL_TEXT
+from analysis.terminal import visible
 
 MOST_ROWS = 60  # of one figure
 
@@ -91,5 +92,5 @@ def _caption(compared: Compared, comparison: Comparison) -> str:
         (one, comparison.reference, [row.pair.reference for row in comparison.rows]),
         (two, comparison.other, [row.pair.other for row in comparison.rows]),
     ):
-        lines.append(f"{mark}: {result.path.name}. {setting(result, cells, told=False)}")
+        lines.append(f"{mark}: {visible(result.path.name)}. {setting(result, cells, told=False)}")
     return "\n".join(lines)

@@ -1,8 +1,13 @@
 """The errors that end a command, each with its exit code."""
 
+from analysis.terminal import visible
+
 
 class InputError(Exception):
     """The input or the call is wrong: one line for the user, exit code 2."""
+
+    def __init__(self, message: str):
+        super().__init__(visible(message))
 
 
 class NotDrawable(Exception):

@@ -21,6 +21,7 @@ from analysis.saving import save_figure
 from analysis.stability_file import is_stability
 from analysis.statistics import FASTER, SLOWER, Estimate, Verdict
 from analysis.studies import time_ratio
+from analysis.terminal import say
 from analysis.variant_names import find_variant, labels_of
 
 
@@ -104,7 +105,7 @@ def explain(
     print(explained(result, names, found), end="")
     written.append(write_text(folder / "explain.md", page_of(result, names, found, pictures)))
     for target in written:
-        print(target)
+        say(target)
     return 0
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import os
@@ -17,10 +18,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from analysis import style
-from analysis.errors import bad_value
-from analysis.files import make_folder, one_line, safe_name
+from analysis.errors import InputError, bad_value
+from analysis.files import LARGEST_IMAGE, LARGEST_INPUT, make_folder, move_whole, one_line, read_whole, safe_name
 from analysis.nodes import Node, read_json
 from analysis.saving import DPI, save_pictures
+from analysis.terminal import say, visible
 
 _COLUMNS = 4
 _PICTURE = 2.0  # inches
@@ -62,7 +64,7 @@ class Rendered:
 
 
 def load_spec(path: Path) -> tuple[str, tuple[Row, ...]]:
-    root = read_json(path)
+    root = read_json(path, LARGEST_INPUT)
     _only(root, "title", "rows")
     rows = tuple(_row(node) for node in root.need("rows").items())
     if not rows:
@@ -124,10 +126,10 @@ def render(binary: Path, picture: Picture, spp: int, resolution: tuple[int, int]
         except (ValueError, TypeError) as error:
             return Rendered(None, (), f"no JSON summary on stdout ({error})")
         try:
-            image = matplotlib.image.imread(target)
-        except (OSError, ValueError, SyntaxError) as error:
+            image = matplotlib.image.imread(io.BytesIO(read_whole(target, LARGEST_IMAGE)), format="png")
+        except (InputError, OSError, ValueError, SyntaxError) as error:
             return Rendered(None, (), f"no picture that can be read ({type(error).__name__})")
-        os.replace(target, folder / picture.file_name)
+        move_whole(target, folder / picture.file_name)
         return Rendered(image, remarks, scene_hash=scene_hash)
 
 
@@ -152,12 +154,13 @@ def gallery(binary: Path, spec: Path, out: Path, spp: int, resolution: tuple[int
             shown[-1].append(rendered)
             if rendered.failure:
                 failures += 1
-                print(f"{picture.scene} ({row.title}, {picture.label}): {one_line(rendered.failure)}", file=sys.stderr)
+                where = f"{picture.scene} ({row.title}, {picture.label})"
+                print(visible(f"{where}: {one_line(rendered.failure)}"), file=sys.stderr)
             else:
-                print(out / picture.file_name)
+                say(out / picture.file_name)
     with style.applied():
         sheet = draw_sheet(title, rows, shown, spp, resolution)
-        print(save_pictures(sheet, out / "gallery.png", sheet_dpi(resolution)))
+        say(save_pictures(sheet, out / "gallery.png", sheet_dpi(resolution)))
     return 1 if failures else 0
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from analysis.errors import InputError, NotDrawable, bad_value
+from analysis.files import LARGEST_IMAGE, read_whole
 
 _HEADER = re.compile(rb"(PF|Pf)\s+(\d{1,6})\s+(\d{1,6})\s+(-?\d+(?:\.\d*)?(?:[eE][+-]?\d+)?)\s")
 # Pinned for whoever compares numbers: 0.7 m in front of a 0.7 m wide display of 3840 pixels.
@@ -18,10 +19,7 @@ _EXPOSURES = 2
 
 def read_pfm(path: Path) -> np.ndarray:
     """Linear radiance: rows from the top, three channels, single precision."""
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise bad_value(path, "the file", error.strerror or str(error), "a PFM image that can be read") from error
+    data = read_whole(path, LARGEST_IMAGE)
     header = _HEADER.match(data)
     if not header or header[1] != b"PF":
         raise bad_value(path, "the header", repr(data[:16])[1:], 'a PFM image of three channels: "PF", size, scale')

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
 from analysis.errors import InputError, bad_value
+from analysis.files import LARGEST_RESULT, read_whole
 
 
-def shown(value: object) -> str:
-    """A JSON value as a short piece of one line."""
+def shown(value: object, *, whole: bool = False) -> str:
+    """A JSON value as a short piece of one line, or as a long one."""
     text = json.dumps(value, ensure_ascii=False)
-    return text if len(text) <= 60 else text[:57] + "..."
+    return text if whole or len(text) <= 60 else text[:57] + "..."
 
 
 class Node:
@@ -73,7 +75,8 @@ class Node:
         value = self._finite(allowed)
         if value != int(value) or value < minimum:
             raise self.wrong(allowed)
-        return int(value)
+        # A seed of 64 bits is more than a double holds.
+        return self.value if isinstance(self.value, int) else int(value)
 
     def _finite(self, allowed: str) -> float:
         if isinstance(self.value, bool) or not isinstance(self.value, (int, float)):
@@ -105,22 +108,36 @@ class Node:
         return None if node is None else node.number()
 
 
-def read_json(path: Path) -> Node:
-    """Parses strictly: NaN and Infinity, which Python's parser takes, are not JSON."""
+def read_json(path: Path, largest: int = LARGEST_RESULT) -> Node:
+    """Parses strictly: NaN, Infinity and halves of characters, which Python's parser takes, are not JSON."""
 
     def refuse(constant: str) -> None:
         raise bad_value(path, "a value", constant, "finite numbers only")
 
     try:
-        text = path.read_bytes().decode("utf-8")
-    except OSError as error:
-        raise bad_value(path, "the file", error.strerror or str(error), "a JSON file that can be read") from error
+        text = read_whole(path, largest).decode("utf-8")
     except UnicodeDecodeError as error:
         raise bad_value(path, f"byte {error.start}", "bytes that are not UTF-8", "JSON in UTF-8") from error
     try:
-        return Node(path, json.loads(text, parse_constant=refuse))
+        value = json.loads(text, parse_constant=refuse)
     except json.JSONDecodeError as error:
         place = f"line {error.lineno} column {error.colno}"
         raise bad_value(path, place, f"no valid JSON ({error.msg})", "one complete JSON value") from error
     except (RecursionError, ValueError) as error:
         raise bad_value(path, "the file", "JSON nested too deeply or a number too long", "plain JSON") from error
+    if _HALF_ESCAPED.search(text) and (half := _half_of_a_character(value)):
+        raise bad_value(path, "a string", f"half of a character ({half})", "whole characters")
+    return Node(path, value)
+
+
+# An escape of a character's half; whole characters have two in a row.
+_HALF_ESCAPED = re.compile(r"\\u[dD][89a-fA-F]")
+
+
+def _half_of_a_character(value: object) -> str:
+    """The first one in the value's strings, escaped; empty: there is none."""
+    try:
+        json.dumps(value, ensure_ascii=False).encode("utf-8")
+    except UnicodeEncodeError as error:
+        return f"\\u{ord(error.object[error.start]):04x}"
+    return ""

@@ -19,6 +19,7 @@ from analysis.stability_file import Stability, is_stability, stability_of
 from analysis.stability_plots import stability_plots
 from analysis.studies import Note, measure, notes_of
 from analysis.summary import summary
+from analysis.terminal import say
 
 
 def default_folder(result: Result | Stability) -> Path:
@@ -64,17 +65,17 @@ def plots(path: Path, out: Path | None) -> int:
             except NotDrawable as reason:
                 what = f"{part}: " if part else ""
                 not_drawn[study.name].append(f"{what}{reason}")
-                print(f"not drawn: {study.name}: {what}{one_line(str(reason))}")
+                say(f"not drawn: {study.name}: {what}{one_line(str(reason))}")
             else:
                 name = _free_name(study.name + (f"_{part}" if part else ""), taken)
                 with style.applied():
                     for written in _save(draw_study(study, data, part), folder, name, part):
-                        print(written)
+                        say(written)
         if study.name not in notes:
             notes[study.name] = notes_of(result, study, measure(result, study))
         for note in notes[study.name]:
-            print(f"note: {study.name}: {note.kind}: {one_line(note.full)}")
+            say(f"note: {study.name}: {note.kind}: {one_line(note.full)}")
     if not result.studies:
-        print(f"not drawn: {path} has no studies")
-    print(write_text(folder / "summary.md", summary(result, not_drawn, notes)))
+        say(f"not drawn: {path} has no studies")
+    say(write_text(folder / "summary.md", summary(result, not_drawn, notes)))
     return 0

@@ -8,11 +8,13 @@ this version does not know are ignored, so that a newer harness may add some.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
+from analysis.consistency import Contradiction, cell_of, contradictions, is_failure, times_of
 from analysis.convergence_file import Checkpoint, Convergence, check_checkpoints, checkpoints_of, convergence_of
 from analysis.errors import bad_value
 from analysis.nodes import Node, read_json, shown
@@ -29,11 +31,6 @@ LATER_AXES = {"russian_roulette": "off", "sampler": "pcg4d"}
 _BEFORE_LATER_AXES = "direct_light"
 # Counters that a sample may have of its own, as "pt_NAME".
 WORK_COUNTERS = ("launches", "graph_nodes", "host_waits")
-
-# Google Benchmark appends how it ran a benchmark to its name; ours is the part before.
-_BENCHMARK_SUFFIX = re.compile(
-    r"(/(iterations|repeats|min_time|min_warmup_time|threads):[^/]*|/(manual|real|process)_time)+$"
-)
 
 # The harness's reasons for what is not applicable in a study that is written for more than one backend or choice.
 _ELSEWHERE = re.compile(r"(\S+=\S+) is not there on the backend \S+")
@@ -65,6 +62,7 @@ class Sample:
     foreign_cpu_ms: float | None = None  # that other processes took meanwhile; below zero where clocks round
     involuntary_switches: int | None = None
     checkpoints: tuple[Checkpoint, ...] = ()  # of a convergence cell
+    film_hash: str = ""  # of its film; older files have none
     work: dict[str, float] = field(default_factory=dict)  # "launches" and its like, where the file has them a sample
 
     @property
@@ -81,11 +79,16 @@ class Sample:
         return self.rays / self.wall_ms / 1e3
 
     @property
-    def mega_cycles_per_spp(self) -> float | None:
-        """Time in cycles of the clock as sampled round the render; None where the clock was not measured."""
+    def clock(self) -> float | None:
+        """MHz, the mean of the clock before and after the render; None where it is unknown."""
         if not self.clock_mhz_before or not self.clock_mhz_after:
             return None
-        return self.ms_per_spp * 0.5 * (self.clock_mhz_before + self.clock_mhz_after) / 1e3
+        return 0.5 * (self.clock_mhz_before + self.clock_mhz_after)
+
+    @property
+    def mega_cycles_per_spp(self) -> float | None:
+        """Time in cycles of the clock as sampled round the render; None where the clock is unknown."""
+        return None if self.clock is None else self.ms_per_spp * self.clock / 1e3
 
 
 @dataclass(frozen=True)
@@ -159,6 +162,7 @@ class Cell:
     cuda: Cuda | None = None
     convergence: Convergence | None = None
     failed_repetitions: tuple[int, ...] = ()  # of `errors`, one each
+    caution: str = ""  # what is to be borne in mind of its numbers
 
     @property
     def failed(self) -> bool:
@@ -326,6 +330,7 @@ def result_of(root: Node) -> Result:
     study_names = tuple(study.name for study in studies)
     cells = tuple(_cell(node, study_names, samples, errors) for node in ptbench.need("cells").items())
     _refuse_twins(ptbench.need("cells"), [cell.name for cell in cells], "cell")
+    _refuse(root, contradictions(root))
     absent = ptbench.maybe("not_applicable")
     baselines = ptbench.maybe("baselines")
     return Result(
@@ -336,6 +341,11 @@ def result_of(root: Node) -> Result:
         not_applicable=() if absent is None else tuple(_not_applicable(node) for node in absent.items()),
         baselines={} if baselines is None else baselines.texts(),
     )
+
+
+def _refuse(node: Node, found: Iterable[Contradiction]) -> None:
+    for one in found:
+        raise bad_value(node.file, one.place, one.found, one.allowed)
 
 
 def _context(node: Node) -> dict[str, str]:
@@ -369,20 +379,17 @@ def _study(node: Node) -> Study:
 
 def _samples(rows: Node, cells: Node) -> tuple[dict[str, list[Sample]], dict[str, list[tuple[int, str]]]]:
     """Samples, and (repetition, error message), by cell name; Google Benchmark's own aggregates are left alone."""
-    known = {cell.need("cell").name() for cell in cells.items()}
+    known = [cell.need("cell").name() for cell in cells.items()]
     samples: dict[str, list[Sample]] = {name: [] for name in known}
     errors: dict[str, list[tuple[int, str]]] = {name: [] for name in known}
     for row in rows.items():
         if row.need("run_type").one_of(("iteration", "aggregate")) == "aggregate":
             continue
-        named = row.maybe("run_name") or row.need("name")
-        cell = named.name() if named.name() in known else _BENCHMARK_SUFFIX.sub("", named.name())
-        if cell not in known:
-            raise named.wrong("the name of a cell in $.ptbench.cells")
-        occurred = row.maybe("error_occurred")
-        if occurred is not None and occurred.value is not False:
+        cell = cell_of(row, samples)
+        if is_failure(row):
             errors[cell].append((row.optional_integer("repetition_index") or 0, row.optional_text("error_message")))
         else:
+            _refuse(row, times_of(row, f'the cell "{cell}"'))
             samples[cell].append(_sample(row))
     for taken in samples.values():
         taken.sort(key=lambda sample: sample.repetition)
@@ -392,6 +399,8 @@ def _samples(rows: Node, cells: Node) -> tuple[dict[str, list[Sample]], dict[str
 def _sample(row: Node) -> Sample:
     low = row.maybe("pt_low_clock")
     contended = row.maybe("pt_contended")
+    unknown = row.maybe("pt_clock_unknown")
+    is_known = unknown is None or unknown.one_of((0, 1)) == 0
     return Sample(
         repetition=row.optional_integer("repetition_index") or 0,
         wall_ms=row.need("pt_wall_ms").number(above_zero=True),
@@ -407,8 +416,9 @@ def _sample(row: Node) -> Sample:
         seed=row.optional_integer("pt_seed"),
         order=row.optional_integer("pt_order"),
         timestamp=row.optional_number("pt_timestamp"),
-        clock_mhz_before=row.optional_number("pt_clock_mhz_before"),
-        clock_mhz_after=row.optional_number("pt_clock_mhz_after"),
+        clock_mhz_before=row.optional_number("pt_clock_mhz_before") if is_known else None,
+        clock_mhz_after=row.optional_number("pt_clock_mhz_after") if is_known else None,
+        film_hash=row.optional_text("film_hash"),
         low_clock=low is not None and low.number() != 0,
         contended=contended is not None and contended.number() != 0,
         work={key: row.need(f"pt_{key}").number() for key in WORK_COUNTERS if row.maybe(f"pt_{key}") is not None},
@@ -471,6 +481,7 @@ def _cell(
         counters={} if counters is None else counters.integers(),
         cuda=None if cuda is None or cuda.value == {} else _cuda(cuda),
         convergence=convergence,
+        caution=node.optional_text("caution"),
     )
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
-from analysis.files import write_whole
+from analysis.files import write_text, write_whole
 
 DPI = 200
 # How far a colour may be moved, of 255, so that few are left; of two, the more frequent one stays where it is.
@@ -31,7 +31,7 @@ def save_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
         write_whole(
             folder / f"{name}.png", lambda path: path.write_bytes(png_of(figure, DPI, few_colours=True)) and None
         ),
-        write_whole(folder / f"{name}.svg", lambda path: path.write_text(svg_of(figure), encoding="utf-8") and None),
+        write_text(folder / f"{name}.svg", svg_of(figure)),
     ]
 
 

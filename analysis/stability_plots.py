@@ -11,6 +11,7 @@ from analysis.files import make_folder, one_line, safe_name, write_text
 from analysis.saving import save_figure
 from analysis.stability_file import Stability
 from analysis.stability_summary import summary
+from analysis.terminal import say
 
 _FIGURES = {"heatmap": stability_heatmap, "sweep": stability_sweep}
 
@@ -23,11 +24,11 @@ def stability_plots(stability: Stability, folder: Path) -> int:
             pages = figure.collect(stability)
         except NotDrawable as reason:
             not_drawn.append(f"{name}: {reason}")
-            print(f"not drawn: {name}: {one_line(str(reason))}")
+            say(f"not drawn: {name}: {one_line(str(reason))}")
             continue
         for page in pages:
             with style.applied():
                 for written in save_figure(figure.draw(page), folder, safe_name(page.name)):
-                    print(written)
-    print(write_text(folder / "summary.md", summary(stability, not_drawn)))
+                    say(written)
+    say(write_text(folder / "summary.md", summary(stability, not_drawn)))
     return 0

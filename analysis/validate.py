@@ -1,5 +1,7 @@
 """Holds files that ptbench writes against their JSON Schemas (draft 2020-12), which lie in the folder schema.
 
+Of a result or a journal that is as its schema says, samples and films are held against each other.
+
 `docs/results.md` is the guide to these files.
 """
 
@@ -15,9 +17,11 @@ from jsonschema import Draft202012Validator
 from jsonschema.exceptions import ValidationError
 from referencing import Registry, Resource
 
+from analysis.consistency import JournalBook, contradictions
 from analysis.errors import InputError, bad_value
-from analysis.files import one_line
-from analysis.nodes import read_json, shown
+from analysis.files import LARGEST_RESULT, one_line, read_whole
+from analysis.nodes import Node, read_json, shown
+from analysis.terminal import say, visible
 
 SCHEMAS = Path(__file__).with_name("schema")
 KINDS = ("result", "stability", "inspect", "tuning", "journal")
@@ -67,8 +71,9 @@ def complaints(value: object, kind: str, place: str = "$") -> Iterator[str]:
 
 def journal_complaints(path: Path) -> Iterator[str]:
     """The same of a journal, line by line. A last line without its end was cut off by a kill, and is dropped."""
-    whole, _, _ = _bytes_of(path).rpartition(b"\n")
+    whole, _, _ = read_whole(path, LARGEST_RESULT).rpartition(b"\n")
     lines = whole.split(b"\n") if whole else []
+    book = JournalBook()
     if not lines:
         yield "line 1: found nothing, allowed: a line of type run"
     for number, line in enumerate(lines, start=1):
@@ -78,9 +83,12 @@ def journal_complaints(path: Path) -> Iterator[str]:
         except (ValueError, RecursionError):
             yield f"{place}: found no valid JSON, allowed: one JSON object a line"
             continue
-        yield from complaints(value, "journal", f"{place} $")
+        found = list(complaints(value, "journal", f"{place} $"))
+        yield from found
         if number == 1 and isinstance(value, dict) and value.get("type") != "run":
             yield f'{place} $.type: found {shown(value.get("type"))}, allowed: "run" in the first line'
+        if not found:
+            yield from map(str, book.enter(Node(path, value, f"{place} $")))
 
 
 def validate(path: Path) -> list[str]:
@@ -90,8 +98,17 @@ def validate(path: Path) -> list[str]:
     """
     if path.suffix == ".jsonl":
         return list(journal_complaints(path))
-    value = read_json(path).value
-    return list(complaints(value, kind_of(path, value)))
+    root = read_json(path)
+    kind = kind_of(path, root.value)
+    found = list(complaints(root.value, kind))
+    return found or (list(_contradictions(root)) if kind == "result" else [])
+
+
+def _contradictions(root: Node) -> Iterator[str]:
+    try:
+        yield from map(str, contradictions(root))
+    except InputError as error:  # a row of no cell
+        yield str(error).removeprefix(visible(f"{root.file}: "))
 
 
 def validate_command(paths: Iterable[Path], program: str) -> int:
@@ -105,16 +122,9 @@ def validate_command(paths: Iterable[Path], program: str) -> int:
             code = 2
             continue
         others = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
-        print(f"{path}: {found[0]}{others}" if found else f"{path}: good")
+        say(f"{path}: {found[0]}{others}" if found else f"{path}: good")
         code = max(code, 1 if found else 0)
     return code
-
-
-def _bytes_of(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise bad_value(path, "the file", error.strerror or str(error), "a journal that can be read") from error
 
 
 def _refuse(constant: str) -> None:
@@ -168,6 +178,8 @@ def _allowed(error: ValidationError) -> str:
         "minItems": lambda: f"{value} or more",
         "maxItems": lambda: f"at most {value}",
         "uniqueItems": lambda: "each once",
+        # Of keys that something else in the object rules out.
+        "not": lambda: f"none with {' and '.join(value['required'])}" if "required" in value else "no such key here",
         "anyOf": lambda: " or ".join(_allowed(inner) for inner in error.context),
         "oneOf": lambda: " or ".join(_allowed(inner) for inner in error.context),
     }

@@ -7,6 +7,7 @@ where they miss the reference most.
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -67,7 +68,7 @@ def collect(result: Result, study: Study) -> Data:
             continue
         time, chosen = _at_equal_time(with_images)
         names = {with_images[0].cell.convergence.reference_picture, *(picture.file for picture, _ in chosen)}
-        missing = sorted(name for name in names if not (folder / name).is_file())
+        missing = sorted(name for name in names if not os.path.lexists(folder / name))
         if missing:
             more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
             reasons.append(f"{group.title}: {folder / missing[0]}{more} is not there")

@@ -8,13 +8,14 @@ from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-from analysis.files import make_folder, write_text
+from analysis.files import check_output_folder, make_folder, write_text
 from analysis.report.chapter import Chapter, chapter_of
 from analysis.report.html import html_page
 from analysis.report.markdown import SCENES, markdown_page, write_files
 from analysis.report.overview import report_sections, title_of
 from analysis.report.scenes import Renderer, scene_pictures
 from analysis.report.sources import Sources, find_sources
+from analysis.terminal import say, visible
 
 
 def report(named: Sequence[Path], out: Path, binary: Path | None, spp: int, side: int) -> int:
@@ -22,6 +23,7 @@ def report(named: Sequence[Path], out: Path, binary: Path | None, spp: int, side
     renderer = None if binary is None else Renderer(binary, spp, side, out / SCENES / "rendered")
     if renderer is not None:
         renderer.check()
+    check_output_folder(out)
     sources = find_sources(named)
     chapters = _chapters(sources)
     make_folder(out)
@@ -30,20 +32,25 @@ def report(named: Sequence[Path], out: Path, binary: Path | None, spp: int, side
     pictures = scene_pictures([use for chapter in chapters for use in chapter.scenes], renderer)
     for picture in pictures:
         if picture.image is None:
-            print(f"scene without a picture: {picture.scene}: {picture.failure}")
+            say(f"scene without a picture: {picture.scene}: {picture.failure}")
     for chapter in chapters:
         for study, reason in chapter.left_out.not_drawn:
-            print(f"not drawn: {chapter.title}: {study}: {reason}")
+            say(f"not drawn: {chapter.title}: {study}: {reason}")
     sections = report_sections(chapters, pictures, sources.passed_over)
     title, subtitle = title_of(chapters), _subtitle(sources)
     write_files(out, sections)
-    print(write_text(out / "report.md", markdown_page(title, subtitle, sections)))
-    print(write_text(out / "report.html", html_page(title, subtitle, sections)))
+    say(write_text(out / "report.md", markdown_page(title, subtitle, sections)))
+    say(write_text(out / "report.html", html_page(title, subtitle, sections)))
     return 0
 
 
 def _subtitle(sources: Sources) -> str:
-    return "Made from " + ", ".join(path.name for path in sources.paths) + " by python3 -m analysis report."
+    return "Made from " + ", ".join(visible(path.name) for path in sources.paths) + " by python3 -m analysis report."
+
+
+def _size(path: Path) -> int:
+    """0 of a file that is not there, which its reader says."""
+    return path.stat().st_size if os.path.exists(path) else 0
 
 
 def _chapters(sources: Sources) -> list[Chapter]:
@@ -51,7 +58,7 @@ def _chapters(sources: Sources) -> list[Chapter]:
     if jobs < 2:
         return [chapter_of(path, title) for path, title in zip(sources.paths, sources.titles, strict=True)]
     # The largest files first: the last one to be done should be short.
-    order = sorted(range(len(sources.paths)), key=lambda index: -sources.paths[index].stat().st_size)
+    order = sorted(range(len(sources.paths)), key=lambda index: -_size(sources.paths[index]))
     with ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
         started = {index: pool.submit(chapter_of, sources.paths[index], sources.titles[index]) for index in order}
         try:

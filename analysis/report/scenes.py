@@ -15,7 +15,7 @@ from PIL import Image as Raster
 
 from analysis import gallery
 from analysis.errors import InputError, bad_value
-from analysis.files import one_line, safe_name, write_whole
+from analysis.files import LARGEST_IMAGE, one_line, read_whole, safe_name, write_whole
 from analysis.images import displayed, exposure_of, read_pfm
 from analysis.report.blocks import Image
 from analysis.results import Result
@@ -84,7 +84,7 @@ def scene_uses(result: Result) -> tuple[SceneUse, ...]:
             if convergence is None or not convergence.reference_picture or convergence.reference.scene != scene:
                 continue
             file = result.path.parent / convergence.reference_picture
-            if file.is_file():
+            if os.path.lexists(file):
                 path, reference = file, convergence.reference
                 break
         if reference is None:
@@ -145,7 +145,10 @@ def _rendered(known: ScenePicture, use: SceneUse, renderer: Renderer) -> ScenePi
     name = f"{use.scene}-{known.scene_hash}-{size[0]}x{size[1]}-{renderer.spp}spp"
     kept = renderer.folder / (safe_name(name) + ".jpg")
     if use.scene_hash and kept.is_file():
-        return replace(known, image=_framed(use, kept.read_bytes()), how=how)
+        try:
+            return replace(known, image=_framed(use, read_whole(kept, LARGEST_IMAGE)), how=how)
+        except (InputError, OSError):
+            pass  # no picture any more: it is rendered again
     done = _render(use, size, renderer)
     if done.image is None:
         return replace(known, failure=f"not rendered: {textwrap.shorten(done.failure, _LONGEST_REASON)}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +11,7 @@ from analysis.errors import bad_value
 from analysis.nodes import Node, read_json
 from analysis.results import Result, result_of
 from analysis.stability_file import Stability, is_stability, stability_of
+from analysis.terminal import visible
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,7 @@ def find_sources(named: Sequence[Path]) -> Sources:
     paths: list[Path] = []
     passed_over: list[Path] = []
     for path in named:
-        if not path.is_dir():
+        if not os.path.isdir(path):
             paths.append(path)
             continue
         inside = sorted(path.glob("*.json"))
@@ -41,8 +43,8 @@ def find_sources(named: Sequence[Path]) -> Sources:
             raise bad_value(path, "the folder", f"{len(inside)} JSON files, none a result", "at least one result file")
         paths += results
         passed_over += [file for file in inside if file not in results]
-    once = {path.resolve(): path for path in reversed(paths)}
-    kept = tuple(path for path in dict.fromkeys(paths) if once[path.resolve()] is path)
+    once = {os.path.realpath(path): path for path in reversed(paths)}
+    kept = tuple(path for path in dict.fromkeys(paths) if once[os.path.realpath(path)] is path)
     return Sources(kept, tuple(_titles(kept)), tuple(dict.fromkeys(passed_over)))
 
 
@@ -54,7 +56,7 @@ def _is_result(root: Node) -> bool:
 
 def _titles(paths: Sequence[Path]) -> list[str]:
     """ "compaction", or "nvidia-h200/compaction" where two files are called so."""
-    names = [[*path.resolve().parent.parts, path.stem] for path in paths]
+    names = [[*Path(os.path.realpath(path)).parent.parts, visible(path.stem)] for path in paths]
     titles = []
     for name in names:
         length = 1

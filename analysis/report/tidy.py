@@ -11,6 +11,7 @@ from analysis.convergence_file import CLOCKS, METRICS
 from analysis.report.blocks import Download
 from analysis.results import WORK_COUNTERS, Cell, Result, Sample
 from analysis.stability_file import Row, Stability
+from analysis.terminal import visible
 
 _FILE = ("file", "suite", "machine", "git_sha", "git_dirty", "date")
 _CELL = (
@@ -26,7 +27,7 @@ _CHECKPOINT = ("checkpoint_spp", *CLOCKS, *METRICS, "me_red", "me_green", "me_bl
 
 def _file_values(result: Result | Stability) -> list[str]:
     about = [result.context.get(f"ptbench.{key}", "") for key in ("machine", "git_sha", "git_dirty")]
-    return [result.path.name, result.suite, *about, result.context.get("date", "")]
+    return [visible(result.path.name), result.suite, *about, result.context.get("date", "")]
 
 
 def sample_rows(result: Result) -> Iterable[Sequence[object]]:

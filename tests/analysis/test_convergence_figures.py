@@ -257,7 +257,7 @@ def test_bad_pfm_files_are_refused_with_one_line(tmp_path, data, message):
         read_pfm(tmp_path / "a.pfm")
     assert message in str(error.value)
     assert "\n" not in str(error.value)
-    with pytest.raises(InputError, match=r"b\.pfm: the file: found No such file"):
+    with pytest.raises(InputError, match=r"b\.pfm: the file: found no such file"):
         read_pfm(tmp_path / "b.pfm")
 
 

@@ -195,11 +195,11 @@ def test_the_caption_says_what_is_amiss(tmp_path):
     builder.cell("compaction", n=9, low_clock=2)
     builder.cell("compaction", n=4, axes={"compaction": "a"}, status="interrupted")
     builder.cell("compaction", n=9, axes={"compaction": "b"}, claim="biased", nonfinite=3)
-    builder.cell("compaction", n=0, axes={"compaction": "c"})
+    builder.cell("compaction", n=0, axes={"compaction": "c"}, status="interrupted")
     _, _, data = collected(builder, tmp_path, "compaction")
     for said in (
         "Run interrupted: cells and samples may be missing.",
-        "1 cell interrupted while measuring.",
+        "2 cells interrupted while measuring.",
         "1 cell without a sample.",
         "1 cell with fewer than 9 samples (no verdict).",
         "2 of 22 samples at a low clock, kept.",

@@ -201,7 +201,7 @@ RESULT_FAULTS = {
     ),
     "a negative time": (
         lambda v: v["benchmarks"][0].update(pt_wall_ms=-1.0),
-        "$.benchmarks[0].pt_wall_ms: found -1.0, allowed: at least 0",
+        "$.benchmarks[0].pt_wall_ms: found -1.0, allowed: above 0",
     ),
     "a number in a string": (
         lambda v: v["benchmarks"][0].update(pt_rays="7"),
@@ -210,6 +210,17 @@ RESULT_FAULTS = {
     "a sample without its time": (
         lambda v: v["benchmarks"][0].pop("real_time"),
         "$.benchmarks[0].real_time: found nothing, allowed: this key is required",
+    ),
+    "a clock that is neither measured nor unknown": (
+        lambda v: v["benchmarks"][0].pop("pt_clock_mhz_after"),
+        "$.benchmarks[0].pt_clock_mhz_after: found nothing, allowed: this key is required",
+    ),
+    "an unknown clock with a clock": (
+        lambda v: (
+            v["benchmarks"][0].update(pt_clock_unknown=1, pt_clock_mhz_after=19108.0),
+            v["benchmarks"][0].pop("pt_clock_mhz_before"),
+        ),
+        "$.benchmarks[0].pt_clock_mhz_after: found 19108.0, allowed: no such key here",
     ),
     "an aggregate of another kind": (
         lambda v: _first(v, "aggregate").update(aggregate_name="max"),
@@ -249,6 +260,18 @@ def test_a_wrong_result_is_refused(errors_file, name):
     assert next(complaints(value, "result")).endswith(line)
 
 
+def test_what_a_run_without_a_clock_writes_is_valid(errors_file):
+    value = copy.deepcopy(errors_file)
+    value["context"]["ptbench.clock"] = "chains of dependent additions and multiplications"
+    value["ptbench"]["cells"][0]["caution"] = "times alone are compared"
+    row = value["benchmarks"][0]
+    row |= {"pt_clock_unknown": 1, "film_hash": "0123456789abcdef"}
+    del row["pt_clock_mhz_before"], row["pt_clock_mhz_after"]
+    known = [row for row in value["benchmarks"] if row["run_type"] == "iteration" and "error_occurred" not in row][1]
+    known["pt_clock_unknown"] = 0
+    assert list(complaints(value, "result")) == []
+
+
 STABILITY_FAULTS = {
     "a status of its own": (lambda row: row.update(status="skipped"), '.status: found "skipped", allowed: "passed"'),
     "a known limit without its reason": (lambda row: row.update(status="known limit"), ".reason: found nothing"),
@@ -279,7 +302,7 @@ def journal(errors_file, tmp_path):
     identity = {"machine": machine, "host_name": "vm", "suite": "adhoc", "backend": "cpu", "seed": 1, "repetitions": 2}
     identity |= {"scenes": {"edge": "0" * 16}, "references": {}, "cells": [CELL]}
     row = _first(errors_file, "iteration")
-    sample = {key: value for key, value in row.items() if key.startswith("pt_")}
+    sample = {key: value for key, value in row.items() if key.startswith("pt_")} | {"pt_seed": 1}
     for derived in ("pt_low_clock", "pt_contended", "pt_checkpoints"):
         sample.pop(derived, None)
     lines = [
@@ -298,7 +321,40 @@ def journal(errors_file, tmp_path):
     return write
 
 
+def _add_sample(lines: list[dict], **changed) -> None:
+    lines.append(copy.deepcopy(lines[3]))
+    lines[-1]["sample"] |= changed
+
+
 JOURNAL_FAULTS = {
+    "a sample twice": (
+        _add_sample,
+        f'line 5 $.sample.pt_seed: found 1, which line 4 $.sample has, in the cell "{CELL}", allowed: '
+        "each sample of a cell once",
+    ),
+    "a sample that is missing": (
+        lambda lines: _add_sample(lines, pt_seed=3),
+        f'line 5 $.sample.pt_seed: found 3 in the cell "{CELL}", allowed: 2, its next sample\'s',
+    ),
+    "a sample too many": (
+        lambda lines: (_add_sample(lines, pt_seed=2), _add_sample(lines, pt_seed=3)),
+        f'line 6 $.sample: found sample 2 of the cell "{CELL}", allowed: samples 0 to 1: 2 were asked for',
+    ),
+    "a time that is none": (
+        lambda lines: lines[3]["sample"].update(pt_wall_ms=0),
+        "line 4 $.sample.pt_wall_ms: found 0, allowed: above 0",
+    ),
+    "a second run": (
+        lambda lines: lines.append(lines[0]),
+        'line 5 $.type: found "run" again, allowed: one run a journal',
+    ),
+    "an unknown clock with a clock": (
+        lambda lines: (
+            lines[3]["sample"].update(pt_clock_unknown=1, pt_clock_mhz_before=19108.0),
+            lines[3]["sample"].pop("pt_clock_mhz_after"),
+        ),
+        "line 4 $.sample.pt_clock_mhz_before: found 19108.0, allowed: no such key here",
+    ),
     "a sample without film_hash": (
         lambda lines: lines[3]["sample"].pop("film_hash"),
         "line 4 $.sample.film_hash: found nothing, allowed: this key is required",
@@ -339,16 +395,17 @@ def test_a_journal_is_read_line_by_line(journal, tmp_path):
     assert validate(empty) == ["line 1: found nothing, allowed: a line of type run"]
 
 
-def test_the_command_says_one_line_a_file(analysis, errors_file, tmp_path):
+def test_the_command_says_one_line_a_file(analysis, tmp_path):
+    packet = json.loads((ROOT / "results" / "amd-epyc-2-threads" / "packet.json").read_text(encoding="utf-8"))
     good, bad, other = (tmp_path / f"{name}.json" for name in ("good", "bad", "other"))
-    good.write_text(json.dumps(errors_file), encoding="utf-8")
-    wrong = copy.deepcopy(errors_file)
+    good.write_text(json.dumps(packet), encoding="utf-8")
+    wrong = copy.deepcopy(packet)
     wrong["benchmarks"][0] |= {"pt_wall_ms": -1, "pt_joules": 1}
     bad.write_text(json.dumps(wrong), encoding="utf-8")
     other.write_text('{"name": "quick"}', encoding="utf-8")
     assert analysis("validate", good) == (0, f"{good}: good\n", "")
     code, out, err = analysis("validate", good, bad)
-    first = f"{bad}: $.benchmarks[0].pt_wall_ms: found -1, allowed: at least 0 (and 1 more)"
+    first = f"{bad}: $.benchmarks[0].pt_wall_ms: found -1, allowed: above 0 (and 1 more)"
     assert (code, out.splitlines(), err) == (1, [f"{good}: good", first], "")
     code, out, err = analysis("validate", other, tmp_path / "nothing.json", bad, good)
     assert (code, out.splitlines(), len(err.splitlines())) == (2, [first, f"{good}: good"], 2)
