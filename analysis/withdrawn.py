@@ -45,7 +45,7 @@ class Withdrawal:
         """For a caption."""
         limits = ", ".join(f"{value:.2f} ({choice})" for choice, value in self.bound.items())
         bound = f"; bound: {limits} {self.bound_is}" if limits else ""
-        return f"Withdrawn: {self.withdrawn}, {self.named}: {self.reason}{bound}."
+        return f"Withdrawn: {self.withdrawn} of {self.named}: {self.reason}{bound}."
 
     @property
     def full(self) -> str:
