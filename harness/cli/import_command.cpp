@@ -1,3 +1,5 @@
+#include <filesystem>
+
 #include <fmt/format.h>
 
 #include "harness/cli/commands.h"
@@ -7,19 +9,76 @@
 
 namespace pt {
 
+namespace {
+
+struct ImportArguments {
+    std::string file;
+    std::string out;
+    std::string name;
+    bool has_name = false;
+    bool strict = false;
+};
+
+void check_import_arguments(const ImportArguments& arguments) {
+    if (arguments.has_name) {
+        const Json name(arguments.name);
+        (void)JsonValue(name, "--name", "argument").plain_name();
+    }
+    check_output_file(arguments.out);
+    std::error_code ignored;
+    if (std::filesystem::equivalent(arguments.out, arguments.file, ignored)) {
+        throw InputError("--out", "argument", "\"" + arguments.out + "\", the file to import", "another file");
+    }
+}
+
+void print_findings(const ImportFindings& findings, const std::string& file, const std::string& kind) {
+    for (const std::string& message : findings.messages(file, kind)) {
+        fmt::print(stderr, "ptbench: {}\n", message);
+    }
+}
+
+// Says how many findings there are that leave no scene.
+int refuse_import(const ImportResult& result, const ImportArguments& arguments) {
+    const std::size_t problems = result.problems.count(), warnings = arguments.strict ? result.warnings.count() : 0;
+    const std::string refused = fmt::format("{}{}{}", problems > 0 ? counted(problems, "problem") : "",
+                                            problems > 0 && warnings > 0 ? " and " : "",
+                                            warnings > 0 ? counted(warnings, "warning") + " with --strict" : "");
+    fmt::print(stderr, "ptbench: {}: {}; no scene is written\n", one_line(arguments.file), refused);
+    return exit_bad_input;
+}
+
+int import_file(const ImportArguments& arguments) {
+    check_import_arguments(arguments);
+    const std::string text = read_file(arguments.file, largest_import);
+    const ImportResult result = import_seed_scene(text, arguments.file, arguments.name);
+    print_findings(result.problems, arguments.file, "");
+    const bool is_scene = result.problems.count() == 0;
+    if (is_scene || arguments.strict) {  // what a file without its problems would be warned of, nobody knows yet
+        print_findings(result.warnings, arguments.file, "warning");
+    }
+    if (!is_scene || (arguments.strict && result.warnings.count() > 0)) {
+        return refuse_import(result, arguments);
+    }
+    print_findings(result.notes, arguments.file, "note");
+    write_file(arguments.out, result.json);
+    fmt::print("{}: {}, {}, {} -> {}\n", one_line(arguments.file), counted(result.objects, "object"),
+               counted(result.materials, "material"), counted(result.warnings.count(), "warning"),
+               one_line(arguments.out));
+    return exit_good;
+}
+
+}  // namespace
+
 Command add_import_command(CLI::App& app) {
-    struct ImportArguments {
-        std::string file;
-        std::string out;
-    };
     auto arguments = std::make_shared<ImportArguments>();
     CLI::App* command = app.add_subcommand("import", "Turn a scene in the CIS 565 text format into a scene file");
     command->add_option("FILE", arguments->file, "The text file")->required();
     command->add_option("--out", arguments->out, "Scene file to write (.json)")->required();
-    return [arguments] {
-        write_file(arguments->out, import_seed_scene(read_file(arguments->file), arguments->file));
-        fmt::print("{}\n", arguments->out);
-        return exit_good;
+    const CLI::Option* name = command->add_option("--name", arguments->name, "The scene's name (default: the file's)");
+    command->add_flag("--strict", arguments->strict, "Refuse a file that is not read exactly: warnings are errors");
+    return [arguments, name] {
+        arguments->has_name = name->count() > 0;
+        return import_file(*arguments);
     };
 }
 

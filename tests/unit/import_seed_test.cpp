@@ -1,14 +1,17 @@
-// The importer of the seeds' text format: the seeds' own two scenes, every reading that its header states, every error.
+// The importer of the seeds' text format: the seeds' own two scenes, every reading that its header states. What it says
+// of a text is tested in import_findings_test.cpp.
 #include "harness/scene/import_seed.h"
 
 #include <gtest/gtest.h>
 
-#include "harness/error.h"
 #include "tests/support/render.h"
+#include "tests/support/seed_texts.h"
 #include "tests/support/statistics.h"
 
 namespace pt {
 namespace {
+
+using test::plain_camera, test::replaced, test::with_material;
 
 // The seeds' two scenes, as they come. They share materials and camera.
 const std::string seed_materials_and_camera = R"(MATERIAL 0
@@ -212,46 +215,9 @@ VEL 0 0 0
 
 )";
 
-const std::string plain_camera = R"(CAMERA
-RES 40 30
-FOVY 30
-ITERATIONS 10
-DEPTH 5
-FILE plain
-EYE 1 2 3
-LOOKAT 1 2 0
-UP 0 1 0
-)";
-const std::string plain_object = R"(OBJECT 0
-cube
-material 0
-TRANS 0 0 0
-ROTAT 0 0 0
-SCALE 1 1 1
-)";
-
-// The scene of one material, given by its lines, on one cube.
-std::string with_material(const std::string& lines) { return "MATERIAL 0\n" + lines + plain_camera + plain_object; }
-
-Scene import(const std::string& text) { return parse_scene(import_seed_scene(text, "seed.txt"), "seed.json"); }
+Scene import(const std::string& text) { return parse_scene(import_seed_scene(text, "seed.txt").json, "seed.json"); }
 
 SceneMaterial import_material(const std::string& lines) { return import(with_material(lines)).materials.at(0); }
-
-// The message of the error that importing the text ends in; empty: none.
-std::string error_of(const std::string& text) {
-    try {
-        import_seed_scene(text, "seed.txt");
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return "";
-}
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-    const std::size_t position = text.find(from);
-    EXPECT_NE(position, std::string::npos) << from;
-    return position == std::string::npos ? text : text.replace(position, from.size(), to);
-}
 
 void expect_equal_materials(const SceneMaterial& a, const SceneMaterial& b) {
     EXPECT_EQ(a.type, b.type);
@@ -317,7 +283,7 @@ TEST(ImportSeed, WritesTidyJson) {
     const std::string text = "MATERIAL 0\nRGB .5 0.25 1\n" + plain_camera +
                              "OBJECT 0\nsphere\nmaterial 0\nTRANS 0 -1.5 0\nROTAT 0 90 0\nSCALE 3 3 3\n"
                              "OBJECT 1\ncube\nmaterial 0\nTRANS 0 0 0\nROTAT 0 0 0\nSCALE 1 1 1\nVEL 1 0 0\n";
-    EXPECT_EQ(import_seed_scene(text, "some/where/seed.txt"), R"({
+    EXPECT_EQ(import_seed_scene(text, "some/where/seed.txt").json, R"({
   "name": "plain",
   "description": "Imported from seed.txt.",
   "max_depth": 5,
@@ -338,7 +304,7 @@ TEST(ImportSeed, WhiteSpaceCommentsAndOrderOfLinesDoNotMatter) {
     const std::string text = with_material("RGB 1 1 1\n");
     const std::string windows = replaced(replaced(text, "RGB 1 1 1\n", "  RGB\t1 +1 1 \r\n\r\n// a comment\r\n"),
                                          "cube\nmaterial 0\n", "material 0\ncube\n");
-    EXPECT_EQ(import_seed_scene(text, "seed.txt"), import_seed_scene(windows, "seed.txt"));
+    EXPECT_EQ(import_seed_scene(text, "seed.txt").json, import_seed_scene(windows, "seed.txt").json);
 }
 
 TEST(ImportSeed, CameraIsReadInBothDialects) {
@@ -467,95 +433,6 @@ TEST(ImportSeed, QuarterTurnsStayExact) {
         EXPECT_EQ(largest_difference(product_xyz(degrees), rotation_of(ours)), 0)
             << degrees.x << " " << degrees.y << " " << degrees.z;
         EXPECT_EQ(classify({.shape = Shape::box, .rotate_degrees = ours}), PrimitiveKind::axis_box);
-    }
-}
-
-struct BadSeed {
-    std::string from, to;  // what is replaced in the good text
-    std::string message;
-};
-
-TEST(ImportSeed, ErrorsNameLineWhatWasFoundAndWhatIsAllowed) {
-    const std::string good = with_material(
-        "RGB 1 1 1\nSPECEX 0\nSPECRGB 0 0 0\nREFL 0\nREFR 0\nREFRIOR 0\nEMITTANCE 0\n"
-        "SIGMAA 0 0 0\nSIGMAS 0 0 0\n");
-    ASSERT_EQ(error_of(good), "");
-    const std::string in_material = "in MATERIAL: RGB, SPECEX, SPECRGB, REFL, REFR, REFRIOR, EMITTANCE, SIGMAA, SIGMAS";
-    const std::string in_camera = "in CAMERA: RES, FOVY, ITERATIONS, DEPTH, FILE, EYE, LOOKAT, VIEW, UP";
-    const std::vector<BadSeed> cases{
-        {"MATERIAL 0", "PICTURE 0", R"(seed.txt:1: found "PICTURE 0", allowed: MATERIAL n, CAMERA or OBJECT n)"},
-        {"MATERIAL 0", "MATERIAL 1", R"(seed.txt:1: found "MATERIAL 1", allowed: MATERIAL 0 (they count up from 0))"},
-        {"MATERIAL 0", "MATERIAL", R"(seed.txt:1: found "MATERIAL", allowed: MATERIAL 0 (they count up from 0))"},
-        {"OBJECT 0", "OBJECT 0 0", R"(seed.txt:20: found "OBJECT 0 0", allowed: OBJECT 0 (they count up from 0))"},
-        {"OBJECT 0", "CAMERA", R"(seed.txt:20: found "CAMERA", allowed: one CAMERA; the first is in line 11)"},
-        {"CAMERA", "CAMERA 0", R"(seed.txt:11: found "CAMERA 0", allowed: CAMERA alone on its line)"},
-        {"SPECEX 0", "GLOSS 3", R"(seed.txt:3: found "GLOSS 3", allowed: )" + in_material},
-        {"SPECEX 0", "rgb 1 1 1", R"(seed.txt:3: found "rgb 1 1 1", allowed: )" + in_material},
-        {"UP 0 1 0", "APERTURE 1", R"(seed.txt:19: found "APERTURE 1", allowed: )" + in_camera},
-        {"cube", "mesh",
-         R"(seed.txt:21: found "mesh", allowed: in OBJECT: cube, sphere, material, TRANS, ROTAT, SCALE, VEL)"},
-        {"cube", "cube 3", R"(seed.txt:21: found "cube 3", allowed: cube alone on its line)"},
-        {"cube", "cube\nsphere", R"(seed.txt:22: found "sphere", allowed: sphere or cube once; line 21 has cube)"},
-        {"cube\n", "", R"(seed.txt:20: found OBJECT 0 without a shape, allowed: with cube or sphere)"},
-        {"RGB 1 1 1\n", "", R"(seed.txt:1: found MATERIAL 0 without RGB, allowed: with it)"},
-        {"RGB 1 1 1", "RGB 1 1", R"(seed.txt:2: found "RGB 1 1", allowed: RGB and 3 finite numbers)"},
-        {"RGB 1 1 1", "RGB 1 1 1 1", R"(seed.txt:2: found "RGB 1 1 1 1", allowed: RGB and 3 finite numbers)"},
-        {"RGB 1 1 1", "RGB 1 1 1x", R"(seed.txt:2: found "RGB 1 1 1x", allowed: RGB and 3 finite numbers)"},
-        {"RGB 1 1 1", "RGB 1 nan 1", R"(seed.txt:2: found "RGB 1 nan 1", allowed: RGB and 3 finite numbers)"},
-        {"RGB 1 1 1", "RGB 1 1 1e999", R"(seed.txt:2: found "RGB 1 1 1e999", allowed: RGB and 3 finite numbers)"},
-        {"RGB 1 1 1", "RGB 1 1 1\nRGB 1 1 1", R"(seed.txt:3: found "RGB 1 1 1", allowed: RGB once; line 2 has RGB)"},
-        {"SPECEX 0", "SPECEX -1", R"(seed.txt:3: found "SPECEX -1", allowed: SPECEX of 0 or more)"},
-        {"EMITTANCE 0", "EMITTANCE inf",
-         R"(seed.txt:8: found "EMITTANCE inf", allowed: EMITTANCE and 1 finite number)"},
-        {"EMITTANCE 0", "EMITTANCE", R"(seed.txt:8: found "EMITTANCE", allowed: EMITTANCE and 1 finite number)"},
-        {"REFL 0\nREFR 0", "REFL 1\nREFR 0.5",
-         "seed.txt:6: found REFL 1 and REFR 0.5 in one material, allowed: one of them above 0 (a dielectric reflects "
-         "by itself, "
-         "by Fresnel's equations)"},
-        {"REFL 0\nREFR 0\nREFRIOR 0\nEMITTANCE 0\nSIGMAA 0 0 0\nSIGMAS 0 0 0",
-         "REFL 1\nREFR 0\nREFRIOR 0\nEMITTANCE 0\nSIGMAA 0 0 0\nSIGMAS 1 1 1",
-         "seed.txt:10: found SIGMAS together with REFL, allowed: SIGMAS where REFL and SPECEX are 0 (a subsurface body "
-         "reflects "
-         "by its index alone)"},
-        {"RES 40 30", "RES 40", R"(seed.txt:12: found "RES 40", allowed: RES and 2 whole numbers, width and height)"},
-        {"RES 40 30", "RES 40 30.5",
-         R"(seed.txt:12: found "RES 40 30.5", allowed: RES and 2 whole numbers, width and height)"},
-        {"DEPTH 5", "DEPTH 5.5", R"(seed.txt:15: found "DEPTH 5.5", allowed: DEPTH and 1 whole number)"},
-        {"DEPTH 5\n", "", R"(seed.txt:11: found CAMERA without DEPTH, allowed: with it)"},
-        {"ITERATIONS 10", "ITERATIONS many",
-         R"(seed.txt:14: found "ITERATIONS many", allowed: ITERATIONS and 1 finite number)"},
-        {"FILE plain", "FILE my scene",
-         R"(seed.txt:16: found "FILE my scene", allowed: FILE and a name: 1 to 64 letters, digits, '_' and '-')"},
-        {"LOOKAT 1 2 0", "LOOKAT 1 2 0\nVIEW 0 0 1",
-         R"(seed.txt:19: found "VIEW 0 0 1", allowed: VIEW or LOOKAT once; line 18 has LOOKAT)"},
-        {"LOOKAT 1 2 0\n", "", R"(seed.txt:11: found CAMERA without LOOKAT, allowed: with it)"},
-        {"material 0", "material 1", R"(seed.txt:22: found "material 1", allowed: material 0 to 0)"},
-        {"material 0", "material", R"(seed.txt:22: found "material", allowed: material 0 to 0)"},
-        {"material 0\n", "", R"(seed.txt:20: found OBJECT 0 without material, allowed: with it)"},
-        {"SCALE 1 1 1\n", "", R"(seed.txt:20: found OBJECT 0 without SCALE, allowed: with it)"},
-        {plain_camera, "", R"(seed.txt: found no CAMERA, allowed: one)"},
-        // Read, but beyond what scene files allow.
-        {"RGB 1 1 1", "RGB 1 1.5 1",
-         "seed.txt:1: as a scene, $.materials.material_0.albedo[1]: found 1.5, allowed: a number from 0 to 1"},
-        {"REFR 0", "REFR 1",
-         "seed.txt:1: as a scene, $.materials.material_0.ior: found 0, allowed: a number from 0.01 to 1e4"},
-        {"FOVY 30", "FOVY 90",
-         "seed.txt:11: as a scene, $.camera.vertical_fov_degrees: found 180, allowed: an angle from 1e-6 to 179.999 "
-         "degrees"},
-        {"UP 0 1 0", "UP 0 0 1",
-         "seed.txt:11: as a scene, $.camera.up: found [0,0,1], allowed: a direction that is not 0 and not parallel to "
-         "look_at - eye"},
-        {"DEPTH 5", "DEPTH 0",
-         "seed.txt:15: as a scene, $.max_depth: found 0, allowed: a whole number from 1 to 1000000"},
-        {"FILE plain", "FILE a.b",
-         "seed.txt:16: as a scene, $.name: found \"a.b\", allowed: 1 to 64 letters, digits, '_' and '-' (it becomes "
-         "part of "
-         "benchmark names)"},
-        {"SCALE 1 1 1", "SCALE 1 0 1",
-         "seed.txt:20: as a scene, $.objects[0].scale[1]: found 0, allowed: a number from 1e-18 to 1e18"},
-    };
-    for (const BadSeed& bad : cases) {
-        EXPECT_EQ(error_of(replaced(good, bad.from, bad.to)), bad.message) << bad.from << " -> " << bad.to;
     }
 }
 

@@ -1,0 +1,55 @@
+// The parts of the scene file that a text file's sections become, and where scene files do not allow what they hold.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/scene/import_findings.h"
+#include "harness/scene/import_lines.h"
+
+namespace pt {
+
+// A key of an object in the scene file.
+struct SceneMember {
+    std::string key, value;          // the value is JSON
+    const SeedLine* line = nullptr;  // that the value comes from
+    std::string stand_in = "";       // a value that is allowed; empty: the value itself is
+    bool is_of_view = false;         // its stand-in is allowed beside those of the other members of the view
+};
+
+struct ScenePart {
+    std::string place;               // e.g. "$.camera"
+    const SeedLine* head = nullptr;  // of its section
+    bool is_whole = true;            // false: a line could not be read, and its member is not there
+    std::vector<SceneMember> members;
+
+    void add(const std::string& key, const std::string& value, const SeedLine* line, const std::string& stand_in = "") {
+        members.push_back({.key = key, .value = value, .line = line, .stand_in = stand_in});
+    }
+    // "KEY": VALUE, ..
+    std::string members_json(const std::string& separator) const;
+    // {"KEY": VALUE, ..}
+    std::string json() const;
+};
+
+struct SceneParts {
+    ScenePart root;  // what is in no other part
+    ScenePart camera;
+    std::vector<ScenePart> materials, objects;
+
+    std::string json() const;
+};
+
+std::string json_of(double value);
+std::string json_of(const Vec3d& v);
+std::string json_of(const std::string& text);
+std::string material_name(std::size_t index);
+
+// The material that a MATERIAL section is read as. Readings that lose something are warnings.
+ScenePart import_material(const SeedSection& section, std::size_t index, ImportFindings& problems,
+                          ImportFindings& warnings);
+
+// What scene files do not allow is a problem of the line that it comes from.
+void check_parts(const SceneParts& parts, ImportFindings& problems);
+
+}  // namespace pt

@@ -1,0 +1,116 @@
+// import as a user calls it: what it prints where, what it writes, and its exit codes.
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/command.h"
+#include "tests/support/seed_texts.h"
+
+namespace pt::test {
+namespace {
+
+using Arguments = std::vector<std::string>;
+
+const std::string exact = replaced(with_material("RGB 1 1 1\n"), "ITERATIONS 10\n", "");
+const std::string inexact = with_material("RGB 1 1 1\nSPECRGB .5 .5 .5\nSPECEX 25\n");
+const std::string wrong = replaced(replaced(exact, "RGB 1 1 1", "RGB 2 1 1"), "FOVY 30", "FOVY x");
+
+// Runs `import box.txt --out box.json` in a folder with that text.
+struct Imported {
+    Imported(const std::string& text, const Arguments& added) {
+        write_text(folder.file("box.txt"), text);
+        Arguments arguments{"import", "box.txt", "--out", "box.json"};
+        arguments.insert(arguments.end(), added.begin(), added.end());
+        command = ptbench(arguments, {.folder = folder.path()});
+    }
+    nlohmann::json scene() const { return nlohmann::json::parse(content_of(folder.file("box.json"))); }
+
+    TemporaryFolder folder;
+    CommandResult command;
+};
+
+TEST(ImportCommandTest, AnExactTextIsTalliedAndNoMore) {
+    const Imported imported(exact, {});
+    EXPECT_EQ(imported.command.exit_code, 0);
+    EXPECT_EQ(imported.command.out, "box.txt: 1 object, 1 material, 0 warnings -> box.json\n");
+    EXPECT_EQ(imported.command.err, "");
+    EXPECT_EQ(imported.scene().at("name"), "plain");
+    EXPECT_EQ(imported.folder.content(), (Arguments{"box.json", "box.txt"}));
+}
+
+TEST(ImportCommandTest, WarningsAndNotesGoToStandardError) {
+    const Imported imported(inexact, {});
+    EXPECT_EQ(imported.command.exit_code, 0);
+    EXPECT_EQ(imported.command.out, "box.txt: 1 object, 1 material, 1 warning -> box.json\n");
+    EXPECT_EQ(
+        imported.command.err,
+        "ptbench: box.txt:4: warning: SPECEX 25 is read as a mix, a mirror with probability 0.5 and else diffuse; "
+        "the exponent's size is lost\n"
+        "ptbench: box.txt:8: note: ITERATIONS 10 is left out: how many samples a pixel gets is a run's business "
+        "(--spp)\n");
+    EXPECT_EQ(imported.scene().at("materials").at("material_0").at("type"), "mix");
+}
+
+TEST(ImportCommandTest, StrictRefusesWarningsButNotNotes) {
+    const Imported refused(inexact, {"--strict"});
+    EXPECT_EQ(refused.command.exit_code, 2);
+    EXPECT_EQ(refused.command.out, "");
+    EXPECT_TRUE(refused.command.err.ends_with("\nptbench: box.txt: 1 warning with --strict; no scene is written\n"))
+        << refused.command.err;
+    EXPECT_EQ(refused.folder.content(), Arguments{"box.txt"});
+    const Imported noted(with_material("RGB 1 1 1\n"), {"--strict"});
+    EXPECT_EQ(noted.command.exit_code, 0) << noted.command.err;
+    const Imported both(replaced(inexact, "FOVY 30", "FOVY x"), {"--strict"});
+    EXPECT_TRUE(
+        both.command.err.ends_with("\nptbench: box.txt: 1 problem and 1 warning with --strict; no scene is "
+                                   "written\n"))
+        << both.command.err;
+}
+
+TEST(ImportCommandTest, AllProblemsAreListedAndAnOldSceneStays) {
+    const TemporaryFolder folder;
+    write_text(folder.file("box.txt"), wrong);
+    write_text(folder.file("box.json"), "old");
+    const CommandResult result = ptbench({"import", "box.txt", "--out", "box.json"}, {.folder = folder.path()});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(
+        result.err,
+        "ptbench: box.txt:2: found \"RGB 2 1 1\", which makes $.materials.material_0.albedo[0] 2, allowed: a number "
+        "from 0 to 1\n"
+        "ptbench: box.txt:5: found \"FOVY x\", allowed: FOVY and 1 finite number\n"
+        "ptbench: box.txt: 2 problems; no scene is written\n");
+    EXPECT_EQ(content_of(folder.file("box.json")), "old");
+    EXPECT_EQ(folder.content(), (Arguments{"box.json", "box.txt"}));
+}
+
+TEST(ImportCommandTest, ANameIsCheckedAsSceneNamesAre) {
+    EXPECT_EQ(Imported(exact, {"--name", "my_box-2"}).scene().at("name"), "my_box-2");
+    for (const std::string& bad : {std::string(), std::string("a b"), std::string("a.b"), std::string(65, 'a')}) {
+        const Imported imported(exact, {"--name", bad});
+        EXPECT_EQ(imported.command.exit_code, 2);
+        EXPECT_TRUE(imported.command.err.starts_with("ptbench: --name: argument: found \"")) << imported.command.err;
+        EXPECT_NE(imported.command.err.find("allowed: 1 to 64 letters, digits, '_' and '-'"), std::string::npos);
+        EXPECT_EQ(std::count(imported.command.err.begin(), imported.command.err.end(), '\n'), 1);
+        EXPECT_EQ(imported.folder.content(), Arguments{"box.txt"});
+    }
+}
+
+TEST(ImportCommandTest, TheTextItselfIsNotOverwritten) {
+    const TemporaryFolder folder;
+    write_text(folder.file("box.txt"), exact);
+    const CommandResult result = ptbench({"import", "box.txt", "--out", "./box.txt"}, {.folder = folder.path()});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(result.err, "ptbench: --out: argument: found \"./box.txt\", the file to import, allowed: another file\n");
+    EXPECT_EQ(content_of(folder.file("box.txt")), exact);
+}
+
+TEST(ImportCommandTest, AFileBeyondTheLimitIsNotRead) {
+    const Imported imported(std::string((16 << 20) + 1, '\n'), {});
+    EXPECT_EQ(imported.command.exit_code, 2);
+    EXPECT_TRUE(imported.command.err.starts_with("ptbench: box.txt: ")) << imported.command.err;
+    EXPECT_NE(imported.command.err.find("16 MiB"), std::string::npos) << imported.command.err;
+    EXPECT_EQ(imported.folder.content(), Arguments{"box.txt"});
+}
+
+}  // namespace
+}  // namespace pt::test
