@@ -1,0 +1,158 @@
+"""A withdrawn verdict is never met without its withdrawal: in outputs of every command, and on every page."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import pytest
+from builder import Builder
+from conftest import ROOT
+from convergence_builder import Law, convergence_cell, convergence_study, on_gpu
+
+from analysis.errors import InputError
+from analysis.nodes import read_json
+from analysis.results import load
+from analysis.studies import measure
+from analysis.withdrawn import FILE, among, between, concerning, withdrawals, withdrawals_of
+
+PAGES = [
+    ROOT / "README.md",
+    *sorted((ROOT / "docs").glob("*.md")),
+    *sorted((ROOT / "results").glob("*/figures/**/*.md")),
+]
+_COST = re.compile(
+    r"\b(cost|costs|dear|dearer|cheap|cheaper|pays?|gains?|efficien\w+|times as (long|dear)|slower|faster|ms/spp)\b",
+    re.I,
+)
+
+
+def connections(backend: str = "cuda") -> Builder:
+    """A study of direct light in which a connection makes a sample nine times as dear."""
+    builder = Builder("lights")
+    builder = builder.on_gpu() if backend == "cuda" else builder
+    builder.study("lights", "direct_light")
+    for choice, ms in (("off", 0.05), ("nee", 0.27), ("nee_mis", 0.44), ("final_bounce", 0.06)):
+        builder.cell("lights", ms_per_spp=ms, axes={"direct_light": choice})
+    return builder
+
+
+def converging() -> Builder:
+    builder = convergence_study(on_gpu(), "lights")
+    for choice, ms in (("off", 0.05), ("nee_mis", 0.44)):
+        convergence_cell(builder, Law(noisy=False), study="lights", ms_per_spp=ms, axes={"direct_light": choice})
+    return builder
+
+
+def test_the_file_is_sound_and_its_numbers_are_those_of_the_committed_source():
+    for entry in withdrawals():
+        assert bool(entry.bound) == bool(entry.source) == bool(entry.bound_is)
+        if entry.source:
+            source = json.loads((ROOT / entry.source).read_text())["prototype"]["cornell_open"]
+            assert entry.bound == {choice: source[f"{choice}_over_off"] for choice in entry.choices}
+            for choice in entry.choices:
+                assert source[f"{choice}_over_off"] == pytest.approx(source[choice] / source["off"], abs=0.005)
+    assert {backend for entry in withdrawals() for backend in entry.backends} == {"cpu", "cuda"}
+
+
+def test_a_broken_file_is_one_line(tmp_path):
+    entries = json.loads(FILE.read_text())
+    del entries[0]["reason"]
+    (tmp_path / "w.json").write_text(json.dumps(entries))
+    with pytest.raises(InputError, match=r"w\.json: \$\[0\]\.reason: found nothing, allowed: this key is required"):
+        withdrawals_of(read_json(tmp_path / "w.json"))
+
+
+@pytest.mark.parametrize("backend", ["cpu", "cuda"])
+def test_it_concerns_pairs_that_differ_in_the_choice(tmp_path, backend):
+    off, nee, mis, final = load(connections(backend).write(tmp_path / "r.json")).cells
+    assert len(between(off, nee)) == len(between(mis, off)) == len(between(nee, mis)) == len(between(final, mis)) == 1
+    assert between(off, final) == between(mis, mis) == ()
+    assert len(among([off, nee, mis])) == 1
+    assert among([off, final]) == among([mis, mis]) == ()
+    assert len(concerning([mis])) == 1
+    assert backend in among([off, mis])[0].backends
+
+
+def test_the_verdict_carries_it_on_its_line(tmp_path):
+    result = load(connections().write(tmp_path / "r.json"))
+    rows = measure(result, result.studies[0])
+    notes = {row.cell.axes["direct_light"]: row.verdict.note for row in rows if row.verdict}
+    assert notes["nee_mis"] == "withdrawn: the cost of direct_light=nee,nee_mis is the implementation's"
+    assert notes["final_bounce"] == ""
+
+
+@pytest.mark.parametrize("builder", [connections, converging])
+def test_summary_report_and_captions_carry_it(tmp_path, analysis, builder):
+    file = builder().write(tmp_path / "r.json")
+    code, out, _ = analysis("plots", file, "--out", tmp_path / "figures")
+    assert code == 0
+    assert "note: lights: withdrawn: verdicts on the time and efficiency of direct_light=nee,nee_mis:" in out
+    bound = "bound: 1.54 (nee), 1.60 (nee_mis) times the time of off"
+    summary = (tmp_path / "figures" / "summary.md").read_text()
+    assert summary.count(bound) == 2  # the file's head, and beneath the study's table
+    assert "What stays valid: variances" in summary
+    figures = list((tmp_path / "figures").glob("*.svg"))
+    assert figures
+    for figure in figures:
+        assert "Withdrawn: verdicts on the time and efficiency" in " ".join(
+            re.findall(r"<text[^>]*>([^<]*)</text>", figure.read_text())
+        )
+    assert analysis("report", file, "--out", tmp_path / "report")[0] == 0
+    page = (tmp_path / "report" / "report.md").read_text()
+    assert bound in page[: page.index("## Machines")]
+    assert page.count(bound) >= 3
+    assert "(withdrawn" in page
+
+
+def test_an_efficiency_carries_it_on_its_line(tmp_path, analysis):
+    file = converging().write(tmp_path / "r.json")
+    assert analysis("plots", file, "--out", tmp_path / "figures")[0] == 0
+    rows = [line for line in (tmp_path / "figures" / "summary.md").read_text().splitlines() if "(withdrawn)" in line]
+    assert [row.split("|")[1].strip() for row in rows] == ["nee_mis"]
+    assert analysis("report", file, "--out", tmp_path / "report")[0] == 0
+    assert re.search(r"lower: `nee_mis` 0\.\d+ .*\(withdrawn\)", (tmp_path / "report" / "report.md").read_text())
+
+
+def test_explain_and_compare_carry_it(tmp_path, analysis):
+    file = connections().write(tmp_path / "r.json")
+    names = ("off.off.pcg4d", "nee_mis.off.pcg4d")
+    code, out, _ = analysis("explain", file, *names, "--out", tmp_path / "explained")
+    assert code == 0
+    assert "(withdrawn: the cost of direct_light=nee,nee_mis is the implementation's)" in out
+    assert "- Withdrawn: verdicts on the time and efficiency" in out
+    other = connections()
+    for row in other.rows:
+        if "pt_timestamp" in row:
+            row["pt_timestamp"] += 86400.0
+    code, out, _ = analysis("compare", file, other.write(tmp_path / "s.json"))
+    assert code == 0
+    assert " ".join(out.split()).count("Withdrawn: verdicts on the time and efficiency") == 2
+
+
+def test_a_file_without_such_cells_says_nothing_of_it(tmp_path, analysis):
+    builder = Builder().on_gpu().study("lights", "direct_light")
+    for choice in ("off", "final_bounce"):
+        builder.cell("lights", axes={"direct_light": choice})
+    code, out, _ = analysis("plots", builder.write(tmp_path / "r.json"), "--out", tmp_path / "figures")
+    assert code == 0
+    assert "ithdrawn" not in out + (tmp_path / "figures" / "summary.md").read_text()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_a_page_that_tells_what_connections_cost_tells_the_withdrawal(page):
+    text = page.read_text(encoding="utf-8")
+    if re.search(r"\bnee_mis\b", text) and _COST.search(text) and "/figures/stability/" not in str(page):
+        assert re.search(r"withdrawn", text, re.I), f"{page}: names nee_mis and a cost"
+        assert "1.54" in text or "amd-epyc" in str(page) or page.name == "result-fields.md", page
+
+
+def test_the_pages_that_must_carry_it_are_among_them():
+    told = [page for page in PAGES if re.search(r"withdrawn", page.read_text(encoding="utf-8"), re.I)]
+    names = {str(page.relative_to(ROOT)) for page in told}
+    assert {"README.md", "docs/faq.md", "docs/method.md", "docs/add_an_estimator.md"} <= names
+    assert {f"results/{m}/figures/convergence/summary.md" for m in ("nvidia-h200", "amd-epyc-2-threads")} <= names
+    # Every passage of the README that has their cost stands beneath the withdrawal, or says it itself.
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    begin = readme.index("> **Withdrawn**")
+    assert not re.search(r"`nee(_mis)?`[^|\n]*(efficiency|times as)", readme[:begin])
