@@ -6,10 +6,12 @@ import argparse
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+from analysis.terminal import visible
+
 
 class Parser(argparse.ArgumentParser):
     def error(self, message: str):
-        self.exit(2, f"{self.prog}: {message}; see --help\n")
+        self.exit(2, f"{self.prog}: {visible(message)}; see --help\n")
 
     def parse_known_args(self, args=None, namespace=None):
         # Before argparse looks for what is missing: a misspelt option is why.

@@ -31,7 +31,7 @@ from analysis.compare_text import (
 )
 from analysis.compare_verdicts import Comparison, compare
 from analysis.errors import InputError
-from analysis.files import check_output_file, make_folder, write_text
+from analysis.files import check_output_file, check_output_folder, make_folder, write_text
 from analysis.nodes import read_json
 from analysis.results import Result, result_of
 from analysis.stability_file import is_stability
@@ -56,12 +56,14 @@ class Compared:
 
 
 def compare_command(options: argparse.Namespace) -> int:
+    if options.json is not None:
+        check_output_file(options.json)
+    if options.out is not None:
+        check_output_folder(options.out)
     compared = compare_files(options.results, options.noise, films_may_differ=options.films_may_differ)
     for folder in (options.out, options.json and options.json.parent):
         if folder is not None:
             make_folder(folder)
-    if options.json is not None:
-        check_output_file(options.json)
     print(as_text(sections(compared, whole=False)), end="")
     written = []
     if options.json is not None:

@@ -10,7 +10,8 @@ import os
 import re
 import stat
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from analysis.errors import InputError, bad_value
@@ -141,6 +142,17 @@ def move_whole(source: Path, target: Path) -> None:
 
 def _behind_links(target: Path) -> Path:
     return Path(os.path.realpath(target)) if target.is_symlink() else target
+
+
+@contextmanager
+def scratch_folder(folder: Path) -> Iterator[Path]:
+    """A folder in `folder` for files that are not finished, which is gone afterwards."""
+    try:
+        made = tempfile.TemporaryDirectory(dir=folder, prefix=".render-")
+    except OSError as error:
+        raise bad_value(folder, "output folder", _reason(folder, error), "a folder that can be written") from error
+    with made as name:
+        yield Path(name)
 
 
 def write_text(target: Path, text: str) -> Path:

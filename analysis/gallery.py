@@ -8,7 +8,6 @@ import math
 import os
 import subprocess
 import sys
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +18,16 @@ from matplotlib.figure import Figure
 
 from analysis import style
 from analysis.errors import InputError, bad_value
-from analysis.files import LARGEST_IMAGE, LARGEST_INPUT, make_folder, move_whole, one_line, read_whole, safe_name
+from analysis.files import (
+    LARGEST_IMAGE,
+    LARGEST_INPUT,
+    make_folder,
+    move_whole,
+    one_line,
+    read_whole,
+    safe_name,
+    scratch_folder,
+)
 from analysis.nodes import Node, read_json
 from analysis.saving import DPI, save_pictures
 from analysis.terminal import say, visible
@@ -105,8 +113,8 @@ def _picture(node: Node) -> Picture:
 
 def render(binary: Path, picture: Picture, spp: int, resolution: tuple[int, int], folder: Path) -> Rendered:
     """Runs `ptbench render`; the picture gets its name in `folder` only when it is whole."""
-    with tempfile.TemporaryDirectory(dir=folder, prefix=".render-") as scratch:
-        target = Path(scratch) / "picture.png"
+    with scratch_folder(folder) as scratch:
+        target = scratch / "picture.png"
         command = [str(binary), "render", "--scene", picture.scene]
         for axis, choice in picture.axes.items():
             command += ["--axis", f"{axis}={choice}"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import os
-import tempfile
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,7 +14,7 @@ from PIL import Image as Raster
 
 from analysis import gallery
 from analysis.errors import InputError, bad_value
-from analysis.files import LARGEST_IMAGE, one_line, read_whole, safe_name, write_whole
+from analysis.files import LARGEST_IMAGE, one_line, read_whole, safe_name, scratch_folder, write_whole
 from analysis.images import displayed, exposure_of, read_pfm
 from analysis.report.blocks import Image
 from analysis.results import Result
@@ -176,10 +175,10 @@ def _render(use: SceneUse, size: tuple[int, int], renderer: Renderer) -> gallery
 def _render_source(source: str, size: tuple[int, int], renderer: Renderer) -> gallery.Rendered:
     """With light sampling, which has the same mean and less noise; without it where it does not apply."""
     program = renderer.binary.resolve()
-    with tempfile.TemporaryDirectory(dir=renderer.folder, prefix=".render-") as scratch:
+    with scratch_folder(renderer.folder) as scratch:
         for axes in (_LESS_NOISE, {}):
             wanted = gallery.Picture(source, source, axes)
-            done = gallery.render(program, wanted, renderer.spp, size, Path(scratch))
+            done = gallery.render(program, wanted, renderer.spp, size, scratch)
             if done.image is not None:
                 break
     return done

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from pathlib import Path
 
@@ -81,6 +82,20 @@ def test_pictures_and_sheet_are_written(tmp_path, binary, analysis):
     assert [call[:7] for call in calls] == [
         ["render", "--scene", scene, "--spp", "16", "--resolution", "8x8"] for scene in ("ball", "foggy")
     ]
+
+
+@pytest.mark.parametrize("name", ["ball.png", "gallery.png"])
+def test_what_is_no_regular_file_is_not_replaced(tmp_path, binary, analysis, name):
+    out = tmp_path / "out"
+    out.mkdir()
+    os.mkfifo(out / name)
+    code, _, err = analysis("gallery", "--binary", binary, "--spec", spec_of(tmp_path, "ball"), "--out", out)
+    assert code == 2
+    assert err.endswith(
+        f"{out / name}: output file: found no regular file (a device, a pipe or a socket), "
+        "allowed: a file, new or regular\n"
+    )
+    assert (out / name).is_fifo()
 
 
 def test_axes_and_resolution_reach_the_binary(tmp_path, binary, analysis):

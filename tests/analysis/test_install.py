@@ -17,6 +17,8 @@ from builder import Builder, small
 from conftest import ROOT
 from packaging.requirements import Requirement
 
+from analysis import __version__
+
 if sys.version_info >= (3, 11):
     import tomllib
 else:
@@ -87,6 +89,30 @@ def test_it_draws_outside_the_repository(installed, tmp_path):
     assert wrong.stderr.startswith("ptbench-analysis: ")
 
 
+@pytest.mark.parametrize("program", [("python", "-m", "analysis"), ("ptbench-analysis",)], ids=["module", "command"])
+def test_it_works_from_any_folder(installed, tmp_path, program):
+    """By a relative name, in a folder that has nothing of the repository; the schemas are the package's own."""
+    for source in ("packet.json", "stability.json"):
+        shutil.copy(ROOT / "results" / "amd-epyc-2-threads" / source, tmp_path / source)
+    for source in ("tuning.json", "inspect_cornell_open_45.json"):
+        shutil.copy(ROOT / "results" / "nvidia-h200" / source, tmp_path / source)
+
+    def run(*arguments: str) -> subprocess.CompletedProcess:
+        return _run(installed / program[0], *program[1:], *arguments, cwd=tmp_path)
+
+    names = ("packet.json", "stability.json", "tuning.json", "inspect_cornell_open_45.json")
+    checked = run("validate", *names)
+    assert (checked.returncode, checked.stderr) == (0, "")
+    assert checked.stdout.splitlines() == [f"{name}: good" for name in names]
+    drawn = run("plots", "packet.json")
+    assert (drawn.returncode, drawn.stderr) == (0, "")
+    assert "summary.md" in drawn.stdout
+    reported = run("report", "packet.json", "--out", "report")
+    assert (reported.returncode, reported.stderr) == (0, "")
+    assert (tmp_path / "report" / "report.html").is_file()
+    assert run("--version").stdout == f"ptbench-analysis {PROJECT['version']}\n"
+
+
 def test_it_is_imported_from_the_wheel(installed, tmp_path):
     file = small().write(tmp_path / "quick.json")
     code = (
@@ -119,3 +145,4 @@ def test_what_it_depends_on_is_pinned_and_allowed():
 def test_its_version_is_the_programs():
     cmake = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
     assert re.search(r"project\(ptbench VERSION (\S+)", cmake)[1] == PROJECT["version"]
+    assert __version__ == PROJECT["version"]
