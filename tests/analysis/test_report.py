@@ -265,6 +265,17 @@ def test_scenes_are_rendered_once_and_failures_told(tmp_path, analysis):
     assert len(list((tmp_path / "out/scenes").glob("*.jpg"))) == 1
 
 
+def test_a_kept_picture_that_is_none_any_more_is_rendered_again(tmp_path, analysis):
+    file = small().write(tmp_path / "quick.json")
+    binary = stand_in(tmp_path, "0123456789abcdef")
+    call = ("report", file, "--out", tmp_path / "out", "--binary", binary, "--side", 8)
+    assert analysis(*call)[0] == 0
+    (kept,) = (tmp_path / "out/scenes/rendered").glob("*.jpg")
+    kept.write_bytes(b"\xff\xd8 cut off")
+    assert analysis(*call)[0] == 0
+    assert len(kept.read_bytes()) > 100
+
+
 def test_another_scene_of_the_same_name_is_not_shown(tmp_path, analysis):
     file = small().write(tmp_path / "quick.json")
     code, out, _ = analysis("report", file, "--out", tmp_path / "out", "--binary", stand_in(tmp_path, "another"))
