@@ -23,8 +23,8 @@ def add_compare(commands) -> None:
     parser.add_argument(
         "--fail-on", choices=FAIL_ON, action="append", default=[],
         help="exit code 1 if a cell is SLOWER; SLOWER or FASTER; if one of the reference has no partner (repeatable). "
-        "Also 1 where the first two cannot be judged: a cell would be, but its samples were disturbed or its machine "
-        "has no noise floor, or all cells are UNSURE",
+        "Also 1 where the first two cannot be judged: a cell would be, but its samples were disturbed or the noise "
+        "floor was refused, or all cells are UNSURE",
     )  # fmt: skip
     parser.add_argument("--json", type=Path, metavar="FILE", help="everything, for programs")
     parser.add_argument("--out", type=Path, metavar="DIR", help="compare.md and the figures")

@@ -8,23 +8,43 @@ import pytest
 from builder import Builder
 from convergence_builder import SPPS, Law, convergence_cell, convergence_study, on_gpu
 
-from analysis.convergence import assess
+from analysis.convergence import _percent, assess
 from analysis.efficiency import (
+    CheckpointCost,
     baseline_among,
     by_place,
     checkpoint_costs,
     compare,
+    ends_beside_one,
     names_in,
     target_of,
     time_to,
 )
 from analysis.results import load
+from analysis.statistics import Estimate
 
 NEE, MEGAKERNEL = {"direct_light": "nee"}, {"integrator": "megakernel"}
 
 
 def exact(**fields) -> Law:
     return Law(noisy=False, **fields)
+
+
+def test_an_interval_beside_a_word_shows_it():
+    """As [1.00, 1.02], SLOWER would be false as printed; as [1.010, 1.010], so would be what is not within 1 %."""
+    cell = None
+    cost = CheckpointCost(cell, Estimate(1.012, 1.0003, 1.0204, 9))
+    assert (cost.word, cost.interval) == ("SLOWER with checkpoints", "[1.0003, 1.0204]")
+    assert CheckpointCost(cell, Estimate(1.01, 1.0089, 1.01021, 9)).interval == "[1.0089, 1.0102]"
+    assert CheckpointCost(cell, Estimate(1.01, None, None, 1)).interval == ""
+    assert ends_beside_one(Estimate(1.0, 1.0012, 1.02, 8)) == "[1.001, 1.020]"
+    assert ends_beside_one(Estimate(1.0, 0.99996, 1.5, 8)) == "[0.99996, 1.5000]"
+    assert ends_beside_one(Estimate(2.0, 1.5, 2.5, 8)) == "[1.50, 2.50]"
+    assert ends_beside_one(Estimate(2.0, None, None, 1)) == ""
+
+
+def test_a_hidden_bias_is_told_in_digits_that_show_the_limit():
+    assert [_percent(share) for share in (0.1004, 0.11, 0.18)] == ["10.04 %", "11 %", "18 %"]
 
 
 def group_of(builder: Builder, tmp_path):
