@@ -12,20 +12,9 @@ inline constexpr int exit_check_failed = 1;
 inline constexpr int exit_bad_input = 2;
 inline constexpr int exit_machine_failed = 3;
 
-// The text without line breaks and other control characters, which a file's names and values may bring along: \x0a.
-inline std::string one_line(const std::string& text) {
-    static constexpr char digits[] = "0123456789abcdef";
-    std::string line;
-    for (const char character : text) {
-        const auto byte = static_cast<unsigned char>(character);
-        if (byte < 0x20 || byte == 0x7f) {
-            line += {'\\', 'x', digits[byte / 16], digits[byte % 16]};
-        } else {
-            line += character;
-        }
-    }
-    return line;
-}
+// The text as one line that is safe on a terminal: control characters and bytes that are no UTF-8, which a file's names
+// and values may bring along, are escaped: \x0a.
+std::string one_line(const std::string& text);
 
 class InputError : public std::runtime_error {
 public:
@@ -37,7 +26,7 @@ public:
 
 class MachineError : public std::runtime_error {
 public:
-    using std::runtime_error::runtime_error;
+    explicit MachineError(const std::string& message) : std::runtime_error(one_line(message)) {}
 };
 
 }  // namespace pt

@@ -2,22 +2,102 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
-#include <fstream>
-#include <sstream>
+#include <cstring>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "harness/nearest_name.h"
+
 namespace pt {
 
-std::string read_file(const std::string& path) {
-    std::ifstream stream(path, std::ios::binary);
-    std::ostringstream text;
-    if (!stream || !(text << stream.rdbuf())) {
-        throw InputError(fmt::format("{}: cannot be read (no such file, a directory, empty or no permission)", path));
+namespace {
+
+[[noreturn]] void cannot_read(const std::string& path, const std::string& found, std::uint64_t largest) {
+    throw InputError(path, "the file", found,
+                     fmt::format("a regular file of at most {} MiB that can be read", largest >> 20));
+}
+
+std::string in_words(int reason) {
+    switch (reason) {
+        case ENOENT:
+            return "no such file";
+        case ENOTDIR:
+            return "a path through a file that is no folder";
+        case EACCES:
+            return "no permission to read it";
+        default:
+            return std::strerror(reason);
     }
-    return text.str();
+}
+
+void check_kind(const struct stat& status, const std::string& path, std::uint64_t largest) {
+    if (S_ISDIR(status.st_mode)) {
+        cannot_read(path, "a folder", largest);
+    }
+    if (!S_ISREG(status.st_mode)) {
+        cannot_read(path, "no regular file (a device, a pipe or a socket)", largest);
+    }
+    if (static_cast<std::uint64_t>(status.st_size) > largest) {
+        cannot_read(path, fmt::format("{} bytes, too large", status.st_size), largest);
+    }
+}
+
+// Closes itself.
+class OpenFile {
+public:
+    // Without waiting for a writer, should a pipe have taken the name since it was looked at.
+    explicit OpenFile(const std::string& path) : descriptor_(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {}
+    ~OpenFile() {
+        if (descriptor_ >= 0) {
+            ::close(descriptor_);
+        }
+    }
+    OpenFile(const OpenFile&) = delete;
+    OpenFile& operator=(const OpenFile&) = delete;
+
+    int descriptor() const { return descriptor_; }
+
+private:
+    int descriptor_;
+};
+
+}  // namespace
+
+std::string read_file(const std::string& path, std::uint64_t largest) {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0) {
+        cannot_read(path, in_words(errno), largest);
+    }
+    check_kind(status, path, largest);  // before it is opened: opening a device may do something
+    const OpenFile file(path);
+    if (file.descriptor() < 0 || ::fstat(file.descriptor(), &status) != 0) {
+        cannot_read(path, in_words(errno), largest);
+    }
+    check_kind(status, path, largest);
+    std::string text;
+    for (std::size_t done = 0;;) {
+        // The whole file at once, and one byte more, at which its end shows; then piece by piece if it has grown.
+        text.resize(done == 0 ? static_cast<std::size_t>(status.st_size) + 1 : done + (1 << 16));
+        const ssize_t got = ::read(file.descriptor(), text.data() + done, text.size() - done);
+        if (got < 0 && errno != EINTR) {
+            cannot_read(path, in_words(errno), largest);
+        }
+        done += static_cast<std::size_t>(std::max<ssize_t>(got, 0));
+        if (done > largest) {
+            cannot_read(path, "more bytes than when it was opened, too large", largest);
+        }
+        if (got == 0) {
+            text.resize(done);
+            return text;
+        }
+    }
 }
 
 namespace {
@@ -186,7 +266,8 @@ std::string JsonValue::one_of(const std::vector<std::string>& allowed) const {
     const bool known =
         json_->is_string() && std::find(allowed.begin(), allowed.end(), json_->get<std::string>()) != allowed.end();
     if (!known) {
-        fail(fmt::format("\"{}\"", fmt::join(allowed, "\", \"")));
+        fail(fmt::format("\"{}\"{}", fmt::join(allowed, "\", \""),
+                         json_->is_string() ? did_you_mean(json_->get<std::string>(), allowed) : ""));
     }
     return json_->get<std::string>();
 }
@@ -210,7 +291,7 @@ JsonObject::JsonObject(const JsonValue& value, std::vector<std::string> keys)
     for (const auto& [key, member] : json_->items()) {
         if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
             throw InputError(file_, path_, fmt::format("unknown key \"{}\"", key),
-                             fmt::format("{}", fmt::join(keys, ", ")));
+                             fmt::format("{}{}", fmt::join(keys, ", "), did_you_mean(key, keys)));
         }
     }
 }

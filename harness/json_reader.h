@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <set>
 #include <string>
 #include <vector>
@@ -16,8 +17,14 @@ namespace pt {
 
 using Json = nlohmann::json;
 
-// The text of a file; InputError if it cannot be read.
-std::string read_file(const std::string& path);
+// What people write by hand, scenes, suites and texts to import, is smaller by far; what we write stays below the
+// second.
+inline constexpr std::uint64_t largest_input = std::uint64_t{64} << 20;
+inline constexpr std::uint64_t largest_result = std::uint64_t{1} << 30;
+
+// The text of a regular file of at most `largest` bytes. Throws InputError that says which it is: missing, a folder, no
+// regular file, no permission or too large.
+std::string read_file(const std::string& path, std::uint64_t largest = largest_input);
 
 // Strict parse: no comments, no duplicate keys, no numbers beyond double, no more than 64 levels. `file` is for the
 // messages.

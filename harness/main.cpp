@@ -1,5 +1,6 @@
 // ptbench's command line. Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong, 3 the machine failed,
 // 130 interrupted.
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -7,9 +8,12 @@
 #include <iostream>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "harness/bench/machine.h"
 #include "harness/cli/commands.h"
 #include "harness/error.h"
+#include "harness/nearest_name.h"
 
 namespace {
 
@@ -34,8 +38,46 @@ std::string join_arguments(int argc, char** argv) {
     return joined;
 }
 
+std::vector<std::string> names_of_subcommands(const CLI::App& app) {
+    std::vector<std::string> names;
+    for (const CLI::App* subcommand : app.get_subcommands([](const CLI::App*) { return true; })) {
+        names.push_back(subcommand->get_name());
+    }
+    return names;
+}
+
+// What the first argument that nothing knows may have been meant to be; empty where nothing is near.
+std::string suggestion(const CLI::App& app, const std::vector<std::string>& arguments) {
+    const std::vector<std::string> subcommands = names_of_subcommands(app);
+    if (arguments.empty()) {
+        return "";
+    }
+    if (std::find(subcommands.begin(), subcommands.end(), arguments.front()) == subcommands.end()) {
+        return pt::did_you_mean(arguments.front(), subcommands);
+    }
+    const std::vector<std::string> options = pt::option_names(*app.get_subcommand(arguments.front()));
+    for (const std::string& argument : arguments) {
+        const std::string name = argument.substr(0, argument.find('='));
+        if (name.starts_with("--") && std::find(options.begin(), options.end(), name) == options.end()) {
+            const std::string meant = pt::did_you_mean(name, options);
+            return meant.empty() ? "" : fmt::format("; found {}{}", pt::one_line(name), meant);
+        }
+    }
+    return "";
+}
+
+// CLI11 says "--seed: At Most 1 required but received 2".
+std::string in_words(const CLI::ParseError& error) {
+    const std::string message = error.what();
+    const std::size_t place = message.find(": At Most 1 required but received");
+    return place == std::string::npos ? message
+                                      : fmt::format("{}: found it {} times, allowed: once", message.substr(0, place),
+                                                    message.substr(message.find_last_of(' ') + 1));
+}
+
 int run(int argc, char** argv) {
     CLI::App app("ptbench: does a path tracing optimisation pay? Measured, with the images compared first.", "ptbench");
+    app.set_version_flag("--version", "ptbench " + pt::version_text());
     app.require_subcommand(0, 1);  // none is reported below, after unknown arguments
     const std::vector<std::pair<std::string, pt::Command>> commands{
         {"list", pt::add_list_command(app)},
@@ -56,7 +98,8 @@ int run(int argc, char** argv) {
     } catch (const CLI::Success& success) {  // --help
         return app.exit(success);
     } catch (const CLI::ParseError& error) {
-        fmt::print(stderr, "ptbench: {} (see ptbench --help)\n", error.what());
+        fmt::print(stderr, "ptbench: {}{} (see ptbench --help)\n", pt::one_line(in_words(error)),
+                   suggestion(app, {argv + 1, argv + argc}));
         return pt::exit_bad_input;
     }
     for (const auto& [name, command] : commands) {
@@ -65,8 +108,7 @@ int run(int argc, char** argv) {
         }
     }
     throw pt::InputError("command line", "subcommand", "none",
-                         "list, run, merge, render, verify, inspect, autotune, import, machine, new, replay, stability "
-                         "(see ptbench --help)");
+                         fmt::format("{} (see ptbench --help)", fmt::join(names_of_subcommands(app), ", ")));
 }
 
 // What was printed may be a result: it is lost if standard output goes to a full disk.

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <map>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "harness/error.h"
+#include "harness/nearest_name.h"
 
 namespace pt {
 
@@ -34,8 +37,10 @@ std::string find_file(const std::string& kind, const std::string& name_or_file, 
     // A name may lie in a folder of its own ("scaling/materials_08"), never outside.
     const bool leaves = name_or_file.starts_with('/') || name_or_file.find("..") != std::string::npos;
     if (leaves || !fs::is_regular_file(file)) {
+        const std::vector<std::string> known = json_stems(folder);
         throw InputError("--" + kind, "name", "\"" + name_or_file + "\"",
-                         fmt::format("a file that ends in .json, or one of {}", fmt::join(json_stems(folder), ", ")));
+                         fmt::format("a file that ends in .json, or one of {}{}", fmt::join(known, ", "),
+                                     did_you_mean(name_or_file, known)));
     }
     return file.string();
 }
@@ -68,6 +73,21 @@ std::vector<std::string> suite_names() { return json_stems(home_folder() / "scen
 
 Scene find_scene(const std::string& name_or_file) {
     return load_scene(find_file("scene", name_or_file, home_folder() / "scenes"));
+}
+
+std::vector<Scene> find_scenes(const std::vector<std::string>& names_or_files) {
+    std::vector<Scene> scenes;
+    std::map<std::string, std::set<std::string>> hashes;  // by name
+    for (const std::string& name_or_file : names_or_files) {
+        scenes.push_back(find_scene(name_or_file));
+        hashes[scenes.back().name].insert(scenes.back().hash);
+    }
+    for (Scene& scene : scenes) {
+        if (hashes.at(scene.name).size() > 1) {
+            scene.name = fmt::format("{}@{:.8}", scene.name, scene.hash);
+        }
+    }
+    return scenes;
 }
 
 std::string find_suite_file(const std::string& name_or_file) {

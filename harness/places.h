@@ -19,6 +19,9 @@ std::vector<std::string> suite_names();
 
 // A shipped scene by name, or any file by a path that ends in .json. Throws InputError.
 Scene find_scene(const std::string& name_or_file);
+// Several for one run, in the order given. Different scenes may have one name in their files (the course's call theirs
+// "cornell"): each of these is called NAME@H here, H the first 8 digits of its hash, which no file can call itself.
+std::vector<Scene> find_scenes(const std::vector<std::string>& names_or_files);
 std::string find_suite_file(const std::string& name_or_file);
 
 }  // namespace pt

@@ -51,9 +51,51 @@ void sync_folder(const std::filesystem::path& folder) {
 
 constexpr const char* partial_suffix = ".partial";  // and the process
 
+// What stands in the way of a regular file of that name; empty: nothing.
+std::string obstacle(const std::string& file) {
+    if (file.empty()) {
+        return "no name";
+    }
+    std::error_code failed;
+    const std::filesystem::file_status status = std::filesystem::status(file, failed);
+    if (std::filesystem::is_regular_file(status)) {
+        return "";
+    }
+    if (std::filesystem::exists(status)) {
+        return std::filesystem::is_directory(status) ? "a folder" : "no regular file (a device, a pipe or a socket)";
+    }
+    if (failed == std::errc::not_a_directory) {
+        return "a path through a file that is no folder";
+    }
+    if (std::filesystem::is_symlink(std::filesystem::symlink_status(file, failed))) {
+        return "a link to nothing";
+    }
+    return file.back() == '/' ? "the name of a folder" : "";
+}
+
+// The file that a link leads to: renaming onto the link would leave that file as it is and lose the link.
+std::string target_of(const std::string& file) {
+    std::error_code failed;
+    if (!std::filesystem::is_symlink(std::filesystem::symlink_status(file, failed))) {
+        return file;
+    }
+    const std::filesystem::path target = std::filesystem::canonical(file, failed);
+    return failed ? file : target.string();
+}
+
 }  // namespace
 
-void write_file(const std::string& file, const std::string& content) {
+void check_output_file(const std::string& file, const std::string& flag) {
+    if (const std::string found = obstacle(file); !found.empty()) {
+        throw InputError(flag, "file name", "\"" + file + "\", " + found, "a file, new or regular");
+    }
+}
+
+void write_file(const std::string& name, const std::string& content) {
+    if (const std::string found = obstacle(name); !found.empty()) {
+        throw InputError(name, "output file", found, "a file, new or regular");
+    }
+    const std::string file = target_of(name);
     const std::filesystem::path path(file);
     std::error_code ignored;
     if (path.has_parent_path()) {

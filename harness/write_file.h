@@ -5,7 +5,13 @@
 
 namespace pt {
 
-// Creates missing folders. Throws MachineError if it cannot; then the old file, if any, is untouched.
+// Throws InputError if `file`, the value of the option `flag`, is there and no regular file (a folder, a device, a
+// pipe), or could not be made because a part of its path is a file. A link to a regular file is good: that file is
+// meant.
+void check_output_file(const std::string& file, const std::string& flag = "--out");
+
+// Creates missing folders. Throws InputError as check_output_file, MachineError if it cannot be written; then the old
+// file, if any, is untouched.
 void write_file(const std::string& file, const std::string& content);
 
 // Removes what processes that were killed while they wrote `file` left beside it. Nobody else may be writing it.

@@ -164,15 +164,38 @@ Json ErrorBook::rows(const Cell& cell, const std::vector<Snapshot>& snapshots) {
     return rows;
 }
 
-Json write_images(const std::string& result_file, const Cell& cell, const Reference& reference,
-                  const std::vector<Snapshot>& snapshots) {
+namespace {
+
+constexpr const char* unfinished_suffix = ".unfinished";
+
+}  // namespace
+
+std::string images_folder(const std::string& result_file, bool keeps_earlier) {
     const std::filesystem::path result(result_file);
-    const std::filesystem::path folder = result.stem().string() + "_images";
+    const std::string name = result.stem().string() + "_images";
+    return (result.parent_path() / (name + (keeps_earlier ? unfinished_suffix : ""))).string();
+}
+
+void replace_images(const std::string& result_file) {
+    const std::filesystem::path fresh = images_folder(result_file, true);
+    const std::filesystem::path old = images_folder(result_file, false);
+    if (std::filesystem::is_directory(fresh)) {
+        std::filesystem::remove_all(old);
+        std::filesystem::rename(fresh, old);
+    }
+}
+
+Json write_images(const std::string& images_folder, const Cell& cell, const Reference& reference,
+                  const std::vector<Snapshot>& snapshots) {
+    const std::filesystem::path folder(images_folder);
+    std::string name_of_folder = folder.filename().string();
+    if (name_of_folder.ends_with(unfinished_suffix)) {
+        name_of_folder.resize(name_of_folder.size() - std::string_view(unfinished_suffix).size());
+    }
     const auto keep = [&](const std::string& name, const Image& image) {
-        const std::filesystem::path file = folder / (file_name(name) + ".pfm");
-        write_pfm({image.begin(), image.end()}, cell.settings.width, cell.settings.height,
-                  (result.parent_path() / file).string());
-        return file.string();
+        const std::string file = file_name(name) + ".pfm";
+        write_pfm({image.begin(), image.end()}, cell.settings.width, cell.settings.height, (folder / file).string());
+        return name_of_folder + "/" + file;
     };
     Json names{{"reference", keep("reference/" + reference.name, reference.mean())}, {"by_spp", Json::object()}};
     for (const Snapshot& snapshot : snapshots) {

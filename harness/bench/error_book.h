@@ -59,9 +59,13 @@ private:
     std::map<std::string, Json> known_;  // errors, by reference, samples and film
 };
 
-// Writes a sample's images at its checkpoints and the reference as .pfm beside a result file; returns their names by
-// spp and that of the reference, relative to the result file.
-Json write_images(const std::string& result_file, const Cell& cell, const Reference& reference,
+// The folder of a result's images, beside it. While an earlier result is kept, they wait in another, which
+// replace_images gives the name of the first.
+std::string images_folder(const std::string& result_file, bool keeps_earlier);
+void replace_images(const std::string& result_file);
+// Writes a sample's images at its checkpoints and the reference as .pfm to a folder of images_folder's; returns their
+// names by spp and that of the reference, relative to the result file, as they will be.
+Json write_images(const std::string& images_folder, const Cell& cell, const Reference& reference,
                   const std::vector<Snapshot>& snapshots);
 
 }  // namespace pt

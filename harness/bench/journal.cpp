@@ -109,7 +109,7 @@ Journal::Journal(std::string file, const Json& identity, bool resume, const std:
 }
 
 void Journal::read(const Json& identity, const std::vector<std::string>& that_may_differ) {
-    const std::string text = read_file(file_);
+    const std::string text = read_file(file_, largest_result);
     std::size_t start = 0;
     bool is_first = true;
     for (std::size_t end = text.find('\n'); end != std::string::npos; start = end + 1, end = text.find('\n', start)) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <chrono>
 #include <ctime>
 #include <fstream>
 
@@ -16,6 +15,7 @@
 #include <unistd.h>
 
 #include "build_info.h"  // generated at every build
+#include "harness/bench/cpu_clock.h"
 #include "harness/json_reader.h"
 #include "harness/scene/scene.h"
 #include "variants/cpu/parallel_for.h"
@@ -67,7 +67,7 @@ std::string machine_name() {
 
 std::string program_hash() {
     static const std::string hash = [] {
-        const std::string program = read_file("/proc/self/exe");
+        const std::string program = read_file("/proc/self/exe", largest_result);
         return fmt::format("{:016x}", fnv1a(program.data(), program.size()));
     }();
     return hash;
@@ -112,6 +112,11 @@ std::string iso_date() {
     return text;
 }
 
+std::string version_text() {
+    return fmt::format("{} (commit {}{})", PTBENCH_VERSION, git_sha(),
+                       git_dirty() ? ", with changes that are not committed" : "");
+}
+
 std::string git_sha() { return PTBENCH_GIT_SHA; }
 
 std::string image_sources_hash() { return PTBENCH_IMAGE_SOURCES_HASH; }
@@ -132,32 +137,13 @@ std::vector<std::pair<std::string, std::string>> machine_context() {
         {"ptbench.build_type", PTBENCH_BUILD_TYPE},
         {"ptbench.program_hash", program_hash()},
         {"ptbench.openmp_environment", openmp_environment()},
+        {"ptbench.clock", clock_method()},
         {"ptbench.threads", std::to_string(parallel_threads())},
         {"ptbench.thrust_version",
          fmt::format("{}.{}.{}", THRUST_MAJOR_VERSION, THRUST_MINOR_VERSION, THRUST_SUBMINOR_VERSION)},
         {"ptbench.thrust_system", "omp"},
         {"ptbench.google_benchmark_version", PTBENCH_BENCHMARK_VERSION},
     };
-}
-
-double measure_clock_mhz() {
-    constexpr std::uint64_t additions = 400000;
-    double best = 0;
-    for (int attempt = 0; attempt < 3; ++attempt) {
-        std::uint64_t sum = 0;
-        const auto start = std::chrono::steady_clock::now();
-        for (std::uint64_t i = 0; i < additions / 8; ++i) {
-            // Opaque to the optimiser, and each addition waits for the one before it.
-            asm volatile(
-                "add $1, %0\n\tadd $1, %0\n\tadd $1, %0\n\tadd $1, %0\n\tadd $1, %0\n\tadd $1, %0\n\tadd $1, %0\n\tadd "
-                "$1, %0"
-                : "+r"(sum));
-        }
-        const double microseconds =
-            std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
-        best = std::max(best, static_cast<double>(additions) / microseconds);
-    }
-    return best;
 }
 
 }  // namespace pt

@@ -16,6 +16,8 @@ std::vector<std::pair<std::string, std::string>> machine_context();
 // Now, as ISO 8601 in local time.
 std::string iso_date();
 
+// "0.1.0 (commit 0123abc, with changes that are not committed)".
+std::string version_text();
 std::string git_sha();
 bool git_dirty();
 // Of the sources that decide what an image is (kernels, integrators, samplers, the reading of scenes): 16 hex digits.
@@ -38,9 +40,5 @@ struct ForeignLoad {
         return {cpu_ms - before.cpu_ms, involuntary_switches - before.involuntary_switches};
     }
 };
-
-// The clock of the core that this thread runs on, measured: a chain of additions, one a cycle, against the steady
-// clock. Takes about half a millisecond.
-double measure_clock_mhz();
 
 }  // namespace pt

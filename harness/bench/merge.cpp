@@ -46,8 +46,8 @@ Json common_of(const OrderedJson& result) {
 
 ShardResult read_shard(const std::string& file) {
     ShardResult shard{.file = file, .shard = {}, .positions = {}, .result = {}};
-    (void)parse_json(read_file(file), file);
-    shard.result = OrderedJson::parse(read_file(file));
+    (void)parse_json(read_file(file, largest_result), file);
+    shard.result = OrderedJson::parse(read_file(file, largest_result));
     const OrderedJson::json_pointer place("/ptbench/run/shard");
     if (!shard.result.contains(place) || !shard.result.at(place).is_string()) {
         throw InputError(file, "$.ptbench.run.shard", "no shard of a run", a_shard);

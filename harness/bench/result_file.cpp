@@ -70,6 +70,7 @@ OrderedJson sample_row(const std::string& cell, std::size_t family, int repetiti
             row[key] = value;
         }
     }
+    row["film_hash"] = sample.at("film_hash");
     row["pt_low_clock"] = 0;  // by mark_low_clocks, when all are known
     row["pt_contended"] = is_contended(sample) ? 1 : 0;
     return row;
@@ -253,6 +254,7 @@ nlohmann::ordered_json machine_json(Backend backend) {
             json[key] = value;
         }
         json["ptbench.machine"] = cuda::machine_name();
+        json["ptbench.clock"] = "a kernel that reads the multiprocessor's cycles and nanoseconds";
     }
     return json;
 }
@@ -285,6 +287,38 @@ std::string rows_on_lines(const OrderedJson& value) {
         text += value.is_array() ? member.dump() : OrderedJson(key).dump() + ": " + rows_on_lines(member);
     }
     return (value.is_array() ? "[" : "{") + text + (value.is_array() ? "\n]" : "\n}");
+}
+
+Disturbance disturbance_of(const Plan& plan, const Journal& journal) {
+    OrderedJson rows = OrderedJson::array();
+    for (const Cell& cell : plan.cells) {
+        for (const Json& sample : journal.samples(cell.name)) {
+            rows.push_back(sample_row(cell.name, 0, 1, 0, sample));
+        }
+    }
+    mark_low_clocks(rows);
+    Disturbance found;
+    for (const OrderedJson& row : rows) {
+        const bool contended = row.at("pt_contended") == 1;
+        const bool low_clock = row.at("pt_low_clock") == 1;
+        found.samples += 1;
+        found.disturbed += contended || low_clock ? 1u : 0u;
+        found.contended += contended ? 1u : 0u;
+        found.low_clock += low_clock ? 1u : 0u;
+        found.clock_unknown += row.value("pt_clock_unknown", 0) == 1 ? 1u : 0u;
+    }
+    return found;
+}
+
+std::string in_words(const Disturbance& d) {
+    std::string text = fmt::format("disturbed: {} of {} samples", d.disturbed, d.samples);
+    if (d.disturbed > 0) {
+        text += fmt::format(" (other processes {}, low clock {})", d.contended, d.low_clock);
+    }
+    if (d.clock_unknown > 0) {
+        text += fmt::format("; clock unknown in {}: cycles are not compared", d.clock_unknown);
+    }
+    return text;
 }
 
 namespace {

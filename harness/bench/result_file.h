@@ -36,6 +36,18 @@ std::string rows_on_lines(const nlohmann::ordered_json& value);
 // Marks each sample's row whose clock was low, judged by the highest clock of all these rows.
 void mark_low_clocks(nlohmann::ordered_json& rows);
 
+// How many of a run's samples cannot be trusted with a difference: another process took CPU time, or the clock was low.
+struct Disturbance {
+    std::size_t samples = 0;
+    std::size_t disturbed = 0;  // either
+    std::size_t contended = 0;
+    std::size_t low_clock = 0;
+    std::size_t clock_unknown = 0;
+};
+Disturbance disturbance_of(const Plan& plan, const Journal& journal);
+// "disturbed: 3 of 54 samples (other processes 2, low clock 1)".
+std::string in_words(const Disturbance& disturbance);
+
 // Throws InputError if the journal holds what no run can have written there.
 std::string result_json(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts);
 // The same error, before a run goes on with the journal: at its end the time would be lost.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <regex>
 #include <utility>
 
@@ -13,9 +14,11 @@
 #include <fmt/format.h>
 
 #include "harness/bench/compile_ahead.h"
+#include "harness/bench/cpu_clock.h"
 #include "harness/bench/error_book.h"
 #include "harness/bench/instrumented.h"
 #include "harness/bench/journal.h"
+#include "harness/bench/kept_result.h"
 #include "harness/bench/machine.h"
 #include "harness/bench/progress.h"
 #include "harness/bench/result_file.h"
@@ -61,7 +64,10 @@ public:
     void ReportRuns(const std::vector<Run>&) override {}
 };
 
-double clock_mhz(Backend backend) { return backend == Backend::cuda ? cuda::measure_clock_mhz() : measure_clock_mhz(); }
+// Nothing where it cannot be known.
+std::optional<double> clock_mhz(Backend backend) {
+    return backend == Backend::cuda ? cuda::measure_clock_mhz() : clock_of(measure_clock_evidence());
+}
 
 std::string journal_of(const RunOptions& options) { return options.out + ".journal.jsonl"; }
 
@@ -84,6 +90,7 @@ public:
           repetitions_(repetitions),
           identity_(identity),
           interrupt_(interrupt),
+          earlier_(earlier_result(options.out, run_json(identity))),
           journal_(journal_of(options), identity, options.resume, that_may_differ(options)),
           errors_(plan_, ReferenceMaker(options.reference_cache,
                                         {.is_stopped = [this] { return interrupt_.requested(); }, .says = say})) {
@@ -419,14 +426,14 @@ private:
                 snapshots.push_back({c.samples, c.wall_ms, c.device_ms, c.cpu_ms, c.film});
             };
         }
-        const double clock_before = clock_mhz(cell.backend);
+        const std::optional<double> clock_before = clock_mhz(cell.backend);
         const ForeignLoad load_before = ForeignLoad::now();
         const auto render_begin = std::chrono::steady_clock::now();
         const RenderResult result = render(*cell.scene, request);
         const double end_to_end =
             std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - render_begin).count();
         const ForeignLoad foreign = ForeignLoad::now() - load_before;
-        const double clock_after = clock_mhz(cell.backend);
+        const std::optional<double> clock_after = clock_mhz(cell.backend);
         if (const std::string missing = work_missing(cell.variant, result.work, cell.spp, cell.backend);
             !missing.empty()) {
             return missing;
@@ -459,11 +466,14 @@ private:
                   {"pt_host_waits", result.work.host_waits},
                   {"pt_order", order_++},
                   {"pt_timestamp", seconds_now()},
-                  {"pt_clock_mhz_before", clock_before},
-                  {"pt_clock_mhz_after", clock_after},
+                  {"pt_clock_unknown", clock_before && clock_after ? 0 : 1},
                   {"pt_foreign_cpu_ms", foreign.cpu_ms},
                   {"pt_involuntary_switches", foreign.involuntary_switches},
                   {"film_hash", hash}};
+        if (clock_before && clock_after) {
+            sample["pt_clock_mhz_before"] = *clock_before;
+            sample["pt_clock_mhz_after"] = *clock_after;
+        }
         if (cell.convergence) {
             sample["pt_checkpoints"] = errors_.rows(cell, snapshots);
         }
@@ -472,7 +482,8 @@ private:
 
     void keep_images(const Cell& cell, const std::vector<Snapshot>& snapshots) {
         Json facts = *journal_.cell(cell.name);
-        facts["convergence"]["images"] = write_images(options_.out, cell, errors_.reference(cell), snapshots);
+        facts["convergence"]["images"] =
+            write_images(images_folder(options_.out, keeps_earlier()), cell, errors_.reference(cell), snapshots);
         record_cell(cell, facts);
     }
 
@@ -505,8 +516,11 @@ private:
         if (!completed && ::isatty(STDERR_FILENO) != 0) {
             fmt::print(stderr, "\n");  // after the line of progress that stands there
         }
-        if (journal_.sample_count() == 0 && !completed) {
-            fmt::print("interrupted before the first sample: no result written\n");
+        if (!completed && (journal_.sample_count() == 0 || keeps_earlier())) {
+            fmt::print("{}\n", journal_.sample_count() == 0
+                                   ? "interrupted before the first sample: no result written"
+                                   : fmt::format("interrupted: {} stays as it was, {} holds {} samples of this run",
+                                                 options_.out, journal_.file(), journal_.sample_count()));
             say_how_to_go_on();
             return exit_interrupted;
         }
@@ -518,10 +532,14 @@ private:
                                               .completed = completed,
                                               .repetitions = repetitions_,
                                               .run = run_facts()}));
+        if (completed && keeps_earlier()) {
+            replace_images(options_.out);
+        }
         print_table();
-        fmt::print("{}\n{} cells, {} samples, {} failed, {} not applicable{}\n", options_.out, plan_.cells.size(),
+        fmt::print("{}\n{} cells, {} samples, {} failed, {} not applicable{}\n{}\n", options_.out, plan_.cells.size(),
                    journal_.sample_count(), failed, plan_.not_applicable.size(),
-                   completed ? "" : fmt::format("; interrupted with {} cells unfinished", unfinished));
+                   completed ? "" : fmt::format("; interrupted with {} cells unfinished", unfinished),
+                   in_words(disturbance_of(plan_, journal_)));
         if (!completed) {
             say_how_to_go_on();
             return exit_interrupted;
@@ -530,6 +548,9 @@ private:
         journal_.finish();
         return failed == 0 ? exit_good : exit_check_failed;
     }
+
+    // An earlier result stays until this one is complete. What this very run left when it was interrupted is no such.
+    bool keeps_earlier() const { return earlier_.is_there && !(earlier_.is_of_this_run && !earlier_.is_complete); }
 
     nlohmann::ordered_json run_facts() const {
         nlohmann::ordered_json facts = run_json(identity_);
@@ -550,6 +571,7 @@ private:
     int repetitions_;
     const Json& identity_;
     Interrupt& interrupt_;
+    EarlierResult earlier_;
     Journal journal_;
     std::mutex journal_mutex_;  // held while it changes
     bool has_session_ = false;
@@ -607,29 +629,19 @@ void check_seeds(const Plan& plan, std::uint64_t first, int repetitions) {
 }
 
 // Whether the result of this very run is there, and no journal: a run that was killed as it ended, or called again.
-bool is_done(const RunOptions& options, const Json& identity) {
-    if (!options.resume || std::filesystem::exists(journal_of(options)) || !std::filesystem::exists(options.out)) {
-        return false;
-    }
-    const Json result = Json::parse(read_file(options.out), nullptr, false);
-    const Json::json_pointer run("/ptbench/run");
-    const Json::json_pointer status("/context/ptbench.status");
-    if (!result.is_object() || !result.contains(run) || !result.at(run).is_object() ||
-        result.value(status, "") != "completed") {
-        return false;
-    }
-    const Json& there = result.at(run);
-    const Json here(run_json(identity));
-    return there.value("identity", "") == here.at("identity") && there.value("shard", "") == here.value("shard", "");
+bool is_done(const RunOptions& options, const EarlierResult& earlier) {
+    return options.resume && !std::filesystem::exists(journal_of(options)) && earlier.is_of_this_run &&
+           earlier.is_complete;
 }
 
-// The exit code of the run that wrote the result.
-int exit_code_of(const std::string& file) {
-    const Json result = Json::parse(read_file(file));
-    const Json& cells = result.at("ptbench").at("cells");
-    const bool any_failed =
-        std::any_of(cells.begin(), cells.end(), [](const Json& cell) { return cell.value("status", "") == "failed"; });
-    return any_failed ? exit_check_failed : exit_good;
+// An earlier result may only be replaced where the call says so, or where it is this run's own. (A journal without
+// --resume is refused when it is opened.)
+void check_result_file(const RunOptions& options, const EarlierResult& earlier) {
+    const bool has_journal = std::filesystem::exists(journal_of(options));
+    const bool goes_on = has_journal && (!options.resume || earlier.is_of_this_run || !earlier.is_complete);
+    if (!goes_on) {
+        check_overwrite(options.out, options.overwrite);
+    }
 }
 
 }  // namespace
@@ -664,9 +676,8 @@ Plan plan_run(const Suite& suite, const RunOptions& options) {
 int run_suite(const Suite& suite, const RunOptions& options) {
     const Plan whole = plan_run(suite, options);
     const std::vector<std::size_t> positions = positions_of(whole, options.shard);
-    if (std::filesystem::is_directory(options.out)) {
-        throw InputError("--out", "file name", "\"" + options.out + "\", a folder", "a file");
-    }
+    check_output_file(options.out);
+    check_output_file(journal_of(options));
     const int repetitions = options.repetitions > 0 ? options.repetitions : suite.repetitions;
     check_seeds(whole, options.seed, repetitions);
     initialize_benchmark(options, repetitions);
@@ -675,10 +686,12 @@ int run_suite(const Suite& suite, const RunOptions& options) {
                                               .seed = options.seed,
                                               .repetitions = repetitions,
                                               .shard = options.shard});
-    if (is_done(options, identity)) {
+    const EarlierResult earlier = earlier_result(options.out, run_json(identity));
+    if (is_done(options, earlier)) {
         fmt::print("{}\nnothing left to do: this run is complete\n", options.out);
-        return exit_code_of(options.out);
+        return earlier.failed_cells > 0 ? exit_check_failed : exit_good;
     }
+    check_result_file(options, earlier);
     Interrupt interrupt(options.grace);
     return Runner(suite, part_of(whole, positions), positions, options, repetitions, identity, interrupt).run();
 }

@@ -17,6 +17,7 @@ struct RunOptions {
     std::string command_line;  // for the record, and to go on with
     int repetitions = 0;       // 0: the suite's
     bool resume = false;
+    bool overwrite = false;   // a result that is there may be replaced, when the new one is complete
     bool other_host = false;  // resume although the host has another name
     bool quiet = false;       // no progress on stderr
     Shard shard = {};

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <optional>
 #include <set>
+#include <unordered_map>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,6 +12,7 @@
 #include "choices_not_built.h"  // generated
 #include "harness/bench/convergence_study.h"
 #include "harness/json_reader.h"
+#include "harness/nearest_name.h"
 #include "harness/places.h"
 
 namespace pt {
@@ -65,8 +67,8 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> sizes_of(const Study& study
     return sizes;
 }
 
-Cell make_cell(const std::shared_ptr<const Scene>& scene, Backend backend, const Variant& variant, const Study& study,
-               std::uint32_t width, std::uint32_t height, std::uint32_t depth) {
+Cell make_cell(const std::shared_ptr<const Scene>& scene, Backend backend, const Variant& variant, std::uint32_t width,
+               std::uint32_t height, std::uint32_t depth, std::uint32_t spp) {
     Cell cell;
     cell.scene = scene;
     cell.backend = backend;
@@ -77,7 +79,7 @@ Cell make_cell(const std::shared_ptr<const Scene>& scene, Backend backend, const
         cell.settings.height = height;
     }
     cell.settings.depth = depth;
-    cell.spp = study.spp_for(backend);
+    cell.spp = spp;
     cell.name = fmt::format("{}/scene:{}/backend:{}/resolution:{}x{}/depth:{}/spp:{}", variant.name(), scene->name,
                             to_string(backend), cell.settings.width, cell.settings.height, depth, cell.spp);
     return cell;
@@ -101,34 +103,26 @@ void merge(Cell& known, const Cell& other, const std::string& study) {
     kept.images = kept.images || added.images;
 }
 
-void add_cell(Plan& plan, Cell cell, const std::string& study) {
-    const auto known =
-        std::find_if(plan.cells.begin(), plan.cells.end(), [&](const Cell& c) { return c.name == cell.name; });
-    if (known != plan.cells.end()) {
-        merge(*known, cell, study);
-    }
-    Cell& target = known != plan.cells.end() ? *known : plan.cells.emplace_back(std::move(cell));
-    if (target.studies.empty() || target.studies.back() != study) {
-        target.studies.push_back(study);
-    }
-}
-
 using Scenes = std::map<std::string, std::shared_ptr<const Scene>>;  // by name or file
 
-// Loads a scene once. Results know a scene by the name in its file: two different scenes of one name are an error.
-std::shared_ptr<const Scene> scene_of(Scenes& scenes, const std::string& name_or_file) {
-    const auto [position, is_new] = scenes.try_emplace(name_or_file);
-    if (is_new) {
-        position->second = std::make_shared<const Scene>(find_scene(name_or_file));
-        for (const auto& [other_file, other] : scenes) {
-            if (other->name == position->second->name && other->hash != position->second->hash) {
-                throw InputError(name_or_file, "$.name",
-                                 "\"" + other->name + "\", the name of another scene (" + other_file + ")",
-                                 "a name of its own");
-            }
+// Every scene that a suite names, loaded once.
+Scenes scenes_of(const Suite& suite) {
+    std::vector<std::string> names;
+    const auto add = [&](const std::string& name) {
+        if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) {
+            names.push_back(name);
         }
+    };
+    for (const Study& study : suite.studies) {
+        std::for_each(study.scenes.begin(), study.scenes.end(), add);
+        add(study.convergence ? study.convergence->reference_scene : "");
     }
-    return position->second;
+    std::vector<Scene> loaded = find_scenes(names);
+    Scenes scenes;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        scenes[names[i]] = std::make_shared<const Scene>(std::move(loaded[i]));
+    }
+    return scenes;
 }
 
 }  // namespace
@@ -142,13 +136,15 @@ bool may_be_known_elsewhere(const std::string& name) {
 void check_choices(const AxisChoices& axes, const std::string& file, const std::string& place) {
     for (const auto& [axis, names] : axes) {
         if (std::find(std::begin(axis_names), std::end(axis_names), axis) == std::end(axis_names)) {
-            throw InputError(file, place, "axis \"" + axis + "\"", fmt::format("{}", fmt::join(axis_names, ", ")));
+            throw InputError(file, place, "axis \"" + axis + "\"",
+                             fmt::format("{}{}", fmt::join(axis_names, ", "),
+                                         did_you_mean(axis, {std::begin(axis_names), std::end(axis_names)})));
         }
         const std::vector<std::string> known = names_on_any_backend(axis);
         for (const std::string& name : names) {
             if (std::find(known.begin(), known.end(), name) == known.end()) {
                 throw InputError(file, place + "." + axis, "\"" + name + "\"",
-                                 fmt::format("{}", fmt::join(known, ", ")));
+                                 fmt::format("{}{}", fmt::join(known, ", "), did_you_mean(name, known)));
             }
         }
     }
@@ -173,7 +169,17 @@ void add_axis_argument(AxisChoices& axes, const std::string& argument, Backend b
         names = names_of(Registry::instance().choices(axis, backend));
     }
     check_choices({{axis, names}}, "--axis", "argument");
-    axes[axis] = names;
+    if (!axes.try_emplace(axis, names).second) {
+        throw InputError("--axis", "argument", axis + " twice", "once, with commas between its choices");
+    }
+}
+
+AxisChoices parse_axis_arguments(const std::vector<std::string>& arguments, Backend backend) {
+    AxisChoices axes;
+    for (const std::string& argument : arguments) {
+        add_axis_argument(axes, argument, backend);
+    }
+    return axes;
 }
 
 // Choices may allow different values of a tunable of one name: what some of them allow is not applicable to the others.
@@ -192,7 +198,8 @@ void check_tunable(const std::string& name, std::uint32_t value, const std::stri
                         tunable.multiple_of > 1 ? fmt::format(", a multiple of {}", tunable.multiple_of) : ""));
     }
     if (!known.contains(name)) {
-        throw InputError(file, place, "tunable \"" + name + "\"", fmt::format("{}", fmt::join(known, ", ")));
+        throw InputError(file, place, "tunable \"" + name + "\"",
+                         fmt::format("{}{}", fmt::join(known, ", "), did_you_mean(name, {known.begin(), known.end()})));
     }
     throw InputError(file, place, std::to_string(value), fmt::format("{}", fmt::join(ranges, ", or ")));
 }
@@ -217,7 +224,17 @@ void add_tunable_argument(TunableValues& tunables, const std::string& argument) 
         check_once(values, "--tune", "argument." + name);
         begin = parsed.ptr + 1;
     }
-    tunables[name] = values;
+    if (!tunables.try_emplace(name, values).second) {
+        throw InputError("--tune", "argument", name + " twice", "once, with commas between its values");
+    }
+}
+
+TunableValues parse_tunable_arguments(const std::vector<std::string>& arguments) {
+    TunableValues tunables;
+    for (const std::string& argument : arguments) {
+        add_tunable_argument(tunables, argument);
+    }
+    return tunables;
 }
 
 AxisChoices all_choices(Backend backend) {
@@ -291,16 +308,26 @@ std::vector<Variant> variants_of(const Study& study, Backend backend) {
         return expand(study.axes, backend, study.tunables);
     }
     std::vector<Variant> variants;
+    std::set<Variant> known;
     for (VariantSet set : study.variants) {
         set.axes.insert(study.axes.begin(), study.axes.end());
         set.tunables.insert(study.tunables.begin(), study.tunables.end());
         for (Variant& variant : expand(set.axes, backend, set.tunables)) {
-            if (std::find(variants.begin(), variants.end(), variant) == variants.end()) {
+            if (known.insert(variant).second) {
                 variants.push_back(std::move(variant));
             }
         }
     }
     return variants;
+}
+
+std::vector<std::uint32_t> Study::spps_for(Backend backend) const {
+    if (const auto own = spp_on.find(backend); own != spp_on.end()) {
+        return {own->second};
+    }
+    std::vector<std::uint32_t> spps{spp};
+    spps.insert(spps.end(), more_spp.begin(), more_spp.end());
+    return spps;
 }
 
 namespace {
@@ -328,58 +355,92 @@ void check_reference(const ReferenceTask& task, const std::string& study) {
     }
 }
 
-// A variant of a study on a scene, at every size and depth.
-void add_cells(Plan& plan, Scenes& scenes, const Study& study, const std::shared_ptr<const Scene>& scene,
-               const Variant& variant, Backend backend) {
-    const std::vector<std::uint32_t> depths =
-        study.depths.empty() ? std::vector<std::uint32_t>{scene->max_depth} : study.depths;
-    for (const auto& [width, height] : sizes_of(study, backend)) {
-        for (const std::uint32_t depth : depths) {
-            if (!study.convergence) {
-                add_cell(plan, make_cell(scene, backend, variant, study, width, height, depth), study.name);
-                continue;
+// Puts a plan together, each cell once.
+class PlanMaker {
+public:
+    PlanMaker(const Suite& suite, Backend backend, const Tuning& tuning)
+        : suite_(suite), backend_(backend), tuning_(tuning), scenes_(scenes_of(suite)) {}
+
+    Plan make() {
+        for (const Study& study : suite_.studies) {
+            const std::set<std::string> named = named_tunables(study);
+            const std::vector<Variant> variants = variants_of(study, backend_);
+            for (const std::string& name : study.scenes) {
+                for (const Variant& asked : variants) {
+                    add_variant(study, scenes_.at(name), tuning_.applied(asked, named));
+                }
             }
-            const std::uint32_t own_depth = depth_for_mean_of(variant, backend, depth);
-            if (own_depth == 0) {
-                plan.not_applicable.push_back({study.name, scene->name, variant,
-                                               fmt::format("has no depth at which its mean is that of {}", depth)});
-                continue;
-            }
-            const std::string& right = study.convergence->reference_scene;
-            Cell cell = make_cell(scene, backend, variant, study, width, height, own_depth);
-            Cell plain = cell;
-            add_checkpoints(cell, *study.convergence, right.empty() ? scene : scene_of(scenes, right), depth);
-            check_reference(cell.convergence->reference, study.name);
-            plain.prepared_spp = cell.prepared_spp;
-            add_cell(plan, std::move(cell), study.name);
-            if (study.convergence->without_checkpoints) {
-                add_cell(plan, std::move(plain), study.name + std::string(without_checkpoints_suffix));
+        }
+        return std::move(plan_);
+    }
+
+private:
+    // At every size, depth and number of samples.
+    void add_variant(const Study& study, const std::shared_ptr<const Scene>& scene, const Variant& variant) {
+        if (std::string reason = why_not_applicable(variant, features_of(*scene), backend_); !reason.empty()) {
+            plan_.not_applicable.push_back({study.name, scene->name, variant, std::move(reason)});
+            return;
+        }
+        const std::vector<std::uint32_t> depths =
+            study.depths.empty() ? std::vector<std::uint32_t>{scene->max_depth} : study.depths;
+        for (const auto& [width, height] : sizes_of(study, backend_)) {
+            for (const std::uint32_t depth : depths) {
+                for (const std::uint32_t spp : study.spps_for(backend_)) {
+                    const Cell cell = make_cell(scene, backend_, variant, width, height, depth, spp);
+                    study.convergence ? add_cells_with_error(study, cell) : add_cell(cell, study.name);
+                }
             }
         }
     }
-}
+
+    // The cell at the depth whose mean is that of the cell's own, with checkpoints.
+    void add_cells_with_error(const Study& study, const Cell& asked) {
+        const ConvergenceSettings& settings = *study.convergence;
+        const std::uint32_t depth = asked.settings.depth;
+        const std::uint32_t own_depth = depth_for_mean_of(asked.variant, backend_, depth);
+        if (own_depth == 0) {
+            plan_.not_applicable.push_back({study.name, asked.scene->name, asked.variant,
+                                            fmt::format("has no depth at which its mean is that of {}", depth)});
+            return;
+        }
+        Cell cell = make_cell(asked.scene, backend_, asked.variant, asked.settings.width, asked.settings.height,
+                              own_depth, asked.spp);
+        Cell plain = cell;
+        add_checkpoints(cell, settings,
+                        settings.reference_scene.empty() ? asked.scene : scenes_.at(settings.reference_scene), depth);
+        check_reference(cell.convergence->reference, study.name);
+        plain.prepared_spp = cell.prepared_spp;
+        add_cell(std::move(cell), study.name);
+        if (settings.without_checkpoints) {
+            add_cell(std::move(plain), study.name + std::string(without_checkpoints_suffix));
+        }
+    }
+
+    void add_cell(Cell cell, const std::string& study) {
+        const auto [known, is_new] = positions_.try_emplace(cell.name, plan_.cells.size());
+        if (is_new) {
+            plan_.cells.push_back(std::move(cell));
+        } else {
+            merge(plan_.cells[known->second], cell, study);
+        }
+        std::vector<std::string>& studies = plan_.cells[known->second].studies;
+        if (studies.empty() || studies.back() != study) {
+            studies.push_back(study);
+        }
+    }
+
+    const Suite& suite_;
+    Backend backend_;
+    const Tuning& tuning_;
+    Scenes scenes_;
+    Plan plan_;
+    std::unordered_map<std::string, std::size_t> positions_;  // of cells, by name
+};
 
 }  // namespace
 
 Plan make_plan(const Suite& suite, Backend backend, const Tuning& tuning) {
-    Plan plan;
-    Scenes scenes;
-    for (const Study& study : suite.studies) {
-        const std::set<std::string> named = named_tunables(study);
-        for (const std::string& name : study.scenes) {
-            const std::shared_ptr<const Scene> scene = scene_of(scenes, name);
-            for (const Variant& asked : variants_of(study, backend)) {
-                const Variant variant = tuning.applied(asked, named);
-                const std::string reason = why_not_applicable(variant, features_of(*scene), backend);
-                if (!reason.empty()) {
-                    plan.not_applicable.push_back({study.name, scene->name, variant, reason});
-                    continue;
-                }
-                add_cells(plan, scenes, study, scene, variant, backend);
-            }
-        }
-    }
-    return plan;
+    return PlanMaker(suite, backend, tuning).make();
 }
 
 }  // namespace pt

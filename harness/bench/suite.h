@@ -54,12 +54,10 @@ struct Study {
         {};                             // where a backend has its own
     std::vector<std::uint32_t> depths;  // empty: the scene's own
     std::uint32_t spp = 1;
+    std::vector<std::uint32_t> more_spp = {};      // besides spp
     std::map<Backend, std::uint32_t> spp_on = {};  // where a backend has its own
 
-    std::uint32_t spp_for(Backend backend) const {
-        const auto own = spp_on.find(backend);
-        return own != spp_on.end() ? own->second : spp;
-    }
+    std::vector<std::uint32_t> spps_for(Backend backend) const;
 };
 
 struct Suite {
@@ -123,10 +121,13 @@ AxisChoices all_choices(Backend backend = Backend::cpu);
 // Variants that apply to a scene with these features such that every two choices of two axes that can go together do so
 // in one of them: what all_choices() would be too many for.
 std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet features, Backend backend);
-// "NAME=c1,c2" -> adds to `axes`; throws InputError with the allowed names. "NAME=all": the backend's.
+// "NAME=c1,c2" -> adds to `axes`; throws InputError with the allowed names, and where they have the axis already.
+// "NAME=all": the backend's.
 void add_axis_argument(AxisChoices& axes, const std::string& argument, Backend backend = Backend::cpu);
-// "NAME=v1,v2" -> adds to `tunables`; throws InputError with what is allowed.
+AxisChoices parse_axis_arguments(const std::vector<std::string>& arguments, Backend backend = Backend::cpu);
+// "NAME=v1,v2" -> adds to `tunables`; throws InputError with what is allowed, and where they have the name already.
 void add_tunable_argument(TunableValues& tunables, const std::string& argument);
+TunableValues parse_tunable_arguments(const std::vector<std::string>& arguments);
 // Throws InputError if no choice on any backend has such a tunable, or none that has it allows the value.
 void check_tunable(const std::string& name, std::uint32_t value, const std::string& file, const std::string& place);
 // A build without a CUDA toolkit does not know that backend's tunables: they tune nothing there.

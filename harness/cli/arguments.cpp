@@ -1,11 +1,24 @@
+#include <algorithm>
 #include <charconv>
 
 #include "harness/cli/commands.h"
 #include "harness/cuda/backend.h"
 #include "harness/error.h"
+#include "harness/json_reader.h"
+#include "harness/places.h"
 #include "variants/registry.h"
 
 namespace pt {
+
+std::vector<std::string> option_names(const CLI::App& command) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : command.get_options()) {
+        for (const std::string& name : option->get_lnames()) {
+            names.push_back("--" + name);
+        }
+    }
+    return names;
+}
 
 std::pair<std::uint32_t, std::uint32_t> parse_resolution(const std::string& text) {
     std::uint32_t width = 0, height = 0;
@@ -24,18 +37,64 @@ std::pair<std::uint32_t, std::uint32_t> parse_resolution(const std::string& text
     return {width, height};
 }
 
-std::vector<std::string> split_names(const std::string& text) {
-    std::vector<std::string> names;
+namespace {
+
+// "a,b,,c" -> {"a", "b", "", "c"}.
+std::vector<std::string> split_at_commas(const std::string& text) {
+    std::vector<std::string> parts;
     std::size_t start = 0;
     while (start <= text.size()) {
         const std::size_t comma = std::min(text.find(',', start), text.size());
-        if (comma == start) {
-            throw InputError("--scene", "argument", "\"" + text + "\"", "names or files with a comma between them");
-        }
-        names.push_back(text.substr(start, comma - start));
+        parts.push_back(text.substr(start, comma - start));
         start = comma + 1;
     }
+    return parts;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> parse_whole_numbers(const std::string& text, const std::string& flag, std::uint32_t low,
+                                               std::uint32_t high) {
+    std::vector<std::uint32_t> numbers;
+    for (const std::string& part : split_at_commas(text)) {
+        std::uint32_t number = 0;
+        const char* const end = part.data() + part.size();
+        const auto parsed = std::from_chars(part.data(), end, number);
+        if (parsed.ec != std::errc() || parsed.ptr != end || number < low || number > high) {
+            throw InputError(flag, "argument", "\"" + text + "\"",
+                             fmt::format("whole numbers from {} to {} with a comma between them", low, high));
+        }
+        numbers.push_back(number);
+        check_once(numbers, flag, "argument");
+    }
+    return numbers;
+}
+
+std::vector<std::pair<std::uint32_t, std::uint32_t>> parse_resolutions(const std::string& text) {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> sizes;
+    for (const std::string& part : split_at_commas(text)) {
+        sizes.push_back(parse_resolution(part));
+        if (std::count(sizes.begin(), sizes.end(), sizes.back()) > 1) {
+            throw InputError("--resolution", "argument", "\"" + part + "\" twice", "once");
+        }
+    }
+    return sizes;
+}
+
+std::vector<std::string> split_names(const std::string& text, const std::string& flag) {
+    std::vector<std::string> names;
+    for (std::string& name : split_at_commas(text)) {
+        if (name.empty()) {
+            throw InputError(flag, "argument", "\"" + text + "\"", "names or files with a comma between them");
+        }
+        names.push_back(std::move(name));
+        check_once(names, flag, "argument");
+    }
     return names;
+}
+
+std::vector<std::string> scenes_asked_for(const std::string& text) {
+    return text == "all" ? scene_names() : split_names(text);
 }
 
 Backend parse_backend(const std::string& text) {

@@ -11,6 +11,7 @@
 #include "harness/cli/commands.h"
 #include "harness/cuda/backend.h"
 #include "harness/places.h"
+#include "harness/write_file.h"
 
 namespace pt {
 
@@ -108,10 +109,7 @@ private:
 int run(const AutotuneArguments& arguments) {
     const Scene scene = find_scene(arguments.scene);
     const Backend backend = parse_backend(arguments.backend);
-    AxisChoices axes;
-    for (const std::string& argument : arguments.axes) {
-        add_axis_argument(axes, argument, backend);
-    }
+    const AxisChoices axes = parse_axis_arguments(arguments.axes, backend);
     const std::vector<Variant> variants = expand(axes, backend);
     if (variants.size() != 1) {
         throw InputError("--axis", "argument", fmt::format("{} variants", variants.size()),
@@ -124,6 +122,7 @@ int run(const AutotuneArguments& arguments) {
     require_backend(backend);
     // Before the search: it takes minutes, and what it finds must have a place.
     const std::string file = arguments.out.empty() ? tuning_file(backend) : arguments.out;
+    check_output_file(file);
     Tuning tuning = Tuning::load(file, backend);
     RenderSettings settings = default_settings(scene);
     if (!arguments.resolution.empty()) {

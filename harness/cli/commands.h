@@ -28,10 +28,20 @@ Command add_new_command(CLI::App& app);
 Command add_replay_command(CLI::App& app);
 Command add_stability_command(CLI::App& app, const std::string& command_line);
 
+// "--axis", "--backend", ..: a command's options, for suggestions.
+std::vector<std::string> option_names(const CLI::App& command);
 // "WxH" -> {W, H}; throws InputError.
 std::pair<std::uint32_t, std::uint32_t> parse_resolution(const std::string& text);
-// "A,B" -> {A, B}, the scenes of --scene; throws InputError for an empty name.
-std::vector<std::string> split_names(const std::string& text);
+// "WxH,WxH" -> each once.
+std::vector<std::pair<std::uint32_t, std::uint32_t>> parse_resolutions(const std::string& text);
+// "2,4,8" -> {2, 4, 8}; `flag` is for the messages. Throws InputError for what is no whole number from `low` to `high`,
+// or stands twice.
+std::vector<std::uint32_t> parse_whole_numbers(const std::string& text, const std::string& flag, std::uint32_t low,
+                                               std::uint32_t high);
+// "A,B" -> {A, B}, the names of `flag`; throws InputError for an empty name, or one that stands twice.
+std::vector<std::string> split_names(const std::string& text, const std::string& flag = "--scene");
+// The same, and "all" -> every shipped scene.
+std::vector<std::string> scenes_asked_for(const std::string& text);
 // "cpu" or "cuda"; "": cuda where it is available, else cpu. Throws InputError for another name, MachineError for a
 // backend that this build lacks.
 Backend parse_backend(const std::string& text);

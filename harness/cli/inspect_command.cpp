@@ -93,15 +93,12 @@ int run(const InspectArguments& arguments) {
         throw InputError("command line", "--counters", "--arch " + arguments.architecture,
                          "no --arch: counters come from this machine's GPU");
     }
+    if (!arguments.out.empty()) {
+        check_output_file(arguments.out);
+    }
     (void)parse_backend("cuda");  // a build without it has no variants to report on
-    AxisChoices axes;
-    for (const std::string& argument : arguments.axes) {
-        add_axis_argument(axes, argument, Backend::cuda);
-    }
-    TunableValues tunables;
-    for (const std::string& argument : arguments.tunables) {
-        add_tunable_argument(tunables, argument);
-    }
+    const AxisChoices axes = parse_axis_arguments(arguments.axes, Backend::cuda);
+    const TunableValues tunables = parse_tunable_arguments(arguments.tunables);
     const std::vector<Variant> variants = expand(axes, Backend::cuda, tunables);
     nlohmann::ordered_json reports = nlohmann::ordered_json::array();
     std::string not_applicable;

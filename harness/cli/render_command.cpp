@@ -1,10 +1,16 @@
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "harness/bench/progress.h"
 #include "harness/bench/suite.h"
 #include "harness/cli/commands.h"
 #include "harness/places.h"
 #include "harness/render/image.h"
+#include "harness/write_file.h"
 
 namespace pt {
 
@@ -23,19 +29,70 @@ struct RenderArguments {
     std::string out;
 };
 
+constexpr double shortest_to_mention = 2;  // seconds: a render that takes less says nothing
+// Of the samples of all pixels. A render of so few samples a pixel that none can be spent on finding out how long it
+// takes is announced where it has more than these, which take seconds on a CPU.
+constexpr double most_samples_unmentioned = 1 << 26;
+
+// Seconds that a render will take, from one sample a pixel after one that warms up; nothing where two are too many.
+std::optional<double> expected_seconds(const Scene& scene, RenderRequest request) {
+    constexpr std::uint32_t fewest_samples = 32;
+    const std::uint32_t samples = request.samples;
+    if (samples < fewest_samples) {
+        return std::nullopt;
+    }
+    request.samples = 1;
+    const auto measured = [&] { return 1e-3 * render(scene, request).wall_ms * samples; };
+    const double cold = measured();
+    return cold < shortest_to_mention ? cold : measured();
+}
+
+// Where a long render stops to say how far it is: every two seconds or less often, at multiples of the samples that
+// kernels have in flight.
+std::vector<std::uint32_t> stops_of(const RenderRequest& request, std::optional<double> seconds) {
+    constexpr std::uint32_t multiple = 16;
+    std::uint32_t step = 1;
+    if (seconds) {
+        const double parts = std::clamp(*seconds / shortest_to_mention, 1.0, 1000.0);
+        step = static_cast<std::uint32_t>(std::ceil(request.samples / parts / multiple)) * multiple;
+    }
+    std::vector<std::uint32_t> stops;
+    for (std::uint64_t done = step; done < request.samples; done += step) {
+        stops.push_back(static_cast<std::uint32_t>(done));
+    }
+    stops.push_back(request.samples);
+    return stops;
+}
+
+// Says on standard error what a long render will take, and then how far it is.
+RenderResult render_aloud(const Scene& scene, RenderRequest request) {
+    const std::optional<double> seconds = expected_seconds(scene, request);
+    const double samples = static_cast<double>(request.settings.width) * request.settings.height * request.samples;
+    if (seconds ? *seconds < shortest_to_mention : samples < most_samples_unmentioned) {
+        return render(scene, request);
+    }
+    fmt::print(stderr, "render: {}x{}, {} spp, {}{}\n", request.settings.width, request.settings.height,
+               request.samples, request.variant.name(), seconds ? ": about " + clock_text(*seconds) : "");
+    // Where numbers follow the order of a queue, a stop would change them.
+    if (depends_on_order(request.variant, request.backend)) {
+        return render(scene, request);
+    }
+    request.checkpoints = stops_of(request, seconds);
+    Progress progress("render", request.checkpoints.size());
+    request.on_checkpoint = [&](const Checkpoint& checkpoint) {
+        progress.step(fmt::format("{} of {} spp", checkpoint.samples, request.samples));
+    };
+    return render(scene, request);
+}
+
 int run(const RenderArguments& arguments) {
     check_image_name(arguments.out);
+    check_output_file(arguments.out);
     const auto start = std::chrono::steady_clock::now();
     const Scene scene = find_scene(arguments.scene);
     const Backend backend = parse_backend(arguments.backend);
-    AxisChoices axes;
-    for (const std::string& argument : arguments.axes) {
-        add_axis_argument(axes, argument, backend);
-    }
-    TunableValues tunables;
-    for (const std::string& argument : arguments.tunables) {
-        add_tunable_argument(tunables, argument);
-    }
+    const AxisChoices axes = parse_axis_arguments(arguments.axes, backend);
+    const TunableValues tunables = parse_tunable_arguments(arguments.tunables);
     std::vector<Variant> variants = expand(axes, backend, tunables);
     if (variants.size() != 1) {
         throw InputError("--axis", "argument", fmt::format("{} variants", variants.size()),
@@ -62,7 +119,7 @@ int run(const RenderArguments& arguments) {
     if (arguments.depth != 0) {
         request.settings.depth = arguments.depth;
     }
-    const RenderResult result = render(scene, request);
+    const RenderResult result = render_aloud(scene, request);
     write_image(result.film, arguments.out);
     const Vec3d mean = result.film.mean();
     const nlohmann::ordered_json summary{

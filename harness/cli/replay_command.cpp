@@ -56,10 +56,7 @@ std::uint32_t parse_pixel(const std::string& text, const RenderSettings& setting
 
 int run(const ReplayArguments& arguments) {
     const Scene scene = find_scene(arguments.scene);
-    AxisChoices axes;
-    for (const std::string& argument : arguments.axes) {
-        add_axis_argument(axes, argument, Backend::cpu);
-    }
+    const AxisChoices axes = parse_axis_arguments(arguments.axes, Backend::cpu);
     Variant variant = Registry::instance().reference(Registry::instance().baseline(Backend::cpu), Backend::cpu);
     for (const auto& [axis, choices] : axes) {
         if (choices.size() != 1) {

@@ -1,4 +1,5 @@
 #include <charconv>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -6,6 +7,7 @@
 #include "harness/bench/runner.h"
 #include "harness/cli/commands.h"
 #include "harness/cuda/backend.h"
+#include "harness/nearest_name.h"
 #include "harness/places.h"
 
 namespace pt {
@@ -18,13 +20,14 @@ struct RunArguments {
     std::vector<std::string> axes;
     std::vector<std::string> tunables;
     std::string backend;
-    std::string resolution;
-    std::uint32_t depth = 0;
-    std::uint32_t spp = 0;
+    std::string resolutions;
+    std::string depths;
+    std::string spps;
     int repetitions = 0;
     std::uint64_t seed = 1;
     std::string out;
     bool resume = false;
+    bool overwrite = false;
     bool other_host = false;
     bool quiet = false;
     std::string shard;
@@ -38,34 +41,45 @@ Suite suite_from_arguments(const RunArguments& arguments) {
     Study study;
     study.name = "adhoc";
     study.title = "From the command line";
-    study.scenes = split_names(arguments.scenes);
+    study.scenes = scenes_asked_for(arguments.scenes);
     study.spp = 4;
     return {.name = "adhoc", .description = "", .studies = {study}};
 }
 
+// The first of a list, and the others.
+template <class T>
+std::pair<T, std::vector<T>> first_and_others(const std::vector<T>& list) {
+    return {list.front(), {list.begin() + 1, list.end()}};
+}
+
+// What the call names replaces what the suite says of it.
 void override_study(Study& study, const RunArguments& arguments, Backend backend) {
-    for (const std::string& argument : arguments.axes) {
-        add_axis_argument(study.axes, argument, backend);
-        for (VariantSet& set : study.variants) {
-            add_axis_argument(set.axes, argument, backend);
+    const AxisChoices axes = parse_axis_arguments(arguments.axes, backend);
+    const TunableValues tunables = parse_tunable_arguments(arguments.tunables);
+    const auto override_set = [&](AxisChoices& set_axes, TunableValues& set_tunables) {
+        for (const auto& [axis, choices] : axes) {
+            set_axes[axis] = choices;
         }
-    }
-    for (const std::string& argument : arguments.tunables) {
-        add_tunable_argument(study.tunables, argument);
-        for (VariantSet& set : study.variants) {
-            add_tunable_argument(set.tunables, argument);
+        for (const auto& [name, values] : tunables) {
+            set_tunables[name] = values;
         }
+    };
+    override_set(study.axes, study.tunables);
+    for (VariantSet& set : study.variants) {
+        override_set(set.axes, set.tunables);
     }
-    if (!arguments.resolution.empty()) {
-        std::tie(study.width, study.height) = parse_resolution(arguments.resolution);
-        study.more_sizes.clear();
+    if (!arguments.resolutions.empty()) {
+        const auto [first, others] = first_and_others(parse_resolutions(arguments.resolutions));
+        std::tie(study.width, study.height) = first;
+        study.more_sizes = others;
         study.sizes_on.clear();
     }
-    if (arguments.depth != 0) {
-        study.depths = {arguments.depth};
+    if (!arguments.depths.empty()) {
+        study.depths = parse_whole_numbers(arguments.depths, "--depth", 1, 1000000);
     }
-    if (arguments.spp != 0) {
-        study.spp = arguments.spp;
+    if (!arguments.spps.empty()) {
+        std::tie(study.spp, study.more_spp) =
+            first_and_others(parse_whole_numbers(arguments.spps, "--spp", 1, 1000000));
         study.spp_on.clear();
     }
 }
@@ -81,14 +95,27 @@ std::string compared_axis(const AxisChoices& axes) {
     return "integrator";
 }
 
+// Two values for one of Google Benchmark's flags: the last would win without a word.
+void check_flags_once(const std::vector<std::string>& extras) {
+    std::set<std::string> names;
+    for (const std::string& extra : extras) {
+        const std::string name = extra.substr(0, extra.find('='));
+        if (!names.insert(name).second) {
+            throw InputError("command line", "flag", name + " twice", "once");
+        }
+    }
+}
+
 // Splits Google Benchmark's flags into those that ptbench owns and those that are passed on.
-RunOptions make_options(const RunArguments& arguments, const std::vector<std::string>& extras,
-                        const std::string& command_line) {
+RunOptions make_options(const RunArguments& arguments, const CLI::App& command, const std::string& command_line) {
+    const std::vector<std::string> extras = command.remaining();
+    check_flags_once(extras);
     RunOptions options{
         .out = arguments.out,
         .command_line = command_line,
         .repetitions = arguments.repetitions,
         .resume = arguments.resume,
+        .overwrite = arguments.overwrite,
         .other_host = arguments.other_host,
         .quiet = arguments.quiet,
         .shard = arguments.shard.empty() ? Shard() : parse_shard(arguments.shard),
@@ -101,6 +128,9 @@ RunOptions make_options(const RunArguments& arguments, const std::vector<std::st
         } else if (extra.starts_with("--benchmark_repetitions=")) {
             const char* const end = extra.data() + extra.size();
             const auto parsed = std::from_chars(extra.data() + extra.find('=') + 1, end, options.repetitions);
+            if (arguments.repetitions > 0) {
+                throw InputError("command line", "flags", "--repetitions and --benchmark_repetitions", "one of them");
+            }
             if (parsed.ec != std::errc() || parsed.ptr != end || options.repetitions < 1) {
                 throw InputError("--benchmark_repetitions", "argument", "\"" + extra + "\"", "a whole number from 1");
             }
@@ -110,13 +140,15 @@ RunOptions make_options(const RunArguments& arguments, const std::vector<std::st
             options.benchmark_flags.push_back(extra);
         } else {
             throw InputError("command line", "argument", "\"" + extra + "\"",
-                             "the options of `ptbench run --help` and --benchmark_* flags");
+                             "the options of `ptbench run --help` and --benchmark_* flags" +
+                                 did_you_mean(extra.substr(0, extra.find('=')), option_names(command)));
         }
     }
     return options;
 }
 
-int run(const RunArguments& arguments, const std::vector<std::string>& extras, const std::string& command_line) {
+int run(const RunArguments& arguments, const CLI::App& command, const std::string& command_line) {
+    RunOptions options = make_options(arguments, command, command_line);
     if (arguments.suite.empty() == arguments.scenes.empty()) {
         throw InputError("command line", "options",
                          arguments.suite.empty() ? "neither --suite nor --scene" : "both --suite and --scene",
@@ -131,7 +163,6 @@ int run(const RunArguments& arguments, const std::vector<std::string>& extras, c
             study.figure = compared_axis(study.axes);
         }
     }
-    RunOptions options = make_options(arguments, extras, command_line);
     options.backend = backend;
     if (arguments.dry_run) {
         const Plan whole = plan_run(suite, options);
@@ -155,19 +186,21 @@ Command add_run_command(CLI::App& app, const std::string& command_line) {
     auto arguments = std::make_shared<RunArguments>();
     CLI::App* command = app.add_subcommand("run", "Verify and time variants; write a result file");
     command->add_option("--suite", arguments->suite, "Suite by name or .json file");
-    command->add_option("--scene", arguments->scenes, "Scenes by name or .json file, comma-separated");
+    command->add_option("--scene", arguments->scenes, "Scenes by name or .json file, comma-separated, or \"all\"");
     command->add_option("--axis", arguments->axes, "AXIS=CHOICE,CHOICE or AXIS=all, repeatable")
         ->allow_extra_args(false);
     command->add_option("--tune", arguments->tunables, "TUNABLE=VALUE,VALUE, repeatable")->allow_extra_args(false);
     command->add_option("--backend", arguments->backend, "cpu or cuda (default: cuda where it is available)");
-    command->add_option("--resolution", arguments->resolution, "WxH (default: the suite's or the scene's)");
-    command->add_option("--depth", arguments->depth, "Ray segments in a path")->check(CLI::Range(1u, 1000000u));
-    command->add_option("--spp", arguments->spp, "Samples per pixel and timed sample")->check(CLI::Range(1u, 1000000u));
+    command->add_option("--resolution", arguments->resolutions, "WxH,WxH (default: the suite's or the scene's)");
+    command->add_option("--depth", arguments->depths, "Ray segments in a path: D,D (1 to 1000000)");
+    command->add_option("--spp", arguments->spps, "Samples per pixel and timed sample: N,N (1 to 1000000)");
     command->add_option("--repetitions", arguments->repetitions, "Timed samples a cell (default: the suite's, or 9)")
         ->check(CLI::Range(1, 10000));
     command->add_option("--seed", arguments->seed, "Seed of the first sample (default 1)")->check(check_seed);
     command->add_option("--out", arguments->out, "Result file (default results/MACHINE/SUITE.json)");
     CLI::Option* resume = command->add_flag("--resume", arguments->resume, "Go on with an unfinished run");
+    command->add_flag("--overwrite", arguments->overwrite,
+                      "Replace a result that is there, when the new one is complete");
     command
         ->add_flag("--other-host", arguments->other_host, "Go on although the host has another name (the result says)")
         ->needs(resume);
@@ -181,7 +214,7 @@ Command add_run_command(CLI::App& app, const std::string& command_line) {
                         "$XDG_CACHE_HOME or ~/.cache)");
     command->add_flag("--dry-run", arguments->dry_run, "List the cells, run nothing");
     command->allow_extras();
-    return [arguments, command, command_line] { return run(*arguments, command->remaining(), command_line); };
+    return [arguments, command, command_line] { return run(*arguments, *command, command_line); };
 }
 
 }  // namespace pt

@@ -15,6 +15,7 @@
 #include "harness/cuda/backend.h"
 #include "harness/interrupt.h"
 #include "harness/locked_file.h"
+#include "harness/nearest_name.h"
 #include "harness/stability/evaluate.h"
 #include "harness/stability/report.h"
 #include "harness/stability/workers.h"
@@ -42,6 +43,7 @@ struct StabilityArguments {
     bool list = false;
     bool quiet = false;
     bool resume = false;
+    bool overwrite = false;
     std::string out;
     std::string write_scenes;
     std::string command_line;
@@ -55,13 +57,14 @@ const Case& find_case(const std::string& name) {
         }
         names.push_back(stiff_case.name);
     }
-    throw InputError("--case", "name", "\"" + name + "\"", fmt::format("{}", fmt::join(names, ", ")));
+    throw InputError("--case", "name", "\"" + name + "\"",
+                     fmt::format("{}{}", fmt::join(names, ", "), did_you_mean(name, names)));
 }
 
 std::vector<const Case*> chosen_cases(const StabilityArguments& arguments) {
     std::vector<const Case*> cases;
     for (const std::string& argument : arguments.cases) {
-        for (const std::string& name : split_names(argument)) {
+        for (const std::string& name : split_names(argument, "--case")) {
             const Case* stiff_case = &find_case(name);
             if (std::find(cases.begin(), cases.end(), stiff_case) == cases.end()) {
                 cases.push_back(stiff_case);
@@ -99,7 +102,9 @@ std::map<std::string, double> parse_values(const std::vector<std::string>& argum
             parsed.ptr != end) {
             throw InputError("--set", "argument", "\"" + argument + "\"", "NAME=NUMBER");
         }
-        values[argument.substr(0, equals)] = value;
+        if (!values.try_emplace(argument.substr(0, equals), value).second) {
+            throw InputError("--set", "argument", argument.substr(0, equals) + " twice", "once");
+        }
     }
     return values;
 }
@@ -142,10 +147,7 @@ std::vector<Variant> asked_variants(const StabilityArguments& arguments, Backend
         return standard_variants(backend, arguments.quick);
     }
     const Variant plainest = stability::plainest_variant(backend);
-    AxisChoices axes;
-    for (const std::string& argument : arguments.axes) {
-        add_axis_argument(axes, argument, backend);
-    }
+    AxisChoices axes = parse_axis_arguments(arguments.axes, backend);
     for (const std::string_view axis : axis_names) {
         axes.try_emplace(std::string(axis), std::vector<std::string>{plainest[axis]});
     }
@@ -315,7 +317,9 @@ public:
           backend_(backend),
           lock_(arguments.out.empty() ? nullptr : std::make_unique<ReportLock>(arguments.out + ".lock")),
           report_(arguments.out, {arguments.command_line, backend, arguments.quick, arguments.seed, arguments.paths},
-                  arguments.resume),
+                  arguments.resume      ? stability::Report::IfThere::resume
+                  : arguments.overwrite ? stability::Report::IfThere::overwrite
+                                        : stability::Report::IfThere::refuse),
           tasks_(all_tasks(arguments, backend)) {
         for (std::size_t i = 0; i < tasks_.size(); ++i) {
             if (!report_.has(tasks_[i])) {
@@ -459,6 +463,8 @@ Command add_stability_command(CLI::App& app, const std::string& command_line) {
     command->add_flag("--quiet", arguments->quiet, "Print failures of what must pass, and the tally, only");
     command->add_option("--out", arguments->out, "Result file (JSON); none: print only");
     command->add_flag("--resume", arguments->resume, "Keep the rows that --out has already");
+    command->add_flag("--overwrite", arguments->overwrite,
+                      "Replace a result that is there, when the new one is complete");
     command->add_option("--write-scenes", arguments->write_scenes,
                         "Write the cases' scenes at their first point into this folder, and run nothing");
     return [arguments] { return run(*arguments); };

@@ -198,13 +198,10 @@ std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backen
         axes.erase("sampler");
         axes.erase("robustness");
     }
-    TunableValues tunables;
-    for (const std::string& argument : arguments.axes) {
-        add_axis_argument(axes, argument, backend);
+    for (const auto& [axis, choices] : parse_axis_arguments(arguments.axes, backend)) {
+        axes[axis] = choices;
     }
-    for (const std::string& argument : arguments.tunables) {
-        add_tunable_argument(tunables, argument);
-    }
+    const TunableValues tunables = parse_tunable_arguments(arguments.tunables);
     std::vector<Variant> variants;
     if (!none_named || backend == Backend::cpu) {
         variants = expand(axes, backend, tunables);
@@ -250,11 +247,8 @@ int run_statistical(const VerifyArguments& arguments, Backend backend, const std
 int run(const VerifyArguments& arguments) {
     const Backend backend = parse_backend(arguments.backend);
     require_backend(backend);
-    const std::vector<std::string> names = arguments.scenes == "all" ? scene_names() : split_names(arguments.scenes);
-    std::vector<Scene> scenes;
-    for (const std::string& name : names) {
-        scenes.push_back(find_scene(name));
-    }
+    const std::vector<std::string> names = scenes_asked_for(arguments.scenes);
+    const std::vector<Scene> scenes = find_scenes(names);
     std::vector<CompileTask> compilations;
     std::vector<std::vector<Variant>> variants;
     for (const Scene& scene : scenes) {

@@ -44,7 +44,7 @@ void read_into(Reference& reference, const std::string& stem) {
     if (!json.is_object() || json.value("identity", Json()) != expected) {
         throw std::runtime_error("it is of something else");
     }
-    const std::string bytes = read_file(stem + ".f64");
+    const std::string bytes = read_file(stem + ".f64", std::uint64_t{4} << 30);
     const std::size_t values = std::size_t{3} * reference.width * reference.height;
     if (bytes.size() != 2 * values * sizeof(double) || json.value("hash", "") != hash_of(bytes)) {
         throw std::runtime_error("its numbers are not those that were written");

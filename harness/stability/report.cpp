@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "harness/bench/journal.h"
+#include "harness/bench/kept_result.h"
 #include "harness/bench/machine.h"
 #include "harness/bench/result_file.h"
 #include "harness/json_reader.h"
@@ -37,14 +38,32 @@ std::string key_of(const Task& task) {
 
 }  // namespace
 
-Report::Report(std::string file, RunDescription description, bool resume)
-    : file_(std::move(file)), description_(std::move(description)) {
-    if (!resume || file_.empty() || !std::filesystem::exists(file_)) {
+Report::Report(std::string file, RunDescription description, IfThere if_there)
+    : file_(std::move(file)), growing_(file_), description_(std::move(description)) {
+    if (file_.empty()) {
         return;
     }
-    const Json old = Json::parse(read_file(file_), nullptr, false);
+    check_output_file(file_);
+    const std::string beside = file_ + ".unfinished";
+    const bool is_beside = std::filesystem::exists(beside);
+    if (is_beside && if_there != IfThere::resume) {
+        throw InputError(beside, "the file", "an unfinished run", "go on with --resume, or remove the file");
+    }
+    if (if_there == IfThere::refuse) {
+        check_overwrite(file_, false);
+    }
+    if (is_beside || (if_there == IfThere::overwrite && std::filesystem::exists(file_))) {
+        growing_ = beside;
+    }
+    if (if_there == IfThere::resume && std::filesystem::exists(growing_)) {
+        keep_rows();
+    }
+}
+
+void Report::keep_rows() {
+    const Json old = Json::parse(read_file(growing_, largest_result), nullptr, false);
     if (!old.is_object() || old.value("schema", "") != schema || !old.contains("rows") || !old.contains("context")) {
-        throw InputError(file_, "file", "no result of ptbench stability", "one, to go on with");
+        throw InputError(growing_, "file", "no result of ptbench stability", "one, to go on with");
     }
     Json there = old["context"];
     for (const char* own : {"ptbench.command_line", "ptbench.status", "date"}) {
@@ -53,7 +72,7 @@ Report::Report(std::string file, RunDescription description, bool resume)
         }
     }
     if (const std::string other = difference(there, identity(description_)); !other.empty()) {
-        throw InputError(file_, "context", "another run (" + other + ")",
+        throw InputError(growing_, "context", "another run (" + other + ")",
                          "the run that it was started with; remove the file to start over");
     }
     rows_ = old["rows"];
@@ -82,10 +101,21 @@ void Report::write(const std::string& status) const {
         cases.push_back(to_json(stiff_case));
     }
     write_file(
-        file_,
+        growing_,
         rows_on_lines(
             {{"schema", schema}, {"context", std::move(context)}, {"cases", std::move(cases)}, {"rows", rows_}}) +
             "\n");
+}
+
+void Report::finish() const {
+    write("completed");
+    std::error_code failed;
+    if (growing_ != file_) {
+        std::filesystem::rename(growing_, file_, failed);
+    }
+    if (failed) {
+        throw MachineError(file_ + ": cannot be replaced: " + failed.message() + " (the result is " + growing_ + ")");
+    }
 }
 
 std::size_t Report::count(std::string_view status, bool must_pass_only) const {

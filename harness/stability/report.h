@@ -19,15 +19,18 @@ struct RunDescription {
 
 class Report {
 public:
-    // `file` empty: nothing is written. With `resume` an existing file's rows are kept; throws InputError if it is
-    // another machine's, build's, backend's or run's.
-    Report(std::string file, RunDescription description, bool resume);
+    enum class IfThere { refuse, resume, overwrite };
+
+    // `file` empty: nothing is written. A file that is there: with `resume` its rows are kept; with `overwrite` it
+    // stays until this report is finished, which grows beside it, in `file`.unfinished, and can be resumed. Throws
+    // InputError if it is refused, or another machine's, build's, backend's or run's.
+    Report(std::string file, RunDescription description, IfThere if_there);
 
     bool has(const Task& task) const;
     // rows: what to_json makes of them.
     void add(const Task& task, const Json& rows);
     void save() const { write("interrupted"); }
-    void finish() const { write("completed"); }
+    void finish() const;
 
     std::size_t passed() const { return count("passed", false); }
     std::size_t must_pass_failures() const { return count("failed", true) + count("broken", true); }
@@ -35,9 +38,11 @@ public:
 
 private:
     void write(const std::string& status) const;
+    void keep_rows();
     std::size_t count(std::string_view status, bool must_pass_only) const;
 
     std::string file_;
+    std::string growing_;  // written after every case: file_, or beside it
     RunDescription description_;
     Json rows_ = Json::array();
     std::set<std::string> done_;  // keys of tasks

@@ -1,0 +1,58 @@
+#include "harness/bench/kept_result.h"
+
+#include <filesystem>
+
+namespace pt {
+
+namespace {
+
+// The JSON of a file; discarded where it is none.
+Json parsed(const std::string& file) { return Json::parse(read_file(file, largest_result), nullptr, false); }
+
+// The text at a place of a document, or "".
+std::string text_at(const Json& document, const std::string& pointer) {
+    const Json::json_pointer place(pointer);
+    return document.is_object() && document.contains(place) && document.at(place).is_string()
+               ? document.at(place).get<std::string>()
+               : "";
+}
+
+}  // namespace
+
+std::string describe_result(const std::string& file) {
+    const Json result = parsed(file);
+    const std::string status = text_at(result, "/context/ptbench.status");
+    if (status.empty()) {
+        return "a file that is no result of ptbench";
+    }
+    return fmt::format("{} result of {}", status == "completed" ? "a complete" : "an interrupted",
+                       text_at(result, "/context/date"));
+}
+
+void check_overwrite(const std::string& file, bool overwrite) {
+    if (!overwrite && std::filesystem::exists(file)) {
+        throw InputError(file, "result file", describe_result(file),
+                         "--overwrite, which replaces it when the new one is complete, or another --out");
+    }
+}
+
+EarlierResult earlier_result(const std::string& file, const nlohmann::ordered_json& run) {
+    EarlierResult earlier;
+    earlier.is_there = std::filesystem::exists(file);
+    if (!earlier.is_there) {
+        return earlier;
+    }
+    const Json result = parsed(file);
+    earlier.is_complete = text_at(result, "/context/ptbench.status") == "completed";
+    earlier.is_of_this_run = text_at(result, "/ptbench/run/identity") == run.at("identity") &&
+                             text_at(result, "/ptbench/run/shard") == run.value("shard", "");
+    const Json::json_pointer cells("/ptbench/cells");
+    if (result.is_object() && result.contains(cells) && result.at(cells).is_array()) {
+        for (const Json& cell : result.at(cells)) {
+            earlier.failed_cells += text_at(cell, "/status") == "failed" ? 1 : 0;
+        }
+    }
+    return earlier;
+}
+
+}  // namespace pt

@@ -1,0 +1,26 @@
+// A result that is there already is not lost: who writes a result file asks here first.
+#pragma once
+
+#include <string>
+
+#include "harness/json_reader.h"
+
+namespace pt {
+
+// "a complete result of 2026-11-22T10:00:00+0000", "an interrupted result ..", or "a file that is no result of
+// ptbench".
+std::string describe_result(const std::string& file);
+
+// Throws InputError if `file` is there and the call does not say that it may be overwritten.
+void check_overwrite(const std::string& file, bool overwrite);
+
+// What an earlier result at `file` is to a run of this `run` (ptbench.run of a result: run_identity.h).
+struct EarlierResult {
+    bool is_there = false;
+    bool is_of_this_run = false;
+    bool is_complete = false;
+    int failed_cells = 0;
+};
+EarlierResult earlier_result(const std::string& file, const nlohmann::ordered_json& run);
+
+}  // namespace pt

@@ -1,0 +1,18 @@
+// What somebody may have meant who wrote a name that is none: the nearest by edit distance (Damerau 1964: insertions,
+// deletions, substitutions and swaps of neighbours).
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace pt {
+
+// The number of edits that turn one text into the other, each part of a text edited once at most.
+std::size_t edit_distance(std::string_view a, std::string_view b);
+
+// " (did you mean \"NAME\"?)" with the nearest of `known`, the first of several; empty where none is near: at most one
+// edit in three letters.
+std::string did_you_mean(std::string_view name, const std::vector<std::string>& known);
+
+}  // namespace pt
