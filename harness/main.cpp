@@ -12,6 +12,7 @@
 
 #include "harness/bench/machine.h"
 #include "harness/cli/commands.h"
+#include "harness/cli/short_waits.h"
 #include "harness/error.h"
 #include "harness/nearest_name.h"
 
@@ -127,6 +128,7 @@ int check_output(int exit_code) {
 int main(int argc, char** argv) {
     // A file that grows beyond the process's limit is a write that fails, like one on a full disk.
     std::signal(SIGXFSZ, SIG_IGN);
+    pt::shorten_waits(argv);
     try {
         return check_output(run(argc, argv));
     } catch (const pt::InputError& error) {

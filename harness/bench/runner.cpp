@@ -99,9 +99,9 @@ public:
             const std::vector<Json>& samples = journal_.samples(cell.name);
             for (std::size_t index = 0; index < samples.size(); ++index) {
                 hashes_.try_emplace({bitwise_group(cell), index}, samples[index].at("film_hash"), cell.name);
+                order_ = std::max(order_, samples[index].value("pt_order", std::uint64_t{0}) + 1);
             }
         }
-        order_ = journal_.sample_count();
     }
 
     int run() {
@@ -405,6 +405,7 @@ private:
                 keep_images(cell, snapshots);
             }
             record_sample(cell, sample);
+            order_ += 1;
             time_left_.took(cell.name, seconds_now() - start);
         }
         progress_->step(cell.name, [this] { return time_left_.seconds(); });
@@ -464,7 +465,7 @@ private:
                   {"pt_graph_nodes", result.work.graph_nodes},
                   {"pt_loop_rounds", result.work.loop_rounds},
                   {"pt_host_waits", result.work.host_waits},
-                  {"pt_order", order_++},
+                  {"pt_order", order_},
                   {"pt_timestamp", seconds_now()},
                   {"pt_clock_unknown", clock_before && clock_after ? 0 : 1},
                   {"pt_foreign_cpu_ms", foreign.cpu_ms},

@@ -9,6 +9,7 @@
 #include "harness/cuda/backend.h"
 #include "harness/error.h"
 #include "harness/render/checkpoints.h"
+#include "variants/cpu/parallel_for.h"
 
 namespace pt {
 
@@ -63,6 +64,7 @@ RenderResult render_in(const Scene& scene, const RenderRequest& request, const K
     FirstBounceCache<Real> cache;
     cache.rays = registry.at("first_bounce", request.variant).hook.first_bounce(request.variant, Backend::cpu);
     for (const RenderPart& part : parts) {
+        wake_threads();
         const double cpu_start = process_cpu_ms();
         const auto start = std::chrono::steady_clock::now();
         // A render pays for its cache, memory and filling both; queues stay from render to render.

@@ -50,6 +50,11 @@ void run_chunks(std::size_t count, std::size_t chunk, void (*run)(void*, std::si
 
 }  // namespace detail
 
+void wake_threads() {
+    const auto threads = static_cast<std::size_t>(parallel_threads());
+    parallel_for(threads, 1, [](std::size_t, std::size_t) {});
+}
+
 int parallel_threads() { return omp_get_max_threads(); }
 
 }  // namespace pt
