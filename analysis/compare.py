@@ -1,5 +1,7 @@
 """`python3 -m analysis compare A.json B.json ...`: result files of two commits, two machines or many GPUs.
 
+Files of `ptbench stability` are held against each other, too, by analysis/compare_stability.py.
+
 Every file is held against the first. Exit codes: 0 compared; 1 what `--fail-on` names was found, or could not be
 judged; 2 bad input, which a file without a single cell in common with the first is, too.
 """
@@ -9,16 +11,22 @@ from __future__ import annotations
 import argparse
 import json
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis.compare_gate import outcome
+from analysis.compare_gate import Outcome, outcome
 from analysis.compare_json import as_json
 from analysis.compare_match import Matching, machine_of, match
 from analysis.compare_noise import Floor, Repeat, check_noise_files, floor_of, repeats_of
 from analysis.compare_ranking import Ranking, rankings
 from analysis.compare_sections import Section, as_markdown, as_text
+from analysis.compare_stability import (
+    check_stability_options,
+    compare_stability_files,
+    stability_outcome,
+)
+from analysis.compare_stability_text import stability_json, stability_sections
 from analysis.compare_text import (
     MARKS,
     Labels,
@@ -60,42 +68,76 @@ def compare_command(options: argparse.Namespace) -> int:
         check_output_file(options.json)
     if options.out is not None:
         check_output_folder(options.out)
+    _check_number(options.results)
+    if is_stability(read_json(options.results[0])):
+        check_stability_options(options)
+        found = compare_stability_files(options.results)
+        outcomes = [stability_outcome(found, what) for what in dict.fromkeys(options.fail_on)]
+        brief, whole = stability_sections(found, whole=False), stability_sections(found, whole=True)
+        return _tell(options, _Told("Stability files compared", brief, whole, stability_json(found), outcomes))
+    if "failed" in options.fail_on:
+        allowed = "files of `ptbench stability`, whose rows pass or fail"
+        raise InputError(f"--fail-on failed: found result files of `ptbench run`, allowed: {allowed}")
     compared = compare_files(options.results, options.noise, films_may_differ=options.films_may_differ)
+    outcomes = [outcome(compared.comparisons, what) for what in dict.fromkeys(options.fail_on)]
+    brief, whole = sections(compared, whole=False), sections(compared, whole=True)
+    told = _Told("Result files compared", brief, whole, as_json(compared), outcomes)
+    return _tell(options, told, lambda folder: _draw(compared, folder))
+
+
+@dataclass(frozen=True)
+class _Told:
+    """What a comparison says, in all its forms."""
+
+    title: str
+    brief: list[Section]
+    whole: list[Section]
+    document: dict
+    outcomes: list[Outcome]
+
+
+def _draw(compared: Compared, folder: Path) -> list[Path]:
+    # Drawing libraries take a moment to load.
+    from analysis.compare_figure import save_forest
+
+    return [path for index in range(len(compared.comparisons)) for path in save_forest(compared, index, folder)]
+
+
+def _tell(options: argparse.Namespace, told: _Told, draw: Callable[[Path], list[Path]] = lambda _: []) -> int:
     for folder in (options.out, options.json and options.json.parent):
         if folder is not None:
             make_folder(folder)
-    print(as_text(sections(compared, whole=False)), end="")
+    print(as_text(told.brief), end="")
     written = []
     if options.json is not None:
-        text = json.dumps(as_json(compared), indent=1, allow_nan=False) + "\n"
+        text = json.dumps(told.document, indent=1, allow_nan=False) + "\n"
         written.append(write_text(options.json, text))
     if options.out is not None:
-        # Drawing libraries take a moment to load.
-        from analysis.compare_figure import save_forest
-
-        figures = [
-            path for index in range(len(compared.comparisons)) for path in save_forest(compared, index, options.out)
-        ]
-        pictures = [f"![{path.stem}]({path.name})" for path in figures if path.suffix == ".png"]
-        page = as_markdown("Result files compared", sections(compared, whole=True))
-        written += [*figures, write_text(options.out / "compare.md", page + "\n" + "\n\n".join(pictures) + "\n")]
+        figures = draw(options.out)
+        page = as_markdown(told.title, told.whole)
+        if pictures := [f"![{path.stem}]({path.name})" for path in figures if path.suffix == ".png"]:
+            page += "\n" + "\n\n".join(pictures) + "\n"
+        written += [*figures, write_text(options.out / "compare.md", page)]
     if written:
         print()
         for target in written:
             say(target)
-    outcomes = [outcome(compared.comparisons, what) for what in dict.fromkeys(options.fail_on)]
-    if outcomes:
+    if told.outcomes:
         print()
-        print("\n".join(one.text for one in outcomes))
-    return 1 if any(one.fails for one in outcomes) else 0
+        print("\n".join(one.text for one in told.outcomes))
+    return 1 if any(one.fails for one in told.outcomes) else 0
 
 
-def compare_files(paths: Sequence[Path], noise: Sequence[Path] = (), *, films_may_differ: bool = False) -> Compared:
-    """Loads and compares; raises InputError."""
+def _check_number(paths: Sequence[Path]) -> None:
     if len(paths) < 2:
         raise InputError(f"{paths[0]}: found one result file, allowed: two or more to compare")
     if len(paths) > len(MARKS):
         raise InputError(f"{paths[-1]}: found {len(paths)} result files, allowed: at most {len(MARKS)}")
+
+
+def compare_files(paths: Sequence[Path], noise: Sequence[Path] = (), *, films_may_differ: bool = False) -> Compared:
+    """Loads and compares; raises InputError."""
+    _check_number(paths)
     results = [_load(path) for path in paths]
     noise_results = [_load(path) for path in noise]
     check_noise_files(noise_results, results)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-FAIL_ON = ("slower", "different", "unmatched")
+FAIL_ON = ("slower", "different", "unmatched", "failed")
 
 
 def add_compare(commands) -> None:
     """The subcommand's options."""
-    parser = commands.add_parser("compare", help="hold result files of commits, machines or GPUs against the first one")
+    parser = commands.add_parser(
+        "compare", help="hold result files, or stability files, of commits or machines against the first one"
+    )
     parser.add_argument(
         "results", type=Path, nargs="+", metavar="RESULT.json", help="two or more; the first: reference"
     )
@@ -24,7 +26,8 @@ def add_compare(commands) -> None:
         "--fail-on", choices=FAIL_ON, action="append", default=[],
         help="exit code 1 if a cell is SLOWER; SLOWER or FASTER; if one of the reference has no partner (repeatable). "
         "Also 1 where the first two cannot be judged: a cell would be, but its samples were disturbed or the noise "
-        "floor was refused, or all cells are UNSURE",
+        "floor was refused, or all cells are UNSURE. Of stability files: different: a row has another status; failed: "
+        "one that must pass fails and did not before; unmatched: as above",
     )  # fmt: skip
     parser.add_argument("--json", type=Path, metavar="FILE", help="everything, for programs")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="compare.md and the figures")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="compare.md, and of result files the figures")

@@ -14,6 +14,7 @@ from analysis.compare_verdicts import WORDS, Comparison, Mean, Row
 from analysis.disturbed import disturbance_of
 from analysis.files import one_line
 from analysis.results import GPU_BACKEND, Cell, Result
+from analysis.stability_file import Stability
 from analysis.statistics import (
     CLOCK_UNKNOWN,
     INTERVAL_TEXT,
@@ -36,7 +37,7 @@ def files_section(results: Sequence[Result]) -> Section:
             str(result.path),
             result.about("machine"),
             result.about("backend"),
-            _device(result),
+            device_of(result),
             result.git[:12] + (" (dirty)" if result.git.endswith("(dirty)") else ""),
             result.suite or "none",
             result.context["date"] or "no date",
@@ -50,18 +51,18 @@ def files_section(results: Sequence[Result]) -> Section:
         lines.append(f"{mark}: disturbed: {disturbance_of(result.cells)}.")
         if result.interrupted:
             lines.append(f"{mark} was interrupted: cells and samples may be missing.")
-    differing = [line for key in (*MACHINE_KEYS, *PROGRAM_KEYS) if (line := _differing(key, results))]
-    after = ["What else differs between the files:", *differing] if differing else []
+    found = [line for key in (*MACHINE_KEYS, *PROGRAM_KEYS) if (line := differing(key, results))]
+    after = ["What else differs between the files:", *found] if found else []
     return Section("Files", tuple(lines), Table(columns, tuple(rows), frozenset({"Cells"})), tuple(after))
 
 
-def _device(result: Result) -> str:
+def device_of(result: Result | Stability) -> str:
     if result.about("backend") == GPU_BACKEND:
         return result.about("cuda_device")
     return f"{result.about('cpu_model')}, {result.about('threads')} threads"
 
 
-def _differing(key: str, results: Sequence[Result]) -> str:
+def differing(key: str, results: Sequence[Result | Stability]) -> str:
     """What the files say of `key`, or nothing where that is the same or stands in the table of files."""
     if key in ("machine", "backend", "cuda_device", "git_sha", "git_dirty"):
         return ""

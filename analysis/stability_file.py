@@ -95,6 +95,7 @@ class Stability:
     seed: int | None
     cases: tuple[Case, ...]
     rows: tuple[Row, ...]
+    paths: int | None = None  # asked for with --paths; 0: each case's own number
 
     suite = "stability"
 
@@ -140,6 +141,7 @@ def stability_of(root: Node) -> Stability:
         seed=context.optional_integer("seed"),
         cases=tuple(cases.values()),
         rows=tuple(_row(node, cases) for node in root.need("rows").items()),
+        paths=context.optional_integer("paths"),
     )
 
 

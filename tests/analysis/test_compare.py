@@ -592,7 +592,7 @@ def test_a_wrong_call_is_one_line_and_writes_nothing(base, analysis, tmp_path):
         "found no cell to hold against one of": (a, written(strangers, tmp_path / "strangers.json")),
         "(scene not there 8)": (a, tmp_path / "strangers.json"),
         "the following arguments are required: RESULT.json": (),
-        'argument --fail-on: found the word "odd", allowed: slower, different, unmatched': (a, a, "--fail-on", "odd"),
+        '--fail-on: found the word "odd", allowed: slower, different, unmatched, failed': (a, a, "--fail-on", "odd"),
     }
     out_folder = tmp_path / "out"
     for expected, arguments in calls.items():
