@@ -93,7 +93,7 @@ void check_output_file(const std::string& file, const std::string& flag) {
 
 void write_file(const std::string& name, const std::string& content) {
     if (const std::string found = obstacle(name); !found.empty()) {
-        throw InputError(name, "output file", found, "a file, new or regular");
+        throw MachineError(name + ": cannot be written: " + found);
     }
     const std::string file = target_of(name);
     const std::filesystem::path path(file);

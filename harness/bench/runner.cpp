@@ -537,10 +537,10 @@ private:
             replace_images(options_.out);
         }
         print_table();
-        fmt::print("{}\n{} cells, {} samples, {} failed, {} not applicable{}\n{}\n", options_.out, plan_.cells.size(),
-                   journal_.sample_count(), failed, plan_.not_applicable.size(),
-                   completed ? "" : fmt::format("; interrupted with {} cells unfinished", unfinished),
-                   in_words(disturbance_of(plan_, journal_)));
+        fmt::print("{}\n{}\n{} cells, {} samples, {} failed, {} not applicable{}\n",
+                   in_words(disturbance_of(plan_, journal_)), options_.out, plan_.cells.size(), journal_.sample_count(),
+                   failed, plan_.not_applicable.size(),
+                   completed ? "" : fmt::format("; interrupted with {} cells unfinished", unfinished));
         if (!completed) {
             say_how_to_go_on();
             return exit_interrupted;

@@ -1,6 +1,9 @@
 // Calls that are wrong: exit code 2 (or 3 where it is the machine that fails), one line on stderr that says what is
 // wrong, nothing on stdout, nothing left behind.
+#include <filesystem>
+
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "tests/support/backends.h"
 #include "tests/support/command.h"
@@ -91,9 +94,10 @@ TEST(BadCallsTest, UnknownNames) {
     expect_refusal(run_with({"--scene", "nope"}), 2, scenes);
     expect_refusal(run_with({"--suite", "nope"}), 2,
                    "--suite: name: found \"nope\", allowed: a file that ends in .json, or one of ");
-    expect_refusal({"render", "--scene", "nope.json", "--out", "image.png"}, 2, "nope.json: cannot be read ");
-    expect_refusal(run_with({"--suite", "nope.json"}), 2, "nope.json: cannot be read ");
-    expect_refusal({"import", "nope.txt", "--out", "scene.json"}, 2, "nope.txt: cannot be read ");
+    expect_refusal({"render", "--scene", "nope.json", "--out", "image.png"}, 2,
+                   "nope.json: the file: found no such file, ");
+    expect_refusal(run_with({"--suite", "nope.json"}), 2, "nope.json: the file: found no such file, ");
+    expect_refusal({"import", "nope.txt", "--out", "scene.json"}, 2, "nope.txt: the file: found no such file, ");
     for (const std::string empty : {",", "cornell_open,", "a,,b"}) {
         const std::string message =
             "--scene: argument: found \"" + empty + "\", allowed: names or files with a comma between them\n";
@@ -289,11 +293,15 @@ TEST(BadCallsTest, Numbers) {
     for (const std::string value : {"0", "-1", "1.5", "many", "99999999999"}) {
         for (const std::string option : {"--spp", "--depth"}) {
             const std::string message = option + ": Value " + value + " not in range 1 to ";
+
             expect_refusal({"render", "--scene", "cornell_open", "--out", "image.png", option + "=" + value}, 2,
                            message);
             expect_refusal({"verify", "--scene", "cornell_open", option + "=" + value}, 2, message);
-            expect_refusal({"run", "--scene", "cornell_open", "--out", "result.json", option + "=" + value}, 2,
-                           message);
+            for (const std::string& list : {value, "2," + value}) {
+                expect_refusal(
+                    {"run", "--scene", "cornell_open", "--out", "result.json", option + "=" + list}, 2,
+                    option + ": argument: found \"" + list + "\", allowed: whole numbers from 1 to 1000000 ");
+            }
         }
         expect_refusal({"run", "--scene", "cornell_open", "--out", "result.json", "--repetitions=" + value}, 2,
                        "--repetitions: Value " + value + " not in range 1 to 10000");
@@ -302,7 +310,7 @@ TEST(BadCallsTest, Numbers) {
         expect_refusal({"render", "--scene", "cornell_open", "--out", "image.png", "--seed=" + seed}, 2,
                        "--seed: Value " + seed + " not a whole number from 0 to 2^64 - 1");
     }
-    expect_refusal(run_with({"--scene", "cornell_open", "--benchmark_repetitions=0"}), 2,
+    expect_refusal({"run", "--scene", "cornell_open", "--benchmark_repetitions=0"}, 2,
                    "--benchmark_repetitions: argument: found ");
     expect_refusal(run_with({"--scene", "cornell_open", "--benchmark_filter=("}), 2,
                    "--benchmark_filter: argument: found \"(\", allowed: a regular expression\n");
@@ -314,7 +322,7 @@ TEST(BadCallsTest, Numbers) {
         run_with({"--scene", "cornell_open", "--benchmark_frob=1"}), 2,
         "command line: flag: found \"--benchmark_frob=1\", allowed: Google Benchmark's --benchmark_* flags\n");
     expect_refusal({"run", "--scene", "cornell_open", "--resolution", "4x3", "--out", "/tmp"}, 2,
-                   "--out: file name: found \"/tmp\", a folder, allowed: a file\n");
+                   "--out: file name: found \"/tmp\", a folder, allowed: a file, new or regular\n");
 }
 
 TEST(BadCallsTest, OutputFiles) {
@@ -325,9 +333,118 @@ TEST(BadCallsTest, OutputFiles) {
     // A folder cannot be made below a file.
     expect_refusal(
         {"render", "--scene", "cornell_open", "--resolution", "4x3", "--spp", "1", "--out", "/proc/version/image.png"},
-        3, "/proc/version/image.png: cannot be written");
-    expect_refusal({"run", "--scene", "cornell_open", "--resolution", "4x3", "--out", "/proc/version/result.json"}, 3,
-                   "/proc/version/result.json.journal.jsonl: cannot be written: Not a directory\n");
+        2, "--out: file name: found \"/proc/version/image.png\", a path through a file that is no folder, allowed: ");
+    expect_refusal({"run", "--scene", "cornell_open", "--resolution", "4x3", "--out", "/proc/version/result.json"}, 2,
+                   "--out: file name: found \"/proc/version/result.json\", a path through a file that is no folder, ");
+}
+
+// As root a rename would put a file in the place of the device.
+TEST(BadCallsTest, DevicesPipesAndFoldersAreNoOutputFiles) {
+    const TemporaryFolder folder;
+    const std::string pipe = folder.file("pipe"), image_pipe = folder.file("pipe.png");
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    ASSERT_EQ(::mkfifo(image_pipe.c_str(), 0600), 0);
+    const std::string source = folder.file("box.txt");
+    write_text(source, "CAMERA\n");
+    const std::string device = "no regular file (a device, a pipe or a socket)";
+    for (const auto& [file, what] : std::vector<std::pair<std::string, std::string>>{
+             {"/dev/full", device}, {pipe, device}, {folder.path().string(), "a folder"}}) {
+        const std::string message = "--out: file name: found \"" + file + "\", " + what;
+        for (const Arguments& call :
+             std::vector<Arguments>{{"run", "--scene", "cornell_open", "--backend", "cpu", "--resolution", "4x3"},
+                                    {"stability", "--quick", "--case", "S1", "--backend", "cpu"},
+                                    {"autotune", "--scene", "cornell_open", "--backend", "cpu"},
+                                    {"import", source},
+                                    {"merge", source}}) {
+            Arguments with_out = call;
+            with_out.insert(with_out.end(), {"--out", file});
+            expect_refusal(with_out, 2, message);
+        }
+    }
+    expect_refusal({"render", "--scene", "cornell_open", "--out", image_pipe}, 2,
+                   "--out: file name: found \"" + image_pipe + "\", " + device);
+    EXPECT_TRUE(std::filesystem::is_character_file("/dev/full"));
+    EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+}
+
+// A pipe would be waited for, a device never ends.
+TEST(BadCallsTest, InputsThatAreNoFiles) {
+    const TemporaryFolder folder;
+    const std::string pipe = folder.file("pipe.json"), zero = folder.file("zero.json"),
+                      large = folder.file("large.json");
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    std::filesystem::create_symlink("/dev/zero", zero);
+    write_text(large, "");
+    std::filesystem::resize_file(large, std::uintmax_t{65} << 20);
+    std::filesystem::create_directory(folder.file("folder.json"));
+    const std::string device = "no regular file (a device, a pipe or a socket)";
+    for (const auto& [file, what] :
+         std::vector<std::pair<std::string, std::string>>{{pipe, device},
+                                                          {zero, device},
+                                                          {large, "68157440 bytes, too large"},
+                                                          {folder.file("folder.json"), "a folder"},
+                                                          {folder.file("none.json"), "no such file"}}) {
+        const std::string message = file + ": the file: found " + what + ", allowed: a regular file of at most ";
+        expect_refusal(run_with({"--scene", file}), 2, message);
+        expect_refusal(run_with({"--suite", file}), 2, message);
+        expect_refusal({"verify", "--scene", file}, 2, message);
+        expect_refusal({"import", file, "--out", folder.file("out.json")}, 2, message);
+        expect_refusal({"merge", file, "--out", folder.file("out.json")}, 2, file == large ? large : message);
+    }
+}
+
+TEST(BadCallsTest, WhatStandsTwice) {
+    const std::string once = ", allowed: once";
+    expect_refusal(run_with({"--scene", "cornell_open", "--axis", "layout=aos", "--axis", "layout=soa"}), 2,
+                   "--axis: argument: found layout twice" + once);
+    expect_refusal(render_with({"--axis", "layout=aos", "--axis", "layout=soa"}), 2,
+                   "--axis: argument: found layout twice" + once);
+    expect_refusal({"verify", "--scene", "cornell_open", "--tune", "jitters=1", "--tune", "jitters=2"}, 2,
+                   "--tune: argument: found jitters twice" + once);
+    expect_refusal(run_with({"--scene", "cornell_open", "--depth", "2,3,2"}), 2,
+                   "--depth: argument: found 2 twice" + once);
+    expect_refusal({"run", "--scene", "cornell_open", "--resolution", "8x6,8x6"}, 2,
+                   "--resolution: argument: found \"8x6\" twice" + once);
+    expect_refusal(run_with({"--scene", "cornell_open,cornell_open"}), 2,
+                   "--scene: argument: found \"cornell_open\" twice" + once);
+    expect_refusal({"stability", "--case", "lamp", "--set", "a=0.1", "--set", "a=0.2"}, 2,
+                   "--set: argument: found a twice" + once);
+    for (const std::string flag : {"--depth", "--spp", "--seed", "--repetitions"}) {
+        expect_refusal({"run", "--scene", "cornell_open", flag, "2", flag, "3"}, 2, flag + ": found it 2 times" + once);
+    }
+    expect_refusal(run_with({"--scene", "cornell_open", "--benchmark_filter=a", "--benchmark_filter=b"}), 2,
+                   "command line: flag: found --benchmark_filter twice" + once);
+}
+
+TEST(BadCallsTest, NamesThatAreNearlyRight) {
+    expect_refusal({"rnu"}, 2, "The following argument was not expected: rnu (did you mean \"run\"?)");
+    expect_refusal(run_with({"--sceen", "cornell_open"}), 2,
+                   "command line: argument: found \"--sceen\", allowed: the options of `ptbench run --help` and "
+                   "--benchmark_* flags (did you mean \"--scene\"?)");
+    const auto refused = [](const Arguments& arguments) { return ptbench(arguments).err; };
+    EXPECT_TRUE(refused({"verify", "--scene", "cornel_open"}).ends_with("(did you mean \"cornell_open\"?)\n"));
+    EXPECT_TRUE(refused({"run", "--suite", "quik"}).ends_with("(did you mean \"quick\"?)\n"));
+    EXPECT_TRUE(refused({"stability", "--case", "lampp"}).ends_with("(did you mean \"lamp\"?)\n"));
+    EXPECT_TRUE(refused({"verify", "--sceen", "x"}).find("found --sceen (did you mean \"--scene\"?)") !=
+                std::string::npos);
+}
+
+// A terminal obeys what it is sent.
+TEST(BadCallsTest, RawBytesAreNotEchoed) {
+    for (const std::string name : {"\x1b[31mred", "\xff\xfe", "\xc2\x9b", "a\nb"}) {
+        for (const Arguments& call : std::vector<Arguments>{{"verify", "--scene", name + ".json"},
+                                                            {"verify", "--scene", name},
+                                                            {"run", "--scene", "cornell_open", "--" + name},
+                                                            {name}}) {
+            const CommandResult result = ptbench(call);
+            EXPECT_EQ(result.exit_code, 2);
+            ASSERT_FALSE(result.err.empty());
+            EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+            for (const char byte : result.err.substr(0, result.err.size() - 1)) {
+                EXPECT_TRUE(byte >= 0x20 && byte < 0x7f) << result.err;
+            }
+        }
+    }
 }
 
 TEST(BadCallsTest, MalformedScenesAndSuites) {

@@ -127,7 +127,7 @@ TEST_F(NewCommandTest, ATemplateThatIsMissingLeavesNothing) {
     fs::remove(home.path() / axis_folder / "test.cpp.in");
     expect_refusal({"compaction", "my_scan"},
                    home.file(std::string(axis_folder) + "/test.cpp.in") +
-                       ": cannot be read (no such file, a directory, empty or no permission)");
+                       ": the file: found no such file, allowed: a regular file of at most 64 MiB that can be read");
 }
 
 // The last of the files is longer than the process may write: the first ones go again.

@@ -50,8 +50,8 @@ TEST(TuneArgumentTest, ListsValues) {
     TunableValues tunables;
     add_tunable_argument(tunables, "jitters=4,16,1");
     EXPECT_EQ(tunables, (TunableValues{{"jitters", {4, 16, 1}}}));
-    add_tunable_argument(tunables, "jitters=4096");  // the later one replaces the earlier
-    EXPECT_EQ(tunables, (TunableValues{{"jitters", {4096}}}));
+    EXPECT_EQ(refusal<InputError>([&] { add_tunable_argument(tunables, "jitters=4096"); }),
+              "--tune: argument: found jitters twice, allowed: once, with commas between its values");
 }
 
 TEST(TuneArgumentTest, RefusesWhatIsWrong) {

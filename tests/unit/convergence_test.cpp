@@ -282,7 +282,9 @@ TEST_F(ConvergenceTest, AReferenceThatIsTooNoisyIsRefusedWithTheSamplesThatWould
     EXPECT_TRUE(reason.ends_with(" spp a half would do (most_spp: 128)")) << reason;
     EXPECT_GT(would_do, 128u);
     // More than enough: it is rendered on as far as the study needs, not to the most that is allowed.
-    ASSERT_EQ(run(with_most(1u << 20), options()), exit_good) << progress;
+    RunOptions again = options();
+    again.overwrite = true;
+    ASSERT_EQ(run(with_most(1u << 20), again), exit_good) << progress;
     const std::uint64_t taken =
         cells_of_study(result(), "errors").at(0).at("convergence").at("reference").at("spp_per_half");
     EXPECT_GT(taken, 128u);
@@ -295,6 +297,7 @@ TEST_F(ConvergenceTest, AnInterruptedRunGoesOnWithTheSamplesThatItHad) {
     RunOptions how = options();
     ASSERT_EQ(run(what, how), exit_good) << progress;
     const auto complete = sample_rows(result()).begin()->second;
+    std::filesystem::remove(out);
     // Verification, two renders before the clock, the warm-up, and the second sample.
     int renders = 0;
     on_render = [&] {

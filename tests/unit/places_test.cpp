@@ -67,7 +67,7 @@ TEST_F(PlacesTest, SaysWhichNamesThereAre) {
     EXPECT_EQ(refusal([] { find_suite_file("nope"); }),
               "--suite: name: found \"nope\", allowed: a file that ends in .json, or one of small");
     EXPECT_EQ(refusal([] { find_scene("missing.json"); }),
-              "missing.json: cannot be read (no such file, a directory, empty or no permission)");
+              "missing.json: the file: found no such file, allowed: a regular file of at most 64 MiB that can be read");
 }
 
 // A group of scenes lies in a folder of its own; it is not listed with the others.

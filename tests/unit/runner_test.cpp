@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include "harness/bench/journal.h"
 #include "harness/interrupt.h"
@@ -351,6 +352,8 @@ TEST_F(RunnerTest, AChoiceThatFailsLateFailsAloneAndForGood) {
 }
 
 TEST_F(RunnerTest, AChoiceThatThrowsWhileItIsVerifiedFailsAlone) {
+    RunOptions how = options();
+    how.overwrite = true;
     for (const int renders_before : {0, 1}) {  // in verification, in the instrumented pass
         int renders = 0;
         on_render = [&] {
@@ -358,7 +361,7 @@ TEST_F(RunnerTest, AChoiceThatThrowsWhileItIsVerifiedFailsAlone) {
                 throw std::runtime_error("out of luck");
             }
         };
-        EXPECT_EQ(run(suite(three_compactions), options()), exit_check_failed);
+        EXPECT_EQ(run(suite(three_compactions), how), exit_check_failed);
         std::map<std::string, std::string> found = statuses(result());
         EXPECT_EQ(found["none"], "ok");
         EXPECT_EQ(found["thrust_remove_if"], "ok");
@@ -578,13 +581,107 @@ TEST_F(RunnerTest, ACompletedRunIsNotMeasuredAgainByResume) {
     ASSERT_EQ(run(suite(three_compactions), how), exit_good);
     EXPECT_EQ(printed, out + "\nnothing left to do: this run is complete\n");
     EXPECT_EQ(test::content_of(out), before);
-    how.seed = 2;  // another run, which begins
+    how.seed = 2;  // another run, whose result has no place here
+    EXPECT_THROW(run(suite(three_compactions), how), InputError);
+    EXPECT_EQ(test::content_of(out), before);
+    how.overwrite = true;
     ASSERT_EQ(run(suite(three_compactions), how), exit_good);
     EXPECT_NE(test::content_of(out), before);
-    how.resume = false;  // and a call that does not say so measures
-    const std::string second = test::content_of(out);
+}
+
+// ---- Earlier results ----
+
+TEST_F(RunnerTest, AResultThatIsThereIsRefusedAndNamed) {
+    ASSERT_EQ(run(suite({}), options()), exit_good);
+    const std::string before = test::content_of(out);
+    const auto refused = [&] {
+        try {
+            run(suite({}), options());
+        } catch (const InputError& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    const std::string date = result().at("context").at("date");
+    const std::string allowed =
+        ", allowed: --overwrite, which replaces it when the new one is complete, or another --out";
+    EXPECT_EQ(refused(), out + ": result file: found a complete result of " + date + allowed);
+    EXPECT_EQ(test::content_of(out), before);
+    test::write_text(out, "notes of mine");
+    EXPECT_EQ(refused(), out + ": result file: found a file that is no result of ptbench" + allowed);
+    EXPECT_EQ(test::content_of(out), "notes of mine");
+    EXPECT_FALSE(std::filesystem::exists(journal_file));
+}
+
+// Ctrl-C over a complete result once left 9 of its 90 samples.
+TEST_F(RunnerTest, AnEarlierResultStaysUntilTheNewOneIsComplete) {
+    ASSERT_EQ(run(suite(three_compactions), options()), exit_good);
+    const std::string before = test::content_of(out);
+    RunOptions how = options();
+    how.overwrite = true;
+    int renders = 0;
+    on_render = [&] {
+        if (++renders == 6) {  // verification, two to prepare, the warm-up, and the second sample
+            std::raise(SIGINT);
+        }
+    };
+    ASSERT_EQ(run(suite(three_compactions), how), exit_interrupted);
+    on_render = nullptr;
+    EXPECT_EQ(test::content_of(out), before);
+    EXPECT_NE(printed.find(out + " stays as it was, " + journal_file + " holds "), std::string::npos) << printed;
+    how.resume = true;
+    how.overwrite = false;  // the journal is of this very run, and so is the result: nothing of another's is lost
     ASSERT_EQ(run(suite(three_compactions), how), exit_good);
-    EXPECT_NE(test::content_of(out), second);
+    EXPECT_NE(test::content_of(out), before);
+    EXPECT_EQ(sample_rows(result()).size(), 3u);
+    EXPECT_FALSE(std::filesystem::exists(journal_file));
+}
+
+TEST_F(RunnerTest, GoingOnDoesNotOverwriteAnothersResultUnasked) {
+    RunOptions how = options();
+    how.overwrite = true;
+    how.seed = 7;
+    ASSERT_EQ(run(suite(three_compactions), how), exit_good);
+    const std::string others = test::content_of(out);
+    how.seed = 1;
+    int renders = 0;
+    on_render = [&] {
+        if (++renders == 6) {  // verification, two to prepare, the warm-up, and the second sample
+            std::raise(SIGINT);
+        }
+    };
+    ASSERT_EQ(run(suite(three_compactions), how), exit_interrupted);
+    on_render = nullptr;
+    how.resume = true;
+    how.overwrite = false;
+    EXPECT_THROW(run(suite(three_compactions), how), InputError);
+    EXPECT_EQ(test::content_of(out), others);
+    how.overwrite = true;  // as the line says that the interrupted call printed
+    ASSERT_EQ(run(suite(three_compactions), how), exit_good);
+    EXPECT_NE(test::content_of(out), others);
+}
+
+TEST_F(RunnerTest, ADeviceIsNoPlaceForAResult) {
+    RunOptions how = options();
+    how.overwrite = true;
+    for (const std::string file : {"/dev/full", "/dev/null"}) {
+        how.out = file;
+        EXPECT_THROW(run(suite({}), how), InputError);
+        EXPECT_TRUE(std::filesystem::is_character_file(file));
+    }
+    how.out = folder.file("pipe");
+    ASSERT_EQ(::mkfifo(how.out.c_str(), 0600), 0);
+    EXPECT_THROW(run(suite({}), how), InputError);
+    EXPECT_TRUE(std::filesystem::is_fifo(how.out));
+}
+
+TEST_F(RunnerTest, TheHeadlineCountsDisturbedSamples) {
+    ASSERT_EQ(run(suite({}), options()), exit_good);
+    int disturbed = 0;
+    for (const Json& row : result().at("benchmarks")) {
+        disturbed += row.value("pt_contended", 0) == 1 || row.value("pt_low_clock", 0) == 1 ? 1 : 0;
+    }
+    EXPECT_NE(printed.find("disturbed: " + std::to_string(disturbed) + " of 3 samples"), std::string::npos) << printed;
 }
 
 TEST_F(RunnerTest, ACompletedRunWithAFailureSaysSoAgain) {
@@ -672,6 +769,7 @@ TEST_F(RunnerTest, AResultThatDoesNotFitIsMadeWhenThereIsRoom) {
     test::write_text(out, "an older one");
     on_render = nullptr;
     RunOptions how = options();
+    how.overwrite = true;
     std::signal(SIGXFSZ, SIG_IGN);
     rlimit unlimited{};
     ::getrlimit(RLIMIT_FSIZE, &unlimited);
@@ -707,6 +805,7 @@ TEST_F(RunnerTest, AFilterChoosesCells) {
     EXPECT_EQ(run(suite(three_compactions), how), exit_good);
     EXPECT_EQ(sample_rows(result()).size(), 2u);
     how.filter = "-thrust_remove_if|test_hooked";
+    how.overwrite = true;
     EXPECT_EQ(run(suite(three_compactions), how), exit_good);
     ASSERT_EQ(sample_rows(result()).size(), 1u);
     EXPECT_EQ(sample_rows(result()).begin()->first.find("wavefront.none."), 0u);

@@ -480,7 +480,8 @@ TEST(SceneJsonErrors, MissingFile) {
         FAIL() << "a missing file was loaded";
     } catch (const InputError& error) {
         EXPECT_STREQ(error.what(),
-                     "/nowhere/s.json: cannot be read (no such file, a directory, empty or no permission)");
+                     "/nowhere/s.json: the file: found no such file, allowed: a regular file of at most 64 MiB that "
+                     "can be read");
     }
 }
 

@@ -182,7 +182,7 @@ TEST_F(ReportTest, IsReadBackToGoOnAndRefusesWhatIsNotItsOwn) {
     const Task task{&stiff_case, {}, Backend::cpu, plainest(), 1, true};
     const RunDescription description{"ptbench stability", Backend::cpu, true, 1};
     {
-        Report report(file(), description, false);
+        Report report(file(), description, Report::IfThere::refuse);
         EXPECT_FALSE(report.has(task));
         report.add(task, to_json(task, evaluate(task)));
         report.save();
@@ -194,19 +194,41 @@ TEST_F(ReportTest, IsReadBackToGoOnAndRefusesWhatIsNotItsOwn) {
     EXPECT_EQ(written["context"]["ptbench.status"], "interrupted");
     EXPECT_EQ(written["rows"][0]["measured"], 0.75);
     EXPECT_EQ(written["rows"][0]["status"], "passed");
-    Report resumed(file(), description, true);
+    Report resumed(file(), description, Report::IfThere::resume);
     EXPECT_TRUE(resumed.has(task));
     EXPECT_EQ(resumed.passed(), 1u);
-    EXPECT_FALSE(Report(file(), description, false).has(task));
+    EXPECT_THROW(Report(file(), description, Report::IfThere::refuse), InputError);
     RunDescription other_seed = description;
     other_seed.seed = 2;
-    EXPECT_THROW(Report(file(), other_seed, true), InputError);
+    EXPECT_THROW(Report(file(), other_seed, Report::IfThere::resume), InputError);
     Json other_build = written;
     other_build["context"]["ptbench.program_hash"] = "0";
     write_file(file(), other_build.dump());
-    EXPECT_THROW(Report(file(), description, true), InputError);
+    EXPECT_THROW(Report(file(), description, Report::IfThere::resume), InputError);
     write_file(file(), "{}");
-    EXPECT_THROW(Report(file(), description, true), InputError);
+    EXPECT_THROW(Report(file(), description, Report::IfThere::resume), InputError);
+}
+
+TEST_F(ReportTest, AnEarlierOneStaysUntilTheNewOneIsFinished) {
+    const Case stiff_case = synthetic(furnace_text(), 0.75, {1e-6, 1e-6, "test"}, false);
+    const Task task{&stiff_case, {}, Backend::cpu, plainest(), 1, true};
+    const RunDescription description{"ptbench stability", Backend::cpu, true, 1};
+    const std::string beside = file() + ".unfinished";
+    const std::string earlier = "what was there";
+    write_file(file(), earlier);
+    {
+        Report report(file(), description, Report::IfThere::overwrite);
+        report.add(task, to_json(task, evaluate(task)));
+        report.save();  // as after an interrupt
+    }
+    EXPECT_EQ(read_file(file()), earlier);
+    EXPECT_TRUE(std::filesystem::exists(beside));
+    EXPECT_THROW(Report(file(), description, Report::IfThere::overwrite), InputError);
+    Report resumed(file(), description, Report::IfThere::resume);
+    EXPECT_TRUE(resumed.has(task));
+    resumed.finish();
+    EXPECT_FALSE(std::filesystem::exists(beside));
+    EXPECT_EQ(Json::parse(read_file(file()))["context"]["ptbench.status"], "completed");
 }
 
 TEST(SceneTextTest, ScalesBrightensAndMovesWhatHasAUnit) {

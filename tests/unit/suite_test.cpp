@@ -253,7 +253,7 @@ TEST_F(SuiteTest, RefusesBadTopLevels) {
     const struct {
         std::string text, message;
     } cases[] = {
-        {"", "cannot be read (no such file, a directory, empty or no permission)"},
+        {"", "not valid JSON: "},
         {"{", "not valid JSON: "},
         {"[]", "$: found [], allowed: an object"},
         {"{}", "$: found no key \"name\", allowed: it is required"},
@@ -272,7 +272,8 @@ TEST_F(SuiteTest, RefusesBadTopLevels) {
         EXPECT_EQ(message.find(file), 0u) << message;
     }
     EXPECT_EQ(refusal([&] { load_suite(folder.file("none.json")); }),
-              folder.file("none.json") + ": cannot be read (no such file, a directory, empty or no permission)");
+              folder.file("none.json") +
+                  ": the file: found no such file, allowed: a regular file of at most 64 MiB that can be read");
 }
 
 TEST_F(SuiteTest, RefusesUnknownAndUnreadableScenes) {
@@ -286,12 +287,20 @@ TEST_F(SuiteTest, RefusesUnknownAndUnreadableScenes) {
 }
 
 // Cells are known by their scene's name, so two scenes of one name would be taken for one.
-TEST_F(SuiteTest, RefusesTwoScenesOfOneName) {
+TEST_F(SuiteTest, TellsTwoScenesOfOneNameApartByTheirHashes) {
     const std::string other = folder.file("other.json");
     test::write_text(other, scene_text("still", false, 5));
-    const std::string message = refusal([&] { plan(R"({"name": "a", "scenes": ["still", ")" + other + "\"]}"); });
-    EXPECT_EQ(message,
-              other + ": $.name: found \"still\", the name of another scene (still), allowed: a name of its own");
+    for (const std::string& scenes : {"\"still\", \"" + other + "\"", "\"" + other + "\", \"still\""}) {
+        const Plan both = plan(R"({"name": "a", "scenes": [)" + scenes + "]}");
+        ASSERT_EQ(both.cells.size(), 2u);
+        std::set<std::string> names;
+        for (const Cell& cell : both.cells) {
+            EXPECT_EQ(cell.scene->name, "still@" + cell.scene->hash.substr(0, 8));
+            EXPECT_NE(cell.name.find("/scene:" + cell.scene->name + "/"), std::string::npos) << cell.name;
+            names.insert(cell.name);
+        }
+        EXPECT_EQ(names.size(), 2u);
+    }
     // The same scene from two places is one scene.
     test::write_text(other, scene_text("still", false));
     EXPECT_EQ(plan(R"({"name": "a", "scenes": ["still", ")" + other + "\"]}").cells.size(), 1u);
@@ -403,9 +412,9 @@ TEST_F(SuiteTest, ABackendMayHaveItsOwnSamples) {
     const std::string studies = R"({"name": "a", "scenes": ["still"], "spp": {"cpu": 3, "cuda": 40}},
                                    {"name": "b", "scenes": ["still"], "spp": 5})";
     const Suite suite = load_studies(studies);
-    EXPECT_EQ(suite.studies[0].spp_for(Backend::cpu), 3u);
-    EXPECT_EQ(suite.studies[0].spp_for(Backend::cuda), 40u);
-    EXPECT_EQ(suite.studies[1].spp_for(Backend::cuda), 5u);
+    EXPECT_EQ(suite.studies[0].spps_for(Backend::cpu), std::vector<std::uint32_t>{3});
+    EXPECT_EQ(suite.studies[0].spps_for(Backend::cuda), std::vector<std::uint32_t>{40});
+    EXPECT_EQ(suite.studies[1].spps_for(Backend::cuda), std::vector<std::uint32_t>{5});
     const auto samples = [&](Backend backend) {
         std::vector<std::uint32_t> spp;
         for (const Cell& cell : make_plan(suite, backend).cells) {
@@ -460,8 +469,6 @@ TEST_F(SuiteTest, AxisArguments) {
     AxisChoices axes;
     add_axis_argument(axes, "compaction=none,thrust_partition");
     EXPECT_EQ(axes.at("compaction"), (std::vector<std::string>{"none", "thrust_partition"}));
-    add_axis_argument(axes, "compaction=thrust_remove_if");  // the later one replaces the earlier
-    EXPECT_EQ(axes.at("compaction"), std::vector<std::string>{"thrust_remove_if"});
     add_axis_argument(axes, "sorting=all");
     EXPECT_EQ(axes.at("sorting"), (std::vector<std::string>{"none", "bucket", "thrust_sort_by_key"}));
     EXPECT_EQ(axes.size(), 2u);
@@ -477,6 +484,12 @@ TEST_F(SuiteTest, AxisArguments) {
         {"sorting=quick", "--axis: argument.sorting: found \"quick\", allowed: " + test::choice_names("sorting")},
         {"sorting=all,none", "--axis: argument.sorting: found \"all\", allowed: " + test::choice_names("sorting")},
         {"sorting=none,none", "--axis: argument.sorting: found \"none\" twice, allowed: once"},
+        {"compaction=thrust_remove_if",
+         "--axis: argument: found compaction twice, allowed: once, with commas between its choices"},
+        {"compactoin=none",
+         "--axis: argument: found axis \"compactoin\", allowed: " + known_axes + " (did you mean \"compaction\"?)"},
+        {"sorting=nonne", "--axis: argument.sorting: found \"nonne\", allowed: " + test::choice_names("sorting") +
+                              " (did you mean \"none\"?)"},
         {"colour=red", "--axis: argument: found axis \"colour\", allowed: " + known_axes},
         {"colour=all", "--axis: argument: found axis \"colour\", allowed: " + known_axes},
     };
@@ -490,8 +503,9 @@ TEST_F(SuiteTest, AxisArguments) {
     EXPECT_EQ(axes.at("launch"), (std::vector<std::string>{"stream", "graph"}));
     add_axis_argument(axes, "arithmetic=all");
     EXPECT_EQ(axes.at("arithmetic"), std::vector<std::string>{"exact"});
-    add_axis_argument(axes, "arithmetic=all", Backend::cuda);
-    EXPECT_EQ(axes.at("arithmetic"), (std::vector<std::string>{"precise", "exact", "fast"}));
+    AxisChoices on_gpu;
+    add_axis_argument(on_gpu, "arithmetic=all", Backend::cuda);
+    EXPECT_EQ(on_gpu.at("arithmetic"), (std::vector<std::string>{"precise", "exact", "fast"}));
 }
 
 TEST_F(SuiteTest, ABackendMayHaveItsOwnSizes) {

@@ -4,6 +4,7 @@
 #include <csignal>
 
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <gtest/gtest.h>
 
@@ -37,6 +38,31 @@ TEST(WriteFileTest, ReplacesAnOlderFile) {
     test::write_text(folder.file("result"), "the older one, which is longer");
     write_file(folder.file("result"), "new");
     EXPECT_EQ(test::content_of(folder.file("result")), "new");
+}
+
+TEST(WriteFileTest, ALinkStaysAndItsFileIsWritten) {
+    const test::TemporaryFolder folder;
+    write_file(folder.file("a/file"), "old");
+    std::filesystem::create_symlink("a/file", folder.file("link"));
+    write_file(folder.file("link"), "new");
+    EXPECT_TRUE(std::filesystem::is_symlink(folder.file("link")));
+    EXPECT_EQ(test::content_of(folder.file("a/file")), "new");
+    std::filesystem::create_symlink("nowhere", folder.file("broken"));
+    EXPECT_THROW(write_file(folder.file("broken"), "new"), MachineError);
+    EXPECT_THROW(check_output_file(folder.file("broken")), InputError);
+}
+
+TEST(WriteFileTest, WhatIsNoRegularFileStays) {
+    const test::TemporaryFolder folder;
+    const std::string pipe = folder.file("pipe");
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    for (const std::string& file : {pipe, std::string("/dev/full"), folder.path().string()}) {
+        const auto kind = std::filesystem::status(file).type();
+        EXPECT_THROW(write_file(file, "new"), MachineError);
+        EXPECT_THROW(check_output_file(file), InputError);
+        EXPECT_EQ(std::filesystem::status(file).type(), kind);
+    }
+    EXPECT_NO_THROW(check_output_file(folder.file("new/file")));
 }
 
 TEST(WriteFileTest, CreatesMissingFolders) {
@@ -82,9 +108,9 @@ TEST(WriteFileTest, LeavesNothingWhereItCannotWrite) {
     const test::TemporaryFolder folder;
     test::write_text(folder.file("plain"), "a file, not a folder");
     EXPECT_EQ(refusal(folder.file("plain/result")),
-              folder.file("plain/result") + ": cannot be written: Not a directory");
+              folder.file("plain/result") + ": cannot be written: a path through a file that is no folder");
     std::filesystem::create_directory(folder.file("taken"));
-    EXPECT_EQ(refusal(folder.file("taken")), folder.file("taken") + ": cannot be written: Is a directory");
+    EXPECT_EQ(refusal(folder.file("taken")), folder.file("taken") + ": cannot be written: a folder");
     EXPECT_EQ(folder.content(), (std::vector<std::string>{"plain", "taken"}));
     EXPECT_EQ(test::content_of(folder.file("plain")), "a file, not a folder");
 }
