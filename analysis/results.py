@@ -162,7 +162,6 @@ class Cell:
     cuda: Cuda | None = None
     convergence: Convergence | None = None
     failed_repetitions: tuple[int, ...] = ()  # of `errors`, one each
-    caution: str = ""  # what is to be borne in mind of its numbers
 
     @property
     def failed(self) -> bool:
@@ -481,7 +480,6 @@ def _cell(
         counters={} if counters is None else counters.integers(),
         cuda=None if cuda is None or cuda.value == {} else _cuda(cuda),
         convergence=convergence,
-        caution=node.optional_text("caution"),
     )
 
 

@@ -319,7 +319,7 @@ def test_seeds_of_64_bits_are_told_apart(tmp_path):
 
 def test_a_clock_that_is_unknown_is_none(tmp_path):
     builder = Builder().study("compaction")
-    builder.cell("compaction", n=9, caution="the clock is unknown")
+    builder.cell("compaction", n=9)
     known = builder.rows[0]
     known |= {"pt_clock_unknown": 0, "pt_clock_mhz_before": 3000.0, "pt_clock_mhz_after": 4000.0}
     builder.rows[1]["pt_clock_unknown"] = 1
@@ -329,5 +329,4 @@ def test_a_clock_that_is_unknown_is_none(tmp_path):
     assert [sample.clock for sample in cell.samples[:4]] == [3500.0, None, None, 3690.0]
     assert cell.samples[1].mega_cycles_per_spp is None
     assert cell.mega_cycles_per_spp is None
-    assert cell.caution == "the clock is unknown"
     assert cell.measured
