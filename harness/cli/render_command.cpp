@@ -32,7 +32,7 @@ struct RenderArguments {
 constexpr double shortest_to_mention = 2;  // seconds: a render that takes less says nothing
 // Of the samples of all pixels. A render of so few samples a pixel that none can be spent on finding out how long it
 // takes is announced where it has more than these, which take seconds on a CPU.
-constexpr double most_samples_unmentioned = 1 << 26;
+constexpr double most_samples_unmentioned = 1 << 23;
 
 // Seconds that a render will take, from one sample a pixel after one that warms up; nothing where two are too many.
 std::optional<double> expected_seconds(const Scene& scene, RenderRequest request) {

@@ -145,6 +145,23 @@ TEST(RenderTest, ReplacesAnImageAndLeavesItWhereItFails) {
     EXPECT_EQ(content_of(image).substr(0, 7), "PF\n4 3\n");
 }
 
+// So few samples a pixel that none is spent on finding out how long the others take.
+TEST(RenderTest, ALargeRenderSaysWhatItIsAndASmallOneNothing) {
+    const TemporaryFolder folder;
+    const auto rendered = [&](const std::string& resolution) {
+        return ptbench({"render", "--scene", "cornell_open", "--backend", "cpu", "--resolution", resolution, "--depth",
+                        "1", "--axis", "integrator=packet", "--spp", "8", "--out", folder.file("image.png")});
+    };
+    const CommandResult small = rendered("64x64");
+    EXPECT_EQ(small.exit_code, 0);
+    EXPECT_EQ(small.err, "");
+    const CommandResult large = rendered("1024x1024");
+    EXPECT_EQ(large.exit_code, 0);
+    EXPECT_EQ(large.err.find("render: 1024x1024, 8 spp, packet"), 0u) << large.err;
+    EXPECT_NE(large.err.find("[8/8] render: "), std::string::npos) << large.err;
+    EXPECT_NE(large.err.find("8 of 8 spp"), std::string::npos) << large.err;
+}
+
 TEST(RenderTest, WorksFromAnotherFolderAndWithAnotherHome) {
     const TemporaryFolder folder;
     std::filesystem::create_directories(folder.path() / "home" / "scenes" / "suites");

@@ -206,6 +206,67 @@ TEST_F(RunCommandTest, GoogleBenchmarksFlagsWork) {
               "resolution:8x6/depth:8/spp:1");
 }
 
+// What GOMP_SPINCOUNT does to the time of a render beside other jobs: results/*/waiting.txt.
+TEST_F(RunCommandTest, ThreadsThatWaitSpinForAMomentUnlessTheEnvironmentSaysOtherwise) {
+    const auto environment_of = [this](const Arguments& settings) {
+        Arguments arguments{"/usr/bin/env", "-u", "OMP_WAIT_POLICY", "-u", "GOMP_SPINCOUNT"};
+        arguments.insert(arguments.end(), settings.begin(), settings.end());
+        for (const std::string& argument : ptbench_arguments(call(1, {"--overwrite"}))) {
+            arguments.push_back(argument);
+        }
+        EXPECT_EQ(run_command(arguments, in_repository()).exit_code, 0);
+        return result().at("context").at("ptbench.openmp_environment").get<std::string>();
+    };
+    EXPECT_NE(environment_of({}).find("GOMP_SPINCOUNT=10000"), std::string::npos);
+    const std::string own = environment_of({"OMP_WAIT_POLICY=active"});
+    EXPECT_NE(own.find("OMP_WAIT_POLICY=active"), std::string::npos) << own;
+    EXPECT_EQ(own.find("GOMP_SPINCOUNT"), std::string::npos) << own;
+}
+
+TEST_F(RunCommandTest, ListsOfDepthsSamplesAndSizesAreCells) {
+    const CommandResult listed = ptbench({"run", "--scene", "cornell_open", "--backend", "cpu", "--depth", "2,4,8",
+                                          "--spp", "1,16", "--resolution", "8x6,4x3", "--dry-run"});
+    EXPECT_EQ(listed.exit_code, 0) << listed.err;
+    for (const std::string size : {"8x6", "4x3"}) {
+        for (const std::string depth : {"2", "4", "8"}) {
+            for (const std::string spp : {"1", "16"}) {
+                const std::string cell = "/resolution:" + size + "/depth:" + depth + "/spp:" + spp + "\n";
+                EXPECT_NE(listed.out.find(cell), std::string::npos) << cell << listed.out;
+            }
+        }
+    }
+    EXPECT_TRUE(listed.out.ends_with("\n12 cells, 108 samples, 0 not applicable\n")) << listed.out;
+}
+
+TEST_F(RunCommandTest, AllScenesAreTheShippedOnes) {
+    const CommandResult listed = ptbench({"run", "--scene", "all", "--backend", "cpu", "--dry-run"});
+    EXPECT_EQ(listed.exit_code, 0) << listed.err;
+    std::size_t scenes = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(PTBENCH_SOURCE_DIR "/scenes")) {
+        const bool is_scene = entry.path().extension() == ".json";
+        scenes += is_scene ? 1u : 0u;
+        EXPECT_TRUE(!is_scene || listed.out.find("/scene:" + entry.path().stem().string() + "/") != std::string::npos)
+            << entry.path();
+    }
+    EXPECT_GT(scenes, 10u);
+}
+
+// Cells are found by name: by walking through those before them, a hundred thousand took minutes.
+TEST_F(RunCommandTest, APlanOfAHundredThousandCellsIsThereAtOnce) {
+    std::string depths = "1";
+    for (int depth = 2; depth <= 10000; ++depth) {
+        depths += "," + std::to_string(depth);
+    }
+    RunningCommand listing(
+        ptbench_arguments({"run", "--scene", "cornell_open", "--backend", "cpu", "--axis", "compaction=all", "--axis",
+                           "layout=aos,soa", "--depth", depths, "--dry-run"}),
+        in_repository());
+    const CommandResult listed = listing.wait();
+    EXPECT_EQ(listed.exit_code, 0) << listed.err;
+    EXPECT_NE(listed.out.rfind("\n100000 cells, 900000 samples, "), std::string::npos)
+        << listed.out.substr(listed.out.size() - std::min<std::size_t>(200, listed.out.size()));
+}
+
 TEST_F(RunCommandTest, ASuiteFileCanBeOverriddenAndTheDefaultOutIsResults) {
     write_text(folder.file("suite.json"), R"({"name": "mine", "repetitions": 2, "studies": [
         {"name": "a", "scenes": ["cornell_open"], "axes": {"layout": ["aos"]}, "depth": [2, 3], "resolution": [8, 6]}]})");
