@@ -96,8 +96,8 @@ const Registration registration(layout::${name}::cuda_descriptor, {.cuda = {.lay
         return real_bytes == 4 ? PATHS(float)::bytes(capacity, fields) : PATHS(double)::bytes(capacity, fields); },
     .segment = [](const cuda::PathStore& store, std::size_t real_bytes) {
         return real_bytes == 4 ? PATHS(float)(store).segment() : PATHS(double)(store).segment(); },
-    .departed = [](const cuda::PathStore& store, std::size_t real_bytes) {
-        return real_bytes == 4 ? PATHS(float)(store).departed() : PATHS(double)(store).departed(); }}}});")
+    .origin_surface = [](const cuda::PathStore& store, std::size_t real_bytes) {
+        return real_bytes == 4 ? PATHS(float)(store).origin_surface() : PATHS(double)(store).origin_surface(); }}}});")
 endforeach()
 file(GLOB cuda_host_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/cuda/*.cpp)
 list(APPEND cuda_sources ${cuda_host_sources})

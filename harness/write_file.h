@@ -10,8 +10,8 @@ namespace pt {
 // meant.
 void check_output_file(const std::string& file, const std::string& flag = "--out");
 
-// Creates missing folders. Throws MachineError if it cannot be written, or what check_output_file refuses is there; then
-// the old file, if any, is untouched.
+// Creates missing folders. Throws MachineError if it cannot be written, or what check_output_file refuses is there;
+// then the old file, if any, is untouched.
 void write_file(const std::string& file, const std::string& content);
 
 // Removes what processes that were killed while they wrote `file` left beside it. Nobody else may be writing it.

@@ -56,9 +56,9 @@ PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Confi
     path.pixel = place.index;
     path.sample = sample;
     path.segment = 0;
-    path.departed = ObjectSide{};
+    path.origin_surface = SurfaceId{};
     path.medium = camera.initial_medium;
-    path.scatter_density = Real(0);
+    path.bsdf_pdf = Real(0);
 
     RandomWords words{0, 0, 0, 0};
     if constexpr (has<Config>(Feature::jitter) || has<Config>(Feature::lens)) {

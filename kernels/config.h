@@ -42,7 +42,7 @@ enum class Feature : std::uint32_t {
     multiple_importance = 1u << 20,
     russian_roulette = 1u << 21,
     // Shortcuts: a scene that has them needs them not, and a kernel that has them leaves the same film.
-    room = 1u << 22,
+    enclosure = 1u << 22,
     // Another formula for every object: its 4x4 matrix (kernels/transform.h). Changes roundings, and so the film.
     matrix = 1u << 23,
     // Sources of random numbers other than pcg4d. A kernel with none of them has pcg4d, one with a single one has that,
@@ -62,7 +62,7 @@ using FeatureSet = std::uint32_t;
 
 inline constexpr FeatureSet no_features = 0;
 inline constexpr FeatureSet all_features = ((1u << 22) - 1u) | static_cast<FeatureSet>(Feature::near_sphere);
-inline constexpr FeatureSet shortcuts = static_cast<FeatureSet>(Feature::room);
+inline constexpr FeatureSet shortcuts = static_cast<FeatureSet>(Feature::enclosure);
 inline constexpr FeatureSet samplers = static_cast<FeatureSet>(Feature::philox) |
                                        static_cast<FeatureSet>(Feature::sobol_owen) |
                                        static_cast<FeatureSet>(Feature::minstd);

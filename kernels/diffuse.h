@@ -14,7 +14,7 @@ struct Vertex {
     std::uint32_t object;
     bool inside;  // the incoming ray ran inside the object
     std::uint32_t material;
-    ObjectSide hit;  // with the face, where it is known
+    SurfaceId hit;  // with the face, where it is known
 
     // Unit, on the incoming ray's side: a face is met from outside.
     PT_HD Vec3<Real> normal() const { return hit.has_face() ? face_normal<Real>(hit) : surface_normal; }
@@ -25,7 +25,7 @@ template <class Real>
 PT_HD inline void leave_on_same_side(Path<Real>& path, const Vertex<Real>& vertex, const Vec3<Real>& direction) {
     path.origin = vertex.position;
     path.direction = direction;
-    path.departed = ObjectSide::of(vertex.object, vertex.inside);
+    path.origin_surface = SurfaceId::of(vertex.object, vertex.inside);
 }
 
 // Sends the path through the surface.
@@ -33,13 +33,13 @@ template <class Real>
 PT_HD inline void leave_on_other_side(Path<Real>& path, const Vertex<Real>& vertex, const Vec3<Real>& direction) {
     path.origin = vertex.position;
     path.direction = direction;
-    path.departed = ObjectSide::of(vertex.object, !vertex.inside);
+    path.origin_surface = SurfaceId::of(vertex.object, !vertex.inside);
 }
 
 // Frame::to_world for a normal along an axis: the frame's entries are 0, 1 and -1, so coordinates only change places
 // and signs. Where one is 0, the frame's sums decide about the sign of a zero: then only the frame has its bits.
 template <class Real>
-PT_HD inline bool axis_to_world(const ObjectSide& face, const Vec3<Real>& local, Vec3<Real>& world) {
+PT_HD inline bool axis_to_world(const SurfaceId& face, const Vec3<Real>& local, Vec3<Real>& world) {
     const Real sign = face.face_looks_up() ? Real(1) : Real(-1);
     const std::uint32_t axis = face.face_axis();
     const Real along = sign * local.z;
@@ -59,7 +59,7 @@ PT_HD inline void scatter_diffuse(Path<typename Config::Real>& path, const Verte
     path.throughput *= albedo;
     const Vec3<Real> local = cosine_hemisphere(u, v);
     Vec3<Real> direction;
-    if (!has<Config>(Feature::room) || !vertex.hit.has_face() || !axis_to_world(vertex.hit, local, direction)) {
+    if (!has<Config>(Feature::enclosure) || !vertex.hit.has_face() || !axis_to_world(vertex.hit, local, direction)) {
         direction = Frame<Real>(vertex.normal()).to_world(local);
     }
     // A unit vector but for the rounding of three sums: not worth another nine operations.

@@ -142,8 +142,8 @@ public:
         }
         look(HealthSite::hit, hit.t >= Real(0) && hit.t <= std::numeric_limits<Real>::max(), path);
         const std::uint32_t object = hit.side.object();
-        const bool same_body = path.departed.exists() && path.departed.object() == object;
-        if (same_body && !path.departed.inside() && hit.t < Real(1e-3) * size_of(scene_, object)) {
+        const bool same_body = path.origin_surface.exists() && path.origin_surface.object() == object;
+        if (same_body && !path.origin_surface.inside() && hit.t < Real(1e-3) * size_of(scene_, object)) {
             counters_.self_hits += 1;
             note_least(counters_.first_self_hit, key_of(path));
         }
@@ -174,8 +174,8 @@ public:
             counters_.gains += sum > Real(3) * (Real(1) + Real(0x1p-20)) ? 1u : 0u;
         }
         // A path that leaves on the other side of what it met has gone through.
-        if (met_.exists() && path.departed.exists() && path.departed.object() == met_.object() &&
-            path.departed.inside() != met_.inside() && met_.object() < 64) {
+        if (met_.exists() && path.origin_surface.exists() && path.origin_surface.object() == met_.object() &&
+            path.origin_surface.inside() != met_.inside() && met_.object() < 64) {
             inside_ ^= BodySet{1} << met_.object();
         }
     }
@@ -209,7 +209,7 @@ private:
     const SceneView<Real>& scene_;
     BodySet inside_;
     bool knows_sides_;
-    ObjectSide met_;
+    SurfaceId met_;
     HealthCounters& counters_;
 };
 

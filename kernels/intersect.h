@@ -1,6 +1,6 @@
 // The nearest object along a ray, and what its surface is like there.
-// Ties go to the lowest object number. There is no epsilon: a ray knows the surface that it starts on (Path::departed),
-// and a convex body is met again only from within, at its other root.
+// Ties go to the lowest object number. There is no epsilon: a ray knows the surface that it starts on
+// (Path::origin_surface), and a convex body is met again only from within, at its other root.
 #pragma once
 
 #include "kernels/naive.h"
@@ -13,12 +13,12 @@ template <class Real>
 struct Ray {
     Vec3<Real> origin, direction;
     Real time;
-    ObjectSide departed;
+    SurfaceId origin_surface;
 };
 
 template <class Real>
 PT_HD inline Ray<Real> ray_of(const Path<Real>& path) {
-    return {path.origin, path.direction, path.time, path.departed};
+    return {path.origin, path.direction, path.time, path.origin_surface};
 }
 
 // The ray's origin as the object sees it at the ray's time: the object stands still, the ray is moved back.
@@ -68,16 +68,16 @@ PT_HD inline void keep_nearer(Hit<Real>& best, const Interval<Real>& crossing, s
     const Real t = inside ? crossing.far : crossing.near;
     if (crossing.hits && t > Real(0) && t < best.t) {
         best.t = t;
-        best.side = ObjectSide::of(object, inside);
+        best.side = SurfaceId::of(object, inside);
     }
 }
 
 // The same for the other end of the chord through the body that the ray starts on and runs inside.
 template <class Real>
-PT_HD inline void keep_nearer(Hit<Real>& best, Real chord, const ObjectSide& departed) {
+PT_HD inline void keep_nearer(Hit<Real>& best, Real chord, const SurfaceId& origin_surface) {
     if (chord < best.t) {
         best.t = chord;
-        best.side = departed;
+        best.side = origin_surface;
     }
 }
 
@@ -85,11 +85,11 @@ template <class Config, class Scene, class Body>
 PT_HD inline void closest_body(Hit<typename Config::Real>& best, const Scene& scene, const Body& body,
                                std::uint32_t object, const Ray<typename Config::Real>& ray) {
     const auto origin = at_rest<Config>(scene, object, ray.origin, ray.time);
-    const bool starts_here = ray.departed.exists() && ray.departed.object() == object;
+    const bool starts_here = ray.origin_surface.exists() && ray.origin_surface.object() == object;
     if (!starts_here) {
         keep_nearer(best, interval(body, origin, ray.direction), object);
-    } else if (ray.departed.inside()) {
-        keep_nearer(best, chord(body, origin, ray.direction), ray.departed);
+    } else if (ray.origin_surface.inside()) {
+        keep_nearer(best, chord(body, origin, ray.direction), ray.origin_surface);
     }
 }
 
@@ -108,8 +108,8 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
     using Real = typename Config::Real;
     const std::uint32_t first = scene.first_axis_box();
     for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
-        if constexpr (has<Config>(Feature::room)) {
-            if (without_walls && scene.room.is_wall(i)) {
+        if constexpr (has<Config>(Feature::enclosure)) {
+            if (without_walls && scene.enclosure.is_wall(i)) {
                 continue;
             }
         }
@@ -118,14 +118,15 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
         // A copy: of a reference nvcc 13.0 makes one load a plane, at an address that depends on the lane.
         const AxisBox<Real> box = scene.axis_boxes[i];
         const Interval<Real> crossing = slab_interval(box.low, box.high, origin, inverse);
-        bool starts_here = ray.departed.exists() && ray.departed.object() == object;
-        if constexpr (has<Config>(Feature::room)) {
-            starts_here = starts_here && !scene.room.is_lamp(i);  // known to the compiler where it knows the room
+        bool starts_here = ray.origin_surface.exists() && ray.origin_surface.object() == object;
+        if constexpr (has<Config>(Feature::enclosure)) {
+            starts_here =
+                starts_here && !scene.enclosure.is_lamp(i);  // known to the compiler where it knows the enclosure
         }
         if (!starts_here) {
             keep_nearer(best, crossing, object);
-        } else if (ray.departed.inside()) {
-            keep_nearer(best, max(crossing.far, Real(0)), ray.departed);
+        } else if (ray.origin_surface.inside()) {
+            keep_nearer(best, max(crossing.far, Real(0)), ray.origin_surface);
         }
     }
 }
@@ -135,12 +136,12 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
                                    const Ray<typename Config::Real>& ray) {
     using Real = typename Config::Real;
     const Vec3<Real> inverse = reciprocal(ray.direction);
-    if constexpr (has<Config>(Feature::room)) {
-        const RoomExit<Real> exit = leave_room(scene.room, ray.origin, inverse);
-        // A ray inside a wall is none of the room's, not even on its face.
-        bool in_wall = ray.departed.exists() && ray.departed.inside();
+    if constexpr (has<Config>(Feature::enclosure)) {
+        const EnclosureExit<Real> exit = leave_enclosure(scene.enclosure, ray.origin, inverse);
+        // A ray inside a wall is none of the enclosure's, not even on its face.
+        bool in_wall = ray.origin_surface.exists() && ray.origin_surface.inside();
         if constexpr (has<Config>(Feature::dielectric) || has<Config>(Feature::subsurface)) {
-            in_wall = in_wall && scene.room.is_wall(ray.departed.object() - scene.first_axis_box());
+            in_wall = in_wall && scene.enclosure.is_wall(ray.origin_surface.object() - scene.first_axis_box());
         }
         if (exit.known && !in_wall) {
             closest_axis_box<Config>(best, scene, ray, inverse, true);
@@ -152,7 +153,8 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
             return;
         }
         // Past all of them: rounding is monotonic, so no box is met where the box round them all is not.
-        const Interval<Real> reach = slab_interval(scene.room.reach_low, scene.room.reach_high, ray.origin, inverse);
+        const Interval<Real> reach =
+            slab_interval(scene.enclosure.reach_low, scene.enclosure.reach_high, ray.origin, inverse);
         if (!in_wall && (!reach.hits || reach.far < Real(0))) {
             return;
         }
@@ -170,10 +172,10 @@ PT_HD inline void closest_quad(Hit<typename Config::Real>& best, const Scene& sc
         const auto& quad = scene.quads[i];
         const Interval<Real> crossing =
             interval(quad, at_rest<Config>(scene, object, ray.origin, ray.time), ray.direction);
-        const bool starts_here = ray.departed.exists() && ray.departed.object() == object;
+        const bool starts_here = ray.origin_surface.exists() && ray.origin_surface.object() == object;
         if (!starts_here && crossing.hits && crossing.near > Real(0) && crossing.near < best.t) {
             best.t = crossing.near;
-            best.side = ObjectSide::of(object, dot(ray.direction, quad.normal) > Real(0));
+            best.side = SurfaceId::of(object, dot(ray.direction, quad.normal) > Real(0));
         }
     }
 }
@@ -186,12 +188,12 @@ PT_HD inline void closest_transformed(Hit<typename Config::Real>& best, const Sc
     for (std::uint32_t object = 0; object < scene.transforms.size; ++object) {
         const Transform<Real>& transform = scene.transforms[object];
         const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
-        const bool starts_here = ray.departed.exists() && ray.departed.object() == object;
-        if (starts_here && (transform.shape == UnitShape::quad || !ray.departed.inside())) {
+        const bool starts_here = ray.origin_surface.exists() && ray.origin_surface.object() == object;
+        if (starts_here && (transform.shape == UnitShape::quad || !ray.origin_surface.inside())) {
             continue;
         }
         if (starts_here) {
-            keep_nearer(best, chord(transform, origin, ray.direction), ray.departed);
+            keep_nearer(best, chord(transform, origin, ray.direction), ray.origin_surface);
             continue;
         }
         const Interval<Real> crossing = interval(transform, origin, ray.direction);
@@ -199,14 +201,14 @@ PT_HD inline void closest_transformed(Hit<typename Config::Real>& best, const Sc
             keep_nearer(best, crossing, object);
         } else if (crossing.hits && crossing.near > Real(0) && crossing.near < best.t) {
             best.t = crossing.near;
-            best.side = ObjectSide::of(object, dot(ray.direction, transform.row[1]) > Real(0));
+            best.side = SurfaceId::of(object, dot(ray.direction, transform.row[1]) > Real(0));
         }
     }
 }
 
 template <class Real>
 PT_HD inline Ray<double> widened(const Ray<Real>& ray) {
-    return {Vec3<double>(ray.origin), Vec3<double>(ray.direction), ray.time, ray.departed};
+    return {Vec3<double>(ray.origin), Vec3<double>(ray.direction), ray.time, ray.origin_surface};
 }
 
 // The nearest of some bodies the textbook's way: whatever lies beyond the epsilon counts.
@@ -222,7 +224,7 @@ PT_HD inline void closest_naive(Hit<typename Config::Real>& best, const Scene& s
         const Real t = inside ? crossing.far : crossing.near;
         if (crossing.hits && t > naive::epsilon<Real> && t < best.t) {
             best.t = t;
-            best.side = ObjectSide::of(object, inside);
+            best.side = SurfaceId::of(object, inside);
         }
     }
 }
@@ -238,7 +240,7 @@ PT_HD inline void closest_naive(Hit<typename Config::Real>& best, const Scene& s
     closest_naive<Config>(best, scene, scene.quads, scene.first_quad(), ray);
     if (best.t < before_quads) {
         const std::uint32_t object = best.side.object();
-        best.side = ObjectSide::of(
+        best.side = SurfaceId::of(
             object, dot(ray.direction, scene.quads[object - scene.first_quad()].normal) > typename Config::Real(0));
     }
 }
@@ -319,9 +321,9 @@ PT_HD inline SurfacePoint<typename Config::Real> surface_at(const Scene& scene, 
         return naive_surface_at<Config>(scene, ray, hit);
     }
     SurfacePoint<Real> point{{Real(0), Real(0), Real(0)}, {Real(0), Real(1), Real(0)}};
-    if constexpr (has<Config>(Feature::room)) {
+    if constexpr (has<Config>(Feature::enclosure)) {
         if (hit.side.has_face() &&
-            point_on_side(scene.room, hit.side, ray.origin + ray.direction * hit.t, point.position)) {
+            point_on_side(scene.enclosure, hit.side, ray.origin + ray.direction * hit.t, point.position)) {
             if constexpr (normal_of_face) {
                 point.normal = face_normal<Real>(hit.side);
             }

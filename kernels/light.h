@@ -143,7 +143,7 @@ PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene
     if (!(cosine > Real(0)) || light_cosine == Real(0)) {
         return 0;
     }
-    const Ray<Real> ray{vertex.position, direction, path.time, ObjectSide::of(vertex.object, vertex.inside)};
+    const Ray<Real> ray{vertex.position, direction, path.time, SurfaceId::of(vertex.object, vertex.inside)};
     const Hit<Real> hit = closest_hit<Config>(traced, ray);
     if (hit.side.exists() && hit.side.object() == object && hit.side.inside() == (light_cosine > Real(0))) {
         // The square of the distance is divided out in two steps: 1 / distance^2 alone may overflow.

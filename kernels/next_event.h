@@ -40,9 +40,9 @@ PT_HD inline DirectionSample<typename Config::Real> sample_direction_to(
 
 // 1 / density, by solid angle, of sample_direction_to in the direction of a ray that meets the object after `distance`.
 template <class Config>
-PT_HD inline typename Config::Real direction_measure_to(const SceneView<typename Config::Real>& scene,
-                                                        std::uint32_t object, const Ray<typename Config::Real>& ray,
-                                                        typename Config::Real distance) {
+PT_HD inline typename Config::Real inverse_direction_pdf(const SceneView<typename Config::Real>& scene,
+                                                         std::uint32_t object, const Ray<typename Config::Real>& ray,
+                                                         typename Config::Real distance) {
     using Real = typename Config::Real;
     const Vec3<Real> observer = at_rest<Config>(scene, object, ray.origin, ray.time);
     if (has<Config>(Feature::sphere) && object < scene.first_ellipsoid()) {
@@ -70,13 +70,13 @@ PT_HD inline typename Config::Real direction_measure_to(const SceneView<typename
 // The share of light that a scattered direction met, and 1 less it: of `ratio` = r. Up to 2^60, whose square is finite
 // and whose share is 1: r may be infinite where a light is all but touched.
 template <class Real>
-PT_HD inline Real encounter_share(Real ratio, std::uint32_t exponent) {
+PT_HD inline Real mis_weight_bsdf(Real ratio, std::uint32_t exponent) {
     const Real finite = min(Real(0x1p60), ratio);
     const Real power = exponent == 2 ? finite * finite : finite;
     return power / (Real(1) + power);
 }
 template <class Real>
-PT_HD inline Real connection_share(Real ratio, std::uint32_t exponent) {
+PT_HD inline Real mis_weight_light(Real ratio, std::uint32_t exponent) {
     return Real(1) / (Real(1) + (exponent == 2 ? ratio * ratio : ratio));
 }
 
@@ -86,13 +86,13 @@ PT_HD inline typename Config::Real encounter_weight(const SceneView<typename Con
                                                     const Path<typename Config::Real>& path,
                                                     const Hit<typename Config::Real>& hit) {
     using Real = typename Config::Real;
-    if (path.scatter_density == Real(0)) {
+    if (path.bsdf_pdf == Real(0)) {
         return Real(1);
     }
     if constexpr (has<Config>(Feature::multiple_importance)) {
         if (scene.mis_exponent != 0) {
-            const Real measure = direction_measure_to<Config>(scene, hit.side.object(), ray_of(path), hit.t);
-            return encounter_share(path.scatter_density * measure * static_cast<Real>(scene.lights.size),
+            const Real inverse_pdf = inverse_direction_pdf<Config>(scene, hit.side.object(), ray_of(path), hit.t);
+            return mis_weight_bsdf(path.bsdf_pdf * inverse_pdf * static_cast<Real>(scene.lights.size),
                                    scene.mis_exponent);
         }
     }
@@ -117,18 +117,18 @@ PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::R
         sample_direction_to<Config>(scene, object, vertex.position, path.time, unit_interval<Real>(words.y),
                                     unit_interval<Real>(words.z), unit_interval<Real>(words.w));
     const Real cosine = dot(sample.direction, vertex.normal());
-    if (!(sample.measure > Real(0)) || !(cosine > Real(0))) {
+    if (!(sample.inverse_pdf > Real(0)) || !(cosine > Real(0))) {
         return 0;
     }
-    const Ray<Real> ray{vertex.position, sample.direction, path.time, ObjectSide::of(vertex.object, vertex.inside)};
+    const Ray<Real> ray{vertex.position, sample.direction, path.time, SurfaceId::of(vertex.object, vertex.inside)};
     const Hit<Real> hit = closest_hit<Config>(traced, ray);
     if (!hit.side.exists() || hit.side.object() != object) {
         return 1;
     }
-    const Real ratio = cosine * (Real(1) / pi<Real>)*sample.measure * static_cast<Real>(scene.lights.size);
+    const Real ratio = cosine * (Real(1) / pi<Real>)*sample.inverse_pdf * static_cast<Real>(scene.lights.size);
     Real weight = ratio;
     if constexpr (has<Config>(Feature::multiple_importance)) {
-        weight *= scene.mis_exponent != 0 ? connection_share(ratio, scene.mis_exponent) : Real(1);
+        weight *= scene.mis_exponent != 0 ? mis_weight_light(ratio, scene.mis_exponent) : Real(1);
     }
     Vec3<Real> carried = path.throughput * albedo;
     if constexpr (has<Config>(Feature::absorption)) {

@@ -6,18 +6,18 @@
 namespace pt {
 
 // An object and a side of its surface in one word. In a Hit: `inside` says that the ray ran through the object's
-// interior before it met the surface. In Path::departed: `inside` says that the ray leaves into the interior.
+// interior before it met the surface. In Path::origin_surface: `inside` says that the ray leaves into the interior.
 // A Hit may also name the face of an axis box that was met from outside.
-struct ObjectSide {
+struct SurfaceId {
     static constexpr std::uint32_t nowhere = 0xffffffffu;
     static constexpr std::uint32_t most_objects = 1u << 27;
     std::uint32_t code = nowhere;  // bit 0: inside; bits 1 to 27: object; bit 28: face looks up; bits 29, 30: axis + 1
 
-    PT_HD static constexpr ObjectSide of(std::uint32_t object, bool inside) {
+    PT_HD static constexpr SurfaceId of(std::uint32_t object, bool inside) {
         return {(object << 1) | (inside ? 1u : 0u)};
     }
     // The face whose outward normal is the axis `axis` (0 to 2), or, unless it looks up, its opposite.
-    PT_HD static constexpr ObjectSide of_face(std::uint32_t object, std::uint32_t axis, bool looks_up) {
+    PT_HD static constexpr SurfaceId of_face(std::uint32_t object, std::uint32_t axis, bool looks_up) {
         return {((axis + 1) << 29) | ((looks_up ? 1u : 0u) << 28) | (object << 1)};
     }
     PT_HD constexpr bool exists() const { return code != nowhere; }
@@ -31,7 +31,7 @@ struct ObjectSide {
 template <class Real>
 struct Hit {
     Real t = Real(0);  // distance along the unit direction, scene units
-    ObjectSide side;   // nowhere: the ray left the scene
+    SurfaceId side;    // nowhere: the ray left the scene
 };
 
 template <class Real>
@@ -43,12 +43,12 @@ struct Path {
     Real time;              // seconds
     std::uint32_t pixel;    // row-major index
     std::uint32_t sample;
-    std::uint32_t segment;  // ray segments traced so far; `ended` once the path is over
-    ObjectSide departed;    // the surface that the ray starts on
-    std::uint32_t medium;   // material whose absorption the ray runs through, or no_medium
+    std::uint32_t segment;     // ray segments traced so far; `ended` once the path is over
+    SurfaceId origin_surface;  // the surface that the ray starts on
+    std::uint32_t medium;      // material whose absorption the ray runs through, or no_medium
     // Density, by solid angle, with which the ray's direction was drawn where next-event estimation had its turn too;
     // 0 where it had not: from the camera, a specular surface or a body. Lights met then count in full.
-    Real scatter_density;
+    Real bsdf_pdf;
 
     static constexpr std::uint32_t ended = 0xffffffffu;
     static constexpr std::uint32_t no_medium = 0xffffffffu;

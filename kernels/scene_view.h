@@ -2,11 +2,11 @@
 // below, and canonically within a kind: an object's number does not depend on its place in the scene file.
 #pragma once
 
+#include "kernels/axis_aligned_enclosure.h"
 #include "kernels/box.h"
 #include "kernels/camera.h"
 #include "kernels/material.h"
 #include "kernels/quad.h"
-#include "kernels/room.h"
 #include "kernels/sphere.h"
 #include "kernels/transform.h"
 
@@ -32,7 +32,7 @@ struct SceneView {
     View<Light> lights;
     Vec3<Real> environment;  // radiance of rays that leave the scene
     Camera<Real> camera;
-    Room<Real> room;  // that the axis boxes make
+    AxisAlignedEnclosure<Real> enclosure;  // that the axis boxes make
     RandomSeed seed;
     std::uint32_t depth;           // ray segments in a path, at least 1
     std::uint32_t final_bounce;    // 1: connect the last vertex to a light

@@ -82,7 +82,7 @@ PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene,
     if (is_connected) {
         // Never 0, which says that there was no connection.
         constexpr Real least = Real(0x1p-60);
-        path.scatter_density = max(dot(path.direction, vertex.normal()), least) * (Real(1) / pi<Real>);
+        path.bsdf_pdf = max(dot(path.direction, vertex.normal()), least) * (Real(1) / pi<Real>);
     }
     return true;
 }
@@ -188,7 +188,7 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
     const bool inside = hit.side.inside();
     const Vertex<Real> vertex{
         point.position, inside ? -point.normal : point.normal, hit.side.object(), inside, material_index, hit.side};
-    path.scatter_density = Real(0);
+    path.bsdf_pdf = Real(0);
     const RandomWords words =
         random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::scatter});
     if (!scatter<Config>(scene, traced, path, vertex, surface, words, last, counters, walk)) {

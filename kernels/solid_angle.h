@@ -14,11 +14,11 @@
 
 namespace pt {
 
-// `measure` is 1 / density by solid angle, at most 4 pi; 0: there is nothing to sample.
+// `inverse_pdf` is 1 / density by solid angle, at most 4 pi; 0: there is nothing to sample.
 template <class Real>
 struct DirectionSample {
     Vec3<Real> direction;  // unit
-    Real measure;
+    Real inverse_pdf;
 };
 
 // What a unit sphere fills of the sky of a point at a distance: 2 pi (1 - cos) of a cone, everything from inside.
@@ -33,7 +33,7 @@ struct Cone {
             one_minus_cosine = radius_over_distance * radius_over_distance / (Real(1) + cosine);
         }
     }
-    PT_HD Real measure() const { return Real(2) * pi<Real> * one_minus_cosine; }
+    PT_HD Real inverse_pdf() const { return Real(2) * pi<Real> * one_minus_cosine; }
     // Around +z.
     PT_HD Vec3<Real> direction(Real u, Real v) const {
         const Real below = u * one_minus_cosine;
@@ -52,7 +52,7 @@ PT_HD inline Cone<Real> cone_of(const Sphere<Real>& sphere, const Vec3<Real>& to
 // `distance`.
 template <class Real>
 PT_HD inline Real direction_measure(const Sphere<Real>& sphere, const Vec3<Real>& observer, const Vec3<Real>&, Real) {
-    return cone_of(sphere, sphere.centre - observer).measure();
+    return cone_of(sphere, sphere.centre - observer).inverse_pdf();
 }
 
 template <class Real>
@@ -67,7 +67,7 @@ PT_HD inline DirectionSample<Real> sample_direction(const Sphere<Real>& sphere, 
                                                     Real v, Real) {
     const Vec3<Real> to_centre = sphere.centre - observer;
     const Cone<Real> cone = cone_of(sphere, to_centre);
-    return {along(to_centre, cone.direction(u, v)), cone.measure()};
+    return {along(to_centre, cone.direction(u, v)), cone.inverse_pdf()};
 }
 
 // Solid angle in the world over solid angle in the unit sphere's frame: |det| / length^3, with `length` that of the
@@ -87,7 +87,7 @@ template <class Real>
 PT_HD inline Real direction_measure(const Ellipsoid<Real>& e, const Vec3<Real>& observer, const Vec3<Real>& direction,
                                     Real) {
     const Vec3<Real> in_unit = e.to_unit(direction);
-    return cone_of(e, e.to_unit(e.centre - observer)).measure() *
+    return cone_of(e, e.to_unit(e.centre - observer)).inverse_pdf() *
            ellipsoid_stretch(e, Real(1) / square_root(dot(in_unit, in_unit)));
 }
 
@@ -98,7 +98,7 @@ PT_HD inline DirectionSample<Real> sample_direction(const Ellipsoid<Real>& e, co
     const Cone<Real> cone = cone_of(e, to_centre);
     const Vec3<Real> image = e.to_world(along(to_centre, cone.direction(u, v)));
     const Real length = square_root(dot(image, image));
-    return {image * (Real(1) / length), cone.measure() * ellipsoid_stretch(e, length)};
+    return {image * (Real(1) / length), cone.inverse_pdf() * ellipsoid_stretch(e, length)};
 }
 
 // A rectangle in the plane z = `height` above the observer, with its sides along x and y.
@@ -174,7 +174,7 @@ struct SeenBox {
     }
 
     // 1 / density in the direction of a ray that meets the box after `distance` scene units.
-    PT_HD Real measure(Real distance) const {
+    PT_HD Real inverse_pdf(Real distance) const {
         if (inside) {
             return Real(4) * pi<Real>;
         }
@@ -182,10 +182,10 @@ struct SeenBox {
         return near ? total : total / (t * t * t);
     }
 
-    // Not yet unit; `measure` is set.
+    // Not yet unit; `inverse_pdf` is set.
     PT_HD DirectionSample<Real> sample(Real u, Real v, Real w) const {
         if (inside) {
-            return {uniform_sphere(u, v), measure(Real(1))};
+            return {uniform_sphere(u, v), inverse_pdf(Real(1))};
         }
         const Real pick = w * total;
         // Rounding may take the pick to the very end: never a face that is not seen.
@@ -206,7 +206,7 @@ struct SeenBox {
             put(to_light, c, (Real(2) * v - Real(1)) * at(half, c) - at(observer, c));
         }
         const Real length = square_root(dot(to_light, to_light));
-        return {to_light * (Real(1) / length), measure(length * diagonal)};
+        return {to_light * (Real(1) / length), inverse_pdf(length * diagonal)};
     }
 
 private:
@@ -256,7 +256,7 @@ PT_HD inline Vec3<Real> to_scene(const Quad<Real>& quad, const Vec3<Real>& local
 // For AxisBox, OrientedBox and Quad.
 template <class Body, class Real>
 PT_HD inline Real direction_measure(const Body& body, const Vec3<Real>& observer, const Vec3<Real>&, Real distance) {
-    return seen_from(body, observer).measure(distance);
+    return seen_from(body, observer).inverse_pdf(distance);
 }
 template <class Body, class Real>
 PT_HD inline DirectionSample<Real> sample_direction(const Body& body, const Vec3<Real>& observer, Real u, Real v,

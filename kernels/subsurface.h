@@ -137,8 +137,8 @@ PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, P
         return WalkStep::goes_on;
     }
     const Ray<Real> ray{in_motion<Config>(scene, walk.object, path.origin, path.time), direction, path.time,
-                        ObjectSide{}};
-    const SurfacePoint<Real> exit = surface_at<Config>(scene, ray, {to_exit, ObjectSide::of(walk.object, true)});
+                        SurfaceId{}};
+    const SurfacePoint<Real> exit = surface_at<Config>(scene, ray, {to_exit, SurfaceId::of(walk.object, true)});
     if constexpr (has<Config>(Feature::subsurface_boundary)) {
         if (medium.has_boundary != 0) {
             const Vec3<Real> inward = -exit.normal;
@@ -154,7 +154,7 @@ PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, P
         }
     }
     path.origin = exit.position;
-    path.departed = ObjectSide::of(walk.object, false);
+    path.origin_surface = SurfaceId::of(walk.object, false);
     return WalkStep::left;
 }
 

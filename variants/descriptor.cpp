@@ -76,7 +76,7 @@ std::vector<std::string> feature_names(FeatureSet features) {
                                             "next_event",
                                             "multiple_importance",
                                             "russian_roulette",
-                                            "room",
+                                            "enclosure",
                                             "matrix",
                                             "philox",
                                             "sobol_owen",

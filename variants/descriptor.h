@@ -35,7 +35,7 @@ inline constexpr std::string_view axis_names[] = {
 // A number that a choice may be tuned by. It never changes what is computed, unless the choice's claim says so.
 struct Tunable {
     std::string_view name;
-    std::uint32_t standard = 0;  // where nothing else is asked for
+    std::uint32_t default_value = 0;  // where nothing else is asked for
     std::uint32_t lowest = 0, highest = 0;
     std::uint32_t multiple_of = 1;
     std::string_view summary = "";
@@ -105,7 +105,7 @@ struct Descriptor {
     std::uint32_t mean_at_extra_depth = 0;
     // The compiler may contract and reorder: two kernels of one formula need not round alike, so the variant is held
     // to its twin with mean_of by its mean, and the twin to the reference by its bits.
-    bool rounds_freely = false;
+    bool fp_relaxed = false;
     // The film depends on the order in which paths lie in the queue, and so on every other choice: it is held against
     // nothing but the same variant's own film.
     bool depends_on_order = false;
@@ -118,9 +118,9 @@ struct Descriptor {
     BackendSet backends = on_cpu;
     std::span<const Tunable> tunables = {};
     // Why the choice cannot run on a scene with these features in this variant; empty: it can.
-    std::string (*does_not_apply)(FeatureSet scene, const Variant& variant) = nullptr;
+    std::string (*unsupported_reason)(FeatureSet scene, const Variant& variant) = nullptr;
     // What the counters say the choice left undone (or did although it must not); empty: it did its work.
-    std::string (*work_missing)(const WorkCounters& work, std::uint64_t samples) = nullptr;
+    std::string (*check_counters)(const WorkCounters& work, std::uint64_t samples) = nullptr;
 };
 
 std::string_view to_string(Claim claim);

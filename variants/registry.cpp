@@ -22,11 +22,11 @@ void check_descriptor(const Descriptor& descriptor) {
     if (descriptor.claim == Claim::statistical && descriptor.mean_of.empty()) {
         throw std::logic_error("a statistical claim needs mean_of: " + label(descriptor));
     }
-    if (descriptor.rounds_freely && descriptor.claim != Claim::statistical) {
+    if (descriptor.fp_relaxed && descriptor.claim != Claim::statistical) {
         throw std::logic_error("what rounds freely can claim its mean only: " + label(descriptor));
     }
     for (const Tunable& tunable : descriptor.tunables) {
-        if (!tunable.allows(tunable.standard)) {
+        if (!tunable.allows(tunable.default_value)) {
             throw std::logic_error("the standard of " + std::string(tunable.name) +
                                    " is not allowed: " + label(descriptor));
         }
@@ -147,7 +147,7 @@ std::string why_not_applicable(const Variant& variant, FeatureSet scene, Backend
     for (const std::string_view axis : axis_names) {
         const Descriptor& descriptor = descriptor_at(axis, variant, backend);
         const std::string reason =
-            descriptor.does_not_apply == nullptr ? "" : descriptor.does_not_apply(scene, variant);
+            descriptor.unsupported_reason == nullptr ? "" : descriptor.unsupported_reason(scene, variant);
         if (!reason.empty()) {
             return label(descriptor) + " " + reason;
         }
@@ -174,16 +174,16 @@ Claim claim_of(const Variant& variant, Backend backend) {
     return weakest;
 }
 
-bool rounds_freely(const Variant& variant, Backend backend) {
+bool fp_relaxed(const Variant& variant, Backend backend) {
     return std::any_of(std::begin(axis_names), std::end(axis_names),
-                       [&](std::string_view axis) { return descriptor_at(axis, variant, backend).rounds_freely; });
+                       [&](std::string_view axis) { return descriptor_at(axis, variant, backend).fp_relaxed; });
 }
 
 Variant exact_twin(const Variant& variant, Backend backend) {
     Variant twin = variant;
     for (const std::string_view axis : axis_names) {
         const Descriptor& descriptor = descriptor_at(axis, variant, backend);
-        if (descriptor.rounds_freely) {
+        if (descriptor.fp_relaxed) {
             twin.set(axis, std::string(descriptor.mean_of));
         }
     }
@@ -253,16 +253,17 @@ std::uint32_t tunable(const Variant& variant, std::string_view name, Backend bac
     }
     for (const Tunable& tunable : tunables_of(variant, backend)) {
         if (tunable.name == name) {
-            return tunable.standard;
+            return tunable.default_value;
         }
     }
     throw std::logic_error(variant.name() + " has no tunable " + std::string(name));
 }
 
-std::string work_missing(const Variant& variant, const WorkCounters& work, std::uint64_t samples, Backend backend) {
+std::string check_counters(const Variant& variant, const WorkCounters& work, std::uint64_t samples, Backend backend) {
     for (const std::string_view axis : axis_names) {
         const Descriptor& descriptor = descriptor_at(axis, variant, backend);
-        const std::string missing = descriptor.work_missing == nullptr ? "" : descriptor.work_missing(work, samples);
+        const std::string missing =
+            descriptor.check_counters == nullptr ? "" : descriptor.check_counters(work, samples);
         if (!missing.empty()) {
             return label(descriptor) + ": " + missing;
         }

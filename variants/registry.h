@@ -101,8 +101,8 @@ std::string why_not_applicable(const Variant& variant, FeatureSet scene, Backend
 // The weakest claim among the variant's choices.
 Claim claim_of(const Variant& variant, Backend backend = Backend::cpu);
 
-// The compiler may round the variant's arithmetic as it likes (Descriptor::rounds_freely).
-bool rounds_freely(const Variant& variant, Backend backend);
+// The compiler may round the variant's arithmetic as it likes (Descriptor::fp_relaxed).
+bool fp_relaxed(const Variant& variant, Backend backend);
 // The same variant with each choice that rounds freely replaced by the one whose mean it claims.
 Variant exact_twin(const Variant& variant, Backend backend);
 
@@ -123,7 +123,7 @@ std::vector<Tunable> all_tunables(Backend backend);
 std::uint32_t tunable(const Variant& variant, std::string_view name, Backend backend);
 
 // What the choices of a variant left undone in a render of `samples` samples a pixel; empty: all did their work.
-std::string work_missing(const Variant& variant, const WorkCounters& work, std::uint64_t samples,
-                         Backend backend = Backend::cpu);
+std::string check_counters(const Variant& variant, const WorkCounters& work, std::uint64_t samples,
+                           Backend backend = Backend::cpu);
 
 }  // namespace pt

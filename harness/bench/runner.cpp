@@ -50,7 +50,7 @@ std::string bitwise_group(const Cell& cell) {
         name.erase(name.rfind('/'));
     }
     // Two kernels that round freely need not agree: each is a group of its own.
-    const Variant variant = rounds_freely(cell.variant, cell.backend)
+    const Variant variant = fp_relaxed(cell.variant, cell.backend)
                                 ? cell.variant
                                 : Registry::instance().reference(cell.variant, cell.backend);
     return variant.name() + name.substr(name.find('/'));
@@ -295,8 +295,8 @@ private:
 
     // A variant that rounds freely is held to itself: its film must be the same every time.
     static Variant full_size_reference(const Cell& cell) {
-        return rounds_freely(cell.variant, cell.backend) ? cell.variant
-                                                         : Registry::instance().reference(cell.variant, cell.backend);
+        return fp_relaxed(cell.variant, cell.backend) ? cell.variant
+                                                      : Registry::instance().reference(cell.variant, cell.backend);
     }
 
     // The film of the cell's reference variant at the cell's own size, for the first sample's seed.
@@ -435,7 +435,7 @@ private:
             std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - render_begin).count();
         const ForeignLoad foreign = ForeignLoad::now() - load_before;
         const std::optional<double> clock_after = clock_mhz(cell.backend);
-        if (const std::string missing = work_missing(cell.variant, result.work, cell.spp, cell.backend);
+        if (const std::string missing = check_counters(cell.variant, result.work, cell.spp, cell.backend);
             !missing.empty()) {
             return missing;
         }

@@ -249,7 +249,7 @@ namespace {
 
 // What a tunable is in a variant that does not name it: the standard of the choice that has it, which another choice of
 // the same axis need not share. Where none of the variant's has it, the first of the backend's that does.
-std::optional<std::uint32_t> standard_of(const Variant& variant, const std::string& name, Backend backend) {
+std::optional<std::uint32_t> default_value_of(const Variant& variant, const std::string& name, Backend backend) {
     std::vector<Tunable> tunables;
     for (const std::string_view axis : axis_names) {
         if (const Choice* choice = Registry::instance().find(axis, variant[axis], backend); choice != nullptr) {
@@ -260,7 +260,7 @@ std::optional<std::uint32_t> standard_of(const Variant& variant, const std::stri
     tunables.insert(tunables.end(), others.begin(), others.end());
     const auto position =
         std::find_if(tunables.begin(), tunables.end(), [&](const Tunable& tunable) { return tunable.name == name; });
-    return position != tunables.end() ? std::optional(position->standard) : std::nullopt;
+    return position != tunables.end() ? std::optional(position->default_value) : std::nullopt;
 }
 
 // Every variant of `variants` with every value of a tunable. Standards are left out: one variant has one name.
@@ -268,10 +268,10 @@ std::vector<Variant> with_values(const std::vector<Variant>& variants, const std
                                  const std::vector<std::uint32_t>& values, Backend backend) {
     std::vector<Variant> next;
     for (const Variant& variant : variants) {
-        const std::optional<std::uint32_t> standard = standard_of(variant, name, backend);
+        const std::optional<std::uint32_t> default_value = default_value_of(variant, name, backend);
         for (const std::uint32_t value : values) {
             next.push_back(variant);
-            if (standard != value) {
+            if (default_value != value) {
                 next.back().tuning[name] = value;
             }
         }

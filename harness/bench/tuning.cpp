@@ -136,7 +136,7 @@ std::vector<std::uint32_t> candidates(const Tunable& tunable) {
     if (tunable.sets_work) {
         return {};
     }
-    std::set<std::uint32_t> values{tunable.standard};
+    std::set<std::uint32_t> values{tunable.default_value};
     const auto offer = [&](std::uint64_t value) {
         if (value <= tunable.highest && tunable.allows(static_cast<std::uint32_t>(value))) {
             values.insert(static_cast<std::uint32_t>(value));
@@ -152,8 +152,8 @@ std::vector<std::uint32_t> candidates(const Tunable& tunable) {
     } else {
         // By factors of two round the standard over a long one.
         for (std::uint64_t factor = 1; factor <= 16; factor *= 2) {
-            offer(tunable.standard * factor);
-            offer(tunable.standard / factor);
+            offer(tunable.default_value * factor);
+            offer(tunable.default_value / factor);
         }
     }
     return {values.begin(), values.end()};

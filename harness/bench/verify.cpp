@@ -26,7 +26,7 @@ std::string fault_of(const RenderResult& result, const Variant& variant, Backend
     if (const FilmFaults& faults = result.film.faults(); !faults.none()) {
         return faults_text(faults);
     }
-    if (const std::string missing = work_missing(variant, result.work, spp, backend); !missing.empty()) {
+    if (const std::string missing = check_counters(variant, result.work, spp, backend); !missing.empty()) {
         return missing;
     }
     if (result.work.paths != std::uint64_t{settings.width} * settings.height * spp) {
@@ -244,7 +244,7 @@ const Verifier::MeanCheck& Verifier::mean_check(const Variant& variant) {
 }
 
 Verdict Verifier::check(const Variant& variant) {
-    return rounds_freely(variant, backend_) ? check_freely_rounded(variant) : check_bits(variant);
+    return fp_relaxed(variant, backend_) ? check_freely_rounded(variant) : check_bits(variant);
 }
 
 Verdict Verifier::check_bits(const Variant& variant) {

@@ -28,7 +28,7 @@ struct AutotuneArguments {
     std::string out;
 };
 
-constexpr int samples_a_value = 5;
+constexpr int samples_per_value = 5;
 constexpr int samples_at_the_end = 9;
 constexpr double least_gain = 0.01;  // below this a difference is noise, and the standard stays
 
@@ -51,7 +51,7 @@ public:
     double typical(const Variant& variant) const {
         (void)milliseconds(variant, 1);  // compiles and warms up
         std::vector<double> all;
-        for (std::uint64_t seed = 1; seed <= samples_a_value; ++seed) {
+        for (std::uint64_t seed = 1; seed <= samples_per_value; ++seed) {
             all.push_back(milliseconds(variant, seed));
         }
         return median(all);
@@ -63,7 +63,7 @@ public:
         for (const std::uint32_t value : candidates(tunable)) {
             Variant tried = variant;
             tried.tuning.erase(std::string(tunable.name));
-            if (value != tunable.standard) {
+            if (value != tunable.default_value) {
                 tried.tuning[std::string(tunable.name)] = value;
             }
             if (tried.tuning == variant.tuning) {

@@ -30,7 +30,7 @@ std::string text_of_report(const nlohmann::ordered_json& report) {
             "({:.0f} %, limited by {})\n",
             kernel["name"].get<std::string>(), kernel["registers"].get<int>(), kernel["spill_store_bytes"].get<int>(),
             kernel["spill_load_bytes"].get<int>(), kernel["shared_bytes"].get<int>(),
-            kernel["warps_a_multiprocessor"].get<int>(), kernel["threads_a_block"].get<int>(),
+            kernel["warps_per_multiprocessor"].get<int>(), kernel["threads_per_block"].get<int>(),
             100 * kernel["occupancy"].get<double>(), kernel["occupancy_limit"].get<std::string>());
         for (const char* part : {"instructions", "instructions_in_loop"}) {
             if (kernel.contains(part)) {
@@ -47,7 +47,7 @@ std::string text_of_report(const nlohmann::ordered_json& report) {
                 "    {:.3f} ms, {:.1f} of 32 lanes active, {:.1f} instructions a ray and thread, {:.1f} bytes "
                 "of memory a ray; {:.0f} % of the issue ceiling, {:.0f} % of the {} ceiling\n",
                 counters["milliseconds"].get<double>(), counters["active_lanes"].get<double>(),
-                counters["thread_instructions_a_ray"].get<double>(), counters["memory_bytes_a_ray"].get<double>(),
+                counters["thread_instructions_per_ray"].get<double>(), counters["memory_bytes_per_ray"].get<double>(),
                 100 * counters["of_ceiling"]["issue"].get<double>(),
                 100 * counters["of_ceiling"][counters["bound"].get<std::string>()].get<double>(),
                 counters["bound"].get<std::string>());

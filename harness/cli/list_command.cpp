@@ -43,7 +43,7 @@ OrderedJson choice_json(std::string_view axis, const std::string& name) {
         for (const Tunable& t : choice->descriptor.tunables) {
             if (tunables_seen.insert(t.name).second) {
                 tunables.push_back({{"name", t.name},
-                                    {"standard", t.standard},
+                                    {"default_value", t.default_value},
                                     {"lowest", t.lowest},
                                     {"highest", t.highest},
                                     {"multiple_of", t.multiple_of},
@@ -182,7 +182,7 @@ std::string text_of(const OrderedJson& all) {
                                 fmt::join(choice["backends"].get<std::vector<std::string>>(), "+"));
             for (const OrderedJson& t : choice["tunables"]) {
                 text += fmt::format("    {:<24}   tunable {}={} ({} to {}): {}\n", "", t["name"].get<std::string>(),
-                                    t["standard"].get<std::uint32_t>(), t["lowest"].get<std::uint32_t>(),
+                                    t["default_value"].get<std::uint32_t>(), t["lowest"].get<std::uint32_t>(),
                                     t["highest"].get<std::uint32_t>(), t["summary"].get<std::string>());
             }
         }

@@ -89,14 +89,14 @@ int run(const ReplayArguments& arguments) {
     }
     const std::uint32_t pixel = parse_pixel(arguments.pixel, settings);
     const auto single = stability::replay_single(scene, settings, formula, pixel, arguments.sample);
-    const auto twofold = stability::replay_double(scene, settings, formula, pixel, arguments.sample);
+    const auto fp64 = stability::replay_double(scene, settings, formula, pixel, arguments.sample);
     fmt::print("{} pixel {} sample {} seed {}, {}\n", scene.name, arguments.pixel, arguments.sample, arguments.seed,
                variant.name());
-    const auto parting = stability::first_parting(single, twofold);
-    for (std::size_t i = 0; i < std::max(single.size(), twofold.size()); ++i) {
+    const auto parting = stability::first_parting(single, fp64);
+    for (std::size_t i = 0; i < std::max(single.size(), fp64.size()); ++i) {
         fmt::print("segment {}{}\n", i + 1, parting == i + 1 ? "  <- the two part here" : "");
         print_side(variant["precision"] == "double_intersection" ? "mixed" : "float", single, i);
-        print_side("double", twofold, i);
+        print_side("double", fp64, i);
     }
     fmt::print("{}\n", parting ? fmt::format("they part at segment {}", *parting) : "both go the same way");
     return exit_good;

@@ -215,7 +215,7 @@ void list_cases(const std::vector<const Case*>& cases) {
         fmt::print("       {}\n",
                    stiff_case->missing_feature.empty() ? stiff_case->stiff : stiff_case->missing_feature);
         for (const stability::Parameter& parameter : stiff_case->parameters) {
-            fmt::print("       --set {}={:g}  {} ({:g} to {:g})\n", parameter.name, parameter.standard,
+            fmt::print("       --set {}={:g}  {} ({:g} to {:g})\n", parameter.name, parameter.default_value,
                        parameter.summary, parameter.lowest, parameter.highest);
         }
     }

@@ -79,7 +79,7 @@ void verify_scene(const Scene& scene, Backend backend, const std::vector<Variant
 
 // What there is to compare of a variant: its image, which all that differ in bitwise choices share.
 Variant image_of(const Variant& variant, Backend backend) {
-    return rounds_freely(variant, backend) ? variant : Registry::instance().reference(variant, backend);
+    return fp_relaxed(variant, backend) ? variant : Registry::instance().reference(variant, backend);
 }
 
 // The variant with the choices of --against, and without tunables that are none of theirs.

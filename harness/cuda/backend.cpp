@@ -81,11 +81,11 @@ nlohmann::ordered_json kernel_counters(const std::vector<std::string>& arguments
     }
     static const Ceilings ceilings = measure_ceilings();
     nlohmann::ordered_json json{{"ceilings",
-                                 {{"issue_g_warp_instructions_a_second", 1e-9 * ceilings.issue},
-                                  {"fma_g_warp_instructions_a_second", 1e-9 * ceilings.fma},
-                                  {"alu_g_warp_instructions_a_second", 1e-9 * ceilings.alu},
-                                  {"xu_g_warp_instructions_a_second", 1e-9 * ceilings.xu},
-                                  {"memory_gb_a_second", 1e-9 * ceilings.memory}}},
+                                 {{"issue_g_warp_instructions_per_second", 1e-9 * ceilings.issue},
+                                  {"fma_g_warp_instructions_per_second", 1e-9 * ceilings.fma},
+                                  {"alu_g_warp_instructions_per_second", 1e-9 * ceilings.alu},
+                                  {"xu_g_warp_instructions_per_second", 1e-9 * ceilings.xu},
+                                  {"memory_gb_per_second", 1e-9 * ceilings.memory}}},
                                 {"kernels", nlohmann::ordered_json::object()}};
     for (const KernelCounters& counters : count_under_ncu(ncu, arguments, kernels)) {
         json["kernels"][counters.name] = counters_json(counters, ceilings, rays);

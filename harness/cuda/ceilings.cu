@@ -100,7 +100,7 @@ private:
 };
 
 template <Mix mix>
-double warp_instructions_a_second(const Timer& timer, float* result, unsigned blocks) {
+double warp_instructions_per_second(const Timer& timer, float* result, unsigned blocks) {
     const double seconds = timer.fastest([&] { execute<mix><<<blocks, threads>>>(result, 1.0f); });
     const double per_warp = double(rounds) * steps * chains * (mix == Mix::issue ? 2 : 1);
     return per_warp * blocks * (threads / 32) / seconds;
@@ -118,10 +118,10 @@ Ceilings measure_ceilings() {
     Ceilings ceilings;
     {
         const Memory result(sizeof(float) * threads * blocks);
-        ceilings.issue = warp_instructions_a_second<Mix::issue>(timer, result.as<float>(), blocks);
-        ceilings.fma = warp_instructions_a_second<Mix::fma>(timer, result.as<float>(), blocks);
-        ceilings.alu = warp_instructions_a_second<Mix::alu>(timer, result.as<float>(), blocks);
-        ceilings.xu = warp_instructions_a_second<Mix::xu>(timer, result.as<float>(), blocks);
+        ceilings.issue = warp_instructions_per_second<Mix::issue>(timer, result.as<float>(), blocks);
+        ceilings.fma = warp_instructions_per_second<Mix::fma>(timer, result.as<float>(), blocks);
+        ceilings.alu = warp_instructions_per_second<Mix::alu>(timer, result.as<float>(), blocks);
+        ceilings.xu = warp_instructions_per_second<Mix::xu>(timer, result.as<float>(), blocks);
     }
     const std::size_t bytes = std::size_t{256} << 20;
     const Memory from(bytes), to(bytes);

@@ -150,15 +150,15 @@ std::vector<std::string> scene_defines(const SceneView<Real>& scene, FeatureSet 
         defines.push_back(fmt::format("-DPT_AXIS_BOXES={}u", scene.axis_boxes.size));
         defines.push_back(fmt::format("-DPT_ORIENTED_BOXES={}u", scene.oriented_boxes.size));
         defines.push_back(fmt::format("-DPT_QUADS={}u", scene.quads.size));
-        const Room<Real>& room = scene.room;
-        defines.push_back(fmt::format("-DPT_ROOM_WALLS={}u", room.walls));
-        defines.push_back(fmt::format("-DPT_ROOM_LAMPS={}u", room.lamps));
-        defines.push_back(fmt::format("-DPT_ROOM_OPEN_SIDES={}u", room.open_sides));
-        const auto codes = [](const ObjectSide(&sides)[3]) {
+        const AxisAlignedEnclosure<Real>& enclosure = scene.enclosure;
+        defines.push_back(fmt::format("-DPT_ENCLOSURE_WALLS={}u", enclosure.walls));
+        defines.push_back(fmt::format("-DPT_ENCLOSURE_LAMPS={}u", enclosure.lamps));
+        defines.push_back(fmt::format("-DPT_ENCLOSURE_OPEN_SIDES={}u", enclosure.open_sides));
+        const auto codes = [](const SurfaceId(&sides)[3]) {
             return fmt::format("{}u,{}u,{}u", sides[0].code, sides[1].code, sides[2].code);
         };
-        defines.push_back("-DPT_ROOM_LOW_SIDES=" + codes(room.low_side));
-        defines.push_back("-DPT_ROOM_HIGH_SIDES=" + codes(room.high_side));
+        defines.push_back("-DPT_ENCLOSURE_LOW_SIDES=" + codes(enclosure.low_side));
+        defines.push_back("-DPT_ENCLOSURE_HIGH_SIDES=" + codes(enclosure.high_side));
     }
     return defines;
 }
@@ -203,7 +203,7 @@ std::string baked_text(const SceneView<Real>& scene) {
     text.add("materials", scene.materials);
     text.add("lights", scene.lights);
     text.add("environment", &scene.environment, 1);
-    text.add("room", &scene.room, 1);
+    text.add("enclosure", &scene.enclosure, 1);
     Camera<Real> camera = scene.camera;  // what a render sets is no part of the text, nor of the cache's key
     camera.width = camera.height = 0;
     camera.pixel_size = 0;
@@ -323,7 +323,7 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
     job_.samples = request.samples;
     job_.samples_in_flight = std::min(tuned(variant, "spp_in_flight", 1), request.samples);
     job_.block = tunable(variant, "block", Backend::cuda);
-    job_.samples_a_piece = tuned(variant, "piece", 1);
+    job_.samples_per_piece = tuned(variant, "piece", 1);
     job_.append_counters = tuned(variant, "append_counters", 1);
     job_.reads_back = tuned(variant, "read_back", 0) != 0;
     job_.multiprocessors = static_cast<std::uint32_t>(device().multiprocessors);
@@ -450,8 +450,8 @@ void RenderCell<Real>::reserve_queue(Arena& arena) {
     if (job_.appends_in_kernel) {
         // Each part has room for its share of the blocks.
         const std::uint64_t blocks = (pool + job_.block - 1) / job_.block;
-        const std::uint64_t blocks_a_part = (blocks + job_.append_counters - 1) / job_.append_counters;
-        queue.capacity = static_cast<std::uint32_t>(blocks_a_part * job_.append_counters * job_.block);
+        const std::uint64_t blocks_per_part = (blocks + job_.append_counters - 1) / job_.append_counters;
+        queue.capacity = static_cast<std::uint32_t>(blocks_per_part * job_.append_counters * job_.block);
     }
     const std::size_t store_bytes = layout_.bytes(queue.capacity, sizeof(Real), carried_fields());
     facts_.path_state_bytes = store_bytes / queue.capacity;
@@ -649,7 +649,7 @@ void RenderCell<Real>::collect(RenderResult& result) {
     std::uint64_t rounds = 0;
     download(&rounds, job_.loop.rounds, 1);
     for (std::uint64_t round = 0; round < rounds; ++round) {
-        work += job_.loop.work_a_round;
+        work += job_.loop.work_per_round;
     }
     work.loop_rounds = rounds;
     work.launches += choice_launches_;

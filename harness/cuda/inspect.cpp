@@ -28,7 +28,7 @@ constexpr Limits all_limits[] = {
     {"sm_87", 48, 16, 164, 1024, 128},  {"sm_89", 48, 24, 100, 1024, 128},  {"sm_90", 64, 32, 228, 1024, 128},
     {"sm_100", 64, 32, 228, 1024, 128}, {"sm_103", 64, 32, 228, 1024, 128}, {"sm_120", 48, 24, 100, 1024, 128},
 };
-constexpr int registers_a_multiprocessor = 65536;
+constexpr int registers_per_multiprocessor = 65536;
 constexpr int register_unit = 256;  // registers are given to warps in steps of this
 
 const Limits& limits_of(const std::string& architecture) {
@@ -65,21 +65,21 @@ std::string known_architectures() {
     return names;
 }
 
-Occupancy occupancy(const std::string& architecture, int registers, int shared_bytes, int threads_a_block) {
+Occupancy occupancy(const std::string& architecture, int registers, int shared_bytes, int threads_per_block) {
     const Limits& limits = limits_of(architecture);
-    const int warps_a_block = (threads_a_block + 31) / 32;
-    const int registers_a_warp = rounded_up(std::max(1, registers) * 32, register_unit);
+    const int warps_per_block = (threads_per_block + 31) / 32;
+    const int registers_per_warp = rounded_up(std::max(1, registers) * 32, register_unit);
     // Registers belong to the four partitions of a multiprocessor, a warp to one of them.
-    const int by_registers = registers_a_multiprocessor / 4 / registers_a_warp * 4 / warps_a_block;
-    const int shared_a_block = rounded_up(shared_bytes + limits.reserved_shared, limits.shared_unit);
-    const int by_shared = shared_a_block == 0 ? limits.blocks : limits.shared_kib * 1024 / shared_a_block;
-    const std::pair<int, const char*> bounds[] = {{limits.warps / warps_a_block, "warps"},
+    const int by_registers = registers_per_multiprocessor / 4 / registers_per_warp * 4 / warps_per_block;
+    const int shared_per_block = rounded_up(shared_bytes + limits.reserved_shared, limits.shared_unit);
+    const int by_shared = shared_per_block == 0 ? limits.blocks : limits.shared_kib * 1024 / shared_per_block;
+    const std::pair<int, const char*> bounds[] = {{limits.warps / warps_per_block, "warps"},
                                                   {limits.blocks, "blocks"},
                                                   {by_registers, "registers"},
                                                   {by_shared, "shared memory"}};
     const auto least = *std::min_element(std::begin(bounds), std::end(bounds),
                                          [](const auto& a, const auto& b) { return a.first < b.first; });
-    return {least.first, least.first * warps_a_block, limits.warps, least.second};
+    return {least.first, least.first * warps_per_block, limits.warps, least.second};
 }
 
 Json inspect(const Scene& scene, const Variant& variant, const std::string& architecture) {
@@ -121,9 +121,9 @@ Json inspect(const Scene& scene, const Variant& variant, const std::string& arch
                    {"spill_store_bytes", reported.spill_store_bytes},
                    {"spill_load_bytes", reported.spill_load_bytes},
                    {"shared_bytes", reported.shared_bytes},
-                   {"threads_a_block", threads},
-                   {"blocks_a_multiprocessor", held.blocks},
-                   {"warps_a_multiprocessor", held.warps},
+                   {"threads_per_block", threads},
+                   {"blocks_per_multiprocessor", held.blocks},
+                   {"warps_per_multiprocessor", held.warps},
                    {"occupancy", static_cast<double>(held.warps) / held.most_warps},
                    {"occupancy_limit", held.limit}};
         for (const KernelCode& counted : code) {

@@ -20,7 +20,7 @@ struct Occupancy {
 
 // By the limits of the compute capability ("sm_90") in the CUDA C++ Programming Guide's table. Throws InputError for
 // an architecture that the table here lacks.
-Occupancy occupancy(const std::string& architecture, int registers, int shared_bytes, int threads_a_block);
+Occupancy occupancy(const std::string& architecture, int registers, int shared_bytes, int threads_per_block);
 // "sm_75, sm_80, ...": those that occupancy knows.
 std::string known_architectures();
 

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <tuple>
 
-#include "harness/scene/find_room.h"
+#include "harness/scene/find_enclosure.h"
 
 namespace pt {
 
@@ -177,8 +177,8 @@ View<T> view_of(const std::vector<T>& values) {
 }  // namespace
 
 FeatureSet shortcuts_of(const Scene& scene) {
-    return SceneBuffers<float>(scene, default_settings(scene)).view().room.walls != 0
-               ? static_cast<FeatureSet>(Feature::room)
+    return SceneBuffers<float>(scene, default_settings(scene)).view().enclosure.walls != 0
+               ? static_cast<FeatureSet>(Feature::enclosure)
                : no_features;
 }
 
@@ -257,7 +257,7 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     view_.next_event = settings.next_event && !lights_.empty() ? 1 : 0;
     view_.mis_exponent = settings.mis_exponent;
     view_.roulette_start = settings.roulette_start;
-    view_.room = find_room(view_);
+    view_.enclosure = find_enclosure(view_);
 }
 
 double radiance_bound(const Scene& scene, const RenderSettings& settings) {

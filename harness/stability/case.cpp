@@ -26,8 +26,8 @@ int number_in_catalogue(const Case& stiff_case) { return std::stoi(stiff_case.ca
 
 }  // namespace
 
-Tolerance Tolerance::relative(double exact, double single, double twofold, std::string origin) {
-    return {single * std::abs(exact), twofold * std::abs(exact), std::move(origin)};
+Tolerance Tolerance::relative(double exact, double single, double fp64, std::string origin) {
+    return {single * std::abs(exact), fp64 * std::abs(exact), std::move(origin)};
 }
 
 CaseRegistration::CaseRegistration(std::vector<Case> cases) {
@@ -54,7 +54,7 @@ const std::vector<Case>& catalogue() {
 Values values_of(const Case& stiff_case, const std::map<std::string, double>& changes) {
     Values values;
     for (const Parameter& parameter : stiff_case.parameters) {
-        values.set(parameter.name, parameter.standard);
+        values.set(parameter.name, parameter.default_value);
     }
     for (const auto& [name, value] : changes) {
         const auto parameter = std::find_if(stiff_case.parameters.begin(), stiff_case.parameters.end(),

@@ -18,7 +18,7 @@ namespace pt::stability {
 // A number that a caller may set: `--case lamp --set a=0.03`.
 struct Parameter {
     std::string name;
-    double standard = 0;
+    double default_value = 0;
     double lowest = 0, highest = 0;
     std::string summary;  // one line, with the unit
     bool is_whole = false;
@@ -40,11 +40,11 @@ private:
 
 // How far a right implementation may be from the exact value, in single and in double precision; and why so far.
 struct Tolerance {
-    double single = 0, twofold = 0;  // absolute, in the quantity's unit
+    double single = 0, fp64 = 0;  // absolute, in the quantity's unit
     std::string origin;
 
-    static Tolerance relative(double exact, double single, double twofold, std::string origin);
-    double at(std::string_view precision) const { return precision == "double" ? twofold : single; }
+    static Tolerance relative(double exact, double single, double fp64, std::string origin);
+    double at(std::string_view precision) const { return precision == "double" ? fp64 : single; }
 };
 
 // equal: |measured - exact| <= allowed. at_most, at_least: `exact` is a bound, crossed by no more than allowed.

@@ -131,7 +131,7 @@ std::optional<Row> compared_with_reference(const Task& task, const Scene& scene,
     const std::uint64_t wanted = std::max<std::uint64_t>(1, paths / pixels);
     const Variant variant = with_samples_in_flight(task, task.variant, pixels, wanted);
     const std::uint64_t samples = affordable_samples(task, variant, scene.max_depth, wanted);
-    if (samples == wanted || rounds_freely(task.variant, task.backend)) {
+    if (samples == wanted || fp_relaxed(task.variant, task.backend)) {
         return std::nullopt;
     }
     Row row;

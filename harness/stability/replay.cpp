@@ -15,7 +15,7 @@ namespace {
 constexpr FeatureSet plain = all_features | samplers;
 
 template <class Real>
-std::string name_of(const Scene& scene, const SceneBuffers<Real>& buffers, ObjectSide side) {
+std::string name_of(const Scene& scene, const SceneBuffers<Real>& buffers, SurfaceId side) {
     if (!side.exists()) {
         return "nothing";
     }
@@ -40,8 +40,7 @@ std::vector<Step> replay(const Scene& scene, const RenderSettings& settings, std
         const Ray<Real> ray = ray_of(path);
         const Hit<Real> hit = closest_hit<Config>(view, ray);
         step.object = name_of(scene, buffers, hit.side);
-        step.object_code =
-            hit.side.exists() ? 2 * hit.side.object() + (hit.side.inside() ? 1 : 0) : ObjectSide::nowhere;
+        step.object_code = hit.side.exists() ? 2 * hit.side.object() + (hit.side.inside() ? 1 : 0) : SurfaceId::nowhere;
         step.t = hit.t;
         if (hit.side.exists()) {
             const SurfacePoint<Real> point = surface_at<Config>(view, ray, hit);
@@ -68,16 +67,16 @@ Vec3<typename Config::Real> walk(const SceneView<typename Config::Real>& view, s
     met.clear();
     for (bool alive = true; alive;) {
         const auto hit = closest_hit<Config>(view, ray_of(path));
-        met.push_back(hit.side.exists() ? 2 * hit.side.object() + (hit.side.inside() ? 1 : 0) : ObjectSide::nowhere);
+        met.push_back(hit.side.exists() ? 2 * hit.side.object() + (hit.side.inside() ? 1 : 0) : SurfaceId::nowhere);
         alive = shade<Config>(view, view, path, hit, counters);
     }
     return path.radiance;
 }
 
-template <class Single, class Twofold>
+template <class Single, class Fp64>
 Divergence diverge(const Scene& scene, const RenderSettings& settings, std::uint32_t samples) {
     const SceneBuffers<float> single(scene, settings);
-    const SceneBuffers<double> twofold(scene, settings);
+    const SceneBuffers<double> fp64(scene, settings);
     struct OfPixel {
         double sum = 0, squares = 0;
         std::vector<std::uint64_t> parted_at;
@@ -89,7 +88,7 @@ Divergence diverge(const Scene& scene, const RenderSettings& settings, std::uint
         for (std::size_t pixel = begin; pixel < end; ++pixel) {
             for (std::uint32_t sample = 0; sample < samples; ++sample) {
                 const Vec3d in_single(walk<Single>(single.view(), static_cast<std::uint32_t>(pixel), sample, a));
-                const Vec3d in_double(walk<Twofold>(twofold.view(), static_cast<std::uint32_t>(pixel), sample, b));
+                const Vec3d in_double(walk<Fp64>(fp64.view(), static_cast<std::uint32_t>(pixel), sample, b));
                 const Vec3d off = in_single - in_double;
                 const double difference = (off.x + off.y + off.z) / 3;
                 const auto parting = std::mismatch(a.begin(), a.end(), b.begin(), b.end());

@@ -123,7 +123,7 @@ Json to_json(const Case& stiff_case) {
     json["parameters"] = Json::array();
     for (const Parameter& parameter : stiff_case.parameters) {
         json["parameters"].push_back({{"name", parameter.name},
-                                      {"standard", parameter.standard},
+                                      {"standard", parameter.default_value},
                                       {"lowest", parameter.lowest},
                                       {"highest", parameter.highest},
                                       {"summary", parameter.summary}});

@@ -92,8 +92,8 @@ TEST(ListTest, JsonHasTheTunablesOfEveryChoice) {
             for (const json& tunable : choice.at("tunables")) {
                 names.insert(tunable.at("name"));
                 EXPECT_TRUE(tunable.at("summary").is_string());
-                EXPECT_LE(tunable.at("lowest"), tunable.at("standard"));
-                EXPECT_LE(tunable.at("standard"), tunable.at("highest"));
+                EXPECT_LE(tunable.at("lowest"), tunable.at("default_value"));
+                EXPECT_LE(tunable.at("default_value"), tunable.at("highest"));
                 EXPECT_GE(tunable.at("multiple_of"), 1);
             }
             if (choice.at("name") == "cached_jitters") {
@@ -101,7 +101,7 @@ TEST(ListTest, JsonHasTheTunablesOfEveryChoice) {
                 EXPECT_EQ(choice.at("backends"), json({"cpu", "cuda"}));
                 ASSERT_EQ(choice.at("tunables").size(), 1u);
                 EXPECT_EQ(choice.at("tunables")[0], json({{"name", "jitters"},
-                                                          {"standard", 16},
+                                                          {"default_value", 16},
                                                           {"lowest", 1},
                                                           {"highest", 4096},
                                                           {"multiple_of", 1},

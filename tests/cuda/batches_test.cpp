@@ -55,16 +55,16 @@ TEST(BatchesTest, ALaunchTakesNoMoreSamplesThanThePartHas) {
     Job job;
     job.longest_path = 8;
     job.samples = 3;
-    EXPECT_EQ(samples_a_launch(job), 3u);
+    EXPECT_EQ(samples_per_launch(job), 3u);
     job.samples = 0xffffffffu;
-    EXPECT_EQ(samples_a_launch(job), 0xffffffffu / (2 * 8 * 128));
+    EXPECT_EQ(samples_per_launch(job), 0xffffffffu / (2 * 8 * 128));
     job.samples_in_flight = 4;  // each of a pixel's four threads takes that many
-    EXPECT_EQ(samples_a_launch(job), 4 * (0xffffffffu / (2 * 8 * 128)));
+    EXPECT_EQ(samples_per_launch(job), 4 * (0xffffffffu / (2 * 8 * 128)));
     job.longest_path = 1000000;
     job.samples_in_flight = 1u << 18;
-    EXPECT_EQ(samples_a_launch(job), (1u << 18) * 16);
+    EXPECT_EQ(samples_per_launch(job), (1u << 18) * 16);
     job.samples = 1u << 20;
-    EXPECT_EQ(samples_a_launch(job), 1u << 20);
+    EXPECT_EQ(samples_per_launch(job), 1u << 20);
 }
 
 struct NoCompaction : Compaction {
@@ -97,21 +97,21 @@ TEST(BatchesTest, APersistentLaunchTakesAsManySamplesAsItHasNumbersForPieces) {
     job.samples = 1u << 20;
     job.longest_path = 1000000;
     job.pixels = 16 * 16;
-    EXPECT_EQ(samples_a_persistent_launch(job), 1u << 20);
+    EXPECT_EQ(samples_per_persistent_launch(job), 1u << 20);
     job.samples = 0xffffffffu;
     job.pixels = 800 * 800;
-    EXPECT_EQ(samples_a_persistent_launch(job), 0xffffffffu / 20000 - 1);
+    EXPECT_EQ(samples_per_persistent_launch(job), 0xffffffffu / 20000 - 1);
 }
 
 TEST(BatchesTest, AThreadCanCountAPiece) {
     Job job;
-    job.samples_a_piece = 128;
+    job.samples_per_piece = 128;
     job.longest_path = 8;
-    EXPECT_EQ(samples_of_a_strip(job), 128u);
+    EXPECT_EQ(samples_per_strip(job), 128u);
     job.longest_path = 1000000;
-    EXPECT_EQ(samples_of_a_strip(job), 67u);  // 2^32 / (64 * 10^6)
+    EXPECT_EQ(samples_per_strip(job), 67u);  // 2^32 / (64 * 10^6)
     job.longest_path = 0x80000000u;
-    EXPECT_EQ(samples_of_a_strip(job), 1u);
+    EXPECT_EQ(samples_per_strip(job), 1u);
 }
 
 }  // namespace

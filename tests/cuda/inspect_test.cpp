@@ -220,11 +220,11 @@ TEST_F(InspectTest, LeavingOutMakesAKernelSmaller) {
             const Json& kernel = report["kernels"][0];
             EXPECT_EQ(kernel["name"], "megakernel");
             EXPECT_GT(kernel["registers"], 0);
-            EXPECT_EQ(kernel["threads_a_block"], 128);
+            EXPECT_EQ(kernel["threads_per_block"], 128);
             const cuda::Occupancy held =
                 cuda::occupancy(architecture, kernel["registers"], kernel["shared_bytes"], 128);
-            EXPECT_EQ(kernel["blocks_a_multiprocessor"], held.blocks);
-            EXPECT_EQ(kernel["warps_a_multiprocessor"], held.warps);
+            EXPECT_EQ(kernel["blocks_per_multiprocessor"], held.blocks);
+            EXPECT_EQ(kernel["warps_per_multiprocessor"], held.warps);
             EXPECT_EQ(kernel["occupancy"], static_cast<double>(held.warps) / held.most_warps);
             EXPECT_EQ(kernel["occupancy_limit"], held.limit);
         }
@@ -245,8 +245,8 @@ TEST_F(InspectTest, TheBlockIsTheVariants) {
     Variant variant = megakernel("features");
     variant.tuning["block"] = 64;
     const Json kernel = inspect(variant, "sm_90")["kernels"][0];
-    EXPECT_EQ(kernel["threads_a_block"], 64);
-    EXPECT_EQ(kernel["warps_a_multiprocessor"], 2 * kernel["blocks_a_multiprocessor"].get<int>());
+    EXPECT_EQ(kernel["threads_per_block"], 64);
+    EXPECT_EQ(kernel["warps_per_multiprocessor"], 2 * kernel["blocks_per_multiprocessor"].get<int>());
 }
 
 TEST_F(InspectTest, WithoutADisassemblerThereAreNoInstructionCounts) {

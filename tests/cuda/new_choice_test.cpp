@@ -32,7 +32,7 @@ TEST(NewChoiceTest, SaysWhatItIs) {
     EXPECT_EQ(descriptor.name, "example_");
     EXPECT_EQ(descriptor.backends, on_cuda);
     EXPECT_EQ(descriptor.claim, Claim::bitwise);
-    EXPECT_NE(descriptor.work_missing, nullptr);
+    EXPECT_NE(descriptor.check_counters, nullptr);
     EXPECT_NE(cuda::compaction::example_::hooks.compaction, nullptr);
 }
 

@@ -135,8 +135,8 @@ constexpr cuda::Ceilings ceilings{.issue = 16e9, .fma = 4e9, .alu = 8e9, .xu = 8
 TEST(CounterFiguresTest, AreThoseOfARayAndOfTheCeilings) {
     EXPECT_EQ(nlohmann::json(cuda::counters_json(counted, ceilings, 1e9)), nlohmann::json::parse(R"({
         "launches": 3, "milliseconds": 2000, "active_lanes": 20, "achieved_occupancy": 0.75,
-        "warp_instructions_a_ray": 8, "thread_instructions_a_ray": 160,
-        "fma_a_ray": 4, "alu_a_ray": 2, "xu_a_ray": 1, "lsu_a_ray": 0.5, "fp64_a_ray": 0.25, "memory_bytes_a_ray": 16,
+        "warp_instructions_per_ray": 8, "thread_instructions_per_ray": 160,
+        "fma_per_ray": 4, "alu_per_ray": 2, "xu_per_ray": 1, "lsu_per_ray": 0.5, "fp64_per_ray": 0.25, "memory_bytes_per_ray": 16,
         "of_ceiling": {"issue": 0.25, "fma": 0.5, "alu": 0.125, "xu": 0.0625, "memory": 0.25}, "bound": "fma"})"));
 }
 

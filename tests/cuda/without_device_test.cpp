@@ -253,15 +253,15 @@ TEST(LayoutTest, FieldsThatOthersReadLieInTheStore) {
                 std::vector<unsigned char> memory(bytes);
                 const cuda::PathStore store{memory.data(), capacity};
                 const cuda::FieldView segment = layout.segment(store, real_bytes);
-                const cuda::FieldView departed = layout.departed(store, real_bytes);
-                for (const cuda::FieldView& field : {segment, departed}) {
+                const cuda::FieldView origin_surface = layout.origin_surface(store, real_bytes);
+                for (const cuda::FieldView& field : {segment, origin_surface}) {
                     EXPECT_GE(field.base, memory.data());
                     EXPECT_LE(field.base + std::size_t{capacity - 1} * field.stride + 4, memory.data() + bytes);
                     EXPECT_GE(field.stride, 4u);
                     EXPECT_EQ(field.stride % 4, 0u);
                     EXPECT_EQ((field.base - memory.data()) % 4, 0);
                 }
-                EXPECT_NE(segment.base, departed.base);
+                EXPECT_NE(segment.base, origin_surface.base);
             }
         }
     }

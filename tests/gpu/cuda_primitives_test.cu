@@ -128,8 +128,8 @@ protected:
         std::vector<std::uint32_t> expected = live_ids(made, count, moves_payload(tested));
         if (tested.choice == "cub_three_way") {
             std::stable_partition(expected.begin(), expected.end(), [&](std::uint32_t id) {
-                const ObjectSide departed = made.paths[id].departed;
-                return !departed.exists() || made.object_class[departed.object()] == 0;
+                const SurfaceId origin_surface = made.paths[id].origin_surface;
+                return !origin_surface.exists() || made.object_class[origin_surface.object()] == 0;
             });
         }
         ASSERT_EQ(made.device_count(), expected.size());
@@ -367,7 +367,7 @@ TEST(CudaDescriptorTest, PayloadMoversNeedSinglePrecision) {
     variant.set("compaction", "thrust_remove_if");
     const auto reason = [&](const char* axis, const std::string& name) -> std::string {
         const Descriptor& descriptor = cuda_descriptor(axis, name);
-        return descriptor.does_not_apply == nullptr ? "" : descriptor.does_not_apply(no_features, variant);
+        return descriptor.unsupported_reason == nullptr ? "" : descriptor.unsupported_reason(no_features, variant);
     };
     for (const std::string name : {"thrust_remove_if", "thrust_partition", "thrust_stable_partition"}) {
         EXPECT_NE(reason("compaction", name).find("needs precision=float"), std::string::npos) << name;

@@ -76,7 +76,7 @@ cuda::Layout layout_of() {
                 return Paths::bytes(capacity, fields);
             },
             [](const cuda::PathStore& store, std::size_t) { return Paths(store).segment(); },
-            [](const cuda::PathStore& store, std::size_t) { return Paths(store).departed(); }};
+            [](const cuda::PathStore& store, std::size_t) { return Paths(store).origin_surface(); }};
 }
 
 // What a choice is told of its cell. Tunables that are not given are at the descriptor's standard.
@@ -106,7 +106,7 @@ struct Cell {
             if (known == tunables.end()) {
                 throw std::logic_error("no tunable " + std::string(name));
             }
-            return tuned == tuning.end() ? known->standard : tuned->second;
+            return tuned == tuning.end() ? known->default_value : tuned->second;
         };
     }
     Cell(const Cell&) = delete;
@@ -217,7 +217,7 @@ private:
         }
         std::vector<Hit<float>> hits;
         for (std::uint32_t slot = 0; slot < queue.bound; ++slot) {
-            hits.push_back({static_cast<float>(slot), ObjectSide{slot}});
+            hits.push_back({static_cast<float>(slot), SurfaceId{slot}});
         }
         upload(static_cast<Hit<float>*>(queue.hits), hits);
         upload(queue.order, uploaded);  // also where it is not valid: nothing may read it then
@@ -260,9 +260,10 @@ private:
         }
         std::memcpy(&path, words, sizeof path);
         path.pixel = id;
-        path.scatter_density = with_density ? path.scatter_density : 0.0f;
+        path.bsdf_pdf = with_density ? path.bsdf_pdf : 0.0f;
         path.segment = ended ? Path<float>::ended : id % 7;
-        path.departed = id % 8 == 0 ? ObjectSide{} : ObjectSide::of(path.departed.code % objects, id % 2 == 0);
+        path.origin_surface =
+            id % 8 == 0 ? SurfaceId{} : SurfaceId::of(path.origin_surface.code % objects, id % 2 == 0);
         return path;
     }
 

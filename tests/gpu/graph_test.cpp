@@ -57,11 +57,11 @@ TEST_F(Loop, EndsWithTheLastPath) {
         const RenderResult looped = rendered("cornell_open", integrator, compaction, "graph_while", depth);
         expect_same_image(looped, rendered("cornell_open", integrator, compaction, "stream", depth));
         EXPECT_GE(looped.work.loop_rounds, samples);
-        EXPECT_LT(looped.work.loop_rounds, samples * (depth - 2) / cuda::segments_a_round / 2);
+        EXPECT_LT(looped.work.loop_rounds, samples * (depth - 2) / cuda::segments_per_round / 2);
         // The first segment, the rounds, and the one or two segments after them, the last of which is the last
         // possible.
-        const std::uint64_t outside = depth - (depth - 2) / cuda::segments_a_round * cuda::segments_a_round;
-        EXPECT_EQ(looped.work.bounces, samples * outside + cuda::segments_a_round * looped.work.loop_rounds);
+        const std::uint64_t outside = depth - (depth - 2) / cuda::segments_per_round * cuda::segments_per_round;
+        EXPECT_EQ(looped.work.bounces, samples * outside + cuda::segments_per_round * looped.work.loop_rounds);
         EXPECT_EQ(looped.work.last_bounces, samples);
     }
 }
@@ -73,7 +73,7 @@ TEST_F(Loop, TakesEverySegmentWherePathsLive) {
             SCOPED_TRACE(std::string(integrator) + " " + compaction + ", depth " + std::to_string(depth));
             const RenderResult looped = rendered("cornell_closed", integrator, compaction, "graph_while", depth);
             expect_same_image(looped, rendered("cornell_closed", integrator, compaction, "stream", depth));
-            EXPECT_EQ(looped.work.loop_rounds, samples * ((depth - 2) / cuda::segments_a_round));
+            EXPECT_EQ(looped.work.loop_rounds, samples * ((depth - 2) / cuda::segments_per_round));
             EXPECT_EQ(looped.work.bounces, samples * depth);
         }
     }

@@ -54,8 +54,8 @@ __global__ void start_rays(SceneView<float> scene, Vec3<float> centre, float rad
         const Vec3<float> direction = direction_from(numbers.next());
         const bool has_inside = scene.quads.size == 0;
         const bool runs_inside = has_inside && dot(point.normal, direction) < 0;
-        const ObjectSide departed = ObjectSide::of(0, runs_inside);
-        const bool hits = closest_hit<Kernel>(scene, {point.position, direction, 0.0f, departed}).side.exists();
+        const SurfaceId origin_surface = SurfaceId::of(0, runs_inside);
+        const bool hits = closest_hit<Kernel>(scene, {point.position, direction, 0.0f, origin_surface}).side.exists();
         outward += runs_inside ? 0 : 1;
         self_hits += !runs_inside && hits ? 1 : 0;
         inward += runs_inside ? 1 : 0;

@@ -140,7 +140,7 @@ TEST(FeatureFuzz, GenericAndFeaturesLeaveOneFilm) {
             }
             ASSERT_EQ(result.film.hash(), expected) << "seed " << seed << ", " << request.variant.name() << ", "
                                                     << testing::PrintToString(feature_names(result.compiled));
-            rooms += contains(result.compiled, Feature::room) ? 1 : 0;
+            rooms += contains(result.compiled, Feature::enclosure) ? 1 : 0;
             specialised += (result.compiled & all_features) != all_features ? 1 : 0;
         }
     }

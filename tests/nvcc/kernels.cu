@@ -1,5 +1,6 @@
 // Every kernel header through nvcc, host and device: the four stages as kernels, for every feature in both precisions
 // and for one small feature set. Compiled by nvcc_test; never run.
+#include "kernels/axis_aligned_enclosure.h"
 #include "kernels/box.h"
 #include "kernels/camera.h"
 #include "kernels/config.h"
@@ -22,7 +23,6 @@
 #include "kernels/quad.h"
 #include "kernels/random_words.h"
 #include "kernels/rng.h"
-#include "kernels/room.h"
 #include "kernels/russian_roulette.h"
 #include "kernels/sampling.h"
 #include "kernels/scene_view.h"

@@ -30,11 +30,11 @@ inline Path<float> random_path(Random& random, std::uint32_t id, bool alive) {
     path.throughput = vector();
     path.radiance = vector();
     path.time = static_cast<float>(random.uniform());
-    path.scatter_density = static_cast<float>(random.uniform());
+    path.bsdf_pdf = static_cast<float>(random.uniform());
     path.pixel = id;
     path.sample = random.word();
     path.segment = alive ? id % 7 : Path<float>::ended;
-    path.departed = ObjectSide{random.word()};
+    path.origin_surface = SurfaceId{random.word()};
     path.medium = random.word();
     return path;
 }
@@ -77,7 +77,7 @@ struct HandMadeQueue {
             const bool alive = is_alive(pattern, i, count, random);
             paths.push_back(random_path(random, static_cast<std::uint32_t>(i), alive));
             std::visit([&](auto& stored) { stored.store(i, paths[i]); }, queue.paths);
-            queue.hits[i] = {static_cast<float>(i), ObjectSide{static_cast<std::uint32_t>(i)}};
+            queue.hits[i] = {static_cast<float>(i), SurfaceId{static_cast<std::uint32_t>(i)}};
         }
     }
 

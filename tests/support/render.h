@@ -52,7 +52,7 @@ public:
 
     std::uint64_t unfinished_walks() const { return unfinished_walks_; }
     // Index in scene.objects.
-    std::uint32_t file_index(ObjectSide side) const { return buffers_->file_index()[side.object()]; }
+    std::uint32_t file_index(SurfaceId side) const { return buffers_->file_index()[side.object()]; }
 
 private:
     std::unique_ptr<SceneBuffers<Real>> buffers_;

@@ -13,10 +13,13 @@ void hide(json& object, const char* key) {
 }
 
 void hide_in_row(json& row) {
+    // Beside other jobs a clock may be unknown in one run and not in the other.
+    for (const char* key : {"pt_clock_unknown", "pt_clock_mhz_before", "pt_clock_mhz_after"}) {
+        row.erase(key);
+    }
     for (const char* key :
          {"real_time", "cpu_time", "pt_wall_ms", "pt_device_ms", "pt_end_to_end_ms", "pt_rays_per_second",
-          "pt_clock_mhz_before", "pt_clock_mhz_after", "pt_low_clock", "pt_foreign_cpu_ms", "pt_contended",
-          "pt_involuntary_switches", "pt_order", "pt_timestamp"}) {
+          "pt_low_clock", "pt_foreign_cpu_ms", "pt_contended", "pt_involuntary_switches", "pt_order", "pt_timestamp"}) {
         hide(row, key);
     }
     if (row.contains("pt_checkpoints")) {

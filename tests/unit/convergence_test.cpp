@@ -22,7 +22,7 @@ const Registration hooked({.axis = "compaction",
                            .name = "test_hooked",
                            .summary = "calls back into a test",
                            .origin = "this test",
-                           .work_missing = compacted_every_bounce},
+                           .check_counters = compacted_every_bounce},
                           {.compaction = [] {
                               if (on_render) {
                                   on_render();

@@ -108,8 +108,8 @@ TEST_F(InspectionTest, CountsBodiesMetFromTheWrongSideAndAgain) {
     EXPECT_EQ(counters_.parity_errors, 1u);
     EXPECT_EQ(counters_.first_parity_error, HealthCounters::key(3, 5, 0));
     auto look = inspection(0);
-    path_.departed = ObjectSide::of(0, false);
-    hit_.side = ObjectSide::of(0, false);
+    path_.origin_surface = SurfaceId::of(0, false);
+    hit_.side = SurfaceId::of(0, false);
     hit_.t = 1e-4f;
     look.hit(path_, hit_);
     EXPECT_EQ(counters_.self_hits, 1u);

@@ -31,7 +31,7 @@ TYPED_TEST_SUITE(IntersectTest, Reals);
 template <class Real>
 Ray<Real> random_ray(Random& random, double half) {
     const Vec3<Real> origin = random_in_cube<Real>(random, half);
-    return {origin, normalize(random_in_cube<Real>(random, half) - origin), Real(0), ObjectSide{}};
+    return {origin, normalize(random_in_cube<Real>(random, half) - origin), Real(0), SurfaceId{}};
 }
 
 // Undoes translate * Rz * Ry * Rx * scale step by step, with the elementary rotations written out.
@@ -374,7 +374,7 @@ LeakCount<Real> walk_inside(const Scene& scene, const Vec3d& centre, const Vec3d
             ray.origin = point.position;
             ray.direction = normalize(Frame<Real>(normal).to_world(
                 cosine_hemisphere(unit_interval<Real>(random.word()), unit_interval<Real>(random.word()))));
-            ray.departed = ObjectSide::of(hit.side.object(), hit.side.inside());
+            ray.origin_surface = SurfaceId::of(hit.side.object(), hit.side.inside());
             wall_normal = Vec3d(normal);
         }
         if (lost) {

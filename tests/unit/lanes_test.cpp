@@ -25,11 +25,11 @@ template <class Config>
 void next_ray(lanes::Paths<float>& paths, std::uint32_t l, const lanes::Hits<float>& hits,
               const SceneView<float>& scene, Random& random) {
     const Hit<float> hit = hits[l];
-    paths.departed[l] = ObjectSide::nowhere;
+    paths.origin_surface[l] = SurfaceId::nowhere;
     if (hit.side.exists() && random.uniform() < 0.8) {
         const SurfacePoint<float> point = surface_at<Config>(scene, paths.ray(l), hit);
         paths.origin.set(l, point.position);
-        paths.departed[l] = ObjectSide::of(hit.side.object(), random.uniform() < 0.3).code;
+        paths.origin_surface[l] = SurfaceId::of(hit.side.object(), random.uniform() < 0.3).code;
     } else {
         paths.origin.set(l, random_vector(random, 15));
     }
@@ -73,12 +73,12 @@ TEST(LanesTest, MeetWhatARayAloneMeets) {
     constexpr FeatureSet general = all_features;
     for (const char* const name : {"cornell_open", "cornell_open_45", "cornell_closed"}) {
         SCOPED_TRACE(name);
-        EXPECT_GT(expect_the_hits_of_single_rays<(boxes_and_balls | Feature::room)>(name), many);
+        EXPECT_GT(expect_the_hits_of_single_rays<(boxes_and_balls | Feature::enclosure)>(name), many);
         EXPECT_GT(expect_the_hits_of_single_rays<boxes_and_balls>(name), many);
     }
     for (const char* const name : {"cornell_closed_five", "cornell_open_five", "subsurface_box_on", "motion_on"}) {
         SCOPED_TRACE(name);
-        EXPECT_GT(expect_the_hits_of_single_rays<(general | Feature::room)>(name), many);
+        EXPECT_GT(expect_the_hits_of_single_rays<(general | Feature::enclosure)>(name), many);
         EXPECT_GT(expect_the_hits_of_single_rays<general>(name), many);
     }
     EXPECT_GT(expect_the_hits_of_single_rays<(general | Feature::matrix)>("cornell_open"), many);

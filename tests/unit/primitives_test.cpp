@@ -291,9 +291,9 @@ void check_departures(const std::function<void(test::SceneBuilder&, std::uint32_
         Vec3<Real> direction = random_direction<Real>(random);
         const Real slope = dot(direction, point.normal);
         direction = slope < 0 ? -direction : direction;
-        const Ray<Real> outward{point.position, direction, Real(0), ObjectSide::of(0, false)};
+        const Ray<Real> outward{point.position, direction, Real(0), SurfaceId::of(0, false)};
         ASSERT_FALSE(stages.intersect(outward).side.exists()) << size;
-        const Ray<Real> inward{point.position, -direction, Real(0), ObjectSide::of(0, true)};
+        const Ray<Real> inward{point.position, -direction, Real(0), SurfaceId::of(0, true)};
         const Hit<Real> hit = stages.intersect(inward);
         if (view.quads.size > 0) {
             ASSERT_FALSE(hit.side.exists()) << size;
@@ -356,7 +356,7 @@ TYPED_TEST(PrimitivesTest, SurfacePointsLieOnTheSurfaceWithUnitNormals) {
     std::array<int, 5> met{};
     for (int i = 0; i < 100000; ++i) {
         const Vec3<Real> origin = random_in_cube<Real>(random, 8);
-        const Ray<Real> ray{origin, normalize(random_in_cube<Real>(random, 6) - origin), Real(0), ObjectSide{}};
+        const Ray<Real> ray{origin, normalize(random_in_cube<Real>(random, 6) - origin), Real(0), SurfaceId{}};
         const Hit<Real> hit = stages.intersect(ray);
         if (!hit.side.exists()) {
             continue;

@@ -112,9 +112,9 @@ void expect_sampled(const Body& body, const Vec3d& observer, const Seen& exact,
         missed += t < 0 ? 1 : 0;
         if (t >= 0) {
             const double again = direction_measure(body, from, sample.direction, static_cast<Real>(t));
-            worst = std::max(worst, std::abs(again / static_cast<double>(sample.measure) - 1));
+            worst = std::max(worst, std::abs(again / static_cast<double>(sample.inverse_pdf) - 1));
         }
-        const double weight = t < 0 ? 0 : static_cast<double>(sample.measure);
+        const double weight = t < 0 ? 0 : static_cast<double>(sample.inverse_pdf);
         of_one.add(weight);
         for (int c = 0; c < 3; ++c) {
             of_direction[c].add(weight * direction[c]);
@@ -306,7 +306,7 @@ TYPED_TEST(SolidAngleTest, QuadFromItsOwnPlane) {
                           Real(2)};
     for (const Vec3<Real>& observer : {Vec3<Real>(3, 0, 0), Vec3<Real>(30, 0, 7)}) {
         const DirectionSample<Real> sample = sample_direction(quad, observer, Real(0.3), Real(0.6), Real(0.9));
-        EXPECT_EQ(sample.measure, Real(0));
+        EXPECT_EQ(sample.inverse_pdf, Real(0));
     }
 }
 
@@ -321,7 +321,7 @@ TYPED_TEST(SolidAngleTest, ScaleDoesNotMatter) {
                 const auto a = sample_direction(body, observer, Real(0.3), Real(0.6), Real(0.9));
                 const auto b = sample_direction(scaled, observer * s, Real(0.3), Real(0.6), Real(0.9));
                 EXPECT_EQ(a.direction, b.direction) << k;
-                EXPECT_EQ(a.measure, b.measure) << k;
+                EXPECT_EQ(a.inverse_pdf, b.inverse_pdf) << k;
             };
             same(Sphere<Real>{Vec3<Real>(0, 0, 1), Real(0.75), Real(1) / Real(0.75)},
                  Sphere<Real>{Vec3<Real>(0, 0, 1) * s, Real(0.75) * s, Real(1) / (Real(0.75) * s)});

@@ -91,7 +91,7 @@ TEST(TunableTest, ANameIsOneTunableInAVariant) {
                 for (const Tunable& tunable : choice->descriptor.tunables) {
                     const auto& [first_axis, first] = seen.try_emplace(tunable.name, axis, tunable).first->second;
                     EXPECT_TRUE(first_axis == axis ||
-                                (first.standard == tunable.standard && first.lowest == tunable.lowest &&
+                                (first.default_value == tunable.default_value && first.lowest == tunable.lowest &&
                                  first.highest == tunable.highest && first.multiple_of == tunable.multiple_of))
                         << tunable.name << " of " << choice->descriptor.name;
                 }

@@ -244,7 +244,7 @@ TEST(CandidatesTest, AreAllowedInOrderAndHaveTheStandard) {
                         continue;
                     }
                     EXPECT_GE(values.size(), 2u);
-                    EXPECT_EQ(std::count(values.begin(), values.end(), tunable.standard), 1);
+                    EXPECT_EQ(std::count(values.begin(), values.end(), tunable.default_value), 1);
                     EXPECT_EQ(std::adjacent_find(values.begin(), values.end(), std::greater_equal<>()), values.end());
                     for (const std::uint32_t value : values) {
                         EXPECT_TRUE(tunable.allows(value)) << value;

@@ -199,14 +199,14 @@ TEST(RegistryTest, EveryChoiceDescribesItself) {
                 }
                 if (d.claim == Claim::statistical) {
                     ASSERT_NE(registry().find(axis, d.mean_of, backend), nullptr);
-                    EXPECT_FALSE(registry().find(axis, d.mean_of, backend)->descriptor.rounds_freely);
+                    EXPECT_FALSE(registry().find(axis, d.mean_of, backend)->descriptor.fp_relaxed);
                 }
                 std::set<std::string_view> tunables;
                 for (const Tunable& t : d.tunables) {
                     EXPECT_TRUE(is_plain(t.name));
                     EXPECT_TRUE(tunables.insert(t.name).second) << t.name;
                     EXPECT_FALSE(t.summary.empty()) << t.name;
-                    EXPECT_TRUE(t.allows(t.standard)) << t.name;
+                    EXPECT_TRUE(t.allows(t.default_value)) << t.name;
                     EXPECT_LT(t.lowest, t.highest) << t.name;
                 }
             }
@@ -263,7 +263,7 @@ TEST(RegistryTest, RefusesUnknownAxesAndSecondChoicesOfOneName) {
         EXPECT_STREQ(error.what(), "a statistical claim needs mean_of: sorting=vague");
     }
     try {
-        own.add({.axis = "sorting", .name = "rough", .summary = "", .origin = "", .rounds_freely = true}, {});
+        own.add({.axis = "sorting", .name = "rough", .summary = "", .origin = "", .fp_relaxed = true}, {});
         FAIL() << "no exception";
     } catch (const std::logic_error& error) {
         EXPECT_STREQ(error.what(), "what rounds freely can claim its mean only: sorting=rough");
@@ -468,7 +468,7 @@ TEST(VariantTest, ClaimIsTheWeakestOfItsChoices) {
 
 TEST(VariantTest, NothingRoundsFreelyOnTheCpu) {
     for (const Variant& variant : expand(all_choices())) {
-        EXPECT_FALSE(rounds_freely(variant, Backend::cpu));
+        EXPECT_FALSE(fp_relaxed(variant, Backend::cpu));
         EXPECT_EQ(exact_twin(variant, Backend::cpu), variant);
     }
 }
@@ -479,7 +479,7 @@ TEST(VariantTest, WhatRoundsFreelyOnCudaHasATwinInExactArithmetic) {
     }
     const struct {
         const char *arithmetic, *precision;
-        bool rounds_freely;
+        bool fp_relaxed;
         Claim claim;
     } cases[] = {{"exact", "float", false, Claim::bitwise},       {"precise", "float", true, Claim::statistical},
                  {"fast", "float", true, Claim::statistical},     {"exact", "double", false, Claim::statistical},
@@ -490,14 +490,14 @@ TEST(VariantTest, WhatRoundsFreelyOnCudaHasATwinInExactArithmetic) {
                 {{"integrator", integrator}, {"arithmetic", c.arithmetic}, {"precision", c.precision}}, Backend::cuda);
             variant.tuning["block"] = 256;
             SCOPED_TRACE(variant.name());
-            EXPECT_EQ(rounds_freely(variant, Backend::cuda), c.rounds_freely);
+            EXPECT_EQ(fp_relaxed(variant, Backend::cuda), c.fp_relaxed);
             EXPECT_EQ(claim_of(variant, Backend::cuda), c.claim);
             // The twin differs in the arithmetic alone: its choices and tunables stay.
             Variant expected = variant;
             expected.set("arithmetic", "exact");
             const Variant twin = exact_twin(variant, Backend::cuda);
             EXPECT_EQ(twin, expected);
-            EXPECT_FALSE(rounds_freely(twin, Backend::cuda));
+            EXPECT_FALSE(fp_relaxed(twin, Backend::cuda));
             EXPECT_EQ(exact_twin(twin, Backend::cuda), twin);
             EXPECT_EQ(registry().reference(twin, Backend::cuda)["arithmetic"], "exact");
         }
@@ -802,10 +802,10 @@ TEST(WorkTest, EveryChoiceNoticesWhatItLeftUndone) {
             const Choice* choice = registry().find(c.axis, c.choice, backend);
             ASSERT_NE(choice, nullptr);
             const Descriptor& d = choice->descriptor;
-            ASSERT_NE(d.work_missing, nullptr);
-            EXPECT_EQ(d.work_missing(c.good, 2), "");
+            ASSERT_NE(d.check_counters, nullptr);
+            EXPECT_EQ(d.check_counters(c.good, 2), "");
             for (const auto& [work, message] : c.bad) {
-                EXPECT_EQ(d.work_missing(work, 2), message);
+                EXPECT_EQ(d.check_counters(work, 2), message);
             }
         }
     }
@@ -819,7 +819,7 @@ TEST(WorkTest, EveryCheckIsTriedAbove) {
                 const bool tried = std::any_of(cases.begin(), cases.end(), [&](const WorkCase& c) {
                     return axis == c.axis && choice->descriptor.name == c.choice && contains(c.backends, backend);
                 });
-                EXPECT_EQ(tried, choice->descriptor.work_missing != nullptr)
+                EXPECT_EQ(tried, choice->descriptor.check_counters != nullptr)
                     << choice->descriptor.name << " on " << to_string(backend);
             }
         }
@@ -829,20 +829,20 @@ TEST(WorkTest, EveryCheckIsTriedAbove) {
 // As many camera rays are kept as there are samples, or fewer: both are the cache's work.
 TEST(WorkTest, ACacheOfSeveralRaysMayBeFilledByEverySample) {
     const Descriptor& d = registry().find("first_bounce", "cached_jitters")->descriptor;
-    EXPECT_EQ(d.work_missing({.paths = 200, .rays = 500, .cache_fills = 200, .cache_hits = 0}, 2), "");
-    EXPECT_EQ(d.work_missing({.paths = 700, .rays = 900, .cache_fills = 300, .cache_hits = 400}, 7), "");
-    EXPECT_EQ(d.work_missing({.paths = 700, .rays = 900, .cache_fills = 350, .cache_hits = 350}, 7),
+    EXPECT_EQ(d.check_counters({.paths = 200, .rays = 500, .cache_fills = 200, .cache_hits = 0}, 2), "");
+    EXPECT_EQ(d.check_counters({.paths = 700, .rays = 900, .cache_fills = 300, .cache_hits = 400}, 7), "");
+    EXPECT_EQ(d.check_counters({.paths = 700, .rays = 900, .cache_fills = 350, .cache_hits = 350}, 7),
               "350 cache fills for 700 paths");
 }
 
 TEST(WorkTest, TheVariantNamesTheChoice) {
     const Variant variant = baseline_with({{"compaction", "thrust_partition"}});
-    EXPECT_EQ(work_missing(variant, {.paths = 4, .rays = 4, .bounces = 3}, 1),
+    EXPECT_EQ(check_counters(variant, {.paths = 4, .rays = 4, .bounces = 3}, 1),
               "compaction=thrust_partition: 0 compactions in 3 bounces, 0 of them last ones");
-    EXPECT_EQ(work_missing(variant, {.paths = 4, .bounces = 3, .compactions = 3, .compacted_away = 4}, 1), "");
+    EXPECT_EQ(check_counters(variant, {.paths = 4, .bounces = 3, .compactions = 3, .compacted_away = 4}, 1), "");
     if (test::cuda_is_built()) {
-        EXPECT_EQ(work_missing(baseline_with({{"launch", "graph"}}, Backend::cuda),
-                               {.paths = 4, .bounces = 3, .launches = 9}, 1, Backend::cuda),
+        EXPECT_EQ(check_counters(baseline_with({{"launch", "graph"}}, Backend::cuda),
+                                 {.paths = 4, .bounces = 3, .launches = 9}, 1, Backend::cuda),
                   "launch=graph: launched no graph");
     }
 }
@@ -878,7 +878,7 @@ TEST(KernelTest, FeaturesTakesTheShortcutsOfTheScene) {
             ->hook.specialisation({Feature::axis_box | Feature::diffuse, allowed, compiled}, variant, Backend::cpu);
     };
     const FeatureSet plain = Feature::axis_box | Feature::diffuse;
-    const FeatureSet quick = plain | Feature::room;
+    const FeatureSet quick = plain | Feature::enclosure;
     const FeatureSet larger = quick | Feature::jitter;
     EXPECT_EQ(choose(shortcuts, {all_features, plain, quick}), quick);
     EXPECT_EQ(choose(shortcuts, {all_features, quick, plain}), quick);
@@ -895,8 +895,9 @@ TEST(KernelTest, GenericTakesEverythingAndMatrixAnotherFormula) {
     const auto choose = [&](const char* name) {
         return registry()
             .find("specialisation", name)
-            ->hook.specialisation({a, shortcuts, {a, a | Feature::room, all_features, all_features | Feature::matrix}},
-                                  baseline_with({{"specialisation", name}}), Backend::cpu);
+            ->hook.specialisation(
+                {a, shortcuts, {a, a | Feature::enclosure, all_features, all_features | Feature::matrix}},
+                baseline_with({{"specialisation", name}}), Backend::cpu);
     };
     EXPECT_EQ(choose("generic"), all_features);
     EXPECT_EQ(choose("matrix"), all_features | Feature::matrix);
@@ -946,10 +947,10 @@ TEST(KernelTest, DoublePrecisionHasAKernelOfItsOwn) {
     EXPECT_NE(single.render, nullptr);
     EXPECT_EQ(single.render_in_double, nullptr);
     variant.set("precision", "double");
-    const KernelChoice twofold = choose_kernel(scene, variant);
-    EXPECT_EQ(twofold.render, nullptr);
-    EXPECT_NE(twofold.render_in_double, nullptr);
-    EXPECT_EQ(twofold.compiled, all_features);
+    const KernelChoice fp64 = choose_kernel(scene, variant);
+    EXPECT_EQ(fp64.render, nullptr);
+    EXPECT_NE(fp64.render_in_double, nullptr);
+    EXPECT_EQ(fp64.compiled, all_features);
 }
 
 std::vector<std::filesystem::path> shipped_scene_files() {
@@ -1005,7 +1006,7 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
         const RenderResult& reference = references.at(reference_variant);
         const RenderResult result = render_variant(scene, variant);
         ASSERT_EQ(result.film.sums(), reference.film.sums()) << variant.name();
-        ASSERT_EQ(work_missing(variant, result.work, spp), "") << variant.name();
+        ASSERT_EQ(check_counters(variant, result.work, spp), "") << variant.name();
         ASSERT_EQ(result.work.paths, 24u * 18u * spp) << variant.name();
         ASSERT_EQ(result.work.rays + result.work.cache_hits, reference.work.rays + reference.work.cache_hits)
             << variant.name();
@@ -1023,7 +1024,7 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
         const RenderResult& reference = of_pairs.at(reference_variant);
         const RenderResult result = render_variant(scene, variant);
         ASSERT_EQ(result.film.sums(), reference.film.sums()) << variant.name();
-        ASSERT_EQ(work_missing(variant, result.work, spp), "") << variant.name();
+        ASSERT_EQ(check_counters(variant, result.work, spp), "") << variant.name();
         ASSERT_EQ(result.work.rays + result.work.cache_hits, reference.work.rays + reference.work.cache_hits)
             << variant.name();
         ASSERT_EQ(result.work.connections, reference.work.connections) << variant.name();
@@ -1190,7 +1191,7 @@ TEST(FirstBounceCacheTest, HoldsTheHitsThatWouldBeComputed) {
                     const Hit<float> expected = stages.intersect(stages.generate(pixel, sample));
                     ASSERT_EQ(cache.hits[cache.index(pixel, sample)].t, expected.t) << pixel;
                     // What was kept may name the face too.
-                    const ObjectSide kept = cache.hits[cache.index(pixel, sample)].side;
+                    const SurfaceId kept = cache.hits[cache.index(pixel, sample)].side;
                     ASSERT_EQ(kept.exists(), expected.side.exists()) << pixel;
                     if (kept.exists()) {
                         ASSERT_EQ(kept.object(), expected.side.object()) << pixel;

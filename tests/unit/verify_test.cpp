@@ -102,7 +102,7 @@ Descriptor test_choice(std::string_view axis, std::string_view name) {
 
 Descriptor test_compaction(std::string_view name) {
     Descriptor descriptor = test_choice("compaction", name);
-    descriptor.work_missing = compacted_every_bounce;
+    descriptor.check_counters = compacted_every_bounce;
     return descriptor;
 }
 
@@ -218,7 +218,7 @@ void use_one_ray_too_few(RenderJob& job) {
 // A kernel that the compiler rounds as it likes, and that may do so wrongly.
 Descriptor freely_rounded(std::string_view axis, std::string_view name, std::string_view mean_of) {
     Descriptor descriptor = statistical_choice(axis, name, mean_of, 0);
-    descriptor.rounds_freely = true;
+    descriptor.fp_relaxed = true;
     return descriptor;
 }
 const Registration rounds_freely_by_name(freely_rounded("arithmetic", "test_freely", "exact"), {});

@@ -15,7 +15,7 @@ const Registration registration(
         .claim = Claim::statistical,
         .claim_note = "same expectation as arithmetic=exact; its twin in exact arithmetic is compared bit for bit",
         .mean_of = "exact",
-        .rounds_freely = true,
+        .fp_relaxed = true,
         .backends = on_cuda,
     },
     {});

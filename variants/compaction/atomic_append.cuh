@@ -26,7 +26,7 @@ inline constexpr Descriptor descriptor{
     .keeps_payload_contiguous = false,
     .backends = on_cuda,
     .tunables = append_tunables,
-    .work_missing = compacted_every_bounce,
+    .check_counters = compacted_every_bounce,
 };
 
 inline const Hooks hooks{.compaction = [](const CellContext& context) -> std::unique_ptr<Compaction> {

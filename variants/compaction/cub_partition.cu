@@ -22,7 +22,7 @@ const Registration registration(
         .origin = "Merrill and Garland 2016 (single-pass scan)",
         .keeps_payload_contiguous = false,
         .backends = on_cuda,
-        .work_missing = compacted_every_bounce,
+        .check_counters = compacted_every_bounce,
     },
     {.compaction = [](const CellContext& cell) -> std::unique_ptr<Compaction> {
         return std::make_unique<CubIndexCompaction<Algorithm>>(cell);

@@ -31,8 +31,8 @@ const Registration registration(
         .keeps_payload_contiguous = false,
         .backends = on_cuda,
         .tunables = payload_tunables,
-        .does_not_apply = payload_needs_single_precision,
-        .work_missing = compacted_every_bounce,
+        .unsupported_reason = payload_needs_single_precision,
+        .check_counters = compacted_every_bounce,
     },
     {.compaction = &make_cub_compaction<Algorithm>});
 

@@ -13,7 +13,7 @@ namespace {
 // Whether a live path leaves a surface of one class. A camera ray leaves none, and goes with the diffuse-like.
 struct IsAliveOfClass {
     IsAlive is_alive;
-    FieldView departed;
+    FieldView origin_surface;
     const unsigned char* object_class = nullptr;
     unsigned char wanted = 0;
 
@@ -21,7 +21,7 @@ struct IsAliveOfClass {
         if (!is_alive(slot)) {
             return false;
         }
-        const ObjectSide side{value_at(departed, slot)};
+        const SurfaceId side{value_at(origin_surface, slot)};
         return (side.exists() ? object_class[side.object()] : 0) == wanted;
     }
 };
@@ -56,14 +56,14 @@ public:
         if (queue.bound == 0) {
             return;
         }
-        const IsAliveOfClass of_class{is_alive(queue, cell_), cell_.layout->departed(queue.paths, cell_.real_bytes),
-                                      queue.object_class};
+        const IsAliveOfClass of_class{is_alive(queue, cell_),
+                                      cell_.layout->origin_surface(queue.paths, cell_.real_bytes), queue.object_class};
         storage_.run([&](void* memory, std::size_t& bytes) {
             return partition(memory, bytes, slot_at(queue), of_class, queue.order_spare, queue.bound);
         });
-        constexpr std::uint32_t threads = 256, blocks_a_multiprocessor = 8;
+        constexpr std::uint32_t threads = 256, blocks_per_multiprocessor = 8;
         const std::uint32_t blocks =
-            std::min((queue.bound - 1) / threads + 1, cell_.multiprocessors * blocks_a_multiprocessor);
+            std::min((queue.bound - 1) / threads + 1, cell_.multiprocessors * blocks_per_multiprocessor);
         append_group<<<blocks, threads, 0, cell_.stream>>>(queue.order_spare, delta_like_, group_counts_,
                                                            queue.count_spare);
         PT_CUDA_CHECK(cudaGetLastError());
@@ -99,7 +99,7 @@ const Registration registration(
         .origin = "CUB's three-way partition; grouping by material class as in Laine, Karras and Aila 2013",
         .keeps_payload_contiguous = false,
         .backends = on_cuda,
-        .work_missing = compacted_every_bounce,
+        .check_counters = compacted_every_bounce,
     },
     {.compaction = [](const CellContext& cell) -> std::unique_ptr<Compaction> {
         return std::make_unique<CubThreeWay>(cell);

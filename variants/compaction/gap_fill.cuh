@@ -90,7 +90,7 @@ inline constexpr Descriptor descriptor{
     .summary = "live paths above the new size move into ended ones' slots below it, in place",
     .origin = "Wald 2011, \"Active thread compaction\"; Cycles' compaction of its state array",
     .backends = on_cuda,
-    .work_missing = compacted_every_bounce,
+    .check_counters = compacted_every_bounce,
 };
 
 inline const Hooks hooks{.compaction = [](const CellContext& context) -> std::unique_ptr<Compaction> {

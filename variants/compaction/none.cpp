@@ -18,7 +18,7 @@ const Registration registration(
         .origin = "both seeds, compaction off",
         .baseline = on_every_backend,
         .backends = on_every_backend,
-        .work_missing = [](const WorkCounters& work, std::uint64_t) -> std::string {
+        .check_counters = [](const WorkCounters& work, std::uint64_t) -> std::string {
             return work.compactions == 0 ? "" : "a compaction ran";
         },
     },

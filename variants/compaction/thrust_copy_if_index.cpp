@@ -38,7 +38,7 @@ const Registration registration(
         .summary = "thrust::copy_if of slot numbers; the payload stays in place",
         .origin = "Cycles' active index array",
         .keeps_payload_contiguous = false,
-        .work_missing = compacted_every_bounce,
+        .check_counters = compacted_every_bounce,
     },
     {.compaction = [] { return std::make_unique<CopyIfIndex>(); }});
 

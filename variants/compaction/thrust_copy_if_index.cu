@@ -46,7 +46,7 @@ const Registration registration(
         .waits_for_device = true,
         .backends = on_cuda,
         .tunables = thrust_tunables,
-        .work_missing = compacted_every_bounce,
+        .check_counters = compacted_every_bounce,
     },
     {.compaction = [](const CellContext& cell) -> std::unique_ptr<Compaction> {
         return std::make_unique<CopyIfIndex>(cell);

@@ -19,7 +19,7 @@ const Registration registration(
         .name = "thrust_partition",
         .summary = "thrust::partition on the payload; order not promised",
         .origin = "seed B (2022)",
-        .work_missing = compacted_every_bounce,
+        .check_counters = compacted_every_bounce,
     },
     {.compaction = [] { return std::make_unique<PayloadCompaction<Algorithm>>(); }});
 

@@ -22,8 +22,8 @@ const Registration registration(
         .waits_for_device = true,
         .backends = on_cuda,
         .tunables = thrust_tunables,
-        .does_not_apply = needs_single_precision,
-        .work_missing = compacted_every_bounce,
+        .unsupported_reason = needs_single_precision,
+        .check_counters = compacted_every_bounce,
     },
     {.compaction = &ThrustPayloadCompaction<Algorithm>::make});
 

@@ -19,7 +19,7 @@ const Registration registration(
         .name = "thrust_remove_if",
         .summary = "thrust::remove_if on the payload; order kept",
         .origin = "seed A (2023)",
-        .work_missing = compacted_every_bounce,
+        .check_counters = compacted_every_bounce,
     },
     {.compaction = [] { return std::make_unique<PayloadCompaction<Algorithm>>(); }});
 

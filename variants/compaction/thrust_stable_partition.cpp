@@ -19,7 +19,7 @@ const Registration registration(
         .name = "thrust_stable_partition",
         .summary = "thrust::stable_partition on the payload; order kept",
         .origin = "CIS 565 project 3",
-        .work_missing = compacted_every_bounce,
+        .check_counters = compacted_every_bounce,
     },
     {.compaction = [] { return std::make_unique<PayloadCompaction<Algorithm>>(); }});
 

@@ -70,12 +70,14 @@ struct Vectors {
 template <class Real>
 struct Paths {
     Vectors<Real> origin, direction, throughput, radiance;
-    Lanes<Real> time, scatter_density;
-    Lanes<std::uint32_t> pixel, sample, segment, departed, medium;
+    Lanes<Real> time, bsdf_pdf;
+    Lanes<std::uint32_t> pixel, sample, segment, origin_surface, medium;
 
     Path<Real> load(std::uint32_t l) const {
-        return {origin[l], direction[l], throughput[l],           radiance[l], time[l],           pixel[l],
-                sample[l], segment[l],   ObjectSide{departed[l]}, medium[l],   scatter_density[l]};
+        return {origin[l],   direction[l], throughput[l],
+                radiance[l], time[l],      pixel[l],
+                sample[l],   segment[l],   SurfaceId{origin_surface[l]},
+                medium[l],   bsdf_pdf[l]};
     }
     void store(std::uint32_t l, const Path<Real>& path) {
         origin.set(l, path.origin);
@@ -83,14 +85,14 @@ struct Paths {
         throughput.set(l, path.throughput);
         radiance.set(l, path.radiance);
         time[l] = path.time;
-        scatter_density[l] = path.scatter_density;
+        bsdf_pdf[l] = path.bsdf_pdf;
         pixel[l] = path.pixel;
         sample[l] = path.sample;
         segment[l] = path.segment;
-        departed[l] = path.departed.code;
+        origin_surface[l] = path.origin_surface.code;
         medium[l] = path.medium;
     }
-    Ray<Real> ray(std::uint32_t l) const { return {origin[l], direction[l], time[l], ObjectSide{departed[l]}}; }
+    Ray<Real> ray(std::uint32_t l) const { return {origin[l], direction[l], time[l], SurfaceId{origin_surface[l]}}; }
 };
 
 template <class Real>
@@ -98,7 +100,7 @@ struct Hits {
     Lanes<Real> t;
     Lanes<std::uint32_t> side;
 
-    Hit<Real> operator[](std::uint32_t lane) const { return {t[lane], ObjectSide{side[lane]}}; }
+    Hit<Real> operator[](std::uint32_t lane) const { return {t[lane], SurfaceId{side[lane]}}; }
     void set(std::uint32_t lane, const Hit<Real>& hit) {
         t[lane] = hit.t;
         side[lane] = hit.side.code;
@@ -109,7 +111,7 @@ struct Hits {
 inline bool has_bit(std::uint32_t word, std::uint32_t bit) {
     return static_cast<std::int32_t>(word << (31u - bit)) < 0;
 }
-inline bool is_inside(ObjectSide side) { return has_bit(side.code, 0); }
-inline bool has_face(ObjectSide side) { return side.code >= 1u << 29; }
+inline bool is_inside(SurfaceId side) { return has_bit(side.code, 0); }
+inline bool has_face(SurfaceId side) { return side.code >= 1u << 29; }
 
 }  // namespace pt::lanes

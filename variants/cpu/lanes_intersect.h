@@ -1,6 +1,7 @@
 // The nearest object along the rays of a packet: spheres and axis boxes over all lanes at once, other kinds lane by
-// lane. The sums and comparisons are those of kernels/sphere.h, box.h, room.h and intersect.h, in their order, so a
-// lane's answer has the same bits (tests/unit/lanes_test.cpp); only their branches are selections here.
+// lane. The sums and comparisons are those of kernels/sphere.h, box.h, axis_aligned_enclosure.h and intersect.h, in
+// their order, so a lane's answer has the same bits (tests/unit/lanes_test.cpp); only their branches are selections
+// here.
 #pragma once
 
 #include "variants/cpu/lanes.h"
@@ -23,15 +24,15 @@ inline Interval<Real> interval(const Sphere<Real>& sphere, const Vec3<Real>& ori
 // left at the end of the chord.
 template <class Real>
 inline void keep_nearer(Hits<Real>& hits, std::uint32_t l, const Interval<Real>& crossing, Real chord,
-                        std::uint32_t object, bool is_departed, ObjectSide departed) {
+                        std::uint32_t object, bool is_departed, SurfaceId origin_surface) {
     const Real best = hits.t[l];
     const bool inside = !(crossing.near > Real(0));
     const Real t = inside ? crossing.far : crossing.near;
     const bool meets = !is_departed & crossing.hits & (t > Real(0)) & (t < best);
-    const bool leaves = is_departed & is_inside(departed) & (chord < best);
+    const bool leaves = is_departed & is_inside(origin_surface) & (chord < best);
     hits.t[l] = leaves ? chord : meets ? t : best;
     const std::uint32_t side = object << 1 | (inside ? 1u : 0u);
-    hits.side[l] = leaves ? departed.code : meets ? side : hits.side[l];
+    hits.side[l] = leaves ? origin_surface.code : meets ? side : hits.side[l];
 }
 
 // What has no loop over lanes: find(hit, ray) for each of them.
@@ -58,43 +59,44 @@ inline void closest_sphere(Hits<typename Config::Real>& hits, const SceneView<ty
         }
 #pragma GCC ivdep
         for (std::uint32_t l = 0; l < width; ++l) {
-            const ObjectSide departed{paths.departed[l]};
+            const SurfaceId origin_surface{paths.origin_surface[l]};
             const Vec3<Real> origin = at_rest<Config>(scene, object, paths.origin[l], paths.time[l]);
             // `nowhere` holds the number of no object.
             keep_nearer(hits, l, lanes::interval(sphere, origin, paths.direction[l]),
-                        chord(sphere, origin, paths.direction[l]), object, departed.object() == object, departed);
+                        chord(sphere, origin, paths.direction[l]), object, origin_surface.object() == object,
+                        origin_surface);
         }
     }
 }
 
-// Where the rays leave the room.
+// Where the rays leave the enclosure.
 template <class Real>
-struct RoomExits {
+struct EnclosureExits {
     Lanes<Real> t;
     Lanes<std::uint32_t> side;
-    Flags known;    // RoomExit::known, of a ray that is in no wall
+    Flags known;    // EnclosureExit::known, of a ray that is in no wall
     Flags nothing;  // the ray is past all axis boxes
     Flags unclear;  // neither
 };
 
 template <class Real>
-inline bool contains(const Room<Real>& room, const Vec3<Real>& p) {
-    return (p.x >= room.low.x) & (p.x <= room.high.x) & (p.y >= room.low.y) & (p.y <= room.high.y) &
-           (p.z >= room.low.z) & (p.z <= room.high.z);
+inline bool contains(const AxisAlignedEnclosure<Real>& enclosure, const Vec3<Real>& p) {
+    return (p.x >= enclosure.low.x) & (p.x <= enclosure.high.x) & (p.y >= enclosure.low.y) & (p.y <= enclosure.high.y) &
+           (p.z >= enclosure.low.z) & (p.z <= enclosure.high.z);
 }
 
 template <class Real>
-inline bool enters_by_open_side(const Room<Real>& room, const Vec3<Real>& origin, const Vec3<Real>& inverse,
-                                Real exit) {
+inline bool enters_by_open_side(const AxisAlignedEnclosure<Real>& enclosure, const Vec3<Real>& origin,
+                                const Vec3<Real>& inverse, Real exit) {
     const bool from_high_x = inverse.x < Real(0);
     const bool from_high_y = inverse.y < Real(0);
     const bool from_high_z = inverse.z < Real(0);
-    const Real x = ((from_high_x ? room.high.x : room.low.x) - origin.x) * inverse.x;
-    const Real y = ((from_high_y ? room.high.y : room.low.y) - origin.y) * inverse.y;
-    const Real z = ((from_high_z ? room.high.z : room.low.z) - origin.z) * inverse.z;
+    const Real x = ((from_high_x ? enclosure.high.x : enclosure.low.x) - origin.x) * inverse.x;
+    const Real y = ((from_high_y ? enclosure.high.y : enclosure.low.y) - origin.y) * inverse.y;
+    const Real z = ((from_high_z ? enclosure.high.z : enclosure.low.z) - origin.z) * inverse.z;
     const Real last = keep_larger(keep_larger(x, y), z);
     const Real before = keep_larger(keep_smaller(x, y), keep_smaller(keep_larger(x, y), z));
-    const std::uint32_t open = room.open_sides;
+    const std::uint32_t open = enclosure.open_sides;
     const std::uint32_t open_x = from_high_x ? open >> 1 : open;
     const std::uint32_t open_y = from_high_y ? open >> 3 : open >> 2;
     const std::uint32_t open_z = from_high_z ? open >> 5 : open >> 4;
@@ -106,43 +108,44 @@ inline bool enters_by_open_side(const Room<Real>& room, const Vec3<Real>& origin
 }
 
 template <class Real>
-inline RoomExit<Real> leave_room(const Room<Real>& room, const Vec3<Real>& origin, const Vec3<Real>& inverse) {
+inline EnclosureExit<Real> leave_enclosure(const AxisAlignedEnclosure<Real>& enclosure, const Vec3<Real>& origin,
+                                           const Vec3<Real>& inverse) {
     const bool to_low_x = inverse.x < Real(0);
     const bool to_low_y = inverse.y < Real(0);
     const bool to_low_z = inverse.z < Real(0);
-    const Real x = ((to_low_x ? room.low.x : room.high.x) - origin.x) * inverse.x;
-    const Real y = ((to_low_y ? room.low.y : room.high.y) - origin.y) * inverse.y;
-    const Real z = ((to_low_z ? room.low.z : room.high.z) - origin.z) * inverse.z;
+    const Real x = ((to_low_x ? enclosure.low.x : enclosure.high.x) - origin.x) * inverse.x;
+    const Real y = ((to_low_y ? enclosure.low.y : enclosure.high.y) - origin.y) * inverse.y;
+    const Real z = ((to_low_z ? enclosure.low.z : enclosure.high.z) - origin.z) * inverse.z;
     const Real t = keep_smaller(keep_smaller(x, y), z);
     const Real next = keep_smaller(keep_larger(x, y), keep_larger(keep_smaller(x, y), z));
-    const bool plain = (room.walls != 0) &
+    const bool plain = (enclosure.walls != 0) &
                        (absolute(inverse.x * inverse.y * inverse.z) < std::numeric_limits<Real>::infinity()) &
                        (t > Real(0)) & (t * room_slack<Real> < next);
-    const std::uint32_t side_x = to_low_x ? room.low_side[0].code : room.high_side[0].code;
-    const std::uint32_t side_y = to_low_y ? room.low_side[1].code : room.high_side[1].code;
-    const std::uint32_t side_z = to_low_z ? room.low_side[2].code : room.high_side[2].code;
-    const bool passes = lanes::contains(room, origin) | lanes::enters_by_open_side(room, origin, inverse, t);
+    const std::uint32_t side_x = to_low_x ? enclosure.low_side[0].code : enclosure.high_side[0].code;
+    const std::uint32_t side_y = to_low_y ? enclosure.low_side[1].code : enclosure.high_side[1].code;
+    const std::uint32_t side_z = to_low_z ? enclosure.low_side[2].code : enclosure.high_side[2].code;
+    const bool passes = lanes::contains(enclosure, origin) | lanes::enters_by_open_side(enclosure, origin, inverse, t);
     const bool known = plain & passes;
-    return {known, t, ObjectSide{t == x ? side_x : t == y ? side_y : side_z}};
+    return {known, t, SurfaceId{t == x ? side_x : t == y ? side_y : side_z}};
 }
 
 template <class Config>
-inline void leave_room(RoomExits<typename Config::Real>& exits, const SceneView<typename Config::Real>& scene,
-                       const Paths<typename Config::Real>& paths, const Vectors<typename Config::Real>& inverses) {
+inline void leave_enclosure(EnclosureExits<typename Config::Real>& exits, const SceneView<typename Config::Real>& scene,
+                            const Paths<typename Config::Real>& paths, const Vectors<typename Config::Real>& inverses) {
     using Real = typename Config::Real;
-    const Room<Real> room = scene.room;
+    const AxisAlignedEnclosure<Real> enclosure = scene.enclosure;
     const std::uint32_t first = scene.first_axis_box();
 #pragma GCC ivdep
     for (std::uint32_t l = 0; l < width; ++l) {
         const Vec3<Real> origin = paths.origin[l];
-        const RoomExit<Real> exit = lanes::leave_room(room, origin, inverses[l]);
-        const ObjectSide departed{paths.departed[l]};
-        bool in_wall = departed.exists() & is_inside(departed);
+        const EnclosureExit<Real> exit = lanes::leave_enclosure(enclosure, origin, inverses[l]);
+        const SurfaceId origin_surface{paths.origin_surface[l]};
+        bool in_wall = origin_surface.exists() & is_inside(origin_surface);
         if constexpr (has<Config>(Feature::dielectric) || has<Config>(Feature::subsurface)) {
-            const std::uint32_t box = departed.object() - first;
-            in_wall = in_wall & (box < 32) & has_bit(room.walls >> (box & 31u), 0);
+            const std::uint32_t box = origin_surface.object() - first;
+            in_wall = in_wall & (box < 32) & has_bit(enclosure.walls >> (box & 31u), 0);
         }
-        const Interval<Real> reach = slab_interval(room.reach_low, room.reach_high, origin, inverses[l]);
+        const Interval<Real> reach = slab_interval(enclosure.reach_low, enclosure.reach_high, origin, inverses[l]);
         const bool past = !reach.hits | (reach.far < Real(0));
         const bool known = exit.known & !in_wall;
         const bool nothing = !known & !in_wall & past;
@@ -154,26 +157,27 @@ inline void leave_room(RoomExits<typename Config::Real>& exits, const SceneView<
     }
 }
 
-// Axis boxes by their slabs; with a room all but its walls.
+// Axis boxes by their slabs; with an enclosure all but its walls.
 template <class Config>
 inline void closest_by_slabs(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
                              const Paths<typename Config::Real>& paths,
                              const Vectors<typename Config::Real>& inverses) {
     using Real = typename Config::Real;
-    constexpr bool has_room = has<Config>(Feature::room);
+    constexpr bool has_enclosure = has<Config>(Feature::enclosure);
     for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
-        if (has_room && scene.room.is_wall(i)) {
+        if (has_enclosure && scene.enclosure.is_wall(i)) {
             continue;
         }
         const std::uint32_t object = scene.first_axis_box() + i;
-        const std::uint32_t left = has_room && scene.room.is_lamp(i) ? ObjectSide::nowhere : object;
+        const std::uint32_t left = has_enclosure && scene.enclosure.is_lamp(i) ? SurfaceId::nowhere : object;
         const AxisBox<Real> box = scene.axis_boxes[i];
 #pragma GCC ivdep
         for (std::uint32_t l = 0; l < width; ++l) {
-            const ObjectSide departed{paths.departed[l]};
+            const SurfaceId origin_surface{paths.origin_surface[l]};
             const Vec3<Real> origin = at_rest<Config>(scene, object, paths.origin[l], paths.time[l]);
             const Interval<Real> crossing = slab_interval(box.low, box.high, origin, inverses[l]);
-            keep_nearer(hits, l, crossing, max(crossing.far, Real(0)), object, departed.object() == left, departed);
+            keep_nearer(hits, l, crossing, max(crossing.far, Real(0)), object, origin_surface.object() == left,
+                        origin_surface);
         }
     }
 }
@@ -188,19 +192,19 @@ inline void closest_axis_box(Hits<typename Config::Real>& hits, const SceneView<
         const Vec3<Real> direction = paths.direction[l];
         inverses.set(l, {Real(1) / direction.x, Real(1) / direction.y, Real(1) / direction.z});
     }
-    if constexpr (!has<Config>(Feature::room)) {
+    if constexpr (!has<Config>(Feature::enclosure)) {
         closest_by_slabs<Config>(hits, scene, paths, inverses);
         return;
     }
     const Hits<Real> before = hits;
-    RoomExits<Real> exits;
-    leave_room<Config>(exits, scene, paths, inverses);
+    EnclosureExits<Real> exits;
+    leave_enclosure<Config>(exits, scene, paths, inverses);
     closest_by_slabs<Config>(hits, scene, paths, inverses);
 #pragma GCC ivdep
     for (std::uint32_t l = 0; l < width; ++l) {
         const Real t = hits.t[l];
-        const ObjectSide side{hits.side[l]};
-        const ObjectSide exit_side{exits.side[l]};
+        const SurfaceId side{hits.side[l]};
+        const SurfaceId exit_side{exits.side[l]};
         const bool takes = exit_side.exists() & (exits.t[l] <= t);
         const bool wins = takes & ((exits.t[l] < t) | (exit_side.object() < side.object()));
         const bool nothing = exits.nothing[l] != 0;
@@ -221,7 +225,7 @@ inline void closest_hit(Hits<typename Config::Real>& hits, const SceneView<typen
 #pragma GCC ivdep
     for (std::uint32_t l = 0; l < width; ++l) {
         hits.t[l] = std::numeric_limits<Real>::infinity();
-        hits.side[l] = ObjectSide::nowhere;
+        hits.side[l] = SurfaceId::nowhere;
     }
     if constexpr (has<Config>(Feature::matrix)) {
         closest_by_lane(hits, paths, [&](auto& hit, const auto& ray) { closest_transformed<Config>(hit, scene, ray); });

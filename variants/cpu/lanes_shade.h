@@ -1,6 +1,6 @@
 // What happens where the segments of a packet end: kernels/shade.h over all lanes at once, for diffuse and mirror
-// surfaces. Lanes that hit other materials go through shade itself, and what is not a side of the room is placed by
-// surface_at, lane by lane. The formulas are the kernels', in their order, so a path has the same bits.
+// surfaces. Lanes that hit other materials go through shade itself, and what is not a side of the enclosure is placed
+// by surface_at, lane by lane. The formulas are the kernels', in their order, so a path has the same bits.
 #pragma once
 
 #include "variants/cpu/lanes_intersect.h"
@@ -29,7 +29,7 @@ inline bool is_type(std::uint32_t type, MaterialType asked) { return type == sta
 template <class Real>
 inline void look_up(Surfaces<Real>& surfaces, const SceneView<Real>& scene, const Hits<Real>& hits) {
     for (std::uint32_t l = 0; l < width; ++l) {
-        const ObjectSide side{hits.side[l]};
+        const SurfaceId side{hits.side[l]};
         const Surface<Real>& surface = scene.surfaces[side.exists() ? side.object() : 0];
         surfaces.colour.set(l, surface.colour);
         surfaces.type[l] = static_cast<std::uint32_t>(surface.type);
@@ -43,7 +43,7 @@ inline void meet(Paths<typename Config::Real>& paths, Flags& goes_on, const Surf
     using Real = typename Config::Real;
 #pragma GCC ivdep
     for (std::uint32_t l = 0; l < width; ++l) {
-        const bool hits_one = ObjectSide{hits.side[l]}.exists();
+        const bool hits_one = SurfaceId{hits.side[l]}.exists();
         const bool emits = has<Config>(Feature::emitter) & is_type(surfaces.type[l], MaterialType::emitter);
         const Vec3<Real> light = paths.radiance[l] + paths.throughput[l] * surfaces.colour[l];
         const std::uint32_t segment = paths.segment[l] + 1;
@@ -53,27 +53,27 @@ inline void meet(Paths<typename Config::Real>& paths, Flags& goes_on, const Surf
     }
 }
 
-// Places the hits on the sides of the room, and says how the other lanes go on.
+// Places the hits on the sides of the enclosure, and says how the other lanes go on.
 template <class Config>
-inline void place_on_room(Surfaces<typename Config::Real>& surfaces, const SceneView<typename Config::Real>& scene,
-                          const Paths<typename Config::Real>& paths, const Hits<typename Config::Real>& hits,
-                          const Flags& going_on) {
+inline void place_on_enclosure(Surfaces<typename Config::Real>& surfaces, const SceneView<typename Config::Real>& scene,
+                               const Paths<typename Config::Real>& paths, const Hits<typename Config::Real>& hits,
+                               const Flags& going_on) {
     using Real = typename Config::Real;
 #pragma GCC ivdep
     for (std::uint32_t l = 0; l < width; ++l) {
-        surfaces.normal.set(l, face_normal<Real>(ObjectSide{hits.side[l]}));
+        surfaces.normal.set(l, face_normal<Real>(SurfaceId{hits.side[l]}));
     }
-    const Room<Real> room = scene.room;
+    const AxisAlignedEnclosure<Real> enclosure = scene.enclosure;
 #pragma GCC ivdep
     for (std::uint32_t l = 0; l < width; ++l) {
         const Vec3<Real> n = surfaces.normal[l];
         const Vec3<Real> p = paths.origin[l] + paths.direction[l] * hits.t[l];
-        const Vec3<Real> low{n.x > Real(0) ? room.low.x : p.x, n.y > Real(0) ? room.low.y : p.y,
-                             n.z > Real(0) ? room.low.z : p.z};
-        const Vec3<Real> position{n.x < Real(0) ? room.high.x : low.x, n.y < Real(0) ? room.high.y : low.y,
-                                  n.z < Real(0) ? room.high.z : low.z};
+        const Vec3<Real> low{n.x > Real(0) ? enclosure.low.x : p.x, n.y > Real(0) ? enclosure.low.y : p.y,
+                             n.z > Real(0) ? enclosure.low.z : p.z};
+        const Vec3<Real> position{n.x < Real(0) ? enclosure.high.x : low.x, n.y < Real(0) ? enclosure.high.y : low.y,
+                                  n.z < Real(0) ? enclosure.high.z : low.z};
         const bool is_placed =
-            has<Config>(Feature::room) & has_face(ObjectSide{hits.side[l]}) & lanes::contains(room, position);
+            has<Config>(Feature::enclosure) & has_face(SurfaceId{hits.side[l]}) & lanes::contains(enclosure, position);
         const bool is_here =
             is_type(surfaces.type[l], MaterialType::diffuse) | is_type(surfaces.type[l], MaterialType::mirror);
         surfaces.position.set(l, position);
@@ -88,7 +88,7 @@ inline void place_others(Surfaces<typename Config::Real>& surfaces, const SceneV
     for (const std::uint32_t l : LaneList(surfaces.by_surface_at)) {
         const auto point = surface_at<Config>(scene, paths.ray(l), hits[l]);
         surfaces.position.set(l, point.position);
-        surfaces.normal.set(l, ObjectSide{hits.side[l]}.inside() ? -point.normal : point.normal);
+        surfaces.normal.set(l, SurfaceId{hits.side[l]}.inside() ? -point.normal : point.normal);
     }
 }
 
@@ -111,8 +111,8 @@ inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename
         paths.direction.set_if(is_here, l,
                                {is_diffuse ? spread.x : mirrored.x, is_diffuse ? spread.y : mirrored.y,
                                 is_diffuse ? spread.z : mirrored.z});
-        const std::uint32_t side_alone = (ObjectSide::most_objects << 1) - 1u;  // of a hit that may name a face
-        paths.departed[l] = is_here ? hits.side[l] & side_alone : paths.departed[l];
+        const std::uint32_t side_alone = (SurfaceId::most_objects << 1) - 1u;  // of a hit that may name a face
+        paths.origin_surface[l] = is_here ? hits.side[l] & side_alone : paths.origin_surface[l];
     }
 }
 
@@ -124,7 +124,7 @@ inline void shade(Paths<typename Config::Real>& paths, Flags& goes_on, const Sce
     Surfaces<Real> surfaces;
     look_up(surfaces, scene, hits);
     meet<Config>(paths, goes_on, surfaces, hits, scene.depth);
-    place_on_room<Config>(surfaces, scene, paths, hits, goes_on);
+    place_on_enclosure<Config>(surfaces, scene, paths, hits, goes_on);
     place_others<Config>(surfaces, scene, paths, hits);
     for (const std::uint32_t l : LaneList(surfaces.by_shade)) {
         Path<Real> path = paths.load(l);

@@ -102,13 +102,13 @@ private:
 
 inline constexpr Tunable payload_tunables[] = {
     {.name = "payload",
-     .standard = 0,
+     .default_value = 0,
      .lowest = 0,
      .highest = 1,
      .summary = "1: the paths are moved, into a second store; 0: slot numbers are"},
 };
 
-// The does_not_apply of a choice with that tunable.
+// The unsupported_reason of a choice with that tunable.
 inline std::string payload_needs_single_precision(FeatureSet features, const Variant& variant) {
     const auto tuned = variant.tuning.find("payload");
     return tuned != variant.tuning.end() && tuned->second != 0 ? needs_single_precision(features, variant) : "";

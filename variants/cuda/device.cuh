@@ -177,14 +177,14 @@ private:
         scene.object_material.size = PT_SPHERES + PT_ELLIPSOIDS + PT_AXIS_BOXES + PT_ORIENTED_BOXES + PT_QUADS;
         scene.velocity.size = scene.object_material.size;
         scene.surfaces.size = scene.object_material.size;
-        scene.room.walls = PT_ROOM_WALLS;
-        scene.room.lamps = PT_ROOM_LAMPS;
-        scene.room.open_sides = PT_ROOM_OPEN_SIDES;
-        constexpr std::uint32_t low_side[] = {PT_ROOM_LOW_SIDES};
-        constexpr std::uint32_t high_side[] = {PT_ROOM_HIGH_SIDES};
+        scene.enclosure.walls = PT_ENCLOSURE_WALLS;
+        scene.enclosure.lamps = PT_ENCLOSURE_LAMPS;
+        scene.enclosure.open_sides = PT_ENCLOSURE_OPEN_SIDES;
+        constexpr std::uint32_t low_side[] = {PT_ENCLOSURE_LOW_SIDES};
+        constexpr std::uint32_t high_side[] = {PT_ENCLOSURE_HIGH_SIDES};
         for (int axis = 0; axis < 3; ++axis) {
-            scene.room.low_side[axis].code = low_side[axis];
-            scene.room.high_side[axis].code = high_side[axis];
+            scene.enclosure.low_side[axis].code = low_side[axis];
+            scene.enclosure.high_side[axis].code = high_side[axis];
         }
     }
 #endif
@@ -202,7 +202,7 @@ private:
         scene.materials = {reinterpret_cast<const pt::Material<Real>*>(baked::materials), baked::material_count};
         scene.lights = {reinterpret_cast<const pt::Light*>(baked::lights), baked::light_count};
         scene.environment = *reinterpret_cast<const pt::Vec3<Real>*>(baked::environment);
-        scene.room = *reinterpret_cast<const pt::Room<Real>*>(baked::room);
+        scene.enclosure = *reinterpret_cast<const pt::AxisAlignedEnclosure<Real>*>(baked::enclosure);
         const auto& camera = *reinterpret_cast<const pt::Camera<Real>*>(baked::camera);
         scene.camera.right = camera.right;
         scene.camera.up = camera.up;
@@ -248,7 +248,7 @@ __device__ inline Path load_path(const Paths& paths, std::uint32_t slot, const S
         path.time = scene.camera.shutter_open;
     }
     if constexpr (!path_fields::density) {
-        path.scatter_density = Real(0);
+        path.bsdf_pdf = Real(0);
     }
     return path;
 }

@@ -10,7 +10,7 @@
 namespace pt::cuda {
 
 // Segments that a round of a loop takes: an even number, so that buffers that a segment swaps are back in place.
-inline constexpr std::uint32_t segments_a_round = 2;
+inline constexpr std::uint32_t segments_per_round = 2;
 
 // The counters of the paths alive, on the device: `parts` of them, `stride` words apart; with every segment they lie
 // `segment_stride` words further on.

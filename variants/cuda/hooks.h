@@ -37,14 +37,14 @@ struct PathFields {
     bool radiance = true;  // collected before the path's end
     bool time = true;
     bool medium = true;
-    bool density = true;  // Path::scatter_density
+    bool density = true;  // Path::bsdf_pdf
 };
 
 struct Layout {
     // Of a store whose paths carry these fields; a layout may give them more.
     std::size_t (*bytes)(std::uint32_t capacity, std::size_t real_bytes, const PathFields& fields) = nullptr;
-    FieldView (*segment)(const PathStore& store, std::size_t real_bytes) = nullptr;   // Path::segment
-    FieldView (*departed)(const PathStore& store, std::size_t real_bytes) = nullptr;  // Path::departed
+    FieldView (*segment)(const PathStore& store, std::size_t real_bytes) = nullptr;         // Path::segment
+    FieldView (*origin_surface)(const PathStore& store, std::size_t real_bytes) = nullptr;  // Path::origin_surface
 };
 
 // A key is (material << bits) + rest, or rest alone; rest is below 2^bits.

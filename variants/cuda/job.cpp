@@ -22,22 +22,22 @@ void fill_cache(Job& job) {
     job.launch("fill_cache", job.pixels, job.scene, job.cache, job.first_sample, missing, job.totals);
 }
 
-std::uint32_t samples_a_launch(const Job& job) {
-    const std::uint64_t rays_a_sample = 2ull * job.longest_path;  // a segment and, at most, a connection
-    const std::uint64_t a_thread = std::max<std::uint64_t>(1, 0xffffffffull / (rays_a_sample * job.block));
-    const std::uint64_t threads_a_pixel = std::min(job.samples_in_flight, job.samples);
-    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(a_thread * threads_a_pixel, 1, job.samples));
+std::uint32_t samples_per_launch(const Job& job) {
+    const std::uint64_t rays_per_sample = 2ull * job.longest_path;  // a segment and, at most, a connection
+    const std::uint64_t a_thread = std::max<std::uint64_t>(1, 0xffffffffull / (rays_per_sample * job.block));
+    const std::uint64_t threads_per_pixel = std::min(job.samples_in_flight, job.samples);
+    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(a_thread * threads_per_pixel, 1, job.samples));
 }
 
-std::uint32_t samples_a_persistent_launch(const Job& job) {
+std::uint32_t samples_per_persistent_launch(const Job& job) {
     const std::uint64_t by_pieces = 0xffffffffull / ((job.pixels + 31) / 32) - 1;
     return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(by_pieces, 1, job.samples));
 }
 
-std::uint32_t samples_of_a_strip(const Job& job) {
-    const std::uint64_t rays_a_sample = 32ull * 2 * job.longest_path;
-    const std::uint64_t countable = (0xffffffffull - few_rays) / rays_a_sample;
-    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(countable, 1, job.samples_a_piece));
+std::uint32_t samples_per_strip(const Job& job) {
+    const std::uint64_t rays_per_sample = 32ull * 2 * job.longest_path;
+    const std::uint64_t countable = (0xffffffffull - few_rays) / rays_per_sample;
+    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(countable, 1, job.samples_per_piece));
 }
 
 void prepare_batches(Job& job, const EnqueueBatch& enqueue_batch) {
@@ -56,9 +56,9 @@ void prepare_batches(Job& job, const EnqueueBatch& enqueue_batch) {
         job.launch_blocks("advance", 1, job.next_sample, job.samples_in_flight);
     });
     job.cursor = nullptr;
-    job.work_a_graph = std::exchange(job.work, before);
-    job.work_a_graph.launches = 1;
-    job.work_a_graph.graph_nodes = job.graph->nodes();
+    job.work_per_graph = std::exchange(job.work, before);
+    job.work_per_graph.launches = 1;
+    job.work_per_graph.graph_nodes = job.graph->nodes();
 }
 
 namespace {
@@ -70,7 +70,7 @@ void launch_graph(Job& job, std::uint32_t sample) {
         job.work.launches += 1;
     }
     job.graph->launch();
-    job.work += job.work_a_graph;
+    job.work += job.work_per_graph;
     job.graph_sample = sample + job.samples_in_flight;
 }
 
@@ -91,10 +91,10 @@ void run_batches(Job& job, const EnqueueBatch& enqueue_batch) {
 
 std::uint32_t enqueue_loop(Job& job, const std::function<LiveCounts()>& enqueue_round) {
     const bool captures = job.cursor != nullptr;
-    if (!job.loops || !captures || job.longest_path < segments_a_round + 2) {
+    if (!job.loops || !captures || job.longest_path < segments_per_round + 2) {
         return 0;
     }
-    const std::uint32_t taken = (job.longest_path - 2) / segments_a_round * segments_a_round;
+    const std::uint32_t taken = (job.longest_path - 2) / segments_per_round * segments_per_round;
     const WorkCounters before = std::exchange(job.work, {});
     job.is_in_loop = true;
     job.graph->capture_loop([&](cudaGraphConditionalHandle condition) {
@@ -102,8 +102,8 @@ std::uint32_t enqueue_loop(Job& job, const std::function<LiveCounts()>& enqueue_
         end_round(condition, live, job.loop.offset, taken, job.loop.rounds, job.stream);
     });
     job.is_in_loop = false;
-    job.loop.work_a_round = std::exchange(job.work, before);
-    job.loop.work_a_round.launches = 0;  // the device's own
+    job.loop.work_per_round = std::exchange(job.work, before);
+    job.loop.work_per_round.launches = 0;  // the device's own
     return taken;
 }
 

@@ -24,7 +24,7 @@ struct KeyBounds {
 struct Loop {
     std::uint32_t* offset = nullptr;  // device: segments that earlier rounds of this batch took; 0 outside the loop
     std::uint64_t* rounds = nullptr;  // device: rounds run since the render began
-    WorkCounters work_a_round;        // what the host's side of one round counts
+    WorkCounters work_per_round;      // what the host's side of one round counts
 };
 
 struct Job {
@@ -47,9 +47,9 @@ struct Job {
     Totals* totals = nullptr;
     HealthRequest health;  // for an integrator that inspects; counters: device
     SegmentCounts segments;
-    std::uint64_t* lengths = nullptr;    // megakernels: paths by number of segments; null where nobody asked
-    std::uint64_t* next_item = nullptr;  // for persistent threads
-    std::uint32_t samples_a_piece = 1;   // likewise
+    std::uint64_t* lengths = nullptr;     // megakernels: paths by number of segments; null where nobody asked
+    std::uint64_t* next_item = nullptr;   // for persistent threads
+    std::uint32_t samples_per_piece = 1;  // likewise
 
     // For integrators with a queue.
     Queue queue;                       // in the state in which a batch starts
@@ -71,7 +71,7 @@ struct Job {
     std::uint32_t* next_sample = nullptr;   // device: where a graph finds its first sample
     std::uint32_t graph_sample = 0;         // what next_sample holds once all that was enqueued has run
     const std::uint32_t* cursor = nullptr;  // next_sample while a batch is captured, else null: use the parameter
-    WorkCounters work_a_graph;              // what the host's side of one captured batch counts
+    WorkCounters work_per_graph;            // what the host's side of one captured batch counts
     StageEvents* stages = nullptr;          // null: not instrumented
     WorkCounters work;
 
@@ -97,13 +97,13 @@ void fill_cache(Job& job);
 
 // Samples of a pixel that one launch may take when its threads share them, so that a thread's and a block's counters
 // fit in 32 bits.
-std::uint32_t samples_a_launch(const Job& job);
+std::uint32_t samples_per_launch(const Job& job);
 // The same for persistent threads, which add up what they have counted after a piece: so many that the pieces' numbers
 // fit in 32 bits.
-std::uint32_t samples_a_persistent_launch(const Job& job);
-// Samples of the strip of 32 pixels that is a piece: job.samples_a_piece, or fewer, so that a thread that happens to
+std::uint32_t samples_per_persistent_launch(const Job& job);
+// Samples of the strip of 32 pixels that is a piece: job.samples_per_piece, or fewer, so that a thread that happens to
 // trace them all can count them in 32 bits.
-std::uint32_t samples_of_a_strip(const Job& job);
+std::uint32_t samples_per_strip(const Job& job);
 
 // Runs `enqueue_batch(first_sample, samples)` for all samples of the job, samples_in_flight at a time. A last batch
 // that is not full, and so every part of a render with fewer samples than that, takes the places of the first paths of

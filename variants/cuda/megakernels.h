@@ -44,7 +44,7 @@ inline std::vector<std::string> regeneration_defines(const Variant& variant) {
     return {"-DPT_REGENERATE_AT=" + std::to_string(tunable(variant, "regenerate_at", Backend::cuda))};
 }
 
-inline std::string megakernel_does_not_apply(FeatureSet, const Variant& variant) {
+inline std::string megakernel_unsupported_reason(FeatureSet, const Variant& variant) {
     if (variant["compaction"] != "none") {
         return "has no queue to compact: needs compaction=none, not " + variant["compaction"];
     }

@@ -264,7 +264,7 @@ KernelFacts Module::facts(const char* name) const {
     return {attributes.numRegs, attributes.localSizeBytes, attributes.sharedSizeBytes, attributes.maxThreadsPerBlock};
 }
 
-int Module::blocks_a_multiprocessor(const char* name, unsigned threads) const {
+int Module::blocks_per_multiprocessor(const char* name, unsigned threads) const {
     int blocks = 0;
     PT_CUDA_CHECK(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, static_cast<const void*>(kernel(name)),
                                                                 static_cast<int>(threads), 0));

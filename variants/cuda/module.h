@@ -78,7 +78,7 @@ public:
     // Where a variable of the module lies on the device. Throws Error if there is none of this name.
     void* global(const char* name) const;
     // Blocks of `threads` that one multiprocessor holds at once.
-    int blocks_a_multiprocessor(const char* name, unsigned threads) const;
+    int blocks_per_multiprocessor(const char* name, unsigned threads) const;
     const ModuleImage& image() const { return image_; }
 
     // Parameters are passed by value, as the kernel declares them. Throws Error naming the kernel.

@@ -84,7 +84,7 @@ auto visit_layout(std::string_view name, Visit&& visit) {
     throw std::logic_error("no payload iterator for layout=" + std::string(name));
 }
 
-// A choice's does_not_apply: the iterators are for Path<float> alone.
+// A choice's unsupported_reason: the iterators are for Path<float> alone.
 inline std::string needs_single_precision(FeatureSet, const Variant& variant) {
     return variant["precision"] == "float" ? "" : "moves single-precision payloads: needs precision=float";
 }

@@ -18,7 +18,7 @@ __global__ void end_round_kernel(cudaGraphConditionalHandle condition, LiveCount
     for (std::uint32_t part = 0; part < live.parts; ++part) {
         alive += live.counts[part * live.stride + *offset * live.segment_stride];
     }
-    const std::uint32_t next = *offset + segments_a_round;
+    const std::uint32_t next = *offset + segments_per_round;
     const bool goes_on = alive > 0 && next < taken;
     *offset = goes_on ? next : 0;
     *rounds += 1;

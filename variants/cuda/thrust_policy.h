@@ -14,12 +14,12 @@ namespace pt::cuda {
 
 inline constexpr Tunable thrust_tunables[] = {
     {.name = "caching_allocator",
-     .standard = 0,
+     .default_value = 0,
      .lowest = 0,
      .highest = 1,
      .summary = "1: blocks for Thrust's temporaries are kept and used again; 0: cudaMalloc and cudaFree for each"},
     {.name = "par_nosync",
-     .standard = 0,
+     .default_value = 0,
      .lowest = 0,
      .highest = 1,
      .summary = "1: thrust::cuda::par_nosync, which waits for the device only where a result needs it"},

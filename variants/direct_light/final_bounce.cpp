@@ -18,7 +18,7 @@ const Registration registration(
         .mean_of = "off",
         .mean_at_extra_depth = 1,
         .backends = on_every_backend,
-        .does_not_apply = [](FeatureSet scene, const Variant&) -> std::string {
+        .unsupported_reason = [](FeatureSet scene, const Variant&) -> std::string {
             const FeatureSet lights = Feature::emitter | Feature::emission | Feature::environment;
             return (scene & lights) != 0 ? "" : "needs a light in the scene";
         },

@@ -17,7 +17,7 @@ const Registration registration(
         .claim_note = next_event_claim,
         .mean_of = "off",
         .backends = on_every_backend,
-        .does_not_apply = next_event_does_not_apply,
+        .unsupported_reason = next_event_unsupported_reason,
     },
     {.features = [] { return no_features | Feature::next_event; }});
 

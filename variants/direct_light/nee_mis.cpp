@@ -20,7 +20,7 @@ const Registration registration(
         .mean_of = "off",
         .backends = on_every_backend,
         .tunables = tunables,
-        .does_not_apply = next_event_does_not_apply,
+        .unsupported_reason = next_event_unsupported_reason,
     },
     {.features = [] { return Feature::next_event | Feature::multiple_importance; }});
 

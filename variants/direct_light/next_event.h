@@ -8,7 +8,7 @@ namespace pt {
 inline constexpr std::string_view next_event_claim =
     "same expectation as direct_light=off: a connection brings what then does not count where it is met";
 
-inline std::string next_event_does_not_apply(FeatureSet scene, const Variant&) {
+inline std::string next_event_unsupported_reason(FeatureSet scene, const Variant&) {
     if ((scene & (Feature::emitter | Feature::emission)) == 0) {
         return "needs an object that emits: an environment is not sampled";
     }

@@ -12,7 +12,7 @@ const Registration registration(
         .origin = "Kajiya 1986",
         .baseline = on_every_backend,
         .backends = on_every_backend,
-        .work_missing = [](const WorkCounters& work, std::uint64_t) -> std::string {
+        .check_counters = [](const WorkCounters& work, std::uint64_t) -> std::string {
             return work.connections == 0 ? "" : "connected vertices to lights";
         },
     },

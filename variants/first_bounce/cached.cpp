@@ -13,7 +13,7 @@ const Registration registration(
         .summary = "the camera rays' hits are computed once and reused by every later sample",
         .origin = "both seeds (CIS 565 project 3)",
         .backends = on_every_backend,
-        .does_not_apply = [](FeatureSet scene, const Variant&) -> std::string {
+        .unsupported_reason = [](FeatureSet scene, const Variant&) -> std::string {
             if (contains(scene, Feature::jitter)) {
                 return "needs jitter off (camera.jitter is true in the scene)";
             }
@@ -25,7 +25,7 @@ const Registration registration(
             }
             return "";
         },
-        .work_missing = [](const WorkCounters& work, std::uint64_t samples) -> std::string {
+        .check_counters = [](const WorkCounters& work, std::uint64_t samples) -> std::string {
             if (work.cache_fills * samples != work.paths) {
                 return std::to_string(work.cache_fills) + " cache fills for " + std::to_string(work.paths) + " paths";
             }

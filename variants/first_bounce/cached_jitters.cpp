@@ -18,12 +18,12 @@ const Registration registration(
         .claim_note = "pixel, lens and shutter are sampled at K points, however many samples are taken",
         .backends = on_every_backend,
         .tunables = tunables,
-        .does_not_apply = [](FeatureSet scene, const Variant&) -> std::string {
+        .unsupported_reason = [](FeatureSet scene, const Variant&) -> std::string {
             const FeatureSet varying = (Feature::jitter | Feature::lens) | Feature::motion;
             return (scene & varying) != 0 ? ""
                                           : "needs jitter, a lens or motion; without them first_bounce=cached is it";
         },
-        .work_missing = [](const WorkCounters& work, std::uint64_t samples) -> std::string {
+        .check_counters = [](const WorkCounters& work, std::uint64_t samples) -> std::string {
             if (work.cache_fills == 0 || work.cache_fills * samples % work.paths != 0) {
                 return std::to_string(work.cache_fills) + " cache fills for " + std::to_string(work.paths) + " paths";
             }

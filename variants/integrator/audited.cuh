@@ -63,11 +63,11 @@ extern "C" __global__ void PT_LAUNCH_BOUNDS audited(Scene parameter, FilmView fi
 
 namespace pt::cuda::integrator::audited {
 
-inline std::string does_not_apply(FeatureSet features, const Variant& variant) {
+inline std::string unsupported_reason(FeatureSet features, const Variant& variant) {
     if (variant["first_bounce"] != "off") {
         return "looks at every segment: needs first_bounce=off, not " + variant["first_bounce"];
     }
-    return megakernel_does_not_apply(features, variant);
+    return megakernel_unsupported_reason(features, variant);
 }
 
 inline constexpr Descriptor descriptor{
@@ -77,13 +77,13 @@ inline constexpr Descriptor descriptor{
     .origin = "Falcor's InvalidPixelDetectionPass",
     .backends = on_cuda,
     .tunables = megakernel_tunables,
-    .does_not_apply = does_not_apply,
-    .work_missing = megakernel_work_missing,
+    .unsupported_reason = unsupported_reason,
+    .check_counters = megakernel_work_missing,
 };
 
 inline void render(Job& job) {
     const Stage stage(job.stages, "trace", job.stream);
-    const std::uint32_t most = samples_a_launch(job);
+    const std::uint32_t most = samples_per_launch(job);
     for (std::uint32_t done = 0; done < job.samples;) {
         const std::uint32_t samples = std::min(most, job.samples - done);
         const std::uint32_t stride = std::min(job.samples_in_flight, samples);

@@ -9,11 +9,11 @@
 
 namespace pt::integrator::audited {
 
-inline std::string does_not_apply(FeatureSet features, const Variant& variant) {
+inline std::string unsupported_reason(FeatureSet features, const Variant& variant) {
     if (variant["first_bounce"] != "off") {
         return "looks at every segment: needs first_bounce=off, not " + variant["first_bounce"];
     }
-    return depth_first::does_not_apply(features, variant);
+    return depth_first::unsupported_reason(features, variant);
 }
 
 inline constexpr Descriptor descriptor{
@@ -21,14 +21,14 @@ inline constexpr Descriptor descriptor{
     .name = "audited",
     .summary = "depth_first that looks at every path's state between stages; for health, not for times",
     .origin = "Falcor's InvalidPixelDetectionPass",
-    .does_not_apply = does_not_apply,
-    .work_missing = depth_first::work_missing,
+    .unsupported_reason = unsupported_reason,
+    .check_counters = depth_first::check_counters,
 };
 
 template <class Config>
 void render(RenderJobIn<typename Config::Real>& job) {
     std::mutex mutex;
-    parallel_for(job.scene.pixel_count(), depth_first::pixels_a_chunk, [&](std::size_t begin, std::size_t end) {
+    parallel_for(job.scene.pixel_count(), depth_first::pixels_per_chunk, [&](std::size_t begin, std::size_t end) {
         PathCounters counters;
         HealthCounters health;
         for (std::size_t pixel = begin; pixel < end; ++pixel) {

@@ -9,7 +9,7 @@
 
 namespace pt::integrator::depth_first {
 
-inline std::string does_not_apply(FeatureSet, const Variant& variant) {
+inline std::string unsupported_reason(FeatureSet, const Variant& variant) {
     if (variant["compaction"] != "none") {
         return "has no queue to compact: needs compaction=none, not " + variant["compaction"];
     }
@@ -22,7 +22,7 @@ inline std::string does_not_apply(FeatureSet, const Variant& variant) {
     return "";
 }
 
-inline std::string work_missing(const WorkCounters& work, std::uint64_t) {
+inline std::string check_counters(const WorkCounters& work, std::uint64_t) {
     return work.bounces == 0 ? "" : "ran a queue";
 }
 
@@ -32,11 +32,11 @@ inline constexpr Descriptor descriptor{
     .summary = "a path at a time, state in registers (the megakernel's loop on a CPU core)",
     .origin = "Kajiya 1986",
     .reference = on_cpu,
-    .does_not_apply = does_not_apply,
-    .work_missing = work_missing,
+    .unsupported_reason = unsupported_reason,
+    .check_counters = check_counters,
 };
 
-inline constexpr std::size_t pixels_a_chunk = 64;
+inline constexpr std::size_t pixels_per_chunk = 64;
 
 // Traces one path to its end and returns the number of segments it had. With a cache its camera ray is one of those
 // kept, and its first hit comes from there unless this path is the one that fills it.
@@ -67,7 +67,7 @@ void render(RenderJobIn<typename Config::Real>& job) {
     FirstBounceCache<typename Config::Real>* const cache = job.cache;
     {
         const StageClock clock(job.stages, "trace");
-        parallel_for(job.scene.pixel_count(), pixels_a_chunk, [&](std::size_t begin, std::size_t end) {
+        parallel_for(job.scene.pixel_count(), pixels_per_chunk, [&](std::size_t begin, std::size_t end) {
             PathCounters counters;
             std::uint64_t chunk_fills = 0;
             for (std::size_t pixel = begin; pixel < end; ++pixel) {

@@ -49,14 +49,14 @@ inline constexpr Descriptor descriptor{
     .reference = on_cuda,
     .backends = on_cuda,
     .tunables = megakernel_tunables,
-    .does_not_apply = megakernel_does_not_apply,
-    .work_missing = megakernel_work_missing,
+    .unsupported_reason = megakernel_unsupported_reason,
+    .check_counters = megakernel_work_missing,
 };
 
 inline void render(Job& job) {
     fill_cache(job);
     const Stage stage(job.stages, "trace", job.stream);
-    const std::uint32_t most = samples_a_launch(job);
+    const std::uint32_t most = samples_per_launch(job);
     for (std::uint32_t done = 0; done < job.samples;) {
         const std::uint32_t samples = std::min(most, job.samples - done);
         const std::uint32_t stride = std::min(job.samples_in_flight, samples);

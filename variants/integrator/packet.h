@@ -13,7 +13,7 @@
 
 namespace pt::integrator::packet {
 
-inline std::string does_not_apply(FeatureSet, const Variant& variant) {
+inline std::string unsupported_reason(FeatureSet, const Variant& variant) {
     if (variant["compaction"] != "none") {
         return "has no queue to compact: needs compaction=none, not " + variant["compaction"];
     }
@@ -34,8 +34,8 @@ inline constexpr Descriptor descriptor{
     .name = "packet",
     .summary = "64 paths side by side in vector lanes, with regeneration; what is rare goes lane by lane",
     .origin = "Wald, Slusallek, Benthin and Wagner 2001; Novak, Havran and Dachsbacher 2010",
-    .does_not_apply = does_not_apply,
-    .work_missing = depth_first::work_missing,
+    .unsupported_reason = unsupported_reason,
+    .check_counters = depth_first::check_counters,
 };
 
 // The paths of a range of pixels, sample by sample.
@@ -86,11 +86,11 @@ public:
         paths.throughput.set(l, Vec3<Real>(Real(1)));
         paths.radiance.set(l, Vec3<Real>(Real(0)));
         paths.time[l] = time_[k];
-        paths.scatter_density[l] = Real(0);
+        paths.bsdf_pdf[l] = Real(0);
         paths.pixel[l] = pixel_[k];
         paths.sample[l] = sample_[k];
         paths.segment[l] = 0;
-        paths.departed[l] = ObjectSide::nowhere;
+        paths.origin_surface[l] = SurfaceId::nowhere;
         paths.medium[l] = scene_.camera.initial_medium;
     }
 
@@ -199,7 +199,7 @@ private:
 
 // Pixels that a packet works through: enough paths that the last ones, with lanes idle, weigh little, but some chunks
 // for every thread.
-inline std::size_t pixels_a_chunk(std::size_t pixels, std::uint32_t samples) {
+inline std::size_t pixels_per_chunk(std::size_t pixels, std::uint32_t samples) {
     constexpr std::size_t paths = 512 * lanes::width;
     const std::size_t fair = pixels / (8 * static_cast<std::size_t>(parallel_threads()));
     return std::max<std::size_t>(64, std::min(paths / std::max(samples, 1u), fair));
@@ -212,7 +212,7 @@ void render(RenderJobIn<typename Config::Real>& job) {
     {
         const StageClock clock(job.stages, "trace");
         const std::size_t pixels = job.scene.pixel_count();
-        parallel_for(pixels, pixels_a_chunk(pixels, job.samples), [&](std::size_t begin, std::size_t end) {
+        parallel_for(pixels, pixels_per_chunk(pixels, job.samples), [&](std::size_t begin, std::size_t end) {
             const PathRange range(static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end), job.first_sample,
                                   job.samples, job.scene.camera.width);
             PathCounters counters;

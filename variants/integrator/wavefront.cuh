@@ -137,7 +137,7 @@ inline constexpr Descriptor descriptor{
     .baseline = on_cuda,
     .backends = on_cuda,
     .tunables = wavefront_tunables,
-    .work_missing = wavefront_work_missing,
+    .check_counters = wavefront_work_missing,
 };
 
 // One batch: every path of it from its camera ray to its end.

@@ -10,7 +10,7 @@
 
 namespace pt::integrator::wavefront {
 
-inline std::string work_missing(const WorkCounters& work, std::uint64_t samples) {
+inline std::string check_counters(const WorkCounters& work, std::uint64_t samples) {
     return work.bounces >= samples ? "" : "ran fewer bounces over the queue than samples";
 }
 
@@ -20,10 +20,10 @@ inline constexpr Descriptor descriptor{
     .summary = "separate generate, intersect and shade over a queue of all paths, one sample a pixel in flight",
     .origin = "Laine, Karras and Aila 2013; both seeds",
     .baseline = on_cpu,
-    .work_missing = work_missing,
+    .check_counters = check_counters,
 };
 
-inline constexpr std::size_t paths_a_chunk = 1024;
+inline constexpr std::size_t paths_per_chunk = 1024;
 
 template <class Config, class Paths>
 class Wavefront {
@@ -64,7 +64,7 @@ private:
         queue_.count = job_.scene.pixel_count();
         queue_.indirect = false;
         const std::uint32_t camera_sample = job_.cache != nullptr ? sample % job_.cache->rays : sample;
-        parallel_for(queue_.count, paths_a_chunk, [&](std::size_t begin, std::size_t end) {
+        parallel_for(queue_.count, paths_per_chunk, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 paths_.store(i, generate<Config>(job_.scene, static_cast<std::uint32_t>(i), sample, camera_sample));
             }
@@ -77,7 +77,7 @@ private:
         std::atomic<std::uint64_t> live = 0;
         const bool use_cache = first && job_.cache != nullptr;
         const bool filled = use_cache && job_.cache->has(job_.cache->samples_seen);
-        parallel_for(queue_.count, paths_a_chunk, [&](std::size_t begin, std::size_t end) {
+        parallel_for(queue_.count, paths_per_chunk, [&](std::size_t begin, std::size_t end) {
             std::uint64_t chunk_live = 0;
             for (std::size_t i = begin; i < end; ++i) {
                 const std::uint32_t slot = queue_.slot(i);
@@ -106,10 +106,10 @@ private:
     void sort(std::uint64_t live) {
         const StageClock clock(job_.stages, "sort");
         const std::uint32_t missed = job_.scene.materials.size;
-        parallel_for(queue_.count, paths_a_chunk, [&](std::size_t begin, std::size_t end) {
+        parallel_for(queue_.count, paths_per_chunk, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 const std::uint32_t slot = queue_.slot(i);
-                const ObjectSide side = queue_.hits[slot].side;
+                const SurfaceId side = queue_.hits[slot].side;
                 queue_.keys[i] = !paths_.alive(slot) ? missed + 1
                                  : side.exists()     ? job_.scene.object_material[side.object()]
                                                      : missed;
@@ -123,7 +123,7 @@ private:
     void shade_all() {
         const StageClock clock(job_.stages, "shade");
         std::atomic<std::uint64_t> rays = 0, connections = 0, unfinished = 0;
-        parallel_for(queue_.count, paths_a_chunk, [&](std::size_t begin, std::size_t end) {
+        parallel_for(queue_.count, paths_per_chunk, [&](std::size_t begin, std::size_t end) {
             PathCounters counters;
             for (std::size_t i = begin; i < end; ++i) {
                 const std::uint32_t slot = queue_.slot(i);

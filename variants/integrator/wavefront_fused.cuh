@@ -172,13 +172,13 @@ inline constexpr Descriptor descriptor{
     .origin = "pbrt-v4's and Cycles' queues, taken to one kernel",
     .backends = on_cuda,
     .tunables = tunables,
-    .does_not_apply = [](FeatureSet, const Variant& variant) -> std::string {
+    .unsupported_reason = [](FeatureSet, const Variant& variant) -> std::string {
         return variant["sorting"] == "none" ? ""
                                             : "intersects and shades in one kernel, there is no point at which to "
                                               "sort: needs sorting=none, not " +
                                                   variant["sorting"];
     },
-    .work_missing = wavefront_work_missing,
+    .check_counters = wavefront_work_missing,
 };
 
 // How the kernel itself compacts; 0: not, a compaction comes after it.
@@ -187,9 +187,9 @@ inline int append_in_kernel(const Variant& variant) {
 }
 
 // In words, the stride between counters included (counter_stride).
-inline std::size_t counters_a_segment(const Job& job) { return std::size_t{job.append_counters} * 32; }
+inline std::size_t counters_per_segment(const Job& job) { return std::size_t{job.append_counters} * 32; }
 inline std::size_t append_count_bytes(const Job& job) {
-    return counters_a_segment(job) * job.longest_path * sizeof(std::uint32_t);
+    return counters_per_segment(job) * job.longest_path * sizeof(std::uint32_t);
 }
 
 class Batch {
@@ -226,7 +226,7 @@ public:
 private:
     // Where the paths that live after a segment are counted.
     std::uint32_t* counts_after(std::uint32_t segment) const {
-        return job_.append_counts + std::size_t{segment} * counters_a_segment(job_);
+        return job_.append_counts + std::size_t{segment} * counters_per_segment(job_);
     }
 
     LiveCounts enqueue_round() {
@@ -242,7 +242,7 @@ private:
         }
         queue_.count = before.count;
         check_round_trip(before, queue_);
-        return {counts, job_.append_counters, 32, static_cast<std::uint32_t>(counters_a_segment(job_))};
+        return {counts, job_.append_counters, 32, static_cast<std::uint32_t>(counters_per_segment(job_))};
     }
 
     void enqueue_segment(std::uint32_t segment) {

@@ -5,7 +5,7 @@
 
 namespace pt {
 
-// A launch choice's does_not_apply.
+// A launch choice's unsupported_reason.
 inline std::string why_not_captured(FeatureSet, const Variant& variant) {
     const Registry& registry = Registry::instance();
     for (const std::string_view axis : {"compaction", "sorting"}) {

@@ -12,8 +12,8 @@ const Registration registration(
         .summary = "a batch of samples is a CUDA graph, captured before the clock starts and replayed",
         .origin = "CUDA graphs (CUDA 10)",
         .backends = on_cuda,
-        .does_not_apply = why_not_captured,
-        .work_missing = [](const WorkCounters& work, std::uint64_t) -> std::string {
+        .unsupported_reason = why_not_captured,
+        .check_counters = [](const WorkCounters& work, std::uint64_t) -> std::string {
             return work.graph_nodes > 0 ? "" : "launched no graph";
         },
     },

@@ -36,8 +36,8 @@ const Registration registration(
         .summary = "a batch of samples is a CUDA graph whose while node repeats bounces as long as paths live",
         .origin = "conditional nodes (CUDA 12.4)",
         .backends = on_cuda,
-        .does_not_apply = why_not_looped,
-        .work_missing = loop_missing,
+        .unsupported_reason = why_not_looped,
+        .check_counters = loop_missing,
     },
     {.cuda = {.is_captured = true, .loops = true}});
 

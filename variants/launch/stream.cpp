@@ -12,7 +12,7 @@ const Registration registration(
         .origin = "both seeds",
         .baseline = on_every_backend,
         .backends = on_every_backend,
-        .work_missing = [](const WorkCounters& work, std::uint64_t) -> std::string {
+        .check_counters = [](const WorkCounters& work, std::uint64_t) -> std::string {
             return work.graph_nodes == 0 ? "" : "launched a graph";
         },
     },

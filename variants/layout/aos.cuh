@@ -62,7 +62,7 @@ struct DevicePaths {
     }
 #endif
     cuda::FieldView segment() const { return field(offsetof(Path<Real>, segment)); }
-    cuda::FieldView departed() const { return field(offsetof(Path<Real>, departed)); }
+    cuda::FieldView origin_surface() const { return field(offsetof(Path<Real>, origin_surface)); }
 
 private:
     static constexpr std::size_t piece_count = sizeof(Record<Real>) / sizeof(Piece);

@@ -27,7 +27,7 @@ struct DevicePaths {
                 {c.x, c.y, c.z},    {d.x, d.y, d.z},
                 bits_to_float(a.w), key.pixel,
                 key.sample,         c.w,
-                ObjectSide{b.w},    d.w,
+                SurfaceId{b.w},     d.w,
                 density()[slot]};
     }
     PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { put<true, true, true, true>(slot, path); }
@@ -42,13 +42,13 @@ struct DevicePaths {
     template <bool radiance, bool medium, bool has_density>
     PT_HD void update(std::uint32_t slot, const Path<Real>& path) const {
         column(0)[slot] = {path.origin.x, path.origin.y, path.origin.z, float_to_bits(path.time)};
-        column(1)[slot] = {path.direction.x, path.direction.y, path.direction.z, path.departed.code};
+        column(1)[slot] = {path.direction.x, path.direction.y, path.direction.z, path.origin_surface.code};
         column(2)[slot] = {path.throughput.x, path.throughput.y, path.throughput.z, path.segment};
         if constexpr (radiance || medium) {
             optional()[slot] = {path.radiance.x, path.radiance.y, path.radiance.z, path.medium};
         }
         if constexpr (has_density) {
-            density()[slot] = path.scatter_density;
+            density()[slot] = path.bsdf_pdf;
         }
     }
     PT_HD void end(std::uint32_t slot) const { column(2)[slot].w = Path<Real>::ended; }
@@ -57,7 +57,7 @@ struct DevicePaths {
     PT_HD std::uint32_t sample(std::uint32_t slot) const { return keys()[slot].sample; }
     PT_HD Ray<Real> ray(std::uint32_t slot) const {
         const Column a = column(0)[slot], b = column(1)[slot];
-        return {{a.x, a.y, a.z}, {b.x, b.y, b.z}, bits_to_float(a.w), ObjectSide{b.w}};
+        return {{a.x, a.y, a.z}, {b.x, b.y, b.z}, bits_to_float(a.w), SurfaceId{b.w}};
     }
 
 #if !defined(__CUDACC_RTC__)
@@ -72,7 +72,7 @@ struct DevicePaths {
     }
 #endif
     cuda::FieldView segment() const { return field(2); }
-    cuda::FieldView departed() const { return field(1); }
+    cuda::FieldView origin_surface() const { return field(1); }
 
 private:
     PT_HD Column* column(std::uint32_t i) const {
@@ -99,7 +99,7 @@ inline constexpr Descriptor cuda_descriptor{
         "columns of 16 bytes: origin and time, direction and surface, throughput and segment, radiance and medium",
     .origin = "Laine, Karras and Aila 2013 (16-byte accesses)",
     .backends = on_cuda,
-    .does_not_apply = [](FeatureSet, const Variant& variant) -> std::string {
+    .unsupported_reason = [](FeatureSet, const Variant& variant) -> std::string {
         return variant["precision"] == "float" ? "" : "packs single-precision fields: needs precision=float";
     },
 };

@@ -12,9 +12,9 @@ struct DevicePaths {
 
     PT_HD explicit DevicePaths(const cuda::PathStore& store) : store_(store) {}
     PT_HD Path<Real> load(std::uint32_t slot) const {
-        return {
-            vector(0, slot), vector(3, slot), vector(6, slot),           radiance(slot), time()[slot],   word(0)[slot],
-            word(1)[slot],   word(2)[slot],   ObjectSide{word(3)[slot]}, medium()[slot], density()[slot]};
+        return {vector(0, slot), vector(3, slot), vector(6, slot), radiance(slot),           time()[slot],
+                word(0)[slot],   word(1)[slot],   word(2)[slot],   SurfaceId{word(3)[slot]}, medium()[slot],
+                density()[slot]};
     }
     PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { put<true, true, true, true>(slot, path); }
     // A path that is new in its slot; of radiance, medium, time and density only what is asked for.
@@ -40,12 +40,12 @@ struct DevicePaths {
             column[2 * std::size_t{padded(store_.capacity)} + slot] = path.radiance.z;
         }
         word(2)[slot] = path.segment;
-        word(3)[slot] = path.departed.code;
+        word(3)[slot] = path.origin_surface.code;
         if constexpr (has_medium) {
             medium()[slot] = path.medium;
         }
         if constexpr (has_density) {
-            density()[slot] = path.scatter_density;
+            density()[slot] = path.bsdf_pdf;
         }
     }
     PT_HD void end(std::uint32_t slot) const { word(2)[slot] = Path<Real>::ended; }
@@ -53,7 +53,7 @@ struct DevicePaths {
     PT_HD std::uint32_t pixel(std::uint32_t slot) const { return word(0)[slot]; }
     PT_HD std::uint32_t sample(std::uint32_t slot) const { return word(1)[slot]; }
     PT_HD Ray<Real> ray(std::uint32_t slot) const {
-        return {vector(0, slot), vector(3, slot), time()[slot], ObjectSide{word(3)[slot]}};
+        return {vector(0, slot), vector(3, slot), time()[slot], SurfaceId{word(3)[slot]}};
     }
 
 #if !defined(__CUDACC_RTC__)
@@ -69,7 +69,7 @@ struct DevicePaths {
     }
 #endif
     cuda::FieldView segment() const { return {reinterpret_cast<const unsigned char*>(word(2)), 4}; }
-    cuda::FieldView departed() const { return {reinterpret_cast<const unsigned char*>(word(3)), 4}; }
+    cuda::FieldView origin_surface() const { return {reinterpret_cast<const unsigned char*>(word(3)), 4}; }
 
 private:
     // Columns start on 256-byte borders.

@@ -37,9 +37,9 @@ struct Columns {
         real[column + 2][slot] = v.z;
     }
     Path<Real> load(std::size_t slot) const {
-        return {vector(0, slot), vector(3, slot), vector(6, slot), vector(9, slot),           real[12][slot],
-                word[0][slot],   word[1][slot],   word[2][slot],   ObjectSide{word[3][slot]}, word[4][slot],
-                real[13][slot]};
+        return {vector(0, slot),          vector(3, slot), vector(6, slot), vector(9, slot),
+                real[12][slot],           word[0][slot],   word[1][slot],   word[2][slot],
+                SurfaceId{word[3][slot]}, word[4][slot],   real[13][slot]};
     }
     void store(std::size_t slot, const Path<Real>& path) const {
         set_vector(0, slot, path.origin);
@@ -47,11 +47,11 @@ struct Columns {
         set_vector(6, slot, path.throughput);
         set_vector(9, slot, path.radiance);
         real[12][slot] = path.time;
-        real[13][slot] = path.scatter_density;
+        real[13][slot] = path.bsdf_pdf;
         word[0][slot] = path.pixel;
         word[1][slot] = path.sample;
         word[2][slot] = path.segment;
-        word[3][slot] = path.departed.code;
+        word[3][slot] = path.origin_surface.code;
         word[4][slot] = path.medium;
     }
 };
@@ -134,7 +134,7 @@ public:
     std::uint32_t pixel(std::size_t slot) const { return columns_.word[0][slot]; }
     Ray<Real> ray(std::size_t slot) const {
         return {columns_.vector(0, slot), columns_.vector(3, slot), columns_.real[12][slot],
-                ObjectSide{columns_.word[3][slot]}};
+                SurfaceId{columns_.word[3][slot]}};
     }
     Iterator<Real> begin() { return {&columns_, 0}; }
 

@@ -32,7 +32,7 @@ std::string why_not_on_the_cpu(FeatureSet, const Variant& variant) {
 constexpr Descriptor cpu_descriptor() {
     Descriptor on_the_cpu = descriptor;
     on_the_cpu.backends = on_cpu;
-    on_the_cpu.does_not_apply = why_not_on_the_cpu;
+    on_the_cpu.unsupported_reason = why_not_on_the_cpu;
     return on_the_cpu;
 }
 

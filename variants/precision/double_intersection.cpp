@@ -5,7 +5,7 @@
 namespace pt {
 namespace {
 
-std::string does_not_apply(FeatureSet, const Variant& variant) {
+std::string unsupported_reason(FeatureSet, const Variant& variant) {
     if (variant["specialisation"] == "matrix") {
         return "has its own intersection: needs another specialisation than matrix";
     }
@@ -19,7 +19,7 @@ std::string does_not_apply_on_the_cpu(FeatureSet scene, const Variant& variant) 
     if (variant["integrator"] != "depth_first" && variant["integrator"] != "audited") {
         return "is compiled for a path at a time: needs integrator=depth_first, not " + variant["integrator"];
     }
-    return does_not_apply(scene, variant);
+    return unsupported_reason(scene, variant);
 }
 
 constexpr Descriptor descriptor_on(BackendSet backends, std::string (*why_not)(FeatureSet, const Variant&)) {
@@ -32,14 +32,14 @@ constexpr Descriptor descriptor_on(BackendSet backends, std::string (*why_not)(F
         .claim_note = "same expectation as precision=float, up to rounding",
         .mean_of = "float",
         .backends = backends,
-        .does_not_apply = why_not,
+        .unsupported_reason = why_not,
     };
 }
 
 FeatureSet features() { return no_features | Feature::double_intersection; }
 
 const Registration on_the_cpu(descriptor_on(on_cpu, does_not_apply_on_the_cpu), {.features = features});
-const Registration on_the_gpu(descriptor_on(on_cuda, does_not_apply),
+const Registration on_the_gpu(descriptor_on(on_cuda, unsupported_reason),
                               {.features = features, .cuda = {.real = "float", .real_bytes = 4}});
 
 }  // namespace

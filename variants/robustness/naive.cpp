@@ -5,7 +5,7 @@
 namespace pt {
 namespace {
 
-std::string does_not_apply(FeatureSet, const Variant& variant) {
+std::string unsupported_reason(FeatureSet, const Variant& variant) {
     const std::string& integrator = variant["integrator"];
     if (integrator != "depth_first" && integrator != "megakernel" && integrator != "audited") {
         return "sums a pixel's samples in their order: needs integrator=depth_first, megakernel or audited, not " +
@@ -33,7 +33,7 @@ const Registration registration(
         .claim = Claim::biased,
         .claim_note = "wrong wherever a scene's size, distance or depth does not suit an epsilon of 1e-4",
         .backends = on_every_backend,
-        .does_not_apply = does_not_apply,
+        .unsupported_reason = unsupported_reason,
     },
     {.features = [] { return no_features | Feature::naive; }});
 

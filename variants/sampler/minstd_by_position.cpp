@@ -7,7 +7,7 @@ namespace pt {
 namespace {
 
 // Only where positions are what they are in every run: not where threads race for them.
-std::string does_not_apply(FeatureSet, const Variant& variant) {
+std::string unsupported_reason(FeatureSet, const Variant& variant) {
     if (variant["integrator"] != "wavefront") {
         return "is seeded by positions in a queue: needs integrator=wavefront";
     }
@@ -33,7 +33,7 @@ const Registration registration(
         .depends_on_order = true,
         .has_independent_samples = false,
         .backends = on_every_backend,
-        .does_not_apply = does_not_apply,
+        .unsupported_reason = unsupported_reason,
     },
     {.features = [] { return no_features | Feature::minstd; }});
 

@@ -28,7 +28,7 @@ inline constexpr Descriptor descriptor{
     .summary = "the material that was hit, then the hit point's Morton code (15 bits)",
     .origin = "Laine, Karras and Aila 2013; Morton 1966",
     .backends = on_cuda,
-    .does_not_apply = [](FeatureSet, const Variant& variant) -> std::string {
+    .unsupported_reason = [](FeatureSet, const Variant& variant) -> std::string {
         return variant["sorting"] == "none" ? "needs a sort, not sorting=none" : "";
     },
 };

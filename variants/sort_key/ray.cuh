@@ -30,7 +30,7 @@ inline constexpr Descriptor descriptor{
     .summary = "the ray's octant, then its origin's Morton code (15 bits); sorted before the ray is traced",
     .origin = "Aila and Karras 2010; Meister et al. 2020 (ray reordering)",
     .backends = on_cuda,
-    .does_not_apply = [](FeatureSet, const Variant& variant) -> std::string {
+    .unsupported_reason = [](FeatureSet, const Variant& variant) -> std::string {
         return variant["sorting"] == "none" ? "needs a sort, not sorting=none" : "";
     },
 };

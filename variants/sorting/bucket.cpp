@@ -50,7 +50,7 @@ const Registration registration(
         .name = "bucket",
         .summary = "counting sort of slot numbers by material; the payload stays in place",
         .origin = "Cycles' sorted index array",
-        .work_missing = sorted_every_bounce,
+        .check_counters = sorted_every_bounce,
     },
     {.sorting = [] { return std::make_unique<Bucket>(); }});
 

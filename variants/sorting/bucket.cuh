@@ -122,12 +122,12 @@ inline constexpr Descriptor descriptor{
     .summary = "counting sort of slot numbers, histograms in shared memory; the payload stays in place",
     .origin = "Cycles' sorted index array",
     .backends = on_cuda,
-    .does_not_apply = [](FeatureSet, const Variant& variant) -> std::string {
+    .unsupported_reason = [](FeatureSet, const Variant& variant) -> std::string {
         return variant["sort_key"] == "material"
                    ? ""
                    : "has a bucket a material: needs sort_key=material, not " + variant["sort_key"];
     },
-    .work_missing = sorted_every_bounce,
+    .check_counters = sorted_every_bounce,
 };
 
 inline const Hooks hooks{.sorting = [](const CellContext& context) -> std::unique_ptr<Sorting> {

@@ -13,7 +13,7 @@ const Registration registration(
         .summary = "cub::DeviceRadixSort::SortPairs of slot numbers, by the bits that the keys need",
         .origin = "Merrill and Grimshaw 2011; Adinets and Merrill 2022 (Onesweep)",
         .backends = on_cuda,
-        .work_missing = sorted_every_bounce,
+        .check_counters = sorted_every_bounce,
     },
     {.sorting = [](const CellContext& cell) -> std::unique_ptr<Sorting> {
         return std::make_unique<RadixSort>(cell, KeyBits::needed);

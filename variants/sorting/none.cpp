@@ -18,7 +18,7 @@ const Registration registration(
         .origin = "both seeds, sorting off",
         .baseline = on_every_backend,
         .backends = on_every_backend,
-        .work_missing = [](const WorkCounters& work, std::uint64_t) -> std::string {
+        .check_counters = [](const WorkCounters& work, std::uint64_t) -> std::string {
             return work.sorts == 0 ? "" : "a sort ran";
         },
     },

@@ -81,12 +81,12 @@ inline constexpr Descriptor descriptor{
     .summary = "each path is appended to its material's own queue; shading is one kernel a material",
     .origin = "Laine, Karras and Aila 2013",
     .backends = on_cuda,
-    .does_not_apply = [](FeatureSet, const Variant& variant) -> std::string {
+    .unsupported_reason = [](FeatureSet, const Variant& variant) -> std::string {
         return variant["sort_key"] == "material"
                    ? ""
                    : "has a queue a material: needs sort_key=material, not " + variant["sort_key"];
     },
-    .work_missing = sorted_every_bounce,
+    .check_counters = sorted_every_bounce,
 };
 
 inline const Hooks hooks{.sorting = [](const CellContext& context) -> std::unique_ptr<Sorting> {

@@ -34,12 +34,12 @@ const Registration registration(
         .name = "thrust_sort_by_key",
         .summary = "thrust::sort_by_key by material, path and hit moved",
         .origin = "both seeds",
-        .does_not_apply = [](FeatureSet, const Variant& variant) -> std::string {
+        .unsupported_reason = [](FeatureSet, const Variant& variant) -> std::string {
             return Registry::instance().at("compaction", variant).descriptor.keeps_payload_contiguous
                        ? ""
                        : "moves a contiguous payload, which compaction=" + variant["compaction"] + " does not keep";
         },
-        .work_missing = sorted_every_bounce,
+        .check_counters = sorted_every_bounce,
     },
     {.sorting = [] { return std::make_unique<SortByKey>(); }});
 

@@ -15,7 +15,7 @@ namespace {
 // time, and is what compute-sanitizer's initcheck looks for. So the path goes without its last word, which only
 // next-event estimation uses: five pieces of 16 bytes in all.
 struct PathWords {
-    std::uint32_t word[offsetof(Path<float>, scatter_density) / sizeof(std::uint32_t)];
+    std::uint32_t word[offsetof(Path<float>, bsdf_pdf) / sizeof(std::uint32_t)];
 };
 struct alignas(16) PathAndHit {
     PathWords path;
@@ -32,7 +32,7 @@ struct PathAndHitSlots {
         : paths(store), hits(static_cast<Hit<float>*>(hit_store)) {}
     struct Split {
         PathWords words;
-        float scatter_density;
+        float bsdf_pdf;
     };
     PT_HD PathAndHit load(std::uint32_t slot) const {
         return {__builtin_bit_cast(Split, paths.load(slot)).words, hits[slot]};
@@ -79,7 +79,7 @@ const Registration registration(
         .waits_for_device = true,
         .backends = on_cuda,
         .tunables = thrust_tunables,
-        .does_not_apply = [](FeatureSet features, const Variant& variant) -> std::string {
+        .unsupported_reason = [](FeatureSet features, const Variant& variant) -> std::string {
             if (!keeps_payload_contiguous(variant)) {
                 return "moves a contiguous payload, which compaction=" + variant["compaction"] + " does not keep";
             }
@@ -89,7 +89,7 @@ const Registration registration(
             }
             return needs_single_precision(features, variant);
         },
-        .work_missing = sorted_every_bounce,
+        .check_counters = sorted_every_bounce,
     },
     {.sorting = [](const CellContext& cell) -> std::unique_ptr<Sorting> { return std::make_unique<SortByKey>(cell); }});
 

@@ -16,7 +16,7 @@ const Registration registration(
                       "elsewhere",
         .mean_of = "generic",
         .backends = on_every_backend,
-        .does_not_apply = [](FeatureSet scene, const Variant& variant) -> std::string {
+        .unsupported_reason = [](FeatureSet scene, const Variant& variant) -> std::string {
             if (variant["sampler"] != "pcg4d") {
                 return "is compiled with sampler=pcg4d only";
             }

@@ -105,7 +105,7 @@ public:
     using Real = typename Kernel::Real;
 
     Billiard(const SceneText& text, const Vec3d& origin, const Vec3d& direction) : scene_(text) {
-        ray_ = {Vec3<Real>(origin), normalize(Vec3<Real>(direction)), Real(0), ObjectSide{}};
+        ray_ = {Vec3<Real>(origin), normalize(Vec3<Real>(direction)), Real(0), SurfaceId{}};
     }
     const Ray<Real>& ray() const { return ray_; }
     const SceneView<Real>& view() const { return scene_.view(); }

@@ -47,11 +47,11 @@ std::vector<Measurement> film_sum(const Values& v, const DirectSetting& setting)
     constexpr FeatureSet naive = no_features | Feature::naive;
     const std::uint32_t content = v.whole("content");
     const auto samples = static_cast<std::uint64_t>(v["samples"]);
-    const bool twofold = setting.precision == "double";
-    const double ratio = setting.is_naive ? (twofold ? film_over_exact<Config<double, naive>>(content, samples)
-                                                     : film_over_exact<Config<float, naive>>(content, samples))
-                                          : (twofold ? film_over_exact<Config<double, no_features>>(content, samples)
-                                                     : film_over_exact<Config<float, no_features>>(content, samples));
+    const bool fp64 = setting.precision == "double";
+    const double ratio = setting.is_naive ? (fp64 ? film_over_exact<Config<double, naive>>(content, samples)
+                                                  : film_over_exact<Config<float, naive>>(content, samples))
+                                          : (fp64 ? film_over_exact<Config<double, no_features>>(content, samples)
+                                                  : film_over_exact<Config<float, no_features>>(content, samples));
     return {{.quantity = "mean over the samples' exact mean",
              .measured = ratio,
              .exact = 1,
@@ -203,11 +203,11 @@ std::vector<Measurement> motion_grid(const Values& v, const DirectSetting& setti
     constexpr FeatureSet naive = plain | Feature::naive;
     constexpr FeatureSet mixed = plain | Feature::double_intersection;
     const Scene scene = parse_scene(moving_box(v).json().dump(), "stability case motion_grid");
-    const bool twofold = setting.precision == "double";
+    const bool fp64 = setting.precision == "double";
     const double measured = setting.precision == "double_intersection" ? grid_coverage<Config<float, mixed>>(scene)
-                            : setting.is_naive ? (twofold ? grid_coverage<Config<double, naive>>(scene)
-                                                          : grid_coverage<Config<float, naive>>(scene))
-                            : twofold          ? grid_coverage<Config<double, plain>>(scene)
+                            : setting.is_naive ? (fp64 ? grid_coverage<Config<double, naive>>(scene)
+                                                       : grid_coverage<Config<float, naive>>(scene))
+                            : fp64             ? grid_coverage<Config<double, plain>>(scene)
                                                : grid_coverage<Config<float, plain>>(scene);
     const double rounding = moving_box_rounding(v);
     return {{.quantity = "share of 2^24 moments at which the box is met",

@@ -56,8 +56,8 @@ std::uint64_t light_faults(const Body& body, Real u, Real v, Real w) {
     for (const Vec3<Real>& observer : {Vec3<Real>(0, -1000, 0), Vec3<Real>(0.25, Real(-1.0009765625), 0.125),
                                        Vec3<Real>(3, 2, 1), Vec3<Real>(0.125, 0, 0.25)}) {
         const DirectionSample<Real> direction = sample_direction(body, observer, u, v, w);
-        faults += direction.measure >= Real(0) && std::isfinite(direction.measure) &&
-                          (direction.measure == Real(0) || is_unit(direction.direction))
+        faults += direction.inverse_pdf >= Real(0) && std::isfinite(direction.inverse_pdf) &&
+                          (direction.inverse_pdf == Real(0) || is_unit(direction.direction))
                       ? 0
                       : 1;
     }

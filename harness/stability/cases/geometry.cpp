@@ -163,7 +163,7 @@ StartedRays start_rays(const Rays& scene, const Body& body, const Vec3d& centre,
         const auto point = scene.surface(incoming, hit);
         const Vec3<Real> direction = rounded<Real>(random.on_sphere());
         const bool inward = dot(Vec3l(point.normal), Vec3l(direction)) < 0;
-        const auto next = scene.closest(scene.ray(point.position, direction, ObjectSide::of(0, inward)));
+        const auto next = scene.closest(scene.ray(point.position, direction, SurfaceId::of(0, inward)));
         if (!inward || !has_inside) {
             result.self_hits += next.side.exists() ? 1 : 0;
             continue;

@@ -21,8 +21,8 @@ SceneText receiver(const std::string& name, double camera_height) {
     return scene;
 }
 
-// `single`, `twofold`: relative.
-std::vector<Rendering> lit(const SceneText& scene, double irradiance, double single, double twofold,
+// `single`, `fp64`: relative.
+std::vector<Rendering> lit(const SceneText& scene, double irradiance, double single, double fp64,
                            const std::string& origin) {
     const double exact = albedo * irradiance / pi<double>;
     return {{.scene = scene.json(),
@@ -31,7 +31,7 @@ std::vector<Rendering> lit(const SceneText& scene, double irradiance, double sin
              .quantities = {{.name = "radiance of the receiver",
                              .of = mean_radiance,
                              .exact = exact,
-                             .tolerance = Tolerance::relative(exact, single, twofold, origin)}}}};
+                             .tolerance = Tolerance::relative(exact, single, fp64, origin)}}}};
 }
 
 std::vector<Rendering> rectangle(const Values& v) {
@@ -96,9 +96,9 @@ std::vector<Measurement> cone(double sine_squared, bool is_naive) {
         const Real w = (static_cast<Real>(i / steps) + Real(0.5)) / steps;
         const DirectionSample<Real> sample = is_naive ? naive::sample_direction(sphere, observer, u, w)
                                                       : sample_direction(sphere, observer, u, w, Real(0.5));
-        measure = sample.measure;
+        measure = sample.inverse_pdf;
         const Vec3<double> d(sample.direction);
-        irradiance += static_cast<long double>(d.y) * sample.measure / (steps * steps);
+        irradiance += static_cast<long double>(d.y) * sample.inverse_pdf / (steps * steps);
         widest = std::max(widest, std::sqrt((d.x * d.x + d.z * d.z) / dot(d, d) / static_cast<double>(s2)));
     }
     const auto ratio = [](long double a, long double b) { return static_cast<double>(a / b); };

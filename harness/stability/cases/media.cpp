@@ -57,8 +57,8 @@ void add_below(SceneText& scene, const std::string& material, double depth, doub
 }
 
 // A power of two, so that a mean over paths that all return 1 is 1.
-std::uint64_t paths_for(double segments_a_path) {
-    return std::bit_floor(static_cast<std::uint64_t>(std::clamp(1e6 / segments_a_path, 256.0, 65536.0)));
+std::uint64_t paths_for(double segments_per_path) {
+    return std::bit_floor(static_cast<std::uint64_t>(std::clamp(1e6 / segments_per_path, 256.0, 65536.0)));
 }
 
 double albedo_of(const Values& v) { return 1 - std::exp2(-v["k"]); }

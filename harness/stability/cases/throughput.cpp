@@ -8,11 +8,11 @@
 namespace pt::stability {
 namespace {
 
-Rendering wall_rendering(const SceneText& scene, double exact, double segments_of_a_path, const Tolerance& tolerance) {
+Rendering wall_rendering(const SceneText& scene, double exact, double segments_per_path, const Tolerance& tolerance) {
     return {
         .scene = scene.json(),
-        .quick_paths = paths_for(1e6, segments_of_a_path),
-        .full_paths = paths_for(6e7, segments_of_a_path),
+        .quick_paths = paths_for(1e6, segments_per_path),
+        .full_paths = paths_for(6e7, segments_per_path),
         .quantities = {{.name = "radiance of the wall", .of = mean_radiance, .exact = exact, .tolerance = tolerance}}};
 }
 

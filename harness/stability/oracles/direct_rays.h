@@ -58,8 +58,8 @@ public:
 
     const SceneView<Real>& view() const { return buffers_.view(); }
 
-    static Ray<Real> ray(const Vec3<Real>& origin, const Vec3<Real>& direction, ObjectSide departed = {}) {
-        return {origin, direction, Real(0), departed};
+    static Ray<Real> ray(const Vec3<Real>& origin, const Vec3<Real>& direction, SurfaceId origin_surface = {}) {
+        return {origin, direction, Real(0), origin_surface};
     }
     Hit<Real> closest(const Ray<Real>& ray) const { return closest_hit<Kernel>(view(), ray); }
     Hit<Real> robust_closest(const Ray<Real>& ray) const { return closest_hit<RobustKernel>(view(), ray); }

@@ -38,8 +38,8 @@ inline std::vector<Node> gauss_legendre(int count) {
 }
 
 // Over [low, high] in panels that halve towards `low`, where the integrand may have a root or a logarithm.
-inline std::vector<Node> graded_nodes(long double low, long double high, int panels = 60, int nodes_a_panel = 16) {
-    const std::vector<Node> unit = gauss_legendre(nodes_a_panel);
+inline std::vector<Node> graded_nodes(long double low, long double high, int panels = 60, int nodes_per_panel = 16) {
+    const std::vector<Node> unit = gauss_legendre(nodes_per_panel);
     std::vector<Node> nodes;
     long double right = 1;
     for (int panel = 0; panel < panels; ++panel) {

@@ -1,6 +1,6 @@
-// The room shortcut: what makes a room, and that a kernel which takes the shortcut meets, to the last bit, what the
-// slab tests meet.
-#include "kernels/room.h"
+// The enclosure shortcut: what makes an enclosure, and that a kernel which takes the shortcut meets, to the last bit,
+// what the slab tests meet.
+#include "kernels/axis_aligned_enclosure.h"
 
 #include <cmath>
 #include <cstring>
@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "harness/places.h"
-#include "harness/scene/find_room.h"
+#include "harness/scene/find_enclosure.h"
 #include "harness/scene/scene_buffers.h"
 #include "kernels/shade.h"
 #include "tests/support/scenes.h"
@@ -21,9 +21,9 @@ using test::Random;
 using test::SceneBuilder;
 
 template <class Real>
-class RoomTest : public testing::Test {};
+class AxisAlignedEnclosureTest : public testing::Test {};
 using Reals = testing::Types<float, double>;
-TYPED_TEST_SUITE(RoomTest, Reals);
+TYPED_TEST_SUITE(AxisAlignedEnclosureTest, Reals);
 
 template <class Real>
 using Plain = Config<Real, all_features>;
@@ -72,7 +72,7 @@ Tally walk(const SceneView<Real>& scene, std::uint64_t seed, int rays) {
     Random random(seed);
     Tally tally;
     Ray<Real> ray{};
-    ray.departed = ObjectSide{};
+    ray.origin_surface = SurfaceId{};
     bool fresh = true;
     for (int i = 0; i < rays && !testing::Test::HasFailure(); ++i) {
         if (fresh) {
@@ -81,7 +81,7 @@ Tally walk(const SceneView<Real>& scene, std::uint64_t seed, int rays) {
                           static_cast<Real>(random.uniform(-reach, reach)),
                           static_cast<Real>(random.uniform(-reach - 10, reach))};
             ray.origin = i % 7 == 0 ? Vec3<Real>(Real(0)) : ray.origin;
-            ray.departed = ObjectSide{};
+            ray.origin_surface = SurfaceId{};
         }
         ray.direction = random_unit<Real>(random);
         const int zeroed = static_cast<int>(random.uniform(0, 40));
@@ -103,7 +103,7 @@ Tally walk(const SceneView<Real>& scene, std::uint64_t seed, int rays) {
             const SurfacePoint<Real> point = surface_at<Shortcut<Real>>(scene, ray, hit);
             ray.origin = point.position;
             const bool through = random.uniform(0, 1) < 0.1;  // as a refracting body lets it
-            ray.departed = ObjectSide::of(hit.side.object(), hit.side.inside() != through);
+            ray.origin_surface = SurfaceId::of(hit.side.object(), hit.side.inside() != through);
         }
     }
     return tally;
@@ -117,16 +117,16 @@ void expect_same_walks(const Scene& scene, int rays, double least_shortcuts) {
     EXPECT_GE(static_cast<double>(tally.shortcuts), least_shortcuts * static_cast<double>(tally.hits));
 }
 
-TYPED_TEST(RoomTest, MeetsWhatTheSlabTestsMeet) {
+TYPED_TEST(AxisAlignedEnclosureTest, MeetsWhatTheSlabTestsMeet) {
     expect_same_walks<TypeParam>(find_scene("cornell_open"), 1000000, 0.25);
     expect_same_walks<TypeParam>(find_scene("cornell_closed"), 1000000, 0.25);
     expect_same_walks<TypeParam>(find_scene("cornell_open_five"), 400000, 0.15);
 }
 
-TYPED_TEST(RoomTest, IsTheSpaceBetweenTheWalls) {
+TYPED_TEST(AxisAlignedEnclosureTest, IsTheSpaceBetweenTheWalls) {
     const Scene scene = find_scene("cornell_open");
     const SceneBuffers<TypeParam> buffers(scene, default_settings(scene));
-    const Room<TypeParam>& room = buffers.view().room;
+    const AxisAlignedEnclosure<TypeParam>& enclosure = buffers.view().enclosure;
     const auto narrow = [](double x, double y, double z) {
         return Vec3<TypeParam>(static_cast<TypeParam>(x), static_cast<TypeParam>(y), static_cast<TypeParam>(z));
     };
@@ -134,25 +134,25 @@ TYPED_TEST(RoomTest, IsTheSpaceBetweenTheWalls) {
     const Vec3<TypeParam> low = narrow(-5 + 0.005, 0.005 - 5, -5 + 0.005 - 10.5);
     const Vec3<TypeParam> high = narrow(5 - 0.005, 10 - 0.005 - 5, 5 - 10.5);
     for (int axis = 0; axis < 3; ++axis) {  // sums of these sizes in double, in another order
-        EXPECT_NEAR(room.low[axis], low[axis], 1e-14) << axis;
-        EXPECT_NEAR(room.high[axis], high[axis], 1e-14) << axis;
+        EXPECT_NEAR(enclosure.low[axis], low[axis], 1e-14) << axis;
+        EXPECT_NEAR(enclosure.high[axis], high[axis], 1e-14) << axis;
     }
-    EXPECT_EQ(room.open_sides, 1u << 5);
-    EXPECT_EQ(__builtin_popcount(room.walls), 5);
-    EXPECT_FALSE(room.high_side[2].exists());
-    const auto material_of = [&](const ObjectSide& side) {
+    EXPECT_EQ(enclosure.open_sides, 1u << 5);
+    EXPECT_EQ(__builtin_popcount(enclosure.walls), 5);
+    EXPECT_FALSE(enclosure.high_side[2].exists());
+    const auto material_of = [&](const SurfaceId& side) {
         return scene.materials[buffers.view().object_material[side.object()]].name;
     };
-    EXPECT_EQ(material_of(room.low_side[0]), "red");
-    EXPECT_EQ(material_of(room.high_side[0]), "green");
-    EXPECT_EQ(material_of(room.low_side[1]), "white");
+    EXPECT_EQ(material_of(enclosure.low_side[0]), "red");
+    EXPECT_EQ(material_of(enclosure.high_side[0]), "green");
+    EXPECT_EQ(material_of(enclosure.low_side[1]), "white");
 }
 
-TYPED_TEST(RoomTest, IsClosedWhereTheBoxIs) {
+TYPED_TEST(AxisAlignedEnclosureTest, IsClosedWhereTheBoxIs) {
     const Scene scene = find_scene("cornell_closed");
     const SceneBuffers<TypeParam> buffers(scene, default_settings(scene));
-    EXPECT_EQ(buffers.view().room.open_sides, 0u);
-    EXPECT_EQ(__builtin_popcount(buffers.view().room.walls), 6);
+    EXPECT_EQ(buffers.view().enclosure.open_sides, 0u);
+    EXPECT_EQ(__builtin_popcount(buffers.view().enclosure.walls), 6);
 }
 
 Scene three_walls(double reach, const Vec3d& velocity) {
@@ -165,10 +165,10 @@ Scene three_walls(double reach, const Vec3d& velocity) {
     return builder.scene;
 }
 
-TYPED_TEST(RoomTest, NeedsThreeWallsAtRestThatReachOverItsSides) {
+TYPED_TEST(AxisAlignedEnclosureTest, NeedsThreeWallsAtRestThatReachOverItsSides) {
     const auto walls_of = [](const Scene& scene) {
         const SceneBuffers<TypeParam> buffers(scene, default_settings(scene));
-        return __builtin_popcount(buffers.view().room.walls);
+        return __builtin_popcount(buffers.view().enclosure.walls);
     };
     EXPECT_EQ(walls_of(find_scene("ball_glass")) > 0, shortcuts_of(find_scene("ball_glass")) != no_features);
     EXPECT_EQ(walls_of(three_walls(2, Vec3d(0.0))), 3);
@@ -178,12 +178,12 @@ TYPED_TEST(RoomTest, NeedsThreeWallsAtRestThatReachOverItsSides) {
 }
 
 // The frame of an axis is a change of places: the same bits as the frame's products and sums, zeros' signs included.
-TYPED_TEST(RoomTest, DirectionsFromAFaceAreThoseOfItsFrame) {
+TYPED_TEST(AxisAlignedEnclosureTest, DirectionsFromAFaceAreThoseOfItsFrame) {
     using Real = TypeParam;
     Random random(3);
     std::uint64_t taken = 0;
     for (int i = 0; i < 200000; ++i) {
-        const ObjectSide face = ObjectSide::of_face(5, static_cast<std::uint32_t>(i) % 3, random.uniform(0, 1) < 0.5);
+        const SurfaceId face = SurfaceId::of_face(5, static_cast<std::uint32_t>(i) % 3, random.uniform(0, 1) < 0.5);
         const Real sign = face.face_looks_up() ? Real(1) : Real(-1);
         Vec3<Real> normal(Real(0));
         normal[static_cast<int>(face.face_axis())] = sign;

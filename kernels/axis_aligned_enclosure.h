@@ -1,8 +1,8 @@
-// A room: an empty axis-aligned space whose sides are the inner faces of axis boxes (walls), or open. A ray from inside
-// it, or one that comes in by an open side, meets no wall but the one whose plane it crosses on its way out, at the
-// very product that slab_interval forms for that wall: one plane an axis instead of two for every wall.
-// Whatever is not plainly so (a tie, a grazing ray, a start outside) is left to the slab test, so the answers are the
-// same bit for bit; find_room (harness/scene) says what makes a room.
+// An enclosure: an empty axis-aligned space whose sides are the inner faces of axis boxes (walls), or open. A ray from
+// inside it, or one that comes in by an open side, meets no wall but the one whose plane it crosses on its way out, at
+// the very product that slab_interval forms for that wall: one plane an axis instead of two for every wall. Whatever is
+// not plainly so (a tie, a grazing ray, a start outside) is left to the slab test, so the answers are the same bit for
+// bit; find_enclosure (harness/scene) says what makes an enclosure.
 #pragma once
 
 #include "kernels/box.h"
@@ -10,14 +10,14 @@
 namespace pt {
 
 template <class Real>
-struct Room {
+struct AxisAlignedEnclosure {
     Vec3<Real> low{Real(0), Real(0), Real(0)};  // scene units, relative to the camera's eye
     Vec3<Real> high{Real(0), Real(0), Real(0)};
     Vec3<Real> reach_low{Real(0), Real(0), Real(0)};  // round all axis boxes, whenever; infinite where one moves
     Vec3<Real> reach_high{Real(0), Real(0), Real(0)};
     // By axis: the face of the wall behind the low and the high side; nowhere: the side is open.
-    ObjectSide low_side[3], high_side[3];
-    std::uint32_t walls = 0;       // bit i: axis box i is one of them; 0: there is no room
+    SurfaceId low_side[3], high_side[3];
+    std::uint32_t walls = 0;       // bit i: axis box i is one of them; 0: there is no enclosure
     std::uint32_t lamps = 0;       // bit i: axis box i is of an emitter material, which no path leaves
     std::uint32_t open_sides = 0;  // bit 2 * axis, + 1 for the high side
 
@@ -29,12 +29,12 @@ struct Room {
     }
 };
 
-// Where a ray leaves the room. Not known: ask the slab test.
+// Where a ray leaves the enclosure. Not known: ask the slab test.
 template <class Real>
-struct RoomExit {
+struct EnclosureExit {
     bool known;
     Real t;
-    ObjectSide side;  // nowhere: by an open side
+    SurfaceId side;  // nowhere: by an open side
 };
 
 // The slab test calls near <= far (1 + 2 gamma(3)) a hit: times that lie closer together than this are left to it.
@@ -43,66 +43,67 @@ inline constexpr Real room_slack = Real(1) + Real(4) * gamma<Real>(3);
 
 // Whether a ray from outside comes in by an open side, plainly before it leaves at `exit`.
 template <class Real>
-PT_HD inline bool enters_by_open_side(const Room<Real>& room, const Vec3<Real>& origin, const Vec3<Real>& inverse,
-                                      Real exit) {
+PT_HD inline bool enters_by_open_side(const AxisAlignedEnclosure<Real>& enclosure, const Vec3<Real>& origin,
+                                      const Vec3<Real>& inverse, Real exit) {
     const bool from_high_x = inverse.x < Real(0);
     const bool from_high_y = inverse.y < Real(0);
     const bool from_high_z = inverse.z < Real(0);
-    const Real x = ((from_high_x ? room.high.x : room.low.x) - origin.x) * inverse.x;
-    const Real y = ((from_high_y ? room.high.y : room.low.y) - origin.y) * inverse.y;
-    const Real z = ((from_high_z ? room.high.z : room.low.z) - origin.z) * inverse.z;
+    const Real x = ((from_high_x ? enclosure.high.x : enclosure.low.x) - origin.x) * inverse.x;
+    const Real y = ((from_high_y ? enclosure.high.y : enclosure.low.y) - origin.y) * inverse.y;
+    const Real z = ((from_high_z ? enclosure.high.z : enclosure.low.z) - origin.z) * inverse.z;
     const Real last = keep_larger(keep_larger(x, y), z);
     const Real before = keep_larger(keep_smaller(x, y), keep_smaller(keep_larger(x, y), z));
     const std::uint32_t side = last == x   ? (from_high_x ? 1u : 0u)
                                : last == y ? (from_high_y ? 3u : 2u)
                                            : (from_high_z ? 5u : 4u);
     return last > Real(0) && before * room_slack<Real> < last && last * room_slack<Real> < exit &&
-           ((room.open_sides >> side) & 1u) != 0;
+           ((enclosure.open_sides >> side) & 1u) != 0;
 }
 
 template <class Real>
-PT_HD inline RoomExit<Real> leave_room(const Room<Real>& room, const Vec3<Real>& origin, const Vec3<Real>& inverse) {
+PT_HD inline EnclosureExit<Real> leave_enclosure(const AxisAlignedEnclosure<Real>& enclosure, const Vec3<Real>& origin,
+                                                 const Vec3<Real>& inverse) {
     const bool to_low_x = inverse.x < Real(0);
     const bool to_low_y = inverse.y < Real(0);
     const bool to_low_z = inverse.z < Real(0);
-    const Real x = ((to_low_x ? room.low.x : room.high.x) - origin.x) * inverse.x;
-    const Real y = ((to_low_y ? room.low.y : room.high.y) - origin.y) * inverse.y;
-    const Real z = ((to_low_z ? room.low.z : room.high.z) - origin.z) * inverse.z;
+    const Real x = ((to_low_x ? enclosure.low.x : enclosure.high.x) - origin.x) * inverse.x;
+    const Real y = ((to_low_y ? enclosure.low.y : enclosure.high.y) - origin.y) * inverse.y;
+    const Real z = ((to_low_z ? enclosure.low.z : enclosure.high.z) - origin.z) * inverse.z;
     const Real t = keep_smaller(keep_smaller(x, y), z);
     const Real next = keep_smaller(keep_larger(x, y), keep_larger(keep_smaller(x, y), z));
     // A ray along an axis has an infinite reciprocal; so, by overflow, may one that is nearly so.
-    const bool plain = room.walls != 0 &&
+    const bool plain = enclosure.walls != 0 &&
                        absolute(inverse.x * inverse.y * inverse.z) < std::numeric_limits<Real>::infinity() &&
                        t > Real(0) && t * room_slack<Real> < next;
     const bool by_x = t == x;
     const bool by_y = t == y;
-    const ObjectSide side_x = to_low_x ? room.low_side[0] : room.high_side[0];
-    const ObjectSide side_y = to_low_y ? room.low_side[1] : room.high_side[1];
-    const ObjectSide side_z = to_low_z ? room.low_side[2] : room.high_side[2];
-    return {plain && (room.contains(origin) || enters_by_open_side(room, origin, inverse, t)), t,
+    const SurfaceId side_x = to_low_x ? enclosure.low_side[0] : enclosure.high_side[0];
+    const SurfaceId side_y = to_low_y ? enclosure.low_side[1] : enclosure.high_side[1];
+    const SurfaceId side_z = to_low_z ? enclosure.low_side[2] : enclosure.high_side[2];
+    return {plain && (enclosure.contains(origin) || enters_by_open_side(enclosure, origin, inverse, t)), t,
             by_x   ? side_x
             : by_y ? side_y
                    : side_z};
 }
 
 template <class Real>
-PT_HD inline Vec3<Real> face_normal(const ObjectSide& face) {
+PT_HD inline Vec3<Real> face_normal(const SurfaceId& face) {
     const Real sign = face.face_looks_up() ? Real(1) : Real(-1);
     const std::uint32_t axis = face.face_axis();
     return {axis == 0 ? sign : Real(0), axis == 1 ? sign : Real(0), axis == 2 ? sign : Real(0)};
 }
 
-// The point p of a ray that meets the room's side at the face of `side`, pulled onto it. False: p lies outside the
-// room, where the wall's own edges decide.
+// The point p of a ray that meets the enclosure's side at the face of `side`, pulled onto it. False: p lies outside the
+// enclosure, where the wall's own edges decide.
 template <class Real>
-PT_HD inline bool point_on_side(const Room<Real>& room, const ObjectSide& side, const Vec3<Real>& p,
+PT_HD inline bool point_on_side(const AxisAlignedEnclosure<Real>& enclosure, const SurfaceId& side, const Vec3<Real>& p,
                                 Vec3<Real>& position) {
     const std::uint32_t axis = side.face_axis();
     const bool is_low = side.face_looks_up();
-    position = {axis == 0 ? (is_low ? room.low.x : room.high.x) : p.x,
-                axis == 1 ? (is_low ? room.low.y : room.high.y) : p.y,
-                axis == 2 ? (is_low ? room.low.z : room.high.z) : p.z};
-    return room.contains(position);
+    position = {axis == 0 ? (is_low ? enclosure.low.x : enclosure.high.x) : p.x,
+                axis == 1 ? (is_low ? enclosure.low.y : enclosure.high.y) : p.y,
+                axis == 2 ? (is_low ? enclosure.low.z : enclosure.high.z) : p.z};
+    return enclosure.contains(position);
 }
 
 }  // namespace pt

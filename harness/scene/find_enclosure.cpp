@@ -1,4 +1,4 @@
-#include "harness/scene/find_room.h"
+#include "harness/scene/find_enclosure.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@ namespace pt {
 namespace {
 
 constexpr std::uint32_t nobody = 0xffffffffu;
-constexpr std::size_t most_boxes = 32;         // a bit each in Room::walls
+constexpr std::size_t most_boxes = 32;         // a bit each in AxisAlignedEnclosure::walls
 constexpr std::size_t most_candidates = 4096;  // combinations looked at: a search must not delay a large scene
 
 // The axis boxes behind the two sides on one axis; nobody: open.
@@ -24,7 +24,7 @@ class Search {
 public:
     explicit Search(const SceneView<Real>& scene) : scene_(scene) {}
 
-    std::optional<Room<Real>> best() const {
+    std::optional<AxisAlignedEnclosure<Real>> best() const {
         std::array<std::vector<Sides>, 3> candidates;
         for (int axis = 0; axis < 3; ++axis) {
             candidates[axis] = sides_on(axis);
@@ -32,15 +32,15 @@ public:
         if (candidates[0].size() * candidates[1].size() * candidates[2].size() > most_candidates) {
             return std::nullopt;
         }
-        std::optional<Room<Real>> best;
+        std::optional<AxisAlignedEnclosure<Real>> best;
         int most_walls = 0;
         for (const Sides& x : candidates[0]) {
             for (const Sides& y : candidates[1]) {
                 for (const Sides& z : candidates[2]) {
-                    const std::optional<Room<Real>> room = room_between({x, y, z});
-                    if (room && __builtin_popcount(room->walls) > most_walls) {
-                        most_walls = __builtin_popcount(room->walls);
-                        best = room;
+                    const std::optional<AxisAlignedEnclosure<Real>> enclosure = enclosure_between({x, y, z});
+                    if (enclosure && __builtin_popcount(enclosure->walls) > most_walls) {
+                        most_walls = __builtin_popcount(enclosure->walls);
+                        best = enclosure;
                     }
                 }
             }
@@ -85,7 +85,7 @@ private:
         return found;
     }
 
-    std::optional<Room<Real>> room_between(const std::array<Sides, 3>& sides) const {
+    std::optional<AxisAlignedEnclosure<Real>> enclosure_between(const std::array<Sides, 3>& sides) const {
         std::vector<std::uint32_t> walls;
         for (const Sides& side : sides) {
             for (const std::uint32_t wall : {side.low, side.high}) {
@@ -94,47 +94,51 @@ private:
                 }
             }
         }
-        Room<Real> room;
+        AxisAlignedEnclosure<Real> enclosure;
         for (int axis = 0; axis < 3; ++axis) {
-            set_sides(room, axis, sides[axis], walls);
-            if (!(room.low[axis] < room.high[axis])) {
+            set_sides(enclosure, axis, sides[axis], walls);
+            if (!(enclosure.low[axis] < enclosure.high[axis])) {
                 return std::nullopt;
             }
         }
         for (int axis = 0; axis < 3; ++axis) {
             for (const std::uint32_t wall : {sides[axis].low, sides[axis].high}) {
-                if (wall != nobody && !covers(wall, axis, room)) {
+                if (wall != nobody && !covers(wall, axis, enclosure)) {
                     return std::nullopt;
                 }
             }
         }
-        return room;
+        return enclosure;
     }
 
     // An open side lies as far out as any wall reaches.
-    void set_sides(Room<Real>& room, int axis, const Sides& sides, const std::vector<std::uint32_t>& walls) const {
-        room.low[axis] = sides.low != nobody ? box(sides.low).high[axis] : box(walls.front()).low[axis];
-        room.high[axis] = sides.high != nobody ? box(sides.high).low[axis] : box(walls.front()).high[axis];
+    void set_sides(AxisAlignedEnclosure<Real>& enclosure, int axis, const Sides& sides,
+                   const std::vector<std::uint32_t>& walls) const {
+        enclosure.low[axis] = sides.low != nobody ? box(sides.low).high[axis] : box(walls.front()).low[axis];
+        enclosure.high[axis] = sides.high != nobody ? box(sides.high).low[axis] : box(walls.front()).high[axis];
         for (const std::uint32_t wall : walls) {
-            room.low[axis] = sides.low == nobody ? std::min(room.low[axis], box(wall).low[axis]) : room.low[axis];
-            room.high[axis] = sides.high == nobody ? std::max(room.high[axis], box(wall).high[axis]) : room.high[axis];
+            enclosure.low[axis] =
+                sides.low == nobody ? std::min(enclosure.low[axis], box(wall).low[axis]) : enclosure.low[axis];
+            enclosure.high[axis] =
+                sides.high == nobody ? std::max(enclosure.high[axis], box(wall).high[axis]) : enclosure.high[axis];
         }
         const auto number = static_cast<std::uint32_t>(axis);
-        const auto close = [&](std::uint32_t wall, ObjectSide& side, bool is_low) {
+        const auto close = [&](std::uint32_t wall, SurfaceId& side, bool is_low) {
             if (wall == nobody) {
-                room.open_sides |= 1u << (2 * number + (is_low ? 0 : 1));
+                enclosure.open_sides |= 1u << (2 * number + (is_low ? 0 : 1));
             } else {
-                side = ObjectSide::of_face(scene_.first_axis_box() + wall, number, is_low);
-                room.walls |= 1u << wall;
+                side = SurfaceId::of_face(scene_.first_axis_box() + wall, number, is_low);
+                enclosure.walls |= 1u << wall;
             }
         };
-        close(sides.low, room.low_side[axis], true);
-        close(sides.high, room.high_side[axis], false);
+        close(sides.low, enclosure.low_side[axis], true);
+        close(sides.high, enclosure.high_side[axis], false);
     }
 
-    bool covers(std::uint32_t wall, int axis, const Room<Real>& room) const {
+    bool covers(std::uint32_t wall, int axis, const AxisAlignedEnclosure<Real>& enclosure) const {
         for (int other = 0; other < 3; ++other) {
-            if (other != axis && (box(wall).low[other] > room.low[other] || box(wall).high[other] < room.high[other])) {
+            if (other != axis &&
+                (box(wall).low[other] > enclosure.low[other] || box(wall).high[other] < enclosure.high[other])) {
                 return false;
             }
         }
@@ -145,19 +149,19 @@ private:
 };
 
 template <class Real>
-void describe_boxes(Room<Real>& room, const SceneView<Real>& scene) {
+void describe_boxes(AxisAlignedEnclosure<Real>& enclosure, const SceneView<Real>& scene) {
     constexpr Real infinity = std::numeric_limits<Real>::infinity();
-    room.reach_low = Vec3<Real>(infinity);
-    room.reach_high = Vec3<Real>(-infinity);
+    enclosure.reach_low = Vec3<Real>(infinity);
+    enclosure.reach_high = Vec3<Real>(-infinity);
     for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
         if (scene.materials[scene.object_material[scene.first_axis_box() + i]].type == MaterialType::emitter) {
-            room.lamps |= 1u << i;
+            enclosure.lamps |= 1u << i;
         }
         const bool moves = scene.velocity[scene.first_axis_box() + i] != Vec3<Real>(Real(0));
         for (int axis = 0; axis < 3; ++axis) {
             const AxisBox<Real>& box = scene.axis_boxes[i];
-            room.reach_low[axis] = std::min(room.reach_low[axis], moves ? -infinity : box.low[axis]);
-            room.reach_high[axis] = std::max(room.reach_high[axis], moves ? infinity : box.high[axis]);
+            enclosure.reach_low[axis] = std::min(enclosure.reach_low[axis], moves ? -infinity : box.low[axis]);
+            enclosure.reach_high[axis] = std::max(enclosure.reach_high[axis], moves ? infinity : box.high[axis]);
         }
     }
 }
@@ -165,16 +169,16 @@ void describe_boxes(Room<Real>& room, const SceneView<Real>& scene) {
 }  // namespace
 
 template <class Real>
-Room<Real> find_room(const SceneView<Real>& scene) {
+AxisAlignedEnclosure<Real> find_enclosure(const SceneView<Real>& scene) {
     if (scene.axis_boxes.size < 3 || scene.axis_boxes.size > most_boxes) {
         return {};
     }
-    Room<Real> room = Search<Real>(scene).best().value_or(Room<Real>{});
-    describe_boxes(room, scene);
-    return room;
+    AxisAlignedEnclosure<Real> enclosure = Search<Real>(scene).best().value_or(AxisAlignedEnclosure<Real>{});
+    describe_boxes(enclosure, scene);
+    return enclosure;
 }
 
-template Room<float> find_room(const SceneView<float>&);
-template Room<double> find_room(const SceneView<double>&);
+template AxisAlignedEnclosure<float> find_enclosure(const SceneView<float>&);
+template AxisAlignedEnclosure<double> find_enclosure(const SceneView<double>&);
 
 }  // namespace pt
