@@ -14,62 +14,81 @@
 
 namespace pt {
 
-enum class Feature : std::uint32_t {
-    // Primitive kinds. An object is classified once, at load: every kernel uses one formula a kind.
-    sphere = 1u << 0,
-    ellipsoid = 1u << 1,
-    axis_box = 1u << 2,
-    oriented_box = 1u << 3,
-    quad = 1u << 4,
-    motion = 1u << 5,
-    // Materials.
-    diffuse = 1u << 6,
-    emitter = 1u << 7,
-    mirror = 1u << 8,
-    mix = 1u << 9,
-    dielectric = 1u << 10,
-    subsurface = 1u << 11,
-    emission = 1u << 12,             // diffuse, mirror or mix surfaces that also emit
-    absorption = 1u << 13,           // Beer-Lambert inside a dielectric
-    subsurface_boundary = 1u << 14,  // a subsurface body whose index is not 1
-    // Light, camera.
-    environment = 1u << 15,
-    jitter = 1u << 16,
-    lens = 1u << 17,
-    // What the variant asks for rather than the scene.
-    final_bounce = 1u << 18,
-    next_event = 1u << 19,
-    multiple_importance = 1u << 20,
-    russian_roulette = 1u << 21,
-    // Shortcuts: a scene that has them needs them not, and a kernel that has them leaves the same film.
-    enclosure = 1u << 22,
+using FeatureSet = std::uint64_t;
+
+// A group's bits stand together, with room for more of its kind.
+namespace feature_bit {
+inline constexpr FeatureSet camera = FeatureSet{1} << 0;      // 8 bits
+inline constexpr FeatureSet shape = FeatureSet{1} << 8;       // 16 bits
+inline constexpr FeatureSet material = FeatureSet{1} << 24;   // 16 bits
+inline constexpr FeatureSet light = FeatureSet{1} << 40;      // 8 bits
+inline constexpr FeatureSet sampling = FeatureSet{1} << 48;   // 8 bits
+inline constexpr FeatureSet traversal = FeatureSet{1} << 56;  // 8 bits
+}  // namespace feature_bit
+
+enum class Feature : FeatureSet {
+    jitter = feature_bit::camera << 0,
+    lens = feature_bit::camera << 1,
+    // Kinds of primitives. An object is classified once, at load: every kernel uses one formula a kind.
+    sphere = feature_bit::shape << 0,
+    ellipsoid = feature_bit::shape << 1,
+    axis_box = feature_bit::shape << 2,
+    oriented_box = feature_bit::shape << 3,
+    quad = feature_bit::shape << 4,
+    // Spheres that the eye is near, as the ground under it (sphere.h, NearSphere).
+    near_sphere = feature_bit::shape << 5,
+    motion = feature_bit::shape << 6,
     // Another formula for every object: its 4x4 matrix (kernels/transform.h). Changes roundings, and so the film.
-    matrix = 1u << 23,
+    matrix = feature_bit::shape << 7,
+    diffuse = feature_bit::material << 0,
+    emitter = feature_bit::material << 1,
+    mirror = feature_bit::material << 2,
+    mix = feature_bit::material << 3,
+    dielectric = feature_bit::material << 4,
+    subsurface = feature_bit::material << 5,
+    emission = feature_bit::material << 6,             // diffuse, mirror or mix surfaces that also emit
+    absorption = feature_bit::material << 7,           // Beer-Lambert inside a dielectric
+    subsurface_boundary = feature_bit::material << 8,  // a subsurface body whose index is not 1
+    environment = feature_bit::light << 0,
+    // What the variant asks for rather than the scene.
+    final_bounce = feature_bit::light << 1,
+    next_event = feature_bit::light << 2,
+    multiple_importance = feature_bit::light << 3,
+    russian_roulette = feature_bit::sampling << 0,
     // Sources of random numbers other than pcg4d. A kernel with none of them has pcg4d, one with a single one has that,
     // and one with several chooses at run time among all (RandomSeed::sampler).
-    philox = 1u << 24,
-    sobol_owen = 1u << 25,
-    minstd = 1u << 26,
+    philox = feature_bit::sampling << 1,
+    sobol_owen = feature_bit::sampling << 2,
+    minstd = feature_bit::sampling << 3,
+    // A shortcut: a scene that has it needs it not, and a kernel that has it leaves the same film.
+    enclosure = feature_bit::traversal << 0,
     // Other formulas too, and so other roundings: intersection in double within single precision (kernels/widen.h), and
     // textbook forms throughout (kernels/naive.h).
-    double_intersection = 1u << 27,
-    naive = 1u << 28,
-    // Spheres that the eye is near, as the ground under it (sphere.h, NearSphere).
-    near_sphere = 1u << 29,
+    double_intersection = feature_bit::traversal << 1,
+    naive = feature_bit::traversal << 2,
 };
 
-using FeatureSet = std::uint32_t;
+template <class... Features>
+PT_HD constexpr FeatureSet set_of(Features... features) {
+    return (FeatureSet{0} | ... | static_cast<FeatureSet>(features));
+}
 
 inline constexpr FeatureSet no_features = 0;
-inline constexpr FeatureSet all_features = ((1u << 22) - 1u) | static_cast<FeatureSet>(Feature::near_sphere);
-inline constexpr FeatureSet shortcuts = static_cast<FeatureSet>(Feature::enclosure);
-inline constexpr FeatureSet samplers = static_cast<FeatureSet>(Feature::philox) |
-                                       static_cast<FeatureSet>(Feature::sobol_owen) |
-                                       static_cast<FeatureSet>(Feature::minstd);
+inline constexpr FeatureSet shape_features =
+    set_of(Feature::sphere, Feature::ellipsoid, Feature::axis_box, Feature::oriented_box, Feature::quad);
+inline constexpr FeatureSet material_features =
+    set_of(Feature::diffuse, Feature::emitter, Feature::mirror, Feature::mix, Feature::dielectric, Feature::subsurface,
+           Feature::emission, Feature::absorption, Feature::subsurface_boundary);
+// What a scene or an estimator may need: a kernel with all of these renders any scene.
+inline constexpr FeatureSet all_features =
+    shape_features | material_features |
+    set_of(Feature::near_sphere, Feature::motion, Feature::environment, Feature::jitter, Feature::lens,
+           Feature::final_bounce, Feature::next_event, Feature::multiple_importance, Feature::russian_roulette);
+inline constexpr FeatureSet shortcuts = set_of(Feature::enclosure);
+inline constexpr FeatureSet samplers = set_of(Feature::philox, Feature::sobol_owen, Feature::minstd);
 
 // Of these a kernel has just the ones that it is asked for: they change what is computed.
-inline constexpr FeatureSet formulas =
-    static_cast<FeatureSet>(Feature::double_intersection) | static_cast<FeatureSet>(Feature::naive);
+inline constexpr FeatureSet formulas = set_of(Feature::double_intersection, Feature::naive);
 
 PT_HD constexpr FeatureSet operator|(Feature a, Feature b) {
     return static_cast<FeatureSet>(a) | static_cast<FeatureSet>(b);

@@ -99,27 +99,33 @@ PT_HD inline std::uint64_t off_unit(const Vec3<Real>& v) {
     return off < 1.0 ? static_cast<std::uint64_t>(off * 0x1p40) : std::uint64_t{1} << 40;
 }
 
-// A length that says how large an object is: the largest of its half extents. Scene units.
+// A length that says how large a shape is: the largest of its half extents. Scene units.
+template <class Real>
+PT_HD inline Real size_of(const Sphere<Real>& sphere) {
+    return sphere.radius;
+}
+template <class Real>
+PT_HD inline Real size_of(const Ellipsoid<Real>& e) {
+    return square_root(max(dot(e.semi_axis[0], e.semi_axis[0]),
+                           max(dot(e.semi_axis[1], e.semi_axis[1]), dot(e.semi_axis[2], e.semi_axis[2]))));
+}
+template <class Real>
+PT_HD inline Real size_of(const AxisBox<Real>& box) {
+    return Real(0.5) * max(box.high.x - box.low.x, max(box.high.y - box.low.y, box.high.z - box.low.z));
+}
+template <class Real>
+PT_HD inline Real size_of(const OrientedBox<Real>& box) {
+    return max(box.half.x, max(box.half.y, box.half.z));
+}
+template <class Real>
+PT_HD inline Real size_of(const Quad<Real>& quad) {
+    return max(quad.half_u, quad.half_v);
+}
 template <class Real>
 PT_HD inline Real size_of(const SceneView<Real>& scene, std::uint32_t object) {
-    if (object < scene.first_ellipsoid()) {
-        return scene.spheres[object].radius;
-    }
-    if (object < scene.first_axis_box()) {
-        const Ellipsoid<Real>& e = scene.ellipsoids[object - scene.first_ellipsoid()];
-        return square_root(max(dot(e.semi_axis[0], e.semi_axis[0]),
-                               max(dot(e.semi_axis[1], e.semi_axis[1]), dot(e.semi_axis[2], e.semi_axis[2]))));
-    }
-    if (object < scene.first_oriented_box()) {
-        const AxisBox<Real>& box = scene.axis_boxes[object - scene.first_axis_box()];
-        return Real(0.5) * max(box.high.x - box.low.x, max(box.high.y - box.low.y, box.high.z - box.low.z));
-    }
-    if (object < scene.first_quad()) {
-        const OrientedBox<Real>& box = scene.oriented_boxes[object - scene.first_oriented_box()];
-        return max(box.half.x, max(box.half.y, box.half.z));
-    }
-    const Quad<Real>& quad = scene.quads[object - scene.first_quad()];
-    return max(quad.half_u, quad.half_v);
+    Real size = Real(0);
+    visit_shape<EveryShape<Real>>(scene, object, [&](const auto& shape) { size = size_of(shape); });
+    return size;
 }
 
 // One path's inspection.

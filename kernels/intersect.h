@@ -4,8 +4,7 @@
 #pragma once
 
 #include "kernels/naive.h"
-#include "kernels/scene_view.h"
-#include "kernels/widen.h"
+#include "kernels/visit_shape.h"
 
 namespace pt {
 
@@ -51,6 +50,20 @@ struct NearSpheres {
 
     PT_HD NearSphere<Real> operator[](std::uint32_t i) const { return {spheres[i]}; }
 };
+
+// A shape as the kernel meets it: itself, but for spheres near the eye.
+template <class Config, class Shape>
+PT_HD inline const Shape& as_met(const Shape& shape) {
+    return shape;
+}
+template <class Config, class Real>
+PT_HD inline decltype(auto) as_met(const Sphere<Real>& sphere) {
+    if constexpr (has<Config>(Feature::near_sphere)) {
+        return NearSphere<Real>{sphere};
+    } else {
+        return (sphere);
+    }
+}
 
 template <class Config, class Scene>
 PT_HD inline decltype(auto) spheres_of(const Scene& scene) {
@@ -289,19 +302,9 @@ PT_HD inline SurfacePoint<typename Config::Real> naive_surface_at(const Scene& s
     const std::uint32_t object = hit.side.object();
     const Vec3<Real> p = at_rest<Config>(scene, object, ray.origin, ray.time) + ray.direction * hit.t;
     const Vec3<Real> position = in_motion<Config>(scene, object, p, ray.time);
-    if (object < scene.first_ellipsoid()) {
-        return {position, naive::normal_at(scene.spheres[object], p)};
-    }
-    if (object < scene.first_axis_box()) {
-        return {position, naive::normal_at(scene.ellipsoids[object - scene.first_ellipsoid()], p)};
-    }
-    if (object < scene.first_oriented_box()) {
-        return {position, naive::normal_at(scene.axis_boxes[object - scene.first_axis_box()], p)};
-    }
-    if (object < scene.first_quad()) {
-        return {position, naive::normal_at(scene.oriented_boxes[object - scene.first_oriented_box()], p)};
-    }
-    return {position, naive::normal_at(scene.quads[object - scene.first_quad()], p)};
+    SurfacePoint<Real> point{position, {Real(0), Real(1), Real(0)}};
+    visit_shape<EveryShape<Real>>(scene, object, [&](const auto& shape) { point.normal = naive::normal_at(shape, p); });
+    return point;
 }
 
 // Position on the surface (pulled back onto it) and the object's outward unit normal. Without `normal_of_face` the
@@ -334,18 +337,10 @@ PT_HD inline SurfacePoint<typename Config::Real> surface_at(const Scene& scene, 
     const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
     if constexpr (has<Config>(Feature::matrix)) {
         point = surface_point(scene.transforms[object], origin, ray.direction, hit.t, hit.side.inside());
-    } else if (has<Config>(Feature::sphere) && object < scene.first_ellipsoid()) {
-        point = surface_point(spheres_of<Config>(scene)[object], origin, ray.direction, hit.t);
-    } else if (has<Config>(Feature::ellipsoid) && object < scene.first_axis_box()) {
-        point = surface_point(scene.ellipsoids[object - scene.first_ellipsoid()], origin, ray.direction, hit.t);
-    } else if (has<Config>(Feature::axis_box) && object < scene.first_oriented_box()) {
-        point = surface_point(scene.axis_boxes[object - scene.first_axis_box()], origin, ray.direction, hit.t,
-                              hit.side.inside());
-    } else if (has<Config>(Feature::oriented_box) && object < scene.first_quad()) {
-        point = surface_point(scene.oriented_boxes[object - scene.first_oriented_box()], origin, ray.direction, hit.t,
-                              hit.side.inside());
-    } else if (has<Config>(Feature::quad)) {
-        point = surface_point(scene.quads[object - scene.first_quad()], origin, ray.direction, hit.t);
+    } else {
+        visit_shape<Config>(scene, object, [&](const auto& shape) {
+            point = surface_point(as_met<Config>(shape), origin, ray.direction, hit.t, hit.side.inside());
+        });
     }
     point.position = in_motion<Config>(scene, object, point.position, ray.time);
     return point;

@@ -85,17 +85,7 @@ PT_HD inline LightSample<typename Config::Real> sample_light(const SceneView<typ
                                                              typename Config::Real w) {
     using Real = typename Config::Real;
     LightSample<Real> sample{{Real(0), Real(0), Real(0)}, {Real(0), Real(1), Real(0)}, Real(0)};
-    if (has<Config>(Feature::sphere) && object < scene.first_ellipsoid()) {
-        sample = sample_point(scene.spheres[object], u, v, w);
-    } else if (has<Config>(Feature::ellipsoid) && object < scene.first_axis_box()) {
-        sample = sample_point(scene.ellipsoids[object - scene.first_ellipsoid()], u, v, w);
-    } else if (has<Config>(Feature::axis_box) && object < scene.first_oriented_box()) {
-        sample = sample_point(scene.axis_boxes[object - scene.first_axis_box()], u, v, w);
-    } else if (has<Config>(Feature::oriented_box) && object < scene.first_quad()) {
-        sample = sample_point(scene.oriented_boxes[object - scene.first_oriented_box()], u, v, w);
-    } else if (has<Config>(Feature::quad)) {
-        sample = sample_point(scene.quads[object - scene.first_quad()], u, v, w);
-    }
+    visit_shape<Config>(scene, object, [&](const auto& shape) { sample = sample_point(shape, u, v, w); });
     sample.position = in_motion<Config>(scene, object, sample.position, time);
     return sample;
 }

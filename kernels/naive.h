@@ -125,7 +125,7 @@ PT_HD inline Real one_minus_cosine(const Sphere<Real>& sphere, const Vec3<Real>&
 }
 
 template <class Real>
-PT_HD inline Real direction_measure(const Sphere<Real>& sphere, const Vec3<Real>& observer) {
+PT_HD inline Real inverse_direction_pdf(const Sphere<Real>& sphere, const Vec3<Real>& observer) {
     return Real(2) * pi<Real> * one_minus_cosine(sphere, sphere.centre - observer);
 }
 

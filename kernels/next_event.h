@@ -11,60 +11,61 @@
 
 namespace pt {
 
+// As the kernel samples a shape: spheres in textbook form where it has those.
+template <class Config, class Shape, class Real>
+PT_HD inline DirectionSample<Real> sample_direction_in(const Shape& shape, const Vec3<Real>& observer, Real u, Real v,
+                                                       Real w) {
+    return sample_direction(shape, observer, u, v, w);
+}
+template <class Config, class Real>
+PT_HD inline DirectionSample<Real> sample_direction_in(const Sphere<Real>& sphere, const Vec3<Real>& observer, Real u,
+                                                       Real v, Real w) {
+    if constexpr (has<Config>(Feature::naive)) {
+        return naive::sample_direction(sphere, observer, u, v);
+    } else {
+        return sample_direction(sphere, observer, u, v, w);
+    }
+}
+
+template <class Config, class Shape, class Real>
+PT_HD inline Real inverse_direction_pdf_in(const Shape& shape, const Vec3<Real>& observer, const Vec3<Real>& direction,
+                                           Real distance) {
+    return inverse_direction_pdf(shape, observer, direction, distance);
+}
+template <class Config, class Real>
+PT_HD inline Real inverse_direction_pdf_in(const Sphere<Real>& sphere, const Vec3<Real>& observer,
+                                           const Vec3<Real>& direction, Real distance) {
+    if constexpr (has<Config>(Feature::naive)) {
+        return naive::inverse_direction_pdf(sphere, observer);
+    } else {
+        return inverse_direction_pdf(sphere, observer, direction, distance);
+    }
+}
+
 template <class Config>
 PT_HD inline DirectionSample<typename Config::Real> sample_direction_to(
     const SceneView<typename Config::Real>& scene, std::uint32_t object, const Vec3<typename Config::Real>& position,
     typename Config::Real time, typename Config::Real u, typename Config::Real v, typename Config::Real w) {
     using Real = typename Config::Real;
     const Vec3<Real> observer = at_rest<Config>(scene, object, position, time);
-    if (has<Config>(Feature::sphere) && object < scene.first_ellipsoid()) {
-        if constexpr (has<Config>(Feature::naive)) {
-            return naive::sample_direction(scene.spheres[object], observer, u, v);
-        }
-        return sample_direction(scene.spheres[object], observer, u, v, w);
-    }
-    if (has<Config>(Feature::ellipsoid) && object < scene.first_axis_box()) {
-        return sample_direction(scene.ellipsoids[object - scene.first_ellipsoid()], observer, u, v, w);
-    }
-    if (has<Config>(Feature::axis_box) && object < scene.first_oriented_box()) {
-        return sample_direction(scene.axis_boxes[object - scene.first_axis_box()], observer, u, v, w);
-    }
-    if (has<Config>(Feature::oriented_box) && object < scene.first_quad()) {
-        return sample_direction(scene.oriented_boxes[object - scene.first_oriented_box()], observer, u, v, w);
-    }
-    if constexpr (has<Config>(Feature::quad)) {
-        return sample_direction(scene.quads[object - scene.first_quad()], observer, u, v, w);
-    }
-    return {{Real(0), Real(0), Real(1)}, Real(0)};
+    DirectionSample<Real> sample{{Real(0), Real(0), Real(1)}, Real(0)};
+    visit_shape<Config>(scene, object,
+                        [&](const auto& shape) { sample = sample_direction_in<Config>(shape, observer, u, v, w); });
+    return sample;
 }
 
 // 1 / density, by solid angle, of sample_direction_to in the direction of a ray that meets the object after `distance`.
 template <class Config>
-PT_HD inline typename Config::Real inverse_direction_pdf(const SceneView<typename Config::Real>& scene,
-                                                         std::uint32_t object, const Ray<typename Config::Real>& ray,
-                                                         typename Config::Real distance) {
+PT_HD inline typename Config::Real inverse_direction_pdf_to(const SceneView<typename Config::Real>& scene,
+                                                            std::uint32_t object, const Ray<typename Config::Real>& ray,
+                                                            typename Config::Real distance) {
     using Real = typename Config::Real;
     const Vec3<Real> observer = at_rest<Config>(scene, object, ray.origin, ray.time);
-    if (has<Config>(Feature::sphere) && object < scene.first_ellipsoid()) {
-        if constexpr (has<Config>(Feature::naive)) {
-            return naive::direction_measure(scene.spheres[object], observer);
-        }
-        return direction_measure(scene.spheres[object], observer, ray.direction, distance);
-    }
-    if (has<Config>(Feature::ellipsoid) && object < scene.first_axis_box()) {
-        return direction_measure(scene.ellipsoids[object - scene.first_ellipsoid()], observer, ray.direction, distance);
-    }
-    if (has<Config>(Feature::axis_box) && object < scene.first_oriented_box()) {
-        return direction_measure(scene.axis_boxes[object - scene.first_axis_box()], observer, ray.direction, distance);
-    }
-    if (has<Config>(Feature::oriented_box) && object < scene.first_quad()) {
-        return direction_measure(scene.oriented_boxes[object - scene.first_oriented_box()], observer, ray.direction,
-                                 distance);
-    }
-    if constexpr (has<Config>(Feature::quad)) {
-        return direction_measure(scene.quads[object - scene.first_quad()], observer, ray.direction, distance);
-    }
-    return Real(0);
+    Real inverse_pdf = Real(0);
+    visit_shape<Config>(scene, object, [&](const auto& shape) {
+        inverse_pdf = inverse_direction_pdf_in<Config>(shape, observer, ray.direction, distance);
+    });
+    return inverse_pdf;
 }
 
 // The share of light that a scattered direction met, and 1 less it: of `ratio` = r. Up to 2^60, whose square is finite
@@ -91,7 +92,7 @@ PT_HD inline typename Config::Real encounter_weight(const SceneView<typename Con
     }
     if constexpr (has<Config>(Feature::multiple_importance)) {
         if (scene.mis_exponent != 0) {
-            const Real inverse_pdf = inverse_direction_pdf<Config>(scene, hit.side.object(), ray_of(path), hit.t);
+            const Real inverse_pdf = inverse_direction_pdf_to<Config>(scene, hit.side.object(), ray_of(path), hit.t);
             return mis_weight_bsdf(path.bsdf_pdf * inverse_pdf * static_cast<Real>(scene.lights.size),
                                    scene.mis_exponent);
         }

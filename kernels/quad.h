@@ -30,7 +30,7 @@ PT_HD inline Interval<Real> interval(const Quad<Real>& quad, const Vec3<Real>& o
 // room must stand before its neighbour's plane, not on it or behind it, or it would leave the room through the edge.
 template <class Real>
 PT_HD inline SurfacePoint<Real> surface_point(const Quad<Real>& quad, const Vec3<Real>& origin,
-                                              const Vec3<Real>& direction, Real t) {
+                                              const Vec3<Real>& direction, Real t, bool = false) {
     const Vec3<Real> p = (origin - quad.centre) + direction * t;
     const Real margin = gamma<Real>(16) * (absolute(quad.centre.x) + absolute(quad.centre.y) + absolute(quad.centre.z) +
                                            quad.half_u + quad.half_v);

@@ -51,7 +51,8 @@ PT_HD inline Cone<Real> cone_of(const Sphere<Real>& sphere, const Vec3<Real>& to
 // 1 / density of the directions that sample_direction gives, in the direction of a ray that meets the light after
 // `distance`.
 template <class Real>
-PT_HD inline Real direction_measure(const Sphere<Real>& sphere, const Vec3<Real>& observer, const Vec3<Real>&, Real) {
+PT_HD inline Real inverse_direction_pdf(const Sphere<Real>& sphere, const Vec3<Real>& observer, const Vec3<Real>&,
+                                        Real) {
     return cone_of(sphere, sphere.centre - observer).inverse_pdf();
 }
 
@@ -84,8 +85,8 @@ PT_HD inline Cone<Real> cone_of(const Ellipsoid<Real>&, const Vec3<Real>& to_cen
 }
 
 template <class Real>
-PT_HD inline Real direction_measure(const Ellipsoid<Real>& e, const Vec3<Real>& observer, const Vec3<Real>& direction,
-                                    Real) {
+PT_HD inline Real inverse_direction_pdf(const Ellipsoid<Real>& e, const Vec3<Real>& observer,
+                                        const Vec3<Real>& direction, Real) {
     const Vec3<Real> in_unit = e.to_unit(direction);
     return cone_of(e, e.to_unit(e.centre - observer)).inverse_pdf() *
            ellipsoid_stretch(e, Real(1) / square_root(dot(in_unit, in_unit)));
@@ -255,7 +256,8 @@ PT_HD inline Vec3<Real> to_scene(const Quad<Real>& quad, const Vec3<Real>& local
 
 // For AxisBox, OrientedBox and Quad.
 template <class Body, class Real>
-PT_HD inline Real direction_measure(const Body& body, const Vec3<Real>& observer, const Vec3<Real>&, Real distance) {
+PT_HD inline Real inverse_direction_pdf(const Body& body, const Vec3<Real>& observer, const Vec3<Real>&,
+                                        Real distance) {
     return seen_from(body, observer).inverse_pdf(distance);
 }
 template <class Body, class Real>

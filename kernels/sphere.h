@@ -142,7 +142,7 @@ struct SurfacePoint {
 
 template <class Real>
 PT_HD inline SurfacePoint<Real> surface_point(const Sphere<Real>& sphere, const Vec3<Real>& origin,
-                                              const Vec3<Real>& direction, Real t) {
+                                              const Vec3<Real>& direction, Real t, bool = false) {
     const Vec3<Real> normal = nearly_unit(((origin - sphere.centre) + direction * t) * sphere.inverse_radius);
     return {sphere.centre + normal * sphere.radius, normal};
 }
@@ -150,7 +150,7 @@ PT_HD inline SurfacePoint<Real> surface_point(const Sphere<Real>& sphere, const 
 // A sphere that is near the eye may be too wide to be measured from its centre: the point is pulled along the normal.
 template <class Real>
 PT_HD inline SurfacePoint<Real> surface_point(const NearSphere<Real>& sphere, const Vec3<Real>& origin,
-                                              const Vec3<Real>& direction, Real t) {
+                                              const Vec3<Real>& direction, Real t, bool = false) {
     if (sphere.is_near_eye == 0) {
         return surface_point<Real>(static_cast<const Sphere<Real>&>(sphere), origin, direction, t);
     }
@@ -161,7 +161,7 @@ PT_HD inline SurfacePoint<Real> surface_point(const NearSphere<Real>& sphere, co
 
 template <class Real>
 PT_HD inline SurfacePoint<Real> surface_point(const Ellipsoid<Real>& e, const Vec3<Real>& origin,
-                                              const Vec3<Real>& direction, Real t) {
+                                              const Vec3<Real>& direction, Real t, bool = false) {
     const Vec3<Real> f = normalize(e.to_unit((origin - e.centre) + direction * t));
     return {e.centre + e.to_world(f), e.normal(f)};
 }

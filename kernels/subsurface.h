@@ -14,16 +14,32 @@ namespace pt {
 template <class Scene, class Real>
 PT_HD inline Real naive_distance_to_exit(const Scene& scene, std::uint32_t object, const Vec3<Real>& origin,
                                          const Vec3<Real>& direction) {
-    if (object < scene.first_ellipsoid()) {
-        return naive::interval(scene.spheres[object], origin, direction).far;
-    }
-    if (object < scene.first_axis_box()) {
-        return naive::interval(scene.ellipsoids[object - scene.first_ellipsoid()], origin, direction).far;
-    }
-    if (object < scene.first_oriented_box()) {
-        return naive::interval(scene.axis_boxes[object - scene.first_axis_box()], origin, direction).far;
-    }
-    return naive::interval(scene.oriented_boxes[object - scene.first_oriented_box()], origin, direction).far;
+    Real distance = Real(0);
+    visit_shape<EveryShape<Real>>(scene, object,
+                                  [&](const auto& shape) { distance = naive::interval(shape, origin, direction).far; });
+    return distance;
+}
+
+// From a point inside, or on the surface of, one shape.
+template <class Shape, class Real>
+PT_HD inline Real distance_out_of(const Shape& shape, const Vec3<Real>& origin, const Vec3<Real>& direction,
+                                  bool on_surface) {
+    return on_surface ? chord(shape, origin, direction) : max(Real(0), interval(shape, origin, direction).far);
+}
+template <class Real>
+PT_HD inline Real distance_out_of(const AxisBox<Real>& box, const Vec3<Real>& origin, const Vec3<Real>& direction,
+                                  bool) {
+    return max(Real(0), slab_interval(box.low, box.high, origin, reciprocal(direction)).far);
+}
+template <class Real>
+PT_HD inline Real distance_out_of(const OrientedBox<Real>& box, const Vec3<Real>& origin, const Vec3<Real>& direction,
+                                  bool) {
+    return chord(box, origin, direction);
+}
+// A quad has no inside: the loader refuses a body of this shape.
+template <class Real>
+PT_HD inline Real distance_out_of(const Quad<Real>&, const Vec3<Real>&, const Vec3<Real>&, bool) {
+    return Real(0);
 }
 
 // Way to the surface from a point inside the body or, if `on_surface`, from its surface inwards.
@@ -38,23 +54,11 @@ PT_HD inline typename Config::Real distance_to_exit(const Scene& scene, std::uin
     } else if constexpr (has<Config>(Feature::naive)) {
         return max(Real(0), naive_distance_to_exit(scene, object, origin, direction));
     }
-    if (has<Config>(Feature::sphere) && object < scene.first_ellipsoid()) {
-        const auto& sphere = spheres_of<Config>(scene)[object];
-        return on_surface ? chord(sphere, origin, direction) : max(Real(0), interval(sphere, origin, direction).far);
-    }
-    if (has<Config>(Feature::ellipsoid) && object < scene.first_axis_box()) {
-        const auto& ellipsoid = scene.ellipsoids[object - scene.first_ellipsoid()];
-        return on_surface ? chord(ellipsoid, origin, direction)
-                          : max(Real(0), interval(ellipsoid, origin, direction).far);
-    }
-    if (has<Config>(Feature::axis_box) && object < scene.first_oriented_box()) {
-        const auto& box = scene.axis_boxes[object - scene.first_axis_box()];
-        return max(Real(0), slab_interval(box.low, box.high, origin, reciprocal(direction)).far);
-    }
-    if (has<Config>(Feature::oriented_box)) {
-        return chord(scene.oriented_boxes[object - scene.first_oriented_box()], origin, direction);
-    }
-    return Real(0);
+    Real distance = Real(0);
+    visit_shape<Config>(scene, object, [&](const auto& shape) {
+        distance = distance_out_of(as_met<Config>(shape), origin, direction, on_surface);
+    });
+    return distance;
 }
 
 // The channel to draw a free path from; never one that carries nothing while another does.

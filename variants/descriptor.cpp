@@ -53,42 +53,63 @@ std::string_view to_string(Claim claim) {
 
 std::string_view to_string(Backend backend) { return backend == Backend::cpu ? "cpu" : "cuda"; }
 
+namespace {
+
+struct NamedFeature {
+    Feature feature;
+    const char* name;
+};
+
+// In the order in which results list them.
+constexpr NamedFeature named_features[] = {
+    {Feature::sphere, "sphere"},
+    {Feature::ellipsoid, "ellipsoid"},
+    {Feature::axis_box, "axis_box"},
+    {Feature::oriented_box, "oriented_box"},
+    {Feature::quad, "quad"},
+    {Feature::motion, "motion"},
+    {Feature::diffuse, "diffuse"},
+    {Feature::emitter, "emitter"},
+    {Feature::mirror, "mirror"},
+    {Feature::mix, "mix"},
+    {Feature::dielectric, "dielectric"},
+    {Feature::subsurface, "subsurface"},
+    {Feature::emission, "emission"},
+    {Feature::absorption, "absorption"},
+    {Feature::subsurface_boundary, "subsurface_boundary"},
+    {Feature::environment, "environment"},
+    {Feature::jitter, "jitter"},
+    {Feature::lens, "lens"},
+    {Feature::final_bounce, "final_bounce"},
+    {Feature::next_event, "next_event"},
+    {Feature::multiple_importance, "multiple_importance"},
+    {Feature::russian_roulette, "russian_roulette"},
+    {Feature::enclosure, "enclosure"},
+    {Feature::matrix, "matrix"},
+    {Feature::philox, "philox"},
+    {Feature::sobol_owen, "sobol_owen"},
+    {Feature::minstd, "minstd"},
+    {Feature::double_intersection, "double_intersection"},
+    {Feature::naive, "naive"},
+    {Feature::near_sphere, "near_sphere"},
+};
+
+constexpr FeatureSet all_named() {
+    FeatureSet set = no_features;
+    for (const NamedFeature& named : named_features) {
+        set |= static_cast<FeatureSet>(named.feature);
+    }
+    return set;
+}
+static_assert(all_named() == (all_features | shortcuts | Feature::matrix | samplers | formulas));
+
+}  // namespace
+
 std::vector<std::string> feature_names(FeatureSet features) {
-    static constexpr const char* names[] = {"sphere",
-                                            "ellipsoid",
-                                            "axis_box",
-                                            "oriented_box",
-                                            "quad",
-                                            "motion",
-                                            "diffuse",
-                                            "emitter",
-                                            "mirror",
-                                            "mix",
-                                            "dielectric",
-                                            "subsurface",
-                                            "emission",
-                                            "absorption",
-                                            "subsurface_boundary",
-                                            "environment",
-                                            "jitter",
-                                            "lens",
-                                            "final_bounce",
-                                            "next_event",
-                                            "multiple_importance",
-                                            "russian_roulette",
-                                            "enclosure",
-                                            "matrix",
-                                            "philox",
-                                            "sobol_owen",
-                                            "minstd",
-                                            "double_intersection",
-                                            "naive",
-                                            "near_sphere"};
-    static_assert((all_features | shortcuts | Feature::matrix | samplers | formulas) == (1u << std::size(names)) - 1u);
     std::vector<std::string> present;
-    for (std::size_t bit = 0; bit < std::size(names); ++bit) {
-        if ((features >> bit & 1u) != 0) {
-            present.emplace_back(names[bit]);
+    for (const auto& [feature, name] : named_features) {
+        if (contains(features, feature)) {
+            present.emplace_back(name);
         }
     }
     return present;

@@ -125,7 +125,7 @@ struct Descriptor {
 
 std::string_view to_string(Claim claim);
 std::string_view to_string(Backend backend);
-// "axis_box emitter sphere ...": the names of the features in a set, in the order of their bits.
+// "axis_box emitter sphere ...": the names of the features in a set.
 std::vector<std::string> feature_names(FeatureSet features);
 
 }  // namespace pt

@@ -111,7 +111,7 @@ void expect_sampled(const Body& body, const Vec3d& observer, const Seen& exact,
         const double t = distance(sample.direction);
         missed += t < 0 ? 1 : 0;
         if (t >= 0) {
-            const double again = direction_measure(body, from, sample.direction, static_cast<Real>(t));
+            const double again = inverse_direction_pdf(body, from, sample.direction, static_cast<Real>(t));
             worst = std::max(worst, std::abs(again / static_cast<double>(sample.inverse_pdf) - 1));
         }
         const double weight = t < 0 ? 0 : static_cast<double>(sample.inverse_pdf);

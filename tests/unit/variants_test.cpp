@@ -504,7 +504,7 @@ TEST(VariantTest, WhatRoundsFreelyOnCudaHasATwinInExactArithmetic) {
     }
 }
 
-TEST(VariantTest, FeatureNamesAreInTheOrderOfTheirBits) {
+TEST(VariantTest, FeatureNamesAreInTheOrderOfResults) {
     EXPECT_TRUE(feature_names(no_features).empty());
     EXPECT_EQ(feature_names(Feature::jitter | Feature::sphere), (std::vector<std::string>{"sphere", "jitter"}));
     const std::vector<std::string> all = feature_names(all_features);

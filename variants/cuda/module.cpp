@@ -149,7 +149,7 @@ std::vector<std::string> options_of(const ModuleRequest& request) {
                                      "-DCUDA_VERSION=12080",
                                      "-diag-suppress=20012",
                                      "-DPT_REAL=" + request.real,
-                                     fmt::format("-DPT_FEATURES={}u", request.features),
+                                     fmt::format("-DPT_FEATURES={}ull", request.features),
                                      "--gpu-architecture=" + request.architecture};
     for (const std::vector<std::string>& more : {request.options, request.defines}) {
         options.insert(options.end(), more.begin(), more.end());
