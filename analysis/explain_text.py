@@ -234,8 +234,8 @@ def _kernel_row(kernel: KernelCounters) -> tuple[str, ...]:
         f"{100 * kernel.occupancy:.0f} %",
         "—" if kernel.achieved_occupancy is None else f"{100 * kernel.achieved_occupancy:.0f} %",
         _number(kernel.active_lanes),
-        _number(kernel.thread_instructions_a_ray),
-        _number(kernel.memory_bytes_a_ray),
+        _number(kernel.thread_instructions_per_ray),
+        _number(kernel.memory_bytes_per_ray),
         f"{kernel.bound or '—'}{share}",
     )
 

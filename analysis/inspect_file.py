@@ -7,13 +7,25 @@ thread instructions a ray, 1 / active lanes, 1 / issued of the ceiling.
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis.nodes import Node, read_json
+from analysis.errors import bad_value
+from analysis.nodes import Node, read_json, shown
 from analysis.results import LATER_AXES, Cell
 
 _ROBUST = ".robust"  # the last axis, which older files lack
+# A field that is so much a ray or the like: X_per_Y, in files of commit ede9627 and before X_a_Y.
+_RATE = re.compile(r"_(a|per)_(?:ray|block|multiprocessor|second)$")
+_MEASURED = (
+    "achieved_occupancy",
+    "active_lanes",
+    "warp_instructions_per_ray",
+    "thread_instructions_per_ray",
+    "memory_bytes_per_ray",
+)
 
 
 @dataclass(frozen=True)
@@ -26,9 +38,9 @@ class KernelCounters:
     occupancy: float
     achieved_occupancy: float | None = None
     active_lanes: float | None = None
-    warp_instructions_a_ray: float | None = None
-    thread_instructions_a_ray: float | None = None
-    memory_bytes_a_ray: float | None = None
+    warp_instructions_per_ray: float | None = None
+    thread_instructions_per_ray: float | None = None
+    memory_bytes_per_ray: float | None = None
     of_ceiling: dict[str, float] | None = None
     bound: str = ""
 
@@ -43,18 +55,41 @@ class Inspected:
 
 def load_inspected(path: Path) -> list[Inspected]:
     """The file's entries; raises InputError."""
+    root = read_json(path)
+    word = _word_of_rates(root)
     return [
         Inspected(
             scene=node.need("scene").name(),
             variant=node.need("variant").name(),
-            kernels=tuple(_kernel(kernel) for kernel in node.need("kernels").items()),
+            kernels=tuple(_kernel(kernel, word) for kernel in node.need("kernels").items()),
             file=path,
         )
-        for node in read_json(path).items()
+        for node in root.items()
     ]
 
 
-def _kernel(node: Node) -> KernelCounters:
+def _word_of_rates(root: Node) -> str:
+    """Which of "a" and "per" the file's fields have; raises InputError where some have one and some the other."""
+    word = ""
+    for node in _with_rates(root):
+        for rate in filter(None, map(_RATE.search, node.fields())):
+            word = word or rate[1]
+            if rate[1] != word:
+                allowed = f"X_{word}_Y, as before it in the file"
+                raise bad_value(root.file, node.place, f"the key {shown(rate.string)}", allowed)
+    return word or "per"
+
+
+def _with_rates(root: Node) -> Iterator[Node]:
+    """The objects that have such fields."""
+    for report in root.items():
+        kernels = list(report.need("kernels").items())
+        yield from kernels
+        counted = [kernel.maybe("counters") for kernel in kernels]
+        yield from (node for node in (*counted, report.maybe("ceilings")) if node is not None)
+
+
+def _kernel(node: Node, word: str) -> KernelCounters:
     static = {
         "name": node.need("name").name(),
         "registers": node.need("registers").integer(),
@@ -66,10 +101,9 @@ def _kernel(node: Node) -> KernelCounters:
     if counters is None or not counters.fields():
         return KernelCounters(**static)
     ceiling = counters.maybe("of_ceiling")
-    numbers = ("achieved_occupancy", "active_lanes", "warp_instructions_a_ray", "thread_instructions_a_ray")
     return KernelCounters(
         **static,
-        **{name: counters.optional_number(name) for name in (*numbers, "memory_bytes_a_ray")},
+        **{name: counters.need(name.replace("_per_", f"_{word}_")).number() for name in _MEASURED},
         of_ceiling=None if ceiling is None else {key: ceiling.need(key).number() for key in ceiling.fields()},
         bound=counters.optional_text("bound"),
     )
@@ -116,8 +150,8 @@ def price_of_a_ray(a: Inspected, b: Inspected) -> PriceOfARay | None:
         value
         for kernel in (one, other)
         for value in (
-            kernel.thread_instructions_a_ray,
-            kernel.warp_instructions_a_ray,
+            kernel.thread_instructions_per_ray,
+            kernel.warp_instructions_per_ray,
             (kernel.of_ceiling or {}).get("issue"),
         )
     ]

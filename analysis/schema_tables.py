@@ -50,6 +50,8 @@ class _Schema:
         if "properties" in root:
             parts.append(self._table("", root))
         for key, node in root.get("$defs", {}).items():
+            if node.get("deprecated"):  # what it is of earlier programs, the file's description says
+                continue
             if "properties" in node:
                 parts.append(self._table(key, node))
             elif len(node.get("enum", ())) > _MOST_SHOWN:

@@ -7,6 +7,7 @@ the centre; those above lie three times as far off, so the mean is not. Device t
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 AXES = {
@@ -300,3 +301,11 @@ def small(suite: str = "quick") -> Builder:
             axes = {"compaction": "gather", "integrator": integrator}
             builder.cell("integrator", scene, slower * 3 * factor, axes=axes)
     return builder
+
+
+def rates_named(value: object, word: str) -> object:
+    """What ptbench inspect wrote, with fields X_per_Y, or X_a_Y as in files of commit ede9627 and before."""
+    if isinstance(value, dict):
+        units = r"_(?:a|per)_(?=(?:ray|block|multiprocessor|second)$)"
+        return {re.sub(units, f"_{word}_", key): rates_named(inner, word) for key, inner in value.items()}
+    return [rates_named(item, word) for item in value] if isinstance(value, list) else value

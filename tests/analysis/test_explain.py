@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
-from builder import AXES, Builder
+from builder import AXES, Builder, rates_named
 from conftest import ROOT
 from legibility import check_legible
 
@@ -436,6 +436,62 @@ def test_counters_stand_in_the_page_or_are_said_to_be_missing():
     said = explained(result, names, pairs_of(result, names, Choice("cornell_closed", depth=8), entries))
     assert "the counters' files have none of megakernel." in said
     assert "Kernel (inspect)" not in said
+
+
+SCHEDULERS = H200 / "inspect_cornell_open_45_schedulers.json"
+
+
+def _counted(tmp_path: Path, word: str, change=lambda value: None) -> Path:
+    value = rates_named(json.loads(SCHEDULERS.read_text(encoding="utf-8")), word)
+    change(value)
+    path = tmp_path / f"inspect_{word}.json"
+    path.write_text(json.dumps(value), encoding="utf-8")
+    return path
+
+
+def test_counters_of_either_word_say_the_same(tmp_path):
+    result = load(H200 / "schedulers.json")
+    names = find_variant(result, "megakernel"), find_variant(result, "persistent")
+    entries = {word: load_inspected(_counted(tmp_path, word)) for word in ("a", "per")}
+    raw = json.loads(SCHEDULERS.read_text(encoding="utf-8"))[0]["kernels"][0]["counters"]
+    for found in entries.values():
+        kernel = found[0].kernels[0]
+        assert kernel.warp_instructions_per_ray == raw["warp_instructions_a_ray"]
+        assert kernel.thread_instructions_per_ray == raw["thread_instructions_a_ray"]
+        assert kernel.memory_bytes_per_ray == raw["memory_bytes_a_ray"]
+    said = {
+        explained(result, names, pairs_of(result, names, Choice("cornell_open_45"), found))
+        for found in entries.values()
+    }
+    assert len(said) == 1
+    assert "(for active lanes)" in said.pop()
+
+
+@pytest.mark.parametrize(("word", "other"), [("per", "a"), ("a", "per")])
+def test_counters_of_both_words_or_with_a_gap_are_refused(tmp_path, word, other):
+    def refused(change, text: str):
+        path = _counted(tmp_path, word, change)
+        with pytest.raises(InputError, match=re.escape(f"{path}: {text}")):
+            load_inspected(path)
+
+    allowed = f"allowed: X_{word}_Y, as before it in the file"
+    refused(
+        lambda v: v[0]["kernels"][0]["counters"].update({f"xu_{other}_ray": 1.0}),
+        f'$[0].kernels[0].counters: found the key "xu_{other}_ray", {allowed}',
+    )
+    refused(
+        lambda v: v.append(rates_named(v[0], other)),
+        f"$[{len(json.loads(SCHEDULERS.read_text(encoding='utf-8')))}].kernels[0]: "
+        f'found the key "threads_{other}_block", {allowed}',
+    )
+    refused(
+        lambda v: v[0]["ceilings"].update({f"memory_gb_{other}_second": 1.0}),
+        f'$[0].ceilings: found the key "memory_gb_{other}_second", {allowed}',
+    )
+    refused(
+        lambda v: v[1]["kernels"][0]["counters"].pop(f"thread_instructions_{word}_ray"),
+        f"$[1].kernels[0].counters.thread_instructions_{word}_ray: found nothing, allowed: this key is required",
+    )
 
 
 def many_stages() -> Builder:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import copy
 import json
 import os
+import re
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from builder import small
+from builder import rates_named, small
 from conftest import ROOT
 from jsonschema import Draft202012Validator
 
@@ -279,6 +280,87 @@ def test_what_a_run_without_a_clock_writes_is_valid(errors_file):
     known = [row for row in value["benchmarks"] if row["run_type"] == "iteration" and "error_occurred" not in row][1]
     known["pt_clock_unknown"] = 0
     assert list(complaints(value, "result")) == []
+
+
+INSPECTED = [path for path in COMMITTED if path.stem.startswith("inspect_")]
+
+
+@pytest.mark.parametrize("word", ["per", "a"])
+@pytest.mark.parametrize("path", INSPECTED, ids=lambda path: path.stem)
+def test_an_inspect_file_is_valid_by_either_word(path, word):
+    value = rates_named(json.loads(path.read_text(encoding="utf-8")), word)
+    assert f"threads_{word}_block" in value[0]["kernels"][0]
+    assert list(complaints(value, "inspect")) == []
+
+
+def _rates() -> list[tuple[str, str]]:
+    """The fields X_per_Y: (where in a report, name)."""
+    own = schema("inspect")["$defs"]
+    objects = {"kernels[0]": own["kernel"], "kernels[0].counters": own["counters"]}
+    objects |= {"ceilings": own["report"]["properties"]["ceilings"]}
+    return [(place, key) for place, node in objects.items() for key in node["properties"] if "_per_" in key]
+
+
+@pytest.mark.parametrize("word", ["per", "a"])
+@pytest.mark.parametrize(("place", "name"), _rates())
+def test_an_inspect_file_has_one_word_and_every_field(place, name, word):
+    value = rates_named(_committed("nvidia-h200/inspect_cornell_open_45.json")[:2], word)
+    name, other = (name.replace("_per_", f"_{each}_") for each in (word, {"per": "a", "a": "per"}[word]))
+    report = value[1]
+    node = {"kernels[0]": report["kernels"][0], "ceilings": report["ceilings"]}.get(place)
+    node = report["kernels"][0]["counters"] if node is None else node
+    number = node.pop(name)
+    missing = f"$[1].{place}.{name}: found nothing, allowed: this key is required"
+    assert list(complaints(value, "inspect")) == [missing]
+    node[other] = number
+    unknown = f'$[1].{place}: found the key "{other}", allowed: the keys that the schema has'
+    assert set(complaints(value, "inspect")) == {missing, unknown}
+    node[name] = number
+    assert list(complaints(value, "inspect")) == [unknown]
+
+
+@pytest.mark.parametrize("words", [("per", "a"), ("a", "per")])
+def test_reports_of_one_inspect_file_have_one_word(words):
+    value = _committed("nvidia-h200/inspect_cornell_open_45.json")[:2]
+    found = list(complaints([rates_named(each, word) for each, word in zip(value, words, strict=True)], "inspect"))
+    assert len(found) == 2 * len(_rates())
+    assert all(line.startswith("$[1].") for line in found)
+
+
+@pytest.mark.parametrize("word", ["per", "a"])
+@pytest.mark.parametrize(
+    ("fault", "line"),
+    [
+        (
+            lambda v: v[0]["kernels"][0].update(registers=256),
+            "$[0].kernels[0].registers: found 256, allowed: at most 255",
+        ),
+        (lambda v: v[0].update(kernels=[]), "$[0].kernels: found [], allowed: 1 or more"),
+        (lambda v: v[0].pop("spp"), "$[0].spp: found nothing, allowed: this key is required"),
+        (lambda v: v[0]["kernels"][0]["counters"].update(bound="l2"), '$[0].kernels[0].counters.bound: found "l2", '),
+        (lambda v: v.clear(), "$: found [], allowed: 1 or more"),
+    ],
+    ids=["registers", "no kernels", "no spp", "bound", "empty"],
+)
+def test_a_wrong_inspect_file_is_refused(fault, line, word):
+    value = rates_named(_committed("nvidia-h200/inspect_cornell_open_45.json")[:1], word)
+    fault(value)
+    assert next(complaints(value, "inspect")).startswith(line)
+
+
+def test_the_schema_of_inspect_has_the_rates_that_ptbench_writes():
+    sources = ("backend.cpp", "inspect.cpp", "profile.cpp")
+    text = "".join((ROOT / "harness" / "cuda" / name).read_text(encoding="utf-8") for name in sources)
+    written = re.findall(r'\{"(\w+_per_(?:ray|block|multiprocessor|second))",', text)
+    assert sorted(written) == sorted(name for _, name in _rates())
+
+
+def test_the_tables_have_each_rate_once_and_say_once_what_it_was():
+    text = tables().partition("\n## inspect\n")[2].partition("\n## tuning\n")[0]
+    for _, name in _rates():
+        assert len(re.findall(rf"^\| `(?:ceilings\.)?{name}` \|", text, re.MULTILINE)) == 1
+    assert text.count("`X_a_Y`") == 1
+    assert "former_" not in text
 
 
 STABILITY_FAULTS = {
