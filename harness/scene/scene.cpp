@@ -27,7 +27,7 @@ bool is_black(const Vec3d& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
 
 bool is_quarter_turn(double degrees) { return std::fmod(degrees, 90.0) == 0.0; }
 
-FeatureSet material_features(const SceneMaterial& material) {
+FeatureSet features_of_material(const SceneMaterial& material) {
     switch (material.type) {
         case MaterialType::emitter:
             return no_features | Feature::emitter;
@@ -149,7 +149,7 @@ FeatureSet features_of(const Scene& scene) {
     for (const SceneObject& object : scene.objects) {
         const PrimitiveKind kind = classify(object);
         features = features | by_kind[static_cast<std::size_t>(kind)];
-        features |= material_features(scene.materials[object.material]);
+        features |= features_of_material(scene.materials[object.material]);
         if (kind == PrimitiveKind::sphere && is_near_eye(object, scene.camera.eye)) {
             features = features | Feature::near_sphere;
         }

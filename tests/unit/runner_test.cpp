@@ -678,7 +678,8 @@ TEST_F(RunnerTest, ADeviceIsNoPlaceForAResult) {
 TEST_F(RunnerTest, TheHeadlineCountsDisturbedSamples) {
     ASSERT_EQ(run(suite({}), options()), exit_good);
     int disturbed = 0;
-    for (const Json& row : result().at("benchmarks")) {
+    const Json file = result();
+    for (const Json& row : file.at("benchmarks")) {
         disturbed += row.value("pt_contended", 0) == 1 || row.value("pt_low_clock", 0) == 1 ? 1 : 0;
     }
     EXPECT_NE(printed.find("disturbed: " + std::to_string(disturbed) + " of 3 samples"), std::string::npos) << printed;
