@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "kernels/scene_arrays.h"
 #include "variants/cuda/device.h"
 
 namespace pt::cuda {
@@ -107,24 +108,13 @@ std::string integrator_source(const Variant& variant) {
 
 namespace {
 
-// `by_matrix`: the kernel has Feature::matrix.
-template <class Real, class Visit>
-void for_traced_arrays(const SceneView<Real>& scene, bool by_matrix, Visit&& visit) {
-    visit(scene.spheres);
-    visit(scene.ellipsoids);
-    visit(scene.axis_boxes);
-    visit(scene.oriented_boxes);
-    visit(scene.quads);
-    visit(scene.velocity);
-    if (by_matrix) {
-        visit(scene.transforms);
-    }
-}
-
 template <class Real>
 std::vector<unsigned char> constant_scene(const SceneView<Real>& scene, FeatureSet features) {
     std::vector<unsigned char> bytes;
-    for_traced_arrays(scene, contains(features, Feature::matrix), [&](const auto& view) {
+    for_each_array(scene, [&](const SceneArray& array, const auto& view) {
+        if (!array.is_traced(features)) {
+            return;
+        }
         const auto* const begin = reinterpret_cast<const unsigned char*>(view.data);
         bytes.insert(bytes.end(), begin, begin + view.size * sizeof(*view.data));
         bytes.resize((bytes.size() + 15) / 16 * 16);
@@ -145,11 +135,9 @@ std::vector<std::string> scene_defines(const SceneView<Real>& scene, FeatureSet 
     std::vector<std::string> defines{fmt::format("-DPT_SCENE_BYTES={}", fits ? constant_bytes : 0),
                                      fmt::format("-DPT_FIXED_COUNTS={}", fixes_counts ? 1 : 0)};
     if (fixes_counts) {
-        defines.push_back(fmt::format("-DPT_SPHERES={}u", scene.spheres.size));
-        defines.push_back(fmt::format("-DPT_ELLIPSOIDS={}u", scene.ellipsoids.size));
-        defines.push_back(fmt::format("-DPT_AXIS_BOXES={}u", scene.axis_boxes.size));
-        defines.push_back(fmt::format("-DPT_ORIENTED_BOXES={}u", scene.oriented_boxes.size));
-        defines.push_back(fmt::format("-DPT_QUADS={}u", scene.quads.size));
+#define PT_DEFINE(name, kind, word) defines.push_back(fmt::format("-DPT_" #word "={}u", scene.name.size));
+        PT_OBJECT_ARRAYS(PT_DEFINE)
+#undef PT_DEFINE
         const AxisAlignedEnclosure<Real>& enclosure = scene.enclosure;
         defines.push_back(fmt::format("-DPT_ENCLOSURE_WALLS={}u", enclosure.walls));
         defines.push_back(fmt::format("-DPT_ENCLOSURE_LAMPS={}u", enclosure.lamps));
@@ -192,24 +180,20 @@ private:
 template <class Real>
 std::string baked_text(const SceneView<Real>& scene) {
     BakedText text;
-    text.add("spheres", scene.spheres);
-    text.add("ellipsoids", scene.ellipsoids);
-    text.add("axis_boxes", scene.axis_boxes);
-    text.add("oriented_boxes", scene.oriented_boxes);
-    text.add("quads", scene.quads);
-    text.add("velocity", scene.velocity);
-    text.add("object_material", scene.object_material);
-    text.add("surfaces", scene.surfaces);
-    text.add("materials", scene.materials);
-    text.add("lights", scene.lights);
+    for_each_array(scene, [&](const SceneArray& array, const auto& view) {
+        if (array.kind != ArrayKind::matrix) {
+            text.add(array.name, view);
+        }
+    });
     text.add("environment", &scene.environment, 1);
     text.add("enclosure", &scene.enclosure, 1);
     Camera<Real> camera = scene.camera;  // what a render sets is no part of the text, nor of the cache's key
     camera.width = camera.height = 0;
     camera.pixel_size = 0;
     text.add("camera", &camera, 1);
-    text.add_count("material_count", scene.materials.size);
-    text.add_count("light_count", scene.lights.size);
+#define PT_ADD_COUNT(name, kind, word) text.add_count(#word "_count", scene.name.size);
+    PT_SHARED_ARRAYS(PT_ADD_COUNT)
+#undef PT_ADD_COUNT
     return text.text();
 }
 
@@ -385,19 +369,11 @@ template <class Real>
 void RenderCell<Real>::reserve(Arena& arena) {
     const SceneView<Real>& host = buffers_.view();
     view_ = host;
-    view_.spheres = placed(arena, host.spheres);
-    view_.ellipsoids = placed(arena, host.ellipsoids);
-    view_.axis_boxes = placed(arena, host.axis_boxes);
-    view_.oriented_boxes = placed(arena, host.oriented_boxes);
-    view_.quads = placed(arena, host.quads);
-    if (contains(kernel_.compiled, Feature::matrix)) {
-        view_.transforms = placed(arena, host.transforms);
-    }
-    view_.surfaces = placed(arena, host.surfaces);
-    view_.object_material = placed(arena, host.object_material);
-    view_.velocity = placed(arena, host.velocity);
-    view_.materials = placed(arena, host.materials);
-    view_.lights = placed(arena, host.lights);
+    for_each_array(view_, host, [&](const SceneArray& array, auto& device, const auto& values) {
+        if (array.is_used(kernel_.compiled)) {
+            device = placed(arena, values);
+        }
+    });
     job_.scene = {&view_};
     job_.film = host_film_;
     job_.film.sums = arena.take<std::int64_t>(std::size_t{3} * job_.pixels);
@@ -492,19 +468,11 @@ void RenderCell<Real>::reserve_queue(Arena& arena) {
 template <class Real>
 void RenderCell<Real>::upload() {
     const SceneView<Real>& host = buffers_.view();
-    copy_to_device(view_.spheres, host.spheres, job_.stream);
-    copy_to_device(view_.ellipsoids, host.ellipsoids, job_.stream);
-    copy_to_device(view_.axis_boxes, host.axis_boxes, job_.stream);
-    copy_to_device(view_.oriented_boxes, host.oriented_boxes, job_.stream);
-    copy_to_device(view_.quads, host.quads, job_.stream);
-    if (contains(kernel_.compiled, Feature::matrix)) {
-        copy_to_device(view_.transforms, host.transforms, job_.stream);
-    }
-    copy_to_device(view_.surfaces, host.surfaces, job_.stream);
-    copy_to_device(view_.object_material, host.object_material, job_.stream);
-    copy_to_device(view_.velocity, host.velocity, job_.stream);
-    copy_to_device(view_.materials, host.materials, job_.stream);
-    copy_to_device(view_.lights, host.lights, job_.stream);
+    for_each_array(view_, host, [&](const SceneArray& array, const auto& device, const auto& values) {
+        if (array.is_used(kernel_.compiled)) {
+            copy_to_device(device, values, job_.stream);
+        }
+    });
     const std::vector<unsigned char> constant = constant_scene(host, kernel_.compiled);
     const bool is_baked = hooks("specialisation", request_.variant).bakes_scene;
     if (!is_baked && !constant.empty() && constant.size() <= constant_bytes) {

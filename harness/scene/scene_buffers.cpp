@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <numeric>
 #include <tuple>
 
 #include "harness/scene/find_enclosure.h"
+#include "kernels/scene_arrays.h"
 
 namespace pt {
 
@@ -169,6 +171,11 @@ Transform<Real> make_transform(const SceneObject& object, const Vec3d& centre, c
     return transform;
 }
 
+// An array that SceneView has and the list lacks would stay empty.
+#define PT_COUNT(...) +1
+static_assert(offsetof(SceneView<float>, environment) == (0 PT_SCENE_ARRAYS(PT_COUNT)) * sizeof(View<Light>));
+#undef PT_COUNT
+
 template <class T>
 View<T> view_of(const std::vector<T>& values) {
     return {values.data(), static_cast<std::uint32_t>(values.size())};
@@ -193,30 +200,30 @@ void SceneBuffers<Real>::add_object(const Scene& scene, std::uint32_t index) {
     const Rotation rotation = rotation_of(object.rotate_degrees);
     switch (classify(object)) {
         case PrimitiveKind::sphere:
-            spheres_.push_back(make_sphere<Real>(object, scene.camera.eye));
+            arrays_.spheres.push_back(make_sphere<Real>(object, scene.camera.eye));
             break;
         case PrimitiveKind::ellipsoid:
-            ellipsoids_.push_back(make_ellipsoid<Real>(centre, rotation, object.scale));
+            arrays_.ellipsoids.push_back(make_ellipsoid<Real>(centre, rotation, object.scale));
             break;
         case PrimitiveKind::axis_box:
-            axis_boxes_.push_back(make_axis_box<Real>(centre, rotation, object.scale));
+            arrays_.axis_boxes.push_back(make_axis_box<Real>(centre, rotation, object.scale));
             break;
         case PrimitiveKind::oriented_box:
-            oriented_boxes_.push_back(
+            arrays_.oriented_boxes.push_back(
                 {narrow<Real>(centre),
                  {narrow<Real>(rotation.column[0]), narrow<Real>(rotation.column[1]), narrow<Real>(rotation.column[2])},
                  narrow<Real>(object.scale * 0.5)});
             break;
         case PrimitiveKind::quad:
-            quads_.push_back(make_quad<Real>(centre, rotation, object.scale));
+            arrays_.quads.push_back(make_quad<Real>(centre, rotation, object.scale));
             break;
     }
-    transforms_.push_back(make_transform<Real>(object, centre, rotation));
+    arrays_.transforms.push_back(make_transform<Real>(object, centre, rotation));
     if (scene.materials[object.material].emission != Vec3d(0.0)) {
-        lights_.push_back({static_cast<std::uint32_t>(object_material_.size())});
+        arrays_.lights.push_back({static_cast<std::uint32_t>(arrays_.object_material.size())});
     }
-    object_material_.push_back(object.material);
-    velocity_.push_back(narrow<Real>(object.velocity));
+    arrays_.object_material.push_back(object.material);
+    arrays_.velocity.push_back(narrow<Real>(object.velocity));
     file_index_.push_back(index);
 }
 
@@ -231,22 +238,12 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
         add_object(scene, index);
     }
     for (const SceneMaterial& material : scene.materials) {
-        materials_.push_back(make_material<Real>(material));
+        arrays_.materials.push_back(make_material<Real>(material));
     }
-    for (const std::uint32_t index : object_material_) {
-        surfaces_.push_back(surface_of(materials_[index]));
+    for (const std::uint32_t index : arrays_.object_material) {
+        arrays_.surfaces.push_back(surface_of(arrays_.materials[index]));
     }
-    view_.spheres = view_of(spheres_);
-    view_.ellipsoids = view_of(ellipsoids_);
-    view_.axis_boxes = view_of(axis_boxes_);
-    view_.oriented_boxes = view_of(oriented_boxes_);
-    view_.quads = view_of(quads_);
-    view_.transforms = view_of(transforms_);
-    view_.surfaces = view_of(surfaces_);
-    view_.object_material = view_of(object_material_);
-    view_.velocity = view_of(velocity_);
-    view_.materials = view_of(materials_);
-    view_.lights = view_of(lights_);
+    for_each_array(view_, arrays_, [](const SceneArray&, auto& view, const auto& values) { view = view_of(values); });
     view_.environment = narrow<Real>(scene.environment);
     view_.camera = make_camera<Real>(scene, settings);
     view_.seed = RandomSeed::from(settings.seed);
@@ -254,7 +251,7 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     view_.seed.sampler = settings.sampler;
     view_.final_bounce = settings.final_bounce ? 1 : 0;
     // An emitter of no radiance is no light, so there may be none to connect to.
-    view_.next_event = settings.next_event && !lights_.empty() ? 1 : 0;
+    view_.next_event = settings.next_event && !arrays_.lights.empty() ? 1 : 0;
     view_.mis_exponent = settings.mis_exponent;
     view_.roulette_start = settings.roulette_start;
     view_.enclosure = find_enclosure(view_);

@@ -25,6 +25,22 @@ struct RenderSettings {
 
 RenderSettings default_settings(const Scene& scene);
 
+// What the arrays of a SceneView lie in.
+template <class Real>
+struct SceneStorage {
+    std::vector<Sphere<Real>> spheres;
+    std::vector<Ellipsoid<Real>> ellipsoids;
+    std::vector<AxisBox<Real>> axis_boxes;
+    std::vector<OrientedBox<Real>> oriented_boxes;
+    std::vector<Quad<Real>> quads;
+    std::vector<Transform<Real>> transforms;
+    std::vector<std::uint32_t> object_material;
+    std::vector<Vec3<Real>> velocity;
+    std::vector<Material<Real>> materials;
+    std::vector<Surface<Real>> surfaces;
+    std::vector<Light> lights;
+};
+
 template <class Real>
 class SceneBuffers {
 public:
@@ -40,17 +56,7 @@ public:
 private:
     void add_object(const Scene& scene, std::uint32_t index);
 
-    std::vector<Sphere<Real>> spheres_;
-    std::vector<Ellipsoid<Real>> ellipsoids_;
-    std::vector<AxisBox<Real>> axis_boxes_;
-    std::vector<OrientedBox<Real>> oriented_boxes_;
-    std::vector<Quad<Real>> quads_;
-    std::vector<Transform<Real>> transforms_;
-    std::vector<std::uint32_t> object_material_;
-    std::vector<Vec3<Real>> velocity_;
-    std::vector<Material<Real>> materials_;
-    std::vector<Surface<Real>> surfaces_;
-    std::vector<Light> lights_;
+    SceneStorage<Real> arrays_;
     std::vector<std::uint32_t> file_index_;
     SceneView<Real> view_;
 };

@@ -2,6 +2,7 @@
 // The program's text (variants/cuda/module.cpp) goes on with the layout (Paths) and the sort key.
 #pragma once
 
+#include "kernels/scene_arrays.h"
 #include "variants/cuda/path_store.h"
 #include "variants/cuda/totals.h"
 
@@ -154,29 +155,28 @@ struct SceneViews {
         trace = shade;
 #if PT_SCENE_BYTES > 0 && !PT_BAKED
         std::uint32_t offset = 0;
-        place(trace.spheres, offset);
-        place(trace.ellipsoids, offset);
-        place(trace.axis_boxes, offset);
-        place(trace.oriented_boxes, offset);
-        place(trace.quads, offset);
-        place(trace.velocity, offset);
-        if constexpr (pt::has<Configuration>(pt::Feature::matrix)) {
-            place(trace.transforms, offset);
-        }
+// Statements: with a visitor NVRTC gives some kernels other registers.
+#define PT_PLACE(name, kind, word)                                                                 \
+    if constexpr (pt::SceneArray{#name, pt::ArrayKind::kind}.is_traced(Configuration::features)) { \
+        place(trace.name, offset);                                                                 \
+    }
+        PT_SCENE_ARRAYS(PT_PLACE)
+#undef PT_PLACE
 #endif
     }
 
 private:
 #if PT_FIXED_COUNTS
     __device__ static void fix_counts(Scene& scene) {
-        scene.spheres.size = PT_SPHERES;
-        scene.ellipsoids.size = PT_ELLIPSOIDS;
-        scene.axis_boxes.size = PT_AXIS_BOXES;
-        scene.oriented_boxes.size = PT_ORIENTED_BOXES;
-        scene.quads.size = PT_QUADS;
-        scene.object_material.size = PT_SPHERES + PT_ELLIPSOIDS + PT_AXIS_BOXES + PT_ORIENTED_BOXES + PT_QUADS;
-        scene.velocity.size = scene.object_material.size;
-        scene.surfaces.size = scene.object_material.size;
+#define PT_PLUS(name, kind, word) +PT_##word
+#define PT_FIX(name, kind, word) scene.name.size = PT_##word;
+#define PT_OBJECTS (PT_OBJECT_ARRAYS(PT_PLUS))
+        PT_OBJECT_ARRAYS(PT_FIX)
+        PT_TRACED_ARRAYS(PT_FIX)
+        PT_SHADING_ARRAYS(PT_FIX)
+#undef PT_PLUS
+#undef PT_FIX
+#undef PT_OBJECTS
         scene.enclosure.walls = PT_ENCLOSURE_WALLS;
         scene.enclosure.lamps = PT_ENCLOSURE_LAMPS;
         scene.enclosure.open_sides = PT_ENCLOSURE_OPEN_SIDES;
@@ -191,16 +191,15 @@ private:
 #if PT_BAKED
     // The scene's numbers, not what a render sets: resolution, depth and seed stay parameters.
     __device__ static void bake(Scene& scene) {
-        scene.spheres.data = reinterpret_cast<const pt::Sphere<Real>*>(baked::spheres);
-        scene.ellipsoids.data = reinterpret_cast<const pt::Ellipsoid<Real>*>(baked::ellipsoids);
-        scene.axis_boxes.data = reinterpret_cast<const pt::AxisBox<Real>*>(baked::axis_boxes);
-        scene.oriented_boxes.data = reinterpret_cast<const pt::OrientedBox<Real>*>(baked::oriented_boxes);
-        scene.quads.data = reinterpret_cast<const pt::Quad<Real>*>(baked::quads);
-        scene.velocity.data = reinterpret_cast<const pt::Vec3<Real>*>(baked::velocity);
-        scene.surfaces.data = reinterpret_cast<const pt::Surface<Real>*>(baked::surfaces);
-        scene.object_material.data = baked::object_material;
-        scene.materials = {reinterpret_cast<const pt::Material<Real>*>(baked::materials), baked::material_count};
-        scene.lights = {reinterpret_cast<const pt::Light*>(baked::lights), baked::light_count};
+#define PT_BAKE(name, kind, word) scene.name.data = reinterpret_cast<decltype(scene.name.data)>(baked::name);
+#define PT_BAKE_ALL(name, kind, word) \
+    scene.name = {reinterpret_cast<decltype(scene.name.data)>(baked::name), baked::word##_count};
+        PT_OBJECT_ARRAYS(PT_BAKE)
+        PT_TRACED_ARRAYS(PT_BAKE)
+        PT_SHADING_ARRAYS(PT_BAKE)
+        PT_SHARED_ARRAYS(PT_BAKE_ALL)
+#undef PT_BAKE
+#undef PT_BAKE_ALL
         scene.environment = *reinterpret_cast<const pt::Vec3<Real>*>(baked::environment);
         scene.enclosure = *reinterpret_cast<const pt::AxisAlignedEnclosure<Real>*>(baked::enclosure);
         const auto& camera = *reinterpret_cast<const pt::Camera<Real>*>(baked::camera);
@@ -217,7 +216,7 @@ private:
     }
 #endif
 #if PT_SCENE_BYTES > 0 && !PT_BAKED
-    // As the host lays them out (constant_scene_bytes): each array on a border of 16 bytes.
+    // As the host lays them out (constant_scene): each array on a border of 16 bytes.
     template <class T>
     __device__ static void place(pt::View<T>& view, std::uint32_t& offset) {
         view.data = reinterpret_cast<const T*>(pt_scene + offset);

@@ -1,0 +1,69 @@
+// The arrays of a scene, listed once: who sizes, copies, bakes or places them goes by this list, and where their order
+// matters, as in constant memory, by the list's.
+#pragma once
+
+#include "kernels/scene_view.h"
+
+namespace pt {
+
+enum class ArrayKind : std::uint32_t {
+    objects,  // of one kind; every ray reads them
+    traced,   // by object number; every ray reads it
+    matrix,   // by object number; every ray of a kernel with Feature::matrix reads it, others have no use for it
+    shading,  // by object number; read where a ray has hit
+    shared    // by numbers of its own; read where a ray has hit
+};
+
+struct SceneArray {
+    const char* name;  // as in SceneView
+    ArrayKind kind;
+
+    PT_HD constexpr bool is_used(FeatureSet features) const {
+        return kind != ArrayKind::matrix || contains(features, Feature::matrix);
+    }
+    // Whether every ray reads it.
+    PT_HD constexpr bool is_traced(FeatureSet features) const {
+        return is_used(features) && kind != ArrayKind::shading && kind != ArrayKind::shared;
+    }
+};
+
+// ARRAY(name, kind, word): the list for who needs the names in program text, a macro a kind. The word is in the name of
+// the constant that tells a kernel how many there are: PT_SPHERES, baked::material_count.
+#define PT_OBJECT_ARRAYS(ARRAY)                    \
+    ARRAY(spheres, objects, SPHERES)               \
+    ARRAY(ellipsoids, objects, ELLIPSOIDS)         \
+    ARRAY(axis_boxes, objects, AXIS_BOXES)         \
+    ARRAY(oriented_boxes, objects, ORIENTED_BOXES) \
+    ARRAY(quads, objects, QUADS)
+#define PT_TRACED_ARRAYS(ARRAY) ARRAY(velocity, traced, OBJECTS)
+#define PT_MATRIX_ARRAYS(ARRAY) ARRAY(transforms, matrix, OBJECTS)
+#define PT_SHADING_ARRAYS(ARRAY)             \
+    ARRAY(object_material, shading, OBJECTS) \
+    ARRAY(surfaces, shading, OBJECTS)
+#define PT_SHARED_ARRAYS(ARRAY)        \
+    ARRAY(materials, shared, material) \
+    ARRAY(lights, shared, light)
+#define PT_SCENE_ARRAYS(ARRAY) \
+    PT_OBJECT_ARRAYS(ARRAY)    \
+    PT_TRACED_ARRAYS(ARRAY)    \
+    PT_MATRIX_ARRAYS(ARRAY)    \
+    PT_SHADING_ARRAYS(ARRAY)   \
+    PT_SHARED_ARRAYS(ARRAY)
+
+// Calls visit(SceneArray, array) for every array of a scene: a SceneView, or what has members of the same names.
+template <class Scene, class Visit>
+PT_HD constexpr void for_each_array(Scene& scene, Visit&& visit) {
+#define PT_VISIT(name, kind, word) visit(SceneArray{#name, ArrayKind::kind}, scene.name);
+    PT_SCENE_ARRAYS(PT_VISIT)
+#undef PT_VISIT
+}
+
+// The same for two scenes side by side: visit(SceneArray, array of the first, array of the second).
+template <class First, class Second, class Visit>
+PT_HD constexpr void for_each_array(First& first, Second& second, Visit&& visit) {
+#define PT_VISIT(name, kind, word) visit(SceneArray{#name, ArrayKind::kind}, first.name, second.name);
+    PT_SCENE_ARRAYS(PT_VISIT)
+#undef PT_VISIT
+}
+
+}  // namespace pt
