@@ -20,6 +20,9 @@ struct EarlierResult {
     bool is_of_this_run = false;
     bool is_complete = false;
     int failed_cells = 0;
+
+    // Whether it stays until the run's own is complete: not what this very run left when it was interrupted.
+    bool is_kept() const { return is_there && !(is_of_this_run && !is_complete); }
 };
 EarlierResult earlier_result(const std::string& file, const nlohmann::ordered_json& run);
 

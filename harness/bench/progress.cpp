@@ -29,6 +29,8 @@ std::string clock_text(double seconds) {
                         : fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
+void say_below_progress(const std::string& line) { fmt::print(stderr, "\n{}\n", line); }
+
 void TimeLeft::expect(const std::string& name, std::size_t steps, double size) {
     names_[name].left += steps;
     names_[name].size = size;

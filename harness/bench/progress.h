@@ -59,6 +59,9 @@ private:
     bool is_terminal_;
 };
 
+// Prints a line on stderr, below the line of progress that may stand there.
+void say_below_progress(const std::string& line);
+
 // "0:07", "12:34", "3:04:05".
 std::string clock_text(double seconds);
 

@@ -1,0 +1,58 @@
+#include "harness/bench/film_ledger.h"
+
+#include <fmt/format.h>
+
+#include "variants/registry.h"
+
+namespace pt {
+
+namespace {
+
+// All cells whose films must be equal bit for bit.
+std::string bitwise_group(const Cell& cell) {
+    std::string name = cell.name;
+    // Stopping at checkpoints changes no bit, but where numbers follow the order of a queue, whose batches end there.
+    if (cell.convergence && !depends_on_order(cell.variant, cell.backend)) {
+        name.erase(name.rfind('/'));
+    }
+    // Two kernels that round freely need not agree: each is a group of its own.
+    return bitwise_reference(cell).name() + name.substr(name.find('/'));
+}
+
+}  // namespace
+
+Variant bitwise_reference(const Cell& cell) {
+    return fp_relaxed(cell.variant, cell.backend) ? cell.variant
+                                                  : Registry::instance().reference(cell.variant, cell.backend);
+}
+
+FilmLedger::FilmLedger(const Plan& plan, const Journal& journal) {
+    for (const Cell& cell : plan.cells) {
+        const std::vector<Json>& samples = journal.samples(cell.name);
+        for (std::size_t index = 0; index < samples.size(); ++index) {
+            films_.try_emplace({bitwise_group(cell), index},
+                               Entry{samples[index].at("film_hash").get<std::string>(), cell.name});
+        }
+    }
+}
+
+std::string FilmLedger::note_sample(const Cell& cell, std::size_t index, const std::string& hash) {
+    const auto [position, is_first] = films_.try_emplace({bitwise_group(cell), index}, Entry{hash, cell.name});
+    const Entry& known = position->second;
+    return is_first || known.hash == hash
+               ? ""
+               : fmt::format("film {} of sample {} differs from {} of {}", hash, index, known.hash, known.of);
+}
+
+const std::string& FilmLedger::film_to_prepare(const Cell& cell, const std::function<std::string()>& render) {
+    const std::uint32_t spp = cell.samples_to_prepare();
+    const std::string part = spp != cell.spp ? fmt::format("/first:{}", spp) : "";
+    const std::pair<std::string, std::size_t> key{bitwise_group(cell) + part, 0};
+    const auto known = films_.find(key);
+    if (known != films_.end()) {
+        return known->second.hash;
+    }
+    return films_.try_emplace(key, Entry{render(), bitwise_reference(cell).name()}).first->second.hash;
+}
+
+}  // namespace pt

@@ -1,0 +1,156 @@
+#include "harness/bench/prepare_cells.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "harness/bench/compile_ahead.h"
+#include "harness/bench/instrumented.h"
+#include "harness/bench/verify.h"
+
+namespace pt {
+
+namespace {
+
+// The size at which a cell is verified before it is timed: enough pixels to meet every object, few enough to be quick.
+RenderSettings verification_settings(RenderSettings settings) {
+    const double shrink = std::min(1.0, 48.0 / std::max(settings.width, settings.height));
+    settings.width = std::max(1u, static_cast<std::uint32_t>(std::lround(settings.width * shrink)));
+    settings.height = std::max(1u, static_cast<std::uint32_t>(std::lround(settings.height * shrink)));
+    return settings;
+}
+
+constexpr std::uint32_t verification_spp = 2;
+
+// How long a cell's preparation takes beside those of other cells.
+double size_of(const Cell& cell) {
+    return static_cast<double>(cell.settings.width) * cell.settings.height * cell.samples_to_prepare();
+}
+
+// Remembers what cells of one scene and size have in common.
+class CellPreparer {
+public:
+    CellPreparer(std::uint64_t seed, FilmLedger& films, ErrorBook& errors)
+        : seed_(seed), films_(films), errors_(errors) {}
+
+    // What the journal shall know of the cell. A choice that throws fails its cell, not the run.
+    Json prepare(const Cell& cell) {
+        Verifier& verifier = verifier_of(cell);
+        Json facts;
+        try {
+            facts = verified(cell, verifier);
+            if (facts.at("status") == "ok") {
+                add_instrumented_pass(cell, facts);
+            }
+        } catch (const std::exception& exception) {
+            facts = {{"status", "failed"}, {"reason", exception.what()}};
+        }
+        return facts;
+    }
+
+private:
+    Verifier& verifier_of(const Cell& cell) {
+        const RenderSettings small = verification_settings(cell.settings);
+        const std::string key = fmt::format("{}/{}x{}/{}", cell.scene->name, small.width, small.height, small.depth);
+        return verifiers_.try_emplace(key, *cell.scene, small, verification_spp, cell.backend).first->second;
+    }
+
+    static Json verified(const Cell& cell, Verifier& verifier) {
+        const Verdict verdict = verifier.check(cell.variant);
+        const KernelChoice kernel = choose_kernel(*cell.scene, cell.variant, cell.backend);
+        return {{"claim_check", verdict.message},
+                {"kernel_features", feature_names(kernel.compiled)},
+                {"specialisation_note", kernel.note()},
+                {"status", verdict.holds ? "ok" : "failed"},
+                {"reason", verdict.holds ? "" : verdict.message}};
+    }
+
+    void add_instrumented_pass(const Cell& cell, Json& facts) {
+        // Queues grow and pages are touched in a first render: not in one whose stages are looked at.
+        (void)render(*cell.scene, request(cell, cell.variant, 1));
+        RenderRequest instrumented = request(cell, cell.variant, cell.samples_to_prepare());
+        instrumented.instrument = true;
+        const RenderResult result = render(*cell.scene, instrumented);
+        if (const std::string& expected = expected_film(cell); result.film.hash() != expected) {
+            facts["status"] = "failed";
+            facts["reason"] = fmt::format("at full size the film {} differs from {} of {}", result.film.hash(),
+                                          expected, bitwise_reference(cell).name());
+            return;
+        }
+        facts.update(facts_of(cell, result));
+        if (cell.convergence) {
+            facts["convergence"] = errors_.cell_facts(cell);
+            facts["convergence"]["expected_mse"] = errors_.expected_mse(cell, result.film);
+        }
+    }
+
+    const std::string& expected_film(const Cell& cell) {
+        return films_.film_to_prepare(cell, [&] {
+            return render(*cell.scene, request(cell, bitwise_reference(cell), cell.samples_to_prepare())).film.hash();
+        });
+    }
+
+    // At the cell's own size.
+    RenderRequest request(const Cell& cell, const Variant& variant, std::uint32_t samples) const {
+        RenderRequest request{
+            .variant = variant, .backend = cell.backend, .settings = cell.settings, .samples = samples};
+        request.settings.seed = seed_;
+        return request;
+    }
+
+    std::uint64_t seed_;
+    FilmLedger& films_;
+    ErrorBook& errors_;
+    std::map<std::string, Verifier> verifiers_;  // by scene, size and depth
+};
+
+std::vector<const Cell*> unknown_cells(const Plan& plan, const Journal& journal) {
+    std::vector<const Cell*> unknown;
+    for (const Cell& cell : plan.cells) {
+        if (journal.cell(cell.name) == nullptr) {
+            unknown.push_back(&cell);
+        }
+    }
+    return unknown;
+}
+
+void compile_kernels(const std::vector<const Cell*>& cells) {
+    std::vector<CompileTask> tasks;
+    for (const Cell* const cell : cells) {
+        if (cell->backend == Backend::cuda) {
+            tasks.push_back({cell->scene.get(), cell->variant});
+        }
+    }
+    compile_ahead(tasks);
+}
+
+}  // namespace
+
+void prepare_cells(const Plan& plan, std::uint64_t seed, RunJournal& journal, FilmLedger& films, ErrorBook& errors,
+                   const Interrupt& interrupt, Progress::Lines lines) {
+    const std::vector<const Cell*> cells = unknown_cells(plan, journal.known());
+    compile_kernels(cells);
+    TimeLeft time_left;
+    for (const Cell* const cell : cells) {
+        time_left.expect(cell->name, 1, size_of(*cell));
+    }
+    Progress progress("verify", cells.size(), lines);
+    CellPreparer preparer(seed, films, errors);
+    for (const Cell* const cell : cells) {
+        if (interrupt.requested()) {
+            return;
+        }
+        const double start = seconds_now();
+        const Json facts = preparer.prepare(*cell);
+        if (facts.at("status") == "failed") {
+            fmt::print(stderr, "failed: {}: {}\n", cell->name, facts.at("reason").get<std::string>());
+        }
+        journal.set_cell(*cell, facts);
+        time_left.took(cell->name, seconds_now() - start);
+        progress.step(cell->name, [&] { return time_left.seconds(); });
+    }
+}
+
+}  // namespace pt

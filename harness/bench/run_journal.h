@@ -1,0 +1,43 @@
+// The journal while a run goes on: one thread adds what it finds, and another may end the run meanwhile.
+#pragma once
+
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "harness/bench/journal.h"
+#include "harness/bench/suite.h"
+
+namespace pt {
+
+class RunJournal {
+public:
+    // Opens it: Journal's constructor.
+    RunJournal(std::string file, const Json& identity, bool resume, const std::vector<std::string>& that_may_differ);
+
+    const Journal& known() const { return journal_; }
+    // Whether the cell is prepared and may be timed.
+    bool is_ok(const Cell& cell) const;
+    // Why the cell, which must be known, has failed; empty: it has not.
+    std::string failure(const Cell& cell) const;
+
+    void set_cell(const Cell& cell, const Json& facts);
+    // Of a cell that is known.
+    void set_failed(const Cell& cell, const std::string& reason);
+    void add_sample(const Cell& cell, const Json& sample);
+
+    // For good: whoever adds from now on waits for as long as the process lives.
+    void close() { mutex_.lock(); }
+    // Removes the file: the result file is in place.
+    void finish() { journal_.finish(); }
+
+private:
+    void begin_session();
+
+    Journal journal_;
+    std::string host_name_;
+    std::mutex mutex_;  // held while the journal changes
+    bool has_session_ = false;
+};
+
+}  // namespace pt

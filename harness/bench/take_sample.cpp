@@ -1,0 +1,141 @@
+#include "harness/bench/take_sample.h"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include "harness/bench/cpu_clock.h"
+#include "harness/bench/machine.h"
+#include "harness/bench/progress.h"
+#include "harness/cuda/backend.h"
+
+namespace pt {
+
+namespace {
+
+// Nothing where it cannot be known.
+std::optional<double> clock_mhz(Backend backend) {
+    return backend == Backend::cuda ? cuda::measure_clock_mhz() : clock_of(measure_clock_evidence());
+}
+
+struct TimedRender {
+    RenderResult result;
+    double end_to_end_ms = 0;
+    std::optional<double> clock_before, clock_after;
+    ForeignLoad foreign;
+};
+
+TimedRender time_render(const Scene& scene, const RenderRequest& request) {
+    const std::optional<double> clock_before = clock_mhz(request.backend);
+    const ForeignLoad load_before = ForeignLoad::now();
+    const auto begin = std::chrono::steady_clock::now();
+    RenderResult result = render(scene, request);
+    const double end_to_end =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    const ForeignLoad foreign = ForeignLoad::now() - load_before;
+    const std::optional<double> clock_after = clock_mhz(request.backend);
+    return {std::move(result), end_to_end, clock_before, clock_after, foreign};
+}
+
+Json facts_of_sample(const RenderRequest& request, const TimedRender& timed, const std::string& hash,
+                     std::uint64_t order) {
+    const RenderResult& result = timed.result;
+    const bool has_clock = timed.clock_before && timed.clock_after;
+    Json facts{{"pt_wall_ms", result.wall_ms},
+               {"pt_device_ms", result.device_ms},
+               {"pt_end_to_end_ms", timed.end_to_end_ms},
+               {"cpu_ms", result.cpu_ms},
+               {"pt_seed", request.settings.seed},
+               {"pt_spp", request.samples},
+               {"pt_paths", result.work.paths},
+               {"pt_rays", result.work.rays},
+               {"pt_rays_per_second", static_cast<double>(result.work.rays) / (1e-3 * result.wall_ms)},
+               {"pt_launches", result.work.launches},
+               {"pt_graph_nodes", result.work.graph_nodes},
+               {"pt_loop_rounds", result.work.loop_rounds},
+               {"pt_host_waits", result.work.host_waits},
+               {"pt_order", order},
+               {"pt_timestamp", seconds_now()},
+               {"pt_clock_unknown", has_clock ? 0 : 1},
+               {"pt_foreign_cpu_ms", timed.foreign.cpu_ms},
+               {"pt_involuntary_switches", timed.foreign.involuntary_switches},
+               {"film_hash", hash}};
+    if (has_clock) {
+        facts["pt_clock_mhz_before"] = *timed.clock_before;
+        facts["pt_clock_mhz_after"] = *timed.clock_after;
+    }
+    return facts;
+}
+
+}  // namespace
+
+SampleTaker::SampleTaker(const Plan& plan, const Journal& journal, std::uint64_t first_seed, FilmLedger& films,
+                         ErrorBook& errors)
+    : first_seed_(first_seed), films_(films), errors_(errors) {
+    for (const Cell& cell : plan.cells) {
+        for (const Json& sample : journal.samples(cell.name)) {
+            order_ = std::max(order_, sample.value("pt_order", std::uint64_t{0}) + 1);
+        }
+    }
+}
+
+TakenSample SampleTaker::take(const Cell& cell, std::size_t index) {
+    try {
+        return render_sample(cell, index);
+    } catch (const std::exception& exception) {
+        return {.error = exception.what()};
+    }
+}
+
+TakenSample SampleTaker::render_sample(const Cell& cell, std::size_t index) {
+    RenderRequest request{
+        .variant = cell.variant, .backend = cell.backend, .settings = cell.settings, .samples = cell.spp};
+    request.settings.seed = first_seed_ + index;
+    warm_up(cell, request);
+    TakenSample sample;
+    if (cell.convergence) {
+        request.checkpoints = cell.convergence->checkpoints;
+        request.on_checkpoint = [&](const Checkpoint& c) {
+            sample.snapshots.push_back({c.samples, c.wall_ms, c.device_ms, c.cpu_ms, c.film});
+        };
+    }
+    const TimedRender timed = time_render(*cell.scene, request);
+    const std::string hash = timed.result.film.hash();
+    sample.error = fault(cell, index, timed.result, hash);
+    if (!sample.error.empty()) {
+        return sample;
+    }
+    sample.facts = facts_of_sample(request, timed, hash, order_);
+    if (cell.convergence) {
+        sample.facts["pt_checkpoints"] = errors_.rows(cell, sample.snapshots);
+    }
+    order_ += 1;
+    return sample;
+}
+
+void SampleTaker::warm_up(const Cell& cell, RenderRequest request) {
+    if (warm_.insert(cell.name).second) {
+        request.samples = 1;
+        (void)render(*cell.scene, request);
+    }
+}
+
+// What is wrong with a sample's film or counters, or nothing.
+std::string SampleTaker::fault(const Cell& cell, std::size_t index, const RenderResult& result,
+                               const std::string& hash) {
+    if (const std::string missing = check_counters(cell.variant, result.work, cell.spp, cell.backend);
+        !missing.empty()) {
+        return missing;
+    }
+    // At full size too, every film of a group has the same bits, seed by seed.
+    if (const std::string differs = films_.note_sample(cell, index, hash); !differs.empty()) {
+        return differs;
+    }
+    // Where errors are measured, a sample that is not finite makes them null, with a count.
+    FilmFaults faults = result.film.faults();
+    faults.nonfinite = cell.convergence ? 0 : faults.nonfinite;
+    return faults.none() ? "" : faults_text(faults);
+}
+
+}  // namespace pt

@@ -1,0 +1,169 @@
+#include "harness/bench/time_cells.h"
+
+#include <algorithm>
+#include <memory>
+
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+namespace pt {
+
+namespace {
+
+// Google Benchmark's own table is as wide as our names are long, and under interleaving in the order in which cells
+// happen to end: a run prints its own from the journal.
+class QuietReporter : public benchmark::BenchmarkReporter {
+public:
+    bool ReportContext(const Context&) override { return true; }
+    void ReportRuns(const std::vector<Run>&) override {}
+};
+
+// What a sample may take, told from the instrumented pass.
+double pass_ms(const Cell& cell, const Journal& journal) {
+    const Json& facts = *journal.cell(cell.name);
+    const auto pass = facts.find("instrumented");
+    const double wall = pass != facts.end() ? pass->value("wall_ms", 0.0) : 0.0;
+    return std::max(1e-6, wall * cell.spp / cell.samples_to_prepare());
+}
+
+// The samples that a run has still to take, and how long they will take.
+struct Ahead {
+    std::size_t samples = 0;
+    TimeLeft time = {};
+};
+
+Ahead ahead_of(const std::vector<const Cell*>& cells, const Journal& journal, int repetitions) {
+    Ahead ahead;
+    const auto wanted = static_cast<std::size_t>(repetitions);
+    for (const Cell* const cell : cells) {
+        const std::vector<Json>& taken = journal.samples(cell->name);
+        const std::size_t left = wanted - std::min(taken.size(), wanted);
+        ahead.samples += left;
+        ahead.time.expect(cell->name, left, pass_ms(*cell, journal));
+        for (const Json& sample : taken) {
+            ahead.time.took(cell->name, 1e-3 * sample.value("pt_end_to_end_ms", 0.0), false);
+        }
+    }
+    return ahead;
+}
+
+// What Google Benchmark calls, and where its samples go.
+class CellTimer {
+public:
+    CellTimer(Ahead ahead, const TimingOptions& options, RunJournal& journal, SampleTaker& taker,
+              const ErrorBook& errors, const Interrupt& interrupt)
+        : time_left_(std::move(ahead.time)),
+          progress_("time", std::max<std::size_t>(1, ahead.samples), options.lines),
+          images_folder_(options.images_folder),
+          journal_(journal),
+          taker_(taker),
+          errors_(errors),
+          interrupt_(interrupt) {}
+
+    // The loop is entered whatever happens, and a failure stays for all later repetitions: Google Benchmark 1.7.1
+    // aborts the process otherwise (google/benchmark#2206).
+    void benchmark_cell(benchmark::State& state, const Cell& cell, std::size_t index) {
+        for (auto iteration : state) {
+            (void)iteration;
+            std::string error = interrupt_.requested() ? "interrupted" : journal_.failure(cell);
+            if (error.empty() && index >= journal_.known().samples(cell.name).size()) {
+                error = take_sample(cell, index);
+            }
+            if (!error.empty()) {
+                state.SkipWithError(error.c_str());
+                break;
+            }
+            const Json& sample = journal_.known().samples(cell.name)[index];
+            state.SetIterationTime(1e-3 * sample.at("pt_wall_ms").get<double>());
+            state.counters["pt_rays_per_second"] = sample.at("pt_rays_per_second").get<double>();
+        }
+    }
+
+private:
+    // Returns what went wrong, or nothing.
+    std::string take_sample(const Cell& cell, std::size_t index) {
+        const double start = seconds_now();
+        const TakenSample sample = taker_.take(cell, index);
+        if (!sample.error.empty()) {
+            journal_.set_failed(cell, sample.error);
+            say_below_progress(fmt::format("failed: {}: {}", cell.name, sample.error));
+            time_left_.drop(cell.name);
+        } else {  // a disk that is full ends the run, not the cell
+            if (cell.convergence && cell.convergence->images && index == 0) {
+                keep_images(cell, sample.snapshots);
+            }
+            journal_.add_sample(cell, sample.facts);
+            time_left_.took(cell.name, seconds_now() - start);
+        }
+        progress_.step(cell.name, [this] { return time_left_.seconds(); });
+        return sample.error;
+    }
+
+    void keep_images(const Cell& cell, const std::vector<Snapshot>& snapshots) {
+        Json facts = *journal_.known().cell(cell.name);
+        facts["convergence"]["images"] = write_images(images_folder_, cell, errors_.reference(cell), snapshots);
+        journal_.set_cell(cell, facts);
+    }
+
+    TimeLeft time_left_;
+    Progress progress_;
+    const std::string& images_folder_;
+    RunJournal& journal_;
+    SampleTaker& taker_;
+    const ErrorBook& errors_;
+    const Interrupt& interrupt_;
+};
+
+void register_cell(const Cell& cell, CellTimer& timer) {
+    // Google Benchmark enters the function once a repetition: the counter is the sample's index.
+    benchmark::RegisterBenchmark(cell.name.c_str(),
+                                 [&timer, &cell, next = std::make_shared<std::size_t>(0)](benchmark::State& state) {
+                                     timer.benchmark_cell(state, cell, (*next)++);
+                                 })
+        ->UseManualTime()
+        ->Iterations(1)
+        ->Unit(benchmark::kMillisecond);
+}
+
+}  // namespace
+
+void initialize_benchmark(int repetitions, const std::vector<std::string>& flags) {
+    std::vector<std::string> arguments{"ptbench", fmt::format("--benchmark_repetitions={}", repetitions),
+                                       "--benchmark_enable_random_interleaving=true",
+                                       "--benchmark_display_aggregates_only=true"};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) {
+        argv.push_back(argument.data());
+    }
+    int argc = static_cast<int>(argv.size());
+    benchmark::Initialize(&argc, argv.data());
+    if (argc > 1) {
+        throw InputError("command line", "flag", "\"" + std::string(argv[1]) + "\"",
+                         "Google Benchmark's --benchmark_* flags");
+    }
+}
+
+void time_cells(const Plan& plan, const TimingOptions& options, RunJournal& journal, SampleTaker& taker,
+                const ErrorBook& errors, const Interrupt& interrupt) {
+    if (interrupt.requested()) {
+        return;
+    }
+    std::vector<const Cell*> cells;
+    for (const Cell& cell : plan.cells) {
+        if (journal.is_ok(cell)) {
+            cells.push_back(&cell);
+        }
+    }
+    CellTimer timer(ahead_of(cells, journal.known(), options.repetitions), options, journal, taker, errors, interrupt);
+    benchmark::ClearRegisteredBenchmarks();
+    for (const Cell* const cell : cells) {
+        register_cell(*cell, timer);
+    }
+    QuietReporter reporter;
+    const bool own_format = std::any_of(options.benchmark_flags.begin(), options.benchmark_flags.end(),
+                                        [](const std::string& flag) { return flag.starts_with("--benchmark_format"); });
+    benchmark::RunSpecifiedBenchmarks(own_format ? nullptr : &reporter);
+}
+
+}  // namespace pt
