@@ -1,5 +1,5 @@
 // The nearest object along a ray, and what its surface is like there.
-// Ties go to the lowest object number. There is no epsilon: a ray knows the surface that it starts on
+// There is no epsilon: a ray knows the surface that it starts on
 // (Path::origin_surface), and a convex body is met again only from within, at its other root.
 #pragma once
 
@@ -74,23 +74,47 @@ PT_HD inline decltype(auto) spheres_of(const Scene& scene) {
     }
 }
 
+// The hit of a ray is the least (t, object): the nearest, and of several at one distance that with the lowest number.
+// Who visits objects by ascending numbers has the lower one already when an equal one comes, and need not compare
+// numbers.
+enum class VisitOrder { ascending, any };
+
+template <VisitOrder order, class Real>
+PT_HD inline bool comes_before(Real t, std::uint32_t object, const Hit<Real>& best) {
+    if constexpr (order == VisitOrder::ascending) {
+        return t < best.t;
+    } else {
+        return t < best.t || (t == best.t && best.side.exists() && object < best.side.object());
+    }
+}
+
 // Keeps the nearer of `best` and a convex body crossed over [near, far]: entered from outside, or left from inside.
-template <class Real>
+template <VisitOrder order = VisitOrder::ascending, class Real>
 PT_HD inline void keep_nearer(Hit<Real>& best, const Interval<Real>& crossing, std::uint32_t object) {
     const bool inside = !(crossing.near > Real(0));
     const Real t = inside ? crossing.far : crossing.near;
-    if (crossing.hits && t > Real(0) && t < best.t) {
+    if (crossing.hits && t > Real(0) && comes_before<order>(t, object, best)) {
         best.t = t;
         best.side = SurfaceId::of(object, inside);
     }
 }
 
 // The same for the other end of the chord through the body that the ray starts on and runs inside.
-template <class Real>
+template <VisitOrder order = VisitOrder::ascending, class Real>
 PT_HD inline void keep_nearer(Hit<Real>& best, Real chord, const SurfaceId& origin_surface) {
-    if (chord < best.t) {
+    if (comes_before<order>(chord, origin_surface.object(), best)) {
         best.t = chord;
         best.side = origin_surface;
+    }
+}
+
+// The same for a flat surface, which is met at one distance; `from_behind`: the ray runs along its normal.
+template <VisitOrder order = VisitOrder::ascending, class Real>
+PT_HD inline void keep_nearer_flat(Hit<Real>& best, const Interval<Real>& crossing, std::uint32_t object,
+                                   bool from_behind) {
+    if (crossing.hits && crossing.near > Real(0) && comes_before<order>(crossing.near, object, best)) {
+        best.t = crossing.near;
+        best.side = SurfaceId::of(object, from_behind);
     }
 }
 
@@ -98,7 +122,7 @@ template <class Config, class Scene, class Body>
 PT_HD inline void closest_body(Hit<typename Config::Real>& best, const Scene& scene, const Body& body,
                                std::uint32_t object, const Ray<typename Config::Real>& ray) {
     const auto origin = at_rest<Config>(scene, object, ray.origin, ray.time);
-    const bool starts_here = ray.origin_surface.exists() && ray.origin_surface.object() == object;
+    const bool starts_here = ray.origin_surface.is_of(object);
     if (!starts_here) {
         keep_nearer(best, interval(body, origin, ray.direction), object);
     } else if (ray.origin_surface.inside()) {
@@ -131,7 +155,7 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
         // A copy: of a reference nvcc 13.0 makes one load a plane, at an address that depends on the lane.
         const AxisBox<Real> box = scene.axis_boxes[i];
         const Interval<Real> crossing = slab_interval(box.low, box.high, origin, inverse);
-        bool starts_here = ray.origin_surface.exists() && ray.origin_surface.object() == object;
+        bool starts_here = ray.origin_surface.is_of(object);
         if constexpr (has<Config>(Feature::enclosure)) {
             starts_here =
                 starts_here && !scene.enclosure.is_lamp(i);  // known to the compiler where it knows the enclosure
@@ -185,10 +209,8 @@ PT_HD inline void closest_quad(Hit<typename Config::Real>& best, const Scene& sc
         const auto& quad = scene.quads[i];
         const Interval<Real> crossing =
             interval(quad, at_rest<Config>(scene, object, ray.origin, ray.time), ray.direction);
-        const bool starts_here = ray.origin_surface.exists() && ray.origin_surface.object() == object;
-        if (!starts_here && crossing.hits && crossing.near > Real(0) && crossing.near < best.t) {
-            best.t = crossing.near;
-            best.side = SurfaceId::of(object, dot(ray.direction, quad.normal) > Real(0));
+        if (!ray.origin_surface.is_of(object)) {
+            keep_nearer_flat(best, crossing, object, dot(ray.direction, quad.normal) > Real(0));
         }
     }
 }
@@ -201,7 +223,7 @@ PT_HD inline void closest_transformed(Hit<typename Config::Real>& best, const Sc
     for (std::uint32_t object = 0; object < scene.transforms.size; ++object) {
         const Transform<Real>& transform = scene.transforms[object];
         const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
-        const bool starts_here = ray.origin_surface.exists() && ray.origin_surface.object() == object;
+        const bool starts_here = ray.origin_surface.is_of(object);
         if (starts_here && (transform.shape == UnitShape::quad || !ray.origin_surface.inside())) {
             continue;
         }
@@ -212,9 +234,8 @@ PT_HD inline void closest_transformed(Hit<typename Config::Real>& best, const Sc
         const Interval<Real> crossing = interval(transform, origin, ray.direction);
         if (transform.shape != UnitShape::quad) {
             keep_nearer(best, crossing, object);
-        } else if (crossing.hits && crossing.near > Real(0) && crossing.near < best.t) {
-            best.t = crossing.near;
-            best.side = SurfaceId::of(object, dot(ray.direction, transform.row[1]) > Real(0));
+        } else {
+            keep_nearer_flat(best, crossing, object, dot(ray.direction, transform.row[1]) > Real(0));
         }
     }
 }
@@ -235,7 +256,7 @@ PT_HD inline void closest_naive(Hit<typename Config::Real>& best, const Scene& s
             naive::interval(bodies[i], at_rest<Config>(scene, object, ray.origin, ray.time), ray.direction);
         const bool inside = !(crossing.near > naive::epsilon<Real>);
         const Real t = inside ? crossing.far : crossing.near;
-        if (crossing.hits && t > naive::epsilon<Real> && t < best.t) {
+        if (crossing.hits && t > naive::epsilon<Real> && comes_before<VisitOrder::ascending>(t, object, best)) {
             best.t = t;
             best.side = SurfaceId::of(object, inside);
         }
@@ -291,6 +312,43 @@ PT_HD inline Hit<typename Config::Real> closest_hit(const Scene& scene, const Ra
         closest_quad<Config>(best, scene, ray);
     }
     return best;
+}
+
+// One object, whichever its shape, in any order among others: what a leaf of an acceleration structure does with each
+// of its objects. Over all objects it leaves the hit of closest_hit, bit for bit.
+template <VisitOrder order, class Real, class Shape>
+PT_HD inline void meet_shape(Hit<Real>& best, const Shape& shape, std::uint32_t object, const Vec3<Real>& origin,
+                             const Ray<Real>& ray) {
+    if (!ray.origin_surface.is_of(object)) {
+        keep_nearer<order>(best, interval(shape, origin, ray.direction), object);
+    } else if (ray.origin_surface.inside()) {
+        keep_nearer<order>(best, chord(shape, origin, ray.direction), ray.origin_surface);
+    }
+}
+template <VisitOrder order, class Real>
+PT_HD inline void meet_shape(Hit<Real>& best, const AxisBox<Real>& box, std::uint32_t object, const Vec3<Real>& origin,
+                             const Ray<Real>& ray) {
+    const Interval<Real> crossing = slab_interval(box.low, box.high, origin, reciprocal(ray.direction));
+    if (!ray.origin_surface.is_of(object)) {
+        keep_nearer<order>(best, crossing, object);
+    } else if (ray.origin_surface.inside()) {
+        keep_nearer<order>(best, max(crossing.far, Real(0)), ray.origin_surface);
+    }
+}
+template <VisitOrder order, class Real>
+PT_HD inline void meet_shape(Hit<Real>& best, const Quad<Real>& quad, std::uint32_t object, const Vec3<Real>& origin,
+                             const Ray<Real>& ray) {
+    if (!ray.origin_surface.is_of(object)) {
+        keep_nearer_flat<order>(best, interval(quad, origin, ray.direction), object,
+                                dot(ray.direction, quad.normal) > Real(0));
+    }
+}
+template <class Config, VisitOrder order, class Scene>
+PT_HD inline void meet_object(Hit<typename Config::Real>& best, const Scene& scene, std::uint32_t object,
+                              const Ray<typename Config::Real>& ray) {
+    const auto origin = at_rest<Config>(scene, object, ray.origin, ray.time);
+    visit_shape<Config>(
+        scene, object, [&](const auto& shape) { meet_shape<order>(best, as_met<Config>(shape), object, origin, ray); });
 }
 
 // The point left where the ray's rounding puts it.
