@@ -1,9 +1,9 @@
 file(GLOB_RECURSE harness_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/harness/*.cpp)
 list(FILTER harness_sources EXCLUDE REGEX "/harness/(main\\.cpp$|cuda/)")
 if(PTBENCH_CUDA)
-  list(APPEND harness_sources ${PROJECT_SOURCE_DIR}/harness/cuda/backend.cpp ${PROJECT_SOURCE_DIR}/harness/cuda/cell.cpp
-       ${PROJECT_SOURCE_DIR}/harness/cuda/inspect.cpp ${PROJECT_SOURCE_DIR}/harness/cuda/sass.cpp
-       ${PROJECT_SOURCE_DIR}/harness/cuda/profile.cpp)
+  file(GLOB cuda_harness_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/harness/cuda/*.cpp)
+  list(FILTER cuda_harness_sources EXCLUDE REGEX "/without_cuda\\.cpp$")
+  list(APPEND harness_sources ${cuda_harness_sources})
 else()
   list(APPEND harness_sources ${PROJECT_SOURCE_DIR}/harness/cuda/without_cuda.cpp)
 endif()

@@ -7,6 +7,7 @@
 
 #include "harness/cuda/cell.h"
 #include "harness/cuda/inspect.h"
+#include "harness/cuda/kernel_request.h"
 #include "harness/cuda/profile.h"
 #include "harness/error.h"
 #include "variants/cuda/device.h"

@@ -4,16 +4,13 @@
 
 #include <memory>
 
+#include "harness/cuda/device_scene.h"
+#include "harness/cuda/handles.h"
+#include "harness/cuda/queue_memory.h"
 #include "harness/render/checkpoints.h"
-#include "variants/cuda/job.h"
+#include "harness/scene/scene_buffers.h"
 
 namespace pt::cuda {
-
-// What is compiled for a variant of a scene on a GPU ("sm_90"), for an integrator and the sources that choices ask for.
-ModuleRequest module_request(const Scene& scene, const Variant& variant, const std::string& architecture);
-ModuleRequest stage_request(const Variant& variant, const std::string& source, const std::string& architecture);
-// The embedded source of the variant's integrator.
-std::string integrator_source(const Variant& variant);
 
 template <class Real>
 class RenderCell {
@@ -30,31 +27,31 @@ public:
     void collect(RenderResult& result);
 
 private:
-    void run_part(const RenderPart& part, RenderResult& result);
-    void download_film(Film& film);
-    void reserve(Arena& arena);
-    void reserve_queue(Arena& arena);
-    bool copies_whole_paths() const;
-    PathFields carried_fields() const;
-    void upload();
+    void make_handles();
+    void describe_job(const RenderSettings& settings);
+    void make_choices();
     CellContext context();
-    const Module& module(const ModuleRequest& request);
+    void reserve(Arena& arena);
+    void upload();
+    void run_part(const RenderPart& part, RenderResult& result);
 
     const Scene& scene_;
     const RenderRequest& request_;
-    KernelChoice kernel_;
+    const Integrator& integrator_;
     SceneBuffers<Real> buffers_;
-    Job job_;
-    SceneView<Real> view_;  // the scene on the device
-    StageEvents stages_;
+    DeviceScene<Real> device_scene_;
+    QueueNeeds queue_needs_;
+    FilmView host_film_;
+    CudaFacts facts_;
+    std::uint64_t choice_launches_ = 0, choice_waits_ = 0;
+    std::unique_ptr<Arena> arena_;
+    PinnedWords pinned_;
+    Stream stream_;
+    Event begin_, end_;
     std::unique_ptr<Compaction> compaction_;
     std::unique_ptr<Sorting> sorting_;
-    std::unique_ptr<Arena> arena_;
-    FilmView host_film_;
-    Layout layout_;
-    CudaFacts facts_;
-    cudaEvent_t begin_ = nullptr, end_ = nullptr;
-    std::uint64_t choice_launches_ = 0, choice_waits_ = 0;
+    StageEvents stages_;
+    Job job_;
 };
 
 }  // namespace pt::cuda

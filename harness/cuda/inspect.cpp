@@ -4,9 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "harness/cuda/cell.h"
+#include "harness/cuda/kernel_request.h"
 #include "harness/cuda/sass.h"
 #include "harness/error.h"
+#include "harness/render/renderer.h"
 #include "variants/cuda/compiler_report.h"
 
 namespace pt::cuda {

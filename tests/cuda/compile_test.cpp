@@ -22,7 +22,7 @@
 #include "harness/bench/compile_ahead.h"
 #include "harness/bench/suite.h"
 #include "harness/cuda/backend.h"
-#include "harness/cuda/cell.h"
+#include "harness/cuda/kernel_request.h"
 #include "harness/places.h"
 #include "variants/cuda/nvrtc.h"
 #include "variants/cuda/sources.h"

@@ -8,9 +8,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "harness/cuda/cell.h"
+#include "harness/cuda/kernel_request.h"
 #include "harness/places.h"
 #include "tests/support/command.h"
+#include "variants/registry.h"
 
 namespace pt {
 namespace {

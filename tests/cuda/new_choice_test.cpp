@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/cuda/cell.h"
+#include "harness/cuda/kernel_request.h"
 #include "variants/cuda/nvrtc.h"
 
 namespace pt {

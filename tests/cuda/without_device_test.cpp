@@ -7,7 +7,7 @@
 
 #include "harness/bench/compile_ahead.h"
 #include "harness/cuda/backend.h"
-#include "harness/cuda/cell.h"
+#include "harness/cuda/kernel_request.h"
 #include "harness/error.h"
 #include "harness/places.h"
 #include "tests/support/command.h"

@@ -1,0 +1,137 @@
+#include "harness/cuda/accounting.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace pt::cuda {
+
+namespace {
+
+template <class T>
+void download(const Job& job, T* host, const T* device, std::size_t count) {
+    PT_CUDA_CHECK(cudaMemcpyAsync(host, device, count * sizeof(T), cudaMemcpyDeviceToHost, job.stream));
+    PT_CUDA_CHECK(cudaStreamSynchronize(job.stream));
+}
+
+std::uint64_t sum_of(const std::vector<std::uint64_t>& counts) {
+    return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+}
+
+Totals sum_of(const std::vector<Totals>& copies) {
+    Totals sum;
+    for (const Totals& copy : copies) {
+        sum.paths.paths += copy.paths.paths;
+        sum.paths.rays += copy.paths.rays;
+        sum.paths.connections += copy.paths.connections;
+        sum.paths.unfinished_walks += copy.paths.unfinished_walks;
+        sum.cache_fills += copy.cache_fills;
+        sum.cache_uses += copy.cache_uses;
+    }
+    return sum;
+}
+
+Totals download_totals(const Job& job) {
+    std::vector<Totals> copies(counter_copies);
+    download(job, copies.data(), job.totals, copies.size());
+    return sum_of(copies);
+}
+
+std::vector<std::uint64_t> sum_of_copies(const std::vector<std::uint64_t>& counts, std::uint32_t copies) {
+    std::vector<std::uint64_t> sums(counts.size() / copies);
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+        sums[i / copies] += counts[i];
+    }
+    return sums;
+}
+
+std::vector<std::uint64_t> download_segments(const Job& job, const std::uint64_t* device_counts) {
+    std::vector<std::uint64_t> counts(std::size_t{job.longest_path} * job.segments.copies);
+    download(job, counts.data(), device_counts, counts.size());
+    return counts;
+}
+
+// Of paths counted by the number of their segments, those that have a segment, by segment.
+std::vector<std::uint64_t> alive_by_segment(std::vector<std::uint64_t> by_length) {
+    std::uint64_t alive = 0;
+    for (std::size_t segment = by_length.size(); segment-- > 0;) {
+        alive += by_length[segment];
+        by_length[segment] = alive;
+    }
+    return by_length;
+}
+
+// Of kernels that trace one segment a thread: rays are told from how many paths were traced.
+void add_queue_work(const Job& job, const DeviceCounts& counts, WorkCounters& work) {
+    const std::uint64_t segments = sum_of(counts.live);
+    const std::uint64_t cache_uses = job.cache.rays > 0 ? counts.live.front() : 0;
+    work.rays = segments - cache_uses + counts.totals.cache_fills + counts.totals.paths.connections;
+    work.cache_hits = cache_uses - counts.totals.cache_fills;
+    work.last_paths = counts.live.back();
+    work.sorted = work.sorts > 0 ? segments - counts.live.back() : 0;
+    work.compacted_away = work.compactions > 0 ? counts.in_play.front() - counts.in_play.back() : 0;
+}
+
+}  // namespace
+
+void download_film(const Job& job, Film& film) {
+    std::vector<std::int64_t> sums(std::size_t{3} * job.pixels);
+    FilmFaults faults;
+    download(job, sums.data(), job.film.sums, sums.size());
+    download(job, &faults, job.film.faults, 1);
+    film.set(std::move(sums), faults);
+}
+
+DeviceCounts download_counts(const Job& job, const Integrator& integrator) {
+    DeviceCounts counts;
+    counts.totals = download_totals(job);
+    download(job, &counts.health, job.health.counters, 1);
+    download(job, &counts.rounds, job.loop.rounds, 1);
+    counts.live = download_segments(job, job.segments.live);
+    counts.in_play = download_segments(job, job.segments.in_play);
+    if (integrator.has_queue) {
+        counts.live = sum_of_copies(counts.live, job.segments.copies);
+        counts.in_play = sum_of_copies(counts.in_play, job.segments.copies);
+    } else {
+        // Megakernels count path lengths in the place of `live`, without copies.
+        counts.live.resize(job.longest_path);
+        counts.live = alive_by_segment(std::move(counts.live));
+    }
+    return counts;
+}
+
+WorkCounters work_of(const Job& job, const Integrator& integrator, const DeviceCounts& counts) {
+    WorkCounters work = job.work;
+    for (std::uint64_t round = 0; round < counts.rounds; ++round) {
+        work += job.loop.work_per_round;
+    }
+    work.loop_rounds = counts.rounds;
+    work.paths = counts.totals.paths.paths;
+    work.connections = counts.totals.paths.connections;
+    work.unfinished_walks = counts.totals.paths.unfinished_walks;
+    work.cache_fills = counts.totals.cache_fills;
+    if (integrator.has_queue) {
+        add_queue_work(job, counts, work);
+    } else {
+        work.rays = counts.totals.paths.rays;
+        work.cache_hits = counts.totals.cache_uses - counts.totals.cache_fills;
+    }
+    return work;
+}
+
+std::vector<std::uint64_t> reached_segments(const std::vector<std::uint64_t>& live) {
+    return {live.begin(), std::find(live.begin(), live.end(), std::uint64_t{0})};
+}
+
+std::vector<CudaFacts::Kernel> kernel_facts(const Module& module, const Integrator& integrator) {
+    std::vector<CudaFacts::Kernel> kernels;
+    for (const char* const name : integrator.kernels) {
+        if (name == nullptr) {
+            break;
+        }
+        const KernelFacts kernel = module.facts(name);
+        kernels.push_back({name, kernel.registers, kernel.local_bytes, kernel.shared_bytes});
+    }
+    return kernels;
+}
+
+}  // namespace pt::cuda

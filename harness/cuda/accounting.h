@@ -1,0 +1,30 @@
+// What a render on the device left behind: the film, and what its kernels counted, in the words of a result.
+#pragma once
+
+#include "harness/render/renderer.h"
+#include "variants/cuda/job.h"
+
+namespace pt::cuda {
+
+// Each of these waits for the device.
+void download_film(const Job& job, Film& film);
+
+struct DeviceCounts {
+    Totals totals;
+    HealthCounters health;
+    std::vector<std::uint64_t> live;     // by segment: paths that were alive when it was traced
+    std::vector<std::uint64_t> in_play;  // by segment: paths that were looked at; of integrators with a queue
+    std::uint64_t rounds = 0;            // of a graph's loop
+};
+DeviceCounts download_counts(const Job& job, const Integrator& integrator);
+
+// What the job counted on the host and its kernels on the device.
+WorkCounters work_of(const Job& job, const Integrator& integrator, const DeviceCounts& counts);
+
+// Of `live`, up to the last segment that a path reached.
+std::vector<std::uint64_t> reached_segments(const std::vector<std::uint64_t>& live);
+
+// What the compiler made of the integrator's kernels.
+std::vector<CudaFacts::Kernel> kernel_facts(const Module& module, const Integrator& integrator);
+
+}  // namespace pt::cuda

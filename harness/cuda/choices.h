@@ -1,0 +1,27 @@
+// What the choices of a variant bring on this backend, and its tunables.
+#pragma once
+
+#include "variants/registry.h"
+
+namespace pt::cuda {
+
+inline const Hooks& hooks(std::string_view axis, const Variant& variant) {
+    return Registry::instance().at(axis, variant, Backend::cuda).hook.cuda;
+}
+
+// Of a choice that may lack the tunable.
+inline std::uint32_t tuned(const Variant& variant, std::string_view name, std::uint32_t otherwise) {
+    for (const Tunable& known : tunables_of(variant, Backend::cuda)) {
+        if (known.name == name) {
+            return tunable(variant, name, Backend::cuda);
+        }
+    }
+    return otherwise;
+}
+
+// Camera rays of a pixel that the first-bounce cache keeps; 0: there is none.
+inline std::uint32_t kept_rays(const Variant& variant) {
+    return Registry::instance().at("first_bounce", variant, Backend::cuda).hook.first_bounce(variant, Backend::cuda);
+}
+
+}  // namespace pt::cuda

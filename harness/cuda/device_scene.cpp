@@ -1,0 +1,148 @@
+#include "harness/cuda/device_scene.h"
+
+#include <algorithm>
+#include <cstring>
+#include <type_traits>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace pt::cuda {
+
+namespace {
+
+// Of the 64 KiB of constant memory that a module may have; larger scenes stay in global memory.
+constexpr std::size_t constant_bytes = 32768;
+
+// As kernels find it there (SceneViews in device.cuh).
+template <class Real>
+std::vector<unsigned char> constant_scene(const SceneView<Real>& scene, FeatureSet features) {
+    std::vector<unsigned char> bytes;
+    for_each_array(scene, [&](const SceneArray& array, const auto& view) {
+        if (!array.is_traced(features)) {
+            return;
+        }
+        const auto* const begin = reinterpret_cast<const unsigned char*>(view.data);
+        bytes.insert(bytes.end(), begin, begin + view.size * sizeof(*view.data));
+        bytes.resize((bytes.size() + 15) / 16 * 16);
+    });
+    return bytes;
+}
+
+class BakedText {
+public:
+    template <class T>
+    void add(const char* name, const T* values, std::size_t count) {
+        static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % 4 == 0);
+        std::vector<std::uint32_t> words(std::max<std::size_t>(1, count * sizeof(T) / 4));
+        if (count != 0) {
+            std::memcpy(words.data(), static_cast<const void*>(values), count * sizeof(T));
+        }
+        text_ +=
+            fmt::format("__device__ alignas(16) const unsigned {}[] = {{{:#x}u}};\n", name, fmt::join(words, "u,"));
+    }
+    template <class T>
+    void add(const char* name, const View<T>& view) {
+        add(name, view.data, view.size);
+    }
+    void add_count(const char* name, std::uint32_t count) {
+        text_ += fmt::format("constexpr unsigned {} = {}u;\n", name, count);
+    }
+    std::string text() const { return "#define PT_BAKED 1\nnamespace baked { namespace {\n" + text_ + "} }\n"; }
+
+private:
+    std::string text_;
+};
+
+template <class T>
+void copy_to_device(const View<T>& device, const View<T>& host, cudaStream_t stream) {
+    if (host.size != 0) {
+        PT_CUDA_CHECK(cudaMemcpyAsync(const_cast<T*>(device.data), host.data, host.size * sizeof(T),
+                                      cudaMemcpyHostToDevice, stream));
+    }
+}
+
+template <class T>
+View<T> placed(Arena& arena, const View<T>& host) {
+    return {arena.take<T>(host.size), host.size};
+}
+
+}  // namespace
+
+template <class Real>
+std::vector<std::string> scene_defines(const SceneView<Real>& scene, FeatureSet features) {
+    // A kernel with everything is compiled once, for any scene.
+    const bool fixes_counts = (features & all_features) != all_features;
+    const bool fits = constant_scene(scene, features).size() <= constant_bytes;
+    std::vector<std::string> defines{fmt::format("-DPT_SCENE_BYTES={}", fits ? constant_bytes : 0),
+                                     fmt::format("-DPT_FIXED_COUNTS={}", fixes_counts ? 1 : 0)};
+    if (fixes_counts) {
+#define PT_DEFINE(name, kind, word) defines.push_back(fmt::format("-DPT_" #word "={}u", scene.name.size));
+        PT_OBJECT_ARRAYS(PT_DEFINE)
+#undef PT_DEFINE
+        const AxisAlignedEnclosure<Real>& enclosure = scene.enclosure;
+        defines.push_back(fmt::format("-DPT_ENCLOSURE_WALLS={}u", enclosure.walls));
+        defines.push_back(fmt::format("-DPT_ENCLOSURE_LAMPS={}u", enclosure.lamps));
+        defines.push_back(fmt::format("-DPT_ENCLOSURE_OPEN_SIDES={}u", enclosure.open_sides));
+        const auto codes = [](const SurfaceId(&sides)[3]) {
+            return fmt::format("{}u,{}u,{}u", sides[0].code, sides[1].code, sides[2].code);
+        };
+        defines.push_back("-DPT_ENCLOSURE_LOW_SIDES=" + codes(enclosure.low_side));
+        defines.push_back("-DPT_ENCLOSURE_HIGH_SIDES=" + codes(enclosure.high_side));
+    }
+    return defines;
+}
+
+template <class Real>
+std::string baked_text(const SceneView<Real>& scene) {
+    BakedText text;
+    for_each_array(scene, [&](const SceneArray& array, const auto& view) {
+        if (array.kind != ArrayKind::matrix) {
+            text.add(array.name, view);
+        }
+    });
+    text.add("environment", &scene.environment, 1);
+    text.add("enclosure", &scene.enclosure, 1);
+    Camera<Real> camera = scene.camera;  // what a render sets is no part of the text, nor of the cache's key
+    camera.width = camera.height = 0;
+    camera.pixel_size = 0;
+    text.add("camera", &camera, 1);
+#define PT_ADD_COUNT(name, kind, word) text.add_count(#word "_count", scene.name.size);
+    PT_SHARED_ARRAYS(PT_ADD_COUNT)
+#undef PT_ADD_COUNT
+    return text.text();
+}
+
+template <class Real>
+void DeviceScene<Real>::reserve(Arena& arena) {
+    view_ = host_;
+    for_each_array(view_, host_, [&](const SceneArray& array, auto& device, const auto& host) {
+        if (array.is_used(features_)) {
+            device = placed(arena, host);
+        }
+    });
+}
+
+template <class Real>
+void DeviceScene<Real>::upload(const Module& module, cudaStream_t stream) const {
+    for_each_array(view_, host_, [&](const SceneArray& array, const auto& device, const auto& host) {
+        if (array.is_used(features_)) {
+            copy_to_device(device, host, stream);
+        }
+    });
+    const std::vector<unsigned char> constant = constant_scene(host_, features_);
+    if (!is_baked_ && !constant.empty() && constant.size() <= constant_bytes) {
+        PT_CUDA_CHECK(cudaMemcpyAsync(module.global("pt_scene"), constant.data(), constant.size(),
+                                      cudaMemcpyHostToDevice, stream));
+    }
+    PT_CUDA_CHECK(cudaStreamSynchronize(stream));  // the host's copy ends with this function
+}
+
+template std::vector<std::string> scene_defines(const SceneView<float>& scene, FeatureSet features);
+template std::vector<std::string> scene_defines(const SceneView<double>& scene, FeatureSet features);
+template std::string baked_text(const SceneView<float>& scene);
+template std::string baked_text(const SceneView<double>& scene);
+template class DeviceScene<float>;
+template class DeviceScene<double>;
+
+}  // namespace pt::cuda

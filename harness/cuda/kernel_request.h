@@ -1,0 +1,16 @@
+// What is compiled for a variant of a scene on a GPU ("sm_90"): for its integrator, and of the sources that its choices
+// ask for.
+#pragma once
+
+#include "harness/scene/scene.h"
+#include "variants/cuda/module.h"
+#include "variants/descriptor.h"
+
+namespace pt::cuda {
+
+ModuleRequest module_request(const Scene& scene, const Variant& variant, const std::string& architecture);
+ModuleRequest stage_request(const Variant& variant, const std::string& source, const std::string& architecture);
+// The embedded source of the variant's integrator.
+std::string integrator_source(const Variant& variant);
+
+}  // namespace pt::cuda

@@ -1,0 +1,12 @@
+// Modules stay loaded: a variant's kernels are compiled, or read from the cache on disk, once a process.
+#pragma once
+
+#include "harness/render/renderer.h"
+#include "variants/cuda/module.h"
+
+namespace pt::cuda {
+
+// Valid until the process ends. What it took is added to `facts`.
+const Module& loaded_module(const ModuleRequest& request, CudaFacts& facts);
+
+}  // namespace pt::cuda
