@@ -32,7 +32,10 @@ _BEFORE_LATER_AXES = "direct_light"
 # Counters that a sample may have of its own, as "pt_NAME".
 WORK_COUNTERS = ("launches", "graph_nodes", "host_waits")
 
-# The harness's reasons for what is not applicable in a study that is written for more than one backend or choice.
+# The harness's reasons for what is not applicable in a study that is written for more than one backend or choice: their
+# codes, and their texts for files that are older than the codes.
+_ELSEWHERE_CODE = "not_on_backend"
+_NOTHING_TO_TUNE_CODE = "no_such_tunable"
 _ELSEWHERE = re.compile(r"(\S+=\S+) is not there on the backend \S+")
 # A render on a GPU that took no more than this beyond the device's own time was not kept waiting by a busy host.
 MOST_HOST_SHARE = 0.02
@@ -265,6 +268,8 @@ class NotApplicable:
     variant: str
     axes: dict[str, str]
     reason: str
+    reason_code: str = ""  # empty in older files
+    reason_axis: str = ""  # of the choice that does not apply; empty in older files, and where it is no choice's own
 
     @property
     def tuned(self) -> dict[str, str]:
@@ -273,12 +278,18 @@ class NotApplicable:
     @property
     def elsewhere(self) -> str:
         """ "axis=choice" where the reason is that only another backend has that choice."""
+        if self.reason_code:
+            if self.reason_code != _ELSEWHERE_CODE:
+                return ""
+            return f"{self.reason_axis}={self.axes.get(self.reason_axis, '')}"
         match = _ELSEWHERE.fullmatch(self.reason)
         return match[1] if match else ""
 
     @property
     def has_nothing_to_tune(self) -> bool:
         """Left out because its choices lack a tunable of the study."""
+        if self.reason_code:
+            return self.reason_code == _NOTHING_TO_TUNE_CODE
         return self.reason.endswith(_NOTHING_TO_TUNE)
 
 
@@ -538,4 +549,6 @@ def _not_applicable(node: Node) -> NotApplicable:
         variant=node.need("variant").text(),
         axes={} if axes is None else _axes(axes),
         reason=node.need("reason").text(),
+        reason_code=node.optional_text("reason_code"),
+        reason_axis=node.optional_text("reason_axis"),
     )

@@ -76,7 +76,7 @@ file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/sort_key/*.cu
 foreach(header ${headers})
   get_filename_component(name ${header} NAME_WE)
   add_cuda_registration(sort_key ${name}
-    "const Registration registration(sort_key::${name}::descriptor, {.cuda = {.sort_key = sort_key::${name}::hook}});")
+    "const Registration registration(sort_key::${name}::descriptor, {});")
 endforeach()
 foreach(axis compaction sorting)
   file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/${axis}/*.cuh)

@@ -1,5 +1,5 @@
 // What a choice says of itself: which axis it is on, what it does and who proposed it, where it applies, what it
-// promises about the image, and how to tell afterwards that it did its work.
+// promises about the image, what other choices may ask of it, and how to tell afterwards that it did its work.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "kernels/config.h"
+#include "variants/axes.h"
 
 namespace pt {
 
@@ -26,11 +27,6 @@ inline constexpr BackendSet on_cpu = static_cast<BackendSet>(Backend::cpu);
 inline constexpr BackendSet on_cuda = static_cast<BackendSet>(Backend::cuda);
 inline constexpr BackendSet on_every_backend = on_cpu | on_cuda;
 constexpr bool contains(BackendSet set, Backend backend) { return (set & static_cast<BackendSet>(backend)) != 0; }
-
-// The axes in the order in which a variant's name spells them.
-inline constexpr std::string_view axis_names[] = {
-    "integrator", "compaction", "sorting",        "sort_key", "first_bounce", "direct_light", "russian_roulette",
-    "sampler",    "layout",     "specialisation", "launch",   "arithmetic",   "precision",    "robustness"};
 
 // A number that a choice may be tuned by. It never changes what is computed, unless the choice's claim says so.
 struct Tunable {
@@ -64,7 +60,7 @@ public:
     std::map<std::string, std::uint32_t, std::less<>> tuning;
 
 private:
-    std::vector<std::string> choices_ = std::vector<std::string>(std::size(axis_names));
+    std::vector<std::string> choices_ = std::vector<std::string>(axis_count);
 };
 
 // What a render did, counted where it was done. A choice checks its own claims against it.
@@ -112,16 +108,22 @@ struct Descriptor {
     // Of a sampler: the samples of a pixel do not know of each other, so that the error of their mean falls as n^-1/2
     // and halves of a run are independent.
     bool has_independent_samples = true;
-    bool keeps_payload_contiguous = true;  // of a compaction: the paths in play are slots 0 to count - 1 afterwards
-    // Of a compaction or sort on CUDA: the host waits for the device within it, so no graph can hold it.
-    bool waits_for_device = false;
+    Traits traits = {};  // what choices of other axes may ask of it; of its own axis alone
     BackendSet backends = on_cpu;
     std::span<const Tunable> tunables = {};
-    // Why the choice cannot run on a scene with these features in this variant; empty: it can.
-    std::string (*unsupported_reason)(FeatureSet scene, const Variant& variant) = nullptr;
+    // Why the choice cannot run on a scene with these features in this variant (its axis is filled in later); empty: it
+    // can.
+    Reason (*unsupported_reason)(FeatureSet scene, const VariantTraits& variant) = nullptr;
     // What the counters say the choice left undone (or did although it must not); empty: it did its work.
     std::string (*check_counters)(const WorkCounters& work, std::uint64_t samples) = nullptr;
 };
+
+// Its own, or the defaults of its axis.
+template <class AxisTraits>
+constexpr AxisTraits traits_in(const Descriptor& descriptor) {
+    const AxisTraits* own = std::get_if<AxisTraits>(&descriptor.traits);
+    return own != nullptr ? *own : AxisTraits{};
+}
 
 std::string_view to_string(Claim claim);
 std::string_view to_string(Backend backend);

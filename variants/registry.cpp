@@ -18,7 +18,10 @@ std::string label(const Descriptor& descriptor) {
 
 // Throws std::logic_error for a descriptor that verification could not work with.
 void check_descriptor(const Descriptor& descriptor) {
-    Variant::index(descriptor.axis);
+    const std::size_t axis = Variant::index(descriptor.axis);
+    if (!std::holds_alternative<std::monostate>(descriptor.traits) && descriptor.traits.index() != axis + 1) {
+        throw std::logic_error("traits of another axis: " + label(descriptor));
+    }
     if (descriptor.claim == Claim::statistical && descriptor.mean_of.empty()) {
         throw std::logic_error("a statistical claim needs mean_of: " + label(descriptor));
     }
@@ -35,6 +38,47 @@ void check_descriptor(const Descriptor& descriptor) {
 
 const Descriptor& descriptor_at(std::string_view axis, const Variant& variant, Backend backend) {
     return Registry::instance().at(axis, variant, backend).descriptor;
+}
+
+template <class AxisTraits>
+Chosen<AxisTraits> chosen(std::string_view axis, const Variant& variant, Backend backend) {
+    const Choice* choice = Registry::instance().find(axis, variant[axis], backend);
+    for (const Backend other : all_backends) {
+        choice = choice == nullptr ? Registry::instance().find(axis, variant[axis], other) : choice;
+    }
+    if (choice == nullptr) {
+        return {};
+    }
+    return {traits_in<AxisTraits>(choice->descriptor), choice->descriptor.name};
+}
+
+// The first of the variant's choices that does not go with the others or with the scene.
+Reason reason_of_a_choice(const Variant& variant, FeatureSet scene, Backend backend) {
+    const VariantTraits traits = traits_of(variant, backend);
+    for (const std::string_view axis : axis_names) {
+        const Descriptor& descriptor = descriptor_at(axis, variant, backend);
+        Reason reason =
+            descriptor.unsupported_reason == nullptr ? Reason{} : descriptor.unsupported_reason(scene, traits);
+        if (!reason.empty()) {
+            return {reason.code, label(descriptor) + " " + reason.text, descriptor.axis};
+        }
+    }
+    return {};
+}
+
+Reason reason_of_a_tunable(const Variant& variant, Backend backend) {
+    const std::vector<Tunable> known = tunables_of(variant, backend);
+    for (const auto& [name, value] : variant.tuning) {
+        const auto position = std::find_if(known.begin(), known.end(),
+                                           [&, &name = name](const Tunable& tunable) { return tunable.name == name; });
+        if (position == known.end()) {
+            return {"no_such_tunable", name + "=" + std::to_string(value) + " tunes none of the variant's choices"};
+        }
+        if (!position->allows(value)) {
+            return {"tunable_out_of_range", name + "=" + std::to_string(value) + " is out of its range"};
+        }
+    }
+    return {};
 }
 
 }  // namespace
@@ -136,34 +180,42 @@ Variant Registry::reference(const Variant& variant, Backend backend) const {
     return reference;
 }
 
-std::string why_not_applicable(const Variant& variant, FeatureSet scene, Backend backend) {
+VariantTraits traits_of(const Variant& variant, Backend backend) {
+    return {
+        .integrator = chosen<IntegratorTraits>("integrator", variant, backend),
+        .compaction = chosen<CompactionTraits>("compaction", variant, backend),
+        .sorting = chosen<SortingTraits>("sorting", variant, backend),
+        .sort_key = chosen<SortKeyTraits>("sort_key", variant, backend),
+        .first_bounce = chosen<FirstBounceTraits>("first_bounce", variant, backend),
+        .direct_light = chosen<DirectLightTraits>("direct_light", variant, backend),
+        .russian_roulette = chosen<RouletteTraits>("russian_roulette", variant, backend),
+        .sampler = chosen<SamplerTraits>("sampler", variant, backend),
+        .layout = chosen<LayoutTraits>("layout", variant, backend),
+        .specialisation = chosen<SpecialisationTraits>("specialisation", variant, backend),
+        .launch = chosen<LaunchTraits>("launch", variant, backend),
+        .arithmetic = chosen<ArithmeticTraits>("arithmetic", variant, backend),
+        .precision = chosen<PrecisionTraits>("precision", variant, backend),
+        .robustness = chosen<RobustnessTraits>("robustness", variant, backend),
+        .tuning = variant.tuning,
+    };
+}
+
+Reason reason_not_applicable(const Variant& variant, FeatureSet scene, Backend backend) {
     const Registry& registry = Registry::instance();
     for (const std::string_view axis : axis_names) {
         if (registry.find(axis, variant[axis], backend) == nullptr) {
-            return std::string(axis) + "=" + variant[axis] + " is not there on the backend " +
-                   std::string(to_string(backend));
+            return {"not_on_backend",
+                    std::string(axis) + "=" + variant[axis] + " is not there on the backend " +
+                        std::string(to_string(backend)),
+                    axis};
         }
     }
-    for (const std::string_view axis : axis_names) {
-        const Descriptor& descriptor = descriptor_at(axis, variant, backend);
-        const std::string reason =
-            descriptor.unsupported_reason == nullptr ? "" : descriptor.unsupported_reason(scene, variant);
-        if (!reason.empty()) {
-            return label(descriptor) + " " + reason;
-        }
-    }
-    const std::vector<Tunable> known = tunables_of(variant, backend);
-    for (const auto& [name, value] : variant.tuning) {
-        const auto position = std::find_if(known.begin(), known.end(),
-                                           [&, &name = name](const Tunable& tunable) { return tunable.name == name; });
-        if (position == known.end()) {
-            return name + "=" + std::to_string(value) + " tunes none of the variant's choices";
-        }
-        if (!position->allows(value)) {
-            return name + "=" + std::to_string(value) + " is out of its range";
-        }
-    }
-    return "";
+    Reason reason = reason_of_a_choice(variant, scene, backend);
+    return reason.empty() ? reason_of_a_tunable(variant, backend) : reason;
+}
+
+std::string why_not_applicable(const Variant& variant, FeatureSet scene, Backend backend) {
+    return reason_not_applicable(variant, scene, backend).text;
 }
 
 Claim claim_of(const Variant& variant, Backend backend) {

@@ -43,7 +43,6 @@ struct Hook {
     ChooseFeatures specialisation = {};
     std::map<FeatureSet, RenderFunction> integrator = {};
     std::map<FeatureSet, RenderIn<double>> integrator_in_double = {};  // empty: single precision only
-    bool is_double = false;                                            // precision, on the CPU
     cuda::Hooks cuda = {};
 };
 
@@ -94,8 +93,13 @@ struct IntegratorRegistration {
     }
 };
 
+// What the variant's choices say of themselves. One that the backend lacks says what it does elsewhere.
+VariantTraits traits_of(const Variant& variant, Backend backend);
+
 // Why a variant cannot run on a scene with these features ("axis=choice reason"); empty: it can. A choice that the
 // backend lacks and a tunable that none of the choices has are such reasons.
+Reason reason_not_applicable(const Variant& variant, FeatureSet scene, Backend backend = Backend::cpu);
+// Its text alone.
 std::string why_not_applicable(const Variant& variant, FeatureSet scene, Backend backend = Backend::cpu);
 
 // The weakest claim among the variant's choices.

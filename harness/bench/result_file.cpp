@@ -343,6 +343,19 @@ void check_samples_have_cells(const Plan& plan, const Journal& journal) {
     }
 }
 
+OrderedJson not_applicable_json(const NotApplicable& entry) {
+    OrderedJson json{{"study", entry.study},
+                     {"scene", entry.scene},
+                     {"variant", entry.variant.name()},
+                     {"axes", axes_json(entry.variant)},
+                     {"reason", entry.reason.text},
+                     {"reason_code", entry.reason.code}};
+    if (!entry.reason.axis.empty()) {
+        json["reason_axis"] = entry.reason.axis;
+    }
+    return json;
+}
+
 std::string text_of_result(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts) {
     check_samples_have_cells(plan, journal);
     const SharedErrors shared(plan, journal);
@@ -373,11 +386,7 @@ std::string text_of_result(const Plan& plan, const Suite& suite, const Journal& 
     run["sessions"] = journal.sessions();
     OrderedJson not_applicable = OrderedJson::array();
     for (const NotApplicable& entry : plan.not_applicable) {
-        not_applicable.push_back({{"study", entry.study},
-                                  {"scene", entry.scene},
-                                  {"variant", entry.variant.name()},
-                                  {"axes", axes_json(entry.variant)},
-                                  {"reason", entry.reason}});
+        not_applicable.push_back(not_applicable_json(entry));
     }
     OrderedJson baselines;
     for (const std::string_view axis : axis_names) {

@@ -137,7 +137,7 @@ std::string describe_plan(const Plan& plan, int repetitions) {
         text += cell.name + "\n";
     }
     for (const NotApplicable& entry : plan.not_applicable) {
-        text += fmt::format("n/a: {} on {}: {}\n", entry.variant.name(), entry.scene, entry.reason);
+        text += fmt::format("n/a: {} on {}: {}\n", entry.variant.name(), entry.scene, entry.reason.text);
     }
     return text + fmt::format("{} cells, {} samples, {} not applicable\n", plan.cells.size(),
                               plan.cells.size() * static_cast<std::size_t>(repetitions), plan.not_applicable.size());
@@ -153,7 +153,7 @@ Plan plan_run(const Suite& suite, const RunOptions& options) {
     if (plan.cells.empty()) {
         throw InputError("the run has no cell: " + (plan.not_applicable.empty()
                                                         ? std::string("the filter matches none")
-                                                        : "n/a: " + plan.not_applicable.front().reason));
+                                                        : "n/a: " + plan.not_applicable.front().reason.text));
     }
     return plan;
 }

@@ -377,7 +377,7 @@ public:
 private:
     // At every size, depth and number of samples.
     void add_variant(const Study& study, const std::shared_ptr<const Scene>& scene, const Variant& variant) {
-        if (std::string reason = why_not_applicable(variant, features_of(*scene), backend_); !reason.empty()) {
+        if (Reason reason = reason_not_applicable(variant, features_of(*scene), backend_); !reason.empty()) {
             plan_.not_applicable.push_back({study.name, scene->name, variant, std::move(reason)});
             return;
         }
@@ -399,8 +399,8 @@ private:
         const std::uint32_t depth = asked.settings.depth;
         const std::uint32_t own_depth = depth_for_mean_of(asked.variant, backend_, depth);
         if (own_depth == 0) {
-            plan_.not_applicable.push_back({study.name, asked.scene->name, asked.variant,
-                                            fmt::format("has no depth at which its mean is that of {}", depth)});
+            Reason reason{"no_such_depth", fmt::format("has no depth at which its mean is that of {}", depth)};
+            plan_.not_applicable.push_back({study.name, asked.scene->name, asked.variant, std::move(reason)});
             return;
         }
         Cell cell = make_cell(asked.scene, backend_, asked.variant, asked.settings.width, asked.settings.height,

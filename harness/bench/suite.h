@@ -94,7 +94,7 @@ struct NotApplicable {
     std::string study;
     std::string scene;
     Variant variant;
-    std::string reason;
+    Reason reason;
 };
 
 struct Plan {

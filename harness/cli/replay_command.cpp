@@ -95,7 +95,7 @@ int run(const ReplayArguments& arguments) {
     const auto parting = stability::first_parting(single, fp64);
     for (std::size_t i = 0; i < std::max(single.size(), fp64.size()); ++i) {
         fmt::print("segment {}{}\n", i + 1, parting == i + 1 ? "  <- the two part here" : "");
-        print_side(variant["precision"] == "double_intersection" ? "mixed" : "float", single, i);
+        print_side(traits_of(variant, Backend::cpu).precision.is_mixed() ? "mixed" : "float", single, i);
         print_side("double", fp64, i);
     }
     fmt::print("{}\n", parting ? fmt::format("they part at segment {}", *parting) : "both go the same way");

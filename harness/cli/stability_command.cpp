@@ -128,9 +128,8 @@ std::vector<Variant> standard_variants(Backend backend, bool quick) {
     };
     std::vector<Variant> variants = with_plainest(axes);
     std::erase_if(variants, [&](const Variant& variant) {
-        const int changes = (variant["robustness"] != "robust" ? 1 : 0) + (variant["precision"] != "float" ? 1 : 0) +
-                            (variant["arithmetic"] != "exact" ? 1 : 0);
-        return quick && changes > 1;
+        const auto is_changed = [&](const auto& axis) { return variant[axis.first] != plainest[axis.first]; };
+        return quick && std::count_if(axes.begin(), axes.end(), is_changed) > 1;
     });
     for (const Choice* integrator : registry.choices("integrator", backend)) {
         Variant variant = plainest;
@@ -269,7 +268,7 @@ std::string evaluated(const Task& task, bool quiet) {
     const Variant plainest = stability::plainest_variant(task.backend);
     for (const Row& row : rows) {
         const bool worth_a_line = row.status == Status::failed || row.status == Status::broken;
-        if (!quiet || (worth_a_line && stability::must_pass(task.variant))) {
+        if (!quiet || (worth_a_line && stability::must_pass(task.variant, task.backend))) {
             text += fmt::format("{:<11} {:<4} {}  {}\n", to_string(row.status), task.stiff_case->catalogue,
                                 stability::label(task, plainest), stability::in_words(row));
         }

@@ -81,7 +81,7 @@ void download_film(const Job& job, Film& film) {
     film.set(std::move(sums), faults);
 }
 
-DeviceCounts download_counts(const Job& job, const Integrator& integrator) {
+DeviceCounts download_counts(const Job& job, const IntegratorTraits& integrator) {
     DeviceCounts counts;
     counts.totals = download_totals(job);
     download(job, &counts.health, job.health.counters, 1);
@@ -99,7 +99,7 @@ DeviceCounts download_counts(const Job& job, const Integrator& integrator) {
     return counts;
 }
 
-WorkCounters work_of(const Job& job, const Integrator& integrator, const DeviceCounts& counts) {
+WorkCounters work_of(const Job& job, const IntegratorTraits& integrator, const DeviceCounts& counts) {
     WorkCounters work = job.work;
     for (std::uint64_t round = 0; round < counts.rounds; ++round) {
         work += job.loop.work_per_round;

@@ -16,10 +16,10 @@ struct DeviceCounts {
     std::vector<std::uint64_t> in_play;  // by segment: paths that were looked at; of integrators with a queue
     std::uint64_t rounds = 0;            // of a graph's loop
 };
-DeviceCounts download_counts(const Job& job, const Integrator& integrator);
+DeviceCounts download_counts(const Job& job, const IntegratorTraits& integrator);
 
 // What the job counted on the host and its kernels on the device.
-WorkCounters work_of(const Job& job, const Integrator& integrator, const DeviceCounts& counts);
+WorkCounters work_of(const Job& job, const IntegratorTraits& integrator, const DeviceCounts& counts);
 
 // Of `live`, up to the last segment that a path reached.
 std::vector<std::uint64_t> reached_segments(const std::vector<std::uint64_t>& live);

@@ -39,7 +39,6 @@ RenderResult render(const Scene& scene, const RenderRequest& request) {
     if (!not_available().empty()) {
         throw MachineError("cuda: not available (" + not_available() + ")");
     }
-    const Registry& registry = Registry::instance();
     const KernelChoice kernel = choose_kernel(scene, request.variant, Backend::cuda);
     const RenderSettings settings = settings_for(request, kernel);
     const std::uint64_t film_samples = request.film_samples != 0 ? request.film_samples : request.samples;
@@ -49,7 +48,7 @@ RenderResult render(const Scene& scene, const RenderRequest& request) {
                         .needed = kernel.needed,
                         .compiled = kernel.compiled};
     try {
-        if (registry.at("precision", request.variant, Backend::cuda).hook.cuda.real_bytes == sizeof(double)) {
+        if (traits_of(request.variant, Backend::cuda).precision.is_double()) {
             render_in<double>(scene, request, settings, kernel, result);
         } else {
             render_in<float>(scene, request, settings, kernel, result);

@@ -61,6 +61,7 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
                              const KernelChoice& kernel, const FilmView& film)
     : scene_(scene),
       request_(request),
+      traits_(traits_of(request.variant, Backend::cuda)),
       integrator_(hooks("integrator", request.variant).integrator),
       buffers_(scene, settings),
       device_scene_(buffers_.view(), kernel.compiled, hooks("specialisation", request.variant).bakes_scene),
@@ -119,22 +120,22 @@ void RenderCell<Real>::describe_job(const RenderSettings& settings) {
     job_.reads_back = tuned(variant, "read_back", 0) != 0;
     job_.multiprocessors = static_cast<std::uint32_t>(device().multiprocessors);
     job_.cache.rays = kept_rays(variant);
-    job_.sort_key = hooks("sort_key", variant).sort_key;
+    job_.sort_key = traits_.sort_key;
     job_.key_bounds = key_bounds(scene_);
-    job_.is_captured = hooks("launch", variant).is_captured;
-    job_.loops = hooks("launch", variant).loops;
+    job_.is_captured = traits_.launch.is_captured;
+    job_.loops = traits_.launch.loops;
     job_.stages = request_.instrument ? &stages_ : nullptr;
-    job_.appends_in_kernel = integrator_.appends_in_kernel != nullptr && integrator_.appends_in_kernel(variant);
+    job_.appends_in_kernel = traits_.integrator.appends_in_kernel && traits_.compaction.can_append_in_kernel();
 }
 
 template <class Real>
 void RenderCell<Real>::make_choices() {
     const Hooks& compaction = hooks("compaction", request_.variant);
     const Hooks& sorting = hooks("sorting", request_.variant);
-    if (integrator_.has_queue && compaction.compaction != nullptr) {
+    if (traits_.integrator.has_queue && compaction.compaction != nullptr) {
         compaction_ = compaction.compaction(context());
     }
-    if (integrator_.has_queue && sorting.sorting != nullptr) {
+    if (traits_.integrator.has_queue && sorting.sorting != nullptr) {
         sorting_ = sorting.sorting(context());
     }
     job_.compaction = compaction_.get();
@@ -180,7 +181,7 @@ void RenderCell<Real>::reserve(Arena& arena) {
     job_.segments.in_play = arena.take<std::uint64_t>(segment_counts);
     job_.cache.hits =
         reinterpret_cast<Hit<float>*>(arena.take_bytes(std::size_t{job_.pixels} * job_.cache.rays * sizeof(Hit<Real>)));
-    if (integrator_.has_queue) {
+    if (traits_.integrator.has_queue) {
         reserve_queue(arena, queue_needs_, job_, facts_);
     }
 }
@@ -198,7 +199,7 @@ void RenderCell<Real>::upload() {
     const std::size_t segment_bytes = std::size_t{job_.longest_path} * job_.segments.copies * sizeof(std::uint64_t);
     clear(job_.segments.live, segment_bytes, job_.stream);
     clear(job_.segments.in_play, segment_bytes, job_.stream);
-    if (integrator_.has_queue) {
+    if (traits_.integrator.has_queue) {
         upload_queue(queue_needs_, job_);
     }
 }
@@ -236,9 +237,9 @@ void RenderCell<Real>::run_part(const RenderPart& part, RenderResult& result) {
 template <class Real>
 void RenderCell<Real>::collect(RenderResult& result) {
     download_film(job_, result.film);
-    const DeviceCounts counts = download_counts(job_, integrator_);
+    const DeviceCounts counts = download_counts(job_, traits_.integrator);
     result.health = counts.health;
-    result.work = work_of(job_, integrator_, counts);
+    result.work = work_of(job_, traits_.integrator, counts);
     result.work.launches += choice_launches_;
     result.work.host_waits += choice_waits_;
     if (request_.instrument) {

@@ -37,6 +37,7 @@ private:
 
     const Scene& scene_;
     const RenderRequest& request_;
+    VariantTraits traits_;
     const Integrator& integrator_;
     SceneBuffers<Real> buffers_;
     DeviceScene<Real> device_scene_;

@@ -44,15 +44,16 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
     const FeatureSet features = choose_kernel(scene, variant, Backend::cuda).compiled;
     ModuleRequest request = request_for(variant, integrator_source(variant), architecture);
     const Integrator& integrator = hooks("integrator", variant).integrator;
+    const VariantTraits traits = traits_of(variant, Backend::cuda);
     request.features = features;
     request.options = hooks("arithmetic", variant).options;
     request.defines = {
         fmt::format("-DPT_BLOCK={}", tunable(variant, "block", Backend::cuda)),
-        fmt::format("-DPT_MIN_BLOCKS={}", tuned(variant, "min_blocks", 0) / (variant["precision"] == "double" ? 2 : 1)),
+        fmt::format("-DPT_MIN_BLOCKS={}", tuned(variant, "min_blocks", 0) / (traits.precision.is_double() ? 2 : 1)),
         fmt::format("-DPT_CACHED={}", kept_rays(variant) > 0 ? 1 : 0),
         fmt::format("-DPT_SHADING_FMAS={}", tuned(variant, "shading_fmas", 0))};
     const bool bakes = hooks("specialisation", variant).bakes_scene;
-    if (request.real == "double") {
+    if (traits.precision.is_double()) {
         describe_scene<double>(scene, bakes, request);
     } else {
         describe_scene<float>(scene, bakes, request);
@@ -61,7 +62,7 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
         const std::vector<std::string> more = integrator.defines(variant);
         request.defines.insert(request.defines.end(), more.begin(), more.end());
     }
-    if (!integrator.has_queue) {
+    if (!traits.integrator.has_queue) {
         request.layout = "aos";  // not used: one compilation serves
     }
     if (!integrator.stores_hits) {

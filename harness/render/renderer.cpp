@@ -142,7 +142,7 @@ KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend b
     KernelOffer offer{
         needed, shortcuts_here, {needed, needed | shortcuts_here, all_features | (needed & (samplers | formulas))}};
     const Hook& integrator = registry.at("integrator", variant, backend).hook;
-    const bool in_double = registry.at("precision", variant, backend).hook.is_double;
+    const bool in_double = traits_of(variant, backend).precision.is_double();
     if (backend == Backend::cpu) {
         offer.compiled =
             in_double ? feature_sets_of(integrator.integrator_in_double) : feature_sets_of(integrator.integrator);

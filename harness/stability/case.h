@@ -44,7 +44,7 @@ struct Tolerance {
     std::string origin;
 
     static Tolerance relative(double exact, double single, double fp64, std::string origin);
-    double at(std::string_view precision) const { return precision == "double" ? fp64 : single; }
+    double at(const PrecisionTraits& precision) const { return precision.is_double() ? fp64 : single; }
 };
 
 // equal: |measured - exact| <= allowed. at_most, at_least: `exact` is a bound, crossed by no more than allowed.
@@ -92,7 +92,7 @@ struct Twins {
 
 // What a direct check of kernel functions is to use.
 struct DirectSetting {
-    std::string precision;  // "float", "double_intersection" or "double"
+    PrecisionTraits precision;
     bool is_naive = false;
     bool is_quick = false;
 };
@@ -115,13 +115,13 @@ struct Case {
     std::function<std::vector<Rendering>(const Values&)> renderings = {};
     std::function<std::vector<Twins>(const Values&)> twins = {};
     std::function<std::vector<Measurement>(const Values&, const DirectSetting&)> direct = {};
-    // Whether `direct` has something else to do with is_naive, and with precision "double_intersection".
+    // Whether `direct` has something else to do with is_naive, and with intersection in double alone.
     bool direct_has_naive = false;
     bool direct_has_mixed = false;
     // Why ptbench cannot show the case at all (a feature that it lacks); empty: it can.
     std::string missing_feature = {};
     // Where a case that should pass is known not to: the reason, and what would cure it. Empty: it must pass.
-    std::function<std::string(const Values&, const Variant&)> known_limit = {};
+    std::function<std::string(const Values&, const VariantTraits&)> known_limit = {};
 };
 
 // In the order of the catalogue.

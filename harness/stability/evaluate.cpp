@@ -68,15 +68,16 @@ double missed_by(const Measurement& m) {
 
 void judge(Row& row, const Task& task) {
     row.error = missed_by(row.measurement);
-    row.allowed = row.measurement.tolerance.at(task.variant["precision"]) + 4 * row.measurement.standard_error;
+    row.allowed = row.measurement.tolerance.at(traits_of(task.variant, task.backend).precision) +
+                  4 * row.measurement.standard_error;
     if (!row.faults.none()) {
         row.status = Status::broken;
         row.reason = faults_text(row.faults);
     } else {
         row.status = row.error <= row.allowed ? Status::passed : Status::failed;
     }
-    if (row.status != Status::passed && must_pass(task.variant) && task.stiff_case->known_limit) {
-        const std::string limit = task.stiff_case->known_limit(task.values, task.variant);
+    if (row.status != Status::passed && must_pass(task.variant, task.backend) && task.stiff_case->known_limit) {
+        const std::string limit = task.stiff_case->known_limit(task.values, traits_of(task.variant, task.backend));
         if (!limit.empty()) {
             row.status = Status::known_limit;
             row.reason = limit;
@@ -113,7 +114,8 @@ std::uint64_t affordable_samples(const Task& task, const Variant& variant, std::
     const std::uint64_t most_rounds = std::max(1u, 512 / depth);
     const auto in_flight = variant.tuning.find("spp_in_flight");
     const std::uint64_t at_once = in_flight != variant.tuning.end() ? in_flight->second : 1;
-    return task.variant["integrator"].starts_with("wavefront") ? std::min(samples, most_rounds * at_once) : samples;
+    const bool has_queue = traits_of(task.variant, task.backend).integrator.has_queue;
+    return has_queue ? std::min(samples, most_rounds * at_once) : samples;
 }
 
 double differing_pixels(const std::vector<std::int64_t>& a, const std::vector<std::int64_t>& b) {
@@ -282,9 +284,9 @@ Row evaluate_pair(const Task& task, const Twins& twins) {
 }
 
 std::vector<Row> evaluate_direct(const Task& task) {
-    const DirectSetting setting{.precision = task.variant["precision"],
-                                .is_naive = task.variant["robustness"] == "naive",
-                                .is_quick = task.is_quick};
+    const VariantTraits traits = traits_of(task.variant, task.backend);
+    const DirectSetting setting{
+        .precision = traits.precision, .is_naive = traits.robustness.is_naive, .is_quick = task.is_quick};
     const auto start = std::chrono::steady_clock::now();
     std::vector<Row> rows;
     for (Measurement& measurement : task.stiff_case->direct(task.values, setting)) {
@@ -316,14 +318,15 @@ std::vector<Row> evaluate_unguarded(const Task& task) {
 
 // A check of functions has nothing to do with how paths are scheduled, and is run on the host whatever the backend.
 std::string direct_not_applicable(const Task& task) {
-    const Variant& variant = task.variant;
-    if (variant["integrator"] != plainest_variant(task.backend)["integrator"] || variant["arithmetic"] != "exact") {
+    const VariantTraits traits = traits_of(task.variant, task.backend);
+    const bool is_plainest = task.variant["integrator"] == plainest_variant(task.backend)["integrator"];
+    if (!is_plainest || fp_relaxed(task.variant, task.backend)) {
         return "checks functions, not images: on the host, once";
     }
-    if (variant["robustness"] == "naive" && !task.stiff_case->direct_has_naive) {
+    if (traits.robustness.is_naive && !task.stiff_case->direct_has_naive) {
         return "has no naive twin of what it checks";
     }
-    if (variant["precision"] == "double_intersection" && !task.stiff_case->direct_has_mixed) {
+    if (traits.precision.is_mixed() && !task.stiff_case->direct_has_mixed) {
         return "has no intersection in it";
     }
     return "";
@@ -353,7 +356,10 @@ std::string_view to_string(Status status) {
     }
 }
 
-bool must_pass(const Variant& variant) { return variant["robustness"] == "robust" && variant["arithmetic"] != "fast"; }
+bool must_pass(const Variant& variant, Backend backend) {
+    const VariantTraits traits = traits_of(variant, backend);
+    return !traits.robustness.is_naive && !traits.arithmetic.is_approximate;
+}
 
 std::string not_applicable(const Task& task) {
     if (!task.stiff_case->missing_feature.empty()) {

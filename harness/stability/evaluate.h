@@ -51,7 +51,7 @@ std::vector<Row> evaluate(const Task& task);
 Variant plainest_variant(Backend backend);
 
 // Whether ptbench claims that this passes: robust kernels in arithmetic that the rounding bounds hold in.
-bool must_pass(const Variant& variant);
+bool must_pass(const Variant& variant, Backend backend);
 
 Json to_json(const Task& task, const Row& row);
 Json to_json(const Task& task, const std::vector<Row>& rows);

@@ -75,7 +75,7 @@ Json to_json(const Task& task, const Row& row) {
     json["variant"] = task.variant.name();
     json["axes"] = axes_json(task.variant);
     json["status"] = to_string(row.status);
-    json["must_pass"] = must_pass(task.variant);
+    json["must_pass"] = must_pass(task.variant, task.backend);
     if (!row.reason.empty()) {
         json["reason"] = row.reason;
     }
@@ -89,7 +89,7 @@ Json to_json(const Task& task, const Row& row) {
     json["exact"] = number(m.exact);
     json["error"] = number(row.error);
     json["allowed"] = number(row.allowed);
-    json["tolerance"] = number(m.tolerance.at(task.variant["precision"]));
+    json["tolerance"] = number(m.tolerance.at(traits_of(task.variant, task.backend).precision));
     json["tolerance_origin"] = m.tolerance.origin;
     json["standard_error"] = number(m.standard_error);
     json["looks"] = row.looks;

@@ -8,7 +8,7 @@ import pytest
 from builder import OPEN, Builder, small
 
 from analysis.errors import InputError
-from analysis.results import load
+from analysis.results import NotApplicable, load
 
 
 def load_changed(tmp_path, change):
@@ -217,3 +217,18 @@ def test_axes_that_a_file_is_too_old_to_name_are_what_they_were(tmp_path):
     old, new = load(builder.write(tmp_path / "mixed.json")).cells
     assert list(old.axes.items())[4:7] == [("direct_light", "off"), ("russian_roulette", "off"), ("sampler", "pcg4d")]
     assert (new.axes["russian_roulette"], new.axes["sampler"]) == ("off", "philox")
+
+
+def test_reasons_are_told_apart_by_their_codes_or_in_older_files_by_their_texts():
+    def left_out(reason, **more):
+        return NotApplicable("study", "scene", "a.b", {"launch": "graph"}, reason, **more)
+
+    elsewhere = left_out("launch=graph is not there on the backend cpu")
+    assert elsewhere.elsewhere == "launch=graph" and not elsewhere.has_nothing_to_tune
+    reworded = left_out("graph: another backend's", reason_code="not_on_backend", reason_axis="launch")
+    assert reworded.elsewhere == "launch=graph" and not reworded.has_nothing_to_tune
+    tuned = left_out("jitters=4 tunes none of the variant's choices")
+    assert tuned.has_nothing_to_tune and not tuned.elsewhere
+    assert left_out("nothing to tune", reason_code="no_such_tunable").has_nothing_to_tune
+    other = left_out("x=y is not there on the backend cpu", reason_code="needs_queue", reason_axis="launch")
+    assert not other.elsewhere and not other.has_nothing_to_tune

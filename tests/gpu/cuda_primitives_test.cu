@@ -251,8 +251,9 @@ TEST_P(CudaCompactionTest, CompactsAfterAnIndexSort) {
 // What says that it does not wait for the device can be recorded in a graph; what is recorded is the whole of it.
 TEST_P(CudaCompactionTest, IsCapturedUnlessItWaits) {
     const Descriptor& descriptor = cuda_descriptor("compaction", GetParam().choice);
-    ASSERT_EQ(descriptor.waits_for_device, is_thrust(GetParam().choice));
-    if (descriptor.waits_for_device) {
+    const bool waits = traits_in<CompactionTraits>(descriptor).host_sync;
+    ASSERT_EQ(waits, is_thrust(GetParam().choice));
+    if (waits) {
         return;
     }
     Cell cell = make_cell();
@@ -341,7 +342,8 @@ TEST_P(CudaSortingTest, IsStableAndHitsGoWithTheirPaths) {
 }
 
 TEST_P(CudaSortingTest, SaysWhetherItWaits) {
-    ASSERT_EQ(cuda_descriptor("sorting", GetParam().choice).waits_for_device, is_thrust(GetParam().choice));
+    const bool says_so = traits_in<SortingTraits>(cuda_descriptor("sorting", GetParam().choice)).host_sync;
+    ASSERT_EQ(says_so, is_thrust(GetParam().choice));
     Cell cell(GetParam().layout, cuda_descriptor("sorting", GetParam().choice), GetParam().tuning);
     const auto sorting = make_sorting(GetParam().choice, cell);
     DeviceQueue made(cell, {1000, 0, 0, false, 5}, *sorting);
@@ -362,12 +364,11 @@ INSTANTIATE_TEST_SUITE_P(Choices, CudaSortingTest, testing::ValuesIn(cases_of(so
 // ---- what the choices say of themselves: no GPU is needed
 
 TEST(CudaDescriptorTest, PayloadMoversNeedSinglePrecision) {
-    Variant variant;
-    variant.set("precision", "double");
-    variant.set("compaction", "thrust_remove_if");
+    VariantTraits variant;
+    variant.precision = {traits_in<PrecisionTraits>(cuda_descriptor("precision", "double")), "double"};
     const auto reason = [&](const char* axis, const std::string& name) -> std::string {
         const Descriptor& descriptor = cuda_descriptor(axis, name);
-        return descriptor.unsupported_reason == nullptr ? "" : descriptor.unsupported_reason(no_features, variant);
+        return descriptor.unsupported_reason == nullptr ? "" : descriptor.unsupported_reason(no_features, variant).text;
     };
     for (const std::string name : {"thrust_remove_if", "thrust_partition", "thrust_stable_partition"}) {
         EXPECT_NE(reason("compaction", name).find("needs precision=float"), std::string::npos) << name;
@@ -382,16 +383,17 @@ TEST(CudaDescriptorTest, PayloadMoversNeedSinglePrecision) {
         variant.tuning.clear();
     }
     EXPECT_NE(reason("sorting", "thrust_sort_by_key").find("needs precision=float"), std::string::npos);
-    variant.set("precision", "float");
+    variant.precision = {};
     EXPECT_EQ(reason("sorting", "thrust_sort_by_key"), "");
-    variant.set("compaction", "cub_partition");
+    variant.compaction = {traits_in<CompactionTraits>(cuda_descriptor("compaction", "cub_partition")), "cub_partition"};
     EXPECT_NE(reason("sorting", "thrust_sort_by_key").find("compaction=cub_partition"), std::string::npos);
 }
 
 TEST(CudaDescriptorTest, OnlyPayloadMoversKeepThePayloadContiguous) {
     for (const std::string& name : compactions) {
         const bool contiguous = is_thrust(name) && name != "thrust_copy_if_index";
-        EXPECT_EQ(cuda_descriptor("compaction", name).keeps_payload_contiguous, contiguous) << name;
+        EXPECT_EQ(traits_in<CompactionTraits>(cuda_descriptor("compaction", name)).payload_contiguous, contiguous)
+            << name;
         EXPECT_EQ(cuda_descriptor("compaction", name).backends, on_cuda) << name;
     }
 }

@@ -37,7 +37,7 @@ std::string first_with(FeatureSet features) {
 std::size_t queue_variants() {
     const std::vector<const Choice*> compactions = Registry::instance().choices("compaction");
     const auto scattering = std::count_if(compactions.begin(), compactions.end(), [](const Choice* choice) {
-        return !choice->descriptor.keeps_payload_contiguous;
+        return !traits_in<CompactionTraits>(choice->descriptor).payload_contiguous;
     });
     return compactions.size() * Registry::instance().choices("sorting").size() - static_cast<std::size_t>(scattering);
 }

@@ -261,7 +261,7 @@ TEST_F(ConvergenceTest, AllVariantsOfAStudyHaveOneImageToConvergeTo) {
     }
     EXPECT_EQ(depths, (std::map<std::string, std::uint32_t>{{"off1", 1}, {"off4", 4}, {"final_bounce4", 3}}));
     ASSERT_EQ(plan.not_applicable.size(), 1u);
-    EXPECT_EQ(plan.not_applicable[0].reason, "has no depth at which its mean is that of 1");
+    EXPECT_EQ(plan.not_applicable[0].reason.text, "has no depth at which its mean is that of 1");
 }
 
 TEST_F(ConvergenceTest, AReferenceThatIsTooNoisyIsRefusedWithTheSamplesThatWouldDo) {

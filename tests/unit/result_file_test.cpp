@@ -66,7 +66,8 @@ protected:
         plan.cells[3].variant.set("first_bounce", "cached_jitters");
         Variant cached = Registry::instance().baseline();
         cached.set("first_bounce", "cached");
-        plan.not_applicable.push_back({"a", "dark", cached, "first_bounce=cached needs jitter off"});
+        plan.not_applicable.push_back(
+            {"a", "dark", cached, {"needs_no_jitter", "first_bounce=cached needs jitter off", "first_bounce"}});
         Journal journal(folder.file("journal"), Json("identity"), false);
         journal.set_cell("ok",
                          {{"status", "ok"}, {"reason", ""}, {"film_hash", "abc"}, {"instrumented", {{"spp", 2}}}});
@@ -237,6 +238,8 @@ TEST_F(ResultFileTest, StudiesAndWhatDoesNotApply) {
               "wavefront.none.none.material.cached.off.off.pcg4d.aos.features.stream.exact.float.robust");
     EXPECT_EQ(entries[0].at("axes").at("first_bounce"), "cached");
     EXPECT_EQ(entries[0].at("reason"), "first_bounce=cached needs jitter off");
+    EXPECT_EQ(entries[0].at("reason_code"), "needs_no_jitter");
+    EXPECT_EQ(entries[0].at("reason_axis"), "first_bounce");
 }
 
 TEST_F(ResultFileTest, ContextHasGoogleBenchmarksKeysAndOurs) {

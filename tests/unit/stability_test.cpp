@@ -79,8 +79,8 @@ TEST(StabilityTest, EstimatesHaveFourStandardErrorsAndASecondLook) {
 
 TEST(StabilityTest, KnownLimitsAreNotFailuresAndSayWhy) {
     Case stiff_case = synthetic(furnace_text(), 0.5, {}, false);
-    stiff_case.known_limit = [](const Values&, const Variant& variant) {
-        return variant["precision"] == "float" ? std::string("float has 24 bits; double would do") : std::string();
+    stiff_case.known_limit = [](const Values&, const VariantTraits& variant) {
+        return variant.precision.is_single() ? std::string("float has 24 bits; double would do") : std::string();
     };
     const Row row = only_row(stiff_case);
     EXPECT_EQ(row.status, Status::known_limit);
@@ -109,9 +109,9 @@ TEST(StabilityTest, WhatGivesNoNumberIsBrokenAndWhatCannotBeAskedNotApplicable) 
 
 TEST(StabilityTest, OnlyRobustKernelsWithoutFastArithmeticMustPass) {
     Variant variant = plainest();
-    EXPECT_TRUE(must_pass(variant));
+    EXPECT_TRUE(must_pass(variant, Backend::cpu));
     variant.set("robustness", "naive");
-    EXPECT_FALSE(must_pass(variant));
+    EXPECT_FALSE(must_pass(variant, Backend::cpu));
 }
 
 TEST(StabilityTest, ParametersHaveRanges) {

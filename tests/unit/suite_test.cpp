@@ -222,15 +222,15 @@ TEST_F(SuiteTest, KnowsTheChoicesOfEveryBuildByName) {
     EXPECT_EQ(made.cells.size(), 1u);
     std::set<std::string> reasons;
     for (const NotApplicable& entry : made.not_applicable) {
-        reasons.insert(entry.reason);
+        reasons.insert(entry.reason.text);
     }
     EXPECT_EQ(reasons, (std::set<std::string>{"integrator=persistent is not there on the backend cpu",
                                               "compaction=gap_fill is not there on the backend cpu",
                                               "compaction=cub_select_if is not there on the backend cpu"}));
     const std::string studies = R"({"name": "a", "scenes": ["still"], "tunables": {"payload": [0, 1]}})";
     for (const NotApplicable& entry : plan(studies).not_applicable) {
-        EXPECT_EQ(entry.reason.find("payload="), 0u) << entry.reason;
-        EXPECT_TRUE(entry.reason.ends_with(" tunes none of the variant's choices")) << entry.reason;
+        EXPECT_EQ(entry.reason.text.find("payload="), 0u) << entry.reason.text;
+        EXPECT_TRUE(entry.reason.text.ends_with(" tunes none of the variant's choices")) << entry.reason.text;
     }
     EXPECT_TRUE(plan(studies).cells.empty());
 }
@@ -246,7 +246,7 @@ TEST_F(SuiteTest, RefusesUnknownTunables) {
     // It may be one of CUDA's, which this build does not know: it tunes nothing.
     EXPECT_EQ(message, "");
     EXPECT_TRUE(plan(studies).cells.empty());
-    EXPECT_EQ(plan(studies).not_applicable.at(0).reason, "colour=4 tunes none of the variant's choices");
+    EXPECT_EQ(plan(studies).not_applicable.at(0).reason.text, "colour=4 tunes none of the variant's choices");
 }
 
 TEST_F(SuiteTest, RefusesBadTopLevels) {
@@ -345,7 +345,7 @@ TEST_F(SuiteTest, TheProductIsFullAndWhatDoesNotApplyIsListedWithItsReason) {
     std::map<std::string, int> reasons;
     for (const NotApplicable& entry : made.not_applicable) {
         EXPECT_EQ(entry.study, "a");
-        reasons[entry.scene + ": " + entry.reason] += 1;
+        reasons[entry.scene + ": " + entry.reason.text] += 1;
     }
     const std::string layout =
         "integrator=depth_first keeps one path in registers, no array of paths: needs layout=aos, not soa";
@@ -366,7 +366,7 @@ TEST_F(SuiteTest, AChoiceOfAnotherBackendIsNotApplicable) {
                                                                          "depth:3/spp:1"});
     std::vector<std::string> reasons;
     for (const NotApplicable& entry : made.not_applicable) {
-        reasons.push_back(entry.reason);
+        reasons.push_back(entry.reason.text);
     }
     // The first axis that is not there gives the reason.
     EXPECT_EQ(reasons, (std::vector<std::string>{"arithmetic=fast is not there on the backend cpu",
@@ -385,7 +385,7 @@ TEST_F(SuiteTest, AChoiceOfAnotherBackendIsNotApplicable) {
             "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.precise.float.robust" + settings,
             "wavefront.none.none.material.off.off.off.pcg4d.aos.features.graph.precise.float.robust" + settings}));
     ASSERT_EQ(on_gpu.not_applicable.size(), 2u);
-    EXPECT_EQ(on_gpu.not_applicable[0].reason, "integrator=depth_first is not there on the backend cuda");
+    EXPECT_EQ(on_gpu.not_applicable[0].reason.text, "integrator=depth_first is not there on the backend cuda");
     for (const Cell& cell : on_gpu.cells) {
         EXPECT_EQ(cell.backend, Backend::cuda);
     }
@@ -440,7 +440,7 @@ TEST_F(SuiteTest, EveryValueOfATunableIsACell) {
               (std::vector<std::string>{baseline_name + settings, kept + "+jitters=4" + settings, kept + settings}));
     ASSERT_EQ(made.not_applicable.size(), 1u);
     EXPECT_EQ(made.not_applicable[0].variant.name(), baseline_name + "+jitters=4");
-    EXPECT_EQ(made.not_applicable[0].reason, "jitters=4 tunes none of the variant's choices");
+    EXPECT_EQ(made.not_applicable[0].reason.text, "jitters=4 tunes none of the variant's choices");
 }
 
 TEST_F(SuiteTest, ACellThatTwoStudiesShareIsOneCellOfBoth) {

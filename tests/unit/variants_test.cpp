@@ -280,6 +280,57 @@ TEST(RegistryTest, RefusesUnknownAxesAndSecondChoicesOfOneName) {
     EXPECT_TRUE(own.choices("layout").empty());
 }
 
+TEST(RegistryTest, AxesAreDescribedInOneTable) {
+    for (std::size_t i = 0; i < axis_count; ++i) {
+        EXPECT_EQ(axis_names[i], axis_table[i].key);
+        EXPECT_EQ(Variant::index(axis_table[i].key), i);
+        EXPECT_FALSE(axis_table[i].what.empty()) << axis_table[i].key;
+    }
+}
+
+TEST(RegistryTest, AChoiceHasTheTraitsOfItsOwnAxis) {
+    Registry own;
+    own.add({.axis = "sorting", .name = "a", .summary = "", .origin = "", .traits = SortingTraits{.host_sync = true}},
+            {});
+    try {
+        own.add({.axis = "sorting", .name = "b", .summary = "", .origin = "", .traits = LayoutTraits{}}, {});
+        FAIL() << "no exception";
+    } catch (const std::logic_error& error) {
+        EXPECT_STREQ(error.what(), "traits of another axis: sorting=b");
+    }
+    EXPECT_TRUE(traits_in<SortingTraits>(own.find("sorting", "a")->descriptor).host_sync);
+    EXPECT_TRUE(traits_in<SortingTraits>({.axis = "sorting", .name = "", .summary = "", .origin = ""}).sorts);
+}
+
+TEST(RegistryTest, GathersTheTraitsOfAVariant) {
+    const VariantTraits plain = traits_of(registry().baseline(), Backend::cpu);
+    EXPECT_TRUE(plain.integrator.has_queue);
+    EXPECT_FALSE(plain.compaction.compacts);
+    EXPECT_FALSE(plain.sorting.sorts);
+    EXPECT_TRUE(plain.sort_key.is_material_alone());
+    EXPECT_FALSE(plain.first_bounce.keeps_hits);
+    EXPECT_FALSE(plain.direct_light.connects);
+    EXPECT_FALSE(plain.russian_roulette.ends_paths);
+    EXPECT_TRUE(plain.sampler.is_in_every_kernel);
+    EXPECT_TRUE(plain.layout.keeps_paths_whole);
+    EXPECT_FALSE(plain.launch.is_captured);
+    EXPECT_TRUE(plain.precision.is_single());
+    EXPECT_FALSE(plain.robustness.is_naive);
+    EXPECT_EQ(plain.integrator.name, "wavefront");
+    Variant mixed = baseline_with({{"precision", "double_intersection"}, {"layout", "soa"}});
+    mixed.tuning["room"] = 0;
+    const VariantTraits traits = traits_of(mixed, Backend::cpu);
+    EXPECT_TRUE(traits.precision.is_mixed());
+    EXPECT_FALSE(traits.layout.keeps_paths_whole);
+    EXPECT_EQ(traits.tuning, mixed.tuning);
+    EXPECT_TRUE(traits_of(baseline_with({{"precision", "double"}}), Backend::cpu).precision.is_double());
+    // What is in no build has its axis's defaults.
+    Variant unknown = registry().baseline();
+    unknown.set("compaction", "test_unknown");
+    EXPECT_TRUE(traits_of(unknown, Backend::cpu).compaction.compacts);
+    EXPECT_EQ(traits_of(unknown, Backend::cpu).compaction.name, "");
+}
+
 TEST(RegistryTest, ABackendHasItsOwnChoices) {
     Registry own;
     own.add({.axis = "sorting", .name = "quick", .summary = "host", .origin = ""}, {});
@@ -616,6 +667,42 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApply) {
         const Variant variant = baseline_with(c.choices);
         EXPECT_EQ(why_not_applicable(variant, c.scene), c.reason) << variant.name();
     }
+}
+
+// For programs: neither changes when a sentence does.
+TEST(ApplicabilityTest, ReasonsHaveACodeAndTheAxisThatDoesNotApply) {
+    const struct {
+        std::vector<std::pair<std::string, std::string>> choices;
+        FeatureSet scene;
+        std::string_view code, axis;
+    } cases[] = {
+        {{}, plain_features, "", ""},
+        {{{"launch", "graph"}}, plain_features, "not_on_backend", "launch"},
+        {{{"integrator", "depth_first"}, {"compaction", "thrust_remove_if"}},
+         plain_features,
+         "needs_queue",
+         "integrator"},
+        {{{"integrator", "packet"}, {"first_bounce", "cached"}}, plain_features, "no_first_hits", "integrator"},
+        {{{"first_bounce", "cached"}}, plain_features | Feature::jitter, "needs_no_jitter", "first_bounce"},
+        {{{"direct_light", "nee"}}, plain_features, "needs_diffuse", "direct_light"},
+        {{{"sampler", "minstd_by_position"}, {"integrator", "depth_first"}}, plain_features, "needs_queue", "sampler"},
+        {{{"precision", "double"}}, plain_features, "needs_path_at_a_time", "precision"},
+        {{{"robustness", "naive"}}, plain_features, "needs_samples_in_order", "robustness"},
+    };
+    for (const auto& c : cases) {
+        const Variant variant = baseline_with(c.choices);
+        const Reason reason = reason_not_applicable(variant, c.scene);
+        EXPECT_EQ(reason.code, c.code) << variant.name();
+        EXPECT_EQ(reason.axis, c.axis) << variant.name();
+        EXPECT_EQ(reason.text, why_not_applicable(variant, c.scene));
+    }
+    Variant tuned = registry().baseline();
+    tuned.tuning["jitters"] = 4;
+    EXPECT_EQ(reason_not_applicable(tuned, plain_features).code, "no_such_tunable");
+    EXPECT_EQ(reason_not_applicable(tuned, plain_features).axis, "");
+    tuned.set("first_bounce", "cached_jitters");
+    tuned.tuning["jitters"] = 5000;
+    EXPECT_EQ(reason_not_applicable(tuned, plain_features | Feature::jitter).code, "tunable_out_of_range");
 }
 
 TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApplyOnCuda) {

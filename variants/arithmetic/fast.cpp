@@ -14,6 +14,7 @@ const Registration registration(
         .claim_note = "same expectation as arithmetic=exact; its twin in exact arithmetic is compared bit for bit",
         .mean_of = "exact",
         .fp_relaxed = true,
+        .traits = ArithmeticTraits{.is_approximate = true},
         .backends = on_cuda,
     },
     {.cuda = {.options = {"--use_fast_math", "-DPT_FAST_MATH=1"}}});

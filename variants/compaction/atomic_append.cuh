@@ -23,7 +23,9 @@ inline constexpr Descriptor descriptor{
     .name = "atomic_append",
     .summary = "live paths are appended to the next queue, one atomic operation a warp",
     .origin = "Adinetz 2014 (warp-aggregated atomics)",
-    .keeps_payload_contiguous = false,
+    .traits =
+        CompactionTraits{
+            .payload_contiguous = false, .reproducible_order = false, .append_in_kernel = AppendInKernel::by_warp},
     .backends = on_cuda,
     .tunables = append_tunables,
     .check_counters = compacted_every_bounce,

@@ -22,7 +22,9 @@ inline constexpr Descriptor descriptor{
     .name = "block_scan_append",
     .summary = "live paths are appended to the next queue: shared-memory scan, one atomic operation a block",
     .origin = "Billeter, Olsson and Assarsson 2009, with an atomic counter for the global scan",
-    .keeps_payload_contiguous = false,
+    .traits =
+        CompactionTraits{
+            .payload_contiguous = false, .reproducible_order = false, .append_in_kernel = AppendInKernel::by_block},
     .backends = on_cuda,
     .tunables = append_tunables,
     .check_counters = compacted_every_bounce,

@@ -20,7 +20,7 @@ const Registration registration(
         .name = "cub_partition",
         .summary = "cub::DevicePartition::If of slot numbers; the count stays on the device",
         .origin = "Merrill and Garland 2016 (single-pass scan)",
-        .keeps_payload_contiguous = false,
+        .traits = CompactionTraits{.payload_contiguous = false},
         .backends = on_cuda,
         .check_counters = compacted_every_bounce,
     },

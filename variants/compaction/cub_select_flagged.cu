@@ -28,7 +28,7 @@ const Registration registration(
         .name = "cub_select_flagged",
         .summary = "cub::DeviceSelect::Flagged of slot numbers (payload=1: of paths); the count stays on the device",
         .origin = "Merrill and Garland 2016 (single-pass scan); Cycles' active index array",
-        .keeps_payload_contiguous = false,
+        .traits = CompactionTraits{.payload_contiguous = false},
         .backends = on_cuda,
         .tunables = payload_tunables,
         .unsupported_reason = payload_needs_single_precision,

@@ -27,7 +27,7 @@ const Registration registration(
         .name = "cub_select_if",
         .summary = "cub::DeviceSelect::If of slot numbers (payload=1: of paths); the count stays on the device",
         .origin = "Merrill and Garland 2016 (single-pass scan)",
-        .keeps_payload_contiguous = false,
+        .traits = CompactionTraits{.payload_contiguous = false},
         .backends = on_cuda,
         .tunables = payload_tunables,
         .unsupported_reason = payload_needs_single_precision,

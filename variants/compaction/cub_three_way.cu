@@ -97,7 +97,7 @@ const Registration registration(
         .summary = "cub::DevicePartition::If of slot numbers into ended, diffuse-like and delta-like; the count stays "
                    "on the device",
         .origin = "CUB's three-way partition; grouping by material class as in Laine, Karras and Aila 2013",
-        .keeps_payload_contiguous = false,
+        .traits = CompactionTraits{.payload_contiguous = false},
         .backends = on_cuda,
         .check_counters = compacted_every_bounce,
     },

@@ -89,6 +89,7 @@ inline constexpr Descriptor descriptor{
     .name = "gap_fill",
     .summary = "live paths above the new size move into ended ones' slots below it, in place",
     .origin = "Wald 2011, \"Active thread compaction\"; Cycles' compaction of its state array",
+    .traits = CompactionTraits{.reproducible_order = false},
     .backends = on_cuda,
     .check_counters = compacted_every_bounce,
 };

@@ -17,6 +17,7 @@ const Registration registration(
         .summary = "ended paths stay where they are and are passed over",
         .origin = "both seeds, compaction off",
         .baseline = on_every_backend,
+        .traits = CompactionTraits{.compacts = false},
         .backends = on_every_backend,
         .check_counters = [](const WorkCounters& work, std::uint64_t) -> std::string {
             return work.compactions == 0 ? "" : "a compaction ran";

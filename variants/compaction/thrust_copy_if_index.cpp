@@ -37,7 +37,7 @@ const Registration registration(
         .name = "thrust_copy_if_index",
         .summary = "thrust::copy_if of slot numbers; the payload stays in place",
         .origin = "Cycles' active index array",
-        .keeps_payload_contiguous = false,
+        .traits = CompactionTraits{.payload_contiguous = false},
         .check_counters = compacted_every_bounce,
     },
     {.compaction = [] { return std::make_unique<CopyIfIndex>(); }});

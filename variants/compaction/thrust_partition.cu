@@ -19,7 +19,7 @@ const Registration registration(
         .name = "thrust_partition",
         .summary = "thrust::partition on the payload; order not promised",
         .origin = "seed B (2022)",
-        .waits_for_device = true,
+        .traits = CompactionTraits{.host_sync = true},
         .backends = on_cuda,
         .tunables = thrust_tunables,
         .unsupported_reason = needs_single_precision,

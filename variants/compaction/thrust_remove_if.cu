@@ -19,7 +19,7 @@ const Registration registration(
         .name = "thrust_remove_if",
         .summary = "thrust::remove_if on the payload; order kept",
         .origin = "seed A (2023)",
-        .waits_for_device = true,
+        .traits = CompactionTraits{.host_sync = true},
         .backends = on_cuda,
         .tunables = thrust_tunables,
         .unsupported_reason = needs_single_precision,

@@ -19,7 +19,7 @@ const Registration registration(
         .name = "thrust_stable_partition",
         .summary = "thrust::stable_partition on the payload; order kept",
         .origin = "CIS 565 project 3",
-        .waits_for_device = true,
+        .traits = CompactionTraits{.host_sync = true},
         .backends = on_cuda,
         .tunables = thrust_tunables,
         .unsupported_reason = needs_single_precision,

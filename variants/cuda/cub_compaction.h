@@ -109,9 +109,9 @@ inline constexpr Tunable payload_tunables[] = {
 };
 
 // The unsupported_reason of a choice with that tunable.
-inline std::string payload_needs_single_precision(FeatureSet features, const Variant& variant) {
+inline Reason payload_needs_single_precision(FeatureSet features, const VariantTraits& variant) {
     const auto tuned = variant.tuning.find("payload");
-    return tuned != variant.tuning.end() && tuned->second != 0 ? needs_single_precision(features, variant) : "";
+    return tuned != variant.tuning.end() && tuned->second != 0 ? needs_single_precision(features, variant) : Reason{};
 }
 
 // A hook: by the tunable.

@@ -47,12 +47,6 @@ struct Layout {
     FieldView (*origin_surface)(const PathStore& store, std::size_t real_bytes) = nullptr;  // Path::origin_surface
 };
 
-// A key is (material << bits) + rest, or rest alone; rest is below 2^bits.
-struct SortKey {
-    std::uint32_t bits = 0;
-    bool has_material = true;  // known after the hit only; without it paths are sorted before they are traced
-};
-
 // What an integrator compiles and runs.
 struct Integrator {
     void (*render)(Job&) = nullptr;   // enqueues the whole render on the job's stream
@@ -61,10 +55,7 @@ struct Integrator {
     // "-DNAME=VALUE" beyond those of every integrator; may be null.
     std::vector<std::string> (*defines)(const Variant& variant) = nullptr;
     const char* kernels[4] = {};  // those that do the work, for what the compiler made of them
-    bool has_queue = false;       // paths lie in device memory between kernels
-    bool stores_hits = false;     // so do hits
-    // The integrator's kernel does the variant's compaction itself; null: never.
-    bool (*appends_in_kernel)(const Variant& variant) = nullptr;
+    bool stores_hits = false;     // they lie in device memory between kernels, as the paths of a queue do
 };
 
 struct Hooks {
@@ -74,11 +65,7 @@ struct Hooks {
     Integrator integrator = {};
     std::vector<std::string> options = {};  // arithmetic: for the compiler
     std::string real = "";                  // precision: the type's name
-    std::size_t real_bytes = 0;             // precision
     bool bakes_scene = false;               // specialisation: the scene's numbers are constants of the kernel
-    SortKey sort_key = {};
-    bool is_captured = false;  // launch: a batch of samples is a CUDA graph
-    bool loops = false;        // launch: the graph holds a loop over the segments that ends with the last path
 };
 
 }  // namespace pt::cuda

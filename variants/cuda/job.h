@@ -56,7 +56,7 @@ struct Job {
     Compaction* compaction = nullptr;  // null: none
     bool appends_in_kernel = false;    // the integrator's own kernel does what the compaction would
     Sorting* sorting = nullptr;        // null: none
-    SortKey sort_key;
+    SortKeyTraits sort_key;
     KeyBounds key_bounds;
     std::uint32_t* append_counts = nullptr;  // where appends_in_kernel: append_counters for every segment
     std::uint32_t append_counters = 1;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "variants/cuda/job.h"
+#include "variants/no_queue.h"
 #include "variants/registry.h"
 
 namespace pt::cuda {
@@ -44,20 +45,15 @@ inline std::vector<std::string> regeneration_defines(const Variant& variant) {
     return {"-DPT_REGENERATE_AT=" + std::to_string(tunable(variant, "regenerate_at", Backend::cuda))};
 }
 
-inline std::string megakernel_unsupported_reason(FeatureSet, const Variant& variant) {
-    if (variant["compaction"] != "none") {
-        return "has no queue to compact: needs compaction=none, not " + variant["compaction"];
+inline Reason megakernel_unsupported_reason(FeatureSet, const VariantTraits& variant) {
+    if (Reason reason = needs_no_queue(variant, "keeps one path in registers"); !reason.empty()) {
+        return reason;
     }
-    if (variant["sorting"] != "none") {
-        return "has no queue to sort: needs sorting=none, not " + variant["sorting"];
+    if (variant.launch.is_captured) {
+        return {"nothing_to_capture",
+                "is one kernel, nothing to capture: needs launch=stream, not " + std::string(variant.launch.name)};
     }
-    if (variant["layout"] != "aos") {
-        return "keeps one path in registers, no array of paths: needs layout=aos, not " + variant["layout"];
-    }
-    if (variant["launch"] != "stream") {
-        return "is one kernel, nothing to capture: needs launch=stream, not " + variant["launch"];
-    }
-    return "";
+    return {};
 }
 
 inline std::string megakernel_work_missing(const WorkCounters& work, std::uint64_t) {

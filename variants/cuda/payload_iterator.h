@@ -72,21 +72,24 @@ auto payload_begin(const PathStore& store) {
 // Calls visit(std::type_identity<DevicePaths<float>>()) with the layout's own.
 template <class Visit>
 auto visit_layout(std::string_view name, Visit&& visit) {
-    if (name == "aos") {
+    if (name == layout::aos::cuda_descriptor.name) {
         return visit(std::type_identity<layout::aos::DevicePaths<float>>());
     }
-    if (name == "soa") {
+    if (name == layout::soa::cuda_descriptor.name) {
         return visit(std::type_identity<layout::soa::DevicePaths<float>>());
     }
-    if (name == "packed") {
+    if (name == layout::packed::cuda_descriptor.name) {
         return visit(std::type_identity<layout::packed::DevicePaths<float>>());
     }
     throw std::logic_error("no payload iterator for layout=" + std::string(name));
 }
 
 // A choice's unsupported_reason: the iterators are for Path<float> alone.
-inline std::string needs_single_precision(FeatureSet, const Variant& variant) {
-    return variant["precision"] == "float" ? "" : "moves single-precision payloads: needs precision=float";
+inline Reason needs_single_precision(FeatureSet, const VariantTraits& variant) {
+    if (variant.precision.is_single()) {
+        return {};
+    }
+    return {"needs_single_precision", "moves single-precision payloads: needs precision=float"};
 }
 
 struct PathIsAlive {

@@ -11,7 +11,4 @@ struct Registration {
     Registration(const Descriptor& descriptor, const Hooks& hooks);
 };
 
-// Whether the variant's compaction leaves the paths in play in slots 0 to count - 1.
-bool keeps_payload_contiguous(const Variant& variant);
-
 }  // namespace pt::cuda

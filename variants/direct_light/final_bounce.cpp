@@ -18,9 +18,9 @@ const Registration registration(
         .mean_of = "off",
         .mean_at_extra_depth = 1,
         .backends = on_every_backend,
-        .unsupported_reason = [](FeatureSet scene, const Variant&) -> std::string {
+        .unsupported_reason = [](FeatureSet scene, const VariantTraits&) -> Reason {
             const FeatureSet lights = Feature::emitter | Feature::emission | Feature::environment;
-            return (scene & lights) != 0 ? "" : "needs a light in the scene";
+            return (scene & lights) != 0 ? Reason{} : Reason{"needs_light", "needs a light in the scene"};
         },
     },
     {.features = [] { return no_features | Feature::final_bounce; }});

@@ -16,6 +16,7 @@ const Registration registration(
         .claim = Claim::statistical,
         .claim_note = next_event_claim,
         .mean_of = "off",
+        .traits = DirectLightTraits{.connects_every_vertex = true, .counts_light_met = false},
         .backends = on_every_backend,
         .unsupported_reason = next_event_unsupported_reason,
     },

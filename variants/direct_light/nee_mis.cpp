@@ -18,6 +18,7 @@ const Registration registration(
         .claim = Claim::statistical,
         .claim_note = next_event_claim,
         .mean_of = "off",
+        .traits = DirectLightTraits{.connects_every_vertex = true},
         .backends = on_every_backend,
         .tunables = tunables,
         .unsupported_reason = next_event_unsupported_reason,

@@ -8,11 +8,14 @@ namespace pt {
 inline constexpr std::string_view next_event_claim =
     "same expectation as direct_light=off: a connection brings what then does not count where it is met";
 
-inline std::string next_event_unsupported_reason(FeatureSet scene, const Variant&) {
+inline Reason next_event_unsupported_reason(FeatureSet scene, const VariantTraits&) {
     if ((scene & (Feature::emitter | Feature::emission)) == 0) {
-        return "needs an object that emits: an environment is not sampled";
+        return {"needs_emitter", "needs an object that emits: an environment is not sampled"};
     }
-    return (scene & (Feature::diffuse | Feature::mix)) != 0 ? "" : "needs a diffuse surface to connect";
+    if ((scene & (Feature::diffuse | Feature::mix)) == 0) {
+        return {"needs_diffuse", "needs a diffuse surface to connect"};
+    }
+    return {};
 }
 
 }  // namespace pt

@@ -11,6 +11,7 @@ const Registration registration(
         .summary = "light is met by BSDF sampling only",
         .origin = "Kajiya 1986",
         .baseline = on_every_backend,
+        .traits = DirectLightTraits{.connects = false},
         .backends = on_every_backend,
         .check_counters = [](const WorkCounters& work, std::uint64_t) -> std::string {
             return work.connections == 0 ? "" : "connected vertices to lights";

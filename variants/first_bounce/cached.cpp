@@ -13,17 +13,17 @@ const Registration registration(
         .summary = "the camera rays' hits are computed once and reused by every later sample",
         .origin = "both seeds (CIS 565 project 3)",
         .backends = on_every_backend,
-        .unsupported_reason = [](FeatureSet scene, const Variant&) -> std::string {
+        .unsupported_reason = [](FeatureSet scene, const VariantTraits&) -> Reason {
             if (contains(scene, Feature::jitter)) {
-                return "needs jitter off (camera.jitter is true in the scene)";
+                return {"needs_no_jitter", "needs jitter off (camera.jitter is true in the scene)"};
             }
             if (contains(scene, Feature::lens)) {
-                return "needs a pinhole camera (camera.aperture_radius is not 0)";
+                return {"needs_pinhole", "needs a pinhole camera (camera.aperture_radius is not 0)"};
             }
             if (contains(scene, Feature::motion)) {
-                return "needs still objects (the scene has moving ones and an open shutter)";
+                return {"needs_no_motion", "needs still objects (the scene has moving ones and an open shutter)"};
             }
-            return "";
+            return {};
         },
         .check_counters = [](const WorkCounters& work, std::uint64_t samples) -> std::string {
             if (work.cache_fills * samples != work.paths) {

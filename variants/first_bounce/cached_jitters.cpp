@@ -18,10 +18,13 @@ const Registration registration(
         .claim_note = "pixel, lens and shutter are sampled at K points, however many samples are taken",
         .backends = on_every_backend,
         .tunables = tunables,
-        .unsupported_reason = [](FeatureSet scene, const Variant&) -> std::string {
+        .unsupported_reason = [](FeatureSet scene, const VariantTraits&) -> Reason {
             const FeatureSet varying = (Feature::jitter | Feature::lens) | Feature::motion;
-            return (scene & varying) != 0 ? ""
-                                          : "needs jitter, a lens or motion; without them first_bounce=cached is it";
+            if ((scene & varying) != 0) {
+                return {};
+            }
+            return {"needs_varying_camera_rays",
+                    "needs jitter, a lens or motion; without them first_bounce=cached is it"};
         },
         .check_counters = [](const WorkCounters& work, std::uint64_t samples) -> std::string {
             if (work.cache_fills == 0 || work.cache_fills * samples % work.paths != 0) {

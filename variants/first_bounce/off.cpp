@@ -11,6 +11,7 @@ const Registration registration(
         .summary = "every sample traces its camera ray",
         .origin = "both seeds, cache off",
         .baseline = on_every_backend,
+        .traits = FirstBounceTraits{.keeps_hits = false},
         .backends = on_every_backend,
         .check_counters = [](const WorkCounters& work, std::uint64_t) -> std::string {
             return work.cache_fills + work.cache_hits == 0 ? "" : "a cache was used";

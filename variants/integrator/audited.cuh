@@ -63,9 +63,10 @@ extern "C" __global__ void PT_LAUNCH_BOUNDS audited(Scene parameter, FilmView fi
 
 namespace pt::cuda::integrator::audited {
 
-inline std::string unsupported_reason(FeatureSet features, const Variant& variant) {
-    if (variant["first_bounce"] != "off") {
-        return "looks at every segment: needs first_bounce=off, not " + variant["first_bounce"];
+inline Reason unsupported_reason(FeatureSet features, const VariantTraits& variant) {
+    if (variant.first_bounce.keeps_hits) {
+        return {"no_first_hits",
+                "looks at every segment: needs first_bounce=off, not " + std::string(variant.first_bounce.name)};
     }
     return megakernel_unsupported_reason(features, variant);
 }
@@ -75,6 +76,7 @@ inline constexpr Descriptor descriptor{
     .name = "audited",
     .summary = "megakernel that looks at every path's state between stages; for health, not for times",
     .origin = "Falcor's InvalidPixelDetectionPass",
+    .traits = IntegratorTraits{.sums_in_order = true},
     .backends = on_cuda,
     .tunables = megakernel_tunables,
     .unsupported_reason = unsupported_reason,

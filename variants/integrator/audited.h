@@ -9,9 +9,10 @@
 
 namespace pt::integrator::audited {
 
-inline std::string unsupported_reason(FeatureSet features, const Variant& variant) {
-    if (variant["first_bounce"] != "off") {
-        return "looks at every segment: needs first_bounce=off, not " + variant["first_bounce"];
+inline Reason unsupported_reason(FeatureSet features, const VariantTraits& variant) {
+    if (variant.first_bounce.keeps_hits) {
+        return {"no_first_hits",
+                "looks at every segment: needs first_bounce=off, not " + std::string(variant.first_bounce.name)};
     }
     return depth_first::unsupported_reason(features, variant);
 }
@@ -21,6 +22,7 @@ inline constexpr Descriptor descriptor{
     .name = "audited",
     .summary = "depth_first that looks at every path's state between stages; for health, not for times",
     .origin = "Falcor's InvalidPixelDetectionPass",
+    .traits = IntegratorTraits{.sums_in_order = true},
     .unsupported_reason = unsupported_reason,
     .check_counters = depth_first::check_counters,
 };

@@ -5,21 +5,13 @@
 #include <atomic>
 
 #include "variants/cpu/parallel_for.h"
+#include "variants/no_queue.h"
 #include "variants/registry.h"
 
 namespace pt::integrator::depth_first {
 
-inline std::string unsupported_reason(FeatureSet, const Variant& variant) {
-    if (variant["compaction"] != "none") {
-        return "has no queue to compact: needs compaction=none, not " + variant["compaction"];
-    }
-    if (variant["sorting"] != "none") {
-        return "has no queue to sort: needs sorting=none, not " + variant["sorting"];
-    }
-    if (variant["layout"] != "aos") {
-        return "keeps one path in registers, no array of paths: needs layout=aos, not " + variant["layout"];
-    }
-    return "";
+inline Reason unsupported_reason(FeatureSet, const VariantTraits& variant) {
+    return needs_no_queue(variant, "keeps one path in registers");
 }
 
 inline std::string check_counters(const WorkCounters& work, std::uint64_t) {
@@ -32,6 +24,7 @@ inline constexpr Descriptor descriptor{
     .summary = "a path at a time, state in registers (the megakernel's loop on a CPU core)",
     .origin = "Kajiya 1986",
     .reference = on_cpu,
+    .traits = IntegratorTraits{.sums_in_order = true},
     .unsupported_reason = unsupported_reason,
     .check_counters = check_counters,
 };

@@ -13,20 +13,15 @@
 
 namespace pt::integrator::packet {
 
-inline std::string unsupported_reason(FeatureSet, const Variant& variant) {
-    if (variant["compaction"] != "none") {
-        return "has no queue to compact: needs compaction=none, not " + variant["compaction"];
+inline Reason unsupported_reason(FeatureSet, const VariantTraits& variant) {
+    if (Reason reason = needs_no_queue(variant, "keeps its paths in lanes"); !reason.empty()) {
+        return reason;
     }
-    if (variant["sorting"] != "none") {
-        return "has no queue to sort: needs sorting=none, not " + variant["sorting"];
+    if (variant.first_bounce.keeps_hits) {
+        return {"no_first_hits",
+                "keeps no first hits: needs first_bounce=off, not " + std::string(variant.first_bounce.name)};
     }
-    if (variant["layout"] != "aos") {
-        return "keeps its paths in lanes, no array of paths: needs layout=aos, not " + variant["layout"];
-    }
-    if (variant["first_bounce"] != "off") {
-        return "keeps no first hits: needs first_bounce=off, not " + variant["first_bounce"];
-    }
-    return "";
+    return {};
 }
 
 inline constexpr Descriptor descriptor{

@@ -135,6 +135,7 @@ inline constexpr Descriptor descriptor{
     .summary = "a kernel a stage over a queue of paths: generate, intersect, shade",
     .origin = "Laine, Karras and Aila 2013; both seeds",
     .baseline = on_cuda,
+    .traits = IntegratorTraits{.has_queue = true, .can_loop = true, .seeds_by_position = true},
     .backends = on_cuda,
     .tunables = wavefront_tunables,
     .check_counters = wavefront_work_missing,
@@ -247,7 +248,6 @@ inline const Integrator hook{
     .render = render,
     .prepare = prepare,
     .kernels = {"generate_paths", "intersect_paths", "shade_paths"},
-    .has_queue = true,
     .stores_hits = true,
 };
 

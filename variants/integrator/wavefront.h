@@ -20,6 +20,7 @@ inline constexpr Descriptor descriptor{
     .summary = "separate generate, intersect and shade over a queue of all paths, one sample a pixel in flight",
     .origin = "Laine, Karras and Aila 2013; both seeds",
     .baseline = on_cpu,
+    .traits = IntegratorTraits{.has_queue = true, .seeds_by_position = true},
     .check_counters = check_counters,
 };
 

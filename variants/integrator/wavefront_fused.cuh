@@ -170,21 +170,19 @@ inline constexpr Descriptor descriptor{
     .name = "wavefront_fused",
     .summary = "one kernel a bounce over a queue of paths; appending compactions are part of it",
     .origin = "pbrt-v4's and Cycles' queues, taken to one kernel",
+    .traits = IntegratorTraits{.has_queue = true, .can_loop = true, .appends_in_kernel = true},
     .backends = on_cuda,
     .tunables = tunables,
-    .unsupported_reason = [](FeatureSet, const Variant& variant) -> std::string {
-        return variant["sorting"] == "none" ? ""
-                                            : "intersects and shades in one kernel, there is no point at which to "
-                                              "sort: needs sorting=none, not " +
-                                                  variant["sorting"];
+    .unsupported_reason = [](FeatureSet, const VariantTraits& variant) -> Reason {
+        if (!variant.sorting.sorts) {
+            return {};
+        }
+        return {"no_point_to_sort",
+                "intersects and shades in one kernel, there is no point at which to sort: needs sorting=none, not " +
+                    std::string(variant.sorting.name)};
     },
     .check_counters = wavefront_work_missing,
 };
-
-// How the kernel itself compacts; 0: not, a compaction comes after it.
-inline int append_in_kernel(const Variant& variant) {
-    return variant["compaction"] == "atomic_append" ? 1 : variant["compaction"] == "block_scan_append" ? 2 : 0;
-}
 
 // In words, the stride between counters included (counter_stride).
 inline std::size_t counters_per_segment(const Job& job) { return std::size_t{job.append_counters} * 32; }
@@ -290,7 +288,8 @@ inline void render(Job& job) {
 }
 
 inline std::vector<std::string> defines(const Variant& variant) {
-    return {"-DPT_APPEND=" + std::to_string(append_in_kernel(variant)),
+    const AppendInKernel append = traits_of(variant, Backend::cuda).compaction.append_in_kernel;
+    return {"-DPT_APPEND=" + std::to_string(static_cast<int>(append)),
             "-DPT_COUNTERS=" + std::to_string(tunable(variant, "append_counters", Backend::cuda))};
 }
 
@@ -299,8 +298,6 @@ inline const Integrator hook{
     .prepare = prepare,
     .defines = defines,
     .kernels = {"first_bounce", "next_bounce"},
-    .has_queue = true,
-    .appends_in_kernel = [](const Variant& variant) { return append_in_kernel(variant) != 0; },
 };
 
 }  // namespace pt::cuda::integrator::wavefront_fused

@@ -6,14 +6,17 @@
 namespace pt {
 
 // A launch choice's unsupported_reason.
-inline std::string why_not_captured(FeatureSet, const Variant& variant) {
-    const Registry& registry = Registry::instance();
-    for (const std::string_view axis : {"compaction", "sorting"}) {
-        if (registry.at(axis, variant, Backend::cuda).descriptor.waits_for_device) {
-            return "cannot hold " + std::string(axis) + "=" + variant[axis] + ", which waits for the device";
-        }
+inline Reason why_not_captured(FeatureSet, const VariantTraits& variant) {
+    const auto cannot_hold = [](const std::string& what) -> Reason {
+        return {"waits_for_device", "cannot hold " + what + ", which waits for the device"};
+    };
+    if (variant.compaction.host_sync) {
+        return cannot_hold("compaction=" + std::string(variant.compaction.name));
     }
-    return variant.tuning.contains("read_back") ? "cannot hold read_back=1, which waits for the device" : "";
+    if (variant.sorting.host_sync) {
+        return cannot_hold("sorting=" + std::string(variant.sorting.name));
+    }
+    return variant.tuning.contains("read_back") ? cannot_hold("read_back=1") : Reason{};
 }
 
 }  // namespace pt

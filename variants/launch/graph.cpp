@@ -11,13 +11,14 @@ const Registration registration(
         .name = "graph",
         .summary = "a batch of samples is a CUDA graph, captured before the clock starts and replayed",
         .origin = "CUDA graphs (CUDA 10)",
+        .traits = LaunchTraits{.is_captured = true},
         .backends = on_cuda,
         .unsupported_reason = why_not_captured,
         .check_counters = [](const WorkCounters& work, std::uint64_t) -> std::string {
             return work.graph_nodes > 0 ? "" : "launched no graph";
         },
     },
-    {.cuda = {.is_captured = true}});
+    {});
 
 }  // namespace
 }  // namespace pt

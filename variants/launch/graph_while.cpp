@@ -9,13 +9,13 @@ namespace {
 // The segments 0 to depth that need no loop: the first one, a round, and the last one.
 constexpr std::uint64_t shortest_loop = 4;
 
-std::string why_not_looped(FeatureSet features, const Variant& variant) {
-    const std::string& integrator = variant["integrator"];
-    if (integrator != "wavefront" && integrator != "wavefront_fused") {
-        return "loops over bounces: needs integrator=wavefront or wavefront_fused, not " + integrator;
+Reason why_not_looped(FeatureSet features, const VariantTraits& variant) {
+    if (!variant.integrator.can_loop) {
+        return {"needs_queue", "loops over bounces: needs integrator=wavefront or wavefront_fused, not " +
+                                   std::string(variant.integrator.name)};
     }
-    if (variant["compaction"] == "none") {
-        return "ends when the count of paths in play is 0: needs a compaction, not none";
+    if (!variant.compaction.compacts) {
+        return {"needs_compaction", "ends when the count of paths in play is 0: needs a compaction, not none"};
     }
     return why_not_captured(features, variant);
 }
@@ -35,11 +35,12 @@ const Registration registration(
         .name = "graph_while",
         .summary = "a batch of samples is a CUDA graph whose while node repeats bounces as long as paths live",
         .origin = "conditional nodes (CUDA 12.4)",
+        .traits = LaunchTraits{.is_captured = true, .loops = true},
         .backends = on_cuda,
         .unsupported_reason = why_not_looped,
         .check_counters = loop_missing,
     },
-    {.cuda = {.is_captured = true, .loops = true}});
+    {});
 
 }  // namespace
 }  // namespace pt

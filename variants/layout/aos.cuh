@@ -83,6 +83,7 @@ inline constexpr Descriptor cuda_descriptor{
     .summary = "array of structures: the fields of a path lie together",
     .origin = "both seeds (CIS 565 path tracers)",
     .baseline = on_cuda,
+    .traits = LayoutTraits{.keeps_paths_whole = true},
     .backends = on_cuda,
 };
 #endif

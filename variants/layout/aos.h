@@ -14,6 +14,7 @@ inline constexpr Descriptor descriptor{
     .summary = "array of structures: the fields of a path lie together",
     .origin = "both seeds (CIS 565 path tracers)",
     .baseline = on_cpu,
+    .traits = LayoutTraits{.keeps_paths_whole = true},
 };
 
 template <class Real>

@@ -99,8 +99,11 @@ inline constexpr Descriptor cuda_descriptor{
         "columns of 16 bytes: origin and time, direction and surface, throughput and segment, radiance and medium",
     .origin = "Laine, Karras and Aila 2013 (16-byte accesses)",
     .backends = on_cuda,
-    .unsupported_reason = [](FeatureSet, const Variant& variant) -> std::string {
-        return variant["precision"] == "float" ? "" : "packs single-precision fields: needs precision=float";
+    .unsupported_reason = [](FeatureSet, const VariantTraits& variant) -> Reason {
+        if (variant.precision.is_single()) {
+            return {};
+        }
+        return {"needs_single_precision", "packs single-precision fields: needs precision=float"};
     },
 };
 #endif

@@ -1,6 +1,6 @@
 // Double precision throughout; random numbers have 32 bits instead of 24. On the CPU for the plainest kernel only: it
 // is there for references, not for speed.
-#include "variants/registry.h"
+#include "variants/precision/kernels_in_double.h"
 
 namespace pt {
 namespace {
@@ -13,20 +13,21 @@ constexpr Descriptor descriptor{
     .claim = Claim::statistical,
     .claim_note = "same expectation as precision=float, up to rounding",
     .mean_of = "float",
+    .traits = PrecisionTraits{.real_bytes = sizeof(double), .intersects_in_double = true},
     .backends = on_cuda,
 };
 
-const Registration on_the_gpu(descriptor, {.cuda = {.real = "double", .real_bytes = 8}});
+const Registration on_the_gpu(descriptor, {.cuda = {.real = "double"}});
 
-std::string why_not_on_the_cpu(FeatureSet, const Variant& variant) {
-    const Hook& integrator = Registry::instance().at("integrator", variant, Backend::cpu).hook;
-    if (integrator.integrator_in_double.empty()) {
-        return "is compiled for a path at a time: needs integrator=depth_first, not " + variant["integrator"];
+Reason why_not_on_the_cpu(FeatureSet, const VariantTraits& variant) {
+    if (Reason reason = needs_kernel_in_double(variant); !reason.empty()) {
+        return reason;
     }
-    if (variant["specialisation"] != "generic") {
-        return "is compiled with every feature only: needs specialisation=generic, not " + variant["specialisation"];
+    if (!variant.specialisation.is_generic) {
+        return {"needs_generic_kernel", "is compiled with every feature only: needs specialisation=generic, not " +
+                                            std::string(variant.specialisation.name)};
     }
-    return "";
+    return {};
 }
 
 constexpr Descriptor cpu_descriptor() {
@@ -36,7 +37,7 @@ constexpr Descriptor cpu_descriptor() {
     return on_the_cpu;
 }
 
-const Registration on_the_cpu(cpu_descriptor(), {.is_double = true});
+const Registration on_the_cpu(cpu_descriptor(), {});
 
 }  // namespace
 }  // namespace pt

@@ -1,28 +1,26 @@
 // Single precision, but for intersection and the points that it gives (kernels/widen.h). On the CPU for the plainest
 // kernel only.
-#include "variants/registry.h"
+#include "variants/precision/kernels_in_double.h"
 
 namespace pt {
 namespace {
 
-std::string unsupported_reason(FeatureSet, const Variant& variant) {
-    if (variant["specialisation"] == "matrix") {
-        return "has its own intersection: needs another specialisation than matrix";
+Reason unsupported_reason(FeatureSet, const VariantTraits& variant) {
+    if (variant.specialisation.by_matrix) {
+        return {"two_intersections", "has its own intersection: needs another specialisation than matrix"};
     }
-    if (variant["sampler"] != "pcg4d") {
-        return "is compiled with sampler=pcg4d only";
+    if (!variant.sampler.is_in_every_kernel) {
+        return {"needs_plain_sampler", "is compiled with sampler=pcg4d only"};
     }
-    return "";
+    return {};
 }
 
-std::string does_not_apply_on_the_cpu(FeatureSet scene, const Variant& variant) {
-    if (variant["integrator"] != "depth_first" && variant["integrator"] != "audited") {
-        return "is compiled for a path at a time: needs integrator=depth_first, not " + variant["integrator"];
-    }
-    return unsupported_reason(scene, variant);
+Reason does_not_apply_on_the_cpu(FeatureSet scene, const VariantTraits& variant) {
+    Reason reason = needs_kernel_in_double(variant);
+    return reason.empty() ? unsupported_reason(scene, variant) : reason;
 }
 
-constexpr Descriptor descriptor_on(BackendSet backends, std::string (*why_not)(FeatureSet, const Variant&)) {
+constexpr Descriptor descriptor_on(BackendSet backends, Reason (*why_not)(FeatureSet, const VariantTraits&)) {
     return {
         .axis = "precision",
         .name = "double_intersection",
@@ -31,6 +29,7 @@ constexpr Descriptor descriptor_on(BackendSet backends, std::string (*why_not)(F
         .claim = Claim::statistical,
         .claim_note = "same expectation as precision=float, up to rounding",
         .mean_of = "float",
+        .traits = PrecisionTraits{.real_bytes = sizeof(float), .intersects_in_double = true},
         .backends = backends,
         .unsupported_reason = why_not,
     };
@@ -40,7 +39,7 @@ FeatureSet features() { return no_features | Feature::double_intersection; }
 
 const Registration on_the_cpu(descriptor_on(on_cpu, does_not_apply_on_the_cpu), {.features = features});
 const Registration on_the_gpu(descriptor_on(on_cuda, unsupported_reason),
-                              {.features = features, .cuda = {.real = "float", .real_bytes = 4}});
+                              {.features = features, .cuda = {.real = "float"}});
 
 }  // namespace
 }  // namespace pt

@@ -11,9 +11,10 @@ const Registration registration(
         .summary = "single precision; the film sums 64-bit integers",
         .origin = "the usual renderer",
         .baseline = on_every_backend,
+        .traits = PrecisionTraits{.real_bytes = sizeof(float)},
         .backends = on_every_backend,
     },
-    {.cuda = {.real = "float", .real_bytes = 4}});
+    {.cuda = {.real = "float"}});
 
 }  // namespace
 }  // namespace pt

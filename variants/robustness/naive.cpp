@@ -5,22 +5,23 @@
 namespace pt {
 namespace {
 
-std::string unsupported_reason(FeatureSet, const Variant& variant) {
-    const std::string& integrator = variant["integrator"];
-    if (integrator != "depth_first" && integrator != "megakernel" && integrator != "audited") {
-        return "sums a pixel's samples in their order: needs integrator=depth_first, megakernel or audited, not " +
-               integrator;
+Reason unsupported_reason(FeatureSet, const VariantTraits& variant) {
+    if (!variant.integrator.sums_in_order) {
+        return {"needs_samples_in_order",
+                "sums a pixel's samples in their order: needs integrator=depth_first, megakernel or audited, not " +
+                    std::string(variant.integrator.name)};
     }
-    if (variant["precision"] == "double_intersection") {
-        return "has its own intersection: needs precision=float or double, not double_intersection";
+    if (variant.precision.is_mixed()) {
+        return {"two_intersections", "has its own intersection: needs precision=float or double, not " +
+                                         std::string(variant.precision.name)};
     }
-    if (variant["specialisation"] == "matrix") {
-        return "has its own intersection: needs another specialisation than matrix";
+    if (variant.specialisation.by_matrix) {
+        return {"two_intersections", "has its own intersection: needs another specialisation than matrix"};
     }
-    if (variant["sampler"] != "pcg4d") {
-        return "is compiled with sampler=pcg4d only";
+    if (!variant.sampler.is_in_every_kernel) {
+        return {"needs_plain_sampler", "is compiled with sampler=pcg4d only"};
     }
-    return "";
+    return {};
 }
 
 const Registration registration(
@@ -32,6 +33,7 @@ const Registration registration(
         .origin = "both seeds and most first ray tracers",
         .claim = Claim::biased,
         .claim_note = "wrong wherever a scene's size, distance or depth does not suit an epsilon of 1e-4",
+        .traits = RobustnessTraits{.is_naive = true},
         .backends = on_every_backend,
         .unsupported_reason = unsupported_reason,
     },

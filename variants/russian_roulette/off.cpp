@@ -11,6 +11,7 @@ const Registration registration(
         .summary = "paths end where the scene or their length ends them",
         .origin = "both seeds",
         .baseline = on_every_backend,
+        .traits = RouletteTraits{.ends_paths = false},
         .backends = on_every_backend,
     },
     {});

@@ -7,18 +7,20 @@ namespace pt {
 namespace {
 
 // Only where positions are what they are in every run: not where threads race for them.
-std::string unsupported_reason(FeatureSet, const Variant& variant) {
-    if (variant["integrator"] != "wavefront") {
-        return "is seeded by positions in a queue: needs integrator=wavefront";
+Reason unsupported_reason(FeatureSet, const VariantTraits& variant) {
+    if (!variant.integrator.seeds_by_position) {
+        return {"needs_queue", "is seeded by positions in a queue: needs integrator=wavefront"};
     }
-    for (const std::string_view racing : {"atomic_append", "block_scan_append", "gap_fill"}) {
-        if (variant["compaction"] == racing) {
-            return "needs a compaction that gives a path the same position in every run, not " + std::string(racing);
-        }
+    if (!variant.compaction.reproducible_order) {
+        return {"needs_reproducible_order",
+                "needs a compaction that gives a path the same position in every run, not " +
+                    std::string(variant.compaction.name)};
     }
-    return variant["sorting"] == "bucket" || variant["sorting"] == "per_material_queue"
-               ? "needs a sort that gives a path the same position in every run, not " + variant["sorting"]
-               : "";
+    if (!variant.sorting.reproducible_order) {
+        return {"needs_reproducible_order", "needs a sort that gives a path the same position in every run, not " +
+                                                std::string(variant.sorting.name)};
+    }
+    return {};
 }
 
 const Registration registration(

@@ -11,6 +11,7 @@ const Registration registration(
         .summary = "numbers by one hash of pixel, sample, bounce and dimension",
         .origin = "Jarzynski and Olano 2020",
         .baseline = on_every_backend,
+        .traits = SamplerTraits{.is_in_every_kernel = true},
         .backends = on_every_backend,
     },
     {});

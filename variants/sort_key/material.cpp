@@ -11,6 +11,7 @@ const Registration registration(
         .summary = "the material that was hit; paths that left the scene last",
         .origin = "both seeds",
         .baseline = on_cpu,
+        .traits = SortKeyTraits{.bits = 0, .has_material = true},
         .backends = on_cpu,
     },
     {});

@@ -26,9 +26,9 @@ inline constexpr Descriptor descriptor{
     .summary = "the material that was hit; paths that left the scene last",
     .origin = "both seeds",
     .baseline = on_cuda,
+    .traits = SortKeyTraits{.bits = 0, .has_material = true},
     .backends = on_cuda,
 };
-inline const cuda::SortKey hook{.bits = 0, .has_material = true};
 
 }  // namespace pt::sort_key::material
 

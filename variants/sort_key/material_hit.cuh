@@ -27,12 +27,12 @@ inline constexpr Descriptor descriptor{
     .name = "material_hit",
     .summary = "the material that was hit, then the hit point's Morton code (15 bits)",
     .origin = "Laine, Karras and Aila 2013; Morton 1966",
+    .traits = SortKeyTraits{.bits = 15, .has_material = true},
     .backends = on_cuda,
-    .unsupported_reason = [](FeatureSet, const Variant& variant) -> std::string {
-        return variant["sorting"] == "none" ? "needs a sort, not sorting=none" : "";
+    .unsupported_reason = [](FeatureSet, const VariantTraits& variant) -> Reason {
+        return variant.sorting.sorts ? Reason{} : Reason{"needs_sorting", "needs a sort, not sorting=none"};
     },
 };
-inline const cuda::SortKey hook{.bits = 15, .has_material = true};
 
 }  // namespace pt::sort_key::material_hit
 

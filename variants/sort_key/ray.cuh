@@ -29,12 +29,12 @@ inline constexpr Descriptor descriptor{
     .name = "ray",
     .summary = "the ray's octant, then its origin's Morton code (15 bits); sorted before the ray is traced",
     .origin = "Aila and Karras 2010; Meister et al. 2020 (ray reordering)",
+    .traits = SortKeyTraits{.bits = 18, .has_material = false},
     .backends = on_cuda,
-    .unsupported_reason = [](FeatureSet, const Variant& variant) -> std::string {
-        return variant["sorting"] == "none" ? "needs a sort, not sorting=none" : "";
+    .unsupported_reason = [](FeatureSet, const VariantTraits& variant) -> Reason {
+        return variant.sorting.sorts ? Reason{} : Reason{"needs_sorting", "needs a sort, not sorting=none"};
     },
 };
-inline const cuda::SortKey hook{.bits = 18, .has_material = false};
 
 }  // namespace pt::sort_key::ray
 

@@ -121,11 +121,14 @@ inline constexpr Descriptor descriptor{
     .name = "bucket",
     .summary = "counting sort of slot numbers, histograms in shared memory; the payload stays in place",
     .origin = "Cycles' sorted index array",
+    .traits = SortingTraits{.reproducible_order = false},
     .backends = on_cuda,
-    .unsupported_reason = [](FeatureSet, const Variant& variant) -> std::string {
-        return variant["sort_key"] == "material"
-                   ? ""
-                   : "has a bucket a material: needs sort_key=material, not " + variant["sort_key"];
+    .unsupported_reason = [](FeatureSet, const VariantTraits& variant) -> Reason {
+        if (variant.sort_key.is_material_alone()) {
+            return {};
+        }
+        return {"needs_material_key",
+                "has a bucket a material: needs sort_key=material, not " + std::string(variant.sort_key.name)};
     },
     .check_counters = sorted_every_bounce,
 };

@@ -17,6 +17,7 @@ const Registration registration(
         .summary = "paths are shaded in the order in which they lie",
         .origin = "both seeds, sorting off",
         .baseline = on_every_backend,
+        .traits = SortingTraits{.sorts = false},
         .backends = on_every_backend,
         .check_counters = [](const WorkCounters& work, std::uint64_t) -> std::string {
             return work.sorts == 0 ? "" : "a sort ran";

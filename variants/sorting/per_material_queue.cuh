@@ -80,11 +80,14 @@ inline constexpr Descriptor descriptor{
     .name = "per_material_queue",
     .summary = "each path is appended to its material's own queue; shading is one kernel a material",
     .origin = "Laine, Karras and Aila 2013",
+    .traits = SortingTraits{.reproducible_order = false},
     .backends = on_cuda,
-    .unsupported_reason = [](FeatureSet, const Variant& variant) -> std::string {
-        return variant["sort_key"] == "material"
-                   ? ""
-                   : "has a queue a material: needs sort_key=material, not " + variant["sort_key"];
+    .unsupported_reason = [](FeatureSet, const VariantTraits& variant) -> Reason {
+        if (variant.sort_key.is_material_alone()) {
+            return {};
+        }
+        return {"needs_material_key",
+                "has a queue a material: needs sort_key=material, not " + std::string(variant.sort_key.name)};
     },
     .check_counters = sorted_every_bounce,
 };

@@ -8,6 +8,7 @@
 #include <thrust/tuple.h>
 
 #include "variants/registry.h"
+#include "variants/sorting/contiguous_payload.h"
 #include "variants/work_checks.h"
 
 namespace pt {
@@ -34,11 +35,8 @@ const Registration registration(
         .name = "thrust_sort_by_key",
         .summary = "thrust::sort_by_key by material, path and hit moved",
         .origin = "both seeds",
-        .unsupported_reason = [](FeatureSet, const Variant& variant) -> std::string {
-            return Registry::instance().at("compaction", variant).descriptor.keeps_payload_contiguous
-                       ? ""
-                       : "moves a contiguous payload, which compaction=" + variant["compaction"] + " does not keep";
-        },
+        .unsupported_reason = [](FeatureSet,
+                                 const VariantTraits& variant) { return needs_contiguous_payload(variant); },
         .check_counters = sorted_every_bounce,
     },
     {.sorting = [] { return std::make_unique<SortByKey>(); }});

@@ -6,6 +6,7 @@
 #include "variants/cuda/payload_iterator.h"
 #include "variants/cuda/register.h"
 #include "variants/cuda/thrust_policy.h"
+#include "variants/sorting/contiguous_payload.h"
 #include "variants/work_checks.h"
 
 namespace pt::cuda {
@@ -70,25 +71,27 @@ private:
     ThrustCalls thrust_;
 };
 
+Reason unsupported_reason(FeatureSet features, const VariantTraits& variant) {
+    if (Reason reason = needs_contiguous_payload(variant); !reason.empty()) {
+        return reason;
+    }
+    if (variant.direct_light.connects_every_vertex) {
+        return {"no_room_for_density", "moves the seeds' paths, which have no room for what direct_light=" +
+                                           std::string(variant.direct_light.name) + " remembers"};
+    }
+    return needs_single_precision(features, variant);
+}
+
 const Registration registration(
     {
         .axis = "sorting",
         .name = "thrust_sort_by_key",
         .summary = "thrust::stable_sort_by_key, path and hit moved",
         .origin = "both seeds",
-        .waits_for_device = true,
+        .traits = SortingTraits{.host_sync = true},
         .backends = on_cuda,
         .tunables = thrust_tunables,
-        .unsupported_reason = [](FeatureSet features, const Variant& variant) -> std::string {
-            if (!keeps_payload_contiguous(variant)) {
-                return "moves a contiguous payload, which compaction=" + variant["compaction"] + " does not keep";
-            }
-            if (variant["direct_light"] == "nee" || variant["direct_light"] == "nee_mis") {
-                return "moves the seeds' paths, which have no room for what direct_light=" + variant["direct_light"] +
-                       " remembers";
-            }
-            return needs_single_precision(features, variant);
-        },
+        .unsupported_reason = unsupported_reason,
         .check_counters = sorted_every_bounce,
     },
     {.sorting = [](const CellContext& cell) -> std::unique_ptr<Sorting> { return std::make_unique<SortByKey>(cell); }});

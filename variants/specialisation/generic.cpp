@@ -11,6 +11,7 @@ const Registration registration(
         .summary = "one kernel with every feature, chosen at run time",
         .origin = "the usual renderer",
         .reference = on_every_backend,
+        .traits = SpecialisationTraits{.is_generic = true},
         .backends = on_every_backend,
     },
     {.specialisation = [](const KernelOffer& offer, const Variant&, Backend) { return every_feature(offer); }});

@@ -15,15 +15,18 @@ const Registration registration(
         .claim_note = "same expectation as generic; a matrix rounds otherwise, and a path that grazes an edge may go "
                       "elsewhere",
         .mean_of = "generic",
+        .traits = SpecialisationTraits{.by_matrix = true},
         .backends = on_every_backend,
-        .unsupported_reason = [](FeatureSet scene, const Variant& variant) -> std::string {
-            if (variant["sampler"] != "pcg4d") {
-                return "is compiled with sampler=pcg4d only";
+        .unsupported_reason = [](FeatureSet scene, const VariantTraits& variant) -> Reason {
+            if (!variant.sampler.is_in_every_kernel) {
+                return {"needs_plain_sampler", "is compiled with sampler=pcg4d only"};
             }
             // A camera ray through an edge takes one of two surfaces by its rounding: nothing where pixels are sampled,
             // but a ray through a pixel's centre is the same in every sample.
-            return contains(scene, Feature::jitter) ? ""
-                                                    : "needs jitter: an unjittered camera ray may meet an edge exactly";
+            if (!contains(scene, Feature::jitter)) {
+                return {"needs_jitter", "needs jitter: an unjittered camera ray may meet an edge exactly"};
+            }
+            return {};
         },
     },
     {.specialisation = [](const KernelOffer&, const Variant&, Backend) { return all_features | Feature::matrix; }});

@@ -107,18 +107,18 @@ std::vector<Rendering> lamp(const Values& v) {
                              .tolerance = Tolerance::relative(exact, 1e-5, 1e-12, "numerics.md S5")}}}};
 }
 
-std::string limit_of_lamp(const Values& v, const Variant& variant) {
+std::string limit_of_lamp(const Values& v, const VariantTraits& variant) {
     const double s = v["a"] * v["a"];
     return rare_or_dim(variant, (v["depth"] - 1) * s, 1, lamp_radiance(v["a"], v["albedo"], v["depth"] - 1),
                        1e6 / v["depth"]);
 }
 
-std::string limit_of_pbrt(const Values& v, const Variant& variant) {
+std::string limit_of_pbrt(const Values& v, const VariantTraits& variant) {
     const double s = v["a"] * v["a"];
     return s > 0 ? rare_or_dim(variant, s, 1 / s, 1, 1e6 / v["depth"]) : "";
 }
 
-std::string limit_of_furnace(const Values& v, const Variant& variant) {
+std::string limit_of_furnace(const Values& v, const VariantTraits& variant) {
     const double emission = std::exp2(-v["k"]);
     return lost_tail(emission, 1 - emission, v["depth"], variant);
 }

@@ -235,8 +235,10 @@ const CaseRegistration cases({
      .quick_points = {{{"hits", 2}}, {{"hits", 8}}},
      .sweep = "hits",
      .renderings = cut_off,
-     .known_limit = [](const Values& v,
-                       const Variant& variant) { return turns_inside(variant, v["impact"], v["ior"], v["hits"]); }},
+     .known_limit =
+         [](const Values& v, const VariantTraits& variant) {
+             return turns_inside(variant, v["impact"], v["ior"], v["hits"]);
+         }},
     {.name = "absorbing_ball",
      .catalogue = "S25",
      .family = "dielectrics",
@@ -285,7 +287,7 @@ const CaseRegistration cases({
      .sweep = "ior",
      .renderings = extreme_index,
      .known_limit =
-         [](const Values& v, const Variant& variant) {
+         [](const Values& v, const VariantTraits& variant) {
              const long double r = reflectance(static_cast<long double>(v["ior"]) - 1, cosine_at(v["impact"]));
              return turns_inside(variant, v["impact"], v["ior"], r < 1 ? static_cast<double>(1 / (1 - r)) : 0);
          }},

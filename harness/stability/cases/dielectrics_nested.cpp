@@ -105,7 +105,7 @@ const CaseRegistration cases({
      .points = {{{"inner", 1}}, {{"inner", 1.5}}, {{"inner", 2.4}}, {{"inner", 1.5}, {"against_air", 1}}},
      .quick_points = {{{"inner", 1}}, {{"inner", 1.5}, {"against_air", 1}}},
      .renderings = nested_balls,
-     .known_limit = [](const Values& v, const Variant&) -> std::string {
+     .known_limit = [](const Values& v, const VariantTraits&) -> std::string {
          return v.is_set("against_air")
                     ? "media do not nest: every index is taken as that of the boundary, here of air "
                       "against the inner ball. Cure: give the inner ball the index inner / outer, "
@@ -122,7 +122,7 @@ const CaseRegistration cases({
                     {"inner", 0, 0, 10, "absorption of the inner ball, 1 / outer radius"}},
      .points = {{{"outer", 0.5}}, {{"outer", 0}, {"inner", 0.5}}, {{"outer", 0.5}, {"inner", 0.25}}},
      .renderings = nested_absorbers,
-     .known_limit = [](const Values& v, const Variant&) -> std::string {
+     .known_limit = [](const Values& v, const VariantTraits&) -> std::string {
          return v["outer"] != 0 ? "media do not nest: a path that leaves the inner ball is taken to be in air, and the "
                                   "outer ball absorbs no more. Cure: a stack of media in the path"
                                 : "";

@@ -47,7 +47,7 @@ std::vector<Measurement> film_sum(const Values& v, const DirectSetting& setting)
     constexpr FeatureSet naive = no_features | Feature::naive;
     const std::uint32_t content = v.whole("content");
     const auto samples = static_cast<std::uint64_t>(v["samples"]);
-    const bool fp64 = setting.precision == "double";
+    const bool fp64 = setting.precision.is_double();
     const double ratio = setting.is_naive ? (fp64 ? film_over_exact<Config<double, naive>>(content, samples)
                                                   : film_over_exact<Config<float, naive>>(content, samples))
                                           : (fp64 ? film_over_exact<Config<double, no_features>>(content, samples)
@@ -100,7 +100,7 @@ std::vector<Measurement> pixel_jitter(const Values& v, const DirectSetting& sett
     const std::uint32_t width = v.whole("width");
     const std::uint32_t x = std::min(width - 1, v.whole("x"));
     const std::uint32_t samples = setting.is_quick ? 1u << 20 : 1u << 24;
-    return setting.precision == "double" ? jitter<double>(width, x, samples) : jitter<float>(width, x, samples);
+    return setting.precision.is_double() ? jitter<double>(width, x, samples) : jitter<float>(width, x, samples);
 }
 
 SceneText still_life(const std::string& name) {
@@ -203,12 +203,12 @@ std::vector<Measurement> motion_grid(const Values& v, const DirectSetting& setti
     constexpr FeatureSet naive = plain | Feature::naive;
     constexpr FeatureSet mixed = plain | Feature::double_intersection;
     const Scene scene = parse_scene(moving_box(v).json().dump(), "stability case motion_grid");
-    const bool fp64 = setting.precision == "double";
-    const double measured = setting.precision == "double_intersection" ? grid_coverage<Config<float, mixed>>(scene)
-                            : setting.is_naive ? (fp64 ? grid_coverage<Config<double, naive>>(scene)
-                                                       : grid_coverage<Config<float, naive>>(scene))
-                            : fp64             ? grid_coverage<Config<double, plain>>(scene)
-                                               : grid_coverage<Config<float, plain>>(scene);
+    const bool fp64 = setting.precision.is_double();
+    const double measured = setting.precision.is_mixed() ? grid_coverage<Config<float, mixed>>(scene)
+                            : setting.is_naive           ? (fp64 ? grid_coverage<Config<double, naive>>(scene)
+                                                                 : grid_coverage<Config<float, naive>>(scene))
+                            : fp64                       ? grid_coverage<Config<double, plain>>(scene)
+                                                         : grid_coverage<Config<float, plain>>(scene);
     const double rounding = moving_box_rounding(v);
     return {{.quantity = "share of 2^24 moments at which the box is met",
              .measured = measured,
@@ -247,13 +247,13 @@ std::vector<Rendering> pixel_edge(const Values& v) {
     return {upright, one_segment(single, coverage(share, tolerance))};
 }
 
-std::string rarely_passed(const Values& v, const Variant&) {
+std::string rarely_passed(const Values& v, const VariantTraits&) {
     return moving_box_coverage(v) * 0x1p20 < 100
                ? "too few samples see the box pass for an error to be told; cure: more samples, or motion_grid"
                : "";
 }
 
-std::string coarse_film(const Values& v, const Variant&) {
+std::string coarse_film(const Values& v, const VariantTraits&) {
     return v["content"] == 4
                ? "the film's quantum is 2^-32 of the brightest sample or more: nearly all samples here are "
                  "of a few quanta, and their rounding has a mean; cure: rounding by a random number of the "

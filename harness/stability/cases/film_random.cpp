@@ -127,7 +127,7 @@ std::vector<Measurement> ends_of_range() {
 }
 
 std::vector<Measurement> random_range(const Values&, const DirectSetting& setting) {
-    return setting.precision == "double" ? ends_of_range<double>() : ends_of_range<float>();
+    return setting.precision.is_double() ? ends_of_range<double>() : ends_of_range<float>();
 }
 
 enum class Source { pcg4d, philox, minstd };

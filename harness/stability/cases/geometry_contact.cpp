@@ -130,9 +130,9 @@ std::vector<Rendering> eye_touches_at_slant(const Values& v) {
 }
 
 // Exact where the size is a power of two.
-std::string eye_on_ellipsoid(const Values& v, const Variant& variant) {
+std::string eye_on_ellipsoid(const Values& v, const VariantTraits& variant) {
     int exponent = 0;
-    if (variant["precision"] == "float" || std::frexp(v["size"], &exponent) == 0.5) {
+    if (variant.precision.is_single() || std::frexp(v["size"], &exponent) == 0.5) {
         return "";
     }
     return "an eye on an ellipsoid to within rounding counts as inside where |f|^2 rounds to less than 1; cure: the "
@@ -241,7 +241,7 @@ std::vector<Rendering> coincident(const Values& v) {
     return renderings;
 }
 
-std::string coincident_limit(const Values& v, const Variant&) {
+std::string coincident_limit(const Values& v, const VariantTraits&) {
     if (v["tilt"] == 0) {
         return "";
     }

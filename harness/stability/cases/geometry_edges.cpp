@@ -180,12 +180,12 @@ std::vector<Measurement> tiles(const Values& v, const DirectSetting& setting) {
 }
 
 // Each tile's place is rounded on its own: where a precision does not hold the edges, neighbours' are not the same.
-std::string tiles_part(const Values& v, const Variant& variant) {
+std::string tiles_part(const Values& v, const VariantTraits& variant) {
     const double edge = v["offset"] + 1 / v["tiles"];
     const bool held_in_float = static_cast<double>(static_cast<float>(edge)) == edge;
     const bool held =
         edge - v["offset"] == 1 / v["tiles"] && std::exp2(std::round(std::log2(v["tiles"]))) == v["tiles"];
-    if (variant["precision"] == "double") {
+    if (variant.precision.is_double()) {
         return held ? ""
                     : "tiles share no vertices: a centre and half a side that are no sums of powers of two are rounded "
                       "by "
@@ -193,7 +193,7 @@ std::string tiles_part(const Values& v, const Variant& variant) {
                       "two slip through; cure: vertices that tiles share";
     }
     // In single precision the interval's own rounding reaches over the gap near the eye; in double it does not.
-    if (held_in_float || (variant["precision"] == "float" && v["offset"] < 4)) {
+    if (held_in_float || (variant.precision.is_single() && v["offset"] < 4)) {
         return "";
     }
     return "tiles share no vertices: each centre is rounded to single precision by itself, and gaps as wide as the "

@@ -32,11 +32,11 @@ template <class Check>
 auto with_kernel(const DirectSetting& setting, const Check& check) {
     constexpr FeatureSet naive = all_features | Feature::naive;
     constexpr FeatureSet mixed = all_features | Feature::double_intersection;
-    if (setting.precision == "double") {
+    if (setting.precision.is_double()) {
         return setting.is_naive ? check.template operator()<Config<double, naive>>()
                                 : check.template operator()<Config<double, all_features>>();
     }
-    if (setting.precision == "double_intersection") {
+    if (setting.precision.is_mixed()) {
         return setting.is_naive ? check.template operator()<Config<float, mixed | Feature::naive>>()
                                 : check.template operator()<Config<float, mixed>>();
     }

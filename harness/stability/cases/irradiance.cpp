@@ -120,7 +120,7 @@ std::vector<Measurement> cone(double sine_squared, bool is_naive) {
 
 std::vector<Measurement> far_light(const Values& v, const DirectSetting& setting) {
     const double sine_squared = std::pow(10.0, v["log10_sine_squared"]);
-    return setting.precision == "double" ? cone<double>(sine_squared, setting.is_naive)
+    return setting.precision.is_double() ? cone<double>(sine_squared, setting.is_naive)
                                          : cone<float>(sine_squared, setting.is_naive);
 }
 
@@ -143,9 +143,9 @@ std::vector<Rendering> two_lights(const Values& v) {
 }
 
 // Where the corner is straight above the point, light reaches so much further than its edges.
-std::string wide_edges(const Values& v, const Variant& variant) {
+std::string wide_edges(const Values& v, const VariantTraits& variant) {
     const double reach = 0x1p-20 * (v["h"] + 0.5 * (v["a"] + v["b"]));
-    const bool is_met = variant["direct_light"] != "nee" && variant["precision"] == "float";
+    const bool is_met = variant.direct_light.counts_light_met && variant.precision.is_single();
     return is_met && !v.is_set("centred") && reach > 1e-6 * v["h"]
                ? "a quad is met up to 16 roundings of its size beyond its edges, so that none leak between two: near "
                  "it "
@@ -220,7 +220,7 @@ const CaseRegistration cases({
      .estimators = {{"direct_light", {"nee", "nee_mis"}}},
      .renderings = sphere,
      .known_limit =
-         [](const Values& v, const Variant& variant) {
+         [](const Values& v, const VariantTraits& variant) {
              const double irradiance = sphere_irradiance(v["distance"], v["angle"]);
              return rare_or_dim(variant, irradiance, 1, irradiance);
          }},
@@ -257,7 +257,7 @@ const CaseRegistration cases({
      .estimators = {{"direct_light", {"nee", "nee_mis"}}},
      .renderings = far_light_image,
      .known_limit =
-         [](const Values& v, const Variant& variant) {
+         [](const Values& v, const VariantTraits& variant) {
              const double share = std::pow(10.0, v["log10_sine_squared"]);
              return rare_or_dim(variant, share, 1, albedo * share);
          }},
@@ -274,7 +274,7 @@ const CaseRegistration cases({
      .estimators = {{"direct_light", {"nee", "nee_mis"}}},
      .renderings = two_lights,
      .known_limit =
-         [](const Values& v, const Variant& variant) {
+         [](const Values& v, const VariantTraits& variant) {
              const double brightness = v["distance"] * v["distance"];
              return rare_or_dim(variant, 1 / (16 * brightness), brightness, 0.08);
          }},

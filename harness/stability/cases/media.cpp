@@ -375,8 +375,8 @@ const CaseRegistration cases({
      .quick_points = {{{"sigma", 1e4}}, {{"sigma", 1e8}}},
      .sweep = "sigma",
      .renderings = opaque_ball,
-     .known_limit = [](const Values& v, const Variant& variant) -> std::string {
-         const double spacing = variant["precision"] == "double" ? 0x1p-53 : 0x1p-24;
+     .known_limit = [](const Values& v, const VariantTraits& variant) -> std::string {
+         const double spacing = variant.precision.is_double() ? 0x1p-53 : 0x1p-24;
          return v["sigma"] * (v["distance"] - 1) * spacing > 0x1p-6
                     ? "walks hold positions relative to the eye: a free path of less than some 100 spacings of numbers "
                       "there is rounded, to none at all in the end. Cure: hold them relative to where the walk began"

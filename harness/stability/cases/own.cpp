@@ -37,8 +37,8 @@ std::vector<Rendering> touching_lamp(const Values& v) {
 }
 
 // Nearly every direction ends at the light.
-std::string rarely_missed(const Variant& variant, double irradiance) {
-    return variant["direct_light"] == "off" ? too_rare(1 - irradiance / pi<double>) : "";
+std::string rarely_missed(const VariantTraits& variant, double irradiance) {
+    return !variant.direct_light.connects ? too_rare(1 - irradiance / pi<double>) : "";
 }
 
 std::vector<Rendering> near_quad(const Values& v) {
@@ -82,10 +82,10 @@ std::vector<Rendering> corridor(const Values& v) {
                   .is_estimate = false}}}};
 }
 
-std::string limit_of_mirrors(const Values& v, const Variant& variant) {
+std::string limit_of_mirrors(const Values& v, const VariantTraits& variant) {
     // Bounces that a rounding of the mirrors' places and of the ray's direction add up to.
     const double astray = 0x1p-23 * v["bounces"] * (0.5 * v["bounces"] / v["slope"] + v["slope"]);
-    return variant["precision"] != "double" && astray > 0.25
+    return !variant.precision.is_double() && astray > 0.25
                ? "the roundings of the mirrors' places and of the direction add up to half a bounce; cure: "
                  "precision=double"
                : "";
@@ -118,15 +118,15 @@ std::vector<Rendering> thin_walls(const Values& v) {
     return {furnace_rendering(scene, emission, 1 - emission, 256)};
 }
 
-std::string limit_of_walls(const Values& v, const Variant& variant) {
-    if (variant["precision"] == "double") {
+std::string limit_of_walls(const Values& v, const VariantTraits& variant) {
+    if (variant.precision.is_double()) {
         return "";
     }
     if (v["thickness"] < 0x1p-18) {
         return "walls thinner than 16 roundings of the room's size: points near an edge are rounded past the "
                "neighbouring wall; cure: precision=double";
     }
-    return variant["precision"] == "double_intersection" && std::fmod(v["turn"], 90) != 0
+    return variant.precision.is_mixed() && std::fmod(v["turn"], 90) != 0
                ? "a point that was found in double ends in single precision off the turned wall that it lies on, by a "
                  "rounding that the next intersection sees: one of some 1e7 rays leaves; cure: precision=double"
                : "";
@@ -153,9 +153,9 @@ std::vector<Rendering> contrast(const Values& v) {
     return {rendering};
 }
 
-std::string limit_of_contrast(const Values& v, const Variant& variant) {
+std::string limit_of_contrast(const Values& v, const VariantTraits& variant) {
     const double ratio = half_quantum(1) * std::pow(10.0, v["log10_bright"] - v["log10_dim"]);
-    return ratio > (variant["precision"] == "double" ? 1e-13 : 1e-7)
+    return ratio > (variant.precision.is_double() ? 1e-13 : 1e-7)
                ? "the film's quantum is 2^-40 of the brightest light or so: what is darker is rounded away; cure: two "
                  "words a sum, or rounding by a random number of the sample's own"
                : "";
@@ -177,9 +177,9 @@ std::vector<Rendering> long_roulette(const Values& v) {
                              .tolerance = furnace_tolerance(emission, 1 - emission, v["depth"])}}}};
 }
 
-std::string limit_of_roulette(const Values& v, const Variant& variant) {
+std::string limit_of_roulette(const Values& v, const VariantTraits& variant) {
     const double emission = std::exp2(-v["k"]);
-    return variant["russian_roulette"] == "off" ? lost_tail(emission, 1 - emission, v["depth"], variant) : "";
+    return !variant.russian_roulette.ends_paths ? lost_tail(emission, 1 - emission, v["depth"], variant) : "";
 }
 
 // A box that passes the axis in the second half of a second, a long time after its place at time 0.
@@ -200,8 +200,8 @@ std::vector<Rendering> late_shutter(const Values& v) {
                                 "the steps of the random numbers, and the roundings of a time within a second"}}}}};
 }
 
-std::string limit_of_time(const Values& v, const Variant& variant) {
-    return v["open"] != 0 && variant["precision"] != "double"
+std::string limit_of_time(const Values& v, const VariantTraits& variant) {
+    return v["open"] != 0 && !variant.precision.is_double()
                ? "times are counted from 0, not from the shutter's opening, and objects are placed at time 0: a late "
                  "second has few moments left in single precision; cure: objects moved to the opening in double at load"
                : "";
@@ -224,7 +224,7 @@ double realised_probability(double probability) {
 
 std::vector<Measurement> rare_lobe(const Values& v, const DirectSetting& setting) {
     const double probability = std::exp2(-v["k"]);
-    const double measured = setting.precision == "double" ? realised_probability<double>(probability)
+    const double measured = setting.precision.is_double() ? realised_probability<double>(probability)
                                                           : realised_probability<float>(probability);
     return {{.quantity = "probability with which the lobe is chosen",
              .measured = measured,
@@ -232,8 +232,8 @@ std::vector<Measurement> rare_lobe(const Values& v, const DirectSetting& setting
              .tolerance = {0, 0, "a power of two, of no less than one step of the random numbers"}}};
 }
 
-std::string limit_of_lobes(const Values& v, const Variant& variant) {
-    return v["k"] > (variant["precision"] == "double" ? 32 : 24)
+std::string limit_of_lobes(const Values& v, const VariantTraits& variant) {
+    return v["k"] > (variant.precision.is_double() ? 32 : 24)
                ? "a random number has 24 bits in single precision and 32 in double: what is less probable than one of "
                  "them is chosen once in them; cure: compare the word's 32 bits, or two words"
                : "";
@@ -253,7 +253,7 @@ const CaseRegistration cases({
      .estimators = {{"direct_light", {"nee", "nee_mis"}}},
      .renderings = touching_lamp,
      .known_limit =
-         [](const Values& v, const Variant& variant) {
+         [](const Values& v, const VariantTraits& variant) {
              return rarely_missed(variant, pi<double> * std::pow(1 + v["x"] * v["x"], -1.5));
          }},
     {.name = "near_quad",
@@ -269,7 +269,7 @@ const CaseRegistration cases({
      .estimators = {{"direct_light", {"nee", "nee_mis"}}},
      .renderings = near_quad,
      .known_limit =
-         [](const Values& v, const Variant& variant) {
+         [](const Values& v, const VariantTraits& variant) {
              return rarely_missed(variant, 4 * rectangle_irradiance(1, 1, std::pow(10.0, v["log10_h"])));
          }},
     {.name = "corridor",

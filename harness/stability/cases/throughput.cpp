@@ -54,14 +54,14 @@ std::vector<Rendering> firefly(const Values& v) {
         wall_rendering(scene, exact, v["depth"], Tolerance::relative(exact, 1e-5, 1e-12, "numerics.md S5 and S40"))};
 }
 
-std::string limit_of_fireflies(const Values& v, const Variant& variant) {
+std::string limit_of_fireflies(const Values& v, const VariantTraits& variant) {
     const double s = v["a"] * v["a"];
     return rare_or_dim(variant, (v["depth"] - 1) * s, 1 / s, v["albedo"], 1e6 / v["depth"]);
 }
 
-std::string limit_of_albedo(const Values& v, const Variant& variant) {
+std::string limit_of_albedo(const Values& v, const VariantTraits& variant) {
     const double albedo = std::max(v["other"], std::pow(10.0, v["log10_albedo"]));
-    return variant["russian_roulette"] == "off" ? lost_tail(1, albedo, v["depth"], variant) : "";
+    return !variant.russian_roulette.ends_paths ? lost_tail(1, albedo, v["depth"], variant) : "";
 }
 
 std::vector<Rendering> caustic(const Values& v) {

@@ -78,11 +78,11 @@ template <class Check>
 auto in_setting(const DirectSetting& setting, const Check& check) {
     constexpr auto naive = static_cast<FeatureSet>(Feature::naive);
     constexpr auto mixed = static_cast<FeatureSet>(Feature::double_intersection);
-    if (setting.precision == "double") {
+    if (setting.precision.is_double()) {
         return setting.is_naive ? check.template operator()<double, naive>()
                                 : check.template operator()<double, no_features>();
     }
-    if (setting.precision == "double_intersection") {
+    if (setting.precision.is_mixed()) {
         return setting.is_naive ? check.template operator()<float, naive | mixed>()
                                 : check.template operator()<float, mixed>();
     }

@@ -34,16 +34,16 @@ inline std::string too_dim(double bright, double dim) {
 }
 
 // A light that fills `share` of what a path may meet.
-inline std::string rare_or_dim(const Variant& variant, double share, double bright, double dim,
+inline std::string rare_or_dim(const VariantTraits& variant, double share, double bright, double dim,
                                double paths = quick_paths_at_least) {
-    return variant["direct_light"] == "off" ? too_rare(share, paths) : too_dim(bright, dim);
+    return !variant.direct_light.connects ? too_rare(share, paths) : too_dim(bright, dim);
 }
 
 // A ray within a ball of a high index crosses near the centre, again and again along one line: each internal reflection
 // turns it by a rounding of a sine of impact / ior, and each the same way.
-inline std::string turns_inside(const Variant& variant, double impact, double ior, double hits) {
+inline std::string turns_inside(const VariantTraits& variant, double impact, double ior, double hits) {
     const double drift = impact > 0 ? hits * 0x1p-24 * ior / impact : 0;
-    return variant["precision"] != "double" && drift > 1e-3
+    return !variant.precision.is_double() && drift > 1e-3
                ? fmt::format(
                      "hundreds of internal reflections along one line turn a ray the same way by a rounding "
                      "each, up to {:.1g} of the sine by which it misses the centre; cure: precision=double",
@@ -52,10 +52,10 @@ inline std::string turns_inside(const Variant& variant, double impact, double io
 }
 
 // A furnace whose last reflections are below half the last bit of the sum so far.
-inline std::string lost_tail(double emission, double albedo, double depth, const Variant& variant) {
+inline std::string lost_tail(double emission, double albedo, double depth, const VariantTraits& variant) {
     const double last = emission * std::pow(albedo, depth - 1);
     const double sum = albedo < 1 ? emission / (1 - albedo) : emission * depth;
-    return variant["precision"] != "double" && last < 0x1p-24 * sum && 0x1p-25 * sum / emission > 1e-7
+    return !variant.precision.is_double() && last < 0x1p-24 * sum && 0x1p-25 * sum / emission > 1e-7
                ? "a path's light is summed in single precision: reflections fainter than half its last bit are lost, "
                  "2^-25 / (1 - albedo) of the light in all; cure: a compensated sum of a path's light, or "
                  "precision=double"

@@ -1,0 +1,177 @@
+// The axes, and what the choices of one axis tell those of the others of themselves: a struct of traits an axis. A
+// choice that has to know about another one asks for a trait, never for a name: so a new choice is known to all of them
+// by what it says of itself. Defaults are those of the axis's usual choice.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <string>
+#include <string_view>
+#include <variant>
+
+namespace pt {
+
+struct Axis {
+    std::string_view key;
+    std::string_view what;        // in a line
+    std::string_view since = "";  // the commit that brought it; empty: the first one. Older result files lack the axis.
+};
+
+// In the order in which a variant's name spells them.
+inline constexpr Axis axis_table[] = {
+    {"integrator", "how paths are traced: as a queue, or one at a time"},
+    {"compaction", "how ended paths are taken out of the queue"},
+    {"sorting", "how paths are put in order before they are shaded"},
+    {"sort_key", "what they are put in order by", "5fdf3ee"},
+    {"first_bounce", "whether first hits are kept and used again"},
+    {"direct_light", "whether vertices are connected to lights"},
+    {"russian_roulette", "whether paths end by chance", "7b5cd03"},
+    {"sampler", "where random numbers come from", "7b5cd03"},
+    {"layout", "how paths lie in memory"},
+    {"specialisation", "what of a kernel is left out for a scene"},
+    {"launch", "how kernels are launched", "5fdf3ee"},
+    {"arithmetic", "how the compiler may round", "5fdf3ee"},
+    {"precision", "single or double precision, and where", "5fdf3ee"},
+    {"robustness", "the forms that are stable, or the textbook's", "94b5403"},
+};
+inline constexpr std::size_t axis_count = std::size(axis_table);
+
+inline constexpr std::array<std::string_view, axis_count> axis_names = [] {
+    std::array<std::string_view, axis_count> names;
+    for (std::size_t i = 0; i < axis_count; ++i) {
+        names[i] = axis_table[i].key;
+    }
+    return names;
+}();
+
+// ---- What a choice says of itself, by axis ----
+
+struct IntegratorTraits {
+    bool has_queue = false;          // paths lie in memory between stages: to be compacted, sorted and laid out
+    bool can_loop = false;           // on CUDA: its bounces can be the loop of a graph
+    bool appends_in_kernel = false;  // does in its own kernel what a compaction with AppendInKernel does
+    bool seeds_by_position = false;  // tells a sampler where in the queue a path lies
+    bool sums_in_order = false;      // adds a pixel's samples in their order
+};
+
+// How an integrator's own kernel can do what the compaction does (PT_APPEND).
+enum class AppendInKernel { no = 0, by_warp = 1, by_block = 2 };
+
+struct CompactionTraits {
+    bool compacts = true;
+    bool payload_contiguous = true;  // the paths in play are slots 0 to count - 1 afterwards
+    bool host_sync = false;          // on CUDA: the host waits for the device within it, so no graph can hold it
+    bool reproducible_order = true;  // a path has the same position in every run
+    AppendInKernel append_in_kernel = AppendInKernel::no;
+
+    constexpr bool can_append_in_kernel() const { return append_in_kernel != AppendInKernel::no; }
+};
+
+struct SortingTraits {
+    bool sorts = true;
+    bool host_sync = false;          // as of a compaction
+    bool reproducible_order = true;  // as of a compaction
+};
+
+// A key is (material << bits) + rest, or rest alone; rest is below 2^bits.
+struct SortKeyTraits {
+    std::uint32_t bits = 0;
+    bool has_material = true;  // known after the hit only; without it paths are sorted before they are traced
+
+    constexpr bool is_material_alone() const { return has_material && bits == 0; }
+};
+
+struct FirstBounceTraits {
+    bool keeps_hits = true;
+};
+
+struct DirectLightTraits {
+    bool connects = true;                // some vertex is connected to a light
+    bool connects_every_vertex = false;  // a path remembers its last density, to weigh the light that it meets
+    bool counts_light_met = true;        // after a vertex that was connected
+};
+
+struct RouletteTraits {
+    bool ends_paths = true;
+};
+
+struct SamplerTraits {
+    bool is_in_every_kernel = false;  // no feature of a kernel: whatever is compiled has it
+};
+
+struct LayoutTraits {
+    bool keeps_paths_whole = false;  // a path is a record as it is in registers: good without an array of paths too
+};
+
+struct SpecialisationTraits {
+    bool is_generic = false;  // one kernel for every scene
+    bool by_matrix = false;   // every object is met through its matrix: another intersection than that of kernels/
+};
+
+struct LaunchTraits {
+    bool is_captured = false;  // a batch of samples is a CUDA graph
+    bool loops = false;        // the graph holds a loop over the segments that ends with the last path
+};
+
+struct ArithmeticTraits {
+    bool is_approximate = false;  // division and square root have errors that no case is held to
+};
+
+struct PrecisionTraits {
+    std::uint32_t real_bytes = 4;  // of the numbers of a path
+    bool intersects_in_double = false;
+
+    constexpr bool is_double() const { return real_bytes == 8; }
+    constexpr bool is_mixed() const { return !is_double() && intersects_in_double; }
+    constexpr bool is_single() const { return !is_double() && !intersects_in_double; }
+};
+
+struct RobustnessTraits {
+    bool is_naive = false;
+};
+
+// What a descriptor holds: nothing (the defaults of its axis), or the traits of its axis; in the order of axis_table.
+using Traits = std::variant<std::monostate, IntegratorTraits, CompactionTraits, SortingTraits, SortKeyTraits,
+                            FirstBounceTraits, DirectLightTraits, RouletteTraits, SamplerTraits, LayoutTraits,
+                            SpecialisationTraits, LaunchTraits, ArithmeticTraits, PrecisionTraits, RobustnessTraits>;
+static_assert(std::variant_size_v<Traits> == axis_count + 1);
+
+// The traits of the choice that a variant has, and its name: for messages alone.
+template <class AxisTraits>
+struct Chosen : AxisTraits {
+    std::string_view name;
+};
+
+// A variant as its choices see it.
+struct VariantTraits {
+    Chosen<IntegratorTraits> integrator;
+    Chosen<CompactionTraits> compaction;
+    Chosen<SortingTraits> sorting;
+    Chosen<SortKeyTraits> sort_key;
+    Chosen<FirstBounceTraits> first_bounce;
+    Chosen<DirectLightTraits> direct_light;
+    Chosen<RouletteTraits> russian_roulette;
+    Chosen<SamplerTraits> sampler;
+    Chosen<LayoutTraits> layout;
+    Chosen<SpecialisationTraits> specialisation;
+    Chosen<LaunchTraits> launch;
+    Chosen<ArithmeticTraits> arithmetic;
+    Chosen<PrecisionTraits> precision;
+    Chosen<RobustnessTraits> robustness;
+    std::map<std::string, std::uint32_t, std::less<>> tuning;  // Variant::tuning
+};
+
+// Why something does not apply.
+struct Reason {
+    std::string_view code = {};  // a short word that stays, for programs: "needs_queue"; empty: it applies
+    std::string text = {};       // the sentence, for people
+    std::string_view axis = {};  // of the choice that does not apply; empty: no choice's own (a tunable, a depth)
+
+    bool empty() const { return code.empty(); }
+};
+
+}  // namespace pt
