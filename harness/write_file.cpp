@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "harness/error.h"
@@ -55,6 +56,14 @@ constexpr const char* partial_suffix = ".partial";  // and the process
 std::string obstacle(const std::string& file) {
     if (file.empty()) {
         return "no name";
+    }
+    // What is added to it for journals and half-written files must fit too, and results and terminals hold its text.
+    constexpr std::size_t longest_name = 200, longest_path = 3800;
+    if (std::filesystem::path(file).filename().string().size() > longest_name || file.size() > longest_path) {
+        return "a name of more than 200 bytes, or a path of more than 3800";
+    }
+    if (one_line(file) != file) {
+        return "a name with control characters or bytes that are no UTF-8";
     }
     std::error_code failed;
     const std::filesystem::file_status status = std::filesystem::status(file, failed);
@@ -111,6 +120,19 @@ void write_file(const std::string& name, const std::string& content) {
         throw MachineError(file + ": cannot be written: " + std::strerror(failed));
     }
     sync_folder(path.parent_path());
+}
+
+FileStamp stamp_of(const std::string& file) {
+    struct stat status {};
+    if (::stat(file.c_str(), &status) != 0) {
+        return {};
+    }
+    return {.exists = true,
+            .device = static_cast<std::uint64_t>(status.st_dev),
+            .inode = static_cast<std::uint64_t>(status.st_ino),
+            .size = status.st_size,
+            .seconds = status.st_mtim.tv_sec,
+            .nanoseconds = status.st_mtim.tv_nsec};
 }
 
 void remove_partial_files(const std::string& file) {

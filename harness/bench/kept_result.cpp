@@ -36,9 +36,26 @@ void check_overwrite(const std::string& file, bool overwrite) {
     }
 }
 
+void refuse_result(const std::string& file) {
+    if (!std::filesystem::is_regular_file(file)) {
+        return;
+    }
+    if (!text_at(parsed(file), "/context/ptbench.status").empty()) {
+        throw InputError(file, "output file", describe_result(file),
+                         "another name: only a result may take a result's place");
+    }
+}
+
+void check_untouched(const std::string& file, const FileStamp& stamp, const std::string& where) {
+    if (stamp_of(file) != stamp) {
+        throw MachineError(fmt::format("{}: another command wrote it meanwhile, and it stays; {}", file, where));
+    }
+}
+
 EarlierResult earlier_result(const std::string& file, const nlohmann::ordered_json& run) {
     EarlierResult earlier;
-    earlier.is_there = std::filesystem::exists(file);
+    earlier.stamp = stamp_of(file);
+    earlier.is_there = earlier.stamp.exists;
     if (!earlier.is_there) {
         return earlier;
     }

@@ -4,12 +4,16 @@
 #include <string>
 
 #include "harness/json_reader.h"
+#include "harness/write_file.h"
 
 namespace pt {
 
 // "a complete result of 2026-11-22T10:00:00+0000", "an interrupted result ..", or "a file that is no result of
 // ptbench".
 std::string describe_result(const std::string& file);
+
+// Throws InputError if `file` is a result: for commands that write something else.
+void refuse_result(const std::string& file);
 
 // Throws InputError if `file` is there and the call does not say that it may be overwritten.
 void check_overwrite(const std::string& file, bool overwrite);
@@ -20,10 +24,14 @@ struct EarlierResult {
     bool is_of_this_run = false;
     bool is_complete = false;
     int failed_cells = 0;
+    FileStamp stamp = {};
 
     // Whether it stays until the run's own is complete: not what this very run left when it was interrupted.
     bool is_kept() const { return is_there && !(is_of_this_run && !is_complete); }
 };
+// Throws MachineError if another command wrote `file` since it had this stamp. `where` says where the run's own samples
+// are.
+void check_untouched(const std::string& file, const FileStamp& stamp, const std::string& where);
 EarlierResult earlier_result(const std::string& file, const nlohmann::ordered_json& run);
 
 }  // namespace pt

@@ -44,6 +44,40 @@ Json common_of(const OrderedJson& result) {
             {"not_applicable", Json(own.at("not_applicable"))}};
 }
 
+// Each cell that is `ok` has every sample once, with a time, and of the first seed the film that it was prepared with.
+void check_samples(const ShardResult& shard) {
+    const OrderedJson& cells = shard.result.at("ptbench").at("cells");
+    const std::size_t repetitions = shard.result.at("ptbench").at("run").at("repetitions");
+    std::vector<std::set<std::size_t>> indices(cells.size());
+    const auto fail = [&](std::size_t cell, const std::string& found, const std::string& allowed) {
+        throw InputError(shard.file, cells.at(cell).at("cell").get<std::string>(), found, allowed);
+    };
+    for (const OrderedJson& row : shard.result.at("benchmarks")) {
+        if (row.at("run_type") != "iteration" || row.contains("error_occurred")) {
+            continue;
+        }
+        const std::size_t cell = row.at("family_index");
+        const std::size_t index = row.at("repetition_index");
+        if (!indices.at(cell).insert(index).second) {
+            fail(cell, fmt::format("sample {} twice", index), "each sample once");
+        }
+        if (!(row.at("real_time").get<double>() > 0)) {
+            fail(cell, fmt::format("sample {} with a time of {}", index, row.at("real_time").dump()), "a time above 0");
+        }
+        const OrderedJson& facts = cells.at(cell);
+        const bool is_prepared = facts.contains("film_hash") && facts.contains("instrumented") &&
+                                 facts.at("instrumented").value("spp", 0) == facts.at("spp");
+        if (index == 0 && is_prepared && row.contains("film_hash") && row.at("film_hash") != facts.at("film_hash")) {
+            fail(cell, "sample 0 with the film " + row.at("film_hash").dump(), facts.at("film_hash").dump());
+        }
+    }
+    for (std::size_t cell = 0; cell < cells.size(); ++cell) {
+        if (cells.at(cell).at("status") == "ok" && indices[cell].size() != repetitions) {
+            fail(cell, fmt::format("{} samples", indices[cell].size()), fmt::format("{}", repetitions));
+        }
+    }
+}
+
 ShardResult read_shard(const std::string& file) {
     ShardResult shard{.file = file, .shard = {}, .positions = {}, .result = {}};
     (void)parse_json(read_file(file, largest_result), file);
@@ -68,6 +102,7 @@ ShardResult read_shard(const std::string& file) {
             throw InputError(file, "$.benchmarks", "family_index " + row.at("family_index").dump(), "a cell's number");
         }
     }
+    check_samples(shard);
     return shard;
 }
 

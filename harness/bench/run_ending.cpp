@@ -48,6 +48,8 @@ void write_result(const RunEnding& ending, const Journal& journal, bool complete
     RunFacts facts = ending.facts;
     facts.date = iso_date();
     facts.completed = completed;
+    check_untouched(ending.out, ending.earlier.stamp,
+                    fmt::format("{} holds the samples of this run: go on with --resume --overwrite", journal.file()));
     write_file(ending.out, result_json(ending.plan, ending.suite, journal, facts));
     if (completed && ending.earlier.is_kept()) {
         replace_images(ending.out);

@@ -64,9 +64,30 @@ bool is_done(const RunOptions& options, const EarlierResult& earlier) {
 // --resume is refused when it is opened.)
 void check_result_file(const RunOptions& options, const EarlierResult& earlier) {
     const bool has_journal = std::filesystem::exists(journal_of(options));
+    if (has_journal && !options.resume && earlier.is_kept() && !earlier.is_of_this_run) {
+        throw InputError(journal_of(options), "journal", "an unfinished run that is to replace " + options.out,
+                         "go on with --overwrite --resume, or remove the journal");
+    }
     const bool goes_on = has_journal && (!options.resume || earlier.is_of_this_run || !earlier.is_complete);
     if (!goes_on) {
         check_overwrite(options.out, options.overwrite);
+    }
+}
+
+// Google Benchmark empties its --benchmark_out when it begins.
+void check_benchmark_out(const std::vector<std::string>& flags) {
+    constexpr std::string_view flag = "--benchmark_out=";
+    for (const std::string& argument : flags) {
+        if (!argument.starts_with(flag)) {
+            continue;
+        }
+        const std::string file = argument.substr(flag.size());
+        check_output_file(file, "--benchmark_out");
+        const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+        if (std::filesystem::exists(file) || (!folder.empty() && !std::filesystem::is_directory(folder))) {
+            throw InputError("--benchmark_out", "file name", "\"" + file + "\", which is there or whose folder is not",
+                             "a new file in a folder that is there");
+        }
     }
 }
 
@@ -100,6 +121,21 @@ private:
     Interrupt& interrupt_;
 };
 
+// Sample i has the seed of the first and i: a line that was lost or stands twice would shift all that follow.
+void check_sample_seeds(const Plan& plan, const Journal& journal, std::uint64_t first_seed) {
+    for (const Cell& cell : plan.cells) {
+        const std::vector<Json>& samples = journal.samples(cell.name);
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            const std::uint64_t seed = samples[i].value("pt_seed", std::uint64_t{0});
+            if (seed != first_seed + i) {
+                throw InputError(
+                    journal.file(), cell.name, fmt::format("sample {} with seed {}", i, seed),
+                    fmt::format("seed {}, as ptbench wrote it; remove the file to start over", first_seed + i));
+            }
+        }
+    }
+}
+
 // Runs the plan of `ending`, a part of the run of this identity.
 int run_part(const RunEnding& ending, const Json& identity, const RunOptions& options) {
     const Plan& plan = ending.plan;
@@ -109,6 +145,7 @@ int run_part(const RunEnding& ending, const Json& identity, const RunOptions& op
     ErrorBook errors(plan, ReferenceMaker(options.reference_cache, {.is_stopped = [&] { return interrupt.requested(); },
                                                                     .says = say_below_progress}));
     check_journal(plan, ending.suite, journal.known());
+    check_sample_seeds(plan, journal.known(), options.seed);
     FilmLedger films(plan, journal.known());
     SampleTaker taker(plan, journal.known(), options.seed, films, errors);
     {
@@ -177,6 +214,7 @@ int run_suite(const Suite& suite, const RunOptions& options) {
         return earlier.failed_cells > 0 ? exit_check_failed : exit_good;
     }
     check_result_file(options, earlier);
+    check_benchmark_out(options.benchmark_flags);
     const Plan part = part_of(whole, positions);
     return run_part({.plan = part,
                      .suite = suite,

@@ -128,9 +128,10 @@ void register_cell(const Cell& cell, CellTimer& timer) {
 }  // namespace
 
 void initialize_benchmark(int repetitions, const std::vector<std::string>& flags) {
-    std::vector<std::string> arguments{"ptbench", fmt::format("--benchmark_repetitions={}", repetitions),
-                                       "--benchmark_enable_random_interleaving=true",
-                                       "--benchmark_display_aggregates_only=true"};
+    // Google Benchmark keeps the pointer to the program's name.
+    static std::vector<std::string> arguments;
+    arguments = {"ptbench", fmt::format("--benchmark_repetitions={}", repetitions),
+                 "--benchmark_enable_random_interleaving=true", "--benchmark_display_aggregates_only=true"};
     arguments.insert(arguments.end(), flags.begin(), flags.end());
     std::vector<char*> argv;
     for (std::string& argument : arguments) {

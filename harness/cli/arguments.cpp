@@ -118,6 +118,8 @@ void require_backend(Backend backend) {
     }
 }
 
+std::string check_not_empty(const std::string& text) { return text.empty() ? "found an empty name" : ""; }
+
 std::string check_seed(const std::string& text) {
     std::uint64_t seed = 0;
     const char* const end = text.data() + text.size();

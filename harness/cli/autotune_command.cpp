@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "harness/bench/kept_result.h"
 #include "harness/bench/machine.h"
 #include "harness/bench/suite.h"
 #include "harness/bench/tuning.h"
@@ -123,6 +124,7 @@ int run(const AutotuneArguments& arguments) {
     // Before the search: it takes minutes, and what it finds must have a place.
     const std::string file = arguments.out.empty() ? tuning_file(backend) : arguments.out;
     check_output_file(file);
+    refuse_result(file);
     Tuning tuning = Tuning::load(file, backend);
     RenderSettings settings = default_settings(scene);
     if (!arguments.resolution.empty()) {

@@ -47,6 +47,8 @@ std::vector<std::string> scenes_asked_for(const std::string& text);
 Backend parse_backend(const std::string& text);
 // Throws MachineError with the reason if the backend is not available here.
 void require_backend(Backend backend);
+// For CLI::Option::check, of file names: a shell's variable may have been empty.
+std::string check_not_empty(const std::string& text);
 // For CLI::Option::check: what is wrong with a seed, or nothing. (CLI11 alone takes -1 for 2^64 - 1.)
 std::string check_seed(const std::string& text);
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "harness/bench/kept_result.h"
 #include "harness/cli/commands.h"
 #include "harness/json_reader.h"
 #include "harness/scene/import_seed.h"
@@ -25,6 +26,7 @@ void check_import_arguments(const ImportArguments& arguments) {
         (void)JsonValue(name, "--name", "argument").plain_name();
     }
     check_output_file(arguments.out);
+    refuse_result(arguments.out);
     std::error_code ignored;
     if (std::filesystem::equivalent(arguments.out, arguments.file, ignored)) {
         throw InputError("--out", "argument", "\"" + arguments.out + "\", the file to import", "another file");

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "harness/bench/kept_result.h"
 #include "harness/bench/suite.h"
 #include "harness/cli/commands.h"
 #include "harness/cuda/backend.h"
@@ -95,6 +96,7 @@ int run(const InspectArguments& arguments) {
     }
     if (!arguments.out.empty()) {
         check_output_file(arguments.out);
+        refuse_result(arguments.out);
     }
     (void)parse_backend("cuda");  // a build without it has no variants to report on
     const AxisChoices axes = parse_axis_arguments(arguments.axes, Backend::cuda);

@@ -197,7 +197,8 @@ Command add_run_command(CLI::App& app, const std::string& command_line) {
     command->add_option("--repetitions", arguments->repetitions, "Timed samples a cell (default: the suite's, or 9)")
         ->check(CLI::Range(1, 10000));
     command->add_option("--seed", arguments->seed, "Seed of the first sample (default 1)")->check(check_seed);
-    command->add_option("--out", arguments->out, "Result file (default results/MACHINE/SUITE.json)");
+    command->add_option("--out", arguments->out, "Result file (default results/MACHINE/SUITE.json)")
+        ->check(check_not_empty);
     CLI::Option* resume = command->add_flag("--resume", arguments->resume, "Go on with an unfinished run");
     command->add_flag("--overwrite", arguments->overwrite,
                       "Replace a result that is there, when the new one is complete");

@@ -316,9 +316,10 @@ public:
           backend_(backend),
           lock_(arguments.out.empty() ? nullptr : std::make_unique<ReportLock>(arguments.out + ".lock")),
           report_(arguments.out, {arguments.command_line, backend, arguments.quick, arguments.seed, arguments.paths},
-                  arguments.resume      ? stability::Report::IfThere::resume
-                  : arguments.overwrite ? stability::Report::IfThere::overwrite
-                                        : stability::Report::IfThere::refuse),
+                  arguments.resume && arguments.overwrite ? stability::Report::IfThere::resume_or_overwrite
+                  : arguments.resume                      ? stability::Report::IfThere::resume
+                  : arguments.overwrite                   ? stability::Report::IfThere::overwrite
+                                                          : stability::Report::IfThere::refuse),
           tasks_(all_tasks(arguments, backend)) {
         for (std::size_t i = 0; i < tasks_.size(); ++i) {
             if (!report_.has(tasks_[i])) {
@@ -460,10 +461,12 @@ Command add_stability_command(CLI::App& app, const std::string& command_line) {
     command->add_flag("--quick", arguments->quick, "Fewer points, samples and variants");
     command->add_flag("--list", arguments->list, "Say what there is, and run nothing");
     command->add_flag("--quiet", arguments->quiet, "Print failures of what must pass, and the tally, only");
-    command->add_option("--out", arguments->out, "Result file (JSON); none: print only");
-    command->add_flag("--resume", arguments->resume, "Keep the rows that --out has already");
-    command->add_flag("--overwrite", arguments->overwrite,
-                      "Replace a result that is there, when the new one is complete");
+    CLI::Option* const out = command->add_option("--out", arguments->out, "Result file (JSON); none: print only");
+    out->check(check_not_empty);
+    command->add_flag("--resume", arguments->resume, "Keep the rows that --out has already")->needs(out);
+    command
+        ->add_flag("--overwrite", arguments->overwrite, "Replace a result that is there, when the new one is complete")
+        ->needs(out);
     command->add_option("--write-scenes", arguments->write_scenes,
                         "Write the cases' scenes at their first point into this folder, and run nothing");
     return [arguments] { return run(*arguments); };

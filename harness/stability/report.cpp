@@ -44,19 +44,25 @@ Report::Report(std::string file, RunDescription description, IfThere if_there)
         return;
     }
     check_output_file(file_);
+    stamp_ = stamp_of(file_);
     const std::string beside = file_ + ".unfinished";
     const bool is_beside = std::filesystem::exists(beside);
-    if (is_beside && if_there != IfThere::resume) {
+    const bool resumes = if_there == IfThere::resume || if_there == IfThere::resume_or_overwrite;
+    if (is_beside && !resumes) {
         throw InputError(beside, "the file", "an unfinished run", "go on with --resume, or remove the file");
     }
     if (if_there == IfThere::refuse) {
         check_overwrite(file_, false);
     }
-    if (is_beside || (if_there == IfThere::overwrite && std::filesystem::exists(file_))) {
+    const bool is_complete = stamp_.exists && describe_result(file_).starts_with("a complete ");
+    const bool overwrites =
+        if_there == IfThere::overwrite || (if_there == IfThere::resume_or_overwrite && is_complete && !is_beside);
+    if (is_beside || (overwrites && stamp_.exists)) {
         growing_ = beside;
     }
-    if (if_there == IfThere::resume && std::filesystem::exists(growing_)) {
+    if (resumes && !overwrites && std::filesystem::exists(growing_)) {
         keep_rows();
+        is_changed_ = growing_ != file_ || !is_complete;
     }
 }
 
@@ -72,8 +78,13 @@ void Report::keep_rows() {
         }
     }
     if (const std::string other = difference(there, identity(description_)); !other.empty()) {
-        throw InputError(growing_, "context", "another run (" + other + ")",
-                         "the run that it was started with; remove the file to start over");
+        const bool is_complete = describe_result(growing_).starts_with("a complete ");
+        throw InputError(
+            growing_, "context",
+            (is_complete ? std::string("the complete result of another run (") : std::string("another run (")) + other +
+                ")",
+            is_complete ? "--overwrite, which replaces it when the new one is complete, or another --out"
+                        : "the run that it was started with; remove the file to start over");
     }
     rows_ = old["rows"];
     for (const Json& row : rows_) {
@@ -84,14 +95,16 @@ void Report::keep_rows() {
 bool Report::has(const Task& task) const { return done_.contains(key_of(task)); }
 
 void Report::add(const Task& task, const Json& rows) {
+    is_changed_ = true;
     rows_.insert(rows_.end(), rows.begin(), rows.end());
     done_.insert(key_of(task));
 }
 
 void Report::write(const std::string& status) const {
-    if (file_.empty()) {
+    if (file_.empty() || !is_changed_) {
         return;
     }
+    check_untouched(file_, stamp_, "the rows of this run that it did not have are lost");
     Json context = identity(description_);
     context["ptbench.command_line"] = description_.command_line;
     context["ptbench.status"] = status;
@@ -105,12 +118,14 @@ void Report::write(const std::string& status) const {
         rows_on_lines(
             {{"schema", schema}, {"context", std::move(context)}, {"cases", std::move(cases)}, {"rows", rows_}}) +
             "\n");
+    stamp_ = stamp_of(file_);
 }
 
 void Report::finish() const {
     write("completed");
     std::error_code failed;
     if (growing_ != file_) {
+        check_untouched(file_, stamp_, "the result is " + growing_);
         std::filesystem::rename(growing_, file_, failed);
     }
     if (failed) {

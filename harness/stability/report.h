@@ -6,6 +6,7 @@
 #include <set>
 
 #include "harness/stability/evaluate.h"
+#include "harness/write_file.h"
 
 namespace pt::stability {
 
@@ -19,7 +20,8 @@ struct RunDescription {
 
 class Report {
 public:
-    enum class IfThere { refuse, resume, overwrite };
+    // Of a file that is there, with `resume_or_overwrite`: what is unfinished is resumed, what is complete overwritten.
+    enum class IfThere { refuse, resume, overwrite, resume_or_overwrite };
 
     // `file` empty: nothing is written. A file that is there: with `resume` its rows are kept; with `overwrite` it
     // stays until this report is finished, which grows beside it, in `file`.unfinished, and can be resumed. Throws
@@ -42,7 +44,9 @@ private:
     std::size_t count(std::string_view status, bool must_pass_only) const;
 
     std::string file_;
-    std::string growing_;  // written after every case: file_, or beside it
+    std::string growing_;      // written after every case: file_, or beside it
+    mutable FileStamp stamp_;  // of file_, as this report knows it
+    bool is_changed_ = true;   // since it was read; a complete one that nothing is added to stays as it is
     RunDescription description_;
     Json rows_ = Json::array();
     std::set<std::string> done_;  // keys of tasks
