@@ -429,6 +429,42 @@ TEST(BadCallsTest, NamesThatAreNearlyRight) {
                 std::string::npos);
 }
 
+// Google Benchmark empties its output file when it begins, whatever it is.
+TEST(BadCallsTest, BenchmarkOutIsANewFile) {
+    const TemporaryFolder folder;
+    const std::string result = folder.file("result.json");
+    write_text(result, "somebody's");
+    for (const std::string& file : {result, std::string("/dev/full"), folder.file("none/file.json")}) {
+        expect_refusal(run_with({"--scene", "cornell_open", "--backend", "cpu", "--benchmark_out=" + file}), 2,
+                       "--benchmark_out: file name: found \"" + file + "\", ");
+    }
+    EXPECT_EQ(content_of(result), "somebody's");
+}
+
+TEST(BadCallsTest, OnlyResultsTakeAResultsPlace) {
+    const TemporaryFolder folder;
+    const std::string result = folder.file("result.json"), source = folder.file("box.txt");
+    const std::string text = R"({"context": {"ptbench.status": "completed", "date": "today"}})";
+    write_text(result, text);
+    write_text(source, "");
+    expect_refusal({"import", source, "--out", result}, 2,
+                   result + ": output file: found a complete result of today, allowed: another name");
+    EXPECT_EQ(content_of(result), text);
+}
+
+TEST(BadCallsTest, NamesOfOutputFiles) {
+    const std::string long_name(300, 'x');
+    expect_refusal({"run", "--scene", "cornell_open", "--out", ""}, 2, "--out: found an empty name");
+    expect_refusal({"stability", "--case", "lamp", "--out", ""}, 2, "--out: found an empty name");
+    expect_refusal({"stability", "--case", "lamp", "--overwrite"}, 2, "--overwrite requires --out");
+    expect_refusal({"run", "--scene", "cornell_open", "--backend", "cpu", "--out", long_name}, 2,
+                   "--out: file name: found \"" + long_name + "\", a name of more than 200 bytes");
+    for (const std::string name : {"t\x1b[31mx.json", "bad\xff.json"}) {
+        expect_refusal({"run", "--scene", "cornell_open", "--backend", "cpu", "--out", name}, 2,
+                       "--out: file name: found \"");
+    }
+}
+
 // A terminal obeys what it is sent.
 TEST(BadCallsTest, RawBytesAreNotEchoed) {
     for (const std::string name : {"\x1b[31mred", "\xff\xfe", "\xc2\x9b", "a\nb"}) {

@@ -238,6 +238,39 @@ TEST_F(RunCommandTest, ListsOfDepthsSamplesAndSizesAreCells) {
     EXPECT_TRUE(listed.out.ends_with("\n12 cells, 108 samples, 0 not applicable\n")) << listed.out;
 }
 
+TEST_F(RunCommandTest, MergeLooksAtTheSamplesOfItsShards) {
+    const std::string one = folder.file("one.json"), two = folder.file("two.json"), whole = folder.file("whole.json");
+    for (const auto& [file, shard] : {std::pair(one, "1/2"), std::pair(two, "2/2")}) {
+        Arguments arguments = call(3, {"--depth", "2,3", "--shard", shard});
+        *std::find(arguments.begin(), arguments.end(), out) = file;
+        ASSERT_EQ(ptbench(arguments).exit_code, 0);
+    }
+    const json sound = json::parse(content_of(one));
+    const auto refused_with = [&](const json& changed, const std::string& found) {
+        write_text(one, changed.dump());
+        const CommandResult merged = ptbench({"merge", one, two, "--out", whole});
+        EXPECT_EQ(merged.exit_code, 2);
+        EXPECT_NE(merged.err.find(found), std::string::npos) << merged.err;
+        EXPECT_FALSE(std::filesystem::exists(whole));
+    };
+    json changed = sound;
+    changed["benchmarks"].push_back(sound["benchmarks"][0]);
+    refused_with(changed, "found sample 0 twice, allowed: each sample once");
+    changed = sound;
+    changed["benchmarks"].erase(1);
+    refused_with(changed, "found 2 samples, allowed: 3");
+    changed = sound;
+    changed["benchmarks"][0]["real_time"] = 0;
+    refused_with(changed, "found sample 0 with a time of 0, allowed: a time above 0");
+    changed = sound;
+    changed["benchmarks"][0]["film_hash"] = "0123456789abcdef";
+    refused_with(changed, "found sample 0 with the film \"0123456789abcdef\"");
+    write_text(one, sound.dump());
+    EXPECT_EQ(ptbench({"merge", one, two, "--out", whole}).exit_code, 0);
+    EXPECT_EQ(ptbench({"merge", one, two, "--out", whole}).exit_code, 2);  // it is there
+    EXPECT_EQ(ptbench({"merge", one, two, "--out", whole, "--overwrite"}).exit_code, 0);
+}
+
 TEST_F(RunCommandTest, AllScenesAreTheShippedOnes) {
     const CommandResult listed = ptbench({"run", "--scene", "all", "--backend", "cpu", "--dry-run"});
     EXPECT_EQ(listed.exit_code, 0) << listed.err;

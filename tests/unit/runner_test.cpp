@@ -661,6 +661,62 @@ TEST_F(RunnerTest, GoingOnDoesNotOverwriteAnothersResultUnasked) {
     EXPECT_NE(test::content_of(out), others);
 }
 
+// As `ptbench merge` to the same name does.
+TEST_F(RunnerTest, WhatAnotherCommandWroteMeanwhileStays) {
+    int renders = 0;
+    on_render = [&] {
+        if (++renders == 6) {
+            test::write_text(out, "another command's");
+        }
+    };
+    EXPECT_THROW(run(suite(three_compactions), options()), MachineError);
+    on_render = nullptr;
+    EXPECT_EQ(test::content_of(out), "another command's");
+    RunOptions how = options();
+    how.resume = true;
+    how.overwrite = true;
+    EXPECT_EQ(run(suite(three_compactions), how), exit_good);
+    EXPECT_EQ(sample_rows(result()).size(), 3u);
+}
+
+TEST_F(RunnerTest, AJournalWithASampleLostOrTwiceIsRefused) {
+    int renders = 0;
+    on_render = [&] {
+        if (++renders == 6) {  // the second sample of three
+            std::raise(SIGINT);
+        }
+    };
+    ASSERT_EQ(run(suite({{"compaction", {"test_hooked"}}}), options()), exit_interrupted);
+    on_render = nullptr;
+    const std::string journal = test::content_of(journal_file);
+    std::vector<std::string> lines;
+    std::istringstream stream(journal);
+    for (std::string line; std::getline(stream, line);) {
+        lines.push_back(line + "\n");
+    }
+    std::vector<std::size_t> samples;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        if (lines[i].find("\"type\":\"sample\"") != std::string::npos) {
+            samples.push_back(i);
+        }
+    }
+    ASSERT_GE(samples.size(), 2u);
+    RunOptions how = options();
+    how.resume = true;
+    for (const bool is_lost : {true, false}) {
+        std::string changed;
+        for (std::size_t i = 0; i < lines.size(); ++i) {
+            changed += is_lost && i == samples[0] ? "" : lines[i];
+            changed += !is_lost && i == samples[0] ? lines[i] : "";
+        }
+        test::write_text(journal_file, changed);
+        EXPECT_THROW(run(suite({{"compaction", {"test_hooked"}}}), how), InputError);
+        EXPECT_EQ(test::content_of(journal_file), changed);
+    }
+    test::write_text(journal_file, journal);
+    EXPECT_EQ(run(suite({{"compaction", {"test_hooked"}}}), how), exit_good);
+}
+
 TEST_F(RunnerTest, ADeviceIsNoPlaceForAResult) {
     RunOptions how = options();
     how.overwrite = true;
