@@ -1,4 +1,4 @@
-"""A choice is known to the others by its traits (variants/axes.h): nobody compares its name with a literal but itself."""
+"""A choice is known to the others by its traits (variants/axes.h): nobody else compares its name with a literal."""
 
 from __future__ import annotations
 
@@ -12,7 +12,20 @@ FOLDERS = ("variants", "harness", "kernels")
 SUFFIXES = {".cpp", ".h", ".cu", ".cuh", ".in"}
 AXES = re.findall(r'^    \{"([a-z_]+)", "', (ROOT / "variants" / "axes.h").read_text(encoding="utf-8"), re.MULTILINE)
 # Words that are names of choices and other things too: there only what is plainly a variant's choice counts.
-ORDINARY = {"none", "off", "float", "double", "fast", "exact", "features", "stream", "graph", "ray", "material", "matrix"}
+ORDINARY = {
+    "none",
+    "off",
+    "float",
+    "double",
+    "fast",
+    "exact",
+    "features",
+    "stream",
+    "graph",
+    "ray",
+    "material",
+    "matrix",
+}
 
 _COMMENT = re.compile(r"//[^\n]*")
 _AXIS = "|".join(AXES)

@@ -205,7 +205,8 @@ TEST_F(InspectTest, LeavingOutMakesAKernelSmaller) {
         SCOPED_TRACE(architecture);
         const Json features = inspect(megakernel("features"), architecture);
         const Json generic = inspect(megakernel("generic"), architecture);
-        EXPECT_EQ(features["features"], Json({"sphere", "axis_box", "diffuse", "emitter", "mirror", "jitter", "enclosure"}));
+        EXPECT_EQ(features["features"],
+                  Json({"sphere", "axis_box", "diffuse", "emitter", "mirror", "jitter", "enclosure"}));
         EXPECT_EQ(features["left_out"],
                   Json({"ellipsoid", "oriented_box", "quad", "motion", "mix", "dielectric", "subsurface", "emission",
                         "absorption", "subsurface_boundary", "environment", "lens", "final_bounce", "next_event",
