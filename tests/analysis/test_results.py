@@ -224,11 +224,15 @@ def test_reasons_are_told_apart_by_their_codes_or_in_older_files_by_their_texts(
         return NotApplicable("study", "scene", "a.b", {"launch": "graph"}, reason, **more)
 
     elsewhere = left_out("launch=graph is not there on the backend cpu")
-    assert elsewhere.elsewhere == "launch=graph" and not elsewhere.has_nothing_to_tune
+    assert elsewhere.elsewhere == "launch=graph"
+    assert not elsewhere.has_nothing_to_tune
     reworded = left_out("graph: another backend's", reason_code="not_on_backend", reason_axis="launch")
-    assert reworded.elsewhere == "launch=graph" and not reworded.has_nothing_to_tune
+    assert reworded.elsewhere == "launch=graph"
+    assert not reworded.has_nothing_to_tune
     tuned = left_out("jitters=4 tunes none of the variant's choices")
-    assert tuned.has_nothing_to_tune and not tuned.elsewhere
+    assert tuned.has_nothing_to_tune
+    assert not tuned.elsewhere
     assert left_out("nothing to tune", reason_code="no_such_tunable").has_nothing_to_tune
     other = left_out("x=y is not there on the backend cpu", reason_code="needs_queue", reason_axis="launch")
-    assert not other.elsewhere and not other.has_nothing_to_tune
+    assert not other.elsewhere
+    assert not other.has_nothing_to_tune
