@@ -117,7 +117,8 @@ TEST(ShardTest, MoreShardsThanGroupsAreRefused) {
 }
 
 TEST(ShardTest, APartHasItsCellsAndAllThatDoesNotApply) {
-    Plan plan{{cell_of("a", "/scene:1"), cell_of("a", "/scene:2"), cell_of("a", "/scene:3")}, {{"s", "1", {}, "why"}}};
+    Plan plan{{cell_of("a", "/scene:1"), cell_of("a", "/scene:2"), cell_of("a", "/scene:3")},
+              {{.study = "s", .scene = "1", .variant = {}, .reason = {.code = "test", .text = "why", .axis = {}}}}};
     const Plan part = part_of(plan, {0, 2});
     ASSERT_EQ(part.cells.size(), 2u);
     EXPECT_EQ(part.cells[1].name, "a/scene:3");
