@@ -25,6 +25,7 @@
 #include "kernels/rng.h"
 #include "kernels/russian_roulette.h"
 #include "kernels/sampling.h"
+#include "kernels/scene_arrays.h"
 #include "kernels/scene_view.h"
 #include "kernels/shade.h"
 #include "kernels/sobol_owen.h"
@@ -32,6 +33,7 @@
 #include "kernels/sphere.h"
 #include "kernels/subsurface.h"
 #include "kernels/transform.h"
+#include "kernels/visit_shape.h"
 #include "kernels/widen.h"
 
 namespace pt {
