@@ -1,124 +1,16 @@
-"""The command line: `python3 -m analysis plots|report|compare|explain|gallery|validate ...`.
+"""`python3 -m analysis`, as the command line was called before: it says so, and does what `python3 -m ptbench` does."""
 
-Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong.
-"""
-
-from __future__ import annotations
-
-import argparse
-import re
 import sys
 from pathlib import Path
 
-from analysis import __version__
-from analysis.command_line import Parser
-from analysis.compare_options import add_compare
-from analysis.errors import InputError
-from analysis.terminal import visible_output
+_HERE = Path(__file__).resolve().parent
+if (_HERE / "ptbench").is_dir():
+    # A checkout: its own package, whatever is installed.
+    sys.path.insert(0, str(_HERE))
 
-_COMMAND = "ptbench-analysis"
-
-
-def _resolution(text: str) -> tuple[int, int]:
-    match = re.fullmatch(r"([1-9]\d{0,4})x([1-9]\d{0,4})", text)
-    if not match:
-        raise argparse.ArgumentTypeError(f'found "{text}", allowed: WIDTHxHEIGHT such as 200x200')
-    return int(match[1]), int(match[2])
-
-
-def _positive(text: str) -> int:
-    if not re.fullmatch(r"[1-9]\d{0,8}", text):
-        raise argparse.ArgumentTypeError(f'found "{text}", allowed: an integer of at least 1')
-    return int(text)
-
-
-def _program() -> str:
-    """How it was called: as the installed command, or from the repository."""
-    return _COMMAND if Path(sys.argv[0]).stem == _COMMAND else "python3 -m analysis"
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = Parser(prog=_program(), description="Draws what ptbench measured.")
-    parser.add_argument("--version", action="version", version=f"{_COMMAND} {__version__}")
-    commands = parser.add_subparsers(
-        dest="command", required=True, metavar="plots|report|compare|explain|gallery|validate"
-    )
-    plots = commands.add_parser("plots", help="every study's figure and summary.md, from a result file alone")
-    plots.add_argument("result", type=Path, metavar="RESULT.json")
-    plots.add_argument("--out", type=Path, metavar="DIR", help="default: figures/SUITE beside the result file")
-    add_compare(commands)
-    explain = commands.add_parser("explain", help="where the time of two variants differs, and what goes with that")
-    explain.add_argument("result", type=Path, metavar="RESULT.json")
-    explain.add_argument("a", metavar="A", help="a variant's dotted name, or parts that name one: wavefront.soa")
-    explain.add_argument("b", metavar="B", help="the variant that is held against A")
-    explain.add_argument("--scene", default="", help="default: every scene in which both ran")
-    explain.add_argument("--depth", type=_positive, metavar="N", help="default: every depth")
-    explain.add_argument("--resolution", type=_resolution, metavar="WxH", help="default: every resolution")
-    explain.add_argument(
-        "--counters", type=Path, action="append", default=[], metavar="INSPECT.json",
-        help="what `ptbench inspect --counters --json` measured of the variants",
-    )  # fmt: skip
-    explain.add_argument("--out", type=Path, metavar="DIR", help="default: figures/explain-... beside the result file")
-    gallery = commands.add_parser("gallery", help="render the picture pairs of a gallery file into one labelled sheet")
-    gallery.add_argument("--binary", type=Path, required=True, metavar="PTBENCH")
-    gallery.add_argument("--spec", type=Path, default=Path(__file__).with_name("gallery.json"), metavar="GALLERY.json")
-    gallery.add_argument("--out", type=Path, required=True, metavar="DIR")
-    gallery.add_argument("--spp", type=_positive, default=64, metavar="N", help="samples per pixel (default: 64)")
-    gallery.add_argument(
-        "--resolution", type=_resolution, default=(200, 200), metavar="WxH", help="pixels a picture (default: 200x200)"
-    )
-    report = commands.add_parser("report", help="one page of one or more result files: report.html and report.md")
-    report.add_argument("results", type=Path, nargs="+", metavar="RESULT", help="a result file, or a folder of some")
-    report.add_argument("--out", type=Path, required=True, metavar="DIR")
-    report.add_argument(
-        "--binary", type=Path, metavar="PTBENCH", help="renders the scenes' pictures (default: no rendering)"
-    )
-    report.add_argument("--spp", type=_positive, default=16, metavar="N", help="of those pictures (default: 16)")
-    report.add_argument(
-        "--side", type=_positive, default=160, metavar="N", help="pixels of their longer side (default: 160)"
-    )
-    check = commands.add_parser(
-        "validate", help="hold files that ptbench wrote against their JSON Schemas, and samples against each other"
-    )
-    check.add_argument(
-        "files", type=Path, nargs="+", metavar="FILE", help="of run, merge, stability, inspect, autotune, or a journal"
-    )
-    return parser
-
-
-def main(arguments: list[str] | None = None) -> int:
-    with visible_output():
-        return _main(sys.argv[1:] if arguments is None else arguments)
-
-
-def _main(arguments: list[str]) -> int:
-    options = _parser().parse_args(arguments)
-    if options.command == "validate":
-        from analysis.validate import validate_command
-
-        return validate_command(options.files, _program())
-    # Drawing libraries take a moment to load; a wrong call should not wait for them.
-    from analysis.compare import compare_command
-    from analysis.explain import Choice, explain
-    from analysis.gallery import gallery
-    from analysis.plots import plots
-    from analysis.report.command import report
-
-    try:
-        if options.command == "report":
-            return report(options.results, options.out, options.binary, options.spp, options.side)
-        if options.command == "plots":
-            return plots(options.result, options.out)
-        if options.command == "compare":
-            return compare_command(options)
-        if options.command == "explain":
-            choice = Choice(options.scene, options.depth, options.resolution)
-            return explain(options.result, options.a, options.b, choice, options.counters, options.out)
-        return gallery(options.binary, options.spec, options.out, options.spp, options.resolution)
-    except InputError as error:
-        print(f"{_program()}: {error}", file=sys.stderr)
-        return 2
-
+from ptbench.cli.main import main  # noqa: E402 (it is found where the lines above look for it)
 
 if __name__ == "__main__":
-    sys.exit(main())
+    print("python3 -m analysis: the package is called ptbench now, python3 -m ptbench; this name goes with release 2",
+          file=sys.stderr)  # fmt: skip
+    sys.exit(main(program="python3 -m analysis"))

@@ -12,7 +12,7 @@ import matplotlib
 matplotlib.use("Agg")  # leave this out to see the figure in a notebook
 import matplotlib.pyplot as plt
 
-from analysis import frames
+from ptbench import frames
 
 RESULT = "results/nvidia-h200/seeds.json"
 samples = frames.samples(RESULT)

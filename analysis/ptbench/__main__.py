@@ -1,0 +1,8 @@
+"""`python3 -m ptbench`: the command line of `ptbench.cli`."""
+
+import sys
+
+from ptbench.cli.main import main
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,128 @@
+"""The command line: `python3 -m ptbench plots|report|compare|explain|gallery|validate ...`.
+
+Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from pathlib import Path
+
+from ptbench import __version__
+from ptbench.cli.parser import Parser
+from ptbench.compare.options import add_compare
+from ptbench.errors import InputError
+from ptbench.io.files import package_file
+from ptbench.terminal import visible_output
+
+_COMMAND = "ptbench-analysis"
+_MODULE = "python3 -m ptbench"
+
+
+def _resolution(text: str) -> tuple[int, int]:
+    match = re.fullmatch(r"([1-9]\d{0,4})x([1-9]\d{0,4})", text)
+    if not match:
+        raise argparse.ArgumentTypeError(f'found "{text}", allowed: WIDTHxHEIGHT such as 200x200')
+    return int(match[1]), int(match[2])
+
+
+def _positive(text: str) -> int:
+    if not re.fullmatch(r"[1-9]\d{0,8}", text):
+        raise argparse.ArgumentTypeError(f'found "{text}", allowed: an integer of at least 1')
+    return int(text)
+
+
+def _program() -> str:
+    """How it was called: as the installed command, or as a module."""
+    return _COMMAND if Path(sys.argv[0]).stem == _COMMAND else _MODULE
+
+
+def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
+    """The whole command line; `program` is what usage and complaints call it."""
+    parser = Parser(prog=program, description="Draws what ptbench measured.")
+    parser.add_argument("--version", action="version", version=f"{_COMMAND} {__version__}")
+    commands = parser.add_subparsers(
+        dest="command", required=True, metavar="plots|report|compare|explain|gallery|validate"
+    )
+    plots = commands.add_parser("plots", help="every study's figure and summary.md, from a result file alone")
+    plots.add_argument("result", type=Path, metavar="RESULT.json")
+    plots.add_argument("--out", type=Path, metavar="DIR", help="default: figures/SUITE beside the result file")
+    add_compare(commands)
+    explain = commands.add_parser("explain", help="where the time of two variants differs, and what goes with that")
+    explain.add_argument("result", type=Path, metavar="RESULT.json")
+    explain.add_argument("a", metavar="A", help="a variant's dotted name, or parts that name one: wavefront.soa")
+    explain.add_argument("b", metavar="B", help="the variant that is held against A")
+    explain.add_argument("--scene", default="", help="default: every scene in which both ran")
+    explain.add_argument("--depth", type=_positive, metavar="N", help="default: every depth")
+    explain.add_argument("--resolution", type=_resolution, metavar="WxH", help="default: every resolution")
+    explain.add_argument(
+        "--counters", type=Path, action="append", default=[], metavar="INSPECT.json",
+        help="what `ptbench inspect --counters --json` measured of the variants",
+    )  # fmt: skip
+    explain.add_argument("--out", type=Path, metavar="DIR", help="default: figures/explain-... beside the result file")
+    gallery = commands.add_parser("gallery", help="render the picture pairs of a gallery file into one labelled sheet")
+    gallery.add_argument("--binary", type=Path, required=True, metavar="PTBENCH")
+    gallery.add_argument("--spec", type=Path, default=package_file("gallery.json"), metavar="GALLERY.json")
+    gallery.add_argument("--out", type=Path, required=True, metavar="DIR")
+    gallery.add_argument("--spp", type=_positive, default=64, metavar="N", help="samples per pixel (default: 64)")
+    gallery.add_argument(
+        "--resolution", type=_resolution, default=(200, 200), metavar="WxH", help="pixels a picture (default: 200x200)"
+    )
+    report = commands.add_parser("report", help="one page of one or more result files: report.html and report.md")
+    report.add_argument("results", type=Path, nargs="+", metavar="RESULT", help="a result file, or a folder of some")
+    report.add_argument("--out", type=Path, required=True, metavar="DIR")
+    report.add_argument(
+        "--binary", type=Path, metavar="PTBENCH", help="renders the scenes' pictures (default: no rendering)"
+    )
+    report.add_argument("--spp", type=_positive, default=16, metavar="N", help="of those pictures (default: 16)")
+    report.add_argument(
+        "--side", type=_positive, default=160, metavar="N", help="pixels of their longer side (default: 160)"
+    )
+    check = commands.add_parser(
+        "validate", help="hold files that ptbench wrote against their JSON Schemas, and samples against each other"
+    )
+    check.add_argument(
+        "files", type=Path, nargs="+", metavar="FILE", help="of run, merge, stability, inspect, autotune, or a journal"
+    )
+    return parser
+
+
+def main(arguments: list[str] | None = None, program: str = "") -> int:
+    """Runs one command and returns its exit code; a wrong call ends with SystemExit(2), --help with SystemExit(0).
+
+    `program` is what usage and complaints call it; left out, it is what the process was started as.
+    """
+    with visible_output():
+        return _main(sys.argv[1:] if arguments is None else arguments, program or _program())
+
+
+def _main(arguments: list[str], program: str) -> int:
+    options = parser_of(program).parse_args(arguments)
+    if options.command == "validate":
+        from ptbench.io.validate import validate_command
+
+        return validate_command(options.files, program)
+    # Drawing libraries take a moment to load; a wrong call should not wait for them.
+    from ptbench.compare.command import compare_command
+    from ptbench.explain.command import explain
+    from ptbench.explain.found import Choice
+    from ptbench.gallery import gallery
+    from ptbench.plots.command import plots
+    from ptbench.report.command import report
+
+    try:
+        if options.command == "report":
+            return report(options.results, options.out, options.binary, options.spp, options.side)
+        if options.command == "plots":
+            return plots(options.result, options.out)
+        if options.command == "compare":
+            return compare_command(options)
+        if options.command == "explain":
+            choice = Choice(options.scene, options.depth, options.resolution)
+            return explain(options.result, options.a, options.b, choice, options.counters, options.out)
+        return gallery(options.binary, options.spec, options.out, options.spp, options.resolution)
+    except InputError as error:
+        print(f"{program}: {error}", file=sys.stderr)
+        return 2

@@ -1,0 +1,55 @@
+"""argparse with complaints of one line, as all of ptbench's are, that name the nearest word of what was meant."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+from ptbench.terminal import visible
+
+
+class Parser(argparse.ArgumentParser):
+    def error(self, message: str):
+        self.exit(2, f"{self.prog}: {visible(message)}; see --help\n")
+
+    def parse_known_args(self, args=None, namespace=None):
+        # Before argparse looks for what is missing: a misspelt option is why.
+        if args is not None:
+            self._refuse_unknown_options(args)
+        return super().parse_known_args(args, namespace)
+
+    def _check_value(self, action: argparse.Action, value: object) -> None:
+        """argparse's own check of a word that is one of a few, with our words."""
+        if action.choices is None or value in action.choices:
+            return
+        word = "command" if action.nargs == argparse.PARSER else "word"
+        message = f'found the {word} "{value}"{_meant(value, action.choices)}, allowed: {", ".join(action.choices)}'
+        raise argparse.ArgumentError(action if word == "word" else None, message)
+
+    def _refuse_unknown_options(self, args: Iterable[str]) -> None:
+        known = self._option_string_actions
+        for argument in args:
+            name = argument.partition("=")[0]
+            if argument == "--" or (self._subparsers is not None and not argument.startswith("-")):
+                return
+            # As argparse has it: neither a lone dash nor a word with a space in it is an option; a beginning is.
+            if not argument.startswith("-") or argument == "-" or " " in argument or _is_number(argument):
+                continue
+            if not any(option == name or (name.startswith("--") and option.startswith(name)) for option in known):
+                options = sorted(option for option in known if option.startswith("--"))
+                self.error(f'found the option "{name}"{_meant(name, options)}, allowed: {", ".join(options)}')
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _meant(word: object, known: Iterable[str]) -> str:
+    """What is to be said of the nearest word, if there is one near enough."""
+    near = get_close_matches(str(word), list(known), 1)
+    return f' (did you mean "{near[0]}"?)' if near else ""

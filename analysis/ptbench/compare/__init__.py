@@ -1,0 +1,1 @@
+"""Result files of two commits, two machines or many GPUs, held against the first of them."""

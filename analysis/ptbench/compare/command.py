@@ -1,0 +1,111 @@
+"""`python3 -m ptbench compare A.json B.json ...`: result files of two commits, two machines or many GPUs.
+
+Files of `ptbench stability` are held against each other, too, by ptbench.compare.stability.
+
+Every file is held against the first. Exit codes: 0 compared; 1 what `--fail-on` names was found, or could not be
+judged; 2 bad input, which a file without a single cell in common with the first is, too.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from ptbench.compare.compared import Compared, check_number, compare_files
+from ptbench.compare.document import as_json
+from ptbench.compare.gate import Outcome, outcome
+from ptbench.compare.sections import Section, as_markdown, as_text
+from ptbench.compare.stability.matching import check_stability_options, compare_stability_files, stability_outcome
+from ptbench.compare.stability.text import stability_json, stability_sections
+from ptbench.compare.text import (
+    comparison_section,
+    files_section,
+    left_out_section,
+    noise_section,
+    ranking_sections,
+)
+from ptbench.errors import InputError
+from ptbench.io.files import check_output_file, check_output_folder, make_folder, write_text
+from ptbench.io.nodes import read_json
+from ptbench.io.stability import is_stability
+from ptbench.terminal import say
+
+
+def compare_command(options: argparse.Namespace) -> int:
+    if options.json is not None:
+        check_output_file(options.json)
+    if options.out is not None:
+        check_output_folder(options.out)
+    check_number(options.results)
+    if is_stability(read_json(options.results[0])):
+        check_stability_options(options)
+        found = compare_stability_files(options.results)
+        outcomes = [stability_outcome(found, what) for what in dict.fromkeys(options.fail_on)]
+        brief, whole = stability_sections(found, whole=False), stability_sections(found, whole=True)
+        return _tell(options, _Told("Stability files compared", brief, whole, stability_json(found), outcomes))
+    if "failed" in options.fail_on:
+        allowed = "files of `ptbench stability`, whose rows pass or fail"
+        raise InputError(f"--fail-on failed: found result files of `ptbench run`, allowed: {allowed}")
+    compared = compare_files(options.results, options.noise, films_may_differ=options.films_may_differ)
+    outcomes = [outcome(compared.comparisons, what) for what in dict.fromkeys(options.fail_on)]
+    brief, whole = sections(compared, whole=False), sections(compared, whole=True)
+    told = _Told("Result files compared", brief, whole, as_json(compared), outcomes)
+    return _tell(options, told, lambda folder: _draw(compared, folder))
+
+
+@dataclass(frozen=True)
+class _Told:
+    """What a comparison says, in all its forms."""
+
+    title: str
+    brief: list[Section]
+    whole: list[Section]
+    document: dict
+    outcomes: list[Outcome]
+
+
+def _draw(compared: Compared, folder: Path) -> list[Path]:
+    # Drawing libraries take a moment to load.
+    from ptbench.compare.figure import save_forest
+
+    return [path for index in range(len(compared.comparisons)) for path in save_forest(compared, index, folder)]
+
+
+def _tell(options: argparse.Namespace, told: _Told, draw: Callable[[Path], list[Path]] = lambda _: []) -> int:
+    for folder in (options.out, options.json and options.json.parent):
+        if folder is not None:
+            make_folder(folder)
+    print(as_text(told.brief), end="")
+    written = []
+    if options.json is not None:
+        text = json.dumps(told.document, indent=1, allow_nan=False) + "\n"
+        written.append(write_text(options.json, text))
+    if options.out is not None:
+        figures = draw(options.out)
+        page = as_markdown(told.title, told.whole)
+        if pictures := [f"![{path.stem}]({path.name})" for path in figures if path.suffix == ".png"]:
+            page += "\n" + "\n\n".join(pictures) + "\n"
+        written += [*figures, write_text(options.out / "compare.md", page)]
+    if written:
+        print()
+        for target in written:
+            say(target)
+    if told.outcomes:
+        print()
+        print("\n".join(one.text for one in told.outcomes))
+    return 1 if any(one.fails for one in told.outcomes) else 0
+
+
+def sections(compared: Compared, whole: bool) -> list[Section]:
+    """The report; `whole` names every cell that was left out and every place in a ranking."""
+    found = [files_section(compared.results)]
+    for comparison in compared.comparisons:
+        pair = compared.marks_of(comparison)
+        found.append(comparison_section(comparison, compared.labels, pair))
+        left_out = left_out_section(comparison.matching, pair, whole)
+        found += [left_out] if left_out is not None else []
+    found.append(noise_section(compared.repeats, compared.floors, compared.comparisons))
+    return found + ranking_sections(compared.rankings, compared.labels, compared.ranked, whole)

@@ -1,0 +1,103 @@
+"""Result files held against the first of them: all that one comparison finds, before it is told."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ptbench.compare.match import Matching, machine_of, match
+from ptbench.compare.noise import Floor, Repeat, check_noise_files, floor_of, repeats_of
+from ptbench.compare.ranking import Ranking, rankings
+from ptbench.compare.text import MARKS, Labels, labels_of
+from ptbench.compare.verdicts import Comparison, compare
+from ptbench.errors import InputError
+from ptbench.io.cells import Result
+from ptbench.io.nodes import read_json
+from ptbench.io.results import result_of
+from ptbench.io.stability import is_stability
+from ptbench.stats.estimates import THRESHOLD
+
+
+@dataclass(frozen=True)
+class Compared:
+    """All that one call found."""
+
+    results: tuple[Result, ...]
+    comparisons: tuple[Comparison, ...]
+    repeats: tuple[Repeat, ...]
+    floors: tuple[Floor, ...]  # one a machine of which there is an A/A run
+    rankings: tuple[Ranking, ...]
+    ranked: tuple[str, ...]  # the marks of the files whose variants are ranked
+    labels: Labels
+
+    def marks_of(self, comparison: Comparison) -> tuple[str, str]:
+        return MARKS[0], MARKS[next(i for i, result in enumerate(self.results) if result is comparison.other)]
+
+
+def check_number(paths: Sequence[Path]) -> None:
+    if len(paths) < 2:
+        raise InputError(f"{paths[0]}: found one result file, allowed: two or more to compare")
+    if len(paths) > len(MARKS):
+        raise InputError(f"{paths[-1]}: found {len(paths)} result files, allowed: at most {len(MARKS)}")
+
+
+def compare_files(paths: Sequence[Path], noise: Sequence[Path] = (), *, films_may_differ: bool = False) -> Compared:
+    """Loads and compares; raises InputError."""
+    check_number(paths)
+    results = [_load(path) for path in paths]
+    noise_results = [_load(path) for path in noise]
+    check_noise_files(noise_results, results)
+    matchings = [match(results[0], other, films_may_differ=films_may_differ) for other in results[1:]]
+    for matching in matchings:
+        _refuse_strangers(matching)
+    repeats = repeats_of([*results, *noise_results])
+    comparisons = [_judged(matching, repeats) for matching in matchings]
+
+    def threshold(result: Result) -> float:
+        # Two cells of one run differ by less than two runs do: the floor is on the safe side.
+        floor = floor_of(result, repeats)
+        return THRESHOLD if floor is None else floor.threshold
+
+    # A second run of the reference's program tells noise; as a machine of its own it would only thin out the ranking.
+    ranked = [index for index, one in enumerate(comparisons) if not one.repeated] or list(range(len(comparisons)))
+    return Compared(
+        tuple(results),
+        tuple(comparisons),
+        tuple(repeats),
+        _floors([*results, *noise_results], repeats),
+        tuple(rankings([matchings[index] for index in ranked], threshold)),
+        (MARKS[0], *(MARKS[index + 1] for index in ranked)),
+        labels_of(matchings),
+    )
+
+
+def _load(path: Path) -> Result:
+    root = read_json(path)
+    if is_stability(root):
+        raise InputError(f"{path}: found a file of `ptbench stability`, allowed: a result file of `ptbench run`")
+    return result_of(root)
+
+
+def _refuse_strangers(matching: Matching) -> None:
+    if matching.pairs:
+        return
+    kinds = Counter(item.kind for item in matching.alone if item.in_reference)
+    why = ", ".join(f"{kind} {count}" for kind, count in kinds.most_common()) or "no cells"
+    raise InputError(
+        f"{matching.other.path}: found no cell to hold against one of {matching.reference.path} ({why}), "
+        "allowed: files that measured some work in common"
+    )
+
+
+def _judged(matching: Matching, repeats: Sequence[Repeat]) -> Comparison:
+    sides = (matching.reference, matching.other)
+    return compare(matching, _floors(sides, repeats, without=sides))
+
+
+def _floors(results: Sequence[Result], repeats: Sequence[Repeat], without: Sequence[Result] = ()) -> tuple[Floor, ...]:
+    """Those of the files' machines, each once."""
+    machines = {machine_of(result): result for result in results}
+    found = (floor_of(result, repeats, without) for result in machines.values())
+    return tuple(floor for floor in found if floor is not None)

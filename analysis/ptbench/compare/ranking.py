@@ -1,0 +1,107 @@
+"""Which variant is ahead of which in a scene, on each machine, and where that changes from one to another.
+
+A change is told as one only where verdicts support it on both machines: FASTER on one and SLOWER on the other. Where
+the medians change places and a verdict does not hold, that is counted as within the noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from ptbench.compare.match import Matching
+from ptbench.io.cells import Cell, Result
+from ptbench.stats.estimates import FASTER, SLOWER, Estimate
+from ptbench.studies.rows import time_ratio
+
+# Tunables that add to the work: variants that differ in them have another task, not another way of doing it.
+_WORK = ("shading_fmas",)
+
+
+@dataclass(frozen=True)
+class Change:
+    """`ahead` takes less time than `behind` on the file `at`, and more on the file `turned_at`; indices."""
+
+    ahead: int
+    behind: int
+    at: int
+    turned_at: int
+    ratio: Estimate  # of ahead over behind on `at`
+    turned_ratio: Estimate
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Variants of one scene and settings that every file measured: `cells[variant][file]`, in the reference's order."""
+
+    scene: str
+    resolution: str
+    depth: int
+    spp: tuple[int, ...]  # a file each
+    work: str  # what else sets the task: "shading_fmas=64", "with checkpoints"; mostly nothing
+    cells: tuple[tuple[Cell, ...], ...]
+    places: tuple[tuple[int, ...], ...]  # [variant][file], the fastest is 1
+    changes: tuple[Change, ...]
+    within_noise: int
+
+
+def rankings(matchings: Sequence[Matching], thresholds: Callable[[Result], float]) -> list[Ranking]:
+    """Of the reference and all the other files of `matchings`; groups of one variant are left out.
+
+    `thresholds` says what a file's verdicts count as no difference.
+    """
+    files = [matchings[0].reference, *(matching.other for matching in matchings)]
+    partners = [{pair.reference.name: pair.other for pair in matching.pairs} for matching in matchings]
+    groups: dict[tuple, list[tuple[Cell, ...]]] = {}
+    for cell in files[0].cells:
+        if all(cell.name in of_file for of_file in partners):
+            cells = (cell, *(of_file[cell.name] for of_file in partners))
+            # Within a file, what is ranked has the same settings, samples per pixel included.
+            spp = tuple(one.spp for one in cells)
+            key = (cell.scene, cell.scene_hash, cell.resolution_text, cell.depth, spp, _work_of(cell))
+            groups.setdefault(key, []).append(cells)
+    limits = [thresholds(file) for file in files]
+    return [_ranking(key, variants, limits) for key, variants in groups.items() if len(variants) > 1]
+
+
+def _work_of(cell: Cell) -> str:
+    told = [f"{name}={cell.tuned[name]}" for name in _WORK if name in cell.tuned]
+    return ", ".join([*told, *(("with checkpoints",) if cell.convergence is not None else ())])
+
+
+def _ranking(key: tuple, variants: list[tuple[Cell, ...]], limits: Sequence[float]) -> Ranking:
+    medians = np.array([[float(np.median(cell.ms_per_spp)) for cell in cells] for cells in variants])
+    # Equal medians share a place.
+    places = 1 + (medians[:, None, :] > medians[None, :, :]).sum(axis=1)
+    changes: list[Change] = []
+    within_noise = 0
+    for one, two in combinations(range(len(variants)), 2):
+        for at, turned_at in combinations(range(len(limits)), 2):
+            signs = [np.sign(medians[one, file] - medians[two, file]) for file in (at, turned_at)]
+            if signs[0] * signs[1] >= 0:
+                continue
+            ahead, behind = (one, two) if signs[0] < 0 else (two, one)
+            ratio, verdict = time_ratio(variants[ahead][at], variants[behind][at], limits[at])
+            turned, turned_verdict = time_ratio(
+                variants[ahead][turned_at], variants[behind][turned_at], limits[turned_at]
+            )
+            if (verdict.word, turned_verdict.word) == (FASTER, SLOWER):
+                changes.append(Change(ahead, behind, at, turned_at, ratio, turned))
+            else:
+                within_noise += 1
+    changes.sort(key=lambda change: change.ratio.value / change.turned_ratio.value)
+    scene, _, resolution, depth, spp, work = key
+    return Ranking(
+        scene,
+        resolution,
+        depth,
+        spp,
+        work,
+        tuple(variants),
+        tuple(map(tuple, places.tolist())),
+        tuple(changes),
+        within_noise,
+    )

@@ -1,0 +1,1 @@
+"""Files of `ptbench stability`, held against the first of them."""

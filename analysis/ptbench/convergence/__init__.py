@@ -1,0 +1,1 @@
+"""Error against time: fits, bias and variance, efficiency."""

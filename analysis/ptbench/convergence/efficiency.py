@@ -1,0 +1,291 @@
+"""What convergence costs: work-normalised variance, efficiency against a baseline, time to an error, checkpoints.
+
+Intervals are bootstraps over seeds: of a cell, its errors and its times are drawn together; of two cells that ran the
+same seeds, the seeds are drawn once for both, so that cells of equal errors compare by their times alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ptbench.convergence.assessment import PLATEAU, Assessment
+from ptbench.io.cells import Cell, Result
+from ptbench.numbers import figures, interval
+from ptbench.stats.estimates import SEED, THRESHOLD, Estimate, interval_of_ratio, ratio_estimate, telling_digits
+from ptbench.stats.intervals import bootstrap_interval, resampled
+from ptbench.studies.questions import usual_baseline
+
+_SUFFIX = "/checkpoints:octaves"
+COMPANION = "_without_checkpoints"
+# What decides the error curve; the other axes shift it in time.
+_ESTIMATOR_AXES = ("first_bounce", "direct_light", "russian_roulette", "sampler", "precision")
+# A plateau is in reach of no time from here on: e^2 - B^2 of less than this share of e^2 is noise of the fit.
+_NEAR_PLATEAU = 1e-3
+# Whose last squared error is so much of its plateau's has come to it.
+_MOST_OF_PLATEAU = 0.5
+
+EFFICIENCY_RULE = (
+    "Work-normalised variance: σ² times render wall time per spp; of samples that are not independent, N times MSE(N) "
+    "at the last checkpoint instead of σ². Efficiency: the baseline's over the cell's; a plateau is not in it. "
+    "Intervals: "
+    "95 %, bootstrap over seeds with expanded percentiles, errors and times of a seed drawn together, seeds that both "
+    "cells ran drawn for both. Time to an error: where the fitted curve, with its plateau, meets it, at the cell's own "
+    "times, that of the first checkpoint at the least; never where the plateau lies above it."
+)
+
+
+@dataclass(frozen=True)
+class Place:
+    """Cells that are held against each other: one scene and depth, one size of image, one backend."""
+
+    scene: str
+    depth: int
+    resolution: tuple[int, int]
+    backend: str
+
+    def title(self, others: Sequence[Place]) -> str:
+        parts = [self.scene]
+        if len({other.depth for other in others}) > 1:
+            parts.append(f"depth {self.depth}")
+        if len({other.resolution for other in others}) > 1:
+            parts.append(f"{self.resolution[0]}×{self.resolution[1]}")
+        if len({other.backend for other in others}) > 1:
+            parts.append(self.backend)
+        return ", ".join(parts)
+
+
+def place_of(cell: Cell) -> Place:
+    """Scene and depth are the reference's: a variant that renders others to come to its image belongs there."""
+    reference = cell.convergence.reference
+    return Place(reference.scene or cell.scene, reference.depth or cell.depth, cell.resolution, cell.backend)
+
+
+def by_place(assessed: Sequence[Assessment]) -> dict[Place, list[Assessment]]:
+    groups: dict[Place, list[Assessment]] = {}
+    for assessment in assessed:
+        groups.setdefault(place_of(assessment.cell), []).append(assessment)
+    return groups
+
+
+def baseline_among(result: Result, group: Sequence[Assessment]) -> Assessment | None:
+    """The fitted cell with the plain estimator that is most like the others; of equals the usual one, then the "
+    "first."""
+    fitted = [one for one in group if one.fit is not None]
+
+    def unlikeness(assessment: Assessment) -> tuple:
+        cell = assessment.cell
+        unusual = [axis for axis, choice in cell.axes.items() if usual_baseline(result, axis) != choice]
+        is_plain = assessment.curve.independent and not cell.convergence.biases
+        to_others = sum(len(_changes(cell, other.cell)) for other in fitted)
+        return not is_plain, len(set(unusual) & set(_ESTIMATOR_AXES)), to_others, len(unusual), len(cell.tuned)
+
+    return min(fitted, key=unlikeness, default=None)
+
+
+def _changes(base: Cell, cell: Cell) -> dict[str, str]:
+    """In which settings `cell` is not as `base`, and how."""
+    usual = _settings(base)
+    return {name: value for name, value in _settings(cell).items() if usual.get(name) != value}
+
+
+def names_in(group: Sequence[Assessment], baseline: Assessment | None) -> dict[str, str]:
+    """What a figure calls each cell: how it differs from the baseline, or its choice where one thing differs only."""
+    cells = [assessment.cell for assessment in group]
+    if baseline is None:
+        return {cell.name: cell.variant for cell in cells}
+    base = _settings(baseline.cell)
+    varied = _varied_tunables(cells)
+    changes = {
+        cell.name: {
+            **_changes(baseline.cell, cell),
+            **{name: str(value) for name, value in cell.tunables.items() if name in varied},
+        }
+        for cell in cells
+    }
+    differing = {name for changed in changes.values() for name in changed}
+    if len(differing) == 1 and differing <= baseline.cell.axes.keys():
+        only = differing.pop()
+        return {name: changed.get(only, base.get(only, "baseline")) for name, changed in changes.items()}
+    names: dict[str, str] = {}
+    for cell in cells:
+        label = ", ".join(f"{name}={value}" for name, value in changes[cell.name].items()) or "baseline"
+        is_other = label == "baseline" and cell.name != baseline.cell.name
+        if is_other or label in names.values():
+            label += f", {cell.spp} spp" if cell.spp != baseline.cell.spp else f", {cell.variant}"
+        names[cell.name] = label
+    return names
+
+
+def _varied_tunables(cells: Sequence[Cell]) -> set[str]:
+    """The tunables of which some cells' choices have several values: their standards are told too."""
+    values: dict[tuple, set[int]] = {}
+    for cell in cells:
+        for name, value in cell.tunables.items():
+            values.setdefault((name, cell.scene, *cell.axes.values()), set()).add(value)
+    return {key[0] for key, found in values.items() if len(found) > 1}
+
+
+def _settings(cell: Cell) -> dict[str, str]:
+    scene = cell.scene
+    if cell.convergence is not None and scene.startswith(f"{cell.convergence.reference.scene}_"):
+        # The same name in every scene, so that it is one line's.
+        scene = "…" + scene.removeprefix(cell.convergence.reference.scene)
+    return {"scene": scene, **cell.axes, **cell.tuned}
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A cell's work-normalised variance and what it says against the baseline's."""
+
+    work: Estimate
+    efficiency: Estimate | None
+
+
+def _variance_of_seeds(assessment: Assessment) -> np.ndarray:
+    curve = assessment.curve
+    return assessment.fit.sigma2_of_seeds if curve.independent else curve.mse[:, -1] * curve.spp[-1]
+
+
+def _drawn_work(assessment: Assessment, drawn: np.ndarray) -> np.ndarray:
+    variance = _variance_of_seeds(assessment)[drawn].mean(axis=1)
+    return variance * np.median(assessment.curve.ms_per_spp[drawn], axis=1)
+
+
+def _has_noise_apart(one: Assessment) -> bool:
+    """Where samples depend on each other the last error stands for the noise, unless most of it is a plateau."""
+    return one.has_noise and (one.curve.independent or one.plateau_bias2 < _MOST_OF_PLATEAU * one.last_error)
+
+
+def compare(assessment: Assessment, baseline: Assessment | None) -> Compared | None:
+    """None where there is no fit, or no noise that more time would take away or that is told apart from a plateau."""
+    if not _has_noise_apart(assessment) or (baseline is not None and not _has_noise_apart(baseline)):
+        return None
+    count = assessment.curve.count
+    drawn = resampled(count)
+    own = _drawn_work(assessment, drawn)
+    value = float(_variance_of_seeds(assessment).mean() * np.median(assessment.curve.ms_per_spp))
+    work = bootstrap_interval(value, own, count)
+    if baseline is None or baseline is assessment:
+        return Compared(work, None)
+    paired = baseline.curve.seeds == assessment.curve.seeds
+    others = baseline.curve.count
+    theirs = _drawn_work(baseline, drawn if paired else resampled(others, np.random.default_rng(SEED + 1)))
+    ratio = float(_variance_of_seeds(baseline).mean() * np.median(baseline.curve.ms_per_spp)) / value
+    return Compared(work, bootstrap_interval(ratio, theirs / own, min(count, others)))
+
+
+def ends_beside_one(efficiency: Estimate) -> str:
+    """The interval in digits that show on which side of 1 each end lies; empty without one."""
+    if efficiency.low is None or efficiency.high is None:
+        return ""
+    ends = efficiency.low, efficiency.high
+    return interval(*ends, telling_digits(ends, [1], figures))
+
+
+def target_of(group: Sequence[Assessment]) -> float | None:
+    """A round squared error's root that every cell not yet at a plateau has reached in what was measured."""
+    fitted = [one for one in group if one.fit is not None and one.last_error > 0]
+    falling = [one for one in fitted if one.plateau_bias2 < _MOST_OF_PLATEAU * one.last_error]
+    errors = [float(np.sqrt(one.last_error)) for one in falling or fitted]
+    if not errors:
+        return None
+    highest = max(errors)
+    power = 10.0 ** np.floor(np.log10(highest))
+    return float(next(step * power for step in (1, 2, 5, 10, 20) if step * power >= 1.02 * highest))
+
+
+def time_to(assessment: Assessment, error: float) -> Estimate | None:
+    """Milliseconds of render wall time until the root mean square error is `error`; infinite where it never is."""
+    if assessment.fit is None:
+        return None
+    curve, fit = assessment.curve, assessment.fit
+    times = np.median(curve.times["wall_ms"], axis=0)
+    per_spp = float(np.median(curve.ms_per_spp))
+    drawn = resampled(curve.count)
+    speed = np.median(curve.ms_per_spp[drawn], axis=1) / per_spp
+    if curve.independent and assessment.has_noise:
+        has_plateau = assessment.verdict.word == PLATEAU
+        seeds = fit.bias2_of_seeds if has_plateau else np.zeros(curve.count)
+        # A plateau that the mean error gave away may be above what bias^2 says.
+        bias2 = max(float(seeds.mean()), assessment.plateau_bias2)
+        drawn_bias2 = np.maximum(seeds[drawn].mean(axis=1) + bias2 - seeds.mean(), 0)
+        sigma2 = fit.sigma2_of_seeds
+        value = _spp_to(np.array([sigma2.mean()]), np.array([bias2]), error)
+        spps = _spp_to(sigma2[drawn].mean(axis=1), drawn_bias2, error)
+        value, spps = np.maximum(value, curve.spp[0]), np.maximum(spps, curve.spp[0])
+    else:
+        value = _spp_measured(curve.spp, curve.mean[None], error)
+        spps = _spp_measured(curve.spp, curve.mse[drawn].mean(axis=1), error)
+    whole = _time_at(curve.spp, times, value)
+    return bootstrap_interval(float(whole[0]), _time_at(curve.spp, times, spps) * speed, curve.count)
+
+
+def _spp_to(sigma2: np.ndarray, bias2: np.ndarray, error: float) -> np.ndarray:
+    left = error**2 - bias2
+    reached = left > _NEAR_PLATEAU * error**2
+    return np.where(reached, sigma2 / np.where(reached, left, 1), np.inf)
+
+
+def _spp_measured(spp: np.ndarray, mse: np.ndarray, error: float) -> np.ndarray:
+    """Where each curve first gets to `error`, between checkpoints on straight lines of the logarithms."""
+    falling = np.minimum.accumulate(np.maximum(mse, 1e-300), axis=1)
+    goal, log_spp = 2 * np.log(error), np.log(spp)
+    return np.array([_crossing(log_spp, np.log(one), goal) for one in falling])
+
+
+def _crossing(log_spp: np.ndarray, log_mse: np.ndarray, goal: float) -> float:
+    below = np.flatnonzero(log_mse <= goal)
+    if not len(below):
+        return np.inf
+    first = int(below[0])
+    if first == 0:
+        return float(np.exp(log_spp[0]))
+    share = (log_mse[first - 1] - goal) / (log_mse[first - 1] - log_mse[first])
+    return float(np.exp(log_spp[first - 1] + share * (log_spp[first] - log_spp[first - 1])))
+
+
+def _time_at(spp: np.ndarray, times: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Time at any spp: between checkpoints on straight lines of the logarithms, beyond them in proportion."""
+    finite = np.where(np.isfinite(wanted), wanted, spp[-1])
+    inside = np.exp(np.interp(np.log(finite), np.log(spp), np.log(times)))
+    scale = np.where(finite > spp[-1], finite / spp[-1], np.where(finite < spp[0], finite / spp[0], 1.0))
+    return np.where(np.isfinite(wanted), inside * scale, np.inf)
+
+
+@dataclass(frozen=True)
+class CheckpointCost:
+    """A cell's time per spp with checkpoints over that of the same render without."""
+
+    cell: Cell
+    ratio: Estimate
+
+    @property
+    def interval(self) -> str:
+        """In digits that show the word; empty with one sample."""
+        return interval_of_ratio(self.ratio, 0, THRESHOLD)
+
+    @property
+    def word(self) -> str:
+        low, high = self.ratio.low, self.ratio.high
+        if low is None or high is None:
+            return "one sample: no interval"
+        if low <= 1 <= high:
+            return "within noise"
+        if low >= 1 - THRESHOLD and high <= 1 + THRESHOLD:
+            return "within 1 %"
+        return "SLOWER with checkpoints" if low > 1 else "FASTER with checkpoints"
+
+
+def checkpoint_costs(result: Result, assessed: Sequence[Assessment]) -> list[CheckpointCost]:
+    """The A/A comparison, where the file has the companion cells."""
+    plain = {cell.name: cell for cell in result.cells if cell.convergence is None and cell.measured}
+    costs = []
+    for assessment in assessed:
+        companion = plain.get(assessment.cell.name.removesuffix(_SUFFIX))
+        if companion is not None and assessment.curve.count:
+            ratio = ratio_estimate(assessment.curve.ms_per_spp, companion.ms_per_spp)
+            costs.append(CheckpointCost(assessment.cell, ratio))
+    return costs

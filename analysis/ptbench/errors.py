@@ -1,0 +1,19 @@
+"""The errors that end a command, each with its exit code."""
+
+from ptbench.terminal import visible
+
+
+class InputError(Exception):
+    """The input or the call is wrong: one line for the user, exit code 2."""
+
+    def __init__(self, message: str):
+        super().__init__(visible(message))
+
+
+class NotDrawable(Exception):
+    """A study has nothing to draw; the message is the reason. The other studies are still drawn."""
+
+
+def bad_value(file: object, place: str, found: str, allowed: str) -> InputError:
+    """The one form of every complaint about an input: file, place, what was found, what is allowed."""
+    return InputError(f"{file}: {place}: found {found}, allowed: {allowed}")

@@ -1,0 +1,1 @@
+"""Where the time of two variants differs, and what goes with that."""

@@ -1,0 +1,22 @@
+"""The choices of one axis against each other, one group of rows a scene and depth; named for the axis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from matplotlib.figure import Figure
+
+from ptbench.figures import rows
+from ptbench.figures.rows import Data
+from ptbench.io.cells import Result, Study
+
+
+@dataclass(frozen=True)
+class Choices:
+    axis: str
+
+    def collect(self, result: Result, study: Study) -> Data:
+        return rows.collect(result, study, f"The choices of {self.axis} against each other")
+
+    def draw(self, data: Data) -> Figure:
+        return rows.draw(data)

@@ -1,0 +1,112 @@
+"""What the figures of a convergence study share: which cells stand together, their names, and what to say below."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ptbench.convergence.assessment import Assessment, assess
+from ptbench.convergence.efficiency import baseline_among, by_place, names_in
+from ptbench.errors import NotDrawable
+from ptbench.figures.caption import note_lines, setting
+from ptbench.io.cells import Result, Study
+from ptbench.studies.groups import MOST_TOGETHER
+from ptbench.studies.notes import Note, withdrawn_notes
+
+
+@dataclass(frozen=True)
+class Group:
+    """Cells of one place; the baseline stands in every part of a place that is too large for one panel."""
+
+    title: str
+    members: tuple[Assessment, ...]
+    names: dict[str, str]
+    baseline: Assessment | None
+
+
+@dataclass(frozen=True)
+class Groups:
+    groups: tuple[Group, ...]
+    notes: tuple[Note, ...]
+    remarks: tuple[str, ...]
+
+    @property
+    def order(self) -> tuple[str, ...]:
+        """All labels; each has one look in all of a study's figures."""
+        return tuple(dict.fromkeys(group.names[one.cell.name] for group in self.groups for one in group.members))
+
+
+def groups_of(result: Result, study: Study, most: int = MOST_TOGETHER) -> Groups:
+    """The study's fitted cells; raises NotDrawable where there are none."""
+    assessed = assess(result)
+    of_study = [assessed[cell.name] for cell in result.cells_of(study) if cell.name in assessed]
+    notes = convergence_notes(result, study, of_study)
+    fitted = [one for one in of_study if one.fit is not None]
+    if not fitted:
+        raise NotDrawable("no cell has a curve: " + ("; ".join(note.full for note in notes) or "no convergence cells"))
+    places = by_place(fitted)
+    groups: list[Group] = []
+    for place, members in places.items():
+        baseline = baseline_among(result, members)
+        names = names_in(members, baseline)
+        title = place.title(list(places))
+        others = [one for one in members if one is not baseline]
+        parts = max(1, math.ceil(len(others) / (most - 1)))
+        for part in range(parts):
+            chosen = others[part * (most - 1) : (part + 1) * (most - 1)]
+            label = f"{title} ({part + 1} of {parts})" if parts > 1 else title
+            groups.append(Group(label, (baseline, *chosen), names, baseline))
+    remarks = [_baselines(groups), _shared(fitted, groups)]
+    return Groups(tuple(groups), tuple(notes), tuple(remark for remark in remarks if remark))
+
+
+def _baselines(groups: Sequence[Group]) -> str:
+    variants: dict[str, None] = {}
+    for group in groups:
+        label, variant = group.names[group.baseline.cell.name], group.baseline.cell.variant
+        variants[variant if label == "baseline" else f"{label} ({variant})"] = None
+    return f"Baseline: {'; '.join(variants)}."
+
+
+def _shared(fitted: Sequence[Assessment], groups: Sequence[Group]) -> str:
+    """Which lines are one error curve on several clocks."""
+    names = {name: label for group in groups for name, label in group.names.items()}
+    curves: dict[str, list[str]] = {}
+    for one in fitted:
+        origin = one.cell.convergence.shared_with
+        if origin in names:
+            curves.setdefault(names[origin], []).append(names[one.cell.name])
+    parts = [f"{', '.join(dict.fromkeys(labels))} with {origin}" for origin, labels in curves.items()]
+    return f"Bit for bit the same images, one error curve on their own clocks: {'; '.join(parts)}." if parts else ""
+
+
+def convergence_notes(result: Result, study: Study, assessed: Sequence[Assessment]) -> list[Note]:
+    """All that keeps the study's figures from being the whole story."""
+    notes: list[Note] = []
+    if result.interrupted:
+        text = "the run was interrupted: cells and samples may be missing"
+        notes.append(Note("interrupted run", "Run interrupted: cells and samples may be missing.", text))
+    notes += withdrawn_notes(result.cells_of(study))
+    for cell in result.cells_of(study):
+        if cell.convergence is None:
+            notes.append(Note("no checkpoints", f"{cell.variant} has no checkpoints.", f"{cell.name}: no checkpoints"))
+    for one in assessed:
+        if one.fit is None:
+            where = f"{one.cell.variant} in {one.cell.scene}"
+            text = f"{one.verdict.word} ({one.verdict.reason})"
+            notes.append(Note("not fitted", f"Left out: {where}, {text}.", f"{one.cell.name}: {text}"))
+        for doubt in one.doubts:
+            short = f"{one.cell.variant} in {one.cell.scene}: {doubt}."
+            notes.append(Note("doubt", short, f"{one.cell.name}: {doubt}"))
+    for item in result.not_applicable:
+        if item.study == study.name and not item.elsewhere:
+            text = f"{item.variant} in {item.scene}: {item.reason}"
+            notes.append(Note("n/a", f"Not applicable: {text}.", text))
+    return notes
+
+
+def setting_of(result: Result, found: Groups) -> str:
+    cells = [one.cell for group in found.groups for one in group.members]
+    once = list({cell.name: cell for cell in cells}.values())
+    return "\n".join([setting(result, once, told=False), *note_lines(found.notes)])

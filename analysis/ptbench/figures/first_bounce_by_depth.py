@@ -1,0 +1,13 @@
+"""What keeping the camera rays' intersections costs or saves at each path depth."""
+
+from __future__ import annotations
+
+from ptbench.figures import by_depth, lines, rows
+from ptbench.figures.by_depth import draw
+from ptbench.io.cells import Result, Study
+
+__all__ = ["collect", "draw"]
+
+
+def collect(result: Result, study: Study) -> lines.Data | rows.Data:
+    return by_depth.collect(result, study, "First-bounce cache: time by depth")

@@ -1,0 +1,142 @@
+"""Ratios as a forest plot: a dot and its interval on a common axis, one group a scene, their geometric means first."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+
+from ptbench import numbers
+from ptbench.figures import style
+from ptbench.stats.estimates import FASTER, SAME, SLOWER, UNSURE, Estimate, interval_of_ratio
+
+# A verdict is told by marker and word, too; what is unsure is grey.
+LOOKS = {
+    SLOWER: style.Look(style.COLOURS[2], "^", "-"),
+    FASTER: style.Look(style.COLOURS[1], "s", "-"),
+    SAME: style.Look(style.COLOURS[0], "o", "-"),
+    UNSURE: style.Look("#6e6e6e", "D", "-"),
+}
+_LOG_FROM = 4.0
+_ROW, _TIGHT_ROW = 0.27, 0.22
+_TIGHT_FROM = 40
+_HEAD, _GAP = 0.34, 0.2
+_PLOT = 4.2
+
+
+@dataclass(frozen=True)
+class Item:
+    label: str
+    ratio: Estimate
+    word: str  # a verdict
+
+
+@dataclass(frozen=True)
+class Group:
+    title: str
+    items: tuple[Item, ...]
+
+
+@dataclass(frozen=True)
+class Data:
+    """`threshold`: differences up to here count as none; `axis` names the ratio."""
+
+    title: str
+    axis: str
+    caption: str
+    groups: tuple[Group, ...]
+    threshold: float
+
+
+def pages(groups: Sequence[Group], most: int) -> list[tuple[Group, ...]]:
+    """The groups in parts of at most `most` rows; a group that is longer is cut."""
+    parts: list[list[Group]] = [[]]
+    room = most
+    for group in groups:
+        items = group.items
+        while items:
+            if not room or (len(items) > room and room < most and len(items) <= most):
+                parts.append([])
+                room = most
+            title = group.title if len(items) == len(group.items) else f"{group.title} (continued)"
+            parts[-1].append(Group(title, items[:room]))
+            taken = min(room, len(items))
+            items, room = items[taken:], room - taken
+    return [tuple(part) for part in parts if part]
+
+
+def draw(data: Data) -> Figure:
+    texts = [
+        [f"{_ratio_text(item.ratio, data.threshold)} {item.word}" for item in group.items] for group in data.groups
+    ]
+    heading = f"{data.axis} [95 %]"
+
+    def widest(lines, weight: str = "normal") -> float:
+        return max(style.text_width(line, style.LABEL_SIZE, weight) for line in lines)
+
+    label_width = widest(item.label for group in data.groups for item in group.items)
+    title_width = widest((group.title for group in data.groups), "bold")
+    text_width = max(widest(text for group in texts for text in group), widest([heading], "bold"))
+    left = style.MARGIN + label_width + 0.3
+    plot_width = max(_PLOT, title_width + style.MARGIN - left)
+    pitch = _TIGHT_ROW if sum(len(group.items) for group in data.groups) >= _TIGHT_FROM else _ROW
+    heights = [_HEAD + pitch * len(group.items) for group in data.groups]
+    body = sum(heights) + _GAP * (len(heights) - 1) + 0.58
+    page = style.Page(left + plot_width + 0.2 + text_width + style.MARGIN, body, data.title, data.caption)
+    limits, log = _limits(data)
+    text_x, top = left + plot_width + 0.2, body
+    for group, group_texts, height in zip(data.groups, texts, heights, strict=True):
+        axes = page.axes(left, top - height, plot_width, height - _HEAD)
+        count = len(group.items)
+        axes.axvspan(1 - data.threshold, 1 + data.threshold, color="#e9e9e9", linewidth=0, zorder=0)
+        axes.axvline(1, color="#888888", linewidth=0.8, linestyle=(0, (4, 2)), zorder=1)
+        for index, item in enumerate(group.items):
+            y, centre = count - 1 - index, top - _HEAD - pitch * (index + 0.5)
+            axes.axhline(y, color="#e4e4e4", linewidth=0.7, zorder=0)
+            style.draw_row(axes, y, item.ratio, LOOKS[item.word])
+            page.text(left - 0.12, centre, item.label, size=style.LABEL_SIZE, va="center", ha="right")
+            page.text(text_x, centre, group_texts[index], size=style.LABEL_SIZE, va="center")
+        bold = {"size": style.LABEL_SIZE, "weight": "bold", "va": "center"}
+        page.text(style.MARGIN, top - _HEAD / 2, group.title, **bold)
+        page.text(text_x, top - _HEAD / 2, heading, **bold)
+        axes.set_ylim(-0.5, count - 0.5)
+        axes.yaxis.set_major_locator(NullLocator())
+        axes.spines["left"].set_visible(False)
+        _scale(axes, limits, log)
+        if group is data.groups[-1]:
+            axes.set_xlabel(data.axis + (", log scale" if log else ""))
+        else:
+            axes.tick_params(labelbottom=False)
+        top -= height + _GAP
+    return page.figure
+
+
+def _limits(data: Data) -> tuple[tuple[float, float], bool]:
+    """What the axis shows: everything, 1 and the band round it included."""
+    ends = [1 - data.threshold, 1 + data.threshold]
+    for group in data.groups:
+        for item in group.items:
+            ends += [end for end in (item.ratio.value, item.ratio.low, item.ratio.high) if end is not None]
+    low, high = min(ends), max(ends)
+    if low > 0 and high > _LOG_FROM * low:
+        return (low / 1.15, high * 1.15), True
+    return (low - 0.06 * (high - low), high + 0.06 * (high - low)), False
+
+
+def _scale(axes: Axes, limits: tuple[float, float], log: bool) -> None:
+    if log:
+        axes.set_xscale("log")
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if limits[1] < 60 * limits[0] else (1,)))
+        axes.xaxis.set_minor_locator(NullLocator())
+    else:
+        axes.xaxis.set_major_locator(MaxNLocator(5))
+    axes.set_xlim(limits)
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.grid(axis="x")
+
+
+def _ratio_text(estimate: Estimate, threshold: float) -> str:
+    return f"{numbers.ratio(estimate.value)} {interval_of_ratio(estimate, threshold)}".rstrip()

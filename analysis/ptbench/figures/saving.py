@@ -1,0 +1,102 @@
+"""Writes drawn pages: PNG with the few colours that a figure has, SVG with its text as text.
+
+Figures are committed beside the results that they show, so their size counts: as matplotlib writes them, a PNG has four
+bytes a pixel and an SVG spells every letter as a curve, which makes both about four times as large. The same data give
+the same bytes: no dates, no versions, no random ids.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from PIL import Image
+
+from ptbench.io.files import write_text, write_whole
+
+DPI = 200
+# How far a colour may be moved, of 255, so that few are left; of two, the more frequent one stays where it is.
+_TOLERANCE = 12
+_MOST_COLOURS = 256
+# Who lacks the first has, on most systems, the second, which is as wide; others are narrower, so that nothing overlaps.
+_FONTS = "'DejaVu Sans', Verdana, sans-serif"
+
+
+def save_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
+    """NAME.png and NAME.svg."""
+    return [
+        write_whole(
+            folder / f"{name}.png", lambda path: path.write_bytes(png_of(figure, DPI, few_colours=True)) and None
+        ),
+        write_text(folder / f"{name}.svg", svg_of(figure)),
+    ]
+
+
+def save_pictures(figure: Figure, target: Path, dpi: float) -> Path:
+    """A page of photographs as PNG, in all its colours."""
+    return write_whole(target, lambda path: path.write_bytes(png_of(figure, dpi, few_colours=False)) and None)
+
+
+def png_of(figure: Figure, dpi: float, *, few_colours: bool) -> bytes:
+    """The page as a PNG file; photographs need all their colours."""
+    with io.BytesIO() as drawn:
+        figure.savefig(drawn, format="png", dpi=dpi, pil_kwargs={"compress_level": 1})
+        # Nothing on a page is transparent: its paper is white.
+        image = Image.open(drawn).convert("RGB")
+    with io.BytesIO() as written:
+        (_in_few_colours(image) if few_colours else image).save(written, "PNG", optimize=True, dpi=(dpi, dpi))
+        return written.getvalue()
+
+
+def _in_few_colours(image: Image.Image) -> Image.Image:
+    """The most frequent colours as they are, every other as the nearest of those."""
+    pixels = np.asarray(image, dtype=np.int32)
+    codes = (pixels[..., 0] << 16) + (pixels[..., 1] << 8) + pixels[..., 2]
+    counts = np.bincount(codes.ravel())
+    there = np.flatnonzero(counts)
+    colours = np.stack([there >> 16, there >> 8 & 255, there & 255], axis=1)
+    by_frequency = colours[np.argsort(-counts[there], kind="stable")]
+    tolerance = _TOLERANCE
+    while (palette := _palette(by_frequency, tolerance)) is None:
+        tolerance *= 2
+    index_of = np.zeros(len(counts), np.uint8)
+    index_of[there] = np.abs(colours[:, None] - palette[None]).max(axis=2).argmin(axis=1)
+    reduced = Image.frombytes("P", image.size, index_of[codes].tobytes())
+    reduced.putpalette(palette.astype(np.uint8).tobytes())
+    return reduced
+
+
+def _palette(by_frequency: np.ndarray, tolerance: int) -> np.ndarray | None:
+    """Colours of which no two are within `tolerance`; None: there are too many."""
+    kept = by_frequency[:1]
+    for colour in by_frequency[1:]:
+        if np.abs(kept - colour).max(axis=1).min() > tolerance:
+            if len(kept) == _MOST_COLOURS:
+                return None
+            kept = np.concatenate([kept, colour[None]])
+    return kept
+
+
+def svg_of(figure: Figure) -> str:
+    """The page as an SVG document."""
+    with io.StringIO() as drawn:
+        figure.savefig(drawn, format="svg", metadata={"Date": None, "Creator": None, "Type": None, "Format": None})
+        text = drawn.getvalue()
+    # Only in what matplotlib writes, never in what the page says: tags have no text of ours in them.
+    return re.sub(r"<[^<>]*>", lambda tag: _shorter(tag[0]), text)
+
+
+def _shorter(tag: str) -> str:
+    """A tag with a hundredth of a point as its finest step, and with the fonts that may stand in for ours."""
+    tag = re.sub(r' transform="rotate\(-0 [^)]*\)"', "", tag)
+    tag = re.sub(r"font: ([^;\"]*)'DejaVu Sans'", lambda font: f"font: {font[1]}{_FONTS}", tag)
+    tag = tag.replace("font-family: 'DejaVu Sans'", f"font-family: {_FONTS}")
+    return re.sub(r"(?<![\w#.])-?\d+\.\d{3,}", lambda number: _rounded(number[0]), tag)
+
+
+def _rounded(number: str) -> str:
+    text = f"{float(number):.2f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text

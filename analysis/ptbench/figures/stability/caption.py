@@ -1,0 +1,13 @@
+"""What stands under every figure of stability."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ptbench.io.stability import Stability
+from ptbench.stability.summary import setting
+
+
+def caption(stability: Stability, what: str, remarks: Sequence[str] = ()) -> str:
+    notes = [] if stability.is_complete else [f"Note: the run is not complete ({stability.about('status')})."]
+    return "\n".join([what, *remarks, setting(stability), *notes])

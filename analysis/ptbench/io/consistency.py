@@ -1,0 +1,252 @@
+"""What contradicts itself in a file whose every value may be: samples twice or missing, films that differ.
+
+The types have to be right; a complaint names the place, the cell, what was found and what is allowed.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from ptbench.io.nodes import Node, shown
+
+# Google Benchmark appends how it ran a benchmark to its name; ours is the part before.
+_BENCHMARK_SUFFIX = re.compile(
+    r"(/(iterations|repeats|min_time|min_warmup_time|threads):[^/]*|/(manual|real|process)_time)+$"
+)
+# Times of a sample: a render takes longer than no time.
+TIMES = ("real_time", "pt_wall_ms", "pt_device_ms", "pt_end_to_end_ms")
+# Each of these tells a sample from the others of its cell.
+_OWN = ("repetition_index", "pt_seed", "pt_order")
+_MOST_NAMED = 3
+
+
+@dataclass(frozen=True)
+class Contradiction:
+    place: str
+    found: str
+    allowed: str
+
+    def __str__(self) -> str:
+        return f"{self.place}: found {self.found}, allowed: {self.allowed}"
+
+
+def cell_of(row: Node, known: Mapping[str, object]) -> str:
+    """The name of the row's cell, one of `known`; raises InputError."""
+    named = row.maybe("run_name") or row.need("name")
+    cell = named.name() if named.name() in known else _BENCHMARK_SUFFIX.sub("", named.name())
+    if cell not in known:
+        raise named.wrong("the name of a cell in $.ptbench.cells")
+    return cell
+
+
+def is_failure(row: Node) -> bool:
+    """Whether a row stands for a cell or a repetition that failed, and has no times."""
+    occurred = row.maybe("error_occurred")
+    return occurred is not None and occurred.value is not False
+
+
+@dataclass(frozen=True)
+class _Cell:
+    """A cell and the rows of its samples."""
+
+    node: Node
+    samples: Sequence[Node]
+    failed: bool
+
+    @property
+    def shown(self) -> str:
+        return f'the cell "{self.node.need("cell").text()}"'
+
+    @property
+    def status(self) -> str:
+        return self.node.need("status").text()
+
+
+def contradictions(root: Node) -> Iterator[Contradiction]:
+    names: set[str] = set()
+    for node in root.need("ptbench").need("cells").items():
+        name = node.need("cell")
+        if name.text() in names:
+            yield Contradiction(name.place, f"{shown(name.text(), whole=True)} again", "each name once")
+        names.add(name.text())
+    cells = _cells(root)
+    run = root.need("ptbench").maybe("run")
+    asked = None if run is None else run.optional_integer("repetitions")
+    status = root.need("context").maybe("ptbench.status")
+    for cell in cells:
+        for row in cell.samples:
+            yield from times_of(row, cell.shown)
+        yield from _twice(cell)
+        if not cell.failed:
+            yield from _missing(cell, asked)
+        if cell.status == "interrupted" and status is not None and status.value == "completed":
+            place = f"{cell.node.place}.status"
+            yield Contradiction(place, f"{cell.shown} interrupted", "ok or failed: the run is completed")
+    yield from _films(cells, None if run is None else run.optional_integer("seed"))
+
+
+def _cells(root: Node) -> list[_Cell]:
+    nodes = {node.need("cell").text(): node for node in root.need("ptbench").need("cells").items()}
+    samples: dict[str, list[Node]] = {name: [] for name in nodes}
+    failed = {name for name, node in nodes.items() if node.need("status").value == "failed"}
+    for row in root.need("benchmarks").items():
+        if row.need("run_type").value == "aggregate":
+            continue
+        if is_failure(row):
+            failed.add(cell_of(row, nodes))
+        else:
+            samples[cell_of(row, nodes)].append(row)
+    return [_Cell(node, samples[name], name in failed) for name, node in nodes.items()]
+
+
+def times_of(row: Node, cell: str) -> Iterator[Contradiction]:
+    """The row's times that are none; whether they are numbers, others say."""
+    for key in TIMES:
+        value = row.fields().get(key)
+        if isinstance(value, (int, float)) and not isinstance(value, bool) and not value > 0:
+            yield Contradiction(f"{row.place}.{key}", f"{shown(value)} in {cell}", "a time above 0")
+
+
+def _twice(cell: _Cell) -> Iterator[Contradiction]:
+    taken: dict[str, dict[int, Node]] = {key: {} for key in _OWN}
+    for row in cell.samples:
+        own = {key: row.need(key).integer() for key in _OWN if row.maybe(key) is not None}
+        again = next((key for key, value in own.items() if value in taken[key]), None)
+        if again is not None:
+            first = taken[again][own[again]].place
+            found = f"{own[again]}, which {first} has, in {cell.shown}"
+            yield Contradiction(f"{row.place}.{again}", found, "each sample of a cell once")
+        for key, value in own.items():
+            taken[key].setdefault(value, row)
+
+
+def _missing(cell: _Cell, asked: int | None) -> Iterator[Contradiction]:
+    """An `ok` cell has all samples, an interrupted one the first ones."""
+    wanted = asked
+    for row in cell.samples:
+        named = row.maybe("repetitions")
+        if named is None:
+            continue
+        if wanted is not None and named.integer() != wanted:
+            found = f"{named.integer()} in {cell.shown}"
+            yield Contradiction(named.place, found, f"{wanted}, as the file has it of the others")
+            return
+        wanted = named.integer()
+    indices = [row.maybe("repetition_index") for row in cell.samples]
+    there = {index.integer() for index in indices if index is not None}
+    if not cell.samples:
+        if cell.status == "ok":
+            yield Contradiction(cell.node.place, f"no sample of {cell.shown}, which is ok", "all of its repetitions")
+        return
+    if None in indices:
+        return
+    whole = cell.status == "ok" and wanted is not None
+    gaps = [index for index in range(wanted if whole else max(there) + 1) if index not in there]
+    if gaps:
+        more = f" and {len(gaps) - _MOST_NAMED} more" if len(gaps) > _MOST_NAMED else ""
+        which = f"{', '.join(map(str, gaps[:_MOST_NAMED]))}{more}"
+        found = f"no sample {which} of {cell.shown}, which is {cell.status} and has {len(there)}"
+        allowed = f"samples 0 to {wanted - 1}" if whole else "samples from 0 on without a gap"
+        yield Contradiction(cell.node.place, found, allowed)
+    elif wanted is not None and max(there) >= wanted:
+        found = f"sample {max(there)} of {cell.shown}"
+        yield Contradiction(cell.node.place, found, f"samples 0 to {wanted - 1}: {wanted} were asked for")
+
+
+# A film: what must leave the same one, the seed, and the samples in every pixel so far.
+_Film = tuple[object, int | None, int | None]
+
+
+def _films(cells: Iterable[_Cell], first_seed: int | None) -> Iterator[Contradiction]:
+    """Films that must be equal bit for bit and are not.
+
+    Cells that claim the reference's bits leave one film where scene, backend, size, depth and samples agree, seed by
+    seed. A variant that rounds freely claims a mean, so it is held to no other; only its sample's film to the last
+    checkpoint's, which is the same film.
+    """
+    known: dict[_Film, tuple[str, _Cell]] = {}
+    for cell in cells:
+        if cell.failed:  # that its film differs may be why
+            continue
+        bitwise = cell.node.need("claim").value == "bitwise" if cell.node.maybe("claim") is not None else False
+        group: object = _settings(cell.node) if bitwise else cell.node.need("cell").text()
+        films = [film for row in cell.samples for film in _films_of(row)]
+        if bitwise:
+            films += _first_film(cell, first_seed)
+        for (seed, spp), node in films:
+            value, owner = known.setdefault((group, seed, spp), (node.text(), cell))
+            if node.value != value:
+                found = f"{shown(node.value)} in {cell.shown}"
+                allowed = f"{shown(value)}, the film of the same seed in {owner.shown}"
+                yield Contradiction(node.place, found, allowed)
+
+
+def _settings(cell: Node) -> tuple:
+    named = (cell.need(key).value for key in ("scene", "backend", "depth", "spp"))
+    return (*named, cell.optional_text("scene_hash"), *(side.integer() for side in cell.need("resolution").items()))
+
+
+def _films_of(row: Node) -> Iterator[tuple[tuple[int | None, int | None], Node]]:
+    """The films of a sample: its last one, and those at its checkpoints."""
+    seed = row.optional_integer("pt_seed")
+    if seed is None:
+        return
+    spp = row.optional_integer("pt_spp")
+    checkpoints = row.maybe("pt_checkpoints")
+    for node in () if checkpoints is None else checkpoints.items():
+        if node.optional_text("film_hash"):
+            yield (seed, node.optional_integer("spp")), node.need("film_hash")
+    if row.optional_text("film_hash"):
+        yield (seed, spp), row.need("film_hash")
+
+
+def _first_film(cell: _Cell, first_seed: int | None) -> list[tuple[tuple[int | None, int | None], Node]]:
+    """The instrumented pass's, with the run's first seed."""
+    if not cell.node.optional_text("film_hash"):
+        return []
+    if first_seed is None:
+        seeds = (
+            row.need("pt_seed").integer() - row.need("repetition_index").integer()
+            for row in cell.samples
+            if row.maybe("pt_seed") is not None and row.maybe("repetition_index") is not None
+        )
+        first_seed = next(seeds, None)
+    instrumented = cell.node.maybe("instrumented")
+    spp = None if instrumented is None else instrumented.optional_integer("spp")
+    return [((first_seed, spp), cell.node.need("film_hash"))]
+
+
+class JournalBook:
+    """What a journal's lines say together; they are entered in their order."""
+
+    def __init__(self) -> None:
+        self._identity: Node | None = None
+        self._seeds: dict[str, dict[int, Node]] = {}
+
+    def enter(self, line: Node) -> Iterator[Contradiction]:
+        kind = line.need("type").value
+        if kind == "run" and self._identity is None:
+            self._identity = line.need("identity")
+        elif kind == "run":
+            yield Contradiction(f"{line.place}.type", '"run" again', "one run a journal")
+        elif kind == "sample" and self._identity is not None:
+            yield from self._sample(line.need("cell").text(), line.need("sample"))
+
+    def _sample(self, name: str, sample: Node) -> Iterator[Contradiction]:
+        """A cell's samples have the seeds from the run's first one on, in their order."""
+        cell = f'the cell "{name}"'
+        seeds = self._seeds.setdefault(name, {})
+        seed = sample.need("pt_seed")
+        wanted = self._identity.need("seed").integer() + len(seeds)
+        if seed.integer() in seeds:
+            found = f"{seed.integer()}, which {seeds[seed.integer()].place} has, in {cell}"
+            yield Contradiction(seed.place, found, "each sample of a cell once")
+        elif seed.integer() != wanted:
+            yield Contradiction(seed.place, f"{seed.integer()} in {cell}", f"{wanted}, its next sample's")
+        elif len(seeds) == self._identity.need("repetitions").integer():
+            found = f"sample {len(seeds)} of {cell}"
+            yield Contradiction(sample.place, found, f"samples 0 to {len(seeds) - 1}: {len(seeds)} were asked for")
+        yield from times_of(sample, cell)
+        seeds.setdefault(seed.integer(), sample)

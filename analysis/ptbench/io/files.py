@@ -1,0 +1,176 @@
+"""Reads regular files of a limited size, and writes regular files whole or not at all.
+
+A file is written under a temporary name in the same folder first, then renamed.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import re
+import stat
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from importlib import resources
+from pathlib import Path
+
+from ptbench.errors import InputError, bad_value
+
+# The largest files that are read, as in the program: the largest committed result has 20 MB, and parsed a result takes
+# about ten times its size in memory.
+LARGEST_RESULT = 1 << 30
+LARGEST_INPUT = 64 << 20
+# 9459x9459 pixels of three floats.
+LARGEST_IMAGE = 1 << 30
+
+_NO_REGULAR_FILE = "no regular file (a device, a pipe or a socket)"
+_A_NEW_FILE = "a file, new or regular"
+_IN_WORDS = {
+    errno.ENOENT: "no such file",
+    errno.ENOTDIR: "a path through a file that is no folder",
+    errno.EACCES: "no permission",
+    errno.EPERM: "no permission",
+    errno.ELOOP: "a link that leads to itself",
+}
+
+
+def package_file(*parts: str) -> Path:
+    """A file or folder that comes with the package, in a checkout and where pip put it."""
+    return Path(str(resources.files("ptbench").joinpath(*parts)))
+
+
+def read_whole(path: Path, largest: int = LARGEST_INPUT) -> bytes:
+    """The content of the regular file that `path` names or links to; raises InputError."""
+    try:
+        # Before it is opened: opening a device may do something.
+        _check_kind(path, os.stat(path), largest)
+        # Without waiting for a writer, should a pipe have taken the name since.
+        with open(path, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as file:
+            status = os.fstat(file.fileno())
+            _check_kind(path, status, largest)
+            # The whole file and one byte more, at which its end shows; then piece by piece if it has grown.
+            data = file.read(status.st_size + 1)
+            while len(data) > status.st_size and len(data) <= largest and (more := file.read(1 << 16)):
+                data += more
+    except OSError as error:
+        raise _unreadable(path, _reason(path, error), largest) from error
+    except ValueError as error:  # a null character in the name
+        raise _unreadable(path, "a name that no file can have", largest) from error
+    if len(data) > largest:
+        raise _unreadable(path, "more bytes than when it was opened, too large", largest)
+    return data
+
+
+def _reason(path: Path, error: OSError) -> str:
+    if error.errno == errno.ENOENT and os.path.islink(path):
+        return "a link to nothing"
+    return _IN_WORDS.get(error.errno, error.strerror or str(error))
+
+
+def _check_kind(path: Path, status: os.stat_result, largest: int) -> None:
+    if stat.S_ISDIR(status.st_mode):
+        raise _unreadable(path, "a folder", largest)
+    if not stat.S_ISREG(status.st_mode):
+        raise _unreadable(path, _NO_REGULAR_FILE, largest)
+    if status.st_size > largest:
+        raise _unreadable(path, f"{status.st_size} bytes, too large", largest)
+
+
+def _unreadable(path: Path, found: str, largest: int) -> InputError:
+    return bad_value(path, "the file", found, f"a regular file of at most {largest >> 20} MiB that can be read")
+
+
+def make_folder(folder: Path) -> None:
+    check_output_folder(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise bad_value(folder, "output folder", _reason(folder, error), "a folder that can be made") from error
+
+
+def check_output_folder(folder: Path) -> None:
+    """Raises InputError where something else has the name already."""
+    if os.path.lexists(folder) and not os.path.isdir(folder):
+        found = "a link to nothing" if not os.path.exists(folder) else "a file, which is no folder"
+        raise bad_value(folder, "output folder", found, "a folder that can be made")
+
+
+def check_output_file(target: Path) -> None:
+    """Raises InputError where something that is no regular file has the name already."""
+    try:
+        mode = os.stat(target).st_mode
+    except OSError as error:
+        if error.errno == errno.ENOENT and not os.path.islink(target):
+            return
+        raise bad_value(target, "output file", _reason(target, error), _A_NEW_FILE) from error
+    if not stat.S_ISREG(mode):
+        raise bad_value(target, "output file", "a folder" if stat.S_ISDIR(mode) else _NO_REGULAR_FILE, _A_NEW_FILE)
+
+
+def write_whole(target: Path, write: Callable[[Path], None]) -> Path:
+    """Lets `write` fill a temporary file that becomes `target` only when it is complete.
+
+    A link stays, and the file that it leads to is replaced: who keeps results elsewhere by a link means that place.
+    """
+    check_output_file(target)
+    final = _behind_links(target)
+    try:
+        descriptor, name = tempfile.mkstemp(dir=final.parent, prefix=f".{final.stem}-", suffix=final.suffix)
+    except OSError as error:
+        raise InputError(
+            f"{final.parent}: output folder: found {error.strerror or error}, allowed: a folder that can be written"
+        ) from error
+    os.close(descriptor)
+    temporary = Path(name)
+    try:
+        write(temporary)
+        # mkstemp makes private files; figures are meant to be shared like any other file.
+        umask = os.umask(0)
+        os.umask(umask)
+        temporary.chmod(0o666 & ~umask)
+        os.replace(temporary, final)
+    except OSError as error:
+        raise bad_value(target, "output file", error.strerror or str(error), "a name that can be written") from error
+    finally:
+        temporary.unlink(missing_ok=True)
+    return target
+
+
+def move_whole(source: Path, target: Path) -> None:
+    """Gives a finished file its name, as write_whole does."""
+    check_output_file(target)
+    try:
+        os.replace(source, _behind_links(target))
+    except OSError as error:
+        raise bad_value(target, "output file", error.strerror or str(error), "a name that can be written") from error
+
+
+def _behind_links(target: Path) -> Path:
+    return Path(os.path.realpath(target)) if target.is_symlink() else target
+
+
+@contextmanager
+def scratch_folder(folder: Path) -> Iterator[Path]:
+    """A folder in `folder` for files that are not finished, which is gone afterwards."""
+    try:
+        made = tempfile.TemporaryDirectory(dir=folder, prefix=".render-")
+    except OSError as error:
+        raise bad_value(folder, "output folder", _reason(folder, error), "a folder that can be written") from error
+    with made as name:
+        yield Path(name)
+
+
+def write_text(target: Path, text: str) -> Path:
+    # A file's name on the command line need not be UTF-8.
+    data = text.encode("utf-8", "backslashreplace")
+    return write_whole(target, lambda temporary: temporary.write_bytes(data) and None)
+
+
+def safe_name(text: str) -> str:
+    """`text` as a file name: a study or suite name must not reach another folder."""
+    return re.sub(r"[^A-Za-z0-9_.-]+", "_", text).strip(".") or "unnamed"
+
+
+def one_line(text: str) -> str:
+    return " ".join(text.split())

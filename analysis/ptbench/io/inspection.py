@@ -1,0 +1,164 @@
+"""Loads what `ptbench inspect --counters` measured of a variant's kernels, and what in it makes a ray dearer.
+
+A kernel's time a ray is its warp instructions a ray over the rate at which they are issued, and its warp instructions
+are thread instructions over active lanes. So the ratio of two kernels' times a ray is exactly the product of three:
+thread instructions a ray, 1 / active lanes, 1 / issued of the ceiling.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from ptbench.errors import bad_value
+from ptbench.io.cells import Cell
+from ptbench.io.nodes import Node, read_json, shown
+from ptbench.io.older import before, filled_in
+
+_ROBUST = f".{before('robustness')}"  # the last axis, which older files lack
+# A field that is so much a ray or the like: X_per_Y, in files of commit ede9627 and before X_a_Y.
+_RATE = re.compile(r"_(a|per)_(?:ray|block|multiprocessor|second)$")
+_MEASURED = (
+    "achieved_occupancy",
+    "active_lanes",
+    "warp_instructions_per_ray",
+    "thread_instructions_per_ray",
+    "memory_bytes_per_ray",
+)
+
+
+@dataclass(frozen=True)
+class KernelCounters:
+    """One kernel of one variant; counters are None where inspect ran without a GPU."""
+
+    name: str
+    registers: int
+    spill_bytes: int
+    occupancy: float
+    achieved_occupancy: float | None = None
+    active_lanes: float | None = None
+    warp_instructions_per_ray: float | None = None
+    thread_instructions_per_ray: float | None = None
+    memory_bytes_per_ray: float | None = None
+    of_ceiling: dict[str, float] | None = None
+    bound: str = ""
+
+
+@dataclass(frozen=True)
+class Inspected:
+    scene: str
+    variant: str
+    kernels: tuple[KernelCounters, ...]
+    file: Path
+
+
+def load_inspected(path: Path) -> list[Inspected]:
+    """The file's entries; raises InputError."""
+    root = read_json(path)
+    word = _word_of_rates(root)
+    return [
+        Inspected(
+            scene=node.need("scene").name(),
+            variant=node.need("variant").name(),
+            kernels=tuple(_kernel(kernel, word) for kernel in node.need("kernels").items()),
+            file=path,
+        )
+        for node in root.items()
+    ]
+
+
+def _word_of_rates(root: Node) -> str:
+    """Which of "a" and "per" the file's fields have; raises InputError where some have one and some the other."""
+    word = ""
+    for node in _with_rates(root):
+        for rate in filter(None, map(_RATE.search, node.fields())):
+            word = word or rate[1]
+            if rate[1] != word:
+                allowed = f"X_{word}_Y, as before it in the file"
+                raise bad_value(root.file, node.place, f"the key {shown(rate.string)}", allowed)
+    return word or "per"
+
+
+def _with_rates(root: Node) -> Iterator[Node]:
+    """The objects that have such fields."""
+    for report in root.items():
+        kernels = list(report.need("kernels").items())
+        yield from kernels
+        counted = [kernel.maybe("counters") for kernel in kernels]
+        yield from (node for node in (*counted, report.maybe("ceilings")) if node is not None)
+
+
+def _kernel(node: Node, word: str) -> KernelCounters:
+    static = {
+        "name": node.need("name").name(),
+        "registers": node.need("registers").integer(),
+        "spill_bytes": (node.optional_integer("spill_store_bytes") or 0)
+        + (node.optional_integer("spill_load_bytes") or 0),
+        "occupancy": node.need("occupancy").number(),
+    }
+    counters = node.maybe("counters")
+    if counters is None or not counters.fields():
+        return KernelCounters(**static)
+    ceiling = counters.maybe("of_ceiling")
+    return KernelCounters(
+        **static,
+        **{name: counters.need(name.replace("_per_", f"_{word}_")).number() for name in _MEASURED},
+        of_ceiling=None if ceiling is None else {key: ceiling.need(key).number() for key in ceiling.fields()},
+        bound=counters.optional_text("bound"),
+    )
+
+
+def inspected_of(cell: Cell, entries: list[Inspected]) -> Inspected | None:
+    """The entry of the cell's scene and variant, whichever axes the two files are too old to name."""
+    names = {_plain(cell.variant), _plain(".".join(cell.axes.values()) + _tunables(cell.variant))}
+    # The axes that a file lacks stand after the same one in every name.
+    later = filled_in()
+    without = [choice for name, choice in cell.axes.items() if later.get(name) != choice]
+    names.add(_plain(".".join(without) + _tunables(cell.variant)))
+    return next((e for e in entries if e.scene == cell.scene and _plain(e.variant) in names), None)
+
+
+def _tunables(variant: str) -> str:
+    _, plus, tuned = variant.partition("+")
+    return plus + tuned
+
+
+def _plain(variant: str) -> str:
+    name, plus, tuned = variant.partition("+")
+    return name.removesuffix(_ROBUST) + plus + tuned
+
+
+@dataclass(frozen=True)
+class PriceOfARay:
+    """Ratios, B over A; their product is `time`."""
+
+    instructions: float
+    lanes: float  # of 1 / active lanes
+    issue: float  # of 1 / the share of the issue ceiling
+
+    @property
+    def time(self) -> float:
+        return self.instructions * self.lanes * self.issue
+
+
+def price_of_a_ray(a: Inspected, b: Inspected) -> PriceOfARay | None:
+    """Why a ray costs more in B; None unless each is one kernel with counters."""
+    if len(a.kernels) != 1 or len(b.kernels) != 1:
+        return None
+    one, other = a.kernels[0], b.kernels[0]
+    values = [
+        value
+        for kernel in (one, other)
+        for value in (
+            kernel.thread_instructions_per_ray,
+            kernel.warp_instructions_per_ray,
+            (kernel.of_ceiling or {}).get("issue"),
+        )
+    ]
+    if not all(values):
+        return None
+    threads_a, warps_a, issue_a, threads_b, warps_b, issue_b = values
+    # Lanes from the two instruction counts, so that the product is exact.
+    return PriceOfARay(threads_b / threads_a, (warps_b / threads_b) / (warps_a / threads_a), issue_a / issue_b)

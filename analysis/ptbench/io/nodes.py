@@ -1,0 +1,143 @@
+"""JSON values that know where they stand, so that every complaint about a file names the file and the place."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from ptbench.errors import InputError, bad_value
+from ptbench.io.files import LARGEST_RESULT, read_whole
+
+
+def shown(value: object, *, whole: bool = False) -> str:
+    """A JSON value as a short piece of one line, or as a long one."""
+    text = json.dumps(value, ensure_ascii=False)
+    return text if whole or len(text) <= 60 else text[:57] + "..."
+
+
+class Node:
+    """A JSON value that knows its file and its place, so that every complaint can name both."""
+
+    def __init__(self, file: Path, value: object, place: str = "$"):
+        self.file, self.value, self.place = file, value, place
+
+    def wrong(self, allowed: str) -> InputError:
+        return bad_value(self.file, self.place, shown(self.value), allowed)
+
+    def need(self, key: str) -> Node:
+        fields = self.fields()
+        if key not in fields:
+            raise bad_value(self.file, f"{self.place}.{key}", "nothing", "this key is required")
+        return Node(self.file, fields[key], f"{self.place}.{key}")
+
+    def maybe(self, key: str) -> Node | None:
+        value = self.fields().get(key)
+        return None if value is None else Node(self.file, value, f"{self.place}.{key}")
+
+    def fields(self) -> dict:
+        if not isinstance(self.value, dict):
+            raise self.wrong("an object")
+        return self.value
+
+    def items(self) -> Iterator[Node]:
+        if not isinstance(self.value, list):
+            raise self.wrong("an array")
+        return (Node(self.file, item, f"{self.place}[{index}]") for index, item in enumerate(self.value))
+
+    def text(self) -> str:
+        if not isinstance(self.value, str):
+            raise self.wrong("a string")
+        return self.value
+
+    def name(self) -> str:
+        if not self.text():
+            raise self.wrong("a string that is not empty")
+        return self.text()
+
+    def one_of(self, choices: tuple[str, ...]) -> str:
+        if self.value not in choices:
+            raise self.wrong(" or ".join(shown(choice) for choice in choices))
+        return self.value
+
+    def number(self, *, above_zero: bool = False, signed: bool = False) -> float:
+        allowed = "a finite number" + ("" if signed else " above 0" if above_zero else " of at least 0")
+        value = self._finite(allowed)
+        if (value < 0 and not signed) or (above_zero and value == 0):
+            raise self.wrong(allowed)
+        return value
+
+    def integer(self, minimum: int = 0) -> int:
+        # Google Benchmark writes every counter as a double: 4.0 is the integer 4.
+        allowed = f"an integer of at least {minimum}"
+        value = self._finite(allowed)
+        if value != int(value) or value < minimum:
+            raise self.wrong(allowed)
+        # A seed of 64 bits is more than a double holds.
+        return self.value if isinstance(self.value, int) else int(value)
+
+    def _finite(self, allowed: str) -> float:
+        if isinstance(self.value, bool) or not isinstance(self.value, (int, float)):
+            raise self.wrong(allowed)
+        try:
+            value = float(self.value)
+        except OverflowError:  # an integer of hundreds of digits
+            value = math.inf
+        if not math.isfinite(value):
+            raise self.wrong(allowed)
+        return value
+
+    def texts(self) -> dict[str, str]:
+        return {key: Node(self.file, value, f"{self.place}.{key}").text() for key, value in self.fields().items()}
+
+    def integers(self) -> dict[str, int]:
+        return {key: Node(self.file, value, f"{self.place}.{key}").integer() for key, value in self.fields().items()}
+
+    def optional_text(self, key: str, default: str = "") -> str:
+        node = self.maybe(key)
+        return default if node is None else node.text()
+
+    def optional_integer(self, key: str) -> int | None:
+        node = self.maybe(key)
+        return None if node is None else node.integer()
+
+    def optional_number(self, key: str) -> float | None:
+        node = self.maybe(key)
+        return None if node is None else node.number()
+
+
+def read_json(path: Path, largest: int = LARGEST_RESULT) -> Node:
+    """Parses strictly: NaN, Infinity and halves of characters, which Python's parser takes, are not JSON."""
+
+    def refuse(constant: str) -> None:
+        raise bad_value(path, "a value", constant, "finite numbers only")
+
+    try:
+        text = read_whole(path, largest).decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise bad_value(path, f"byte {error.start}", "bytes that are not UTF-8", "JSON in UTF-8") from error
+    try:
+        value = json.loads(text, parse_constant=refuse)
+    except json.JSONDecodeError as error:
+        place = f"line {error.lineno} column {error.colno}"
+        raise bad_value(path, place, f"no valid JSON ({error.msg})", "one complete JSON value") from error
+    except (RecursionError, ValueError) as error:
+        raise bad_value(path, "the file", "JSON nested too deeply or a number too long", "plain JSON") from error
+    if _HALF_ESCAPED.search(text) and (half := _half_of_a_character(value)):
+        raise bad_value(path, "a string", f"half of a character ({half})", "whole characters")
+    return Node(path, value)
+
+
+# An escape of a character's half; whole characters have two in a row.
+_HALF_ESCAPED = re.compile(r"\\u[dD][89a-fA-F]")
+
+
+def _half_of_a_character(value: object) -> str:
+    """The first one in the value's strings, escaped; empty: there is none."""
+    try:
+        json.dumps(value, ensure_ascii=False).encode("utf-8")
+    except UnicodeEncodeError as error:
+        return f"\\u{ord(error.object[error.start]):04x}"
+    return ""

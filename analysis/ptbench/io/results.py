@@ -1,0 +1,250 @@
+"""Loads a ptbench result file (schema version 1) into the objects of `ptbench.io.cells`.
+
+A result file is Google Benchmark JSON plus a top-level key "ptbench". Everything that a figure or a table says comes
+from here. What is wrong in a file is told with the file, the JSON path, what was found and what is allowed; keys that
+this version does not know are ignored, so that a newer harness may add some.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from ptbench.errors import bad_value
+from ptbench.io.cells import (
+    CELL_STATUSES,
+    CLAIMS,
+    RUN_STATUSES,
+    STUDY_TYPES,
+    WORK_COUNTERS,
+    Cell,
+    Cuda,
+    Instrumented,
+    Kernel,
+    NotApplicable,
+    Result,
+    Sample,
+    Study,
+)
+from ptbench.io.consistency import Contradiction, cell_of, contradictions, is_failure, times_of
+from ptbench.io.convergence import check_checkpoints, checkpoints_of, convergence_of
+from ptbench.io.nodes import Node, read_json, shown
+from ptbench.io.older import SCHEMA_VERSIONS, with_later_axes
+
+
+def load(path: Path | str) -> Result:
+    """The result file at `path`, checked; raises InputError."""
+    return result_of(read_json(Path(path)))
+
+
+def result_of(root: Node) -> Result:
+    """The file's content, checked; raises InputError."""
+    context = _context(root.need("context"))
+    ptbench = root.need("ptbench")
+    studies = tuple(_study(node) for node in ptbench.need("studies").items())
+    _refuse_twins(ptbench.need("studies"), [study.name for study in studies], "name")
+    samples, errors = _samples(root.need("benchmarks"), ptbench.need("cells"))
+    study_names = tuple(study.name for study in studies)
+    cells = tuple(_cell(node, study_names, samples, errors) for node in ptbench.need("cells").items())
+    _refuse_twins(ptbench.need("cells"), [cell.name for cell in cells], "cell")
+    _refuse(root, contradictions(root))
+    absent = ptbench.maybe("not_applicable")
+    baselines = ptbench.maybe("baselines")
+    return Result(
+        path=root.file,
+        context=context,
+        studies=studies,
+        cells=cells,
+        not_applicable=() if absent is None else tuple(_not_applicable(node) for node in absent.items()),
+        baselines={} if baselines is None else baselines.texts(),
+    )
+
+
+def _refuse(node: Node, found: Iterable[Contradiction]) -> None:
+    for one in found:
+        raise bad_value(node.file, one.place, one.found, one.allowed)
+
+
+def _context(node: Node) -> dict[str, str]:
+    node.need("ptbench.schema_version").one_of(SCHEMA_VERSIONS)
+    status = node.maybe("ptbench.status")
+    if status is not None:
+        status.one_of(RUN_STATUSES)
+    ours = (key for key in node.fields() if key.startswith("ptbench."))
+    context = {key: node.need(key).text() for key in ours}
+    context["date"] = node.optional_text("date")
+    return context
+
+
+def _refuse_twins(array: Node, names: list[str], key: str) -> None:
+    seen: set[str] = set()
+    for index, name in enumerate(names):
+        if name in seen:
+            raise bad_value(array.file, f"{array.place}[{index}].{key}", f"{shown(name)} again", "each name once")
+        seen.add(name)
+
+
+def _study(node: Node) -> Study:
+    kind = node.maybe("type")
+    return Study(
+        name=node.need("name").name(),
+        figure=node.optional_text("figure"),
+        title=node.optional_text("title"),
+        type="time" if kind is None else kind.one_of(STUDY_TYPES),
+    )
+
+
+def _samples(rows: Node, cells: Node) -> tuple[dict[str, list[Sample]], dict[str, list[tuple[int, str]]]]:
+    """Samples, and (repetition, error message), by cell name; Google Benchmark's own aggregates are left alone."""
+    known = [cell.need("cell").name() for cell in cells.items()]
+    samples: dict[str, list[Sample]] = {name: [] for name in known}
+    errors: dict[str, list[tuple[int, str]]] = {name: [] for name in known}
+    for row in rows.items():
+        if row.need("run_type").one_of(("iteration", "aggregate")) == "aggregate":
+            continue
+        cell = cell_of(row, samples)
+        if is_failure(row):
+            errors[cell].append((row.optional_integer("repetition_index") or 0, row.optional_text("error_message")))
+        else:
+            _refuse(row, times_of(row, f'the cell "{cell}"'))
+            samples[cell].append(_sample(row))
+    for taken in samples.values():
+        taken.sort(key=lambda sample: sample.repetition)
+    return samples, errors
+
+
+def _sample(row: Node) -> Sample:
+    low = row.maybe("pt_low_clock")
+    contended = row.maybe("pt_contended")
+    unknown = row.maybe("pt_clock_unknown")
+    is_known = unknown is None or unknown.one_of((0, 1)) == 0
+    return Sample(
+        repetition=row.optional_integer("repetition_index") or 0,
+        wall_ms=row.need("pt_wall_ms").number(above_zero=True),
+        spp=row.need("pt_spp").integer(minimum=1),
+        rays=row.need("pt_rays").number(),
+        paths=row.need("pt_paths").number(),
+        device_ms=row.optional_number("pt_device_ms"),
+        cpu_ms=_cpu_ms(row),
+        foreign_cpu_ms=_signed(row, "pt_foreign_cpu_ms"),
+        involuntary_switches=row.optional_integer("pt_involuntary_switches"),
+        checkpoints=checkpoints_of(row),
+        end_to_end_ms=row.optional_number("pt_end_to_end_ms"),
+        seed=row.optional_integer("pt_seed"),
+        order=row.optional_integer("pt_order"),
+        timestamp=row.optional_number("pt_timestamp"),
+        clock_mhz_before=row.optional_number("pt_clock_mhz_before") if is_known else None,
+        clock_mhz_after=row.optional_number("pt_clock_mhz_after") if is_known else None,
+        film_hash=row.optional_text("film_hash"),
+        low_clock=low is not None and low.number() != 0,
+        contended=contended is not None and contended.number() != 0,
+        work={key: row.need(f"pt_{key}").number() for key in WORK_COUNTERS if row.maybe(f"pt_{key}") is not None},
+    )
+
+
+def _cpu_ms(row: Node) -> float | None:
+    """The process's CPU time of the render, all threads: Google Benchmark's own key, if it is in milliseconds."""
+    return row.optional_number("cpu_time") if row.optional_text("time_unit") == "ms" else None
+
+
+def _signed(row: Node, key: str) -> float | None:
+    node = row.maybe(key)
+    return None if node is None else node.number(signed=True)
+
+
+def _cell(
+    node: Node,
+    study_names: tuple[str, ...],
+    samples: dict[str, list[Sample]],
+    errors: dict[str, list[tuple[int, str]]],
+) -> Cell:
+    name = node.need("cell").name()
+    resolution = [item.integer(minimum=1) for item in node.need("resolution").items()]
+    if len(resolution) != 2:
+        raise node.need("resolution").wrong("[width, height]")
+    studies = node.maybe("studies")
+    claim = node.maybe("claim")
+    instrumented = node.maybe("instrumented")
+    tunables, counters, cuda = node.maybe("tunables"), node.maybe("counters"), node.maybe("cuda")
+    convergence = convergence_of(node)
+    if convergence is not None:
+        check_checkpoints(node, convergence, samples[name])
+    return Cell(
+        name=name,
+        studies=() if studies is None else tuple(item.one_of(study_names) for item in studies.items()),
+        scene=node.need("scene").name(),
+        scene_hash=node.optional_text("scene_hash"),
+        backend=node.need("backend").name(),
+        variant=node.need("variant").name(),
+        axes=with_later_axes(node.need("axes").texts()),
+        resolution=(resolution[0], resolution[1]),
+        depth=node.need("depth").integer(minimum=1),
+        spp=node.need("spp").integer(minimum=1),
+        status=node.need("status").one_of(CELL_STATUSES),
+        reason=node.optional_text("reason"),
+        claim="" if claim is None or claim.value == "" else claim.one_of(CLAIMS),
+        claim_check=node.optional_text("claim_check"),
+        film_hash=node.optional_text("film_hash"),
+        nonfinite=node.optional_integer("nonfinite") or 0,
+        negative=node.optional_integer("negative") or 0,
+        saturated=node.optional_integer("saturated") or 0,
+        unfinished_walks=node.optional_integer("unfinished_walks") or 0,
+        # A cell that never got to its counting pass has none, or an empty object.
+        instrumented=None if instrumented is None or instrumented.value == {} else _instrumented(instrumented),
+        samples=tuple(samples[name]),
+        errors=tuple(message for _, message in errors[name]),
+        failed_repetitions=tuple(repetition for repetition, _ in errors[name]),
+        tunables={} if tunables is None else tunables.integers(),
+        counters={} if counters is None else counters.integers(),
+        cuda=None if cuda is None or cuda.value == {} else _cuda(cuda),
+        convergence=convergence,
+    )
+
+
+def _cuda(node: Node) -> Cuda:
+    options, kernels = node.maybe("options"), node.maybe("kernels")
+    return Cuda(
+        block=node.optional_integer("block"),
+        device_bytes=node.optional_integer("device_bytes"),
+        path_bytes=node.optional_integer("path_bytes"),
+        prepare_ms=node.optional_number("prepare_ms"),
+        options=() if options is None else tuple(item.text() for item in options.items()),
+        kernels={} if kernels is None else {name: _kernel(kernels.need(name)) for name in kernels.fields()},
+        path_state_bytes=node.optional_integer("path_state_bytes"),
+    )
+
+
+def _kernel(node: Node) -> Kernel:
+    return Kernel(
+        registers=node.need("registers").integer(),
+        local_bytes=node.optional_integer("local_bytes") or 0,
+        shared_bytes=node.optional_integer("shared_bytes") or 0,
+    )
+
+
+def _instrumented(node: Node) -> Instrumented:
+    stages = node.maybe("stage_ms")
+    live = node.maybe("live_paths")
+    unaccounted = node.maybe("unaccounted_ms")
+    return Instrumented(
+        live_paths=() if live is None else tuple(item.integer() for item in live.items()),
+        paths=node.need("paths").integer(minimum=1),
+        spp=node.need("spp").integer(minimum=1),
+        stage_ms={} if stages is None else {key: stages.need(key).number() for key in stages.fields()},
+        wall_ms=node.optional_number("wall_ms"),
+        # May be below zero: stages that overlap add up to more than the wall time.
+        unaccounted_ms=None if unaccounted is None else unaccounted.number(signed=True),
+    )
+
+
+def _not_applicable(node: Node) -> NotApplicable:
+    axes = node.maybe("axes")
+    return NotApplicable(
+        study=node.optional_text("study"),
+        scene=node.optional_text("scene"),
+        variant=node.need("variant").text(),
+        axes={} if axes is None else with_later_axes(axes.texts()),
+        reason=node.need("reason").text(),
+        reason_code=node.optional_text("reason_code"),
+        reason_axis=node.optional_text("reason_axis"),
+    )

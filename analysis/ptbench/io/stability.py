@@ -1,0 +1,203 @@
+"""Loads a result of `ptbench stability`: stiff cases with exact answers, and how far from them each variant came."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ptbench.errors import bad_value
+from ptbench.io.nodes import Node, shown
+
+SCHEMA = "ptbench-stability-1"
+PASSED, FAILED, KNOWN_LIMIT, NOT_APPLICABLE, BROKEN = STATUSES = ("passed", "failed", "known limit", "n/a", "broken")
+RELATIONS = ("equal", "at most", "at least")
+KINDS = ("render", "identity", "direct", "missing")
+# JSON has no infinity and no NaN: their names stand for them.
+_NOT_FINITE = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
+
+
+@dataclass(frozen=True)
+class Parameter:
+    name: str
+    standard: float
+    summary: str = ""
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is stiff, and where the exact value comes from."""
+
+    name: str
+    catalogue: str
+    family: str
+    title: str
+    kind: str
+    sweep: str = ""  # the parameter that its points vary; empty: none
+    stiff: str = ""
+    formula: str = ""
+    missing_feature: str = ""
+    parameters: dict[str, Parameter] = field(default_factory=dict, hash=False)
+
+    @property
+    def shown(self) -> str:
+        return f"{self.catalogue} {self.name}".strip()
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One number that came out, and how far it may be from what is exact."""
+
+    quantity: str
+    relation: str
+    value: float
+    exact: float
+    error: float
+    allowed: float
+    standard_error: float  # 0: no estimate
+
+    @property
+    def over_allowed(self) -> float:
+        """1 and less is good. An error where none is allowed is infinitely much of what is."""
+        if self.error == 0:
+            return 0.0
+        if self.allowed == 0 or not math.isfinite(self.error):
+            return math.inf
+        return self.error / self.allowed
+
+
+@dataclass(frozen=True)
+class Row:
+    """One check of one variant at one point of a case; without `measured`, `reason` says why."""
+
+    case: Case
+    point: tuple[tuple[str, float], ...]
+    variant: str
+    axes: dict[str, str] = field(hash=False)
+    status: str
+    must_pass: bool
+    reason: str
+    measured: Measured | None
+    looks: int = 1
+
+    @property
+    def is_failure(self) -> bool:
+        return self.status in (FAILED, BROKEN)
+
+
+@dataclass(frozen=True)
+class Stability:
+    """One result file."""
+
+    path: Path
+    context: dict[str, str]
+    is_quick: bool
+    seed: int | None
+    cases: tuple[Case, ...]
+    rows: tuple[Row, ...]
+    paths: int | None = None  # asked for with --paths; 0: each case's own number
+
+    suite = "stability"
+
+    def about(self, key: str) -> str:
+        return self.context.get(f"ptbench.{key}") or "unknown"
+
+    @property
+    def git(self) -> str:
+        dirty = self.context.get("ptbench.git_dirty", "").lower() in ("true", "1")
+        return self.about("git_sha") + (" (dirty)" if dirty else "")
+
+    @property
+    def is_complete(self) -> bool:
+        return self.context.get("ptbench.status", "completed") == "completed"
+
+    @property
+    def families(self) -> list[str]:
+        return list(dict.fromkeys(case.family for case in self.cases))
+
+
+def is_stability(root: Node) -> bool:
+    """Whether a file is one of these: benchmark results have no schema's name."""
+    return "schema" in root.fields()
+
+
+def stability_of(root: Node) -> Stability:
+    """The file's content, checked; raises InputError."""
+    root.need("schema").one_of((SCHEMA,))
+    context = root.need("context")
+    cases: dict[str, Case] = {}
+    for node in root.need("cases").items():
+        case = _case(node)
+        if case.name in cases:
+            raise bad_value(node.file, f"{node.place}.name", f"{shown(case.name)} again", "each name once")
+        cases[case.name] = case
+    quick = context.maybe("quick")
+    return Stability(
+        path=root.file,
+        context={
+            key: context.need(key).text() for key in context.fields() if key.startswith("ptbench.") or key == "date"
+        },
+        is_quick=quick is not None and quick.one_of((True, False)),
+        seed=context.optional_integer("seed"),
+        cases=tuple(cases.values()),
+        rows=tuple(_row(node, cases) for node in root.need("rows").items()),
+        paths=context.optional_integer("paths"),
+    )
+
+
+def _case(node: Node) -> Case:
+    parameters = node.maybe("parameters")
+    return Case(
+        name=node.need("name").name(),
+        catalogue=node.optional_text("catalogue"),
+        family=node.need("family").name(),
+        title=node.optional_text("title"),
+        kind=node.need("kind").one_of(KINDS),
+        sweep=node.optional_text("sweep"),
+        stiff=node.optional_text("stiff"),
+        formula=node.optional_text("formula"),
+        missing_feature=node.optional_text("missing_feature"),
+        parameters={p.name: p for p in map(_parameter, parameters.items() if parameters is not None else ())},
+    )
+
+
+def _parameter(node: Node) -> Parameter:
+    return Parameter(node.need("name").name(), node.need("standard").number(signed=True), node.optional_text("summary"))
+
+
+def _row(node: Node, cases: dict[str, Case]) -> Row:
+    name = node.need("case")
+    if name.text() not in cases:
+        raise name.wrong("the name of a case in $.cases")
+    point = node.need("point")
+    looks = node.optional_integer("looks")
+    return Row(
+        case=cases[name.text()],
+        point=tuple((key, point.need(key).number(signed=True)) for key in point.fields()),
+        variant=node.need("variant").name(),
+        axes=node.need("axes").texts(),
+        status=node.need("status").one_of(STATUSES),
+        must_pass=node.need("must_pass").one_of((True, False)),
+        reason=node.optional_text("reason"),
+        measured=None if node.maybe("quantity") is None else _measured(node),
+        looks=1 if looks is None else looks,
+    )
+
+
+def _measured(node: Node) -> Measured:
+    standard_error = node.maybe("standard_error")
+    return Measured(
+        quantity=node.need("quantity").name(),
+        relation=node.need("relation").one_of(RELATIONS),
+        value=_value(node.need("measured")),
+        exact=_value(node.need("exact")),
+        error=_value(node.need("error")),
+        allowed=_value(node.need("allowed")),
+        standard_error=0.0 if standard_error is None else _value(standard_error),
+    )
+
+
+def _value(node: Node) -> float:
+    if isinstance(node.value, str):
+        return _NOT_FINITE[node.one_of(tuple(_NOT_FINITE))]
+    return node.number(signed=True)

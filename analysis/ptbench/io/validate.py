@@ -1,0 +1,186 @@
+"""Holds files that ptbench writes against their JSON Schemas (draft 2020-12), which lie in the folder schema.
+
+Of a result or a journal that is as its schema says, samples and films are held against each other.
+
+`docs/results.md` is the guide to these files.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable, Iterator
+from functools import cache
+from pathlib import Path
+
+from jsonschema import Draft202012Validator
+from jsonschema.exceptions import ValidationError
+from referencing import Registry, Resource
+
+from ptbench.errors import InputError, bad_value
+from ptbench.io.consistency import JournalBook, contradictions
+from ptbench.io.files import LARGEST_RESULT, one_line, package_file, read_whole
+from ptbench.io.nodes import Node, read_json, shown
+from ptbench.terminal import say, visible
+
+SCHEMAS = package_file("schema")
+KINDS = ("result", "stability", "inspect", "tuning", "journal")
+_WRITTEN_BY_US = "a file of ptbench run, merge, stability, inspect or autotune, or a run's .journal.jsonl"
+
+
+@cache
+def schema(name: str) -> dict:
+    """The schema of a kind of file, or `common`, which they share."""
+    return json.loads((SCHEMAS / f"ptbench-{name}.schema.json").read_text(encoding="utf-8"))
+
+
+@cache
+def registry() -> Registry:
+    """All schemas by file name: they refer to each other as files of one folder."""
+    names = (*KINDS, "common")
+    return Registry().with_resources(
+        (f"ptbench-{name}.schema.json", Resource.from_contents(schema(name))) for name in names
+    )
+
+
+@cache
+def validator(kind: str) -> Draft202012Validator:
+    # By its name, so that what it refers to is looked up from there, in its own file too.
+    return Draft202012Validator({"$ref": f"ptbench-{kind}.schema.json"}, registry=registry())
+
+
+def kind_of(path: Path, value: object) -> str:
+    """Which of KINDS a parsed file is, by what only that kind has. Raises InputError for anything else."""
+    if isinstance(value, list):
+        return "inspect"
+    if isinstance(value, dict):
+        for kind, keys in (("result", {"benchmarks", "ptbench"}), ("stability", {"schema", "rows"})):
+            if keys & value.keys():
+                return kind
+        if {"machine", "entries"} <= value.keys():
+            return "tuning"
+    raise bad_value(path, "$", shown(value), _WRITTEN_BY_US)
+
+
+def complaints(value: object, kind: str, place: str = "$") -> Iterator[str]:
+    """What is wrong with a value of a kind of file, one line each: "PLACE: found .., allowed: .."."""
+    errors = validator(kind).iter_errors(value)
+    # Two rules may ask for one thing.
+    yield from dict.fromkeys(line for error in errors for line in _lines(error, place))
+
+
+def journal_complaints(path: Path) -> Iterator[str]:
+    """The same of a journal, line by line. A last line without its end was cut off by a kill, and is dropped."""
+    whole, _, _ = read_whole(path, LARGEST_RESULT).rpartition(b"\n")
+    lines = whole.split(b"\n") if whole else []
+    book = JournalBook()
+    if not lines:
+        yield "line 1: found nothing, allowed: a line of type run"
+    for number, line in enumerate(lines, start=1):
+        place = f"line {number}"
+        try:
+            value = json.loads(line.decode("utf-8"), parse_constant=_refuse)
+        except (ValueError, RecursionError):
+            yield f"{place}: found no valid JSON, allowed: one JSON object a line"
+            continue
+        found = list(complaints(value, "journal", f"{place} $"))
+        yield from found
+        if number == 1 and isinstance(value, dict) and value.get("type") != "run":
+            yield f'{place} $.type: found {shown(value.get("type"))}, allowed: "run" in the first line'
+        if not found:
+            yield from map(str, book.enter(Node(path, value, f"{place} $")))
+
+
+def validate(path: Path) -> list[str]:
+    """All that is wrong with a file, in its order; none: it is as its schema says.
+
+    Raises InputError for a file that cannot be read, is no JSON, or is of no kind that ptbench writes.
+    """
+    if path.suffix == ".jsonl":
+        return list(journal_complaints(path))
+    root = read_json(path)
+    kind = kind_of(path, root.value)
+    found = list(complaints(root.value, kind))
+    return found or (list(_contradictions(root)) if kind == "result" else [])
+
+
+def _contradictions(root: Node) -> Iterator[str]:
+    try:
+        yield from map(str, contradictions(root))
+    except InputError as error:  # a row of no cell
+        yield str(error).removeprefix(visible(f"{root.file}: "))
+
+
+def validate_command(paths: Iterable[Path], program: str) -> int:
+    """Says of each file in one line that it is good, or where it is not. Returns the exit code: 0, 1 or 2."""
+    code = 0
+    for path in paths:
+        try:
+            found = validate(path)
+        except InputError as error:
+            print(f"{program}: {error}", file=sys.stderr)
+            code = 2
+            continue
+        others = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
+        say(f"{path}: {found[0]}{others}" if found else f"{path}: good")
+        code = max(code, 1 if found else 0)
+    return code
+
+
+def _refuse(constant: str) -> None:
+    raise ValueError(constant)
+
+
+def _place(error: ValidationError, start: str) -> str:
+    keys = (f"[{key}]" if isinstance(key, int) else f".{key}" for key in error.absolute_path)
+    return start + "".join(keys)
+
+
+def _lines(error: ValidationError, start: str) -> Iterator[str]:
+    place = _place(error, start)
+    if error.validator in ("required", "dependentRequired"):
+        for key in _missing(error):
+            yield f"{place}.{key}: found nothing, allowed: this key is required"
+    elif error.validator in ("additionalProperties", "unevaluatedProperties") and error.validator_value is False:
+        for key in _unknown(error):
+            yield f"{place}: found the key {shown(key)}, allowed: the keys that the schema has"
+    else:
+        yield f"{place}: found {shown(error.instance)}, allowed: {_allowed(error)}"
+
+
+def _missing(error: ValidationError) -> list[str]:
+    # jsonschema says one key an error; which one stands in its message alone.
+    if error.validator == "required":
+        wanted = error.validator_value
+    else:
+        wanted = [key for have, keys in error.validator_value.items() if have in error.instance for key in keys]
+    return [key for key in wanted if key not in error.instance and error.message.startswith(repr(key))]
+
+
+def _unknown(error: ValidationError) -> list[str]:
+    return [key for key in error.instance if repr(key) in error.message]
+
+
+def _allowed(error: ValidationError) -> str:
+    """What a keyword of the schema allows, in words; jsonschema's own words for the keywords that have none here."""
+    value = error.validator_value
+    names = {"object": "an object", "array": "an array", "string": "a string", "number": "a finite number"}
+    names |= {"integer": "an integer", "boolean": "true or false", "null": "null"}
+    texts = {
+        "type": lambda: " or ".join(names[name] for name in ([value] if isinstance(value, str) else value)),
+        "enum": lambda: " or ".join(json.dumps(choice) for choice in value),
+        "const": lambda: json.dumps(value),
+        "pattern": lambda: f"a string like {value}",
+        "minimum": lambda: f"at least {value}",
+        "maximum": lambda: f"at most {value}",
+        "exclusiveMinimum": lambda: f"above {value}",
+        "minLength": lambda: "a string that is not empty",
+        "minItems": lambda: f"{value} or more",
+        "maxItems": lambda: f"at most {value}",
+        "uniqueItems": lambda: "each once",
+        # Of keys that something else in the object rules out.
+        "not": lambda: f"none with {' and '.join(value['required'])}" if "required" in value else "no such key here",
+        "anyOf": lambda: " or ".join(_allowed(inner) for inner in error.context),
+        "oneOf": lambda: " or ".join(_allowed(inner) for inner in error.context),
+    }
+    return texts[error.validator]() if error.validator in texts else one_line(error.message)

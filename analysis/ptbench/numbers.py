@@ -1,0 +1,36 @@
+"""Numbers as a reader sees them: significant digits, intervals, ratios, ranges, counts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+
+def figures(value: float, digits: int = 4) -> str:
+    """A measured number with `digits` significant digits, never in powers of ten where a reader can do without."""
+    if value == 0:
+        return "0"
+    if abs(value) >= 10 ** (digits - 1):
+        return f"{value:.0f}"
+    return f"{value:#.{digits}g}".rstrip(".") if abs(value) >= 1e-4 else f"{value:.{digits - 1}e}"
+
+
+def interval(low: float | None, high: float | None, digits: int = 4) -> str:
+    return "no interval" if low is None or high is None else f"[{figures(low, digits)}, {figures(high, digits)}]"
+
+
+def ratio(value: float) -> str:
+    return f"{value:.3f}" if abs(value) < 10 else f"{value:.2f}"
+
+
+def span(values: Iterable[int], unit: str = "") -> str:
+    """ "4", "1 to 8": the range of a setting."""
+    ordered = sorted(set(values))
+    text = str(ordered[0]) if len(ordered) == 1 else f"{ordered[0]} to {ordered[-1]}"
+    return f"{text} {unit}".strip()
+
+
+def count(value: float) -> str:
+    """A count of paths in few characters."""
+    if value >= 1e6:
+        return f"{value / 1e6:.2f}M"
+    return f"{value / 1e3:.0f}k" if value >= 1e5 else f"{value / 1e3:.1f}k" if value >= 1e4 else f"{value:.0f}"

@@ -1,0 +1,83 @@
+"""`python3 -m ptbench plots`: every study's figure and the summary, from a result file alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from ptbench.errors import NotDrawable
+from ptbench.figures import style
+from ptbench.figures.registry import PICTURES, collect_study, draw_study, parts_of_study
+from ptbench.figures.saving import DPI, save_figure, save_pictures
+from ptbench.io.cells import Result
+from ptbench.io.files import make_folder, one_line, safe_name, write_text
+from ptbench.io.nodes import read_json
+from ptbench.io.results import result_of
+from ptbench.io.stability import Stability, is_stability, stability_of
+from ptbench.plots.stability import stability_plots
+from ptbench.plots.summary import summary
+from ptbench.studies.disturbed import disturbance_of
+from ptbench.studies.notes import Note, notes_of
+from ptbench.studies.rows import measure
+from ptbench.terminal import say
+
+
+def default_folder(result: Result | Stability) -> Path:
+    """figures/SUITE beside the file; files of one suite under other names get folders of their own."""
+    stem = result.path.stem
+    name = stem if result.suite in ("", stem) else f"{result.suite}-{stem}"
+    return result.path.parent / "figures" / safe_name(name)
+
+
+def _free_name(wanted: str, taken: set[str]) -> str:
+    name = safe_name(wanted)
+    while name in taken:
+        name += "_"
+    taken.add(name)
+    return name
+
+
+def _save(figure: Figure, folder: Path, name: str, part: str) -> list[Path]:
+    if part in PICTURES:
+        return [save_pictures(figure, folder / f"{name}.png", DPI)]
+    return save_figure(figure, folder, name)
+
+
+def plots(path: Path, out: Path | None) -> int:
+    root = read_json(path)
+    if is_stability(root):
+        stability = stability_of(root)
+        return stability_plots(stability, out if out is not None else default_folder(stability))
+    result = result_of(root)
+    folder = out if out is not None else default_folder(result)
+    make_folder(folder)
+    print(f"disturbed: {disturbance_of(result.cells)}")
+    not_drawn: dict[str, list[str]] = {}
+    notes: dict[str, Sequence[Note]] = {}
+    taken: set[str] = set()
+    for study in result.studies:
+        not_drawn[study.name] = []
+        for part in parts_of_study(study):
+            try:
+                data = collect_study(result, study, part)
+                # The figures of one study say much the same.
+                notes[study.name] = list(dict.fromkeys([*notes.get(study.name, ()), *data.notes]))
+            except NotDrawable as reason:
+                what = f"{part}: " if part else ""
+                not_drawn[study.name].append(f"{what}{reason}")
+                say(f"not drawn: {study.name}: {what}{one_line(str(reason))}")
+            else:
+                name = _free_name(study.name + (f"_{part}" if part else ""), taken)
+                with style.applied():
+                    for written in _save(draw_study(study, data, part), folder, name, part):
+                        say(written)
+        if study.name not in notes:
+            notes[study.name] = notes_of(result, study, measure(result, study))
+        for note in notes[study.name]:
+            say(f"note: {study.name}: {note.kind}: {one_line(note.full)}")
+    if not result.studies:
+        say(f"not drawn: {path} has no studies")
+    say(write_text(folder / "summary.md", summary(result, not_drawn, notes)))
+    return 0

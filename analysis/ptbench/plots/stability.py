@@ -1,0 +1,34 @@
+"""Figures and summary.md of a stability result."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ptbench.errors import NotDrawable
+from ptbench.figures import style
+from ptbench.figures.saving import save_figure
+from ptbench.figures.stability import heatmap, sweep
+from ptbench.io.files import make_folder, one_line, safe_name, write_text
+from ptbench.io.stability import Stability
+from ptbench.stability.summary import summary
+from ptbench.terminal import say
+
+_FIGURES = {"heatmap": heatmap, "sweep": sweep}
+
+
+def stability_plots(stability: Stability, folder: Path) -> int:
+    make_folder(folder)
+    not_drawn: list[str] = []
+    for name, figure in _FIGURES.items():
+        try:
+            pages = figure.collect(stability)
+        except NotDrawable as reason:
+            not_drawn.append(f"{name}: {reason}")
+            say(f"not drawn: {name}: {one_line(str(reason))}")
+            continue
+        for page in pages:
+            with style.applied():
+                for written in save_figure(figure.draw(page), folder, safe_name(page.name)):
+                    say(written)
+    say(write_text(folder / "summary.md", summary(stability, not_drawn)))
+    return 0

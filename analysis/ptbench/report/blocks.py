@@ -1,0 +1,121 @@
+"""What a report is made of. Texts may hold `code` and **bold**, nothing else; files' texts are escaped when written."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+from ptbench.tables import Lines, Table
+
+
+@dataclass(frozen=True)
+class Paragraph:
+    text: str
+
+
+@dataclass(frozen=True)
+class Bullets:
+    items: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Facts:
+    """Names and what is said of them."""
+
+    rows: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class Folded:
+    """A table under a line that opens it: long ones would bury what follows. In print it is open."""
+
+    label: str
+    table: Table
+
+
+@dataclass(frozen=True)
+class Image:
+    """A figure's file: `name` has its ending, `alt` says what is to be seen. Sizes in CSS pixels."""
+
+    name: str
+    data: bytes
+    alt: str
+    width: int
+    height: int
+
+    @property
+    def media_type(self) -> str:
+        return {"svg": "image/svg+xml", "png": "image/png", "jpg": "image/jpeg"}[self.name.rpartition(".")[2]]
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """Small images in rows, each with its caption."""
+
+    items: tuple[tuple[Image, str], ...]
+
+
+@dataclass(frozen=True)
+class Download:
+    """A table of raw rows: gzip-compressed CSV, named without ".gz"; `about` says what a row is."""
+
+    name: str
+    compressed: bytes
+    rows: int
+    about: str
+
+
+@dataclass(frozen=True)
+class Heading:
+    """Within a section."""
+
+    text: str
+
+
+Block = Paragraph | Bullets | Facts | Table | Folded | Image | Pictures | Download | Heading
+
+
+@dataclass(frozen=True)
+class Section:
+    """`anchor` is unique in the page: letters, digits, hyphens."""
+
+    title: str
+    anchor: str
+    blocks: tuple[Block, ...] = ()
+    children: tuple[Section, ...] = field(default=())
+
+
+def anchor_of(*parts: str) -> str:
+    return "-".join(re.sub(r"[^a-z0-9]+", "-", part.lower()).strip("-") or "x" for part in parts)
+
+
+LONG_TABLE = 12  # rows; a longer one is folded
+
+
+def shown_table(table: Table, label: str) -> Table | Folded:
+    count = len(table.rows)
+    return table if count <= LONG_TABLE else Folded(f"{label}, {count} rows", table)
+
+
+def blocks_of(lines: Lines, label: str, *, skip_heading: bool = True) -> list[Block]:
+    """A summary's section as blocks: its paragraphs, lists, headings and tables. Its own heading is left out."""
+    blocks: list[Block] = []
+    bullets: list[str] = []
+    name = label
+    for line in [*lines, ""]:
+        if isinstance(line, str) and line.startswith("- "):
+            bullets.append(line[2:])
+            continue
+        if bullets:
+            blocks.append(Bullets(tuple(bullets)))
+            bullets = []
+        if isinstance(line, Table):
+            blocks.append(shown_table(line, name))
+        elif line.startswith("## ") and skip_heading:
+            continue
+        elif line.startswith("#"):
+            name = line.lstrip("#").strip()
+            blocks.append(Heading(name))
+        elif line:
+            blocks += [Paragraph(text) for text in line.split("\n\n")]
+    return blocks

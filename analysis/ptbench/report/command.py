@@ -1,0 +1,68 @@
+"""The command: reads, draws in as many processes as there are processors, writes report.html and report.md."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+from ptbench.io.files import check_output_folder, make_folder, write_text
+from ptbench.report.chapter import Chapter, chapter_of
+from ptbench.report.html import html_page
+from ptbench.report.markdown import SCENES, markdown_page, write_files
+from ptbench.report.overview import report_sections, title_of
+from ptbench.report.scenes import Renderer, scene_pictures
+from ptbench.report.sources import Sources, find_sources
+from ptbench.terminal import say, visible
+
+
+def report(named: Sequence[Path], out: Path, binary: Path | None, spp: int, side: int) -> int:
+    """Writes the report of the files `named` into the folder `out`; raises InputError."""
+    renderer = None if binary is None else Renderer(binary, spp, side, out / SCENES / "rendered")
+    if renderer is not None:
+        renderer.check()
+    check_output_folder(out)
+    sources = find_sources(named)
+    chapters = _chapters(sources)
+    make_folder(out)
+    if renderer is not None:
+        make_folder(renderer.folder)
+    pictures = scene_pictures([use for chapter in chapters for use in chapter.scenes], renderer)
+    for picture in pictures:
+        if picture.image is None:
+            say(f"scene without a picture: {picture.scene}: {picture.failure}")
+    for chapter in chapters:
+        for study, reason in chapter.left_out.not_drawn:
+            say(f"not drawn: {chapter.title}: {study}: {reason}")
+    sections = report_sections(chapters, pictures, sources.passed_over)
+    title, subtitle = title_of(chapters), _subtitle(sources)
+    write_files(out, sections)
+    say(write_text(out / "report.md", markdown_page(title, subtitle, sections)))
+    say(write_text(out / "report.html", html_page(title, subtitle, sections)))
+    return 0
+
+
+def _subtitle(sources: Sources) -> str:
+    return "Made from " + ", ".join(visible(path.name) for path in sources.paths) + " by python3 -m ptbench report."
+
+
+def _size(path: Path) -> int:
+    """0 of a file that is not there, which its reader says."""
+    return path.stat().st_size if os.path.exists(path) else 0
+
+
+def _chapters(sources: Sources) -> list[Chapter]:
+    jobs = min(len(sources.paths), len(os.sched_getaffinity(0)))
+    if jobs < 2:
+        return [chapter_of(path, title) for path, title in zip(sources.paths, sources.titles, strict=True)]
+    # The largest files first: the last one to be done should be short.
+    order = sorted(range(len(sources.paths)), key=lambda index: -_size(sources.paths[index]))
+    with ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
+        started = {index: pool.submit(chapter_of, sources.paths[index], sources.titles[index]) for index in order}
+        try:
+            return [started[index].result() for index in range(len(sources.paths))]
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise

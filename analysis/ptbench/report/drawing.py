@@ -1,0 +1,88 @@
+"""A file's figures, those of `ptbench plots`, as images to show in a page: SVG, or PNG where that is smaller."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from matplotlib.figure import Figure
+
+from ptbench.errors import NotDrawable
+from ptbench.figures import style
+from ptbench.figures.registry import PICTURES, collect_study, draw_study, parts_of_study
+from ptbench.figures.saving import DPI, png_of, svg_of
+from ptbench.figures.stability import heatmap, sweep
+from ptbench.io.cells import Result, Study
+from ptbench.io.files import one_line, safe_name
+from ptbench.io.stability import Stability
+from ptbench.report.blocks import Image
+from ptbench.studies.notes import Note
+
+# An SVG of so many bytes has thousands of points: pixels may take less. Finding out takes seconds.
+_LARGE_SVG = 500_000
+_PICTURES_DPI = 120  # photographs in pages are looked at, not measured
+_CSS_PIXELS = 96  # an inch
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """The figures of a study or of a stability file, what they leave unsaid, and why others were not drawn.
+
+    Without a figure there are no notes: nothing was asked what it leaves unsaid.
+    """
+
+    images: tuple[Image, ...]
+    notes: tuple[Note, ...] | None = None
+    not_drawn: tuple[str, ...] = ()
+
+
+def draw_study_figures(result: Result, study: Study, prefix: str) -> Drawn:
+    """`prefix` begins the images' names."""
+    images: list[Image] = []
+    notes: dict[Note, None] = {}
+    not_drawn = []
+    for part in parts_of_study(study):
+        try:
+            data = collect_study(result, study, part)
+        except NotDrawable as reason:
+            not_drawn.append(f"{part}: {reason}" if part else str(reason))
+            continue
+        notes |= dict.fromkeys(data.notes)
+        name = safe_name(f"{prefix}_{study.name}" + (f"_{part}" if part else ""))
+        figure = draw_study(study, data, part)
+        images.append(_image(figure, name, _alt(data), is_picture=part in PICTURES))
+    return Drawn(tuple(images), tuple(notes) if images else None, tuple(not_drawn))
+
+
+def draw_stability_figures(stability: Stability, prefix: str) -> Drawn:
+    images, not_drawn = [], []
+    for kind, module in (("heatmap", heatmap), ("sweep", sweep)):
+        try:
+            pages = module.collect(stability)
+        except NotDrawable as reason:
+            not_drawn.append(f"{kind}: {reason}")
+            continue
+        for page in pages:
+            with style.applied():
+                figure = module.draw(page)
+            images.append(_image(figure, safe_name(f"{prefix}_{page.name}"), _alt(page)))
+    return Drawn(tuple(images), not_drawn=tuple(not_drawn))
+
+
+def _alt(data) -> str:
+    return one_line(f"{data.title}. {data.caption}")
+
+
+def _image(figure: Figure, name: str, alt: str, *, is_picture: bool = False) -> Image:
+    width, height = (round(_CSS_PIXELS * inches) for inches in figure.get_size_inches())
+
+    def image(ending: str, data: bytes) -> Image:
+        return Image(f"{name}.{ending}", data, alt, width, height)
+
+    with style.applied():
+        if is_picture:
+            return image("png", png_of(figure, _PICTURES_DPI, few_colours=False))
+        svg = svg_of(figure).encode()
+        if len(svg) < _LARGE_SVG:
+            return image("svg", svg)
+        png = png_of(figure, DPI, few_colours=True)
+    return image("png", png) if len(png) < len(svg) else image("svg", svg)

@@ -1,0 +1,175 @@
+"""A report as one HTML page that needs nothing else: style, script, images and raw rows are in it."""
+
+from __future__ import annotations
+
+import base64
+import re
+from collections.abc import Iterable, Sequence
+from html import escape
+
+from ptbench.io.files import package_file
+from ptbench.report.blocks import Block, Bullets, Download, Facts, Folded, Heading, Image, Paragraph, Pictures, Section
+from ptbench.tables import Table
+
+_INLINE = re.compile(r"`([^`]+)`|\*\*(.+?)\*\*")
+# Longer words without a space may be broken at their joints; without that, one name is as wide as a page.
+_LONG_WORD = re.compile(r"[^\s<>&;]{24,}")
+_LONG_TEXT = 44  # characters
+_WIDE = 11  # columns; such a table is printed on a page across
+_POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src data:"
+
+
+def html_page(title: str, subtitle: str, sections: Sequence[Section]) -> str:
+    style = package_file("report", "style.css").read_text(encoding="utf-8")
+    script = package_file("report", "script.js").read_text(encoding="utf-8")
+    body = "".join(_section(section, 2) for section in sections)
+    # The page must ask for nothing; a browser holds it to that.
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta http-equiv="Content-Security-Policy" content="{_POLICY}">
+<title>{escape(title)}</title>
+<link rel="icon" href="data:,">
+<style>
+{style}</style>
+</head>
+<body>
+<header>
+<h1>{escape(title)}</h1>
+<p>{escape(subtitle)}</p>
+</header>
+<nav aria-label="Contents">
+<h2>Contents</h2>
+{_contents(sections)}</nav>
+<main>
+{body}</main>
+<script>
+{script}</script>
+</body>
+</html>
+"""
+
+
+def inline(text: str) -> str:
+    """A block's text, escaped, with its code and bold parts marked and long names breakable."""
+    parts, end = [], 0
+    for match in _INLINE.finditer(text):
+        parts.append(_breakable(text[end : match.start()]))
+        tag, inside = ("code", match[1]) if match[1] is not None else ("strong", match[2])
+        parts.append(f"<{tag}>{_words(inside) if tag == 'code' else _breakable(inside)}</{tag}>")
+        end = match.end()
+    return "".join([*parts, _breakable(text[end:])])
+
+
+def _words(code: str) -> str:
+    """A command's options stay whole: a line that ends after a hyphen reads as another option."""
+    words = code.split(" ")
+    if len(words) == 1:
+        return _breakable(code)
+    return " ".join(f"<span>{_breakable(word)}</span>" for word in words)
+
+
+def _breakable(text: str) -> str:
+    return _LONG_WORD.sub(lambda word: re.sub(r"([._/:+,=-])(?=[^._/:+,=-])", r"\1<wbr>", word[0]), escape(text))
+
+
+def _contents(sections: Sequence[Section], depth: int = 3) -> str:
+    if not sections or depth == 0:
+        return ""
+    items = ""
+    for section in sections:
+        link = f'<a href="#{section.anchor}">{_breakable(section.title)}</a>'
+        items += f"<li>{link}{_contents(section.children, depth - 1)}</li>\n"
+    return f"<ol>\n{items}</ol>\n"
+
+
+def _section(section: Section, level: int) -> str:
+    inside = "".join(_block(block, level + 1) for block in section.blocks)
+    inside += "".join(_section(child, level + 1) for child in section.children)
+    return f'<section id="{section.anchor}">\n<h{level}>{_breakable(section.title)}</h{level}>\n{inside}</section>\n'
+
+
+def _block(block: Block, level: int) -> str:
+    match block:
+        case Paragraph(text):
+            return f"<p>{inline(text)}</p>\n"
+        case Bullets(items):
+            return "<ul>\n" + "".join(f"<li>{inline(item)}</li>\n" for item in items) + "</ul>\n"
+        case Facts(rows):
+            inside = "".join(f"<dt>{escape(name)}</dt><dd>{inline(text)}</dd>\n" for name, text in rows)
+            return f'<dl class="facts">\n{inside}</dl>\n'
+        case Heading(text):
+            return f"<h{min(level, 6)}>{_breakable(text)}</h{min(level, 6)}>\n"
+        case Table():
+            return _table(block)
+        case Folded(label, table):
+            return f"<details>\n<summary>{inline(label)}</summary>\n{_table(table)}</details>\n"
+        case Image():
+            return f'<figure class="scroll" tabindex="0">{_image(block)}</figure>\n'
+        case Pictures(items):
+            shown = (
+                f"<figure>{_image(image)}<figcaption>{inline(text)}</figcaption></figure>" for image, text in items
+            )
+            return f'<div class="pictures">\n{"".join(shown)}</div>\n'
+        case Download():
+            return _download(block)
+    raise TypeError(f"no HTML for {type(block).__name__}")
+
+
+def _image(image: Image) -> str:
+    return (
+        f'<img src="{_data(image.media_type, image.data)}" alt="{escape(image.alt)}" '
+        f'width="{image.width}" height="{image.height}">'
+    )
+
+
+def _data(media_type: str, data: bytes) -> str:
+    return f"data:{media_type};base64,{base64.b64encode(data).decode()}"
+
+
+def _table(table: Table) -> str:
+    sides = [
+        ' class="number"' if is_number else ' class="text"' if _is_long(table, column) else ""
+        for column, is_number in enumerate(table.numeric)
+    ]
+    head = "".join(
+        f'<th scope="col"{side}><button type="button">{escape(name) or "&nbsp;"}</button></th>'
+        for name, side in zip(table.head, sides, strict=True)
+    )
+    rows = "".join(_row(row, sides) for row in table.rows)
+    label = escape("Table: " + ", ".join(table.head[:3]))
+    kind = ' class="wide"' if len(table.head) >= _WIDE else ""
+    # A box that scrolls must be reached by the keyboard.
+    return (
+        f'<div class="scroll" tabindex="0" role="region" aria-label="{label}"><table{kind}>\n'
+        f"<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n"
+    )
+
+
+def _is_long(table: Table, column: int) -> bool:
+    """Whether a column's texts need lines to be broken; others are one line each, so that nothing else is squeezed."""
+    return any(len(row[column]) > _LONG_TEXT for row in table.rows)
+
+
+def _row(cells: Iterable[str], sides: Sequence[str]) -> str:
+    return "<tr>" + "".join(map(_cell, cells, sides)) + "</tr>\n"
+
+
+def _cell(text: str, side: str) -> str:
+    # A line must not end within a number, after "1.2e-".
+    inside = (
+        " ".join(f"<span>{escape(word)}</span>" for word in text.split()) if "e-" in text and "number" in side else ""
+    )
+    return f"<td{side}>{inside or inline(text)}</td>"
+
+
+def _download(download: Download) -> str:
+    data = _data("application/gzip", download.compressed)
+    kib = max(1, round(len(download.compressed) / 1024))
+    # Without the script it is the compressed file; with it, plain CSV.
+    return (
+        f'<p><a class="csv" download="{escape(download.name)}.gz" href="{data}">{escape(download.name)}.gz</a>: '
+        f"{download.rows} rows, one {escape(download.about)}; {kib} KiB, compressed by gzip.</p>\n"
+    )

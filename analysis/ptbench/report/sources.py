@@ -1,0 +1,67 @@
+"""Which files a report is of: result files as named, and of a folder all that are such files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ptbench.errors import bad_value
+from ptbench.io.cells import Result
+from ptbench.io.nodes import Node, read_json
+from ptbench.io.results import result_of
+from ptbench.io.stability import Stability, is_stability, stability_of
+from ptbench.terminal import visible
+
+
+@dataclass(frozen=True)
+class Sources:
+    """`titles` are the files' shortest names that tell them apart; `passed_over` lay in a folder and are no results."""
+
+    paths: tuple[Path, ...]
+    titles: tuple[str, ...]
+    passed_over: tuple[Path, ...]
+
+
+def load(path: Path) -> Result | Stability:
+    """The result file at `path`, of either kind, checked; raises InputError."""
+    root = read_json(path)
+    return stability_of(root) if is_stability(root) else result_of(root)
+
+
+def find_sources(named: Sequence[Path]) -> Sources:
+    """Raises InputError where a name is neither a file nor a folder with a result in it."""
+    paths: list[Path] = []
+    passed_over: list[Path] = []
+    for path in named:
+        if not os.path.isdir(path):
+            paths.append(path)
+            continue
+        inside = sorted(path.glob("*.json"))
+        results = [file for file in inside if _is_result(read_json(file))]
+        if not results:
+            raise bad_value(path, "the folder", f"{len(inside)} JSON files, none a result", "at least one result file")
+        paths += results
+        passed_over += [file for file in inside if file not in results]
+    once = {os.path.realpath(path): path for path in reversed(paths)}
+    kept = tuple(path for path in dict.fromkeys(paths) if once[os.path.realpath(path)] is path)
+    return Sources(kept, tuple(_titles(kept)), tuple(dict.fromkeys(passed_over)))
+
+
+def _is_result(root: Node) -> bool:
+    """By its keys: a broken result file is one, and an error; other JSON beside results is not."""
+    value = root.value
+    return isinstance(value, dict) and ("schema" in value or {"benchmarks", "ptbench"} <= value.keys())
+
+
+def _titles(paths: Sequence[Path]) -> list[str]:
+    """ "compaction", or "nvidia-h200/compaction" where two files are called so."""
+    names = [[*Path(os.path.realpath(path)).parent.parts, visible(path.stem)] for path in paths]
+    titles = []
+    for name in names:
+        length = 1
+        while length < len(name) and sum(other[-length:] == name[-length:] for other in names) > 1:
+            length += 1
+        titles.append("/".join(name[-length:]))
+    return titles

@@ -1,0 +1,1 @@
+"""What stiff cases came out as: layout and words of a stability file."""

@@ -1,0 +1,1 @@
+"""Medians, ratios, their intervals, and what they allow to say."""

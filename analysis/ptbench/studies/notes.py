@@ -1,0 +1,141 @@
+"""All that keeps a figure or a table of a study from being the whole story."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ptbench.io.cells import Cell, NotApplicable, Result, Study
+from ptbench.stats.estimates import MINIMUM_SAMPLES
+from ptbench.studies.questions import Question, question_of
+from ptbench.studies.rows import CONTENDED, Row
+from ptbench.studies.withdrawn import among
+
+
+@dataclass(frozen=True)
+class Note:
+    """What a reader of the figure must know: `short` goes under the figure, `full` to stdout and the summary."""
+
+    kind: str
+    short: str
+    full: str
+
+
+def notes_of(result: Result, study: Study | None, rows: Sequence[Row]) -> list[Note]:
+    """All that keeps a figure or a table from being the whole story: nothing is left out in silence."""
+    notes: list[Note] = []
+    question = question_of(result, study)
+    cells = [row.cell for row in rows]
+    if result.interrupted:
+        text = "the run was interrupted: cells and samples may be missing"
+        notes.append(Note("interrupted run", "Run interrupted: cells and samples may be missing.", text))
+    notes += _not_applicable_notes(result, study, question)
+    for row in rows:
+        if row.cell.failed:
+            where = f"{row.label} in {row.cell.scene} at depth {row.cell.depth}"
+            short = f"Failed: {where} ({_clipped(_gist(row.cell))})."
+            notes.append(Note("failed", short, f"{row.cell.name}: {row.cell.failure}"))
+    notes += withdrawn_notes(cells)
+    _note_cells(notes, "interrupted", [c for c in cells if c.status == "interrupted"], "interrupted while measuring")
+    without = [c for c in cells if not c.failed and not c.samples]
+    _note_cells(notes, "no samples", without, "without a sample")
+    timed = [cell for cell in cells if cell.measured]
+    _note_cells(
+        notes,
+        "few samples",
+        [cell for cell in timed if len(cell.samples) < MINIMUM_SAMPLES],
+        f"with fewer than {MINIMUM_SAMPLES} samples (no verdict)",
+        lambda cell: f"n = {len(cell.samples)}",
+    )
+    low = sum(cell.low_clock_samples for cell in timed)
+    if low:
+        total = sum(len(cell.samples) for cell in timed)
+        text = f"{low} of {total} samples at a low clock, kept"
+        where = _first([f"{cell.name} ({cell.low_clock_samples})" for cell in timed if cell.low_clock_samples])
+        notes.append(Note("low clock", f"{text}.", f"{text}: {where}"))
+    contended = sum(cell.contended_samples for cell in timed)
+    if contended:
+        total = sum(len(cell.samples) for cell in timed)
+        text = f"{contended} of {total} samples while other processes took over a tenth of the CPU, kept"
+        if unsure := sum(row.verdict is not None and row.verdict.reason == CONTENDED for row in rows):
+            text += f" ({unsure} verdict{'s' if unsure > 1 else ''} UNSURE for that)"
+        where = _first([f"{cell.name} ({cell.contended_samples})" for cell in timed if cell.contended_samples])
+        notes.append(Note("contended", f"{text}.", f"{text}: {where}"))
+    if unknown := [cell for cell in timed if cell.mega_cycles_per_spp is None]:
+        text = f"{len(unknown)} of {len(timed)} cells whose clock is unknown: judged in time alone, cycles not compared"
+        notes.append(Note("clock unknown", f"{text}.", f"{text}: {_first([cell.name for cell in unknown])}"))
+    biased = list(dict.fromkeys(row.label for row in rows if row.cell.claim == "biased" and row.cell.measured))
+    if biased:
+        text = f"declared biased: {', '.join(biased)}"
+        reasons = dict.fromkeys(
+            c.reason or c.claim_check for c in timed if c.claim == "biased" and (c.reason or c.claim_check)
+        )
+        notes.append(
+            Note("biased", text[0].upper() + text[1:] + ".", text + (f" ({'; '.join(reasons)})" if reasons else ""))
+        )
+    for counter in ("nonfinite", "negative", "saturated", "unfinished_walks"):
+        what = counter.replace("_", " ") + ("" if counter == "unfinished_walks" else " film values")
+        bad = [cell for cell in timed if getattr(cell, counter)]
+        _note_cells(notes, counter, bad, f"with {what}", lambda cell, key=counter: str(getattr(cell, key)))
+    return notes
+
+
+def withdrawn_notes(cells: Sequence[Cell]) -> list[Note]:
+    """What is withdrawn of the verdicts that these cells give against each other."""
+    return [Note("withdrawn", entry.short, entry.full) for entry in among([cell for cell in cells if cell.measured])]
+
+
+def missed(result: Result, study: Study | None) -> list[NotApplicable]:
+    """What was left out of the study, but for variants that were run in it without a tunable that they do not have."""
+    run = [(cell.scene, cell.axes) for cell in (result.cells_of(study) if study is not None else ())]
+    return [
+        item
+        for item in result.not_applicable
+        if item.study == (study.name if study is not None else "")
+        and not (item.has_nothing_to_tune and (item.scene, item.axes) in run)
+    ]
+
+
+def _not_applicable_notes(result: Result, study: Study | None, question: Question | None) -> list[Note]:
+    seen: dict[tuple[str, str], list[str]] = {}
+    of_study = missed(result, study)
+    for item in of_study:
+        if not item.elsewhere:
+            what = item.axes.get(question.axis, item.variant) if question is not None else item.variant
+            scenes = seen.setdefault((what, item.reason), [])
+            if item.scene not in scenes:
+                scenes.append(item.scene)
+    notes = []
+    for (what, reason), scenes in seen.items():
+        where = f" in {', '.join(scenes)}" if any(scenes) else ""
+        notes.append(Note("n/a", f"Not applicable: {what}{where} ({_clipped(reason)}).", f"{what}{where}: {reason}"))
+    # A suite may be written for two backends: what only the other one has is no news of this one.
+    elsewhere = list(dict.fromkeys(item.elsewhere for item in of_study if item.elsewhere))
+    if elsewhere:
+        text = f"not on the backend {result.about('backend')}: {', '.join(elsewhere)}"
+        notes.append(Note("other backend", f"{text[0].upper()}{text[1:]}.", text))
+    return notes
+
+
+def _note_cells(notes: list[Note], kind: str, cells: Sequence[Cell], text: str, detail=None) -> None:
+    if cells:
+        count = f"{len(cells)} cell{'s' if len(cells) > 1 else ''} {text}"
+        names = [cell.name + (f" ({detail(cell)})" if detail else "") for cell in cells]
+        notes.append(Note(kind, f"{count}.", f"{count}: {_first(names)}"))
+
+
+def _first(names: Sequence[str], most: int = 3) -> str:
+    """The first few: cell names are long, and the summary's table marks every one of them."""
+    rest = len(names) - most
+    return ", ".join(names[:most]) + (f" and {rest} more, marked in summary.md's table" if rest > 0 else "")
+
+
+def _gist(cell: Cell) -> str:
+    """Why a cell failed, without the cell's own name, with which the GPU's messages begin."""
+    head, _, message = cell.failure.partition(": ")
+    return message if message and head.startswith(cell.variant) else cell.failure
+
+
+def _clipped(text: str, length: int = 90) -> str:
+    text = " ".join(text.split())
+    return text if len(text) <= length else text[: length - 3] + "..."

@@ -1,0 +1,155 @@
+"""What a study asks: the axis or tunable that it varies, its baseline, and what else differs between its cells."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ptbench.io.cells import Cell, Result, Study
+from ptbench.io.older import usual_baselines
+
+
+@dataclass(frozen=True)
+class Question:
+    """The axis, or the tunable, that a figure varies and the choice that all others are held against."""
+
+    axis: str
+    baseline: str
+    is_tunable: bool = False
+
+    @property
+    def shown_baseline(self) -> str:
+        return f"{self.axis}={self.baseline}" if self.is_tunable else self.baseline
+
+    def choice_of(self, cell: Cell) -> str:
+        value = dimension(cell, self.axis)
+        if self.is_tunable:
+            return f"no {self.axis}" if value is None else f"{self.axis}={value}"
+        return value or "?"
+
+
+# The axis that a figure is about where its name is another one, or files may lack the axis. Any other name may be an
+# axis of the file's, or a tunable.
+_FIGURE_AXES = {"sorting_by_depth": "sorting", "first_bounce_by_depth": "first_bounce", "robustness": "robustness"}
+
+# What lies along the x axis of the figures that follow a cost: a setting of the cells, their scene or a tunable. They
+# are about the first axis that has more than one choice in their study.
+SWEPT = {
+    "scaling_by_resolution": "resolution",
+    "scaling_by_depth": "depth",
+    "scaling_by_materials": "scene",
+    "scaling_by_shading_fmas": "shading_fmas",
+}
+
+
+def question_of(result: Result, study: Study | None) -> Question | None:
+    """What the study's figure asks; None where it compares no choices.
+
+    The baseline is the file's own for its backend, or a tunable's standard. A study that was not run with it is held
+    against the first choice that it was run with.
+    """
+    if study is None:
+        return None
+    cells = result.cells_of(study)
+    if is_tunable(result, study):
+        tuned = [cell for cell in cells if study.figure in cell.tunables]
+        first = next((cell for cell in tuned if study.figure not in cell.tuned), tuned[0])
+        return Question(study.figure, str(first.tunables[study.figure]), is_tunable=True)
+    axis = _varying_axis(result, cells) if study.figure in SWEPT else axis_of(result, study.figure)
+    if axis is None:
+        return None
+    run = list(dict.fromkeys(cell.axes[axis] for cell in cells if axis in cell.axes))
+    baseline = usual_baseline(result, axis)
+    # Files that do not name their baselines are older than studies without one.
+    if run and baseline not in run and (result.baselines or baseline is None):
+        baseline = run[0]
+    return Question(axis, baseline or "?")
+
+
+def is_tunable(result: Result, study: Study) -> bool:
+    """Whether the study's figure is named for a tunable, whose values it holds against each other."""
+    known = study.figure in SWEPT or axis_of(result, study.figure) is not None
+    return not known and any(study.figure in cell.tunables for cell in result.cells_of(study))
+
+
+def axes_of(result: Result) -> list[str]:
+    """The axes of a file, in the order in which a variant's name spells them."""
+    named = (axis for cell in result.cells for axis in cell.axes)
+    return list(dict.fromkeys([*usual_baselines(result.baselines), *named]))
+
+
+def axis_of(result: Result, figure: str) -> str | None:
+    """The axis that a figure of that name is about in this file; None: it is about no axis, or about any."""
+    return _FIGURE_AXES.get(figure) or (figure if figure in axes_of(result) else None)
+
+
+def usual_baseline(result: Result, axis: str) -> str | None:
+    """The axis's baseline on the file's backend; None: nobody says."""
+    return usual_baselines(result.baselines).get(axis)
+
+
+def _varying_axis(result: Result, cells: Sequence[Cell]) -> str | None:
+    return next((name for name in axes_of(result) if len({cell.axes.get(name) for cell in cells}) > 1), None)
+
+
+def swept_by(study: Study | None) -> str:
+    """What tells the points of one line apart."""
+    return SWEPT.get(study.figure, "depth") if study is not None else "depth"
+
+
+def dimension(cell: Cell, name: str) -> str | None:
+    """What a cell has of an axis, a setting or a tunable, as text; None: it has no such tunable."""
+    settings = {
+        "scene": cell.scene,
+        "backend": cell.backend,
+        "resolution": cell.resolution_text,
+        "depth": str(cell.depth),
+        "spp": str(cell.spp),
+    }
+    tunables = {tunable: str(value) for tunable, value in cell.tunables.items()}
+    return {**tunables, **cell.axes, **settings}.get(name)
+
+
+def varying_dimensions(cells: Sequence[Cell], question: Question | None, swept: str = "depth") -> list[str]:
+    """What differs between cells of one scene and x besides the question's axis: a label has to say it."""
+    axes = dict.fromkeys(name for cell in cells for name in cell.axes)
+    tunables = dict.fromkeys(name for cell in cells for name in cell.tunables)
+    settings = [name for name in ("backend", "resolution", "depth", "spp") if name != swept]
+    varying = []
+    for name in [*axes, *settings, *tunables]:
+        if name == swept or (question is not None and name == question.axis):
+            continue
+        groups: dict[tuple, set[str | None]] = {}
+        for cell in cells:
+            # Two choices may have other standards of one tunable: that alone is no difference to tell.
+            choices = tuple(cell.axes.items()) if name in tunables else ()
+            groups.setdefault((cell.scene, dimension(cell, swept), choices), set()).add(dimension(cell, name))
+        if any(len(values - {None}) > 1 for values in groups.values()):
+            varying.append(name)
+    return varying
+
+
+def fixed_axes(cells: Sequence[Cell], question: Question | None) -> dict[str, str]:
+    """The axes that have one choice in all of these cells."""
+    names = dict.fromkeys(name for cell in cells for name in cell.axes)
+    fixed = {}
+    for name in names:
+        choices = {cell.axes.get(name, "") for cell in cells}
+        if len(choices) == 1 and (question is None or name != question.axis):
+            fixed[name] = choices.pop()
+    return fixed
+
+
+def fixed_tunables(cells: Sequence[Cell], dimensions: Sequence[str]) -> dict[str, list[int]]:
+    """The values of the tunables that are no dimension; several where choices have standards of their own."""
+    names = dict.fromkeys(name for cell in cells for name in cell.tunables if name not in dimensions)
+    return {name: sorted({cell.tunables[name] for cell in cells if name in cell.tunables}) for name in names}
+
+
+def label_of(cell: Cell, question: Question | None, dimensions: Sequence[str]) -> str:
+    """The choice and what else varies; where no choices are compared, what varies."""
+    values = ((name, dimension(cell, name)) for name in dimensions)
+    others = [f"{name}={value}" for name, value in values if value is not None]
+    if question is not None:
+        others.insert(0, question.choice_of(cell))
+    return ", ".join(others) or cell.axes.get("integrator", cell.variant)

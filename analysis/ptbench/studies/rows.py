@@ -1,0 +1,154 @@
+"""What a study measured, worked out once for its figure and its table: medians, ratios, and verdicts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+from ptbench.io.cells import Cell, Result, Study
+from ptbench.stats.estimates import (
+    CLOCK_UNKNOWN,
+    THRESHOLD,
+    Estimate,
+    Verdict,
+    confirmed,
+    median_estimate,
+    ratio_estimate,
+    verdict_of_ratio,
+    withheld,
+)
+from ptbench.studies.disturbed import MOST_DISTURBED
+from ptbench.studies.questions import SWEPT, Question, dimension, label_of, question_of, swept_by, varying_dimensions
+from ptbench.studies.withdrawn import between
+
+
+@dataclass(frozen=True)
+class Row:
+    """One cell of a study and all that is said of it."""
+
+    cell: Cell
+    label: str
+    is_baseline: bool
+    estimate: Estimate | None
+    mega_rays_per_second: Estimate | None
+    ratio: Estimate | None
+    verdict: Verdict | None
+
+
+_LAST: list[tuple[Result, dict[str | None, list[Row]]]] = []
+
+
+def measure(result: Result, study: Study | None) -> list[Row]:
+    """Every cell of the study (None: the cells of no study), measured or not, in the file's order.
+
+    Figure and table of a study ask for the same: those of the last file are kept.
+    """
+    if not _LAST or _LAST[0][0] is not result:
+        _LAST[:] = [(result, {})]
+    measured = _LAST[0][1]
+    name = None if study is None else study.name
+    if name not in measured:
+        measured[name] = _measure(result, study)
+    return list(measured[name])
+
+
+def _measure(result: Result, study: Study | None) -> list[Row]:
+    cells = result.cells_of(study) if study is not None else tuple(cell for cell in result.cells if not cell.studies)
+    question = question_of(result, study)
+    dimensions = varying_dimensions(cells, question, swept_by(study))
+    rows = []
+    for cell in cells:
+        estimate = rays = ratio = verdict = None
+        is_baseline = question is not None and dimension(cell, question.axis) == question.baseline
+        if cell.measured:
+            estimate = median_estimate(cell.ms_per_spp)
+            rays = median_estimate([sample.mega_rays_per_second for sample in cell.samples])
+            if question is not None and not is_baseline:
+                ratio, verdict = _against_baseline(cell, cells, question)
+        compared = question is not None or (study is not None and study.figure in SWEPT)
+        label = label_of(cell, question, dimensions) if compared else cell.variant
+        rows.append(Row(cell, label, is_baseline, estimate, rays, ratio, verdict))
+    return rows
+
+
+CONTENDED = "other processes took CPU time during more than a tenth of the samples"
+
+
+def _against_baseline(cell: Cell, cells: Sequence[Cell], question: Question) -> tuple[Estimate | None, Verdict]:
+    baseline = baseline_of(cell, cells, question)
+    name = f"{question.axis}={question.baseline}"
+    if baseline is None:
+        return None, Verdict("—", f"no cell with {name} and all else equal")
+    if not baseline.measured:
+        return None, Verdict("—", f"the baseline {name} has no times ({baseline.status})")
+    return time_ratio(cell, baseline)
+
+
+def time_ratio(
+    cell: Cell, baseline: Cell, threshold: float = THRESHOLD, *, one_clock: bool = True
+) -> tuple[Estimate, Verdict]:
+    """Time of one measured cell over that of another, a sample per pixel, and what that allows to say.
+
+    `one_clock`: both ran on one machine, so that a ratio that is another one in cycles comes from a clock that moved.
+    """
+    ratio = ratio_estimate(cell.ms_per_spp, baseline.ms_per_spp)
+    cycles = cycles_ratio(cell, baseline) if one_clock else None
+    in_cycles = None if cycles is None else verdict_of_ratio(cycles, threshold)
+    notes = [entry.mark for entry in between(cell, baseline)]
+    notes += [CLOCK_UNKNOWN] if one_clock and cycles is None else []
+    verdict = replace(confirmed(verdict_of_ratio(ratio, threshold), in_cycles), note="; ".join(notes))
+    return ratio, withheld(verdict, CONTENDED) if is_contended(cell) or is_contended(baseline) else verdict
+
+
+def cycles_ratio(cell: Cell, baseline: Cell) -> Estimate | None:
+    """The ratio in cycles of each one's clock; None where a clock was not measured."""
+    cycles, baseline_cycles = cell.mega_cycles_per_spp, baseline.mega_cycles_per_spp
+    return None if cycles is None or baseline_cycles is None else ratio_estimate(cycles, baseline_cycles)
+
+
+def is_contended(cell: Cell) -> bool:
+    return cell.disturbed_samples > MOST_DISTURBED * len(cell.samples)
+
+
+# An axis that says how another one's choice works, and the choice with which it says nothing.
+_QUALIFIES = {"sort_key": ("sorting", "none")}
+
+
+def baseline_of(cell: Cell, cells: Iterable[Cell], question: Question) -> Cell | None:
+    """The cell that differs in what the question is about only.
+
+    Equal spp is preferred, not required: times are per spp. Tunables that both cells have must be equal, or both at
+    their choice's standard (which two choices need not share); those that only the baseline has, at theirs if possible.
+    """
+    moot = [name for name, idle in _QUALIFIES.items() if idle == (question.axis, question.baseline)]
+
+    def setting(other: Cell) -> tuple:
+        axes = {name: choice for name, choice in other.axes.items() if name not in (question.axis, *moot)}
+        return other.scene, other.backend, other.depth, other.resolution, axes
+
+    def shared(other: Cell) -> list[str]:
+        return [name for name in cell.tunables if name in other.tunables and name != question.axis]
+
+    def equally_tuned(other: Cell) -> bool:
+        return all(
+            cell.tunables[name] == other.tunables[name] or (name not in cell.tuned and name not in other.tuned)
+            for name in shared(other)
+        )
+
+    def unlikeness(other: Cell) -> tuple:
+        axes = sum(cell.axes.get(name) != other.axes.get(name) for name in moot)
+        values = sum(cell.tunables[name] != other.tunables[name] for name in shared(other))
+        return axes, values, other.spp != cell.spp, len(other.tuned.keys() - cell.tunables.keys())
+
+    matches = [
+        other
+        for other in cells
+        if dimension(other, question.axis) == question.baseline
+        and setting(other) == setting(cell)
+        and equally_tuned(other)
+    ]
+    return min(matches, key=unlikeness, default=None)
+
+
+def scenes_of(rows: Sequence[Row]) -> list[str]:
+    return list(dict.fromkeys(row.cell.scene for row in rows))

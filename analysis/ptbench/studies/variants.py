@@ -1,0 +1,100 @@
+"""Finds a variant by its dotted name or a part of it, and says what two variants differ in."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from pathlib import Path
+
+from ptbench.errors import InputError, bad_value
+from ptbench.io.cells import Cell, Result, tuned_in
+
+_SHOWN = 3
+
+
+def find_variant(result: Result, text: str, role: str = "the variant") -> str:
+    """The whole name of the file's one variant that `text` names; raises InputError.
+
+    `role` is what the call names it. `text` is the whole name, or some of its parts in their order: choices,
+    AXIS=CHOICE, TUNABLE=VALUE, between dots, commas or plus signs. A choice that several axes have is the first one's
+    that fits: "wavefront.none.soa" has no compaction. Where no tunable is named, a variant that has all at their
+    standards comes before others.
+    """
+    axes = {cell.variant: cell.axes for cell in result.cells}
+    if text in axes:
+        return text
+    parts = [part for part in re.split(r"[.,+\s]+", text) if part]
+    places = {variant: _places(axes[variant], tuned_in(variant), parts) for variant in axes} if parts else {}
+    first = min((at for at in places.values() if at is not None), default=None)
+    found = [variant for variant, at in places.items() if at is not None and at == first]
+    standard = [variant for variant in found if not tuned_in(variant)]
+    if len(found) > 1 and standard and not any(_names_tunable(axes, part) for part in parts):
+        found = standard
+    if len(found) == 1:
+        return found[0]
+    if found:
+        differing = "; ".join(
+            f"{name} ({', '.join(values)})" for name, values in _differences([(axes[v], tuned_in(v)) for v in found])
+        )
+        what = f'{len(found)} variants with "{text}", which differ in {differing}'
+        raise bad_value(result.path, role, what, "what names one of them")
+    raise _unknown(result.path, role, text, parts, axes)
+
+
+def _places(axes: Mapping[str, str], tuned: Mapping[str, str], parts: Sequence[str]) -> tuple[int, ...] | None:
+    """Where in the variant's name its choices among `parts` stand, each as early as can be; None: it lacks a part."""
+    choices = list(axes.values())
+    places: list[int] = []
+    for part in parts:
+        name, is_named, value = part.partition("=")
+        if is_named:
+            if axes.get(name, tuned.get(name)) != value:
+                return None
+            continue
+        after = places[-1] + 1 if places else 0
+        if part not in choices[after:]:
+            return None
+        places.append(choices.index(part, after))
+    return tuple(places)
+
+
+def _names_tunable(axes: Mapping[str, Mapping[str, str]], part: str) -> bool:
+    return "=" in part and part.partition("=")[0] not in next(iter(axes.values()))
+
+
+def _differences(variants: Sequence[tuple[Mapping[str, str], Mapping[str, str]]]) -> list[tuple[str, list[str]]]:
+    """(axis or tunable, its values) where these variants, each (axes, tuned), have more than one."""
+    names = dict.fromkeys(name for axes, tuned in variants for name in (*axes, *tuned))
+    values = {
+        name: list(dict.fromkeys(axes.get(name) or tuned.get(name, "standard") for axes, tuned in variants))
+        for name in names
+    }
+    return [(name, found) for name, found in values.items() if len(found) > 1]
+
+
+def _unknown(
+    path: Path, role: str, text: str, parts: Sequence[str], axes: Mapping[str, Mapping[str, str]]
+) -> InputError:
+    choices = list(dict.fromkeys(choice for of in axes.values() for choice in of.values()))
+    unknown = [part for part in parts if "=" not in part and part not in choices]
+    close = [name for part in unknown for name in get_close_matches(part, choices, _SHOWN)]
+    close = close or get_close_matches(text, axes, _SHOWN, cutoff=0.3) or list(axes)[:_SHOWN]
+    nearest = ", ".join(dict.fromkeys(close[:_SHOWN])) or "it has none"
+    return bad_value(path, role, f'"{text}"', f"a variant of the file or a part of one name; nearest: {nearest}")
+
+
+def labels_of(a: Cell, b: Cell) -> tuple[str, str]:
+    """What each of two variants has that the other has not, as AXIS=CHOICE."""
+    differing = _differences([(a.axes, a.tuned), (b.axes, b.tuned)])
+
+    def label(cell: Cell) -> str:
+        told = []
+        for name, _ in differing:
+            value = cell.axes.get(name) or cell.tuned.get(name)
+            if value is None and name in cell.tunables:
+                value = str(cell.tunables[name])
+            told += [] if value is None else [f"{name}={value}"]
+        return ", ".join(told) or cell.variant
+
+    return label(a), label(b)

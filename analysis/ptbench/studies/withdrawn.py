@@ -1,0 +1,109 @@
+"""Verdicts that are withdrawn: withdrawn.json says which, why, what bounds the number, and what would bring them back.
+
+A verdict in time or efficiency on two cells that differ in a withdrawn choice is still computed, and never told without
+its withdrawal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import combinations
+
+from ptbench.io.cells import Cell
+from ptbench.io.files import package_file
+from ptbench.io.nodes import Node, read_json
+
+FILE = package_file("withdrawn.json")
+
+
+@dataclass(frozen=True)
+class Withdrawal:
+    axis: str
+    choices: tuple[str, ...]
+    backends: tuple[str, ...]
+    withdrawn: str  # which verdicts
+    reason: str
+    bound: dict[str, float]  # by choice; may be empty
+    bound_is: str
+    source: str  # the committed file with those numbers
+    stays: str  # what is not withdrawn
+    until: str
+
+    @property
+    def named(self) -> str:
+        return f"{self.axis}={','.join(self.choices)}"
+
+    @property
+    def mark(self) -> str:
+        """For the line of a verdict."""
+        return f"withdrawn: the cost of {self.named} is the implementation's"
+
+    @property
+    def short(self) -> str:
+        """For a caption."""
+        limits = ", ".join(f"{value:.2f} ({choice})" for choice, value in self.bound.items())
+        bound = f"; bound: {limits} {self.bound_is}" if limits else ""
+        return f"Withdrawn: {self.withdrawn} of {self.named}: {self.reason}{bound}."
+
+    @property
+    def full(self) -> str:
+        where = f" ({self.source})" if self.source else ""
+        body = self.short.removeprefix("Withdrawn: ").removesuffix(".")
+        return f"{body}{where}. What stays valid: {self.stays}. Withdrawn until {self.until}."
+
+    def concerns(self, cell: Cell) -> bool:
+        return cell.backend in self.backends and cell.axes.get(self.axis) in self.choices
+
+    def is_between(self, one: Cell, other: Cell) -> bool:
+        differ = one.axes.get(self.axis) != other.axes.get(self.axis)
+        return differ and (self.concerns(one) or self.concerns(other))
+
+
+def withdrawals_of(root: Node) -> tuple[Withdrawal, ...]:
+    """The file's entries, checked; raises InputError."""
+    return tuple(
+        Withdrawal(
+            axis=node.need("axis").name(),
+            choices=tuple(item.name() for item in node.need("choices").items()),
+            backends=tuple(item.name() for item in node.need("backends").items()),
+            withdrawn=node.need("withdrawn").name(),
+            reason=node.need("reason").name(),
+            bound={key: node.need("bound").need(key).number() for key in node.need("bound").fields()},
+            bound_is=node.need("bound_is").text(),
+            source=node.need("source").text(),
+            stays=node.need("stays").name(),
+            until=node.need("until").name(),
+        )
+        for node in root.items()
+    )
+
+
+@cache
+def withdrawals() -> tuple[Withdrawal, ...]:
+    return withdrawals_of(read_json(FILE))
+
+
+def between(one: Cell, other: Cell) -> tuple[Withdrawal, ...]:
+    """Those that concern a verdict on these two."""
+    return tuple(entry for entry in withdrawals() if entry.is_between(one, other))
+
+
+def among(cells: Sequence[Cell]) -> tuple[Withdrawal, ...]:
+    """Those that concern a verdict on any two of these."""
+    return tuple(
+        entry
+        for entry in withdrawals()
+        if any(entry.concerns(cell) for cell in cells)
+        and any(entry.is_between(one, other) for one, other in combinations(_one_a_choice(entry, cells), 2))
+    )
+
+
+def _one_a_choice(entry: Withdrawal, cells: Iterable[Cell]) -> list[Cell]:
+    return list({(cell.backend, cell.axes.get(entry.axis)): cell for cell in cells}.values())
+
+
+def concerning(cells: Sequence[Cell]) -> tuple[Withdrawal, ...]:
+    """Those of any of these cells, whatever stands beside it."""
+    return tuple(entry for entry in withdrawals() if any(entry.concerns(cell) for cell in cells))
