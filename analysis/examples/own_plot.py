@@ -1,7 +1,7 @@
 """A figure of one's own from a result file: do the samples drift while a run goes on?
 
-Run it from the repository's root, `python3 -m analysis.examples.own_plot`, or cell by cell in an editor that knows
-`# %%`, with the package installed (`pip install ".[frames]"`). It writes own_plot.png into the current folder.
+Run it in the repository's root, `.venv/bin/python analysis/examples/own_plot.py`, or cell by cell in an editor that
+knows `# %%`, with the package installed (`pip install ".[frames]"`). It writes own_plot.png into the current folder.
 """
 
 # %% One row a sample, every axis and setting a column of its own
@@ -12,10 +12,11 @@ import matplotlib
 matplotlib.use("Agg")  # leave this out to see the figure in a notebook
 import matplotlib.pyplot as plt
 
-from ptbench import frames
+import ptbench
 
 RESULT = "results/nvidia-h200/seeds.json"
-samples = frames.samples(RESULT)
+result = ptbench.load(RESULT)
+samples = result.frame("samples")
 good = samples[samples["status"] == "ok"]
 print(f"{len(samples)} samples of {samples['cell'].nunique()} cells, {len(samples) - len(good)} of them failed")
 
@@ -39,7 +40,7 @@ figure.legend(loc="outside right upper")
 figure.savefig("own_plot.png", dpi=150)
 
 # %% Where the time goes: shares of the instrumented pass, one row a cell and stage
-stages = frames.stages(RESULT)
+stages = result.frame("stages")
 stages["share"] = stages["stage_ms"] / stages["instrumented_wall_ms"]
 of_one = stages[(stages["scene"] == "cornell_open") & (stages["layout"] == "aos") & (stages["depth"] == 8)]
 shares = of_one.pivot_table(index="variant", columns="stage", values="share", aggfunc="first", observed=True)

@@ -1,3 +1,35 @@
-"""Reads ptbench result files and draws what they say. Knows nothing of the C++ side but the file format."""
+"""Reads ptbench result files and draws what they say. Knows nothing of the C++ side but the file format.
+
+In a notebook:
+
+    import ptbench
+
+    ptbench.load("results/nvidia-h200/compaction.json").frame("verdicts")
+
+From the bottom up, each using those before it: `errors`, `terminal`, `numbers`; `io`, the files; `stats`; `studies`,
+`convergence` and `stability`, what was measured; `figures`; `explain`, `compare`, `plots`, `report`, what is told of
+it; `tidy` and `frames`, rows for one's own work; `cli`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from pathlib import Path
+
+    from ptbench.measured import Measured
 
 __version__ = "0.1.0"  # the program's, CMakeLists.txt
+
+
+def load(paths: Path | str | Iterable[Path | str]) -> Measured:
+    """Reads one result file or several of one kind for a notebook; see `ptbench.measured.Measured`.
+
+    Raises ptbench.errors.InputError, which says in one line what is wrong in which file.
+    """
+    # A wrong call on the command line should not wait for it.
+    from ptbench import measured
+
+    return measured.load(paths)

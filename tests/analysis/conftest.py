@@ -10,15 +10,16 @@ from pathlib import Path
 import pytest
 from builder import small
 
-from analysis.__main__ import main
+from ptbench.cli.main import main
 
 ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = ROOT / "analysis" / "ptbench"
 
 
 def run_analysis(*arguments: object, hash_seed: int = 1) -> subprocess.CompletedProcess:
-    """`python3 -m analysis ...` as a user runs it, from another folder's point of view."""
-    environment = {**os.environ, "PYTHONHASHSEED": str(hash_seed), "PYTHONPATH": str(ROOT)}
-    command = [sys.executable, "-W", "error", "-m", "analysis", *map(str, arguments)]
+    """`python3 -m ptbench ...` as a user runs it, from another folder's point of view."""
+    environment = {**os.environ, "PYTHONHASHSEED": str(hash_seed), "PYTHONPATH": str(PACKAGE.parent)}
+    command = [sys.executable, "-W", "error", "-m", "ptbench", *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, check=False, env=environment, cwd=ROOT.parent)
 
 

@@ -7,7 +7,7 @@ from itertools import combinations
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from analysis import style
+from ptbench.figures import style
 
 
 def texts_of(figure: Figure) -> list[Text]:

@@ -27,12 +27,12 @@ from convergence_builder import convergence_cell, convergence_study, on_gpu
 from legibility import check_legible
 from scipy import stats
 
-from analysis import compare_figure
-from analysis.compare import compare_files
-from analysis.compare_noise import floor_of, repeats_of
-from analysis.figures import forest
-from analysis.results import load
-from analysis.statistics import geometric_mean_of_ratios, ratio_estimate
+from ptbench.compare import figure as compare_figure
+from ptbench.compare.compared import compare_files
+from ptbench.compare.noise import floor_of, repeats_of
+from ptbench.figures import forest
+from ptbench.io.results import load
+from ptbench.stats.estimates import geometric_mean_of_ratios, ratio_estimate
 
 UNCACHED_2 = ("material.off.off", "cornell_open_unjittered", "depth:2/")
 
@@ -466,7 +466,7 @@ def test_a_noise_file_that_is_given_already_is_refused(base, analysis, tmp_path)
         code, out, err = analysis("compare", *files, "--noise", noise)
         assert (code, out) == (2, "")
         assert err == (
-            f"python3 -m analysis: {noise}: --noise: found the very samples of {twin}, allowed: a run of its own\n"
+            f"python3 -m ptbench: {noise}: --noise: found the very samples of {twin}, allowed: a run of its own\n"
         )
     again = written(run_again(run_again(base)), tmp_path / "c.json")
     assert analysis("compare", *files, "--noise", again)[0] == 0
@@ -478,7 +478,7 @@ def test_noise_files_that_repeat_nothing_are_refused(base, analysis, tmp_path):
     stranger = written(other_machine(base, "b"), tmp_path / "n.json")
     code, out, err = analysis("compare", *files, "--noise", stranger)
     assert (code, out) == (2, "")
-    assert err.startswith(f"python3 -m analysis: {stranger}: --noise: found no other file of machine b and program ")
+    assert err.startswith(f"python3 -m ptbench: {stranger}: --noise: found no other file of machine b and program ")
     assert err.count("\n") == 1
 
 

@@ -11,8 +11,8 @@ from builder import Builder
 from conftest import ROOT
 from stability_builder import DOUBLE, FAST, FLOAT, MIXED, NAIVE, WAVEFRONT, StabilityBuilder
 
-from analysis.compare_stability import compare_stability_files
-from analysis.compare_stability_text import stability_json, stability_sections
+from ptbench.compare.stability.matching import compare_stability_files
+from ptbench.compare.stability.text import stability_json, stability_sections
 
 
 def before() -> StabilityBuilder:

@@ -11,11 +11,11 @@ import pytest
 from builder import Builder
 from conftest import ROOT
 
-from analysis.consistency import contradictions
-from analysis.errors import InputError
-from analysis.nodes import Node, read_json
-from analysis.results import load
-from analysis.validate import validate
+from ptbench.errors import InputError
+from ptbench.io.consistency import contradictions
+from ptbench.io.nodes import Node, read_json
+from ptbench.io.results import load
+from ptbench.io.validate import validate
 
 COMMITTED = sorted((ROOT / "results").glob("*/*.json"))
 PACKET = json.loads((ROOT / "results" / "amd-epyc-2-threads" / "packet.json").read_text(encoding="utf-8"))

@@ -10,11 +10,11 @@ from builder import Builder
 from convergence_builder import SPPS, Law, convergence_cell, convergence_study, on_gpu, rows_of_errors
 from scipy import stats
 
-from analysis.convergence import CONVERGES, INVALID, NO_VERDICT, NOISE_LIMITED, PLATEAU, assess
-from analysis.convergence_fit import Curve, fit_law, fit_of, slopes_of
-from analysis.errors import InputError
-from analysis.intervals import bootstrap_interval, holm, jackknife, resampled, stands_apart, t_interval, t_test
-from analysis.results import load
+from ptbench.convergence.assessment import CONVERGES, INVALID, NO_VERDICT, NOISE_LIMITED, PLATEAU, assess
+from ptbench.convergence.fit import Curve, fit_law, fit_of, slopes_of
+from ptbench.errors import InputError
+from ptbench.io.results import load
+from ptbench.stats.intervals import bootstrap_interval, holm, jackknife, resampled, stands_apart, t_interval, t_test
 
 EXACT = Law(noisy=False)
 

@@ -13,10 +13,10 @@ from legibility import check_legible
 from matplotlib.text import Text
 from PIL import Image
 
-from analysis.errors import InputError, NotDrawable
-from analysis.figures import CONVERGENCE_FIGURES, collect_study, draw_study, parts_of_study
-from analysis.images import displayed, exposure_of, flip, read_pfm
-from analysis.results import load
+from ptbench.errors import InputError, NotDrawable
+from ptbench.figures.registry import CONVERGENCE_FIGURES, collect_study, draw_study, parts_of_study
+from ptbench.io.images import displayed, exposure_of, flip, read_pfm
+from ptbench.io.results import load
 
 SPPS = [1, 2, 4, 8, 16, 32, 64]
 AXES = (
@@ -329,7 +329,7 @@ def test_plots_writes_all_figures_and_the_tables(tmp_path, analysis):
 
 
 def test_one_figure_that_cannot_be_drawn_does_not_stop_the_others(tmp_path, analysis, monkeypatch):
-    monkeypatch.setattr("analysis.plots.save_figure", lambda figure, folder, name: [folder / f"{name}.png"])
+    monkeypatch.setattr("ptbench.plots.command.save_figure", lambda figure, folder, name: [folder / f"{name}.png"])
     builder = convergence_study(on_gpu())
     convergence_cell(builder, Law(noisy=False), spps=SPPS)
     code, out, _ = analysis("plots", builder.write(tmp_path / "result.json"), "--out", tmp_path / "figures")
@@ -347,6 +347,6 @@ def test_other_studies_have_one_figure():
 
 
 def load_study(figure: str):
-    from analysis.results import Study
+    from ptbench.io.cells import Study
 
     return Study("s", figure, "")

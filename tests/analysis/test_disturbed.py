@@ -9,9 +9,9 @@ import pytest
 from builder import small
 from compare_builder import other_machine, other_program, run_again, wavefront_by_depth, written
 
-from analysis.compare import compare_files
-from analysis.disturbed import disturbance_of
-from analysis.results import load
+from ptbench.compare.compared import compare_files
+from ptbench.io.results import load
+from ptbench.studies.disturbed import disturbance_of
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +60,7 @@ def test_a_noise_file_of_disturbed_samples_is_refused(base, analysis, tmp_path, 
     kinds = "CPU: 72, a low clock: 0" if key == "pt_contended" else "CPU: 0, a low clock: 72"
     assert (code, out) == (2, "")
     assert err == (
-        f"python3 -m analysis: {noise}: --noise: found 72 of 72 samples disturbed (other processes took the {kinds}), "
+        f"python3 -m ptbench: {noise}: --noise: found 72 of 72 samples disturbed (other processes took the {kinds}), "
         "allowed: at most 7, a tenth; what befell the machine is no noise of the program's runs\n"
     )
 
@@ -106,7 +106,7 @@ def test_above_a_fourth_there_is_no_floor_and_no_verdict(base, compared_files, a
     code, out, err = analysis("compare", files[0], files[2], "--noise", files[1])
     assert (code, out) == (2, "")
     assert err == (
-        f"python3 -m analysis: {files[1]}: --noise: found runs of one program that differ by 258 %, allowed: at most "
+        f"python3 -m ptbench: {files[1]}: --noise: found runs of one program that differ by 258 %, allowed: at most "
         "25 %; by such a floor a program that takes a fourth more time would be the SAME\n"
     )
     # 25 % and a little is above 25 % as printed, too; below it the floor holds.

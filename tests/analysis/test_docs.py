@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 
-from analysis.__main__ import _parser
+from ptbench.cli.main import parser_of
 
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 FOLDERS = ("analysis", "cmake", "docs", "harness", "kernels", "packaging", "results", "scenes", "tests", "variants")
@@ -35,7 +35,7 @@ _FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _LINK = re.compile(r"\]\(([^()\s]+)\)")
 _SPAN = re.compile(r"`([^`\n]+)`")
 _PATH = re.compile(rf"(?<![\w./])(?:{'|'.join(FOLDERS)})/[\w./-]+")
-_COMMAND = re.compile(r"(?:build/|\./)?ptbench (?=[a-z])|python3 -m analysis |\./run (?=[a-z])")
+_COMMAND = re.compile(r"(?:build/|\./)?ptbench (?=[a-z])|python3 -m ptbench |\./run (?=[a-z])")
 _PLACEHOLDER = re.compile(r"[A-Z][A-Z0-9_]*(\.json)?$|.*\.\.$|.*\b(NAME|MACHINE|SUITE|FILE)\b.*")
 
 
@@ -139,7 +139,7 @@ def analysis_complaint(command: str) -> str:
     """What argparse says of a call without placeholders; nothing if it is good."""
     words = shlex.split(command)[3:]
     try:
-        _parser().parse_args(words)
+        parser_of().parse_args(words)
     except SystemExit as leaving:
         return f"exit code {leaving.code}"
     return ""
@@ -222,7 +222,7 @@ def test_ptbench_has_the_options(help_of_ptbench):
 
 def test_analysis_takes_the_calls():
     def check(page: Path, text: str) -> list[str]:
-        lines = [line for line in commands_of(text) if line.startswith("python3 -m analysis ")]
+        lines = [line for line in commands_of(text) if line.startswith("python3 -m ptbench ")]
         # A synopsis has brackets round what may be left out; what is in them is part of a call too.
         bare = [re.sub(r"[][]", "", line) for line in lines if "|" not in line and line.split()[3:]]
         return [f"{line}: {complaint}" for line in bare if (complaint := analysis_complaint(line))]
@@ -236,9 +236,9 @@ def test_faults_are_found():
     assert broken_links(ROOT / "page.md", "[up](../)") == ["../: no part of the repository"]
     assert missing_files(text + "`analysis/style.py`, `results/MACHINE/a.json`") == ["analysis/gone.py"]
     block = (
-        "```\nA=1 build/ptbench run --scene s --axis frob=x  # why\npython3 -m analysis plots a.json   is said\n```\n"
+        "```\nA=1 build/ptbench run --scene s --axis frob=x  # why\npython3 -m ptbench plots a.json   is said\n```\n"
     )
-    assert commands_of(block) == ["build/ptbench run --scene s --axis frob=x", "python3 -m analysis plots a.json"]
+    assert commands_of(block) == ["build/ptbench run --scene s --axis frob=x", "python3 -m ptbench plots a.json"]
     assert unknown_names("build/ptbench run --scene s,cornell_open --axis compaction=none,no --axis frob=x") == [
         "compaction=no",
         "axis frob",
@@ -250,5 +250,5 @@ def test_faults_are_found():
 
     assert wrong_options("build/ptbench run --scene s --frob 1 --benchmark_filter=a", help_of) == ["run has no --frob"]
     assert wrong_options("build/ptbench frob", help_of) == ["no subcommand frob"]
-    assert analysis_complaint("python3 -m analysis plots") != ""
-    assert analysis_complaint("python3 -m analysis plots a.json --out b") == ""
+    assert analysis_complaint("python3 -m ptbench plots") != ""
+    assert analysis_complaint("python3 -m ptbench plots a.json --out b") == ""

@@ -8,8 +8,8 @@ import pytest
 from builder import Builder
 from convergence_builder import SPPS, Law, convergence_cell, convergence_study, on_gpu
 
-from analysis.convergence import _percent, assess
-from analysis.efficiency import (
+from ptbench.convergence.assessment import _percent, assess
+from ptbench.convergence.efficiency import (
     CheckpointCost,
     baseline_among,
     by_place,
@@ -20,8 +20,8 @@ from analysis.efficiency import (
     target_of,
     time_to,
 )
-from analysis.results import load
-from analysis.statistics import Estimate
+from ptbench.io.results import load
+from ptbench.stats.estimates import Estimate
 
 NEE, MEGAKERNEL = {"direct_light": "nee"}, {"integrator": "megakernel"}
 

@@ -11,16 +11,18 @@ from builder import AXES, Builder, rates_named
 from conftest import ROOT
 from legibility import check_legible
 
-from analysis import style
-from analysis.accounting import OUTSIDE, PASSES, WHOLE, account_of, accounting_of
-from analysis.accounting_facts import MILLION_RAYS, NS_A_RAY, facts_of, rated_bandwidth
-from analysis.errors import InputError
-from analysis.explain import Choice, Found, pairs_of
-from analysis.explain_text import explained, finding, how_far
-from analysis.figures.difference import draw
-from analysis.inspect_file import inspected_of, load_inspected, price_of_a_ray
-from analysis.results import Result, load
-from analysis.variant_names import find_variant
+from ptbench.errors import InputError
+from ptbench.explain.accounting import OUTSIDE, PASSES, WHOLE, account_of, accounting_of
+from ptbench.explain.command import pairs_of
+from ptbench.explain.facts import MILLION_RAYS, NS_A_RAY, facts_of, rated_bandwidth
+from ptbench.explain.figure import draw
+from ptbench.explain.found import Choice, Found
+from ptbench.explain.text import explained, finding, how_far
+from ptbench.figures import style
+from ptbench.io.cells import Result
+from ptbench.io.inspection import inspected_of, load_inspected, price_of_a_ray
+from ptbench.io.results import load
+from ptbench.studies.variants import find_variant
 
 H200 = ROOT / "results" / "nvidia-h200"
 CPU = ROOT / "results" / "amd-epyc-2-threads"

@@ -9,10 +9,11 @@ import pytest
 from builder import CLOSED, OPEN, Builder, small
 from legibility import check_legible
 
-from analysis import style
-from analysis.errors import NotDrawable
-from analysis.figures import collect_study, draw_study, lines, rows
-from analysis.results import load
+from ptbench import numbers
+from ptbench.errors import NotDrawable
+from ptbench.figures import lines, rows, style
+from ptbench.figures.registry import collect_study, draw_study
+from ptbench.io.results import load
 
 SMALL = ("remaining_paths", "sorting_by_depth", "first_bounce_by_depth", "compaction", "integrator")
 
@@ -271,7 +272,7 @@ def test_labels_move_as_little_as_they_can(targets, sizes, expected):
     ],
 )
 def test_numbers(value, text):
-    assert style.figures(value) == text
+    assert numbers.figures(value) == text
 
 
 def test_integrators_are_held_against_the_wavefront_of_the_same_layout(tmp_path):

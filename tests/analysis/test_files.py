@@ -13,14 +13,14 @@ from pathlib import Path
 
 import pytest
 from builder import Builder, small
-from conftest import ROOT
+from conftest import PACKAGE
 
-from analysis import __version__
-from analysis.errors import InputError
-from analysis.files import LARGEST_RESULT, move_whole, read_whole, write_text, write_whole
-from analysis.images import read_pfm
-from analysis.nodes import read_json
-from analysis.terminal import visible
+from ptbench import __version__
+from ptbench.errors import InputError
+from ptbench.io.files import LARGEST_RESULT, move_whole, read_whole, write_text, write_whole
+from ptbench.io.images import read_pfm
+from ptbench.io.nodes import read_json
+from ptbench.terminal import visible
 
 NO_REGULAR_FILE = "no regular file (a device, a pipe or a socket)"
 
@@ -60,8 +60,8 @@ def odd_files(folder: Path) -> dict[str, Path]:
 
 def called(*arguments: object, cwd: Path | None = None, **environment: str) -> subprocess.CompletedProcess:
     """The command in a process of its own, with a time limit: what hangs shall fail. Bytes out, for any name."""
-    command = [sys.executable, "-m", "analysis", *map(os.fsencode, map(str, arguments))]
-    whole = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
+    command = [sys.executable, "-m", "ptbench", *map(os.fsencode, map(str, arguments))]
+    whole = {**os.environ, "PYTHONPATH": str(PACKAGE.parent), **environment}
     return subprocess.run(command, capture_output=True, check=False, timeout=120, env=whole, cwd=cwd)
 
 
@@ -74,7 +74,7 @@ def test_what_cannot_be_read_is_told_apart(tmp_path):
     for line, (kind, path) in zip(lines, kinds.items(), strict=True):
         found = kind.partition(" #")[0]
         allowed = "a regular file of at most 1024 MiB that can be read"
-        assert line == f"python3 -m analysis: {path}: the file: found {found}, allowed: {allowed}"
+        assert line == f"python3 -m ptbench: {path}: the file: found {found}, allowed: {allowed}"
 
 
 @pytest.mark.parametrize(

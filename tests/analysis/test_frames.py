@@ -6,21 +6,23 @@ import math
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 from builder import Builder, small
-from conftest import ROOT
+from conftest import PACKAGE, ROOT
 from convergence_builder import convergence_cell, convergence_study
 from stability_builder import StabilityBuilder
 
-from analysis import frames
-from analysis.errors import InputError
-from analysis.nodes import read_json
-from analysis.results import load
-from analysis.stability_file import stability_of
+from ptbench import frames
+from ptbench.errors import InputError
+from ptbench.io.nodes import read_json
+from ptbench.io.results import load
+from ptbench.io.stability import stability_of
 
+EXAMPLES = PACKAGE.parent / "examples"
 COMMITTED = [
     ROOT / "results" / "nvidia-h200" / "sorting.json",
     ROOT / "results" / "amd-epyc-2-threads" / "schedulers.json",
@@ -167,14 +169,25 @@ def test_a_file_of_the_other_kind_is_refused_by_name(tmp_path):
         frames.stability(small().write(tmp_path / "quick.json"))
 
 
-def test_the_example_draws_its_figure(tmp_path):
-    (tmp_path / "results").symlink_to(ROOT / "results")
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    command = [sys.executable, "-W", "error", "-m", "analysis.examples.own_plot"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment, cwd=tmp_path)
+def run_example(name: str, folder: Path) -> str:
+    """What an example says, run beside the committed results."""
+    (folder / "results").symlink_to(ROOT / "results")
+    environment = {**os.environ, "PYTHONPATH": str(PACKAGE.parent), "MPLBACKEND": "Agg"}
+    command = [sys.executable, "-W", "error", EXAMPLES / f"{name}.py"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment, cwd=folder)
     assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_the_example_draws_its_figure(tmp_path):
+    said = run_example("own_plot", tmp_path)
     committed = load(ROOT / "results" / "nvidia-h200" / "seeds.json")
-    assert (
-        f"{sum(len(cell.samples) for cell in committed.cells)} samples of {len(committed.cells)} cells" in done.stdout
-    )
+    assert f"{sum(len(cell.samples) for cell in committed.cells)} samples of {len(committed.cells)} cells" in said
     assert (tmp_path / "own_plot.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_figure_for_a_paper_takes_ten_lines(tmp_path):
+    code = (EXAMPLES / "paper_figure.py").read_text(encoding="utf-8").partition("import ptbench\n")[2]
+    assert len([line for line in code.splitlines() if line]) <= 10
+    run_example("paper_figure", tmp_path)
+    assert (tmp_path / "paper_figure.pdf").read_bytes().startswith(b"%PDF")

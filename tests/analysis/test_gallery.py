@@ -8,10 +8,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from conftest import PACKAGE
 
-from analysis.gallery import load_spec, packed, sheet_dpi
+from ptbench.gallery import load_spec, packed, sheet_dpi
 
-DEFAULT_SPEC = Path(__file__).resolve().parents[2] / "analysis" / "gallery.json"
+DEFAULT_SPEC = PACKAGE / "gallery.json"
 
 STAND_IN = """#!{python} -S
 import json, os, sys
@@ -129,8 +130,8 @@ def test_a_failed_render_is_told_and_the_others_still_shown(tmp_path, binary, an
 
 
 def test_the_sheet_names_counters_and_failures(binary, tmp_path):
-    from analysis import style
-    from analysis.gallery import draw_sheet, render
+    from ptbench.figures import style
+    from ptbench.gallery import draw_sheet, render
 
     _, rows = load_spec(spec_of(tmp_path, "ball", "foggy", "broken"))
     shown = [[render(binary, picture, 16, (8, 8), tmp_path) for picture in rows[0].pictures]]
@@ -176,7 +177,7 @@ def test_bad_gallery_files(tmp_path, binary, analysis, spec, message):
     path.write_text(json.dumps(spec))
     code, out, err = analysis("gallery", "--binary", binary, "--spec", path, "--out", tmp_path / "out")
     assert (code, out) == (2, "")
-    assert err.startswith(f"python3 -m analysis: {path}: {message}")
+    assert err.startswith(f"python3 -m ptbench: {path}: {message}")
     assert err.count("\n") == 1
     assert not (tmp_path / "out").exists()
 
@@ -187,7 +188,7 @@ def test_a_binary_that_is_not_there_or_cannot_run(tmp_path, analysis):
     for path, found in ((tmp_path / "none", "no such file"), (plain, "a file that cannot be run")):
         code, _, err = analysis("gallery", "--binary", path, "--out", tmp_path / "out")
         assert code == 2
-        assert err == f"python3 -m analysis: {path}: --binary: found {found}, allowed: the ptbench program\n"
+        assert err == f"python3 -m ptbench: {path}: --binary: found {found}, allowed: the ptbench program\n"
 
 
 @pytest.mark.parametrize(("side", "dpi"), [(64, 128), (256, 128), (300, 150), (800, 200)])

@@ -15,7 +15,7 @@ import pytest
 from compare_builder import other_program, run_again, wavefront_by_depth, without, written
 from scipy import stats
 
-from analysis.compare import compare_files
+from ptbench.compare.compared import compare_files
 
 TOOL = Path(__file__).with_name("third_party") / "google_benchmark" / "compare.py"
 

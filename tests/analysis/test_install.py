@@ -17,7 +17,7 @@ from builder import Builder, small
 from conftest import ROOT
 from packaging.requirements import Requirement
 
-from analysis import __version__
+from ptbench import __version__
 
 if sys.version_info >= (3, 11):
     import tomllib

@@ -9,8 +9,8 @@ import pytest
 from builder import Builder, small
 from conftest import run_analysis
 
-from analysis.plots import default_folder
-from analysis.results import load
+from ptbench.io.results import load
+from ptbench.plots.command import default_folder
 
 NAMES = ("remaining_paths", "sorting_by_depth", "first_bounce_by_depth", "compaction", "integrator")
 
@@ -213,7 +213,7 @@ def test_bad_input_is_one_line_exit_code_2_and_no_files(tmp_path):
     assert done.returncode == 2
     assert done.stdout == ""
     assert done.stderr == (
-        f'python3 -m analysis: {path}: $.ptbench.cells[3].depth: found "deep", allowed: an integer of at least 1\n'
+        f'python3 -m ptbench: {path}: $.ptbench.cells[3].depth: found "deep", allowed: an integer of at least 1\n'
     )
     assert list(tmp_path.iterdir()) == [path]
 
@@ -223,7 +223,7 @@ def test_an_output_folder_that_cannot_be_made(tmp_path, analysis):
     code, out, err = analysis("plots", path, "--out", path)
     assert (code, out) == (2, "")
     found = f"{path}: output folder: found a file, which is no folder, allowed: a folder that can be made"
-    assert err == f"python3 -m analysis: {found}\n"
+    assert err == f"python3 -m ptbench: {found}\n"
 
 
 def test_an_output_name_that_is_taken_by_a_folder_leaves_no_half_files(tmp_path, analysis):

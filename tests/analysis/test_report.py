@@ -19,8 +19,8 @@ from convergence_builder import convergence_cell, convergence_study, on_gpu
 from stability_builder import large
 from test_convergence_figures import with_images
 
-from analysis.__main__ import main
-from analysis.report.html import inline
+from ptbench.cli.main import main
+from ptbench.report.html import inline
 
 HOSTILE = "<script>alert(1)</script>\"&'|`"
 

@@ -7,8 +7,9 @@ import json
 import pytest
 from builder import OPEN, Builder, small
 
-from analysis.errors import InputError
-from analysis.results import NotApplicable, load
+from ptbench.errors import InputError
+from ptbench.io.cells import NotApplicable
+from ptbench.io.results import load
 
 
 def load_changed(tmp_path, change):

@@ -13,10 +13,10 @@ from builder import crossing
 from matplotlib.figure import Figure
 from PIL import Image
 
-from analysis import style
-from analysis.figures import collect_study, draw_study
-from analysis.results import load
-from analysis.saving import DPI, save_figure, save_pictures
+from ptbench.figures import style
+from ptbench.figures.registry import collect_study, draw_study
+from ptbench.figures.saving import DPI, save_figure, save_pictures
+from ptbench.io.results import load
 
 SVG = "{http://www.w3.org/2000/svg}"
 

@@ -10,13 +10,15 @@ from builder import Builder, crossing
 from legibility import check_legible, texts_of
 from matplotlib.figure import Figure
 
-from analysis.crossover import crossover_of
-from analysis.errors import NotDrawable
-from analysis.figures import collect_study, draw_study, lines, rows
-from analysis.figures.scaling import SWEEPS, Place, numbered_scenes
-from analysis.results import load
-from analysis.statistics import Estimate, Verdict, verdict_of_ratio
-from analysis.studies import SWEPT, Question, Row, question_of
+from ptbench.errors import NotDrawable
+from ptbench.figures import lines, rows
+from ptbench.figures.registry import collect_study, draw_study
+from ptbench.figures.scaling import SWEEPS, Place, numbered_scenes
+from ptbench.io.results import load
+from ptbench.stats.estimates import Estimate, Verdict, verdict_of_ratio
+from ptbench.studies.crossover import crossover_of
+from ptbench.studies.questions import SWEPT, Question, question_of
+from ptbench.studies.rows import Row
 
 RESOLUTION, DEPTH, MATERIALS, FMAS = SWEPT
 

@@ -15,9 +15,9 @@ from builder import rates_named, small
 from conftest import ROOT
 from jsonschema import Draft202012Validator
 
-from analysis.results import CELL_STATUSES, CLAIMS, RUN_STATUSES, STUDY_TYPES
-from analysis.schema_tables import tables
-from analysis.validate import KINDS, SCHEMAS, complaints, kind_of, schema, validate
+from ptbench.io.cells import CELL_STATUSES, CLAIMS, RUN_STATUSES, STUDY_TYPES
+from ptbench.io.fields import tables
+from ptbench.io.validate import KINDS, SCHEMAS, complaints, kind_of, schema, validate
 
 BY_HAND = ("nee_bound",)  # records that no command of ptbench wrote
 COMMITTED = sorted(path for path in (ROOT / "results").glob("*/*.json") if path.stem not in BY_HAND)
@@ -70,7 +70,7 @@ def test_a_schema_describes_every_field_and_allows_no_other(name):
 
 def test_the_documented_tables_are_those_of_the_schemas():
     written = (ROOT / "docs" / "result-fields.md").read_text(encoding="utf-8")
-    assert written == tables(), "python3 -m analysis.schema_tables > docs/result-fields.md"
+    assert written == tables(), "python3 -m ptbench.io.fields > docs/result-fields.md"
     assert (ROOT / "docs" / "schema").resolve() == SCHEMAS.resolve()
 
 

@@ -19,15 +19,17 @@ from stability_builder import (
     large,
 )
 
-from analysis.errors import InputError, NotDrawable
-from analysis.figures import collect_study, draw_study, stability_heatmap, stability_sweep
-from analysis.figures.stability_heatmap import MOST_ROWS, colour
-from analysis.nodes import read_json
-from analysis.plots import default_folder
-from analysis.results import load
-from analysis.stability import Layout, number
-from analysis.stability_file import stability_of
-from analysis.stability_summary import family_text, summary
+from ptbench.errors import InputError, NotDrawable
+from ptbench.figures.registry import collect_study, draw_study
+from ptbench.figures.stability import heatmap as stability_heatmap
+from ptbench.figures.stability import sweep as stability_sweep
+from ptbench.figures.stability.heatmap import MOST_ROWS, colour
+from ptbench.io.nodes import read_json
+from ptbench.io.results import load
+from ptbench.io.stability import stability_of
+from ptbench.plots.command import default_folder
+from ptbench.stability.layout import Layout, number
+from ptbench.stability.summary import family_text, summary
 
 NEE = {"direct_light": "nee"}
 
@@ -459,7 +461,7 @@ def test_a_bad_file_is_one_line_and_exit_code_2(tmp_path, analysis, change, comp
     path.write_text(json.dumps(document))
     code, out, err = analysis("plots", path)
     assert (code, out, err.count("\n")) == (2, "", 1)
-    assert err.startswith(f"python3 -m analysis: {path}: {complaint}")
+    assert err.startswith(f"python3 -m ptbench: {path}: {complaint}")
 
 
 def test_cases_have_names_of_their_own(tmp_path):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from analysis.statistics import (
+from ptbench.stats.estimates import (
     FASTER,
     SAME,
     SLOWER,

@@ -10,11 +10,11 @@ from builder import Builder
 from conftest import ROOT
 from convergence_builder import Law, convergence_cell, convergence_study, on_gpu
 
-from analysis.errors import InputError
-from analysis.nodes import read_json
-from analysis.results import load
-from analysis.studies import measure
-from analysis.withdrawn import FILE, among, between, concerning, withdrawals, withdrawals_of
+from ptbench.errors import InputError
+from ptbench.io.nodes import read_json
+from ptbench.io.results import load
+from ptbench.studies.rows import measure
+from ptbench.studies.withdrawn import FILE, among, between, concerning, withdrawals, withdrawals_of
 
 PAGES = [
     ROOT / "README.md",

@@ -1,0 +1,54 @@
+"""Result files for a notebook: `ptbench.load` reads them once, and gives them as rows, arrays or pandas tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ptbench.errors import InputError
+from ptbench.io.cells import Result
+from ptbench.io.stability import Stability
+from ptbench.tidy.rows import TABLES, Rows, load_files
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One or several files of one kind, `ptbench run`'s or `ptbench stability`'s.
+
+    The tables by name: "samples" (one row a timed sample), "cells", "verdicts" (one row a study and cell, with its
+    ratio over the study's baseline), "stages", "live_paths", "kernels", "curves", "not_applicable", and "stability"
+    (one row a check). Without a name: "samples", or "stability" of stability files. Units are in the columns' names.
+    """
+
+    files: tuple[Result | Stability, ...]
+
+    def rows(self, table: str = "") -> list[dict[str, Any]]:
+        """The rows, each with the columns that it has a value of; raises InputError for another kind of file."""
+        return list(self._table(table).rows)
+
+    def columns(self, table: str = "") -> dict[str, np.ndarray]:
+        """The same as one numpy array a column, all of one length: NaN or None where a row has no value."""
+        return self._table(table).columns()
+
+    def frame(self, table: str = "") -> Any:
+        """The same as a pandas.DataFrame; raises ImportError where pandas is not installed."""
+        # pandas is an extra: rows and columns do without it.
+        from ptbench.frames import frame_of
+
+        return frame_of(self._table(table))
+
+    def _table(self, name: str) -> Rows:
+        has_checks = any(isinstance(file, Stability) for file in self.files)
+        name = name or ("stability" if has_checks else "samples")
+        if name not in TABLES:
+            raise InputError(f'found the table "{name}", allowed: {", ".join(TABLES)}')
+        return TABLES[name](self.files)
+
+
+def load(paths: Path | str | Iterable[Path | str]) -> Measured:
+    """Reads the file, or the files; raises InputError, which says in one line what is wrong in which."""
+    return Measured(load_files(paths))

@@ -1,0 +1,1 @@
+"""Result files as tidy data: one row an observation, one column a variable."""

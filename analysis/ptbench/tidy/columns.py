@@ -1,0 +1,172 @@
+"""The columns of rows from result files: names, units in the names, and types.
+
+Units: _ms milliseconds, _mhz megahertz, _bytes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ptbench.io.cells import WORK_COUNTERS
+from ptbench.io.convergence import CLOCKS, METRICS
+
+# Types by pandas' names. Names and choices repeat; a whole number, a truth value or a text may be missing.
+CATEGORY, INTEGER, NUMBER, FLAG, TEXT = "category", "Int64", "float64", "boolean", "string"
+
+FILE = {
+    "file": CATEGORY,  # the path as given
+    "machine": CATEGORY,
+    "suite": CATEGORY,
+    "commit": CATEGORY,
+    "commit_dirty": FLAG,
+    "date": CATEGORY,
+}
+IDENTITY = {
+    "cell": CATEGORY,
+    "studies": CATEGORY,  # joined by commas
+    "scene": CATEGORY,
+    "scene_hash": CATEGORY,
+    "backend": CATEGORY,
+    "variant": CATEGORY,
+    "AXES": CATEGORY,
+    "TUNABLES": INTEGER,
+    "width": INTEGER,
+    "height": INTEGER,
+    "depth": INTEGER,
+    "spp": INTEGER,
+    "is_convergence": FLAG,
+}
+STATUS = {"status": CATEGORY, "reason": TEXT}
+SAMPLE = {
+    "repetition": INTEGER,
+    "seed": INTEGER,
+    "order": INTEGER,  # in which the run's samples were taken
+    "timestamp": NUMBER,  # seconds since 1970
+    "wall_ms": NUMBER,  # of the render, spp samples in every pixel
+    "device_ms": NUMBER,
+    "end_to_end_ms": NUMBER,
+    "cpu_ms": NUMBER,  # of all threads
+    "ms_per_spp": NUMBER,  # wall_ms / spp
+    "mega_cycles_per_spp": NUMBER,  # ms_per_spp times the clock round the render
+    "mega_rays_per_second": NUMBER,  # over wall_ms
+    "rays": NUMBER,
+    "paths": NUMBER,
+    "clock_mhz_before": NUMBER,
+    "clock_mhz_after": NUMBER,
+    "low_clock": FLAG,
+    "contended": FLAG,
+    "foreign_cpu_ms": NUMBER,
+    "involuntary_switches": INTEGER,
+    **dict.fromkeys(WORK_COUNTERS, INTEGER),
+    **STATUS,
+}
+CELL = {
+    "claim": CATEGORY,
+    "claim_check": TEXT,
+    "film_hash": CATEGORY,
+    "samples": INTEGER,
+    "failed_samples": INTEGER,
+    "median_ms_per_spp": NUMBER,
+    "median_mega_rays_per_second": NUMBER,
+    "low_clock_samples": INTEGER,
+    "contended_samples": INTEGER,
+    "disturbed_samples": INTEGER,  # contended ones whose time may be wrong for it
+    "nonfinite": INTEGER,
+    "negative": INTEGER,
+    "saturated": INTEGER,
+    "unfinished_walks": INTEGER,
+    "instrumented_spp": INTEGER,
+    "instrumented_wall_ms": NUMBER,
+    "COUNTERS": INTEGER,  # of the instrumented pass
+    "block": INTEGER,
+    "device_bytes": INTEGER,
+    "path_bytes": INTEGER,
+    "path_state_bytes": INTEGER,
+    "prepare_ms": NUMBER,
+    **STATUS,
+}
+STAGE = {
+    "stage": CATEGORY,
+    "stage_ms": NUMBER,  # of the whole pass
+    "stage_ms_per_spp": NUMBER,
+    "instrumented_spp": INTEGER,
+    "instrumented_wall_ms": NUMBER,
+    "unaccounted_ms": NUMBER,  # wall time in no stage; below zero where stages overlap
+    **STATUS,
+}
+CHECKPOINT = {
+    "repetition": INTEGER,
+    "seed": INTEGER,
+    "checkpoint_spp": INTEGER,
+    **dict.fromkeys(CLOCKS, NUMBER),  # since the render's start
+    **dict.fromkeys(METRICS, NUMBER),
+    "mean_error_r": NUMBER,
+    "mean_error_g": NUMBER,
+    "mean_error_b": NUMBER,
+    "nonfinite": INTEGER,
+    "shared": FLAG,  # the errors were computed for another cell, whose film has the same bits
+    "shared_with": CATEGORY,
+    "reference": CATEGORY,
+    "reference_variance": NUMBER,
+    "dual_error": NUMBER,
+    "independent_samples": FLAG,
+    "biases": TEXT,  # declared ones, joined by semicolons
+    **STATUS,
+}
+CHECK = {
+    "case": CATEGORY,
+    "catalogue": CATEGORY,
+    "family": CATEGORY,
+    "kind": CATEGORY,
+    "sweep": CATEGORY,
+    "point": CATEGORY,  # all parameters as text
+    "PARAMETERS": NUMBER,
+    "variant": CATEGORY,
+    "AXES": CATEGORY,
+    "quantity": CATEGORY,
+    "relation": CATEGORY,
+    "measured": NUMBER,
+    "exact": NUMBER,
+    "error": NUMBER,
+    "allowed": NUMBER,
+    "standard_error": NUMBER,
+    "over_allowed": NUMBER,
+    "looks": INTEGER,
+    "must_pass": FLAG,
+    **STATUS,
+}
+# Columns whose names come from the files: what stands for them above, and what their names begin with.
+FROM_FILES = {"AXES": "", "TUNABLES": "tunable_", "COUNTERS": "counter_", "PARAMETERS": "parameter_"}
+VERDICT = {
+    "study": CATEGORY,
+    "label": CATEGORY,  # the choice and what else varies in the study
+    "is_baseline": FLAG,
+    "ms_per_spp": NUMBER,  # median, and its 95 % interval
+    "ms_per_spp_low": NUMBER,
+    "ms_per_spp_high": NUMBER,
+    "ratio": NUMBER,  # time over the baseline's, and its 95 % interval
+    "ratio_low": NUMBER,
+    "ratio_high": NUMBER,
+    "verdict": CATEGORY,
+    "verdict_reason": TEXT,
+    **STATUS,
+}
+
+
+def types_of(rows: Sequence[Mapping], *groups: Mapping[str, str]) -> dict[str, str]:
+    """Types by column, in the groups' order; columns that the files name stand where the groups say."""
+    planned = {name: kind for group in groups for name, kind in group.items()}
+    found = dict.fromkeys(name for row in rows for name in row)
+    fixed = planned.keys() - FROM_FILES.keys()
+    types: dict[str, str] = {}
+    for name, kind in planned.items():
+        if name not in FROM_FILES:
+            types[name] = kind
+            continue
+        prefix = FROM_FILES[name]
+        others = tuple(other for other in FROM_FILES.values() if other and other != prefix)
+        # An axis has no prefix: it is what is left.
+        types |= {
+            key: kind for key in found if key not in fixed and key.startswith(prefix) and not key.startswith(others)
+        }
+    return types

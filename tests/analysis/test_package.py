@@ -1,0 +1,152 @@
+"""How the package is built: no import cycles, layers, folders instead of prefixes, and its older name."""
+
+from __future__ import annotations
+
+import ast
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+from builder import small
+from conftest import PACKAGE, ROOT, run_analysis
+
+MOST_LINES = 400
+# From the bottom up: a folder or file at the top imports from those before it and from itself.
+LAYERS = (
+    "terminal", "errors", "numbers", "io", "tables", "stats", "studies", "convergence", "stability", "figures",
+    "explain", "compare", "plots", "gallery", "report", "tidy", "frames", "measured", "__init__", "cli", "__main__",
+)  # fmt: skip
+SOURCES = sorted(PACKAGE.rglob("*.py"))
+
+
+def name_of(path: Path) -> str:
+    parts = ("ptbench", *path.relative_to(PACKAGE).with_suffix("").parts)
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+MODULES = {name_of(path): path for path in SOURCES}
+
+
+def imports_of(text: str, known: Mapping[str, object]) -> Iterator[str]:
+    """The package's modules that a text imports anywhere: at the top, in a function, or for types only."""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names if alias.name in known)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, "imports are absolute"
+            if node.module in known:
+                for alias in node.names:
+                    module = f"{node.module}.{alias.name}"
+                    yield module if module in known else node.module
+
+
+def cycle_of(graph: Mapping[str, set[str]]) -> list[str]:
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        return error.args[1]
+    return []
+
+
+GRAPH = {name: set(imports_of(path.read_text(encoding="utf-8"), MODULES)) for name, path in MODULES.items()}
+
+
+def test_the_graph_is_that_of_the_package():
+    assert len(GRAPH) > 70
+    assert "ptbench.io.nodes" in GRAPH["ptbench.io.results"]
+    assert "ptbench.plots.command" in GRAPH["ptbench.cli.main"]  # within a function
+    assert "ptbench.measured" in GRAPH["ptbench"]
+    assert "ptbench.figures.style" in GRAPH["ptbench.figures.rows"]  # from ptbench.figures import style
+
+
+def test_no_module_imports_itself_on_any_way():
+    assert cycle_of(GRAPH) == []
+
+
+def test_a_cycle_would_be_found():
+    known = {"a": "def f():\n    from b import x\n", "b": "import c\n", "c": "from a import f\n", "d": "import a\n"}
+    graph = {name: set(imports_of(text, known)) for name, text in known.items()}
+    assert set(cycle_of(graph)) == {"a", "b", "c"}
+    assert cycle_of(graph | {"c": set()}) == []
+
+
+def test_folders_build_on_those_before_them():
+    def layer(module: str) -> int:
+        return LAYERS.index(module.split(".")[1] if "." in module else "__init__")
+
+    upward = [(one, other) for one, targets in GRAPH.items() for other in targets
+              if layer(other) > layer(one) and (one, other) != ("ptbench.__main__", "ptbench.cli.main")]  # fmt: skip
+    assert upward == []
+
+
+def test_importing_a_folder_imports_nothing_else():
+    """So that a module depends on what it names, and not on its folder's other modules."""
+    folders = [name for name, path in MODULES.items() if path.stem == "__init__" and name != "ptbench"]
+    assert {name: GRAPH[name] for name in folders if GRAPH[name]} == {}
+
+
+def test_names_have_folders_instead_of_prefixes():
+    """No compare_text.py beside compare.py or compare/, and no two files of one prefix in one folder."""
+    for folder in {path.parent for path in SOURCES}:
+        there = [path for path in folder.iterdir() if path.suffix == ".py" or (path / "__init__.py").is_file()]
+        names = sorted(path.stem for path in there if not path.stem.startswith("_"))
+        prefixes = [name.partition("_")[0] for name in names if "_" in name]
+        twins = {prefix for prefix in prefixes if prefixes.count(prefix) > 1 or prefix in names}
+        assert twins == set(), folder
+    for folder in (path for path in PACKAGE.rglob("*") if (path / "__init__.py").is_file() and path != PACKAGE):
+        parents = {parent.name for parent in folder.parents}
+        assert not [path.name for path in folder.glob("[!_]*_*.py") if path.stem.partition("_")[0] in parents], folder
+
+
+def test_no_file_is_long():
+    lines = {str(path): path.read_text(encoding="utf-8").count("\n") for path in SOURCES}
+    assert {path: count for path, count in lines.items() if count > MOST_LINES} == {}
+
+
+def test_axes_and_baselines_are_kept_in_one_place():
+    """Of baselines' names, which files carry, only ptbench.io.older has a table."""
+    axes = sorted(path.name for path in (ROOT / "variants").iterdir() if (path / "none.cpp").is_file() or path.is_dir())
+    axes = [axis for axis in axes if axis not in ("cpu", "cuda")]
+    assert {"compaction", "sampler", "precision"} <= set(axes)
+    choices = {axis: {file.stem for file in (ROOT / "variants" / axis).iterdir()} for axis in axes}
+    found = set()
+    for path in SOURCES:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if not isinstance(node, ast.Dict):
+                continue
+            told = [(key.value, value) for key, value in zip(node.keys, node.values, strict=True)
+                    if isinstance(key, ast.Constant) and key.value in choices]  # fmt: skip
+            of_axes = [
+                key for key, value in told
+                if any(isinstance(leaf, ast.Constant) and leaf.value in choices[key] for leaf in ast.walk(value))
+            ]  # fmt: skip
+            if len(of_axes) > 1:
+                found.add(path.relative_to(PACKAGE).as_posix())
+    assert found == {"io/older.py"}
+
+
+# ---- The older name ----
+
+
+def run_older_name(*arguments: object) -> subprocess.CompletedProcess:
+    """`python3 -m analysis` as in a checkout without an installation, in the repository's root."""
+    kept = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
+    command = [sys.executable, "-W", "error", "-m", "analysis", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, env=kept, cwd=ROOT)
+
+
+@pytest.mark.parametrize("arguments", [("--version",), ("validate", "{good}"), ("validate", "{bad}"), ("plotz",), ()])
+def test_the_older_name_says_so_and_does_the_same(tmp_path, arguments):
+    (tmp_path / "bad.json").write_text("{}", encoding="utf-8")
+    places = {"good": small().write(tmp_path / "good.json"), "bad": tmp_path / "bad.json"}
+    call = [argument.format(**places) for argument in arguments]
+    now, then = run_analysis(*call), run_older_name(*call)
+    notice, _, rest = then.stderr.partition("\n")
+    assert re.fullmatch(r"python3 -m analysis: .*python3 -m ptbench.*", notice)
+    assert (then.returncode, then.stdout) == (now.returncode, now.stdout)
+    assert rest.replace("python3 -m analysis", "python3 -m ptbench") == now.stderr
