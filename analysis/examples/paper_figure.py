@@ -12,9 +12,7 @@ rows = rows[(rows["study"] == "wavefront") & (rows["layout"] == "soa") & rows["r
 figure, axes = plt.subplots(figsize=(5, 3.2), layout="constrained")
 for (scene, of_scene), marker in zip(rows.groupby("scene", observed=True), "os", strict=True):
     bars = [of_scene["ratio"] - of_scene["ratio_low"], of_scene["ratio_high"] - of_scene["ratio"]]
-    axes.errorbar(
-        of_scene["ratio"], of_scene["compaction"].astype(str), xerr=bars, fmt=marker, markersize=4, label=scene
-    )
+    axes.errorbar(of_scene["ratio"], of_scene["compaction"].astype(str), xerr=bars, fmt=marker, label=scene, ms=4)
 axes.axvline(1, color="black", linewidth=0.8)
 axes.set(xscale="log", xlabel="Time over no compaction (95 % interval)")
 figure.legend(loc="outside upper center", ncols=2)

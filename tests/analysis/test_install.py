@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 from builder import Builder, small
-from conftest import ROOT
+from conftest import PACKAGE, ROOT
 from packaging.requirements import Requirement
 
 from ptbench import __version__
@@ -25,8 +25,6 @@ else:
     import tomli as tomllib
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-# What is in the folder for a checkout, not for an installed package.
-NOT_INSTALLED = {"requirements.txt", "examples/own_plot.py"}
 
 
 def _run(*command: object, cwd: Path, **environment: str) -> subprocess.CompletedProcess:
@@ -66,15 +64,16 @@ def installed(wheel, tmp_path_factory) -> Path:
 
 
 def test_the_wheel_has_all_that_the_folder_has(wheel):
-    there = {name for name in zipfile.ZipFile(wheel).namelist() if name.startswith("analysis/")}
-    files = (path for path in (ROOT / "analysis").rglob("*") if path.is_file() and "__pycache__" not in path.parts)
-    wanted = {f"analysis/{path.relative_to(ROOT / 'analysis').as_posix()}" for path in files}
-    assert there == wanted - {f"analysis/{name}" for name in NOT_INSTALLED}
+    there = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
+    files = (path for path in PACKAGE.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
+    wanted = {path.relative_to(PACKAGE.parent).as_posix() for path in files}
+    # The older name is a package of its own.
+    assert there == wanted | {"analysis/__init__.py", "analysis/__main__.py"}
 
 
 def test_it_draws_outside_the_repository(installed, tmp_path):
     # An empty folder of the same name must not hide the installed package from its command.
-    (tmp_path / "analysis").mkdir()
+    (tmp_path / "ptbench").mkdir()
     said = _run(installed / "ptbench-analysis", "plots", "--help", cwd=tmp_path)
     assert said.returncode == 0, said.stderr
     assert said.stdout.startswith("usage: ptbench-analysis plots")
@@ -89,7 +88,7 @@ def test_it_draws_outside_the_repository(installed, tmp_path):
     assert wrong.stderr.startswith("ptbench-analysis: ")
 
 
-@pytest.mark.parametrize("program", [("python", "-m", "analysis"), ("ptbench-analysis",)], ids=["module", "command"])
+@pytest.mark.parametrize("program", [("python", "-m", "ptbench"), ("ptbench-analysis",)], ids=["module", "command"])
 def test_it_works_from_any_folder(installed, tmp_path, program):
     """By a relative name, in a folder that has nothing of the repository; the schemas are the package's own."""
     for source in ("packet.json", "stability.json"):
@@ -116,9 +115,8 @@ def test_it_works_from_any_folder(installed, tmp_path, program):
 def test_it_is_imported_from_the_wheel(installed, tmp_path):
     file = small().write(tmp_path / "quick.json")
     code = (
-        "import analysis.gallery, analysis.frames as f, pathlib; "
-        f"print(f.__file__); print(len(f.samples({str(file)!r}))); "
-        "print(pathlib.Path(analysis.gallery.__file__).with_name('gallery.json').is_file())"
+        f"import ptbench; print(ptbench.__file__); print(len(ptbench.load({str(file)!r}).frame())); "
+        "from ptbench.io.files import package_file; print(package_file('gallery.json').is_file())"
     )
     done = _run(installed / "python", "-c", code, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -126,6 +124,12 @@ def test_it_is_imported_from_the_wheel(installed, tmp_path):
     assert Path(where).is_relative_to(installed.parent)
     assert int(rows) == sum(row["run_type"] == "iteration" for row in small().rows)
     assert has_data == "True"
+
+
+def test_the_older_name_is_installed_too(installed, tmp_path):
+    done = _run(installed / "python", "-m", "analysis", "--version", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, f"ptbench-analysis {PROJECT['version']}\n")
+    assert (done.stderr.count("\n"), "python3 -m ptbench" in done.stderr) == (1, True)
 
 
 def test_what_it_depends_on_is_pinned_and_allowed():
