@@ -234,7 +234,7 @@ def test_faults_are_found():
     text = "# A page\n\nSee [this](nowhere.md), [that](#a-page), [there](#b) and `analysis/gone.py`.\n"
     assert broken_links(ROOT / "page.md", text) == ["nowhere.md: not there", "#b: no such heading"]
     assert broken_links(ROOT / "page.md", "[up](../)") == ["../: no part of the repository"]
-    assert missing_files(text + "`analysis/style.py`, `results/MACHINE/a.json`") == ["analysis/gone.py"]
+    assert missing_files(text + "`analysis/ptbench/errors.py`, `results/MACHINE/a.json`") == ["analysis/gone.py"]
     block = (
         "```\nA=1 build/ptbench run --scene s --axis frob=x  # why\npython3 -m ptbench plots a.json   is said\n```\n"
     )

@@ -1,4 +1,4 @@
-"""A file's figures, those of `python3 -m ptbench plots`, as images to show in a page: SVG, or PNG where that is smaller."""
+"""A file's figures, those that `plots` writes, as images to show in a page: SVG, or PNG where that is smaller."""
 
 from __future__ import annotations
 
