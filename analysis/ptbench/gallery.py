@@ -42,12 +42,15 @@ _COUNTERS = ("nonfinite", "negative", "unfinished_walks")
 
 @dataclass(frozen=True)
 class Picture:
+    """A scene in a variant: the axes that are not at the program's own choices."""
+
     label: str
     scene: str
     axes: dict[str, str]
 
     @property
     def file_name(self) -> str:
+        """Of its PNG."""
         return safe_name("-".join([self.scene, *(f"{axis}_{choice}" for axis, choice in self.axes.items())])) + ".png"
 
 
@@ -72,6 +75,7 @@ class Rendered:
 
 
 def load_spec(path: Path) -> tuple[str, tuple[Row, ...]]:
+    """The title and rows of a gallery file, checked; raises InputError."""
     root = read_json(path, LARGEST_INPUT)
     _only(root, "title", "rows")
     rows = tuple(_row(node) for node in root.need("rows").items())
@@ -148,6 +152,7 @@ def _remarks(report: dict) -> tuple[str, ...]:
 
 
 def gallery(binary: Path, spec: Path, out: Path, spp: int, resolution: tuple[int, int]) -> int:
+    """Renders and writes the sheet; 0, or 1 where a render failed. Raises InputError."""
     title, rows = load_spec(spec)
     if not binary.is_file() or not os.access(binary, os.X_OK):
         found = "a file that cannot be run" if binary.is_file() else "no such file"
@@ -193,6 +198,7 @@ def packed(widths: Sequence[int]) -> list[list[int]]:
 def draw_sheet(
     title: str, rows: Sequence[Row], shown: Sequence[Sequence[Rendered]], spp: int, resolution: tuple[int, int]
 ) -> Figure:
+    """The sheet; `shown` are the pictures of each row, `resolution` is width and height in pixels."""
     lines = packed([len(row.pictures) for row in rows])
     captions = [
         [_caption(picture, rendered, spp) for picture, rendered in zip(row.pictures, of_row, strict=True)]

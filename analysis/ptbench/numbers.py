@@ -15,10 +15,12 @@ def figures(value: float, digits: int = 4) -> str:
 
 
 def interval(low: float | None, high: float | None, digits: int = 4) -> str:
+    """ "[low, high]" with `digits` significant digits."""
     return "no interval" if low is None or high is None else f"[{figures(low, digits)}, {figures(high, digits)}]"
 
 
 def ratio(value: float) -> str:
+    """A ratio with three decimals, large ones with two."""
     return f"{value:.3f}" if abs(value) < 10 else f"{value:.2f}"
 
 

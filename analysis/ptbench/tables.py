@@ -17,6 +17,7 @@ class Table:
     numeric: tuple[bool, ...]
 
     def markdown(self) -> list[str]:
+        """The lines of the table."""
         sides = table_line("---:" if is_number else "---" for is_number in self.numeric)
         return [table_line(self.head), sides, *map(table_line, self.rows)]
 
@@ -38,5 +39,6 @@ def markdown(lines: Lines) -> str:
 
 
 def table_line(values: Iterable[str]) -> str:
+    """A row of texts as one line of Markdown."""
     # A message from a compiler may hold anything; a pipe or a line break would end the table's cell.
     return "| " + " | ".join(one_line(value).replace("|", "\\|") for value in values) + " |"

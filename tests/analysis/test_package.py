@@ -108,6 +108,23 @@ def test_no_file_is_long():
     assert {path: count for path, count in lines.items() if count > MOST_LINES} == {}
 
 
+def test_what_is_public_says_what_it_is():
+    def is_told(node: ast.AST) -> bool:
+        return node.name.startswith("_") or ast.get_docstring(node) is not None
+
+    kinds = (ast.FunctionDef, ast.ClassDef)
+    untold = []
+    for name, path in MODULES.items():
+        module = ast.parse(path.read_text(encoding="utf-8"))
+        assert ast.get_docstring(module), name
+        public = [node for node in module.body if isinstance(node, kinds) and not node.name.startswith("_")]
+        classes = [node for node in public if isinstance(node, ast.ClassDef)]
+        members = [(node, member) for node in classes for member in node.body if isinstance(member, ast.FunctionDef)]
+        untold += [f"{name}.{node.name}" for node in public if not is_told(node)]
+        untold += [f"{name}.{node.name}.{member.name}" for node, member in members if not is_told(member)]
+    assert untold == []
+
+
 def test_axes_and_baselines_are_kept_in_one_place():
     """Of baselines' names, which files carry, only ptbench.io.older has a table."""
     axes = sorted(path.name for path in (ROOT / "variants").iterdir() if (path / "none.cpp").is_file() or path.is_dir())

@@ -10,10 +10,14 @@ from ptbench.terminal import visible
 
 
 class Parser(argparse.ArgumentParser):
+    """A parser whose complaints are one line, exit code 2."""
+
     def error(self, message: str):
+        """Ends the process: one line on stderr, SystemExit(2)."""
         self.exit(2, f"{self.prog}: {visible(message)}; see --help\n")
 
     def parse_known_args(self, args=None, namespace=None):
+        """As argparse's own, after a look for misspelt options."""
         # Before argparse looks for what is missing: a misspelt option is why.
         if args is not None:
             self._refuse_unknown_options(args)

@@ -33,10 +33,12 @@ class Compared:
     labels: Labels
 
     def marks_of(self, comparison: Comparison) -> tuple[str, str]:
+        """The letters of the reference and of the comparison's other file."""
         return MARKS[0], MARKS[next(i for i, result in enumerate(self.results) if result is comparison.other)]
 
 
 def check_number(paths: Sequence[Path]) -> None:
+    """Raises InputError unless there are two files or more, and a letter for each."""
     if len(paths) < 2:
         raise InputError(f"{paths[0]}: found one result file, allowed: two or more to compare")
     if len(paths) > len(MARKS):

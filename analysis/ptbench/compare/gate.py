@@ -19,6 +19,8 @@ from ptbench.stats.estimates import FASTER, SLOWER, UNSURE
 
 @dataclass(frozen=True)
 class Outcome:
+    """What a gate says: whether it fails, and its line."""
+
     fails: bool
     text: str
 

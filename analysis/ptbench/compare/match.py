@@ -68,6 +68,8 @@ class Alone:
 
 @dataclass(frozen=True)
 class Matching:
+    """All cells of two files, in pairs or alone."""
+
     reference: Result
     other: Result
     pairs: tuple[Pair, ...]
@@ -110,6 +112,7 @@ def _backends(result: Result) -> set[str]:
 
 
 def axes_of(*results: Result) -> list[str]:
+    """The axes that any of the files' cells have, in their order."""
     return list(dict.fromkeys(axis for result in results for axis in _axes(result)))
 
 

@@ -70,6 +70,7 @@ class Floor:
 
     @property
     def is_plausible(self) -> bool:
+        """Whether the floor is low enough for verdicts to mean something."""
         return self.value <= MOST_PLAUSIBLE
 
     @property

@@ -14,6 +14,8 @@ _WIDTH = 118  # of lines on a terminal; tables may be wider
 
 @dataclass(frozen=True)
 class Table:
+    """Texts in rows; `numeric` names the columns that are numbers."""
+
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     numeric: frozenset[str] = frozenset()
@@ -21,6 +23,8 @@ class Table:
 
 @dataclass(frozen=True)
 class Section:
+    """A heading, sentences, a table, and sentences after it."""
+
     heading: str
     lines: tuple[str, ...] = ()
     table: Table | None = None
@@ -28,6 +32,7 @@ class Section:
 
 
 def as_text(sections: Iterable[Section]) -> str:
+    """The sections for a terminal, wrapped and aligned; ends with one line break."""
     blocks = []
     for section in sections:
         lines = [section.heading, *_wrapped(section.lines)]
@@ -45,6 +50,7 @@ def _wrapped(lines: Iterable[str]) -> Iterable[str]:
 
 
 def as_markdown(title: str, sections: Iterable[Section]) -> str:
+    """The sections as one page; ends with one line break."""
     lines = [f"# {title}", ""]
     for section in sections:
         lines += [f"## {section.heading}", ""]

@@ -31,6 +31,7 @@ MARKS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 
 def files_section(results: Sequence[Result]) -> Section:
+    """What was compared: a row a file, and in what the files differ."""
     rows = [
         (
             mark,
@@ -57,6 +58,7 @@ def files_section(results: Sequence[Result]) -> Section:
 
 
 def device_of(result: Result | Stability) -> str:
+    """The GPU's name, or the CPU's and its threads."""
     if result.about("backend") == GPU_BACKEND:
         return result.about("cuda_device")
     return f"{result.about('cpu_model')}, {result.about('threads')} threads"
@@ -88,6 +90,7 @@ class Labels:
 
     @staticmethod
     def of(cells: Sequence[Cell], axes: Sequence[str]) -> Labels:
+        """The labels of cells of these axes."""
         choices = {axis: dict.fromkeys(choice_of(cell, axis) for cell in cells) for axis in axes}
         varying = tuple(axis for axis in axes if len(choices[axis]) > 1) or tuple(axes[:1])
         fixed = tuple(f"{axis}={next(iter(choices[axis]))}" for axis in axes if axis not in varying)
@@ -100,12 +103,14 @@ class Labels:
 
 
 def labels_of(matchings: Sequence[Matching]) -> Labels:
+    """The labels of all cells that are compared."""
     cells = [pair.reference for matching in matchings for pair in matching.pairs]
     results = [matchings[0].reference, *(matching.other for matching in matchings)]
     return Labels.of(cells, axes_of(*results))
 
 
 def comparison_section(comparison: Comparison, label: Labels, marks: tuple[str, str]) -> Section:
+    """The verdicts of one file against the reference; `marks` are the files' letters."""
     one, two = marks
     lines = [
         f"Ratio = median time of {two} / median time of {one}, render wall time per sample per pixel: "
@@ -147,6 +152,7 @@ def _matched_lines(matching: Matching, marks: tuple[str, str]) -> Iterable[str]:
 
 
 def estimate_text(estimate: Estimate, threshold: float = THRESHOLD) -> str:
+    """A ratio with its 95 % interval, in digits that tell on which side of the threshold it lies."""
     return f"{ratio(estimate.value)} {interval_of_ratio(estimate, threshold) or 'no interval'}"
 
 
@@ -169,6 +175,7 @@ def _normalised_lines(comparison: Comparison) -> Iterable[str]:
 
 
 def rule(comparison: Comparison) -> str:
+    """How the verdicts of this comparison came about, in sentences."""
     percent = f"{100 * comparison.threshold:.3g} %"
     cycles = (
         "the same rule in cycles must not contradict it"

@@ -80,6 +80,8 @@ class Mean:
 
 @dataclass(frozen=True)
 class Comparison:
+    """Two files held against each other; ratios are the other's over the reference's."""
+
     reference: Result
     other: Result
     matching: Matching
@@ -94,6 +96,7 @@ class Comparison:
     no_floors: tuple[Floor, ...] = ()  # that are above what is plausible: no verdict holds
 
     def count(self, word: str) -> int:
+        """How many cells have that verdict."""
         return sum(row.verdict.word == word for row in self.rows)
 
     def count_withheld(self, word: str) -> int:

@@ -57,6 +57,8 @@ RULES = (
 
 @dataclass(frozen=True)
 class Verdict:
+    """Whether the error goes on falling, and at which dual squared error it stops."""
+
     word: str
     reason: str = ""
     plateau: float | None = None  # B
@@ -65,6 +67,7 @@ class Verdict:
 
     @property
     def text(self) -> str:
+        """The word, with the plateau where there is one."""
         if self.plateau is None:
             return self.word
         return f"{self.word} at {'least ' if self.is_bound else ''}{self.plateau:.3g}"
@@ -83,10 +86,12 @@ class Assessment:
 
     @property
     def cell(self) -> Cell:
+        """The cell that was assessed."""
         return self.curve.cell
 
     @property
     def last_error(self) -> float:
+        """The mean dual squared error at the last checkpoint."""
         return float(self.curve.mean[-1])
 
     @property
@@ -214,6 +219,7 @@ def _doubts(curve: Curve, fit: Fit, slope: Slope | None) -> tuple[str, ...]:
 
 
 def convergence_cells(cells: Sequence[Cell]) -> list[Cell]:
+    """Those that have checkpoints."""
     return [cell for cell in cells if cell.convergence is not None]
 
 

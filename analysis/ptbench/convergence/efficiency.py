@@ -47,6 +47,7 @@ class Place:
     backend: str
 
     def title(self, others: Sequence[Place]) -> str:
+        """Scene and settings, for a heading."""
         parts = [self.scene]
         if len({other.depth for other in others}) > 1:
             parts.append(f"depth {self.depth}")
@@ -64,6 +65,7 @@ def place_of(cell: Cell) -> Place:
 
 
 def by_place(assessed: Sequence[Assessment]) -> dict[Place, list[Assessment]]:
+    """The assessed cells by where they ran, in their order."""
     groups: dict[Place, list[Assessment]] = {}
     for assessment in assessed:
         groups.setdefault(place_of(assessment.cell), []).append(assessment)
@@ -269,6 +271,7 @@ class CheckpointCost:
 
     @property
     def word(self) -> str:
+        """What the interval allows to say."""
         low, high = self.ratio.low, self.ratio.high
         if low is None or high is None:
             return "one sample: no interval"

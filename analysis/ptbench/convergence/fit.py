@@ -37,22 +37,27 @@ class Curve:
 
     @property
     def count(self) -> int:
+        """The number of seeds."""
         return len(self.seeds)
 
     @property
     def mean(self) -> np.ndarray:
+        """The mean squared error over seeds, one value a checkpoint."""
         return self.mse.mean(axis=0)
 
     @property
     def reference(self) -> Reference:
+        """What the errors are against."""
         return self.cell.convergence.reference
 
     @property
     def independent(self) -> bool:
+        """Whether the checkpoints' samples are independent, which the law of the fit asks for."""
         return self.cell.convergence.independent_samples
 
     @property
     def ms_per_spp(self) -> np.ndarray:
+        """Milliseconds of wall time a sample per pixel, one value a seed."""
         return self.times["wall_ms"][:, -1] / self.spp[-1]
 
 
@@ -68,6 +73,7 @@ class Slope:
 
     @property
     def is_flatter(self) -> bool:
+        """Whether the error falls more slowly than 1/spp, beyond chance."""
         return self.rejected and self.estimate.value > -1
 
 
@@ -195,11 +201,13 @@ def reference_error(reference: Reference, pixels: int) -> float:
 
 
 def mean_error_of_reference(reference: Reference, pixels: int) -> float:
+    """The standard error that the reference's own noise gives a channel's mean error."""
     # One channel may hold all the variance of three.
     return 0.0 if reference.is_exact else float(np.sqrt(3 * reference.variance / pixels))
 
 
 def fit_of(curve: Curve) -> Fit:
+    """Variance, squared bias, slopes and mean error of a cell, each with its interval over seeds."""
     offset = reference_error(curve.reference, curve.cell.pixels)
     from_fit, _, sigma2 = fit_law(curve.spp, curve.mse)
     bias2 = curve.bias2

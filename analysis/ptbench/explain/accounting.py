@@ -99,10 +99,12 @@ class Step:
 
     @property
     def difference(self) -> float:
+        """Milliseconds a spp that B takes longer here."""
         return (self.b or 0.0) - (self.a or 0.0)
 
     @property
     def is_stage(self) -> bool:
+        """Whether it is a stage, and no rest."""
         return self.low is not None
 
     @property
@@ -112,6 +114,7 @@ class Step:
 
     @property
     def is_tracing(self) -> bool:
+        """Whether rays are traced in it."""
         return self.name == WHOLE or self.name in TRACING
 
 
@@ -126,18 +129,22 @@ class Accounting:
 
     @property
     def difference(self) -> float:
+        """Milliseconds a spp between the timed medians."""
         return self.b.total.value - self.a.total.value
 
     @property
     def stages(self) -> tuple[Step, ...]:
+        """The steps that are stages."""
         return tuple(step for step in self.steps if step.is_stage)
 
     @property
     def not_in_any_stage(self) -> float:
+        """Milliseconds a spp of the difference that no stage has."""
         return sum(step.difference for step in self.steps if not step.is_stage)
 
 
 def accounting_of(a: Cell, b: Cell) -> Accounting:
+    """The difference of two measured cells, in terms that add up to it."""
     one, other = account_of(a), account_of(b)
     names = stage_order([*one.stages, *other.stages])
     tracing = [name for name in names if name in (*TRACING, WHOLE)]

@@ -33,10 +33,12 @@ class Fact:
 
     @property
     def ratio(self) -> str:
+        """B over A as text; empty where that says nothing."""
         return ratio_text(self.b / self.a) if self.a and self.b is not None else ""
 
 
 def signed(ms: float, digits: int = 3) -> str:
+    """Milliseconds with their sign."""
     return ("+" if ms > 0 else "") + figures(ms, digits)
 
 
@@ -71,6 +73,7 @@ def _median(cell: Cell, value: Callable) -> float | None:
 
 
 def rays_per_spp(cell: Cell) -> float:
+    """Rays a sample per pixel, the median of the samples'."""
     return _median(cell, lambda sample: sample.rays / sample.spp)
 
 

@@ -46,6 +46,7 @@ class Pair:
 
     @property
     def cells(self) -> tuple[Cell, Cell]:
+        """The cells of A and B."""
         return self.accounting.a.cell, self.accounting.b.cell
 
 

@@ -22,6 +22,7 @@ DEPTH = lines.Abscissa("Path depth", "ray segments", {})
 
 
 def collect(result: Result, study: Study, default_title: str) -> lines.Data | row_figure.Data:
+    """Lines over depth, or rows where there is one depth; raises NotDrawable."""
     question = question_of(result, study)
     rows = measure(result, study)
     notes = notes_of(result, study, rows)
@@ -43,4 +44,5 @@ def collect(result: Result, study: Study, default_title: str) -> lines.Data | ro
 
 
 def draw(data: lines.Data | row_figure.Data) -> Figure:
+    """The page of what `collect` gave."""
     return row_figure.draw(data) if isinstance(data, row_figure.Data) else lines.draw(data)

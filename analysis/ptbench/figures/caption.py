@@ -23,6 +23,7 @@ def timing_caption(
     notes: Sequence[Note],
     remarks: Sequence[str] = (),
 ) -> str:
+    """How to read a figure of times, what was run on what, and the notes."""
     n = span(len(cell.samples) for cell in cells)
     what = (
         f"Points: median render wall time per sample per pixel, n = {n} samples each. Bars: {INTERVAL_TEXT}, hidden "

@@ -13,10 +13,14 @@ from ptbench.io.cells import Result, Study
 
 @dataclass(frozen=True)
 class Choices:
+    """The figure of one axis or tunable."""
+
     axis: str
 
     def collect(self, result: Result, study: Study) -> Data:
+        """A row a choice; raises NotDrawable."""
         return rows.collect(result, study, f"The choices of {self.axis} against each other")
 
     def draw(self, data: Data) -> Figure:
+        """The page of what `collect` gave."""
         return rows.draw(data)

@@ -42,6 +42,7 @@ class CostOfRobustness:
     """The figure of the axis "robustness", and of precision with it."""
 
     def collect(self, result: Result, study: Study) -> bars.Data:
+        """A bar a variant; raises NotDrawable."""
         rows = measure(result, study)
         notes = _notes(result, study, rows)
         cells = [row.cell for row in rows]
@@ -69,6 +70,7 @@ class CostOfRobustness:
         )
 
     def draw(self, data: bars.Data) -> Figure:
+        """The page of what `collect` gave."""
         return bars.draw(data)
 
 

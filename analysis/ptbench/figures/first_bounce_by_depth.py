@@ -10,4 +10,5 @@ __all__ = ["collect", "draw"]
 
 
 def collect(result: Result, study: Study) -> lines.Data | rows.Data:
+    """Lines over depth, or rows where there is one depth; raises NotDrawable."""
     return by_depth.collect(result, study, "First-bounce cache: time by depth")

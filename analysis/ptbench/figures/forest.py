@@ -29,6 +29,8 @@ _PLOT = 4.2
 
 @dataclass(frozen=True)
 class Item:
+    """A row: a ratio with its interval and its verdict."""
+
     label: str
     ratio: Estimate
     word: str  # a verdict
@@ -36,6 +38,8 @@ class Item:
 
 @dataclass(frozen=True)
 class Group:
+    """Rows under one title."""
+
     title: str
     items: tuple[Item, ...]
 
@@ -69,6 +73,7 @@ def pages(groups: Sequence[Group], most: int) -> list[tuple[Group, ...]]:
 
 
 def draw(data: Data) -> Figure:
+    """The page of what is given."""
     texts = [
         [f"{_ratio_text(item.ratio, data.threshold)} {item.word}" for item in group.items] for group in data.groups
     ]

@@ -49,11 +49,14 @@ class Line:
 
 @dataclass(frozen=True)
 class Panel:
+    """The lines of one scene."""
+
     title: str
     lines: tuple[Line, ...]
 
     @property
     def xs(self) -> list[int]:
+        """All values that any line has along the axis, in ascending order."""
         return sorted({x for line in self.lines for x in line.xs})
 
 
@@ -67,11 +70,14 @@ class Abscissa:
     log: bool = False  # always, not only where the values are spaced so; a zero stands left of the logarithms
 
     def tick(self, x: float) -> str:
+        """The text at a value."""
         return self.ticks.get(int(x), f"{x:g}")
 
 
 @dataclass(frozen=True)
 class Data:
+    """What the page shows."""
+
     title: str
     caption: str
     notes: tuple[Note, ...]
@@ -106,6 +112,7 @@ def panel_of(title: str, points: Sequence[tuple[int, Row]], parts: Parts, with_c
 
 
 def draw(data: Data) -> Figure:
+    """The page of what is given: times above, ratios below."""
     words = [style.text_width(word, style.LABEL_SIZE) for label in data.order for word in label.split()]
     legend_width = min(max(_LEGEND_WIDTH, *words), _WIDEST_LEGEND) + 0.01
     labels = {label: "\n".join(style.wrapped(label, style.LABEL_SIZE, legend_width)) for label in data.order}
@@ -216,6 +223,7 @@ def _draw_ratios(axes: Axes, panel: Panel, looks: dict[str, style.Look]) -> None
 
 
 def looks_of_baseline(panel: Panel, looks: dict[str, style.Look]) -> style.Look:
+    """The look of the panel's baseline; of no line's where it has none."""
     return next((looks[line.label] for line in panel.lines if line.is_baseline), style.look(0))
 
 

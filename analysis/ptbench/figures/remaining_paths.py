@@ -30,6 +30,8 @@ class Line:
 
 @dataclass(frozen=True)
 class Data:
+    """What the page shows."""
+
     title: str
     caption: str
     notes: tuple[Note, ...]
@@ -37,6 +39,7 @@ class Data:
 
 
 def collect(result: Result, study: Study) -> Data:
+    """A line a scene, of the paths that are left after each bounce; raises NotDrawable."""
     rows = measure(result, study)
     notes = notes_of(result, study, rows)
     cells: list[Cell] = []
@@ -84,6 +87,7 @@ def collect(result: Result, study: Study) -> Data:
 
 
 def draw(data: Data) -> Figure:
+    """The page of what `collect` gave."""
     names = [line.scene for line in data.lines]
     looks = [style.look(index) for index in range(len(names))]
     labels = ["\n".join(style.wrapped(name, style.LABEL_SIZE, 1.5)) for name in names]

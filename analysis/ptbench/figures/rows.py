@@ -40,12 +40,16 @@ class Item:
 
 @dataclass(frozen=True)
 class Group:
+    """The rows of one scene and setting."""
+
     title: str
     items: tuple[Item, ...]
 
 
 @dataclass(frozen=True)
 class Data:
+    """What the page shows."""
+
     title: str
     caption: str
     notes: tuple[Note, ...]
@@ -55,6 +59,7 @@ class Data:
 
 
 def collect(result: Result, study: Study, default_title: str) -> Data:
+    """A row a cell; raises NotDrawable."""
     question = question_of(result, study)
     measured = measure(result, study)
     notes = notes_of(result, study, measured)
@@ -120,6 +125,7 @@ def _is_of(absent: NotApplicable, group_of: dict[str, str]) -> bool:
 
 
 def draw(data: Data) -> Figure:
+    """The page of what `collect` gave."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
     times = [["" if i.time is None else _time_text(i.time) for i in group.items] for group in data.groups]
     ratios = [[_ratio_text(i, data.baseline) for i in group.items] for group in data.groups]

@@ -69,12 +69,16 @@ _BY_ORDER = Sweep("", "Scene, by its number in the caption", "", "{}".format)
 
 @dataclass(frozen=True)
 class Scaling:
+    """The figure of one sweep."""
+
     figure: str
 
     def collect(self, result: Result, study: Study) -> lines.Data | row_figure.Data:
+        """Lines over what is swept, or rows where it has one value; raises NotDrawable."""
         return collect(result, study, SWEEPS[self.figure])
 
     def draw(self, data: lines.Data | row_figure.Data) -> Figure:
+        """The page of what `collect` gave."""
         return row_figure.draw(data) if isinstance(data, row_figure.Data) else lines.draw(data)
 
 
@@ -110,6 +114,7 @@ def _places(sweep: Sweep, rows: Sequence[Row]) -> tuple[Sweep, dict[str, Place]]
 
 
 def collect(result: Result, study: Study, sweep: Sweep) -> lines.Data | row_figure.Data:
+    """Lines over what is swept, or rows where it has one value; raises NotDrawable."""
     question = question_of(result, study)
     rows = measure(result, study)
     notes = notes_of(result, study, rows)

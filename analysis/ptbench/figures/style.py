@@ -105,6 +105,7 @@ def _may_exceed(text: str, size: float, weight: str, width: float) -> bool:
 
 
 def text_height(size: float, lines: int = 1) -> float:
+    """Inches that lines of text take; `size` in points."""
     return lines * size * LINE_HEIGHT / 72
 
 

@@ -58,6 +58,7 @@ class Sample:
 
     @property
     def ms_per_spp(self) -> float:
+        """Milliseconds of wall time a sample per pixel."""
         return self.wall_ms / self.spp
 
     @property
@@ -67,6 +68,7 @@ class Sample:
 
     @property
     def mega_rays_per_second(self) -> float:
+        """Millions of rays a second of wall time."""
         return self.rays / self.wall_ms / 1e3
 
     @property
@@ -156,10 +158,12 @@ class Cell:
 
     @property
     def failed(self) -> bool:
+        """Whether the cell, or one of its samples, failed."""
         return self.status == "failed" or bool(self.errors)
 
     @property
     def failure(self) -> str:
+        """Why it failed."""
         return self.reason or next((error for error in self.errors if error), "") or "no reason given"
 
     @property
@@ -169,19 +173,23 @@ class Cell:
 
     @property
     def ms_per_spp(self) -> np.ndarray:
+        """Milliseconds of wall time a sample per pixel, one value a sample."""
         return np.array([sample.ms_per_spp for sample in self.samples])
 
     @property
     def mega_cycles_per_spp(self) -> np.ndarray | None:
+        """Millions of clock cycles a sample per pixel, one value a sample; None where a clock is unknown."""
         cycles = [sample.mega_cycles_per_spp for sample in self.samples]
         return None if not cycles or None in cycles else np.array(cycles)
 
     @property
     def low_clock_samples(self) -> int:
+        """How many samples ran at a low clock."""
         return sum(sample.low_clock for sample in self.samples)
 
     @property
     def contended_samples(self) -> int:
+        """How many samples other processes took CPU time from."""
         return sum(sample.contended for sample in self.samples)
 
     @property
@@ -193,22 +201,27 @@ class Cell:
         return sum(self.is_disturbed(sample) for sample in self.samples)
 
     def is_disturbed(self, sample: Sample) -> bool:
+        """Whether the sample's time may be wrong for other processes."""
         return sample.contended and (self.backend != GPU_BACKEND or sample.host_share > MOST_HOST_SHARE)
 
     @property
     def resolution_text(self) -> str:
+        """ "WIDTHxHEIGHT" in pixels."""
         return f"{self.resolution[0]}x{self.resolution[1]}"
 
     @property
     def pixels(self) -> int:
+        """Width times height."""
         return self.resolution[0] * self.resolution[1]
 
     @property
     def on_gpu(self) -> bool:
+        """Whether it ran on the CUDA backend."""
         return self.backend == GPU_BACKEND
 
     @property
     def tuned(self) -> dict[str, str]:
+        """The tunables that are not at their choice's standard."""
         return tuned_in(self.variant)
 
     @property
@@ -244,6 +257,7 @@ class Study:
 
     @property
     def is_convergence(self) -> bool:
+        """Whether it is about error, not time alone."""
         return self.type == "convergence"
 
 
@@ -261,6 +275,7 @@ class NotApplicable:
 
     @property
     def tuned(self) -> dict[str, str]:
+        """The tunables that were not at their choice's standard."""
         return tuned_in(self.variant)
 
     @property
@@ -298,16 +313,20 @@ class Result:
 
     @property
     def suite(self) -> str:
+        """The suite's name; empty where there was none."""
         return self.context.get("ptbench.suite", "")
 
     @property
     def interrupted(self) -> bool:
+        """Whether the run was interrupted: cells and samples may be missing."""
         return self.context.get("ptbench.status") == "interrupted"
 
     @property
     def git(self) -> str:
+        """The program's commit, and whether its sources were changed."""
         dirty = self.context.get("ptbench.git_dirty", "").lower() in ("true", "1")
         return self.about("git_sha") + (" (dirty)" if dirty else "")
 
     def cells_of(self, study: Study) -> tuple[Cell, ...]:
+        """The study's cells, in the file's order."""
         return tuple(cell for cell in self.cells if study.name in cell.studies)

@@ -24,6 +24,8 @@ _MOST_NAMED = 3
 
 @dataclass(frozen=True)
 class Contradiction:
+    """A place of a file that another place rules out."""
+
     place: str
     found: str
     allowed: str
@@ -65,6 +67,7 @@ class _Cell:
 
 
 def contradictions(root: Node) -> Iterator[Contradiction]:
+    """All of a result whose fields have their types; raises InputError where one has not."""
     names: set[str] = set()
     for node in root.need("ptbench").need("cells").items():
         name = node.need("cell")
@@ -226,6 +229,7 @@ class JournalBook:
         self._seeds: dict[str, dict[int, Node]] = {}
 
     def enter(self, line: Node) -> Iterator[Contradiction]:
+        """What the next line of the journal contradicts."""
         kind = line.need("type").value
         if kind == "run" and self._identity is None:
             self._identity = line.need("identity")

@@ -47,6 +47,7 @@ class Reference:
 
     @property
     def is_exact(self) -> bool:
+        """Whether the reference has no error of its own."""
         return self.kind == "closed_form"
 
 

@@ -28,12 +28,15 @@ def tables() -> str:
 
 @dataclass(frozen=True)
 class Field:
+    """A row of a table of fields."""
+
     path: str
     kind: str
     required: bool
     meaning: str
 
     def line(self) -> str:
+        """The row as Markdown."""
         cells = (f"`{self.path}`", self.kind, "yes" if self.required else "", self.meaning)
         return f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |\n"
 

@@ -82,6 +82,7 @@ def _unreadable(path: Path, found: str, largest: int) -> InputError:
 
 
 def make_folder(folder: Path) -> None:
+    """Makes the folder and those above it; raises InputError."""
     check_output_folder(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -162,6 +163,7 @@ def scratch_folder(folder: Path) -> Iterator[Path]:
 
 
 def write_text(target: Path, text: str) -> Path:
+    """Writes the file whole, in UTF-8, and returns its path; raises InputError."""
     # A file's name on the command line need not be UTF-8.
     data = text.encode("utf-8", "backslashreplace")
     return write_whole(target, lambda temporary: temporary.write_bytes(data) and None)
@@ -173,4 +175,5 @@ def safe_name(text: str) -> str:
 
 
 def one_line(text: str) -> str:
+    """`text` with each run of white space as one space."""
     return " ".join(text.split())

@@ -59,6 +59,7 @@ class Flip:
 
     @property
     def settings(self) -> str:
+        """What FLIP was computed with, in words."""
         return (
             f"HDR-FLIP (flip-evaluator), tone-mapped by ACES at {_EXPOSURES} exposures from {self.start_exposure:.3f} "
             f"to "

@@ -48,6 +48,8 @@ class KernelCounters:
 
 @dataclass(frozen=True)
 class Inspected:
+    """What `ptbench inspect` says of a variant in a scene."""
+
     scene: str
     variant: str
     kernels: tuple[KernelCounters, ...]
@@ -140,6 +142,7 @@ class PriceOfARay:
 
     @property
     def time(self) -> float:
+        """Time a ray, B over A."""
         return self.instructions * self.lanes * self.issue
 
 

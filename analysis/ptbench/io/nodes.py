@@ -25,44 +25,53 @@ class Node:
         self.file, self.value, self.place = file, value, place
 
     def wrong(self, allowed: str) -> InputError:
+        """The error that says what was found here and what is `allowed`."""
         return bad_value(self.file, self.place, shown(self.value), allowed)
 
     def need(self, key: str) -> Node:
+        """The value of a key; raises InputError where there is none."""
         fields = self.fields()
         if key not in fields:
             raise bad_value(self.file, f"{self.place}.{key}", "nothing", "this key is required")
         return Node(self.file, fields[key], f"{self.place}.{key}")
 
     def maybe(self, key: str) -> Node | None:
+        """The value of a key; None where there is none or null."""
         value = self.fields().get(key)
         return None if value is None else Node(self.file, value, f"{self.place}.{key}")
 
     def fields(self) -> dict:
+        """The object; raises InputError for anything else."""
         if not isinstance(self.value, dict):
             raise self.wrong("an object")
         return self.value
 
     def items(self) -> Iterator[Node]:
+        """The array's values; raises InputError for anything else."""
         if not isinstance(self.value, list):
             raise self.wrong("an array")
         return (Node(self.file, item, f"{self.place}[{index}]") for index, item in enumerate(self.value))
 
     def text(self) -> str:
+        """The string; raises InputError for anything else."""
         if not isinstance(self.value, str):
             raise self.wrong("a string")
         return self.value
 
     def name(self) -> str:
+        """The string that is not empty; raises InputError for anything else."""
         if not self.text():
             raise self.wrong("a string that is not empty")
         return self.text()
 
     def one_of(self, choices: tuple[str, ...]) -> str:
+        """The value, which is one of `choices`; raises InputError for anything else."""
         if self.value not in choices:
             raise self.wrong(" or ".join(shown(choice) for choice in choices))
         return self.value
 
     def number(self, *, above_zero: bool = False, signed: bool = False) -> float:
+        """The finite number, of at least 0 unless `signed`; raises InputError for anything else."""
         allowed = "a finite number" + ("" if signed else " above 0" if above_zero else " of at least 0")
         value = self._finite(allowed)
         if (value < 0 and not signed) or (above_zero and value == 0):
@@ -70,6 +79,7 @@ class Node:
         return value
 
     def integer(self, minimum: int = 0) -> int:
+        """The integer of at least `minimum`; raises InputError for anything else."""
         # Google Benchmark writes every counter as a double: 4.0 is the integer 4.
         allowed = f"an integer of at least {minimum}"
         value = self._finite(allowed)
@@ -90,20 +100,25 @@ class Node:
         return value
 
     def texts(self) -> dict[str, str]:
+        """The object's strings by key; raises InputError for anything else."""
         return {key: Node(self.file, value, f"{self.place}.{key}").text() for key, value in self.fields().items()}
 
     def integers(self) -> dict[str, int]:
+        """The object's integers by key; raises InputError for anything else."""
         return {key: Node(self.file, value, f"{self.place}.{key}").integer() for key, value in self.fields().items()}
 
     def optional_text(self, key: str, default: str = "") -> str:
+        """The key's string, or `default`; raises InputError for anything else."""
         node = self.maybe(key)
         return default if node is None else node.text()
 
     def optional_integer(self, key: str) -> int | None:
+        """The key's integer, or None; raises InputError for anything else."""
         node = self.maybe(key)
         return None if node is None else node.integer()
 
     def optional_number(self, key: str) -> float | None:
+        """The key's number of at least 0, or None; raises InputError for anything else."""
         node = self.maybe(key)
         return None if node is None else node.number()
 

@@ -19,6 +19,8 @@ _NOT_FINITE = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
 
 @dataclass(frozen=True)
 class Parameter:
+    """A parameter of a case, and its value where it is not swept."""
+
     name: str
     standard: float
     summary: str = ""
@@ -41,6 +43,7 @@ class Case:
 
     @property
     def shown(self) -> str:
+        """The catalogue's name and the case's."""
         return f"{self.catalogue} {self.name}".strip()
 
 
@@ -82,6 +85,7 @@ class Row:
 
     @property
     def is_failure(self) -> bool:
+        """Whether the check failed or broke."""
         return self.status in (FAILED, BROKEN)
 
 
@@ -100,19 +104,23 @@ class Stability:
     suite = "stability"
 
     def about(self, key: str) -> str:
+        """A ptbench context value, or "unknown" where the file does not have it."""
         return self.context.get(f"ptbench.{key}") or "unknown"
 
     @property
     def git(self) -> str:
+        """The program's commit, and whether its sources were changed."""
         dirty = self.context.get("ptbench.git_dirty", "").lower() in ("true", "1")
         return self.about("git_sha") + (" (dirty)" if dirty else "")
 
     @property
     def is_complete(self) -> bool:
+        """Whether all checks were run."""
         return self.context.get("ptbench.status", "completed") == "completed"
 
     @property
     def families(self) -> list[str]:
+        """The cases' families, in the file's order."""
         return list(dict.fromkeys(case.family for case in self.cases))
 
 

@@ -45,6 +45,7 @@ def registry() -> Registry:
 
 @cache
 def validator(kind: str) -> Draft202012Validator:
+    """The schema of a kind of file, ready to be asked."""
     # By its name, so that what it refers to is looked up from there, in its own file too.
     return Draft202012Validator({"$ref": f"ptbench-{kind}.schema.json"}, registry=registry())
 

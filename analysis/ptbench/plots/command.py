@@ -46,6 +46,7 @@ def _save(figure: Figure, folder: Path, name: str, part: str) -> list[Path]:
 
 
 def plots(path: Path, out: Path | None) -> int:
+    """Draws and writes into `out` or the folder beside the file; the exit code. Raises InputError."""
     root = read_json(path)
     if is_stability(root):
         stability = stability_of(root)

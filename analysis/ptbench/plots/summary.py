@@ -219,6 +219,7 @@ def on_device(result: Result) -> Lines:
 
 
 def not_applicable(result: Result) -> Lines:
+    """What was left out before the run, and why."""
     lines: Lines = ["## Not applicable", ""]
     if not result.not_applicable:
         return [*lines, "None.", ""]
@@ -227,6 +228,7 @@ def not_applicable(result: Result) -> Lines:
 
 
 def failed(cells: Sequence[Cell]) -> Lines:
+    """The cells that failed, and why."""
     bad = [cell for cell in cells if cell.failed]
     if not bad:
         return ["## Failed", "", "None.", ""]

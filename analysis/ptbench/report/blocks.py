@@ -10,11 +10,15 @@ from ptbench.tables import Lines, Table
 
 @dataclass(frozen=True)
 class Paragraph:
+    """A paragraph of text."""
+
     text: str
 
 
 @dataclass(frozen=True)
 class Bullets:
+    """A list of texts."""
+
     items: tuple[str, ...]
 
 
@@ -45,6 +49,7 @@ class Image:
 
     @property
     def media_type(self) -> str:
+        """As HTTP calls it."""
         return {"svg": "image/svg+xml", "png": "image/png", "jpg": "image/jpeg"}[self.name.rpartition(".")[2]]
 
 
@@ -86,6 +91,7 @@ class Section:
 
 
 def anchor_of(*parts: str) -> str:
+    """The place in the page that a link leads to."""
     return "-".join(re.sub(r"[^a-z0-9]+", "-", part.lower()).strip("-") or "x" for part in parts)
 
 
@@ -93,6 +99,7 @@ LONG_TABLE = 12  # rows; a longer one is folded
 
 
 def shown_table(table: Table, label: str) -> Table | Folded:
+    """The table, folded under `label` where it is long."""
     count = len(table.rows)
     return table if count <= LONG_TABLE else Folded(f"{label}, {count} rows", table)
 

@@ -68,6 +68,8 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class Chapter:
+    """What the report says of one file."""
+
     title: str
     file: str
     suite: str

@@ -54,6 +54,7 @@ def draw_study_figures(result: Result, study: Study, prefix: str) -> Drawn:
 
 
 def draw_stability_figures(stability: Stability, prefix: str) -> Drawn:
+    """The pages of a stability file's figures; `prefix` begins their file names."""
     images, not_drawn = [], []
     for kind, module in (("heatmap", heatmap), ("sweep", sweep)):
         try:

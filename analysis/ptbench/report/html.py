@@ -20,6 +20,7 @@ _POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-
 
 
 def html_page(title: str, subtitle: str, sections: Sequence[Section]) -> str:
+    """The whole page, which needs nothing else."""
     style = package_file("report", "style.css").read_text(encoding="utf-8")
     script = package_file("report", "script.js").read_text(encoding="utf-8")
     body = "".join(_section(section, 2) for section in sections)

@@ -17,6 +17,7 @@ _CODE = re.compile(r"(`[^`]+`)")
 
 
 def markdown_page(title: str, subtitle: str, sections: Sequence[Section]) -> str:
+    """The whole page, whose images lie beside it."""
     lines = [f"# {_text(title)}", "", _text(subtitle), "", "## Contents", "", *_contents(sections, ""), ""]
     for section in sections:
         lines += _section(section, 2)

@@ -217,5 +217,6 @@ def _raw(chapters: Sequence[Chapter]) -> list[Block]:
 
 
 def title_of(chapters: Sequence[Chapter]) -> str:
+    """The report's title: the machines that its files are of."""
     machines = list(dict.fromkeys(chapter.machine for chapter in chapters))
     return f"ptbench report: {', '.join(machines)}"

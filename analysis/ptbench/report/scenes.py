@@ -48,6 +48,7 @@ class Renderer:
     folder: Path
 
     def check(self) -> None:
+        """Raises InputError unless there is a program that can be run."""
         if not self.binary.is_file() or not os.access(self.binary, os.X_OK):
             found = "a file that cannot be run" if self.binary.is_file() else "no such file"
             raise bad_value(self.binary, "--binary", found, "the ptbench program")
@@ -66,6 +67,7 @@ class ScenePicture:
 
     @property
     def caption(self) -> str:
+        """The scene, its hash, its sizes, and how the picture came about."""
         return f"`{self.scene}`, hash `{self.scene_hash}`, measured at {self.sizes}; {self.how}."
 
 

@@ -19,6 +19,7 @@ NOT_COMPARED = "—"
 
 
 def plural(count: int, what: str) -> str:
+    """ "1 cell", "2 cells"."""
     return f"{count} {what}{'' if count == 1 else 's'}"
 
 

@@ -46,10 +46,12 @@ class Place:
 
     @property
     def label(self) -> str:
+        """The case, the point, the estimator."""
         return " ".join(part for part in (self.case.shown, self.where) if part)
 
     @property
     def where(self) -> str:
+        """The point and the estimator."""
         return " ".join(part for part in (point_label(self.case, self.point), self.estimator) if part)
 
 
@@ -106,6 +108,7 @@ class Layout:
         return " ".join([*scheduling, *formulas]) or row.variant
 
     def place_of(self, row: Row) -> Place:
+        """The case, point and estimator of a row."""
         estimator = [
             row.axes[axis]
             for axis in ESTIMATOR_AXES
@@ -147,6 +150,7 @@ def heat_cell(rows: Sequence[Row]) -> HeatCell:
 
 
 def count(rows: Sequence[Row], status: str) -> int:
+    """How many rows have that status."""
     return sum(row.status == status for row in rows)
 
 

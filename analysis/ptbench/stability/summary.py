@@ -133,6 +133,7 @@ def _variant(layout: Layout, row: Row) -> str:
 
 
 def limits(stability: Stability, layout: Layout) -> Lines:
+    """What is out of bounds and known to be, grouped."""
     lines = ["## Known limits", ""]
     rows = [row for row in stability.rows if row.status == KNOWN_LIMIT]
     if not rows:
@@ -153,6 +154,7 @@ def limits(stability: Stability, layout: Layout) -> Lines:
 
 
 def must_pass_failures(stability: Stability, layout: Layout) -> Lines:
+    """What failed or broke though it must pass."""
     lines = ["## Failures of what must pass", ""]
     rows = failures(stability.rows)
     if not rows:

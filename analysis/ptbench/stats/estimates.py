@@ -45,6 +45,8 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Verdict:
+    """What the numbers allow to say, in a word, and why no more."""
+
     word: str
     reason: str = ""
     needs_samples: bool = False  # more of them, nothing else, would settle it
@@ -68,6 +70,9 @@ def _percentiles(values: np.ndarray) -> tuple[float, float]:
 
 
 def median_estimate(values: np.ndarray) -> Estimate:
+    """The median of a one-dimensional array and its 95 % interval, in the values' unit; no interval of one value.
+
+    Raises ValueError for an empty array."""
     values = np.asarray(values, dtype=float)
     if values.size == 0:
         raise ValueError("no samples: there is no median")

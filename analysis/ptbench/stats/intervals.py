@@ -17,6 +17,7 @@ LEVEL = 0.05  # of the intervals that are shown: 95 %
 
 
 def t_quantile(probability: float, freedom: int) -> float:
+    """The quantile of Student's t with `freedom` degrees of freedom."""
     return float(stdtrit(freedom, probability))
 
 

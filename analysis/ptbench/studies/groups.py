@@ -23,9 +23,11 @@ class Parts:
     order: tuple[str, ...]  # of the labels: baselines first, then as the file has them, so one colour a choice
 
     def values(self, cell: Cell) -> tuple[str | None, ...]:
+        """What the cell has of each dimension that the groups differ in."""
         return tuple(dimension(cell, name) for name in self.split)
 
     def suffix(self, values: Sequence[str | None]) -> str:
+        """What tells a group's title from the others'."""
         return "".join(f", {name}={value}" for name, value in zip(self.split, values, strict=True))
 
 

@@ -19,9 +19,11 @@ class Question:
 
     @property
     def shown_baseline(self) -> str:
+        """The baseline as a figure names it."""
         return f"{self.axis}={self.baseline}" if self.is_tunable else self.baseline
 
     def choice_of(self, cell: Cell) -> str:
+        """The cell's choice as a figure names it."""
         value = dimension(cell, self.axis)
         if self.is_tunable:
             return f"no {self.axis}" if value is None else f"{self.axis}={value}"

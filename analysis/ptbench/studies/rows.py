@@ -107,6 +107,7 @@ def cycles_ratio(cell: Cell, baseline: Cell) -> Estimate | None:
 
 
 def is_contended(cell: Cell) -> bool:
+    """Whether too many of the cell's samples are disturbed for a verdict."""
     return cell.disturbed_samples > MOST_DISTURBED * len(cell.samples)
 
 
@@ -151,4 +152,5 @@ def baseline_of(cell: Cell, cells: Iterable[Cell], question: Question) -> Cell |
 
 
 def scenes_of(rows: Sequence[Row]) -> list[str]:
+    """The scenes of the rows, in their order."""
     return list(dict.fromkeys(row.cell.scene for row in rows))

@@ -20,6 +20,8 @@ FILE = package_file("withdrawn.json")
 
 @dataclass(frozen=True)
 class Withdrawal:
+    """One entry of withdrawn.json."""
+
     axis: str
     choices: tuple[str, ...]
     backends: tuple[str, ...]
@@ -33,6 +35,7 @@ class Withdrawal:
 
     @property
     def named(self) -> str:
+        """ "axis=choice,choice"."""
         return f"{self.axis}={','.join(self.choices)}"
 
     @property
@@ -49,14 +52,17 @@ class Withdrawal:
 
     @property
     def full(self) -> str:
+        """For a summary: everything."""
         where = f" ({self.source})" if self.source else ""
         body = self.short.removeprefix("Withdrawn: ").removesuffix(".")
         return f"{body}{where}. What stays valid: {self.stays}. Withdrawn until {self.until}."
 
     def concerns(self, cell: Cell) -> bool:
+        """Whether the cell has a choice whose verdicts are withdrawn."""
         return cell.backend in self.backends and cell.axes.get(self.axis) in self.choices
 
     def is_between(self, one: Cell, other: Cell) -> bool:
+        """Whether it concerns a verdict on these two."""
         differ = one.axes.get(self.axis) != other.axes.get(self.axis)
         return differ and (self.concerns(one) or self.concerns(other))
 
@@ -82,6 +88,7 @@ def withdrawals_of(root: Node) -> tuple[Withdrawal, ...]:
 
 @cache
 def withdrawals() -> tuple[Withdrawal, ...]:
+    """The package's entries."""
     return withdrawals_of(read_json(FILE))
 
 

@@ -34,15 +34,18 @@ class Pair:
 
     @property
     def is_changed(self) -> bool:
+        """Whether the status or `must_pass` is another one."""
         return (self.one.status, self.one.must_pass) != (self.other.status, self.other.must_pass)
 
     @property
     def has_numbers(self) -> bool:
+        """Whether both measured something."""
         rows = (self.one, self.other)
         return all(row.measured is not None and row.status != NOT_APPLICABLE for row in rows)
 
     @property
     def has_same_value(self) -> bool:
+        """Whether both measured the same number, bit for bit or both NaN."""
         return _same(self.one.measured.value, self.other.measured.value)
 
     @property
@@ -58,6 +61,7 @@ class Pair:
 
     @property
     def has_another_check(self) -> bool:
+        """Whether the exact value or what is allowed is another one."""
         one, other = self.one.measured, self.other.measured
         return not (_same(one.exact, other.exact) and _same(one.allowed, other.allowed))
 
@@ -78,6 +82,7 @@ class Against:
 
     @cached_property
     def changed(self) -> list[Pair]:
+        """The pairs whose status or `must_pass` is another one."""
         return [pair for pair in self.pairs if pair.is_changed]
 
     @cached_property
@@ -87,6 +92,7 @@ class Against:
 
     @cached_property
     def moved(self) -> list[Pair]:
+        """The pairs of one status whose numbers differ."""
         return [pair for pair in self.numbers if not pair.has_same_value]
 
     @cached_property
@@ -98,6 +104,8 @@ class Against:
 
 @dataclass(frozen=True)
 class StabilityCompared:
+    """All that one call found; `comparisons` are the files after the first, in their order."""
+
     files: tuple[Stability, ...]
     comparisons: tuple[Against, ...]
 

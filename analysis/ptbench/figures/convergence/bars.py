@@ -43,12 +43,16 @@ class Bar:
 
 @dataclass(frozen=True)
 class Bars:
+    """The bars of one place, under its title."""
+
     title: str
     bars: tuple[Bar, ...]
 
 
 @dataclass(frozen=True)
 class Data:
+    """What a page of bars shows; `unit` is that of every value."""
+
     title: str
     caption: str
     notes: tuple[Note, ...]
@@ -70,6 +74,7 @@ class TimeToError:
     """How long each variant takes to one error, which differs from scene to scene."""
 
     def collect(self, result: Result, study: Study) -> Data:
+        """Time to the target error, a bar a cell; raises NotDrawable."""
         found = groups_of(result, study, _EVERY)
         groups = []
         for group in found.groups:
@@ -88,6 +93,7 @@ class TimeToError:
         return _data(found, groups, title, caption, result, **fields)
 
     def draw(self, data: Data) -> Figure:
+        """The page of what `collect` gave."""
         return draw(data)
 
 
@@ -95,6 +101,7 @@ class Efficiency:
     """How much more a variant gets out of its time than the baseline."""
 
     def collect(self, result: Result, study: Study) -> Data:
+        """Efficiency over the baseline's, a bar a cell; raises NotDrawable."""
         found = groups_of(result, study, _EVERY)
         groups = []
         for group in found.groups:
@@ -106,6 +113,7 @@ class Efficiency:
         return _data(found, groups, title, caption, result, **fields)
 
     def draw(self, data: Data) -> Figure:
+        """The page of what `collect` gave."""
         return draw(data)
 
 
@@ -127,6 +135,7 @@ class CheckpointCost:
     """A/A: whether checkpoints cost the timed clock anything."""
 
     def collect(self, result: Result, study: Study) -> Data:
+        """Time with checkpoints over time without, a bar a cell; raises NotDrawable."""
         found = groups_of(result, study, _EVERY)
         groups = []
         for group in found.groups:
@@ -153,6 +162,7 @@ class CheckpointCost:
         return _data(found, groups, title, caption, result, **fields)
 
     def draw(self, data: Data) -> Figure:
+        """The page of what `collect` gave."""
         return draw(data, zero_based=False)
 
 
@@ -173,6 +183,7 @@ def _time_text(time: Estimate | None) -> str:
 
 
 def draw(data: Data, zero_based: bool = True) -> Figure:
+    """A page of bars; `zero_based`: they begin at 0."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
 
     def widest(texts, weight: str = "normal") -> float:

@@ -26,6 +26,8 @@ _LEGEND_WIDTH = 2.0
 
 @dataclass(frozen=True)
 class Point:
+    """A cell's variance of one sample and squared bias."""
+
     label: str
     sigma2: Estimate
     bias2: Estimate
@@ -35,6 +37,8 @@ class Point:
 
 @dataclass(frozen=True)
 class Panel:
+    """The points of one place; `last_spp` is the last checkpoint's."""
+
     title: str
     points: tuple[Point, ...]
     last_spp: int
@@ -42,6 +46,8 @@ class Panel:
 
 @dataclass(frozen=True)
 class Data:
+    """What the page shows."""
+
     title: str
     caption: str
     notes: tuple[Note, ...]
@@ -50,6 +56,7 @@ class Data:
 
 
 def collect(result: Result, study: Study) -> Data:
+    """A panel a place; raises NotDrawable."""
     found = groups_of(result, study)
     panels, dependent, noiseless = [], [], []
     for group in found.groups:
@@ -91,6 +98,7 @@ def _point(one: Assessment, label: str) -> Point:
 
 
 def draw(data: Data) -> Figure:
+    """The page of what `collect` gave."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
     wrapped = {label: "\n".join(style.wrapped(label, style.LABEL_SIZE, _LEGEND_WIDTH)) for label in data.order}
     label_width = max(

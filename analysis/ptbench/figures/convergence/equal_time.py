@@ -45,6 +45,8 @@ class Shot:
 
 @dataclass(frozen=True)
 class Sheet:
+    """The pictures of one place, at equal time."""
+
     title: str
     shots: tuple[Shot, ...]
     limit: float  # of the signed error's colours
@@ -52,6 +54,8 @@ class Sheet:
 
 @dataclass(frozen=True)
 class Data:
+    """What the page shows."""
+
     title: str
     caption: str
     notes: tuple[Note, ...]
@@ -59,6 +63,7 @@ class Data:
 
 
 def collect(result: Result, study: Study) -> Data:
+    """A sheet a place; raises NotDrawable."""
     found = groups_of(result, study, 10**6)
     folder = result.path.parent
     notes, sheets, flips, reasons = list(found.notes), [], {}, []
@@ -178,6 +183,7 @@ def _window(errors: Sequence[np.ndarray]) -> tuple[slice, slice]:
 
 
 def draw(data: Data) -> Figure:
+    """The page of what `collect` gave."""
     columns = min(_COLUMNS, max(len(sheet.shots) for sheet in data.sheets))
     names = {
         shot.label: style.wrapped(shot.label, _LABEL, _PICTURE, "bold")[:_LINES]

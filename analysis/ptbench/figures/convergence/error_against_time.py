@@ -29,6 +29,8 @@ _GUIDE = "#dadada"
 
 @dataclass(frozen=True)
 class Line:
+    """A cell's error, one value a checkpoint."""
+
     label: str
     times: np.ndarray  # milliseconds
     errors: np.ndarray  # root of the mean dual squared error over seeds; NaN where that is below 0
@@ -40,11 +42,14 @@ class Line:
 
     @property
     def has_drawn_plateau(self) -> bool:
+        """Whether a line is drawn where the error stops falling."""
         return self.plateau is not None and not self.plateau_is_bound
 
 
 @dataclass(frozen=True)
 class Panel:
+    """The lines of one place."""
+
     title: str
     lines: tuple[Line, ...]
     floor: float | None  # root of the reference's variance; None: it is exact
@@ -52,6 +57,8 @@ class Panel:
 
 @dataclass(frozen=True)
 class Data:
+    """What the page shows."""
+
     title: str
     caption: str
     notes: tuple[Note, ...]
@@ -60,10 +67,12 @@ class Data:
 
     @property
     def in_seconds(self) -> bool:
+        """Whether the axis is in seconds; else milliseconds."""
         return max(float(line.times[-1]) for panel in self.panels for line in panel.lines) >= _SECONDS_FROM
 
 
 def collect(result: Result, study: Study) -> Data:
+    """A panel a place; raises NotDrawable."""
     found = groups_of(result, study)
     panels = tuple(_panel(group) for group in found.groups)
     seeds = numbers.span(one.curve.count for group in found.groups for one in group.members)
@@ -121,6 +130,7 @@ def _floor_limit(panel: Panel) -> float:
 
 
 def draw(data: Data) -> Figure:
+    """The page of what `collect` gave."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
     names = {
         (panel.title, line.label): "\n".join(style.wrapped(_name(line), style.LABEL_SIZE, _LEGEND_WIDTH))

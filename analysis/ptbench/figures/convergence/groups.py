@@ -27,6 +27,8 @@ class Group:
 
 @dataclass(frozen=True)
 class Groups:
+    """A study's places with their cells, and what every figure of it has to say."""
+
     groups: tuple[Group, ...]
     notes: tuple[Note, ...]
     remarks: tuple[str, ...]
@@ -107,6 +109,7 @@ def convergence_notes(result: Result, study: Study, assessed: Sequence[Assessmen
 
 
 def setting_of(result: Result, found: Groups) -> str:
+    """What was run on what, and the notes."""
     cells = [one.cell for group in found.groups for one in group.members]
     once = list({cell.name: cell for cell in cells}.values())
     return "\n".join([setting(result, once, told=False), *note_lines(found.notes)])

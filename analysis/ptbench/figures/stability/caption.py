@@ -9,5 +9,6 @@ from ptbench.stability.summary import setting
 
 
 def caption(stability: Stability, what: str, remarks: Sequence[str] = ()) -> str:
+    """How to read the figure, what ran where, and whether the run is complete."""
     notes = [] if stability.is_complete else [f"Note: the run is not complete ({stability.about('status')})."]
     return "\n".join([what, *remarks, setting(stability), *notes])

@@ -36,18 +36,24 @@ _CAPTION = (
 
 @dataclass(frozen=True)
 class HeatRow:
+    """A case at a point: a cell a column."""
+
     label: str
     cells: tuple[HeatCell, ...]
 
 
 @dataclass(frozen=True)
 class HeatGroup:
+    """The rows of one family."""
+
     family: str
     rows: tuple[HeatRow, ...]
 
 
 @dataclass(frozen=True)
 class HeatPage:
+    """One page of the heat map."""
+
     name: str  # of the file
     title: str
     caption: str
@@ -67,6 +73,7 @@ def colour(over_allowed: float) -> str:
 
 
 def number(over_allowed: float) -> str:
+    """An error over what is allowed, in few characters."""
     if over_allowed == 0:
         return "0"
     if math.isinf(over_allowed):
@@ -138,6 +145,7 @@ def _widest(texts: Sequence[str], size: float, weight: str = "normal") -> float:
 
 
 def draw(data: HeatPage) -> Figure:
+    """The page of what `collect` gave."""
     rows = [row for group in data.groups for row in group.rows]
     label_width = max(
         _widest([row.label for row in rows], style.LABEL_SIZE),

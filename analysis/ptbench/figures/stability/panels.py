@@ -46,6 +46,8 @@ class Line:
 
 @dataclass(frozen=True)
 class Panel:
+    """A case and quantity: its lines over the swept parameter."""
+
     title: str
     x_label: str
     y_label: str
@@ -63,6 +65,8 @@ class Panel:
 
 @dataclass(frozen=True)
 class SweepPage:
+    """One page of panels."""
+
     name: str  # of the file
     title: str
     caption: str

@@ -16,8 +16,6 @@ from ptbench.stability.layout import number, short_power
 __all__ = ["collect", "draw"]
 
 _PLOT_WIDTH, _PLOT_HEIGHT, _LEFT, _GAP = 3.75, 2.25, 0.95, 0.85  # inches
-
-
 _BOUND_LINES = {"robust float": (0, (5, 2)), "robust double": (0, (1, 1.6))}
 
 
@@ -27,6 +25,7 @@ def looks() -> dict[str, style.Look]:
 
 
 def draw(data: SweepPage) -> Figure:
+    """The page of what `collect` gave."""
     columns = 1 if len(data.panels) == 1 else 2
     rows = math.ceil(len(data.panels) / columns)
     block_width = _LEFT + _PLOT_WIDTH
