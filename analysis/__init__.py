@@ -1,1 +1,1 @@
-"""The name under which `ptbench` was run before; `__main__.py` goes on taking its calls for one release."""
+"""For `python3 -m analysis` in the repository's root; the package is `ptbench`, in this folder."""

@@ -1,0 +1,16 @@
+"""The name under which the command line was run before: `python3 -m analysis` does what `python3 -m ptbench` does.
+
+It goes on taking its calls for one release, and says so.
+"""
+
+import sys
+from pathlib import Path
+
+if __name__ == "__main__":
+    # The package that lies beside it, in a checkout or where pip put both.
+    sys.path.insert(0, str(Path(__file__).resolve().parent))
+    from ptbench.cli.main import main
+
+    notice = "the package is called ptbench now, python3 -m ptbench; this name goes after the next release"
+    print(f"python3 -m analysis: {notice}", file=sys.stderr)
+    sys.exit(main(program="python3 -m analysis"))
