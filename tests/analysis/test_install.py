@@ -34,14 +34,28 @@ def _run(*command: object, cwd: Path, **environment: str) -> subprocess.Complete
     )
 
 
+def _copy_of_sources(folder: Path) -> Path:
+    """So that nothing is left in the repository."""
+    shutil.copytree(ROOT / "analysis", folder / "analysis", ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, folder / name)
+    return folder
+
+
+def _environment(folder: Path) -> Path:
+    """A virtual environment's interpreter; the libraries are those of this environment."""
+    venv.create(folder, with_pip=False, symlinks=True)
+    python = folder / "bin" / "python"
+    site = Path(_run(python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))", cwd=folder).stdout.strip())
+    (site / "libraries.pth").write_text(sysconfig.get_path("purelib") + "\n", encoding="utf-8")
+    return python
+
+
 @pytest.fixture(scope="session")
 def wheel(tmp_path_factory) -> Path:
-    """The wheel of the sources as they are, built from a copy so that nothing is left in the repository."""
+    """The wheel of the sources as they are."""
     folder = tmp_path_factory.mktemp("wheel")
-    sources = folder / "sources"
-    shutil.copytree(ROOT / "analysis", sources / "analysis", ignore=shutil.ignore_patterns("__pycache__"))
-    for name in ("pyproject.toml", "README.md", "LICENSE"):
-        shutil.copy(ROOT / name, sources / name)
+    sources = _copy_of_sources(folder / "sources")
     offline = ("--no-deps", "--no-build-isolation", "--no-index", "--disable-pip-version-check", "--no-cache-dir")
     built = _run(sys.executable, "-m", "pip", "wheel", *offline, "--wheel-dir", folder, sources, cwd=folder)
     assert built.returncode == 0, built.stdout + built.stderr
@@ -51,15 +65,13 @@ def wheel(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="session")
 def installed(wheel, tmp_path_factory) -> Path:
-    """A virtual environment's folder of programs, with the wheel in it; the libraries are those of this environment."""
+    """A virtual environment's folder of programs, with the wheel in it."""
     folder = tmp_path_factory.mktemp("venv")
-    venv.create(folder, with_pip=False, symlinks=True)
-    python = folder / "bin" / "python"
-    site = Path(_run(python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))", cwd=folder).stdout.strip())
-    offline = ("--no-deps", "--no-index", "--disable-pip-version-check")
+    python = _environment(folder)
+    # The libraries' environment has the package, too.
+    offline = ("--no-deps", "--no-index", "--disable-pip-version-check", "--ignore-installed")
     done = _run(sys.executable, "-m", "pip", "--python", python, "install", *offline, wheel, cwd=folder)
     assert done.returncode == 0, done.stdout + done.stderr
-    (site / "libraries.pth").write_text(sysconfig.get_path("purelib") + "\n", encoding="utf-8")
     return folder / "bin"
 
 
@@ -123,6 +135,24 @@ def test_it_is_imported_from_the_wheel(installed, tmp_path):
     assert Path(where).is_relative_to(installed.parent)
     assert int(rows) == sum(row["run_type"] == "iteration" for row in small().rows)
     assert has_data == "True"
+
+
+def test_it_is_installed_as_run_does(tmp_path):
+    """Editable: found in its folder, also where the current folder has one of its name, such as a clone."""
+    python = _environment(tmp_path / "venv")
+    sources = _copy_of_sources(tmp_path / "sources")
+    (command,) = re.findall(
+        r'-m pip install \\\n\s+(.*) --editable "\$root"', (ROOT / "run").read_text(encoding="utf-8")
+    )
+    pip = (sys.executable, "-m", "pip", "--python", python, "install", "--no-index", "--ignore-installed")
+    done = _run(*pip, *command.split(), "--editable", sources, cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    (tmp_path / "ptbench").mkdir()
+    for module in ("ptbench", "analysis"):
+        done = _run(python, "-m", module, "--version", cwd=tmp_path)
+        assert done.stdout == f"ptbench-analysis {PROJECT['version']}\n", done.stderr
+    done = _run(python, "-c", "import ptbench; print(ptbench.__file__)", cwd=tmp_path)
+    assert done.stdout == f"{sources / 'analysis' / 'ptbench' / '__init__.py'}\n"
 
 
 def test_the_older_name_is_installed_too(installed, tmp_path):
