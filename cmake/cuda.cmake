@@ -86,20 +86,8 @@ foreach(axis compaction sorting)
       "const Registration registration(cuda::${axis}::${name}::descriptor, {.cuda = cuda::${axis}::${name}::hooks});")
   endforeach()
 endforeach()
-file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/layout/*.cuh)
-foreach(header ${headers})
-  get_filename_component(name ${header} NAME_WE)
-  add_cuda_registration(layout ${name}
-"#define PATHS(Real) layout::${name}::DevicePaths<Real>
-const Registration registration(layout::${name}::cuda_descriptor, {.cuda = {.layout = {
-    .bytes = [](std::uint32_t capacity, std::size_t real_bytes, const cuda::PathFields& fields) {
-        return real_bytes == 4 ? PATHS(float)::bytes(capacity, fields) : PATHS(double)::bytes(capacity, fields); },
-    .segment = [](const cuda::PathStore& store, std::size_t real_bytes) {
-        return real_bytes == 4 ? PATHS(float)(store).segment() : PATHS(double)(store).segment(); },
-    .origin_surface = [](const cuda::PathStore& store, std::size_t real_bytes) {
-        return real_bytes == 4 ? PATHS(float)(store).origin_surface() : PATHS(double)(store).origin_surface(); }}}});")
-endforeach()
-file(GLOB cuda_host_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/cuda/*.cpp)
+# NAME.cuda.cpp is the host's side of a choice on CUDA, and registers it.
+file(GLOB cuda_host_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/cuda/*.cpp ${PROJECT_SOURCE_DIR}/variants/*/*.cuda.cpp)
 list(APPEND cuda_sources ${cuda_host_sources})
 
 # What nvcc compiles: Thrust, CUB, and the clock.

@@ -94,7 +94,7 @@ foreach(header ${integrator_headers})
   endif()
 endforeach()
 
-list(FILTER variant_sources EXCLUDE REGEX "/variants/cuda/")
+list(FILTER variant_sources EXCLUDE REGEX "/variants/cuda/|\\.cuda\\.cpp$")
 if(PTBENCH_CUDA)
   list(APPEND integrator_sources ${cuda_sources})
 endif()

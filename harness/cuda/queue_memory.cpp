@@ -13,14 +13,9 @@ bool copies_whole_paths(const Job& job) {
            (job.sorting != nullptr && job.sorting->moves_paths());
 }
 
-// As path_fields in device.cuh, unless somebody copies whole paths.
+// What the kernels write, unless somebody copies whole paths.
 PathFields carried_fields(const Job& job, FeatureSet features) {
-    const bool whole = copies_whole_paths(job);
-    const bool connects = contains(features, Feature::next_event);
-    return {.radiance = whole || connects || contains(features, Feature::emission),
-            .time = whole || contains(features, Feature::motion),
-            .medium = whole || contains(features, Feature::absorption),
-            .density = whole || connects};
+    return copies_whole_paths(job) ? every_path_field : PathFields::of(features);
 }
 
 std::uint32_t capacity_of(const Job& job) {

@@ -72,11 +72,10 @@ __global__ void load_paths(cuda::PathStore store, Path<float>* paths, std::uint3
 
 template <class Paths>
 cuda::Layout layout_of() {
-    return {[](std::uint32_t capacity, std::size_t, const cuda::PathFields& fields) {
-                return Paths::bytes(capacity, fields);
-            },
-            [](const cuda::PathStore& store, std::size_t) { return Paths(store).segment(); },
-            [](const cuda::PathStore& store, std::size_t) { return Paths(store).origin_surface(); }};
+    return {
+        [](std::uint32_t capacity, std::size_t, const PathFields& fields) { return Paths::bytes(capacity, fields); },
+        [](const cuda::PathStore& store, std::size_t) { return Paths(store).segment(); },
+        [](const cuda::PathStore& store, std::size_t) { return Paths(store).origin_surface(); }};
 }
 
 // What a choice is told of its cell. Tunables that are not given are at the descriptor's standard.

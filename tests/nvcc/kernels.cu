@@ -19,6 +19,7 @@
 #include "kernels/naive.h"
 #include "kernels/next_event.h"
 #include "kernels/path.h"
+#include "kernels/path_fields.h"
 #include "kernels/philox.h"
 #include "kernels/quad.h"
 #include "kernels/random_words.h"

@@ -225,30 +225,19 @@ private:
 #endif
 };
 
-// What a path between two bounces has to remember in this variant; the rest has one value that everybody knows.
-namespace path_fields {
-inline constexpr bool density = pt::has<Configuration>(pt::Feature::next_event);
-// Else gathered at its end only.
-inline constexpr bool radiance = pt::has<Configuration>(pt::Feature::emission) || density;
-inline constexpr bool medium = pt::has<Configuration>(pt::Feature::absorption);
-inline constexpr bool time = pt::has<Configuration>(pt::Feature::motion);
-}  // namespace path_fields
+// What a path between two bounces has to remember in this variant.
+inline constexpr pt::PathFields carried_fields = pt::PathFields::of(Configuration::features);
 
-// A path as it lies in the queue. What this variant does not carry is not read.
+// A path as it lies in the queue. What this variant does not carry is not read: it has the value that all paths have.
 __device__ inline Path load_path(const Paths& paths, std::uint32_t slot, const Scene& scene) {
-    Path path = paths.load(slot);
-    if constexpr (!path_fields::radiance) {
-        path.radiance = {Real(0), Real(0), Real(0)};
+    using namespace pt;
+    ::Path path = paths.load(slot);
+#define PT_SET(name, type, change, features, value) \
+    if constexpr (!carried_fields.name) {           \
+        path.name = value;                          \
     }
-    if constexpr (!path_fields::medium) {
-        path.medium = scene.camera.initial_medium;
-    }
-    if constexpr (!path_fields::time) {
-        path.time = scene.camera.shutter_open;
-    }
-    if constexpr (!path_fields::density) {
-        path.bsdf_pdf = Real(0);
-    }
+    PT_PATH_FIELDS(PT_NO_FIELD, PT_SET)
+#undef PT_SET
     return path;
 }
 

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "variants/cuda/path_store.h"
+
 namespace pt {
 class Variant;
 }
@@ -18,27 +20,6 @@ class Compaction;    // variants/cuda/stages.h
 class Sorting;       // variants/cuda/stages.h
 struct CellContext;  // variants/cuda/stages.h
 struct Job;          // variants/cuda/job.h
-
-// The paths of a queue in device memory: one block whose inner order is the layout's.
-struct PathStore {
-    unsigned char* base = nullptr;
-    std::uint32_t capacity = 0;  // slots
-};
-
-// One 32-bit field of the paths of a store, whatever the layout: slot i is at base + i * stride.
-struct FieldView {
-    const unsigned char* base = nullptr;
-    std::uint32_t stride = 0;  // bytes
-};
-
-// What a path in a queue carries beyond what every path does. Where a scene has no use for a field it has one value
-// that everybody knows (path_fields in device.cuh).
-struct PathFields {
-    bool radiance = true;  // collected before the path's end
-    bool time = true;
-    bool medium = true;
-    bool density = true;  // Path::bsdf_pdf
-};
 
 struct Layout {
     // Of a store whose paths carry these fields; a layout may give them more.

@@ -1,35 +1,24 @@
 // What the layouts on the device build on, for NVRTC, nvcc and the host compiler alike.
 #pragma once
 
-#include "kernels/intersect.h"
-
-#if defined(__CUDACC_RTC__)
-
-namespace pt::cuda {
-struct PathStore {
-    unsigned char* base;
-    std::uint32_t capacity;
-};
-struct FieldView {
-    const unsigned char* base;
-    std::uint32_t stride;
-};
-}  // namespace pt::cuda
-
-#if !defined(offsetof)
-#define offsetof(type, member) __builtin_offsetof(type, member)
-#endif
-
-#else
-
 #include <cstddef>
 
-#include "variants/cuda/hooks.h"
-#include "variants/descriptor.h"
-
-#endif
+#include "kernels/intersect.h"
+#include "kernels/path_fields.h"
 
 namespace pt::cuda {
+
+// The paths of a queue in device memory: one block whose inner order is the layout's.
+struct PathStore {
+    unsigned char* base = nullptr;
+    std::uint32_t capacity = 0;  // slots
+};
+
+// One 32-bit field of the paths of a store, whatever the layout: slot i is at base + i * stride.
+struct FieldView {
+    const unsigned char* base = nullptr;
+    std::uint32_t stride = 0;  // bytes
+};
 
 PT_HD inline std::uint32_t value_at(const FieldView& field, std::uint32_t slot) {
     return *reinterpret_cast<const std::uint32_t*>(field.base + static_cast<std::size_t>(field.stride) * slot);

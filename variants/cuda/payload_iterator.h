@@ -10,6 +10,7 @@
 #include <thrust/detail/type_traits.h>
 #include <thrust/iterator/iterator_facade.h>
 
+#include "variants/descriptor.h"
 #include "variants/layout/aos.cuh"
 #include "variants/layout/packed.cuh"
 #include "variants/layout/soa.cuh"
@@ -72,13 +73,13 @@ auto payload_begin(const PathStore& store) {
 // Calls visit(std::type_identity<DevicePaths<float>>()) with the layout's own.
 template <class Visit>
 auto visit_layout(std::string_view name, Visit&& visit) {
-    if (name == layout::aos::cuda_descriptor.name) {
+    if (name == layout::aos::name) {
         return visit(std::type_identity<layout::aos::DevicePaths<float>>());
     }
-    if (name == layout::soa::cuda_descriptor.name) {
+    if (name == layout::soa::name) {
         return visit(std::type_identity<layout::soa::DevicePaths<float>>());
     }
-    if (name == layout::packed::cuda_descriptor.name) {
+    if (name == layout::packed::name) {
         return visit(std::type_identity<layout::packed::DevicePaths<float>>());
     }
     throw std::logic_error("no payload iterator for layout=" + std::string(name));

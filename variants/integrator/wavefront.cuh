@@ -31,9 +31,7 @@ extern "C" __global__ void PT_LAUNCH_BOUNDS generate_paths(Scene parameter, Path
     if (i < pool) {
         const std::uint32_t pixels = scene.shade.pixel_count();
         const std::uint32_t first = cursor != nullptr ? *cursor : first_sample;
-        using namespace path_fields;
-        Paths(store).template put<radiance, medium, time, density>(
-            i, first_path(scene.shade, i % pixels, first + i / pixels, cache));
+        Paths(store).put<carried_fields>(i, first_path(scene.shade, i % pixels, first + i / pixels, cache));
     }
 }
 
@@ -112,7 +110,7 @@ extern "C" __global__ void PT_LAUNCH_BOUNDS shade_paths(Scene parameter, FilmVie
             const bool alive = shade(scene, path, hits[slot], counters);
             path.pixel = pixel;
             if (alive) {
-                paths.template update<path_fields::radiance, path_fields::medium, path_fields::density>(slot, path);
+                paths.update<carried_fields>(slot, path);
             } else {
                 pt::accumulate(film, path);
                 counters.paths += 1;

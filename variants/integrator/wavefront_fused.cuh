@@ -45,7 +45,6 @@ __device__ inline Located locate(const PathStore& store, const std::uint32_t* co
 template <bool is_new>
 __device__ inline void put_path(const Path& path, bool shaded, bool alive, std::uint32_t slot, const PathStore& out,
                                 std::uint32_t* out_count) {
-    using namespace path_fields;
     const Paths paths(out);
 #if PT_APPEND > 0
     const std::uint32_t part = blockIdx.x % PT_COUNTERS;
@@ -56,17 +55,17 @@ __device__ inline void put_path(const Path& path, bool shaded, bool alive, std::
     const std::uint32_t position = pt::cuda::append_by_block(count, alive);
 #endif
     if (alive) {
-        paths.template put<radiance, medium, time, density>(part * part_capacity(out) + position, path);
+        paths.put<carried_fields>(part * part_capacity(out) + position, path);
     }
 #else
     if (alive && is_new) {
-        paths.template put<radiance, medium, time, density>(slot, path);
+        paths.put<carried_fields>(slot, path);
     } else if (alive) {
-        paths.template update<radiance, medium, density>(slot, path);
+        paths.update<carried_fields>(slot, path);
     } else if (shaded && is_new) {
         Path ended = path;
         ended.segment = Path::ended;
-        paths.template put<radiance, medium, time, density>(slot, ended);
+        paths.put<carried_fields>(slot, ended);
     } else if (shaded) {
         paths.end(slot);
     }

@@ -5,6 +5,8 @@
 
 namespace pt::layout::aos {
 
+inline constexpr const char* name = "aos";
+
 struct alignas(16) Piece {
     std::uint32_t x, y, z, w;
 };
@@ -41,11 +43,11 @@ struct DevicePaths {
         }
     }
     // A record is written whole: its pieces mix what a bounce changes and what it does not.
-    template <bool radiance, bool medium, bool time, bool density>
+    template <PathFields carried>
     PT_HD void put(std::uint32_t slot, const Path<Real>& path) const {
         store(slot, path);
     }
-    template <bool radiance, bool medium, bool density>
+    template <PathFields carried>
     PT_HD void update(std::uint32_t slot, const Path<Real>& path) const {
         store(slot, path);
     }
@@ -55,12 +57,10 @@ struct DevicePaths {
     PT_HD std::uint32_t sample(std::uint32_t slot) const { return at(slot).sample; }
     PT_HD Ray<Real> ray(std::uint32_t slot) const { return ray_of(load(slot)); }
 
-#if !defined(__CUDACC_RTC__)
     // A record is the whole path, whatever the scene: as in both seeds.
-    static std::size_t bytes(std::uint32_t capacity, const cuda::PathFields&) {
+    static constexpr std::size_t bytes(std::uint32_t capacity, const PathFields&) {
         return sizeof(Record<Real>) * std::size_t{capacity};
     }
-#endif
     cuda::FieldView segment() const { return field(offsetof(Path<Real>, segment)); }
     cuda::FieldView origin_surface() const { return field(offsetof(Path<Real>, origin_surface)); }
 
@@ -75,17 +75,5 @@ private:
         return {store_.base + offset, static_cast<std::uint32_t>(sizeof(Record<Real>))};
     }
 };
-
-#if !defined(__CUDACC_RTC__)
-inline constexpr Descriptor cuda_descriptor{
-    .axis = "layout",
-    .name = "aos",
-    .summary = "array of structures: the fields of a path lie together",
-    .origin = "both seeds (CIS 565 path tracers)",
-    .baseline = on_cuda,
-    .traits = LayoutTraits{.keeps_paths_whole = true},
-    .backends = on_cuda,
-};
-#endif
 
 }  // namespace pt::layout::aos

@@ -2,9 +2,53 @@
 // neighbouring words and a stage reads only the fields that it needs.
 #pragma once
 
+#include <type_traits>
+
 #include "variants/cuda/path_store.h"
 
 namespace pt::layout::soa {
+
+inline constexpr const char* name = "soa";
+
+// Columns, one a scalar, lie in the order of the list of fields, but those that every path carries come first, and
+// among them those of Real. A column that the paths of a queue do not carry has its place all the same, unless no
+// column that they do carry lies behind it.
+constexpr bool lies_before(PathField field, PathField other) {
+    const PathFieldInfo a = info(field), b = info(other);
+    if (a.is_optional != b.is_optional) {
+        return b.is_optional;
+    }
+    const bool a_is_word = a.type == FieldType::word, b_is_word = b.type == FieldType::word;
+    return !a.is_optional && a_is_word != b_is_word ? b_is_word : field < other;
+}
+
+constexpr std::size_t columns_of(PathField field) { return info(field).type == FieldType::vector ? 3 : 1; }
+
+// The number of a field's first column.
+constexpr std::size_t first_column(PathField field) {
+    std::size_t columns = 0;
+    for (std::size_t i = 0; i < path_field_count; ++i) {
+        columns += lies_before(PathField{i}, field) ? columns_of(PathField{i}) : 0;
+    }
+    return columns;
+}
+
+constexpr bool is_word(std::size_t column) {
+    for (std::size_t i = 0; i < path_field_count; ++i) {
+        if (column - first_column(PathField{i}) < columns_of(PathField{i})) {
+            return info(PathField{i}).type == FieldType::word;
+        }
+    }
+    return false;
+}
+
+// Where the columns of one type begin that this one is among.
+constexpr std::size_t first_of_type(std::size_t column) {
+    while (column > 0 && is_word(column - 1) == is_word(column)) {
+        column -= 1;
+    }
+    return column;
+}
 
 template <class Real>
 struct DevicePaths {
@@ -12,103 +56,133 @@ struct DevicePaths {
 
     PT_HD explicit DevicePaths(const cuda::PathStore& store) : store_(store) {}
     PT_HD Path<Real> load(std::uint32_t slot) const {
-        return {vector(0, slot), vector(3, slot), vector(6, slot), radiance(slot),           time()[slot],
-                word(0)[slot],   word(1)[slot],   word(2)[slot],   SurfaceId{word(3)[slot]}, medium()[slot],
-                density()[slot]};
+        Path<Real> path;
+#define PT_LOAD(name, type, ...) load_##type<PathField::name>(slot, path.name);
+        PT_PATH_FIELDS(PT_LOAD, PT_LOAD)
+#undef PT_LOAD
+        return path;
     }
-    PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { put<true, true, true, true>(slot, path); }
-    // A path that is new in its slot; of radiance, medium, time and density only what is asked for.
-    template <bool has_radiance, bool has_medium, bool has_time, bool has_density>
+    PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { put<every_path_field>(slot, path); }
+    // A path that is new in its slot.
+    template <PathFields carried>
     PT_HD void put(std::uint32_t slot, const Path<Real>& path) const {
-        update<has_radiance, has_medium, has_density>(slot, path);
-        if constexpr (has_time) {
-            time()[slot] = path.time;
-        }
-        word(0)[slot] = path.pixel;
-        word(1)[slot] = path.sample;
+        store_fields<FieldChange::by_bounce, carried>(slot, path);
+        store_fields<FieldChange::never, carried>(slot, path);
     }
     // What a bounce changes.
-    template <bool has_radiance, bool has_medium, bool has_density>
+    template <PathFields carried>
     PT_HD void update(std::uint32_t slot, const Path<Real>& path) const {
-        set_vector(0, slot, path.origin);
-        set_vector(3, slot, path.direction);
-        set_vector(6, slot, path.throughput);
-        if constexpr (has_radiance) {
-            Real* const column = optional();
-            column[slot] = path.radiance.x;
-            column[padded(store_.capacity) + slot] = path.radiance.y;
-            column[2 * std::size_t{padded(store_.capacity)} + slot] = path.radiance.z;
-        }
-        word(2)[slot] = path.segment;
-        word(3)[slot] = path.origin_surface.code;
-        if constexpr (has_medium) {
-            medium()[slot] = path.medium;
-        }
-        if constexpr (has_density) {
-            density()[slot] = path.bsdf_pdf;
-        }
+        store_fields<FieldChange::by_bounce, carried>(slot, path);
     }
-    PT_HD void end(std::uint32_t slot) const { word(2)[slot] = Path<Real>::ended; }
-    PT_HD bool alive(std::uint32_t slot) const { return word(2)[slot] != Path<Real>::ended; }
-    PT_HD std::uint32_t pixel(std::uint32_t slot) const { return word(0)[slot]; }
-    PT_HD std::uint32_t sample(std::uint32_t slot) const { return word(1)[slot]; }
+    PT_HD void end(std::uint32_t slot) const { scalars<PathField::segment>()[slot] = Path<Real>::ended; }
+    PT_HD bool alive(std::uint32_t slot) const { return scalars<PathField::segment>()[slot] != Path<Real>::ended; }
+    PT_HD std::uint32_t pixel(std::uint32_t slot) const { return scalars<PathField::pixel>()[slot]; }
+    PT_HD std::uint32_t sample(std::uint32_t slot) const { return scalars<PathField::sample>()[slot]; }
     PT_HD Ray<Real> ray(std::uint32_t slot) const {
-        return {vector(0, slot), vector(3, slot), time()[slot], SurfaceId{word(3)[slot]}};
+        Ray<Real> ray;
+        load_vector<PathField::origin>(slot, ray.origin);
+        load_vector<PathField::direction>(slot, ray.direction);
+        load_real<PathField::time>(slot, ray.time);
+        load_word<PathField::origin_surface>(slot, ray.origin_surface);
+        return ray;
     }
 
-#if !defined(__CUDACC_RTC__)
-    // Columns that not every path carries come last, and those beyond the last one carried are not there.
-    static std::size_t bytes(std::uint32_t capacity, const cuda::PathFields& fields) {
-        const std::size_t always = 9 * sizeof(Real) + 4 * sizeof(std::uint32_t);
-        const std::size_t optional = fields.density    ? 5 * sizeof(Real) + sizeof(std::uint32_t)
-                                     : fields.medium   ? 4 * sizeof(Real) + sizeof(std::uint32_t)
-                                     : fields.time     ? 4 * sizeof(Real)
-                                     : fields.radiance ? 3 * sizeof(Real)
-                                                       : 0;
-        return (always + optional) * std::size_t{padded(capacity)};
+    static constexpr std::size_t bytes(std::uint32_t capacity, const PathFields& fields) {
+        std::size_t columns = 0;
+        for (std::size_t i = 0; i < path_field_count; ++i) {
+            const std::size_t end = first_column(PathField{i}) + columns_of(PathField{i});
+            columns = fields.carries(PathField{i}) && end > columns ? end : columns;
+        }
+        std::size_t bytes_per_slot = 0;
+        for (std::size_t column = 0; column < columns; ++column) {
+            bytes_per_slot += is_word(column) ? sizeof(std::uint32_t) : sizeof(Real);
+        }
+        return bytes_per_slot * std::size_t{padded(capacity)};
     }
-#endif
-    cuda::FieldView segment() const { return {reinterpret_cast<const unsigned char*>(word(2)), 4}; }
-    cuda::FieldView origin_surface() const { return {reinterpret_cast<const unsigned char*>(word(3)), 4}; }
+    cuda::FieldView segment() const { return view<PathField::segment>(); }
+    cuda::FieldView origin_surface() const { return view<PathField::origin_surface>(); }
 
 private:
     // Columns start on 256-byte borders.
-    PT_HD static std::uint32_t padded(std::uint32_t capacity) { return (capacity + 63u) / 64u * 64u; }
-    PT_HD Real* real(std::uint32_t column) const {
-        return reinterpret_cast<Real*>(store_.base) + std::size_t{column} * padded(store_.capacity);
-    }
-    PT_HD std::uint32_t* word(std::uint32_t column) const {
-        return reinterpret_cast<std::uint32_t*>(real(9)) + std::size_t{column} * padded(store_.capacity);
-    }
-    // Radiance, time, medium and density.
-    PT_HD Real* optional() const { return reinterpret_cast<Real*>(word(4)); }
-    PT_HD Real* time() const { return optional() + 3 * std::size_t{padded(store_.capacity)}; }
-    PT_HD Real* density() const { return reinterpret_cast<Real*>(medium() + padded(store_.capacity)); }
-    PT_HD std::uint32_t* medium() const {
-        return reinterpret_cast<std::uint32_t*>(optional() + 4 * std::size_t{padded(store_.capacity)});
-    }
-    PT_HD Vec3<Real> radiance(std::uint32_t slot) const {
-        const std::size_t step = padded(store_.capacity);
-        return {optional()[slot], optional()[step + slot], optional()[2 * step + slot]};
-    }
-    PT_HD Vec3<Real> vector(std::uint32_t column, std::uint32_t slot) const {
-        return {real(column)[slot], real(column + 1)[slot], real(column + 2)[slot]};
-    }
-    PT_HD void set_vector(std::uint32_t column, std::uint32_t slot, const Vec3<Real>& v) const {
-        real(column)[slot] = v.x;
-        real(column + 1)[slot] = v.y;
-        real(column + 2)[slot] = v.z;
-    }
-};
+    PT_HD static constexpr std::uint32_t padded(std::uint32_t capacity) { return (capacity + 63u) / 64u * 64u; }
+    template <std::size_t column>
+    using Element = std::conditional_t<is_word(column), std::uint32_t, Real>;
 
-#if !defined(__CUDACC_RTC__)
-inline constexpr Descriptor cuda_descriptor{
-    .axis = "layout",
-    .name = "soa",
-    .summary = "structure of arrays: one array a scalar of the path state",
-    .origin = "pbrt-v4's soac; Laine, Karras and Aila 2013",
-    .backends = on_cuda,
+    // In steps of whole columns of one type: counted in bytes from the store's begin, addresses take more registers.
+    template <std::size_t column>
+    PT_HD Element<column>* at() const {
+        constexpr std::size_t first = first_of_type(column);
+        return begin<first>() + (column - first) * padded(store_.capacity);
+    }
+    template <std::size_t first>
+    PT_HD Element<first>* begin() const {
+        if constexpr (first == 0) {
+            return reinterpret_cast<Element<first>*>(store_.base);
+        } else {
+            constexpr std::size_t before = first_of_type(first - 1);
+            return reinterpret_cast<Element<first>*>(begin<before>() + (first - before) * padded(store_.capacity));
+        }
+    }
+    template <PathField field>
+    PT_HD auto* scalars() const {
+        return at<first_column(field)>();
+    }
+    template <PathField field>
+    cuda::FieldView view() const {
+        return {reinterpret_cast<const unsigned char*>(scalars<field>()), sizeof(std::uint32_t)};
+    }
+
+    template <PathField field>
+    PT_HD void load_vector(std::uint32_t slot, Vec3<Real>& value) const {
+        constexpr std::size_t x = first_column(field);
+        // From the first of the three columns, and the second one stored by an index of 32 bits: with other forms of
+        // the same addresses the kernels that carry these fields have other registers.
+        if constexpr (info(field).is_optional) {
+            const std::size_t step = padded(store_.capacity);
+            value = {at<x>()[slot], at<x>()[step + slot], at<x>()[2 * step + slot]};
+        } else {
+            value = {at<x>()[slot], at<x + 1>()[slot], at<x + 2>()[slot]};
+        }
+    }
+    template <PathField field>
+    PT_HD void load_real(std::uint32_t slot, Real& value) const {
+        value = scalars<field>()[slot];
+    }
+    template <PathField field, class Word>
+    PT_HD void load_word(std::uint32_t slot, Word& value) const {
+        value = Word{scalars<field>()[slot]};
+    }
+    template <PathField field>
+    PT_HD void store_vector(std::uint32_t slot, const Vec3<Real>& value) const {
+        constexpr std::size_t x = first_column(field);
+        if constexpr (info(field).is_optional) {
+            const std::size_t step = padded(store_.capacity);
+            at<x>()[slot] = value.x;
+            at<x>()[padded(store_.capacity) + slot] = value.y;
+            at<x>()[2 * step + slot] = value.z;
+        } else {
+            at<x>()[slot] = value.x;
+            at<x + 1>()[slot] = value.y;
+            at<x + 2>()[slot] = value.z;
+        }
+    }
+    template <PathField field>
+    PT_HD void store_real(std::uint32_t slot, Real value) const {
+        scalars<field>()[slot] = value;
+    }
+    template <PathField field, class Word>
+    PT_HD void store_word(std::uint32_t slot, const Word& value) const {
+        scalars<field>()[slot] = word_of(value);
+    }
+    template <FieldChange change, PathFields carried>
+    PT_HD void store_fields(std::uint32_t slot, const Path<Real>& path) const {
+#define PT_STORE(name, type, ...)                                 \
+    if constexpr (is_written(PathField::name, change, carried)) { \
+        store_##type<PathField::name>(slot, path.name);           \
+    }
+        PT_PATH_FIELDS(PT_STORE, PT_STORE)
+#undef PT_STORE
+    }
 };
-#endif
 
 }  // namespace pt::layout::soa

@@ -9,6 +9,7 @@
 #include <thrust/iterator/iterator_facade.h>
 
 #include "kernels/intersect.h"
+#include "kernels/path_fields.h"
 #include "variants/descriptor.h"
 
 namespace pt::layout::soa {
@@ -20,39 +21,67 @@ inline constexpr Descriptor descriptor{
     .origin = "pbrt-v4's soac; Laine, Karras and Aila 2013",
 };
 
+// How many columns of a field's kind (of Real, or of 32 bits) lie before its own: those of the fields that are listed
+// before it.
+constexpr std::size_t columns_before(std::size_t field, bool of_words) {
+    std::size_t columns = 0;
+    for (std::size_t i = 0; i < field; ++i) {
+        const FieldType type = info(PathField{i}).type;
+        columns += (type == FieldType::word) != of_words ? 0 : type == FieldType::vector ? 3 : 1;
+    }
+    return columns;
+}
+constexpr std::size_t column_of(PathField field) {
+    return columns_before(static_cast<std::size_t>(field), info(field).type == FieldType::word);
+}
+
 // The columns of a path. Real and 32-bit columns have separate storage.
 template <class Real>
 struct Columns {
-    static constexpr std::size_t real_count = 14;
-    static constexpr std::size_t word_count = 5;
+    static constexpr std::size_t real_count = columns_before(path_field_count, false);
+    static constexpr std::size_t word_count = columns_before(path_field_count, true);
     std::array<Real*, real_count> real{};
     std::array<std::uint32_t*, word_count> word{};
 
-    Vec3<Real> vector(std::size_t column, std::size_t slot) const {
-        return {real[column][slot], real[column + 1][slot], real[column + 2][slot]};
+    template <PathField field>
+    void load_vector(std::size_t slot, Vec3<Real>& value) const {
+        constexpr std::size_t column = column_of(field);
+        value = {real[column][slot], real[column + 1][slot], real[column + 2][slot]};
     }
-    void set_vector(std::size_t column, std::size_t slot, const Vec3<Real>& v) const {
-        real[column][slot] = v.x;
-        real[column + 1][slot] = v.y;
-        real[column + 2][slot] = v.z;
+    template <PathField field>
+    void load_real(std::size_t slot, Real& value) const {
+        value = real[column_of(field)][slot];
+    }
+    template <PathField field, class Word>
+    void load_word(std::size_t slot, Word& value) const {
+        value = Word{word[column_of(field)][slot]};
+    }
+    template <PathField field>
+    void store_vector(std::size_t slot, const Vec3<Real>& value) const {
+        constexpr std::size_t column = column_of(field);
+        real[column][slot] = value.x;
+        real[column + 1][slot] = value.y;
+        real[column + 2][slot] = value.z;
+    }
+    template <PathField field>
+    void store_real(std::size_t slot, Real value) const {
+        real[column_of(field)][slot] = value;
+    }
+    template <PathField field, class Word>
+    void store_word(std::size_t slot, const Word& value) const {
+        word[column_of(field)][slot] = word_of(value);
     }
     Path<Real> load(std::size_t slot) const {
-        return {vector(0, slot),          vector(3, slot), vector(6, slot), vector(9, slot),
-                real[12][slot],           word[0][slot],   word[1][slot],   word[2][slot],
-                SurfaceId{word[3][slot]}, word[4][slot],   real[13][slot]};
+        Path<Real> path;
+#define PT_LOAD(name, type, ...) load_##type<PathField::name>(slot, path.name);
+        PT_PATH_FIELDS(PT_LOAD, PT_LOAD)
+#undef PT_LOAD
+        return path;
     }
     void store(std::size_t slot, const Path<Real>& path) const {
-        set_vector(0, slot, path.origin);
-        set_vector(3, slot, path.direction);
-        set_vector(6, slot, path.throughput);
-        set_vector(9, slot, path.radiance);
-        real[12][slot] = path.time;
-        real[13][slot] = path.bsdf_pdf;
-        word[0][slot] = path.pixel;
-        word[1][slot] = path.sample;
-        word[2][slot] = path.segment;
-        word[3][slot] = path.origin_surface.code;
-        word[4][slot] = path.medium;
+#define PT_STORE(name, type, ...) store_##type<PathField::name>(slot, path.name);
+        PT_PATH_FIELDS(PT_STORE, PT_STORE)
+#undef PT_STORE
     }
 };
 
@@ -130,17 +159,25 @@ public:
     }
     Path<Real> load(std::size_t slot) const { return columns_.load(slot); }
     void store(std::size_t slot, const Path<Real>& path) { columns_.store(slot, path); }
-    bool alive(std::size_t slot) const { return columns_.word[2][slot] != Path<Real>::ended; }
-    std::uint32_t pixel(std::size_t slot) const { return columns_.word[0][slot]; }
+    bool alive(std::size_t slot) const { return word<PathField::segment>(slot) != Path<Real>::ended; }
+    std::uint32_t pixel(std::size_t slot) const { return word<PathField::pixel>(slot); }
     Ray<Real> ray(std::size_t slot) const {
-        return {columns_.vector(0, slot), columns_.vector(3, slot), columns_.real[12][slot],
-                SurfaceId{columns_.word[3][slot]}};
+        Ray<Real> ray;
+        columns_.template load_vector<PathField::origin>(slot, ray.origin);
+        columns_.template load_vector<PathField::direction>(slot, ray.direction);
+        columns_.template load_real<PathField::time>(slot, ray.time);
+        columns_.template load_word<PathField::origin_surface>(slot, ray.origin_surface);
+        return ray;
     }
     Iterator<Real> begin() { return {&columns_, 0}; }
 
 private:
+    template <PathField field>
+    std::uint32_t word(std::size_t slot) const {
+        return columns_.word[column_of(field)][slot];
+    }
     // Elements from one column to the next: whole pages and three cache lines. Whole pages alone (an 800x800 column is
-    // 625 of them) would put the 19 columns of a slot into one set of a first-level cache, and measure that instead of
+    // 625 of them) would put all columns of a slot into one set of a first-level cache, and measure that instead of
     // the layout.
     static std::size_t stride(std::size_t capacity, std::size_t element) {
         constexpr std::size_t page = 4096;

@@ -1,0 +1,112 @@
+// The fields of a path, listed once: how a path lies in memory between two stages, whatever the layout, what of it a
+// scene's kernels carry, and what a bounce changes all follow from this list.
+#pragma once
+
+#include <cstddef>
+
+#include "kernels/config.h"
+#include "kernels/path.h"
+
+namespace pt {
+
+enum class FieldType {
+    vector,  // 3 x Real
+    real,
+    word  // 32 bits
+};
+
+enum class FieldChange { by_bounce, never };  // never: written when the path begins
+
+// In the order of struct Path. ALWAYS(name, type, change): every path carries it.
+// OPTIONAL(name, type, change, features, value): carried by kernels with one of these features; in others all paths
+// have this value (`scene`: the scene that the path is in).
+#define PT_PATH_FIELDS(ALWAYS, OPTIONAL)                                                                \
+    ALWAYS(origin, vector, by_bounce)                                                                   \
+    ALWAYS(direction, vector, by_bounce)                                                                \
+    ALWAYS(throughput, vector, by_bounce)                                                               \
+    OPTIONAL(radiance, vector, by_bounce, Feature::emission | Feature::next_event, Vec3<Real>(0, 0, 0)) \
+    OPTIONAL(time, real, never, set_of(Feature::motion), scene.camera.shutter_open)                     \
+    ALWAYS(pixel, word, never)                                                                          \
+    ALWAYS(sample, word, never)                                                                         \
+    ALWAYS(segment, word, by_bounce)                                                                    \
+    ALWAYS(origin_surface, word, by_bounce)                                                             \
+    OPTIONAL(medium, word, by_bounce, set_of(Feature::absorption), scene.camera.initial_medium)         \
+    OPTIONAL(bsdf_pdf, real, by_bounce, set_of(Feature::next_event), Real(0))
+
+#define PT_NO_FIELD(...)
+
+enum class PathField : std::size_t {
+#define PT_NAME(name, ...) name,
+    PT_PATH_FIELDS(PT_NAME, PT_NAME)
+#undef PT_NAME
+};
+
+struct PathFieldInfo {
+    const char* name;  // as in struct Path
+    FieldType type;
+    FieldChange change;
+    bool is_optional;
+    FeatureSet features;  // of kernels that carry it, where it is optional
+
+    PT_HD constexpr std::size_t bytes(std::size_t real_bytes) const {
+        return type == FieldType::vector ? 3 * real_bytes
+               : type == FieldType::real ? real_bytes
+                                         : sizeof(std::uint32_t);
+    }
+};
+
+inline constexpr PathFieldInfo path_field_table[] = {
+#define PT_ALWAYS(name, type, change) {#name, FieldType::type, FieldChange::change, false, all_features},
+#define PT_OPTIONAL(name, type, change, features, value) {#name, FieldType::type, FieldChange::change, true, features},
+    PT_PATH_FIELDS(PT_ALWAYS, PT_OPTIONAL)
+#undef PT_ALWAYS
+#undef PT_OPTIONAL
+};
+inline constexpr std::size_t path_field_count = sizeof path_field_table / sizeof path_field_table[0];
+
+PT_HD constexpr PathFieldInfo info(PathField field) { return path_field_table[static_cast<std::size_t>(field)]; }
+
+// A field that Path has and the list has not would be lost between two stages.
+static_assert([] {
+    std::size_t bytes = 0;
+    for (const PathFieldInfo& field : path_field_table) {
+        bytes += field.bytes(sizeof(float));
+    }
+    return bytes == sizeof(Path<float>);
+}());
+
+// Which of the optional fields the paths of a queue carry.
+struct PathFields {
+#define PT_MEMBER(name, ...) bool name = true;
+    PT_PATH_FIELDS(PT_NO_FIELD, PT_MEMBER)
+#undef PT_MEMBER
+
+    PT_HD static constexpr PathFields of(FeatureSet kernel) {
+        PathFields fields;
+#define PT_CARRY(name, type, change, features, value) fields.name = (kernel & (features)) != 0;
+        PT_PATH_FIELDS(PT_NO_FIELD, PT_CARRY)
+#undef PT_CARRY
+        return fields;
+    }
+    PT_HD constexpr bool carries(PathField field) const {
+        bool carried = true;
+#define PT_CARRIED(name, ...) carried = field == PathField::name ? name : carried;
+        PT_PATH_FIELDS(PT_NO_FIELD, PT_CARRIED)
+#undef PT_CARRIED
+        return carried;
+    }
+};
+inline constexpr PathFields every_path_field{};
+
+// Whether `field` is in the columns of a stage that writes fields with this change.
+PT_HD constexpr bool is_written(PathField field, FieldChange change, const PathFields& carried) {
+    return info(field).change == change && carried.carries(field);
+}
+
+// A field of 32 bits, as a column holds it.
+template <class Field>
+PT_HD inline std::uint32_t word_of(const Field& field) {
+    return __builtin_bit_cast(std::uint32_t, field);
+}
+
+}  // namespace pt

@@ -1,0 +1,23 @@
+// Array of structures on the device: the host's side.
+#include "variants/layout/aos.cuh"
+
+#include "variants/cuda/layout_hooks.h"
+#include "variants/registry.h"
+
+namespace pt {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "layout",
+        .name = layout::aos::name,
+        .summary = "array of structures: the fields of a path lie together",
+        .origin = "both seeds (CIS 565 path tracers)",
+        .baseline = on_cuda,
+        .traits = LayoutTraits{.keeps_paths_whole = true},
+        .backends = on_cuda,
+    },
+    {.cuda = {.layout = cuda::layout_hooks<layout::aos::DevicePaths>()}});
+
+}  // namespace
+}  // namespace pt
