@@ -1,0 +1,93 @@
+"""`findings`: renders the pages of findings and the README from their templates, and draws the overview.
+
+A page is written only if every number of it is found and every verdict holds. `--check` writes nothing and says which
+pages on disk are not what their results say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from analysis import style
+from analysis.files import write_text
+from analysis.findings.errors import FindingError
+from analysis.findings.overview import draw, overview_of
+from analysis.findings.page import Page, read_page, render, too_old, typed_by_hand
+from analysis.saving import png_of, svg_of
+
+OVERVIEW = "overview"
+_DPI = 130
+
+
+@dataclass(frozen=True)
+class House:
+    """Where templates, pages and results lie in a checkout."""
+
+    root: Path
+
+    @property
+    def templates(self) -> Path:
+        return self.root / "docs" / "templates"
+
+    @property
+    def results(self) -> Path:
+        return self.root / "results"
+
+    def target(self, template: Path) -> Path:
+        """README.md lies at the root, all other pages in docs/findings."""
+        return self.root / "README.md" if template.stem == "README" else self.root / "docs/findings" / template.name
+
+    def pages(self, names: Sequence[str] = ()) -> list[Page]:
+        """Every template, or those of these names; raises FindingError for one that is not there."""
+        templates = sorted(self.templates.glob("*.md"))
+        known = [template.stem for template in templates]
+        if unknown := [name for name in names if name not in [*known, OVERVIEW]]:
+            raise FindingError(f"no page {', '.join(unknown)}; there are {', '.join(known)}, {OVERVIEW}")
+        return [read_page(template) for template in templates if not names or template.stem in names]
+
+
+def run(root: Path, names: Sequence[str], *, check: bool) -> int:
+    """Exit code: 0 all is as its results say, 1 something is not. Every fault is told, a line each."""
+    house = House(root)
+    if not check:
+        (root / "docs/findings").mkdir(parents=True, exist_ok=True)
+    faults: list[str] = []
+    for page in house.pages(names):
+        target = house.target(page.template)
+        found = [f"{page.template}: typed by hand: {text}" for text in typed_by_hand(page)]
+        found += too_old(page, house.results, root)
+        try:
+            text = render(page, house.results)
+        except FindingError as error:
+            faults += [*found, str(error)]
+            continue
+        if check and (not target.exists() or target.read_text(encoding="utf-8") != text):
+            found.append(f"{target}: not what its template and results say; run python3 -m ptbench findings")
+        if not check and not found:
+            print(write_text(target, text))
+        faults += found
+    if not names or OVERVIEW in names:
+        faults += _overview(house, check=check)
+    for fault in faults:
+        print(fault)
+    return 1 if faults else 0
+
+
+def _overview(house: House, *, check: bool) -> list[str]:
+    folder = house.root / "docs/findings"
+    try:
+        with style.applied():
+            figure = draw(overview_of(house.templates / f"{OVERVIEW}.json", house.results))
+            svg = svg_of(figure)
+            if not check:
+                print(write_text(folder / f"{OVERVIEW}.svg", svg))
+                (folder / f"{OVERVIEW}.png").write_bytes(png_of(figure, _DPI, few_colours=True))
+                print(folder / f"{OVERVIEW}.png")
+    except FindingError as error:
+        return [str(error)]
+    drawn = folder / f"{OVERVIEW}.svg"
+    if check and (not drawn.exists() or drawn.read_text(encoding="utf-8") != svg):
+        return [f"{drawn}: not what its results say; run python3 -m ptbench findings"]
+    return []

@@ -1,0 +1,139 @@
+"""Files that are no suite's result, as a page asks them: what kernels are made of, and what stiff cases found."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from analysis.findings.errors import FindingError
+from analysis.findings.quantities import figures
+from analysis.inspect_file import Inspected, KernelCounters, load_inspected
+from analysis.nodes import read_json
+from analysis.stability import Layout, count, failures
+from analysis.stability_file import KNOWN_LIMIT, PASSED, Row, Stability, stability_of
+from analysis.stability_summary import family_text
+
+
+class Inspection:
+    """A file of `ptbench inspect --counters`."""
+
+    def __init__(self, results: Path, file: str) -> None:
+        self._shown = file
+        self._entries: list[Inspected] = load_inspected(results / file)
+
+    def kernel(self, integrator: str, specialisation: str = "features", kernel: str = "") -> KernelCounters:
+        """The one kernel of that name, of the one entry with those choices."""
+        found = [
+            one
+            for entry in self._entries
+            if entry.variant.split(".")[0] == integrator and specialisation in entry.variant.split("+")[0].split(".")
+            for one in entry.kernels
+            if kernel in ("", one.name)
+        ]
+        if len(found) != 1:
+            raise FindingError(f"{self._shown}: {len(found)} kernels: {integrator} {specialisation} {kernel}")
+        return found[0]
+
+    def row(self, integrator: str, specialisation: str = "features", kernel: str = "") -> str:
+        """Cells of a table: registers, occupancy, lanes, instructions and bytes a ray, parts of the ceilings."""
+        one = self.kernel(integrator, specialisation, kernel)
+        ceiling = one.of_ceiling or {}
+        counted = (one.active_lanes, one.thread_instructions_per_ray, one.memory_bytes_per_ray)
+        return " | ".join(
+            (
+                str(one.registers),
+                f"{_percent(one.occupancy)}, {_percent(one.achieved_occupancy)}",
+                *("—" if value is None else figures(value, 3) for value in counted),
+                *(_percent(ceiling.get(name)) for name in ("issue", "alu", "memory")),
+            )
+        )
+
+    # Such a file does not say of which commit its kernels are.
+    commit = ""
+
+    @property
+    def provenance(self) -> str:
+        return f"- [{self._shown}](../../results/{self._shown}): `ptbench inspect --counters`, hardware counters."
+
+
+def _percent(share: float | None) -> str:
+    return "—" if share is None else f"{figures(100 * share, 2)} %"
+
+
+class Record:
+    """Any other JSON file, such as a record made by hand: numbers and texts by their place in it."""
+
+    commit = ""
+
+    def __init__(self, results: Path, file: str) -> None:
+        self._shown = file
+        self._root = read_json(results / file).value
+
+    def __call__(self, place: str) -> str:
+        """The number or text at "prototype.cornell_open.nee_over_off"."""
+        value = self._root
+        for name in place.split("."):
+            if not isinstance(value, dict) or name not in value:
+                raise FindingError(f"{self._shown}: nothing at {place}")
+            value = value[name]
+        return figures(value, 3) if isinstance(value, float) else str(value)
+
+    @property
+    def provenance(self) -> str:
+        return f"- [{self._shown}](../../results/{self._shown}): a record made by hand, which says what it leaves out."
+
+
+class StabilitySource:
+    """A file of `ptbench stability`."""
+
+    def __init__(self, results: Path, file: str) -> None:
+        self._shown = file
+        self._stability: Stability = stability_of(read_json(results / file))
+        self._layout = Layout(self._stability)
+        self._required: list[Row] = [row for row in self._stability.rows if row.must_pass]
+
+    @property
+    def rows(self) -> int:
+        return len(self._stability.rows)
+
+    @property
+    def cases(self) -> int:
+        return len({row.case.name for row in self._stability.rows})
+
+    @property
+    def passed(self) -> int:
+        return count(self._required, PASSED)
+
+    @property
+    def known_limits(self) -> int:
+        return count(self._required, KNOWN_LIMIT)
+
+    @property
+    def failed(self) -> int:
+        return len(failures(self._required))
+
+    def must_not_fail(self, said: str) -> str:
+        """`said`, if no check failed that must pass."""
+        if self.failed:
+            raise FindingError(f"{self._shown}: {self.failed} checks failed that must pass; the page says: {said}")
+        return said
+
+    @property
+    def families(self) -> list[str]:
+        """A paragraph a family of cases."""
+        return [family_text(self._stability, self._layout, family) for family in self._stability.families]
+
+    @property
+    def commit(self) -> str:
+        return self._stability.about("git_sha")[:7]
+
+    @property
+    def device(self) -> str:
+        return self._stability.about("cuda_device")
+
+    @property
+    def provenance(self) -> str:
+        folder = Path(self._shown).parent
+        return (
+            f"- [{self._shown}](../../results/{self._shown}): `ptbench stability`, {self.rows} rows; commit "
+            f"{self.commit}. [summary](../../results/{folder}/figures/stability/summary.md)"
+        )

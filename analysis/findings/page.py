@@ -1,0 +1,128 @@
+"""Renders one page from its template.
+
+A template begins with a JSON object between two lines of `---`:
+
+    {"title": "...", "sources": {"compaction": {"file": "nvidia-h200/compaction.json", "where": "arithmetic=exact",
+     "kernels_behind": 250}}, "constants": {"aim": "0.05"}}
+
+Every source is a variable of the page (findings/source.py), and so is every constant: a number that nobody measured, an
+aim or a version, which a page may not hold in any other way. `kernels_behind` is how many commits to kernels/ and
+variants/ there may be since the result's; more, and the page must be looked at again.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from jinja2 import Environment, StrictUndefined, TemplateError
+
+from analysis.findings.errors import FindingError
+from analysis.findings.other_sources import Inspection, Record, StabilitySource
+from analysis.findings.quantities import span
+from analysis.findings.source import Source
+from analysis.nodes import read_json
+from analysis.stability_file import is_stability
+from analysis.statistics import CONFIDENCE, FASTER, SAME, SLOWER, UNSURE
+
+_HEAD = re.compile(r"\A---\n(\{.*?\n\})\n---\n", re.DOTALL)
+_EXPRESSION = re.compile(r"\{\{.*?\}\}|\{%.*?%\}|\{#.*?#\}", re.DOTALL)
+_DECIMAL = re.compile(r"(?<![\w.])\d+(?:[.,]\d+)+(?![\w.]*\.(?:json|md|py|png|svg|txt))|\d+(?:\.\d+)? ?%")
+_VERDICT = re.compile(rf"\b(?:{FASTER}|{SLOWER}|{SAME}|{UNSURE})\b")
+_CODE = re.compile(r"^```.*?^```|`[^`\n]*`|\]\([^)]*\)", re.DOTALL | re.MULTILINE)
+
+
+AnySource = Source | Inspection | StabilitySource | Record
+
+
+@dataclass(frozen=True)
+class Page:
+    """A template, read: its head and its text."""
+
+    template: Path
+    head: Mapping
+    text: str
+
+    @property
+    def sources(self) -> Mapping[str, Mapping]:
+        return self.head.get("sources", {})
+
+
+def read_page(template: Path) -> Page:
+    """The template at that path; raises FindingError where its head is not as it should be."""
+    text = template.read_text(encoding="utf-8")
+    match = _HEAD.match(text)
+    if not match:
+        raise FindingError(f"{template}: it does not begin with a JSON object between two lines of ---")
+    try:
+        head = json.loads(match[1])
+    except json.JSONDecodeError as error:
+        raise FindingError(f"{template}: its head is no JSON: {error}") from error
+    return Page(template, head, text[match.end() :])
+
+
+@cache
+def _opened(results: Path, file: str, where: str) -> AnySource:
+    root = read_json(results / file)
+    if isinstance(root.value, list):
+        return Inspection(results, file)
+    if is_stability(root):
+        return StabilitySource(results, file)
+    return Source(results, file, where) if "ptbench" in root.fields() else Record(results, file)
+
+
+def source_of(results: Path, about: Mapping) -> AnySource:
+    """What a source of the head stands for, by what its file holds."""
+    return _opened(results, about["file"], about.get("where", ""))
+
+
+def render(page: Page, results: Path) -> str:
+    """The page as Markdown; raises FindingError where a number is not there or a sentence contradicts the data."""
+    environment = Environment(
+        undefined=StrictUndefined, keep_trailing_newline=True, trim_blocks=True, lstrip_blocks=True
+    )
+    names = {name: source_of(results, about) for name, about in page.sources.items()}
+    try:
+        text = environment.from_string(page.text).render(
+            **names, **page.head.get("constants", {}), span=span, confidence=f"{CONFIDENCE:.0%}".replace("%", " %")
+        )
+    except TemplateError as error:
+        raise FindingError(f"{page.template}: {error}") from error
+    except FindingError as error:
+        raise FindingError(f"{page.template}: {error}") from error
+    return text
+
+
+def typed_by_hand(page: Page) -> list[str]:
+    """Decimals, percentages and verdict words of the template that no expression makes; there ought to be none."""
+    prose = _CODE.sub("", _EXPRESSION.sub("", page.text))
+    return _DECIMAL.findall(prose) + _VERDICT.findall(prose)
+
+
+def too_old(page: Page, results: Path, repository: Path) -> list[str]:
+    """What the page shows although more commits than it allows have changed the kernels since."""
+    found = []
+    for name, about in page.sources.items():
+        commit = source_of(results, about).commit
+        behind = commits_since(repository, commit) if commit else None
+        if behind is not None and behind > about["kernels_behind"]:
+            found.append(
+                f"{page.template}: {name} ({about['file']}) was measured {behind} commits to kernels/ and variants/ "
+                f"ago, the page allows {about['kernels_behind']}: measure again, or say why it still holds"
+            )
+    return found
+
+
+def commits_since(repository: Path, commit: str) -> int | None:
+    """Commits to kernels/ and variants/ since `commit`; None where git or the commit is not there."""
+    command = ["git", "-C", str(repository), "rev-list", "--count", f"{commit}..HEAD", "--", "kernels", "variants"]
+    try:
+        answer = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError:
+        return None
+    return int(answer.stdout) if answer.returncode == 0 else None

@@ -1,0 +1,148 @@
+"""Measured numbers as sentences hold them: they print themselves, and say what may be said of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from analysis.findings.errors import FindingError
+from analysis.statistics import Estimate, Verdict, interval_of_ratio
+from analysis.style import figures, ratio
+
+DIGITS = 3
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A measured number, such as milliseconds a sample per pixel, with its interval where it has one."""
+
+    estimate: Estimate
+    of: str  # whose, for messages
+
+    def __str__(self) -> str:
+        return self._text(self.estimate.value)
+
+    def __float__(self) -> float:
+        return self.estimate.value
+
+    @property
+    def with_interval(self) -> str:
+        low, high = self.estimate.low, self.estimate.high
+        return (
+            str(self)
+            if low is None or high is None or math.isinf(self.estimate.value)
+            else f"{self} [{self._text(low)}, {self._text(high)}]"
+        )
+
+    def over(self, other: float | Quantity) -> Quantity:
+        """Divided by a number, or by the value of another quantity, whose uncertainty does not count."""
+        by = float(other)
+        one = self.estimate
+        ends = (None if end is None else end / by for end in (one.low, one.high))
+        return Quantity(Estimate(one.value / by, *ends, one.n), self.of)
+
+    def _text(self, value: float) -> str:
+        return "never" if math.isinf(value) else figures(value, DIGITS)
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """A ratio with its interval and the verdict that it allows; "0.922 [0.920, 0.926]" as text."""
+
+    estimate: Estimate
+    verdict: Verdict
+    of: str
+
+    def __str__(self) -> str:
+        return f"{self.value} {interval_of_ratio(self.estimate)}".rstrip()
+
+    @property
+    def value(self) -> str:
+        return ratio(self.estimate.value)
+
+    @property
+    def number(self) -> float:
+        return self.estimate.value
+
+    @property
+    def times(self) -> str:
+        """How many times as fast, "3.43": the ratio's reciprocal."""
+        return figures(1 / self.estimate.value, DIGITS)
+
+    @property
+    def percent(self) -> str:
+        """By how much the time is changed, "8 %", without its sign."""
+        return f"{abs(self.estimate.value - 1) * 100:.0f} %"
+
+    @property
+    def word(self) -> str:
+        """FASTER, SLOWER, SAME or UNSURE."""
+        return self.verdict.word
+
+    def must_be(self, word: str, said: str = "") -> str:
+        """`said`, if the verdict is `word`; a sentence that the data contradict raises FindingError."""
+        if self.word != word:
+            raise FindingError(f"{self.of}: {self}, so {self.word}, where the page says {word} ({said or 'in words'})")
+        return said
+
+    def said(self, **words: str) -> str:
+        """The words that the verdict allows: said(FASTER="pays", SLOWER="costs", ...)."""
+        if self.word not in words:
+            raise FindingError(f"{self.of}: {self}, so {self.word}, of which the page says nothing")
+        return words[self.word]
+
+
+@dataclass(frozen=True)
+class Ratios:
+    """Several ratios: "1.084 to 1.336" as text."""
+
+    ratios: tuple[Ratio, ...]
+
+    def __iter__(self):
+        return iter(self.ratios)
+
+    def __len__(self) -> int:
+        return len(self.ratios)
+
+    def __str__(self) -> str:
+        low, high = self.lowest.value, self.highest.value
+        return low if low == high else f"{low} to {high}"
+
+    @property
+    def lowest(self) -> Ratio:
+        return min(self.ratios, key=lambda one: one.number)
+
+    @property
+    def highest(self) -> Ratio:
+        return max(self.ratios, key=lambda one: one.number)
+
+    @property
+    def times(self) -> str:
+        """How many times as fast, "1.1 to 2.4"."""
+        low, high = self.highest.times, self.lowest.times
+        return low if low == high else f"{low} to {high}"
+
+    def all_are(self, words: str, said: str = "") -> str:
+        """`said`, if every verdict is one of `words` ("SLOWER UNSURE")."""
+        for one in self.ratios:
+            if one.word not in words.split():
+                raise FindingError(f"{one.of}: {one}, so {one.word}, where the page says {words} of all ({said})")
+        return said
+
+    def none_is(self, words: str, said: str = "") -> str:
+        """`said`, if no verdict is one of `words`."""
+        for one in self.ratios:
+            if one.word in words.split():
+                raise FindingError(f"{one.of}: {one}, so {one.word}, where the page says that none is ({said})")
+        return said
+
+    def count(self, word: str) -> int:
+        return sum(one.word == word for one in self.ratios)
+
+
+def span(values: Iterable[float], digits: int = DIGITS) -> str:
+    """ "0.23 to 0.30": the least and the greatest of some numbers."""
+    ordered = sorted(values)
+    low, high = figures(ordered[0], digits), figures(ordered[-1], digits)
+    return low if low == high else f"{low} to {high}"

@@ -1,0 +1,68 @@
+"""Names a cell of a result file in few words: "wavefront layout=soa scene=cornell_open".
+
+A word without `=` is an integrator; `axis=choice`, `tunable=value` and `scene`, `depth`, `resolution`, `spp`,
+`backend`, `study` say the rest. An axis that is not named is at the file's baseline, a tunable at its standard, and a
+setting must have one value only. `*` is any value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from analysis.findings.errors import FindingError
+from analysis.results import Cell, Result
+from analysis.studies import dimension, usual_baseline
+
+_SETTINGS = ("scene", "depth", "resolution", "spp", "backend")
+
+
+def parsed(text: str) -> dict[str, str]:
+    """The words of a selection by what they name; raises FindingError for one that is named twice."""
+    chosen: dict[str, str] = {}
+    for word in text.split():
+        name, is_named, value = word.partition("=")
+        key, choice = (name, value) if is_named else ("integrator", name)
+        if key in chosen:
+            raise FindingError(f'"{text}" names {key} twice')
+        chosen[key] = choice
+    return chosen
+
+
+def cells_of(result: Result, chosen: Mapping[str, str]) -> list[Cell]:
+    """Every cell that the selection names, in the file's order; none is an error, and so is a word without meaning."""
+    studies = {study.name for study in result.studies}
+    if chosen.get("study", "*") not in (*studies, "*"):
+        raise FindingError(f"{result.path}: no study {chosen['study']}, there are {', '.join(sorted(studies))}")
+    known = {name for cell in result.cells for name in (*cell.axes, *cell.tunables)} | {*_SETTINGS, "study"}
+    if unknown := [name for name in chosen if name not in known]:
+        raise FindingError(f"{result.path}: no cell has {', '.join(unknown)}")
+    found = [cell for cell in result.cells if _is_named(result, cell, chosen)]
+    if not found:
+        raise FindingError(f"{result.path}: no cell is {_text(chosen)}")
+    return found
+
+
+def cell_of(result: Result, chosen: Mapping[str, str]) -> Cell:
+    """The one measured cell that the selection names; several or none are an error that says how they differ."""
+    found = cells_of(result, chosen)
+    if len(found) > 1:
+        values = {name: list(dict.fromkeys(dimension(cell, name) for cell in found)) for name in _SETTINGS}
+        differing = "; ".join(f"{name} ({', '.join(map(str, of))})" for name, of in values.items() if len(of) > 1)
+        raise FindingError(f"{result.path}: {len(found)} cells are {_text(chosen)}; they differ in {differing}")
+    if not found[0].measured:
+        raise FindingError(f"{result.path}: {found[0].name} has no times: {found[0].failure}")
+    return found[0]
+
+
+def _is_named(result: Result, cell: Cell, chosen: Mapping[str, str]) -> bool:
+    if chosen.get("study", "*") not in (*cell.studies, "*"):
+        return False
+    axes_at_baseline = all(
+        choice == usual_baseline(result, axis) for axis, choice in cell.axes.items() if axis not in chosen
+    )
+    named = all(value == "*" or dimension(cell, name) == value for name, value in chosen.items() if name != "study")
+    return named and axes_at_baseline and cell.tuned.keys() <= chosen.keys()
+
+
+def _text(chosen: Mapping[str, str]) -> str:
+    return " ".join(f"{name}={value}" for name, value in chosen.items())

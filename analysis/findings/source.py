@@ -1,0 +1,206 @@
+"""A result file as a page asks it: times, ratios, rates, counters, by the words of a selection."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from analysis.convergence import Assessment, assess
+from analysis.convergence_fit import Fit
+from analysis.efficiency import baseline_among, by_place, time_to
+from analysis.efficiency import compare as compare_errors
+from analysis.findings.errors import FindingError
+from analysis.findings.quantities import Quantity, Ratio, Ratios
+from analysis.findings.selection import cell_of, cells_of, parsed
+from analysis.results import Cell, Result, load
+from analysis.statistics import UNSURE, Estimate, Verdict, median_estimate, word_of
+from analysis.studies import dimension, time_ratio
+from analysis.withdrawn import between
+
+
+class Source:
+    """One result file; `where` is what every selection of the page means besides what it says."""
+
+    def __init__(self, results: Path, file: str, where: str = "") -> None:
+        self.result: Result = load(results / file)
+        self._shown = file
+        self._results = results
+        self._where = parsed(where)
+
+    def cell(self, selection: str) -> Cell:
+        return cell_of(self.result, self._chosen(selection))
+
+    def cells(self, selection: str) -> list[Cell]:
+        return [cell for cell in cells_of(self.result, self._chosen(selection)) if cell.measured]
+
+    def ms(self, selection: str) -> Quantity:
+        """Render wall time of a sample a pixel, ms."""
+        return self._median(selection, lambda cell: cell.ms_per_spp)
+
+    def rays(self, selection: str) -> Quantity:
+        """Rays traced over device time, 1e9 a second; over wall time where there is no device's clock."""
+
+        def rates(cell: Cell) -> np.ndarray:
+            times = [sample.device_ms or sample.wall_ms for sample in cell.samples]
+            return np.array([sample.rays / ms / 1e6 for sample, ms in zip(cell.samples, times, strict=True)])
+
+        return self._median(selection, rates)
+
+    def rate(self, selection: str) -> Quantity:
+        """Rays traced over render wall time, 1e6 a second."""
+        return self._median(selection, lambda cell: np.array([one.mega_rays_per_second for one in cell.samples]))
+
+    def ratio(self, selection: str, over: str) -> Ratio:
+        """Quantity of one cell over that of the cell that differs from it by the words of `over`."""
+        cell = self.cell(selection)
+        base = cell_of(self.result, {**self._chosen(selection), **parsed(over)})
+        return _ratio(cell, base)
+
+    def ratios(self, selection: str, over: str) -> Ratios:
+        """The same for every measured cell of a selection with `*`, each over its own baseline."""
+        chosen = self._chosen(selection)
+        open_names = [name for name, value in chosen.items() if value == "*"]
+        others = parsed(over)
+        found = []
+        for cell in self.cells(selection):
+            own = {name: dimension(cell, name) for name in open_names}
+            wanted = {**chosen, **own, **others}
+            if any(dimension(cell, name) != value for name, value in others.items()):
+                found.append(_ratio(cell, cell_of(self.result, wanted)))
+        if not found:
+            raise FindingError(f"{self.result.path}: nothing to hold against {over}: {selection}")
+        return Ratios(tuple(found))
+
+    def registers(self, selection: str, kernel: str) -> int:
+        return self._kernel(selection, kernel).registers
+
+    def local_bytes(self, selection: str, kernel: str) -> int:
+        return self._kernel(selection, kernel).local_bytes
+
+    def path_state_bytes(self, selection: str) -> int:
+        cuda = self.cell(selection).cuda
+        if cuda is None or cuda.path_state_bytes is None:
+            raise FindingError(f"{self.result.path}: {selection} tells no bytes of a path")
+        return cuda.path_state_bytes
+
+    # --- error against time ---
+
+    def bias2(self, selection: str) -> Quantity:
+        """Squared bias of the image, of the error curve's fit."""
+        return self._fitted(selection, lambda fit: fit.bias2)
+
+    def sigma2(self, selection: str) -> Quantity:
+        """Variance of one sample, the mean over pixels and channels."""
+        return self._fitted(selection, lambda fit: fit.sigma2)
+
+    def slope(self, selection: str) -> Quantity:
+        """Of the squared error over spp, both logarithmic: -1 for independent samples without a bias."""
+        return self._fitted(selection, lambda fit: fit.slope.estimate)
+
+    def wall(self, selection: str) -> Quantity:
+        """Render wall time a sample per pixel, ms, with checkpoints."""
+        one = self.assessment(selection)
+        return Quantity(one.ms_per_spp["wall_ms"], one.cell.name)
+
+    def verdicts(self) -> Counter:
+        """How many cells of the studies of error converge, have a plateau, ..., by the first words of the verdict."""
+        return Counter(one.verdict.word for one in assess(self.result).values())
+
+    def efficiency(self, selection: str) -> Ratio:
+        """Against the baseline of the cell's scene in the study that the selection names; FASTER: above 1."""
+        one = self.assessment(selection)
+        study = self._chosen(selection)["study"]
+        members = [other for other in assess(self.result).values() if study in other.cell.studies]
+        base = baseline_among(self.result, next(group for group in by_place(members).values() if one in group))
+        compared = compare_errors(one, base)
+        if compared is None or compared.efficiency is None or base is None:
+            raise FindingError(f"{self.result.path}: no efficiency: {selection}")
+        if between(one.cell, base.cell):
+            raise FindingError(f"{one.cell.name}: its efficiency is withdrawn (analysis/withdrawn.json)")
+        value = compared.efficiency
+        # More efficient is faster at equal error: the rule for times, on the reciprocal.
+        word = UNSURE if value.low is None or value.high is None else word_of(1 / value.high, 1 / value.low)
+        return Ratio(value, Verdict(word), one.cell.name)
+
+    def ms_to(self, selection: str, error: float) -> Quantity:
+        """Render wall time to a root mean square error, ms."""
+        one = self.assessment(selection)
+        time = time_to(one, error)
+        if time is None:
+            raise FindingError(f"{self.result.path}: no time to {error}: {selection}")
+        return Quantity(time, one.cell.name)
+
+    def assessment(self, selection: str, over: str = "") -> Assessment:
+        found = cells_of(self.result, {**self._chosen(selection), **parsed(over)})
+        assessed = assess(self.result)
+        named = [assessed[cell.name] for cell in found if cell.name in assessed]
+        if len(named) != 1:
+            raise FindingError(f"{self.result.path}: {len(named)} error curves: {selection} {over}")
+        return named[0]
+
+    # --- the file as a whole ---
+
+    @property
+    def device(self) -> str:
+        return self.result.about("cuda_device")
+
+    @property
+    def commit(self) -> str:
+        return self.result.about("git_sha")[:7]
+
+    @property
+    def date(self) -> str:
+        return self.result.context["date"][:10]
+
+    @property
+    def count(self) -> int:
+        return len(self.result.cells)
+
+    @property
+    def failed(self) -> int:
+        return sum(cell.failed for cell in self.result.cells)
+
+    @property
+    def disturbed(self) -> int:
+        return sum(cell.disturbed_samples for cell in self.result.cells)
+
+    @property
+    def provenance(self) -> str:
+        """A line of a list: the file, what it holds, the commit and the day."""
+        failed = f"{self.failed} failed" if self.failed else "none failed"
+        disturbed = f", {self.disturbed} samples taken while other processes used the host" if self.disturbed else ""
+        summary = Path(self._shown).parent / "figures" / Path(self._shown).stem / "summary.md"
+        every_row = f" Every row: [summary](../../results/{summary})." if (self._results / summary).exists() else ""
+        return (
+            f"- [{self._shown}](../../results/{self._shown}): suite `{self.result.suite}`, {self.count} cells, {failed}"
+            f"{disturbed}; commit {self.commit}, {self.date}.{every_row}"
+        )
+
+    def _fitted(self, selection: str, value: Callable[[Fit], Estimate]) -> Quantity:
+        one = self.assessment(selection)
+        if one.fit is None:
+            raise FindingError(f"{self.result.path}: no fit: {selection}")
+        return Quantity(value(one.fit), one.cell.name)
+
+    def _kernel(self, selection: str, kernel: str):
+        cuda = self.cell(selection).cuda
+        if cuda is None or kernel not in cuda.kernels:
+            raise FindingError(f"{self.result.path}: {selection} has no kernel {kernel}")
+        return cuda.kernels[kernel]
+
+    def _chosen(self, selection: str) -> Mapping[str, str]:
+        return {**self._where, **parsed(selection)}
+
+    def _median(self, selection: str, values: Callable[[Cell], np.ndarray]) -> Quantity:
+        cell = self.cell(selection)
+        return Quantity(median_estimate(values(cell)), cell.name)
+
+
+def _ratio(cell: Cell, base: Cell) -> Ratio:
+    if withdrawn := between(cell, base):
+        raise FindingError(f"{cell.name}: {withdrawn[0].mark}; no page may give this ratio as a verdict")
+    estimate, verdict = time_ratio(cell, base)
+    return Ratio(estimate, verdict, f"{cell.name} over {base.variant}")

@@ -1,0 +1,112 @@
+"""Pages of findings: every number from a result, every verdict the data's, nothing typed by hand, nothing too old."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from analysis.findings import page as pages
+from analysis.findings.command import House, run
+from analysis.findings.errors import FindingError
+from analysis.findings.page import read_page, render, too_old, typed_by_hand
+from analysis.findings.selection import parsed
+from analysis.findings.source import Source
+
+ROOT = Path(__file__).resolve().parents[2]
+HOUSE = House(ROOT)
+TEMPLATES = sorted(path.stem for path in HOUSE.templates.glob("*.md"))
+SOURCE = {"compaction": {"file": "nvidia-h200/compaction.json", "where": "arithmetic=exact", "kernels_behind": 1000}}
+CELL = '"study=wavefront scene=cornell_open layout=aos compaction=thrust_remove_if"'
+
+
+def template(folder: Path, text: str, **head) -> Path:
+    path = folder / "page.md"
+    head = {"title": "Page", "sources": SOURCE, **head}
+    path.write_text(f"---\n{json.dumps(head, indent=1)}\n---\n{text}", encoding="utf-8")
+    return path
+
+
+def rendered(folder: Path, text: str, **head) -> str:
+    return render(read_page(template(folder, text, **head)), HOUSE.results)
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_committed_pages_are_what_their_results_say(name):
+    page = read_page(HOUSE.templates / f"{name}.md")
+    target = HOUSE.target(page.template)
+    assert target.read_text(encoding="utf-8") == render(page, HOUSE.results), "run python3 -m ptbench findings"
+    assert typed_by_hand(page) == []
+    assert too_old(page, HOUSE.results, ROOT) == []
+
+
+def test_the_committed_overview_is_what_its_results_say(capsys):
+    assert run(ROOT, ["overview"], check=True) == 0, capsys.readouterr().out
+
+
+def test_a_number_is_its_cells(tmp_path):
+    text = rendered(tmp_path, f"{{{{ compaction.ratio({CELL}, over='compaction=none') }}}}")
+    source = Source(HOUSE.results, SOURCE["compaction"]["file"], "arithmetic=exact")
+    cell = source.cell("study=wavefront scene=cornell_open layout=aos compaction=thrust_remove_if")
+    base = source.cell("study=wavefront scene=cornell_open layout=aos")
+    assert (cell.axes["compaction"], base.axes["compaction"]) == ("thrust_remove_if", "none")
+    ratio = sorted(cell.ms_per_spp)[4] / sorted(base.ms_per_spp)[4]  # medians of nine
+    assert text.split()[0] == f"{ratio:.3f}"
+
+
+@pytest.mark.parametrize("word", ["FASTER", "SAME", "UNSURE"])
+def test_a_verdict_that_the_data_contradict_is_no_page(tmp_path, word):
+    with pytest.raises(FindingError, match=f"so SLOWER, where the page says {word}"):
+        rendered(tmp_path, f"{{{{ compaction.ratio({CELL}, over='compaction=none').must_be('{word}', 'pays') }}}}")
+    said = rendered(tmp_path, f"{{{{ compaction.ratio({CELL}, over='compaction=none').must_be('SLOWER', 'costs') }}}}")
+    assert said == "costs"
+
+
+def test_a_cell_that_is_not_there_or_not_one_is_told(tmp_path):
+    with pytest.raises(FindingError, match="no cell is"):
+        rendered(tmp_path, "{{ compaction.ms('study=wavefront scene=cornell_open layout=aos depth=9') }}")
+    with pytest.raises(FindingError, match=r"2 cells are .*scene \(cornell_open, cornell_closed\)"):
+        rendered(tmp_path, "{{ compaction.ms('study=wavefront layout=soa') }}")
+    with pytest.raises(FindingError, match="no cell has compactoin"):
+        rendered(tmp_path, "{{ compaction.ms('compactoin=none') }}")
+    with pytest.raises(FindingError, match="names layout twice"):
+        parsed("layout=aos layout=soa")
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("It takes 0.92 of the time.", ["0.92"]),
+        ("It brings 8 % at depth 8.", ["8 %"]),
+        ("All are SLOWER.", ["SLOWER"]),
+        ("`--set a=0.03` at depth 8, [a](b_1.5.png)", []),
+        ("{{ compaction.ms('x') }} and {{ 0.02 }}", []),
+    ],
+)
+def test_what_is_typed_by_hand_is_found(tmp_path, text, found):
+    assert typed_by_hand(read_page(template(tmp_path, text))) == found
+
+
+def test_old_results_are_told(tmp_path, monkeypatch):
+    page = read_page(template(tmp_path, "", sources={"a": {**SOURCE["compaction"], "kernels_behind": 7}}))
+    monkeypatch.setattr(pages, "commits_since", lambda repository, commit: 7)
+    assert too_old(page, HOUSE.results, ROOT) == []
+    monkeypatch.setattr(pages, "commits_since", lambda repository, commit: 8)
+    assert "8 commits to kernels/ and variants/ ago, the page allows 7" in too_old(page, HOUSE.results, ROOT)[0]
+
+
+def test_commits_are_counted_in_git(tmp_path):
+    if shutil.which("git") is None or not (ROOT / ".git").exists():
+        pytest.skip("no git checkout")
+    assert pages.commits_since(ROOT, "HEAD") == 0
+    assert pages.commits_since(ROOT, "0" * 40) is None
+
+
+def test_withdrawn_verdicts_have_no_ratio(tmp_path):
+    head = {"sources": {"direct": {"file": "nvidia-h200/direct_light.json", "kernels_behind": 1000}}}
+    with pytest.raises(FindingError, match="no page may give this ratio"):
+        rendered(
+            tmp_path,
+            "{{ direct.ratio('persistent scene=cornell_open direct_light=nee', over='direct_light=off') }}",
+            **head,
+        )
