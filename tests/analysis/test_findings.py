@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from analysis.findings import page as pages
-from analysis.findings.command import House, run
-from analysis.findings.errors import FindingError
-from analysis.findings.page import read_page, render, too_old, typed_by_hand
-from analysis.findings.selection import parsed
-from analysis.findings.source import Source
+from ptbench.findings import page as pages
+from ptbench.findings.command import House, findings
+from ptbench.findings.errors import FindingError
+from ptbench.findings.page import read_page, render, too_old, typed_by_hand
+from ptbench.findings.selection import parsed
+from ptbench.findings.source import Source
 
 ROOT = Path(__file__).resolve().parents[2]
 HOUSE = House(ROOT)
@@ -41,7 +41,7 @@ def test_committed_pages_are_what_their_results_say(name):
 
 
 def test_the_committed_overview_is_what_its_results_say(capsys):
-    assert run(ROOT, ["overview"], check=True) == 0, capsys.readouterr().out
+    assert findings(ROOT, ["overview"], check=True) == 0, capsys.readouterr().out
 
 
 def test_a_number_is_its_cells(tmp_path):
@@ -110,3 +110,24 @@ def test_withdrawn_verdicts_have_no_ratio(tmp_path):
             "{{ direct.ratio('persistent scene=cornell_open direct_light=nee', over='direct_light=off') }}",
             **head,
         )
+
+
+def test_the_command_says_what_is_wrong(capsys):
+    from ptbench.cli.main import main
+
+    assert main(["findings", "--root", str(ROOT), "--check", "compactoin"]) == 2
+    assert "page: found compactoin, allowed: compaction, " in capsys.readouterr().err
+    assert main(["findings", "--root", str(ROOT / "scenes")]) == 2
+    assert "found no template, allowed: the root of a checkout as --root" in capsys.readouterr().err
+    assert main(["findings", "--root", str(ROOT), "--check", "compaction"]) == 0
+
+
+def test_a_page_that_does_not_match_is_told(tmp_path, capsys):
+    (tmp_path / "docs").mkdir()
+    shutil.copytree(HOUSE.templates, tmp_path / "docs/templates")
+    (tmp_path / "results").symlink_to(HOUSE.results)
+    (tmp_path / "docs/findings").mkdir()
+    assert findings(tmp_path, ["compaction"], check=True) == 1
+    assert "compaction.md: not what its template and results say" in capsys.readouterr().out
+    assert findings(tmp_path, ["compaction"], check=False) == 0
+    assert findings(tmp_path, ["compaction"], check=True) == 0

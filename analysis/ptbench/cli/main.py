@@ -1,4 +1,4 @@
-"""The command line: `python3 -m ptbench plots|report|compare|explain|gallery|validate ...`.
+"""The command line: `python3 -m ptbench plots|report|compare|explain|findings|gallery|validate ...`.
 
 Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong.
 """
@@ -44,7 +44,7 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
     parser = Parser(prog=program, description="Draws what ptbench measured.")
     parser.add_argument("--version", action="version", version=f"{_COMMAND} {__version__}")
     commands = parser.add_subparsers(
-        dest="command", required=True, metavar="plots|report|compare|explain|gallery|validate"
+        dest="command", required=True, metavar="plots|report|compare|explain|findings|gallery|validate"
     )
     plots = commands.add_parser("plots", help="every study's figure and summary.md, from a result file alone")
     plots.add_argument("result", type=Path, metavar="RESULT.json")
@@ -62,6 +62,12 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
         help="what `ptbench inspect --counters --json` measured of the variants",
     )  # fmt: skip
     explain.add_argument("--out", type=Path, metavar="DIR", help="default: figures/explain-... beside the result file")
+    findings = commands.add_parser(
+        "findings", help="write README.md and docs/findings from docs/templates and results/ of a checkout"
+    )
+    findings.add_argument("names", nargs="*", metavar="PAGE", help="default: all pages and the overview")
+    findings.add_argument("--check", action="store_true", help="write nothing; exit code 1 where a page does not match")
+    findings.add_argument("--root", type=Path, default=Path(), metavar="DIR", help="the checkout (default: here)")
     gallery = commands.add_parser("gallery", help="render the picture pairs of a gallery file into one labelled sheet")
     gallery.add_argument("--binary", type=Path, required=True, metavar="PTBENCH")
     gallery.add_argument("--spec", type=Path, default=package_file("gallery.json"), metavar="GALLERY.json")
@@ -98,12 +104,27 @@ def main(arguments: list[str] | None = None, program: str = "") -> int:
         return _main(sys.argv[1:] if arguments is None else arguments, program or _program())
 
 
+def _findings(options: argparse.Namespace, program: str) -> int:
+    try:
+        from ptbench.findings.command import findings
+    except ModuleNotFoundError as error:
+        print(f"{program}: findings needs the Python package {error.name} (analysis/requirements.txt)", file=sys.stderr)
+        return 2
+    try:
+        return findings(options.root, options.names, check=options.check)
+    except InputError as error:
+        print(f"{program}: {error}", file=sys.stderr)
+        return 2
+
+
 def _main(arguments: list[str], program: str) -> int:
     options = parser_of(program).parse_args(arguments)
     if options.command == "validate":
         from ptbench.io.validate import validate_command
 
         return validate_command(options.files, program)
+    if options.command == "findings":
+        return _findings(options, program)
     # Drawing libraries take a moment to load; a wrong call should not wait for them.
     from ptbench.compare.command import compare_command
     from ptbench.explain.command import explain

@@ -22,13 +22,13 @@ from pathlib import Path
 
 from jinja2 import Environment, StrictUndefined, TemplateError
 
-from analysis.findings.errors import FindingError
-from analysis.findings.other_sources import Inspection, Record, StabilitySource
-from analysis.findings.quantities import span
-from analysis.findings.source import Source
-from analysis.nodes import read_json
-from analysis.stability_file import is_stability
-from analysis.statistics import CONFIDENCE, FASTER, SAME, SLOWER, UNSURE
+from ptbench.findings.errors import FindingError
+from ptbench.findings.quantities import span
+from ptbench.findings.records import Inspection, Record, StabilitySource
+from ptbench.findings.source import Source
+from ptbench.io.nodes import read_json
+from ptbench.io.stability import is_stability
+from ptbench.stats.estimates import CONFIDENCE, FASTER, SAME, SLOWER, UNSURE
 
 _HEAD = re.compile(r"\A---\n(\{.*?\n\})\n---\n", re.DOTALL)
 _EXPRESSION = re.compile(r"\{\{.*?\}\}|\{%.*?%\}|\{#.*?#\}", re.DOTALL)
@@ -50,6 +50,7 @@ class Page:
 
     @property
     def sources(self) -> Mapping[str, Mapping]:
+        """The result files by their names on the page, as the head has them."""
         return self.head.get("sources", {})
 
 

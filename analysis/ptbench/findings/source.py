@@ -8,17 +8,19 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.convergence import Assessment, assess
-from analysis.convergence_fit import Fit
-from analysis.efficiency import baseline_among, by_place, time_to
-from analysis.efficiency import compare as compare_errors
-from analysis.findings.errors import FindingError
-from analysis.findings.quantities import Quantity, Ratio, Ratios
-from analysis.findings.selection import cell_of, cells_of, parsed
-from analysis.results import Cell, Result, load
-from analysis.statistics import UNSURE, Estimate, Verdict, median_estimate, word_of
-from analysis.studies import dimension, time_ratio
-from analysis.withdrawn import between
+from ptbench.convergence.assessment import Assessment, assess
+from ptbench.convergence.efficiency import baseline_among, by_place, time_to
+from ptbench.convergence.efficiency import compare as compare_errors
+from ptbench.convergence.fit import Fit
+from ptbench.findings.errors import FindingError
+from ptbench.findings.quantities import Quantity, Ratio, Ratios
+from ptbench.findings.selection import cell_of, cells_of, parsed
+from ptbench.io.cells import Cell, Result
+from ptbench.io.results import load
+from ptbench.stats.estimates import UNSURE, Estimate, Verdict, median_estimate, word_of
+from ptbench.studies.questions import dimension
+from ptbench.studies.rows import time_ratio
+from ptbench.studies.withdrawn import between
 
 
 class Source:
@@ -31,9 +33,11 @@ class Source:
         self._where = parsed(where)
 
     def cell(self, selection: str) -> Cell:
+        """The one measured cell of a selection."""
         return cell_of(self.result, self._chosen(selection))
 
     def cells(self, selection: str) -> list[Cell]:
+        """Every measured cell of a selection."""
         return [cell for cell in cells_of(self.result, self._chosen(selection)) if cell.measured]
 
     def ms(self, selection: str) -> Quantity:
@@ -75,12 +79,15 @@ class Source:
         return Ratios(tuple(found))
 
     def registers(self, selection: str, kernel: str) -> int:
+        """Registers a thread of a kernel."""
         return self._kernel(selection, kernel).registers
 
     def local_bytes(self, selection: str, kernel: str) -> int:
+        """Local memory a thread of a kernel, bytes."""
         return self._kernel(selection, kernel).local_bytes
 
     def path_state_bytes(self, selection: str) -> int:
+        """One copy of a path in the queue, bytes."""
         cuda = self.cell(selection).cuda
         if cuda is None or cuda.path_state_bytes is None:
             raise FindingError(f"{self.result.path}: {selection} tells no bytes of a path")
@@ -134,6 +141,7 @@ class Source:
         return Quantity(time, one.cell.name)
 
     def assessment(self, selection: str, over: str = "") -> Assessment:
+        """The error curve of the one cell of a selection, changed by the words of `over`."""
         found = cells_of(self.result, {**self._chosen(selection), **parsed(over)})
         assessed = assess(self.result)
         named = [assessed[cell.name] for cell in found if cell.name in assessed]
@@ -145,26 +153,32 @@ class Source:
 
     @property
     def device(self) -> str:
+        """The GPU."""
         return self.result.about("cuda_device")
 
     @property
     def commit(self) -> str:
+        """The commit of the program that measured, seven digits."""
         return self.result.about("git_sha")[:7]
 
     @property
     def date(self) -> str:
+        """The day of the measurement."""
         return self.result.context["date"][:10]
 
     @property
     def count(self) -> int:
+        """Cells in the file."""
         return len(self.result.cells)
 
     @property
     def failed(self) -> int:
+        """Cells that failed."""
         return sum(cell.failed for cell in self.result.cells)
 
     @property
     def disturbed(self) -> int:
+        """Samples whose time may be wrong for other processes."""
         return sum(cell.disturbed_samples for cell in self.result.cells)
 
     @property

@@ -10,12 +10,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis import style
-from analysis.files import write_text
-from analysis.findings.errors import FindingError
-from analysis.findings.overview import draw, overview_of
-from analysis.findings.page import Page, read_page, render, too_old, typed_by_hand
-from analysis.saving import png_of, svg_of
+from ptbench.errors import bad_value
+from ptbench.figures import style
+from ptbench.figures.saving import png_of, svg_of
+from ptbench.findings.errors import FindingError
+from ptbench.findings.overview import draw, overview_of
+from ptbench.findings.page import Page, read_page, render, too_old, typed_by_hand
+from ptbench.io.files import write_text
 
 OVERVIEW = "overview"
 _DPI = 130
@@ -29,10 +30,12 @@ class House:
 
     @property
     def templates(self) -> Path:
+        """Where the templates lie."""
         return self.root / "docs" / "templates"
 
     @property
     def results(self) -> Path:
+        """Where the results lie."""
         return self.root / "results"
 
     def target(self, template: Path) -> Path:
@@ -40,15 +43,17 @@ class House:
         return self.root / "README.md" if template.stem == "README" else self.root / "docs/findings" / template.name
 
     def pages(self, names: Sequence[str] = ()) -> list[Page]:
-        """Every template, or those of these names; raises FindingError for one that is not there."""
+        """Every template, or those of these names; raises InputError for one that is not there."""
         templates = sorted(self.templates.glob("*.md"))
+        if not templates:
+            raise bad_value(self.templates, "folder", "no template", "the root of a checkout as --root")
         known = [template.stem for template in templates]
         if unknown := [name for name in names if name not in [*known, OVERVIEW]]:
-            raise FindingError(f"no page {', '.join(unknown)}; there are {', '.join(known)}, {OVERVIEW}")
+            raise bad_value(self.templates, "page", ", ".join(unknown), ", ".join([*known, OVERVIEW]))
         return [read_page(template) for template in templates if not names or template.stem in names]
 
 
-def run(root: Path, names: Sequence[str], *, check: bool) -> int:
+def findings(root: Path, names: Sequence[str], *, check: bool) -> int:
     """Exit code: 0 all is as its results say, 1 something is not. Every fault is told, a line each."""
     house = House(root)
     if not check:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from analysis.findings.errors import FindingError
-from analysis.findings.quantities import figures
-from analysis.inspect_file import Inspected, KernelCounters, load_inspected
-from analysis.nodes import read_json
-from analysis.stability import Layout, count, failures
-from analysis.stability_file import KNOWN_LIMIT, PASSED, Row, Stability, stability_of
-from analysis.stability_summary import family_text
+from ptbench.findings.errors import FindingError
+from ptbench.io.inspection import Inspected, KernelCounters, load_inspected
+from ptbench.io.nodes import read_json
+from ptbench.io.stability import KNOWN_LIMIT, PASSED, Row, Stability, stability_of
+from ptbench.numbers import figures
+from ptbench.stability.layout import Layout, count, failures
+from ptbench.stability.summary import family_text
 
 
 class Inspection:
@@ -52,6 +52,7 @@ class Inspection:
 
     @property
     def provenance(self) -> str:
+        """A line of a list: the file and what it is."""
         return f"- [{self._shown}](../../results/{self._shown}): `ptbench inspect --counters`, hardware counters."
 
 
@@ -79,6 +80,7 @@ class Record:
 
     @property
     def provenance(self) -> str:
+        """A line of a list: the file and what it is."""
         return f"- [{self._shown}](../../results/{self._shown}): a record made by hand, which says what it leaves out."
 
 
@@ -93,22 +95,27 @@ class StabilitySource:
 
     @property
     def rows(self) -> int:
+        """Checks and what could not be asked, in the file."""
         return len(self._stability.rows)
 
     @property
     def cases(self) -> int:
+        """Cases in the file."""
         return len({row.case.name for row in self._stability.rows})
 
     @property
     def passed(self) -> int:
+        """Checks that must pass and passed."""
         return count(self._required, PASSED)
 
     @property
     def known_limits(self) -> int:
+        """Checks that must pass and met a known limit."""
         return count(self._required, KNOWN_LIMIT)
 
     @property
     def failed(self) -> int:
+        """Checks that must pass and failed or broke."""
         return len(failures(self._required))
 
     def must_not_fail(self, said: str) -> str:
@@ -124,14 +131,17 @@ class StabilitySource:
 
     @property
     def commit(self) -> str:
+        """The commit of the program that measured, seven digits."""
         return self._stability.about("git_sha")[:7]
 
     @property
     def device(self) -> str:
+        """The GPU."""
         return self._stability.about("cuda_device")
 
     @property
     def provenance(self) -> str:
+        """A line of a list: the file and what it is."""
         folder = Path(self._shown).parent
         return (
             f"- [{self._shown}](../../results/{self._shown}): `ptbench stability`, {self.rows} rows; commit "

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from analysis.findings.errors import FindingError
-from analysis.results import Cell, Result
-from analysis.studies import dimension, usual_baseline
+from ptbench.findings.errors import FindingError
+from ptbench.io.cells import Cell, Result
+from ptbench.studies.questions import dimension, usual_baseline
 
 _SETTINGS = ("scene", "depth", "resolution", "spp", "backend")
 

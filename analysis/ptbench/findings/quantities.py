@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from analysis.findings.errors import FindingError
-from analysis.statistics import Estimate, Verdict, interval_of_ratio
-from analysis.style import figures, ratio
+from ptbench.findings.errors import FindingError
+from ptbench.numbers import figures, ratio
+from ptbench.stats.estimates import Estimate, Verdict, interval_of_ratio
 
 DIGITS = 3
 
@@ -28,6 +28,7 @@ class Quantity:
 
     @property
     def with_interval(self) -> str:
+        """ "0.922 [0.920, 0.926]", or the number alone where there is no interval."""
         low, high = self.estimate.low, self.estimate.high
         return (
             str(self)
@@ -59,10 +60,12 @@ class Ratio:
 
     @property
     def value(self) -> str:
+        """The ratio alone, "0.922"."""
         return ratio(self.estimate.value)
 
     @property
     def number(self) -> float:
+        """The ratio as a number."""
         return self.estimate.value
 
     @property
@@ -111,10 +114,12 @@ class Ratios:
 
     @property
     def lowest(self) -> Ratio:
+        """The one that is least."""
         return min(self.ratios, key=lambda one: one.number)
 
     @property
     def highest(self) -> Ratio:
+        """The one that is greatest."""
         return max(self.ratios, key=lambda one: one.number)
 
     @property
@@ -138,6 +143,7 @@ class Ratios:
         return said
 
     def count(self, word: str) -> int:
+        """How many verdicts are `word`."""
         return sum(one.word == word for one in self.ratios)
 
 

@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-from analysis import style
-from analysis.findings.page import source_of
-from analysis.findings.quantities import Ratio
-from analysis.statistics import FASTER, SAME, SLOWER, THRESHOLD, UNSURE
+from ptbench.figures import style
+from ptbench.findings.page import source_of
+from ptbench.findings.quantities import Ratio
+from ptbench.stats.estimates import FASTER, SAME, SLOWER, THRESHOLD, UNSURE
 
 _COLOURS = {FASTER: style.COLOURS[1], SLOWER: style.COLOURS[2], SAME: style.COLOURS[0], UNSURE: "#6e6e6e"}
 _WORDS = {FASTER: "pays", SLOWER: "costs", SAME: "same", UNSURE: "unsure"}
@@ -27,18 +27,24 @@ _TICKS = (0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3)
 
 @dataclass(frozen=True)
 class Line:
+    """A row of the figure."""
+
     label: str
     ratios: tuple[Ratio, Ratio]  # open and closed box
 
 
 @dataclass(frozen=True)
 class Area:
+    """Rows under one heading."""
+
     title: str
     lines: tuple[Line, ...]
 
 
 @dataclass(frozen=True)
 class Overview:
+    """All that the figure shows."""
+
     title: str
     areas: tuple[Area, ...]
     device: str
