@@ -90,8 +90,15 @@ std::vector<Scene> find_scenes(const std::vector<std::string>& names_or_files) {
     return scenes;
 }
 
+std::string_view new_name_of_suite(std::string_view old_name) {
+    const bool is_old = old_name == "seeds" && !fs::exists(home_folder() / "scenes" / "suites" / "seeds.json");
+    return is_old ? "cis565" : "";
+}
+
 std::string find_suite_file(const std::string& name_or_file) {
-    return find_file("suite", name_or_file, home_folder() / "scenes" / "suites");
+    const fs::path folder = home_folder() / "scenes" / "suites";
+    const std::string new_name(new_name_of_suite(name_or_file));
+    return find_file("suite", new_name.empty() ? name_or_file : new_name, folder);
 }
 
 }  // namespace pt

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "harness/scene/scene.h"
@@ -22,6 +23,9 @@ Scene find_scene(const std::string& name_or_file);
 // Several for one run, in the order given. Different scenes may have one name in their files (the course's call theirs
 // "cornell"): each of these is called NAME@H here, H the first 8 digits of its hash, which no file can call itself.
 std::vector<Scene> find_scenes(const std::vector<std::string>& names_or_files);
+// A suite's file; an old name of a shipped suite is found too.
 std::string find_suite_file(const std::string& name_or_file);
+// What the shipped suite is called now that had this name; empty: none had it, or a suite has it again.
+std::string_view new_name_of_suite(std::string_view old_name);
 
 }  // namespace pt

@@ -1,4 +1,4 @@
-// An object the general way, as both seeds do it: a unit box, unit sphere or unit quad under a 4x4 matrix. A ray is
+// An object the general way, as cis565 does it: a unit box, unit sphere or unit quad under a 4x4 matrix. A ray is
 // taken into the object's frame by the inverse matrix, met there, and the point taken back; normals go by the inverse
 // transpose. Every object costs the same, whatever its shape could save.
 #pragma once

@@ -154,6 +154,9 @@ int run(const RunArguments& arguments, const CLI::App& command, const std::strin
                          arguments.suite.empty() ? "neither --suite nor --scene" : "both --suite and --scene",
                          "one of them");
     }
+    if (const std::string_view now = new_name_of_suite(arguments.suite); !now.empty()) {
+        fmt::print(stderr, "ptbench: the suite {} is called {} now\n", arguments.suite, now);
+    }
     const Backend backend = parse_backend(arguments.backend);
     Suite suite =
         arguments.suite.empty() ? suite_from_arguments(arguments) : load_suite(find_suite_file(arguments.suite));

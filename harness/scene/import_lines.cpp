@@ -47,28 +47,28 @@ class LineSorter {
 public:
     explicit LineSorter(ImportFindings& problems) : problems_(&problems) {}
 
-    void add(const SeedLine& line);
-    SeedFile take() { return std::move(file_); }
+    void add(const Cis565Line& line);
+    Cis565File take() { return std::move(file_); }
 
 private:
-    void fail(const SeedLine& line, const std::string& allowed) {
+    void fail(const Cis565Line& line, const std::string& allowed) {
         problems_->add(line.number, fmt::format("found \"{}\", allowed: {}", line.text(), allowed));
     }
     // Null for a second camera: nobody knows whose the lines behind it are.
-    SeedSection* start_section(const SeedLine& line);
-    SeedSection* start_camera(const SeedLine& line);
-    bool start_numbered(const SeedLine& line, std::vector<SeedSection>& sections, std::size_t& next);
-    void add_outside(const SeedLine& line);
-    void add_to(SeedSection& section, const SeedLine& line);
+    Cis565Section* start_section(const Cis565Line& line);
+    Cis565Section* start_camera(const Cis565Line& line);
+    bool start_numbered(const Cis565Line& line, std::vector<Cis565Section>& sections, std::size_t& next);
+    void add_outside(const Cis565Line& line);
+    void add_to(Cis565Section& section, const Cis565Line& line);
 
     ImportFindings* problems_;
-    SeedFile file_;
-    SeedSection* section_ = nullptr;
+    Cis565File file_;
+    Cis565Section* section_ = nullptr;
     std::size_t next_material_ = 0, next_object_ = 0;
     bool is_outside_ = false;  // a line was, before the first section
 };
 
-void LineSorter::add(const SeedLine& line) {
+void LineSorter::add(const Cis565Line& line) {
     if (keys_of_sections().contains(line.words[0])) {
         section_ = start_section(line);
     } else if (section_ != nullptr) {
@@ -78,7 +78,7 @@ void LineSorter::add(const SeedLine& line) {
     }
 }
 
-SeedSection* LineSorter::start_section(const SeedLine& line) {
+Cis565Section* LineSorter::start_section(const Cis565Line& line) {
     if (line.words[0] == "CAMERA") {
         return start_camera(line);
     }
@@ -90,7 +90,7 @@ SeedSection* LineSorter::start_section(const SeedLine& line) {
     return &file_.objects.back();
 }
 
-SeedSection* LineSorter::start_camera(const SeedLine& line) {
+Cis565Section* LineSorter::start_camera(const Cis565Line& line) {
     if (file_.camera) {
         fail(line, fmt::format("one CAMERA; the first is in line {}", file_.camera->head.number));
         return nullptr;
@@ -98,11 +98,11 @@ SeedSection* LineSorter::start_camera(const SeedLine& line) {
     if (line.words.size() != 1) {
         fail(line, "CAMERA alone on its line");
     }
-    return &file_.camera.emplace(SeedSection{.head = line, .lines = {}});
+    return &file_.camera.emplace(Cis565Section{.head = line, .lines = {}});
 }
 
 // Returns whether the number is `next`. After a wrong one counting goes on from there: a gap is one problem.
-bool LineSorter::start_numbered(const SeedLine& line, std::vector<SeedSection>& sections, std::size_t& next) {
+bool LineSorter::start_numbered(const Cis565Line& line, std::vector<Cis565Section>& sections, std::size_t& next) {
     const bool is_next = line.words.size() == 2 && line.words[1] == std::to_string(next);
     if (!is_next) {
         fail(line, fmt::format("{} {} (they count up from 0)", line.words[0], next));
@@ -117,7 +117,7 @@ bool LineSorter::start_numbered(const SeedLine& line, std::vector<SeedSection>& 
 }
 
 // The keys behind a section's head that was not known follow from that: they are no problems of their own.
-void LineSorter::add_outside(const SeedLine& line) {
+void LineSorter::add_outside(const Cis565Line& line) {
     const bool is_first = !file_.camera && file_.materials.empty() && file_.objects.empty() && !is_outside_;
     is_outside_ = true;
     if (is_first || !is_key_of_any_section(line.words[0])) {
@@ -126,7 +126,7 @@ void LineSorter::add_outside(const SeedLine& line) {
     }
 }
 
-void LineSorter::add_to(SeedSection& section, const SeedLine& line) {
+void LineSorter::add_to(Cis565Section& section, const Cis565Line& line) {
     const std::string& key = line.words[0];
     const std::string& kind = section.head.words[0];
     const std::vector<std::string>& keys = keys_of_sections().at(kind);
@@ -154,7 +154,7 @@ void LineSorter::add_to(SeedSection& section, const SeedLine& line) {
 
 }  // namespace
 
-std::string SeedLine::text() const {
+std::string Cis565Line::text() const {
     std::string text = fmt::format("{}", fmt::join(words, " "));
     if (text.size() <= longest_text) {
         return text;
@@ -166,12 +166,12 @@ std::string SeedLine::text() const {
     return text.substr(0, cut) + "...";
 }
 
-SeedFile read_seed_file(const std::string& text, ImportFindings& problems) {
+Cis565File read_cis565_file(const std::string& text, ImportFindings& problems) {
     LineSorter sorter(problems);
     std::istringstream stream(text);
     std::string content;
     for (std::size_t number = 1; std::getline(stream, content); ++number) {
-        SeedLine line{number, {}};
+        Cis565Line line{number, {}};
         std::istringstream words(content);  // white space includes the \r of files from Windows
         for (std::string word; words >> word;) {
             line.words.push_back(word);
@@ -180,36 +180,36 @@ SeedFile read_seed_file(const std::string& text, ImportFindings& problems) {
             sorter.add(line);
         }
     }
-    SeedFile file = sorter.take();
+    Cis565File file = sorter.take();
     if (!file.camera) {
         problems.add(0, "found no CAMERA, allowed: one");
     }
     return file;
 }
 
-void SeedSectionReader::fail(const SeedLine& line, const std::string& found, const std::string& allowed) {
+void Cis565SectionReader::fail(const Cis565Line& line, const std::string& found, const std::string& allowed) {
     problems_->add(line.number, fmt::format("found {}, allowed: {}", found, allowed));
     is_whole_ = false;
 }
 
-void SeedSectionReader::fail(const SeedLine& line, const std::string& allowed) {
+void Cis565SectionReader::fail(const Cis565Line& line, const std::string& allowed) {
     fail(line, fmt::format("\"{}\"", line.text()), allowed);
 }
 
-const SeedLine* SeedSectionReader::line(const std::string& key) const {
+const Cis565Line* Cis565SectionReader::line(const std::string& key) const {
     const auto found = section_->lines.find(key);
     return found == section_->lines.end() ? nullptr : &found->second;
 }
 
-const SeedLine* SeedSectionReader::required(const std::string& key, const std::string& allowed) {
-    const SeedLine* found = line(key);
+const Cis565Line* Cis565SectionReader::required(const std::string& key, const std::string& allowed) {
+    const Cis565Line* found = line(key);
     if (found == nullptr) {
         fail(section_->head, fmt::format("{} without {}", section_->head.text(), key), allowed);
     }
     return found;
 }
 
-std::optional<double> SeedSectionReader::parse(const SeedLine& line, std::size_t word, const std::string& allowed) {
+std::optional<double> Cis565SectionReader::parse(const Cis565Line& line, std::size_t word, const std::string& allowed) {
     const std::string& text = line.words[word];
     double value = 0;
     const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
@@ -222,7 +222,7 @@ std::optional<double> SeedSectionReader::parse(const SeedLine& line, std::size_t
     return value;
 }
 
-std::optional<double> SeedSectionReader::whole(const SeedLine& line, std::size_t word, const std::string& allowed) {
+std::optional<double> Cis565SectionReader::whole(const Cis565Line& line, std::size_t word, const std::string& allowed) {
     const std::optional<double> value = parse(line, word, allowed);
     if (value && (*value != std::floor(*value) || *value < 0 || *value > 1e9)) {
         fail(line, allowed);
@@ -231,7 +231,7 @@ std::optional<double> SeedSectionReader::whole(const SeedLine& line, std::size_t
     return value;
 }
 
-std::optional<double> SeedSectionReader::number_of(const SeedLine& line) {
+std::optional<double> Cis565SectionReader::number_of(const Cis565Line& line) {
     const std::string allowed = line.words[0] + " and 1 finite number";
     if (line.words.size() != 2) {
         fail(line, allowed);
@@ -245,7 +245,7 @@ std::optional<double> SeedSectionReader::number_of(const SeedLine& line) {
     return value;
 }
 
-std::optional<Vec3d> SeedSectionReader::vector_of(const SeedLine& line) {
+std::optional<Vec3d> Cis565SectionReader::vector_of(const Cis565Line& line) {
     const std::string allowed = line.words[0] + " and 3 finite numbers";
     if (line.words.size() != 4) {
         fail(line, allowed);
@@ -262,23 +262,23 @@ std::optional<Vec3d> SeedSectionReader::vector_of(const SeedLine& line) {
     return Vec3d(values[0], values[1], values[2]);
 }
 
-std::optional<double> SeedSectionReader::required_number(const std::string& key) {
-    const SeedLine* found = required(key);
+std::optional<double> Cis565SectionReader::required_number(const std::string& key) {
+    const Cis565Line* found = required(key);
     return found == nullptr ? std::nullopt : number_of(*found);
 }
 
-std::optional<Vec3d> SeedSectionReader::required_vector(const std::string& key) {
-    const SeedLine* found = required(key);
+std::optional<Vec3d> Cis565SectionReader::required_vector(const std::string& key) {
+    const Cis565Line* found = required(key);
     return found == nullptr ? std::nullopt : vector_of(*found);
 }
 
-double SeedSectionReader::number(const std::string& key) {
-    const SeedLine* found = line(key);
+double Cis565SectionReader::number(const std::string& key) {
+    const Cis565Line* found = line(key);
     return found == nullptr ? 0 : number_of(*found).value_or(0);
 }
 
-Vec3d SeedSectionReader::vector(const std::string& key) {
-    const SeedLine* found = line(key);
+Vec3d Cis565SectionReader::vector(const std::string& key) {
+    const Cis565Line* found = line(key);
     return found == nullptr ? Vec3d(0.0) : vector_of(*found).value_or(Vec3d(0.0));
 }
 

@@ -1,4 +1,4 @@
-// What a MATERIAL section is read as: harness/scene/import_seed.h says it in words.
+// What a MATERIAL section is read as: harness/scene/import_cis565.h says it in words.
 #include <fmt/format.h>
 
 #include "harness/scene/import_parts.h"
@@ -11,7 +11,8 @@ constexpr const char* black = "[0, 0, 0]";
 
 class MaterialImporter {
 public:
-    MaterialImporter(const SeedSection& section, std::size_t index, ImportFindings& problems, ImportFindings& warnings);
+    MaterialImporter(const Cis565Section& section, std::size_t index, ImportFindings& problems,
+                     ImportFindings& warnings);
 
     ScenePart part();
 
@@ -27,7 +28,7 @@ private:
     ScenePart start(const std::string& type, const std::string& what);
     void add_colour(ScenePart& part, const std::string& member, const std::string& key) const;
 
-    const SeedLine& line(const std::string& key) const { return *reader_.line(key); }
+    const Cis565Line& line(const std::string& key) const { return *reader_.line(key); }
     const Vec3d& colour(const std::string& key) const { return values_.at(key); }
     double number(const std::string& key) const { return values_.at(key).x; }
     bool is_set(const std::string& key) const { return values_.at(key) != Vec3d(0.0); }
@@ -40,15 +41,15 @@ private:
     void warn_of_rgb();
     void warn_of_no_specular(const std::string& asking_key);
 
-    const SeedSection* section_;
+    const Cis565Section* section_;
     std::size_t index_;
-    SeedSectionReader reader_;
+    Cis565SectionReader reader_;
     ImportFindings* warnings_;
     std::map<std::string, Vec3d> values_;  // by key; a number is x; 0 where there is no such line
     std::string what_;                     // e.g. "material 2 is a mirror"
 };
 
-MaterialImporter::MaterialImporter(const SeedSection& section, std::size_t index, ImportFindings& problems,
+MaterialImporter::MaterialImporter(const Cis565Section& section, std::size_t index, ImportFindings& problems,
                                    ImportFindings& warnings)
     : section_(&section), index_(index), reader_(section, problems), warnings_(&warnings) {
     values_["RGB"] = reader_.required_vector("RGB").value_or(Vec3d(0.0));
@@ -221,7 +222,7 @@ ScenePart MaterialImporter::part() {
 
 }  // namespace
 
-ScenePart import_material(const SeedSection& section, std::size_t index, ImportFindings& problems,
+ScenePart import_material(const Cis565Section& section, std::size_t index, ImportFindings& problems,
                           ImportFindings& warnings) {
     return MaterialImporter(section, index, problems, warnings).part();
 }

@@ -120,7 +120,7 @@ bool PartsChecker::blame(ScenePart& tried, const ScenePart& part, SceneError err
         return false;
     }
     SceneMember* member = member_at(is_elsewhere ? parts_.camera : tried, error.place);
-    const SeedLine& line = member == nullptr || member->line == nullptr ? *part.head : *member->line;
+    const Cis565Line& line = member == nullptr || member->line == nullptr ? *part.head : *member->line;
     problems_->add(line.number, fmt::format("found \"{}\", which makes {} {}, allowed: {}", line.text(),
                                             replaced(error.place, tried.place, part.place),
                                             replaced(error.found, tried.place, part.place), error.allowed));

@@ -11,19 +11,20 @@ namespace pt {
 
 // A key of an object in the scene file.
 struct SceneMember {
-    std::string key, value;          // the value is JSON
-    const SeedLine* line = nullptr;  // that the value comes from
-    std::string stand_in = "";       // a value that is allowed; empty: the value itself is
-    bool is_of_view = false;         // its stand-in is allowed beside those of the other members of the view
+    std::string key, value;            // the value is JSON
+    const Cis565Line* line = nullptr;  // that the value comes from
+    std::string stand_in = "";         // a value that is allowed; empty: the value itself is
+    bool is_of_view = false;           // its stand-in is allowed beside those of the other members of the view
 };
 
 struct ScenePart {
-    std::string place;               // e.g. "$.camera"
-    const SeedLine* head = nullptr;  // of its section
-    bool is_whole = true;            // false: a line could not be read, and its member is not there
+    std::string place;                 // e.g. "$.camera"
+    const Cis565Line* head = nullptr;  // of its section
+    bool is_whole = true;              // false: a line could not be read, and its member is not there
     std::vector<SceneMember> members;
 
-    void add(const std::string& key, const std::string& value, const SeedLine* line, const std::string& stand_in = "") {
+    void add(const std::string& key, const std::string& value, const Cis565Line* line,
+             const std::string& stand_in = "") {
         members.push_back({.key = key, .value = value, .line = line, .stand_in = stand_in});
     }
     // "KEY": VALUE, ..
@@ -46,7 +47,7 @@ std::string json_of(const std::string& text);
 std::string material_name(std::size_t index);
 
 // The material that a MATERIAL section is read as. Readings that lose something are warnings.
-ScenePart import_material(const SeedSection& section, std::size_t index, ImportFindings& problems,
+ScenePart import_material(const Cis565Section& section, std::size_t index, ImportFindings& problems,
                           ImportFindings& warnings);
 
 // What scene files do not allow is a problem of the line that it comes from.

@@ -689,3 +689,14 @@ def test_two_suites_of_one_program_are_a_real_aa_run():
     assert floor.chance == pytest.approx(20 / 21)
     # No false alarm.
     assert one.count("SLOWER") == one.count("FASTER") == 0
+
+
+def test_a_suite_that_was_renamed_is_compared_with_its_old_results(tmp_path):
+    """cis565 was called seeds; its result files are not edited."""
+    old = ROOT / "results" / "nvidia-h200" / "seeds.json"
+    document = run_again(json.loads(old.read_text(encoding="utf-8")), 0.5)
+    document["context"]["ptbench.suite"] = "cis565"
+    (one,) = compare_files([old, written(document, tmp_path / "cis565.json")]).comparisons
+    assert not one.matching.alone
+    assert len(one.rows) == len(load(old).cells) > 100
+    assert {row.ratio.value for row in one.rows} == {0.5}

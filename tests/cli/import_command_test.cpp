@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/cis565_texts.h"
 #include "tests/support/command.h"
-#include "tests/support/seed_texts.h"
 
 namespace pt::test {
 namespace {

@@ -107,12 +107,24 @@ TEST_F(RunCommandTest, DryRunListsTheCellsAndRunsNothing) {
               "scene:cornell_open/backend:cpu/"
               "resolution:8x6/depth:8/spp:1\n"
               "1 cells, 7 samples, 0 not applicable\n");
-    for (const char* suite : {"quick", "seeds"}) {
+    for (const char* suite : {"quick", "cis565"}) {
         const CommandResult planned = ptbench({"run", "--suite", suite, "--dry-run"}, {.folder = folder.path()});
         EXPECT_EQ(planned.exit_code, 0) << planned.err;
         EXPECT_NE(planned.out.find(" cells, "), std::string::npos);
     }
     EXPECT_EQ(folder.content(), Arguments());
+}
+
+// Its users' scripts go on, and learn the name that results have now.
+TEST_F(RunCommandTest, ASuiteIsFoundByItsOldName) {
+    const auto planned = [&](const char* suite) {
+        return ptbench({"run", "--suite", suite, "--dry-run", "--backend", "cpu"}, {.folder = folder.path()});
+    };
+    const CommandResult old = planned("seeds"), now = planned("cis565");
+    EXPECT_EQ(old.exit_code, 0);
+    EXPECT_EQ(old.out, now.out);
+    EXPECT_EQ(old.err, "ptbench: the suite seeds is called cis565 now\n");
+    EXPECT_EQ(now.err, "");
 }
 
 // A tunable's values, a study's resolutions and what only a GPU has, as cells.

@@ -11,7 +11,7 @@
 // Each is LLVMFuzzerTestOneInput of one target (tests/fuzz/CMakeLists.txt).
 extern "C" {
 int fuzz_scene(const std::uint8_t* data, std::size_t size);
-int fuzz_import_seed(const std::uint8_t* data, std::size_t size);
+int fuzz_import_cis565(const std::uint8_t* data, std::size_t size);
 int fuzz_suite(const std::uint8_t* data, std::size_t size);
 int fuzz_journal(const std::uint8_t* data, std::size_t size);
 }
@@ -21,7 +21,7 @@ namespace {
 
 using Target = int (*)(const std::uint8_t*, std::size_t);
 const std::map<std::string, Target> targets{
-    {"scene", fuzz_scene}, {"import_seed", fuzz_import_seed}, {"suite", fuzz_suite}, {"journal", fuzz_journal}};
+    {"scene", fuzz_scene}, {"import_cis565", fuzz_import_cis565}, {"suite", fuzz_suite}, {"journal", fuzz_journal}};
 const std::filesystem::path corpus = std::filesystem::path(PTBENCH_SOURCE_DIR) / "tests/fuzz/corpus";
 
 class FuzzCorpusTest : public testing::TestWithParam<std::string> {};

@@ -164,7 +164,7 @@ TYPED_TEST(NextEventTest, DepthCountsTheConnection) {
     }
 }
 
-// The seeds' box: its lamp is let into the ceiling. Sampled by area the ceiling's connections would have a variance
+// The box of cis565: its lamp is let into the ceiling. Sampled by area the ceiling's connections would have a variance
 // without bound: here that of a sample is below the emission's square.
 TYPED_TEST(NextEventTest, LampThatTouchesTheCeiling) {
     SceneBuilder builder;

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/seed_texts.h"
+#include "tests/support/cis565_texts.h"
 
 namespace pt {
 namespace {
@@ -14,32 +14,32 @@ using test::plain_camera, test::plain_object, test::problems_of, test::replaced,
 using Lines = std::vector<std::string>;
 
 Lines warnings_of(const std::string& text, const std::string& name = "") {
-    const ImportResult result = import_seed_scene(text, "seed.txt", name);
-    EXPECT_EQ(result.problems.messages("seed.txt", ""), Lines());
-    return result.warnings.messages("seed.txt", "warning");
+    const ImportResult result = import_cis565_scene(text, "cis565.txt", name);
+    EXPECT_EQ(result.problems.messages("cis565.txt", ""), Lines());
+    return result.warnings.messages("cis565.txt", "warning");
 }
 
 Lines notes_of(const std::string& text) {
-    return import_seed_scene(text, "seed.txt").notes.messages("seed.txt", "note");
+    return import_cis565_scene(text, "cis565.txt").notes.messages("cis565.txt", "note");
 }
 
 // ---- problems ----
 
-struct BadSeed {
+struct BadText {
     std::string from, to;  // what is replaced in the good text
-    std::string problems;  // without "seed.txt:", a line each
+    std::string problems;  // without "cis565.txt:", a line each
 };
 
 const std::string every_key = with_material(
     "RGB 1 1 1\nSPECEX 0\nSPECRGB 0 0 0\nREFL 0\nREFR 0\nREFRIOR 0\nEMITTANCE 0\n"
     "SIGMAA 0 0 0\nSIGMAS 0 0 0\n");
 
-void expect_problems(const std::vector<BadSeed>& cases) {
-    for (const BadSeed& bad : cases) {
+void expect_problems(const std::vector<BadText>& cases) {
+    for (const BadText& bad : cases) {
         std::istringstream problems(bad.problems);
         std::string expected;
         for (std::string problem; std::getline(problems, problem);) {
-            expected += "seed.txt:" + problem + "\n";
+            expected += "cis565.txt:" + problem + "\n";
         }
         EXPECT_EQ(problems_of(replaced(every_key, bad.from, bad.to)), expected) << bad.from << " -> " << bad.to;
     }
@@ -189,19 +189,19 @@ TEST(ImportFindings, AllProblemsAreListedInTheOrderOfTheFile) {
     text += "VEL 1 1\nOBJECT 1\nsphere\nmaterial 5\nTRANS 0 0 1e19\nROTAT 1e7 0 0\nSCALE 0 1 1\n";
     EXPECT_EQ(
         problems_of(text),
-        R"(seed.txt:2: found "RGB 1 1.5 1", which makes $.materials.material_0.albedo[1] 1.5, allowed: a number from 0 to 1
-seed.txt:12: found "RGB 1 1", allowed: RGB and 3 finite numbers
-seed.txt:13: found "GLOSS 1", allowed: in MATERIAL: RGB, SPECEX, SPECRGB, REFL, REFR, REFRIOR, EMITTANCE, SIGMAA, SIGMAS
-seed.txt:14: found "SPECEX x", allowed: SPECEX and 1 finite number
-seed.txt:17: found "FOVY 90", which makes $.camera.vertical_fov_degrees 180, allowed: an angle from 1e-6 to 179.999 degrees
-seed.txt:19: found "DEPTH 0", which makes $.max_depth 0, allowed: a whole number from 1 to 1000000
-seed.txt:20: found "FILE my scene", allowed: FILE and a name: 1 to 64 letters, digits, '_' and '-'; or import with --name NAME
-seed.txt:22: found "LOOKAT 1 2 3", which makes $.camera.look_at [1,2,3], allowed: a point other than camera.eye, at least 1e-18 away
-seed.txt:30: found "VEL 1 1", allowed: VEL and 3 finite numbers
-seed.txt:33: found "material 5", allowed: material 0 to 1
-seed.txt:34: found "TRANS 0 0 1e19", which makes $.objects[1].translate[2] 1e+19, allowed: a number from -1e18 to 1e18
-seed.txt:35: found "ROTAT 1e7 0 0", which makes $.objects[1].rotate_degrees[0] 10000000, allowed: an angle from -1e6 to 1e6 degrees
-seed.txt:36: found "SCALE 0 1 1", which makes $.objects[1].scale[0] 0, allowed: a number from 1e-18 to 1e18
+        R"(cis565.txt:2: found "RGB 1 1.5 1", which makes $.materials.material_0.albedo[1] 1.5, allowed: a number from 0 to 1
+cis565.txt:12: found "RGB 1 1", allowed: RGB and 3 finite numbers
+cis565.txt:13: found "GLOSS 1", allowed: in MATERIAL: RGB, SPECEX, SPECRGB, REFL, REFR, REFRIOR, EMITTANCE, SIGMAA, SIGMAS
+cis565.txt:14: found "SPECEX x", allowed: SPECEX and 1 finite number
+cis565.txt:17: found "FOVY 90", which makes $.camera.vertical_fov_degrees 180, allowed: an angle from 1e-6 to 179.999 degrees
+cis565.txt:19: found "DEPTH 0", which makes $.max_depth 0, allowed: a whole number from 1 to 1000000
+cis565.txt:20: found "FILE my scene", allowed: FILE and a name: 1 to 64 letters, digits, '_' and '-'; or import with --name NAME
+cis565.txt:22: found "LOOKAT 1 2 3", which makes $.camera.look_at [1,2,3], allowed: a point other than camera.eye, at least 1e-18 away
+cis565.txt:30: found "VEL 1 1", allowed: VEL and 3 finite numbers
+cis565.txt:33: found "material 5", allowed: material 0 to 1
+cis565.txt:34: found "TRANS 0 0 1e19", which makes $.objects[1].translate[2] 1e+19, allowed: a number from -1e18 to 1e18
+cis565.txt:35: found "ROTAT 1e7 0 0", which makes $.objects[1].rotate_degrees[0] 10000000, allowed: an angle from -1e6 to 1e6 degrees
+cis565.txt:36: found "SCALE 0 1 1", which makes $.objects[1].scale[0] 0, allowed: a number from 1e-18 to 1e18
 )");
 }
 
@@ -218,10 +218,10 @@ TEST(ImportFindings, AMaterialThatIsNotWholeIsNotJudged) {
 TEST(ImportFindings, AProblemIsToldOnce) {
     const std::string materials = "RGB 1 1 1\nMATERIAL 2\nRGB 1 1 1\nMATERIAL 3\nRGB 1 1 1\n";
     EXPECT_EQ(problems_of(replaced(with_material(materials), "material 0", "material 3")),
-              "seed.txt:3: found \"MATERIAL 2\", allowed: MATERIAL 1 (they count up from 0)\n");
+              "cis565.txt:3: found \"MATERIAL 2\", allowed: MATERIAL 1 (they count up from 0)\n");
     EXPECT_EQ(problems_of(replaced(every_key, "MATERIAL 0", "TEXTURE 0\nNAME sky")),
-              "seed.txt:1: found \"TEXTURE 0\", allowed: MATERIAL n, CAMERA or OBJECT n\n"
-              "seed.txt:2: found \"NAME sky\", allowed: MATERIAL n, CAMERA or OBJECT n\n");
+              "cis565.txt:1: found \"TEXTURE 0\", allowed: MATERIAL n, CAMERA or OBJECT n\n"
+              "cis565.txt:2: found \"NAME sky\", allowed: MATERIAL n, CAMERA or OBJECT n\n");
 }
 
 TEST(ImportFindings, ABodyAboutTheEyeIsAProblemOfTheEye) {
@@ -230,7 +230,7 @@ TEST(ImportFindings, ABodyAboutTheEyeIsAProblemOfTheEye) {
         problems_of(replaced(text, "OBJECT 0",
                              "OBJECT 0\nsphere\nmaterial 0\nTRANS 50 0 0\nROTAT 0 0 0\nSCALE 1 "
                              "1 1\nOBJECT 1")),
-        "seed.txt:10: found \"EYE 1 2 3\", which makes $.camera.eye a point inside $.objects[1], a subsurface body, "
+        "cis565.txt:10: found \"EYE 1 2 3\", which makes $.camera.eye a point inside $.objects[1], a subsurface body, "
         "allowed: a point outside of subsurface bodies\n");
 }
 
@@ -239,23 +239,23 @@ TEST(ImportFindings, FiftyProblemsAreListedAndTheOthersCounted) {
     for (int i = 0; i < 60; ++i) {
         text += "FOO " + std::to_string(i) + "\n";
     }
-    const ImportResult result = import_seed_scene(text, "seed.txt");
+    const ImportResult result = import_cis565_scene(text, "cis565.txt");
     EXPECT_EQ(result.problems.count(), 61u);
-    const Lines lines = result.problems.messages("seed.txt", "");
+    const Lines lines = result.problems.messages("cis565.txt", "");
     ASSERT_EQ(lines.size(), 51u);
-    EXPECT_TRUE(lines.front().starts_with("seed.txt:2: found \"RGB 2 1 1\"")) << lines.front();
-    EXPECT_TRUE(lines[49].starts_with("seed.txt:74: found \"FOO 48\"")) << lines[49];
-    EXPECT_EQ(lines.back(), "seed.txt: and 11 more");
+    EXPECT_TRUE(lines.front().starts_with("cis565.txt:2: found \"RGB 2 1 1\"")) << lines.front();
+    EXPECT_TRUE(lines[49].starts_with("cis565.txt:74: found \"FOO 48\"")) << lines[49];
+    EXPECT_EQ(lines.back(), "cis565.txt: and 11 more");
 }
 
 TEST(ImportFindings, AHugeTextIsRefusedAndOneThatIsAllWrongIsNotSlow) {
     EXPECT_EQ(problems_of(std::string(largest_import + 1, '\n')),
-              "seed.txt: found 16777217 bytes, allowed: at most 16777216\n");
+              "cis565.txt: found 16777217 bytes, allowed: at most 16777216\n");
     std::string text;
     for (int i = 0; i < 200000; ++i) {
         text += "FOO\n";
     }
-    EXPECT_EQ(import_seed_scene(text, "seed.txt").problems.count(), 200001u);
+    EXPECT_EQ(import_cis565_scene(text, "cis565.txt").problems.count(), 200001u);
 }
 
 TEST(ImportFindings, WhatTheyQuoteIsShortAndSafe) {
@@ -264,18 +264,18 @@ TEST(ImportFindings, WhatTheyQuoteIsShortAndSafe) {
         long_line += "\u00e9";
     }
     const std::string message = problems_of(every_key + long_line + "\n");
-    ASSERT_TRUE(message.starts_with("seed.txt:26: found \"FOO \u00e9\u00e9")) << message;
+    ASSERT_TRUE(message.starts_with("cis565.txt:26: found \"FOO \u00e9\u00e9")) << message;
     EXPECT_NE(message.find("\u00e9...\", allowed: "), std::string::npos) << message;  // cut between two characters
     EXPECT_LT(message.find("...\", allowed: "), 105u) << message;
     const std::string unsafe = problems_of(every_key + "FOO \x1b[31m \xff\n");
-    EXPECT_TRUE(unsafe.starts_with("seed.txt:26: found \"FOO \\x1b[31m \\xff\"")) << unsafe;
+    EXPECT_TRUE(unsafe.starts_with("cis565.txt:26: found \"FOO \\x1b[31m \\xff\"")) << unsafe;
 }
 
 // ---- warnings ----
 
 struct Reading {
     std::string material;  // its lines
-    Lines warnings;        // without "seed.txt:" and "warning: "
+    Lines warnings;        // without "cis565.txt:" and "warning: "
 };
 
 void expect_warnings(const std::vector<Reading>& cases) {
@@ -283,7 +283,7 @@ void expect_warnings(const std::vector<Reading>& cases) {
         Lines expected;
         for (const std::string& warning : reading.warnings) {
             const std::size_t colon = warning.find(':');
-            expected.push_back("seed.txt:" + warning.substr(0, colon) + ": warning" + warning.substr(colon));
+            expected.push_back("cis565.txt:" + warning.substr(0, colon) + ": warning" + warning.substr(colon));
         }
         EXPECT_EQ(warnings_of(with_material(reading.material)), expected) << reading.material;
     }
@@ -381,7 +381,7 @@ TEST(ImportFindings, TheShutterIsChosenOnce) {
                              replaced(plain_object, "OBJECT 0", "OBJECT 2") + "VEL 1 0 0\n";
     EXPECT_EQ(
         warnings_of(text),
-        Lines{"seed.txt:25: warning: VEL 0 -2 0: the file does not say when the shutter is open; it is open from 0 "
+        Lines{"cis565.txt:25: warning: VEL 0 -2 0: the file does not say when the shutter is open; it is open from 0 "
               "to 1 with the density \"late\""});
 }
 
@@ -389,8 +389,8 @@ TEST(ImportFindings, TheShutterIsChosenOnce) {
 
 TEST(ImportFindings, ANameOfTheCallsOwnGoesBeforeFile) {
     const auto name_in = [](const std::string& text) {
-        const ImportResult result = import_seed_scene(text, "seed.txt", "mine");
-        return result.problems.count() == 0 ? parse_scene(result.json, "seed.json").name : "";
+        const ImportResult result = import_cis565_scene(text, "cis565.txt", "mine");
+        return result.problems.count() == 0 ? parse_scene(result.json, "cis565.json").name : "";
     };
     EXPECT_EQ(name_in(every_key), "mine");
     EXPECT_EQ(warnings_of(every_key, "mine"), Lines());
@@ -401,7 +401,7 @@ TEST(ImportFindings, ANameOfTheCallsOwnGoesBeforeFile) {
         const std::string text = replaced(every_key, "FILE plain", bad);
         EXPECT_EQ(name_in(text), "mine");
         EXPECT_EQ(warnings_of(text, "mine"),
-                  Lines{"seed.txt:16: warning: " + bad + " is not used: it is no scene name, mine is"});
+                  Lines{"cis565.txt:16: warning: " + bad + " is not used: it is no scene name, mine is"});
     }
 }
 
@@ -409,16 +409,16 @@ TEST(ImportFindings, ANameOfTheCallsOwnGoesBeforeFile) {
 
 TEST(ImportFindings, WhatIsLeftOutAndWhatIsKeptUnusedIsNoted) {
     const std::string samples = "ITERATIONS 10 is left out: how many samples a pixel gets is a run's business (--spp)";
-    EXPECT_EQ(notes_of(every_key), Lines{"seed.txt:14: note: " + samples});
+    EXPECT_EQ(notes_of(every_key), Lines{"cis565.txt:14: note: " + samples});
     EXPECT_EQ(notes_of(replaced(every_key, "ITERATIONS 10\n", "")), Lines());
     EXPECT_EQ(notes_of(with_material("RGB 1 1 1\nMATERIAL 1\nRGB 1 1 1\n")),
-              (Lines{"seed.txt: note: kept, though no object has it: material 1", "seed.txt:8: note: " + samples}));
+              (Lines{"cis565.txt: note: kept, though no object has it: material 1", "cis565.txt:8: note: " + samples}));
     std::string many = "RGB 1 1 1\n";
     for (int i = 1; i <= 12; ++i) {
         many += "MATERIAL " + std::to_string(i) + "\nRGB 1 1 1\n";
     }
     EXPECT_EQ(notes_of(with_material(many)).front(),
-              "seed.txt: note: kept, though no object has it: material 1, 2, 3, 4, 5, 6, 7, 8, 9, 10 and 2 more");
+              "cis565.txt: note: kept, though no object has it: material 1, 2, 3, 4, 5, 6, 7, 8, 9, 10 and 2 more");
 }
 
 TEST(ImportFindings, CountsAreWords) {

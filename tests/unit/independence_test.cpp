@@ -90,7 +90,7 @@ TEST(IndependenceTest, SuccessiveSeedsThatShareSamplesAreFound) {
     EXPECT_GT(found.value, 0.5);
 }
 
-// The position-keyed minstd of the seeds, with seeds that are well mixed: runs are independent, but within a run the
+// The position-keyed minstd of cis565, with seeds that are well mixed: runs are independent, but within a run the
 // first numbers of the 16 samples are not. What they decide has 1.12 times the variance that it should have (S44 of
 // numerics.md finds 1.146 for 64).
 TEST(IndependenceTest, PositionKeyedMinstdIsFound) {

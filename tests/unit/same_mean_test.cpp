@@ -283,7 +283,7 @@ ImageRuns independent_runs(std::uint32_t spp, std::uint64_t seed) {
     return runs;
 }
 
-// The seeds' programs have no seed: every run is the same image. One that is added in the same way (exclusive or)
+// The programs of cis565 have no seed: every run is the same image. One that is added in the same way (exclusive or)
 // barely moves the generator's first numbers. Either way the runs share their errors, which their spread does not show.
 TEST(SameMeanTest, ErrorsThatTheRunsOfAGeneratorShareAreFound) {
     const ImageRuns baseline = independent_runs(16, 1);

@@ -1,5 +1,5 @@
-// The sources of random numbers: published test vectors, the evenness that each promises, and what is wrong with the
-// seeds' own.
+// The sources of random numbers: published test vectors, the evenness that each promises, and what is wrong with
+// that of cis565.
 #include <algorithm>
 #include <array>
 #include <random>
@@ -159,8 +159,8 @@ TEST(SamplerTest, IsChosenAtRunTimeAsAtCompileTime) {
     EXPECT_EQ(first.size(), 4u);
 }
 
-// The seeds' defect, so that it is not lost: numbers of neighbouring blocks of one vertex are one stream, so the last
-// number of a block decides the first of the next.
+// The defect of cis565's generator, so that it is not lost: numbers of neighbouring blocks of one vertex are one
+// stream, so the last number of a block decides the first of the next.
 TEST(MinstdTest, BlocksOfAVertexAreOneStream) {
     const RandomSeed seed = RandomSeed::from(3);
     for (std::uint32_t sample = 0; sample < 16; ++sample) {

@@ -539,7 +539,7 @@ protected:
 
 TEST_F(ShippedSuitesTest, LoadAndPlan) {
     const std::vector<std::string> names = suite_names();
-    for (const char* name : {"quick", "seeds"}) {
+    for (const char* name : {"quick", "cis565"}) {
         EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
     }
     for (const std::string& name : names) {
@@ -565,9 +565,9 @@ TEST_F(ShippedSuitesTest, LoadAndPlan) {
     }
 }
 
-// The seeds' three graphs and their compactions, on the CPU too.
-TEST_F(ShippedSuitesTest, QuickAndSeedsDrawTheSeedsGraphs) {
-    for (const char* name : {"quick", "seeds"}) {
+// The three graphs of cis565 and their compactions, on the CPU too.
+TEST_F(ShippedSuitesTest, QuickAndCis565DrawTheGraphsOfCis565) {
+    for (const char* name : {"quick", "cis565"}) {
         SCOPED_TRACE(name);
         const Suite suite = load_suite(find_suite_file(name));
         const std::set<std::string> studies = studies_with_cells(suite, Backend::cpu);

@@ -35,7 +35,7 @@ void image(test::SceneBuilder& builder, bool jitter) {
     builder.scene.camera.vertical_fov_degrees = 60;
 }
 
-// An open box with an emitter and a mirror ball, as in the seeds' scene.
+// An open box with an emitter and a mirror ball, as in the scene of cis565.
 test::SceneBuilder cornell_like(bool jitter) {
     test::SceneBuilder builder;
     const std::uint32_t light = builder.emitter({5, 5, 5});

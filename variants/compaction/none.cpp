@@ -15,7 +15,7 @@ const Registration registration(
         .axis = "compaction",
         .name = "none",
         .summary = "ended paths stay where they are and are passed over",
-        .origin = "both seeds, compaction off",
+        .origin = "cis565, compaction off",
         .baseline = on_every_backend,
         .traits = CompactionTraits{.compacts = false},
         .backends = on_every_backend,

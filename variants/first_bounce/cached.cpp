@@ -11,7 +11,7 @@ const Registration registration(
         .axis = "first_bounce",
         .name = "cached",
         .summary = "the camera rays' hits are computed once and reused by every later sample",
-        .origin = "both seeds (CIS 565 project 3)",
+        .origin = "cis565 (CIS 565 project 3, both programs)",
         .backends = on_every_backend,
         .unsupported_reason = [](FeatureSet scene, const VariantTraits&) -> Reason {
             if (contains(scene, Feature::jitter)) {

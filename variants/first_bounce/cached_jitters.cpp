@@ -13,7 +13,7 @@ const Registration registration(
         .axis = "first_bounce",
         .name = "cached_jitters",
         .summary = "the hits of K frozen camera rays a pixel are computed once, and used in turn",
-        .origin = "both seeds' cache, made to work with jitter",
+        .origin = "the cache of cis565, made to work with jitter",
         .claim = Claim::biased,
         .claim_note = "pixel, lens and shutter are sampled at K points, however many samples are taken",
         .backends = on_every_backend,

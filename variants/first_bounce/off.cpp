@@ -9,7 +9,7 @@ const Registration registration(
         .axis = "first_bounce",
         .name = "off",
         .summary = "every sample traces its camera ray",
-        .origin = "both seeds, cache off",
+        .origin = "cis565, cache off",
         .baseline = on_every_backend,
         .traits = FirstBounceTraits{.keeps_hits = false},
         .backends = on_every_backend,

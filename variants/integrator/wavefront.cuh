@@ -1,5 +1,5 @@
-// Stage by stage over a queue of paths, a kernel each: generate, intersect, (sort), shade, (compact). The shape of both
-// seeds, and of Laine, Karras and Aila 2013, "Megakernels considered harmful".
+// Stage by stage over a queue of paths, a kernel each: generate, intersect, (sort), shade, (compact). The shape of
+// cis565, and of Laine, Karras and Aila 2013, "Megakernels considered harmful".
 #pragma once
 
 #if defined(__CUDACC_RTC__)
@@ -102,7 +102,7 @@ extern "C" __global__ void PT_LAUNCH_BOUNDS shade_paths(Scene parameter, FilmVie
         const std::uint32_t slot = slot_at(order, i);
         if (paths.alive(slot)) {
             Path path = load_path(paths, slot, scene.shade);
-            // The seeds' generator is seeded by where a path lies in the queue, not by whose it is.
+            // The generator of cis565 is seeded by where a path lies in the queue, not by whose it is.
             const std::uint32_t pixel = path.pixel;
             if (contains(pt::sampler_of<Configuration>(scene.shade.seed), pt::Feature::minstd)) {
                 path.pixel = i;
@@ -131,7 +131,7 @@ inline constexpr Descriptor descriptor{
     .axis = "integrator",
     .name = "wavefront",
     .summary = "a kernel a stage over a queue of paths: generate, intersect, shade",
-    .origin = "Laine, Karras and Aila 2013; both seeds",
+    .origin = "Laine, Karras and Aila 2013; cis565",
     .baseline = on_cuda,
     .traits = IntegratorTraits{.has_queue = true, .can_loop = true, .seeds_by_position = true},
     .backends = on_cuda,

@@ -1,6 +1,6 @@
 // All paths of a sample advance together: generate once, then intersect, (sort,) shade, (compact) for every bounce,
 // each stage over the whole queue. The last possible segment is neither sorted nor compacted: every path ends there.
-// Laine, Karras and Aila, "Megakernels Considered Harmful", HPG 2013; the seeds' shape.
+// Laine, Karras and Aila, "Megakernels Considered Harmful", HPG 2013; the shape of cis565.
 #pragma once
 
 #include <atomic>
@@ -18,7 +18,7 @@ inline constexpr Descriptor descriptor{
     .axis = "integrator",
     .name = "wavefront",
     .summary = "separate generate, intersect and shade over a queue of all paths, one sample a pixel in flight",
-    .origin = "Laine, Karras and Aila 2013; both seeds",
+    .origin = "Laine, Karras and Aila 2013; cis565",
     .baseline = on_cpu,
     .traits = IntegratorTraits{.has_queue = true, .seeds_by_position = true},
     .check_counters = check_counters,
@@ -132,7 +132,7 @@ private:
                     continue;
                 }
                 Path<float> path = paths_.load(slot);
-                // The seeds' generator is seeded by where a path lies in the queue, not by whose it is.
+                // The generator of cis565 is seeded by where a path lies in the queue, not by whose it is.
                 const std::uint32_t pixel = path.pixel;
                 if (contains(sampler_of<Config>(job_.scene.seed), Feature::minstd)) {
                     path.pixel = static_cast<std::uint32_t>(i);

@@ -9,7 +9,7 @@ const Registration registration(
         .axis = "launch",
         .name = "stream",
         .summary = "each stage is launched by the host as its turn comes",
-        .origin = "both seeds",
+        .origin = "cis565",
         .baseline = on_every_backend,
         .backends = on_every_backend,
         .check_counters = [](const WorkCounters& work, std::uint64_t) -> std::string {

@@ -12,7 +12,7 @@ const Registration registration(
         .axis = "layout",
         .name = layout::aos::name,
         .summary = "array of structures: the fields of a path lie together",
-        .origin = "both seeds (CIS 565 path tracers)",
+        .origin = "cis565 (two CIS 565 path tracers)",
         .baseline = on_cuda,
         .traits = LayoutTraits{.keeps_paths_whole = true},
         .backends = on_cuda,

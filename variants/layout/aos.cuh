@@ -1,4 +1,4 @@
-// Array of structures on the device: a path's fields lie together, as in both seeds (whose record is not padded).
+// Array of structures on the device: a path's fields lie together, as in cis565 (whose record is not padded).
 #pragma once
 
 #include "variants/cuda/path_store.h"
@@ -57,7 +57,7 @@ struct DevicePaths {
     PT_HD std::uint32_t sample(std::uint32_t slot) const { return at(slot).sample; }
     PT_HD Ray<Real> ray(std::uint32_t slot) const { return ray_of(load(slot)); }
 
-    // A record is the whole path, whatever the scene: as in both seeds.
+    // A record is the whole path, whatever the scene: as in cis565.
     static constexpr std::size_t bytes(std::uint32_t capacity, const PathFields&) {
         return sizeof(Record<Real>) * std::size_t{capacity};
     }

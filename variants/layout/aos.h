@@ -1,4 +1,4 @@
-// Array of structures: a path's fields lie together, as in both seeds.
+// Array of structures: a path's fields lie together, as in cis565.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@ inline constexpr Descriptor descriptor{
     .axis = "layout",
     .name = "aos",
     .summary = "array of structures: the fields of a path lie together",
-    .origin = "both seeds (CIS 565 path tracers)",
+    .origin = "cis565 (two CIS 565 path tracers)",
     .baseline = on_cpu,
     .traits = LayoutTraits{.keeps_paths_whole = true},
 };

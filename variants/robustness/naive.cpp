@@ -30,7 +30,7 @@ const Registration registration(
         .name = "naive",
         .summary = "epsilon 1e-4, school-formula sphere, slabs without Ize's factor, textbook Fresnel, 1 - cos cones, "
                    "film summed in single precision",
-        .origin = "both seeds and most first ray tracers",
+        .origin = "cis565 and most first ray tracers",
         .claim = Claim::biased,
         .claim_note = "wrong wherever a scene's size, distance or depth does not suit an epsilon of 1e-4",
         .traits = RobustnessTraits{.is_naive = true},

@@ -9,7 +9,7 @@ const Registration registration(
         .axis = "russian_roulette",
         .name = "off",
         .summary = "paths end where the scene or their length ends them",
-        .origin = "both seeds",
+        .origin = "cis565",
         .baseline = on_every_backend,
         .traits = RouletteTraits{.ends_paths = false},
         .backends = on_every_backend,

@@ -1,4 +1,4 @@
-// The seeds' numbers: a short generator seeded by sample, bounce and the path's position in the queue
+// The numbers of cis565: a short generator seeded by sample, bounce and the path's position in the queue
 // (kernels/minstd.h). An exhibit: its streams overlap and are correlated, and a compaction changes which path gets
 // which numbers.
 #include "variants/registry.h"
@@ -27,8 +27,8 @@ const Registration registration(
     {
         .axis = "sampler",
         .name = "minstd_by_position",
-        .summary = "the seeds' minstd, seeded by the path's position in the queue",
-        .origin = "both seeds (CIS 565 path tracers)",
+        .summary = "the minstd of cis565, seeded by the path's position in the queue",
+        .origin = "cis565 (two CIS 565 path tracers)",
         .claim = Claim::biased,
         .claim_note = "streams of one short generator overlap between pixels, samples and bounces; the film depends on "
                       "the order of the queue",

@@ -1,4 +1,4 @@
-// The key that both seeds sort by: the material of the surface that was hit. (CPU backend.)
+// The key that cis565 sorts by: the material of the surface that was hit. (CPU backend.)
 #include "variants/registry.h"
 
 namespace pt {
@@ -9,7 +9,7 @@ const Registration registration(
         .axis = "sort_key",
         .name = "material",
         .summary = "the material that was hit; paths that left the scene last",
-        .origin = "both seeds",
+        .origin = "cis565",
         .baseline = on_cpu,
         .traits = SortKeyTraits{.bits = 0, .has_material = true},
         .backends = on_cpu,

@@ -1,4 +1,4 @@
-// The key that both seeds sort by: the material of the surface that was hit.
+// The key that cis565 sorts by: the material of the surface that was hit.
 #pragma once
 
 #if defined(__CUDACC_RTC__)
@@ -24,7 +24,7 @@ inline constexpr Descriptor descriptor{
     .axis = "sort_key",
     .name = "material",
     .summary = "the material that was hit; paths that left the scene last",
-    .origin = "both seeds",
+    .origin = "cis565",
     .baseline = on_cuda,
     .traits = SortKeyTraits{.bits = 0, .has_material = true},
     .backends = on_cuda,

@@ -15,7 +15,7 @@ const Registration registration(
         .axis = "sorting",
         .name = "none",
         .summary = "paths are shaded in the order in which they lie",
-        .origin = "both seeds, sorting off",
+        .origin = "cis565, sorting off",
         .baseline = on_every_backend,
         .traits = SortingTraits{.sorts = false},
         .backends = on_every_backend,

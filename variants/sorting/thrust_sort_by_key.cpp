@@ -1,4 +1,4 @@
-// Sorts the paths and their hits by material before shading, moving the payload: what both seeds do.
+// Sorts the paths and their hits by material before shading, moving the payload: what cis565 does.
 // Keys are unsigned: CCCL 3.0.1's host radix sort puts negative keys last.
 #include <stdexcept>
 
@@ -34,7 +34,7 @@ const Registration registration(
         .axis = "sorting",
         .name = "thrust_sort_by_key",
         .summary = "thrust::sort_by_key by material, path and hit moved",
-        .origin = "both seeds",
+        .origin = "cis565",
         .unsupported_reason = [](FeatureSet,
                                  const VariantTraits& variant) { return needs_contiguous_payload(variant); },
         .check_counters = sorted_every_bounce,

@@ -1,4 +1,4 @@
-// Sorts the paths and their hits by key before shading, moving the payload: what both seeds do.
+// Sorts the paths and their hits by key before shading, moving the payload: what cis565 does.
 #include <stdexcept>
 
 #include <thrust/sort.h>
@@ -76,7 +76,7 @@ Reason unsupported_reason(FeatureSet features, const VariantTraits& variant) {
         return reason;
     }
     if (variant.direct_light.connects_every_vertex) {
-        return {"no_room_for_density", "moves the seeds' paths, which have no room for what direct_light=" +
+        return {"no_room_for_density", "moves the paths of cis565, which have no room for what direct_light=" +
                                            std::string(variant.direct_light.name) + " remembers"};
     }
     return needs_single_precision(features, variant);
@@ -87,7 +87,7 @@ const Registration registration(
         .axis = "sorting",
         .name = "thrust_sort_by_key",
         .summary = "thrust::stable_sort_by_key, path and hit moved",
-        .origin = "both seeds",
+        .origin = "cis565",
         .traits = SortingTraits{.host_sync = true},
         .backends = on_cuda,
         .tunables = thrust_tunables,

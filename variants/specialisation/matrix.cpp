@@ -1,4 +1,4 @@
-// Every object by its 4x4 matrix, one loop over all of them, every branch compiled in: what the seeds do, and the price
+// Every object by its 4x4 matrix, one loop over all of them, every branch compiled in: what cis565 does, and the price
 // that classifying objects at load saves.
 #include "variants/registry.h"
 
@@ -10,7 +10,7 @@ const Registration registration(
         .axis = "specialisation",
         .name = "matrix",
         .summary = "one kernel with every feature; every object through its 4x4 inverse matrix",
-        .origin = "both seeds",
+        .origin = "cis565",
         .claim = Claim::statistical,
         .claim_note = "same expectation as generic; a matrix rounds otherwise, and a path that grazes an edge may go "
                       "elsewhere",

@@ -1,11 +1,11 @@
-// The importer of the seeds' text format: the seeds' own two scenes, every reading that its header states. What it says
+// The importer of the CIS 565 text format: the two scenes of cis565, every reading that its header states. What it says
 // of a text is tested in import_findings_test.cpp.
-#include "harness/scene/import_seed.h"
+#include "harness/scene/import_cis565.h"
 
 #include <gtest/gtest.h>
 
+#include "tests/support/cis565_texts.h"
 #include "tests/support/render.h"
-#include "tests/support/seed_texts.h"
 #include "tests/support/statistics.h"
 
 namespace pt {
@@ -13,8 +13,8 @@ namespace {
 
 using test::plain_camera, test::replaced, test::with_material;
 
-// The seeds' two scenes, as they come. They share materials and camera.
-const std::string seed_materials_and_camera = R"(MATERIAL 0
+// The two scenes of cis565, as they come. They share materials and camera.
+const std::string cis565_materials_and_camera = R"(MATERIAL 0
 RGB 1 1 1
 SPECEX 0
 SPECRGB 0 0 0
@@ -92,7 +92,7 @@ UP 0 1 0
 
 
 )";
-const std::string seed_open_objects = R"(OBJECT 0
+const std::string cis565_open_objects = R"(OBJECT 0
 cube
 material 0
 TRANS 0 10 0
@@ -149,7 +149,7 @@ SCALE 3 3 3
 VEL 0 0 0
 
 )";
-const std::string seed_closed_objects = R"(OBJECT 0
+const std::string cis565_closed_objects = R"(OBJECT 0
 cube
 material 0
 TRANS 0 10 0
@@ -215,7 +215,9 @@ VEL 0 0 0
 
 )";
 
-Scene import(const std::string& text) { return parse_scene(import_seed_scene(text, "seed.txt").json, "seed.json"); }
+Scene import(const std::string& text) {
+    return parse_scene(import_cis565_scene(text, "cis565.txt").json, "cis565.json");
+}
 
 SceneMaterial import_material(const std::string& lines) { return import(with_material(lines)).materials.at(0); }
 
@@ -271,21 +273,21 @@ Scene shipped(const std::string& name) {
     return load_scene(std::string(PTBENCH_SOURCE_DIR) + "/scenes/" + name + ".json");
 }
 
-TEST(ImportSeed, OpenBoxIsTheShippedOne) {
-    expect_equal_scenes(import(seed_materials_and_camera + seed_open_objects), shipped("cornell_open"));
+TEST(ImportCis565, OpenBoxIsTheShippedOne) {
+    expect_equal_scenes(import(cis565_materials_and_camera + cis565_open_objects), shipped("cornell_open"));
 }
 
-TEST(ImportSeed, ClosedBoxIsTheShippedOne) {
-    expect_equal_scenes(import(seed_materials_and_camera + seed_closed_objects), shipped("cornell_closed"));
+TEST(ImportCis565, ClosedBoxIsTheShippedOne) {
+    expect_equal_scenes(import(cis565_materials_and_camera + cis565_closed_objects), shipped("cornell_closed"));
 }
 
-TEST(ImportSeed, WritesTidyJson) {
+TEST(ImportCis565, WritesTidyJson) {
     const std::string text = "MATERIAL 0\nRGB .5 0.25 1\n" + plain_camera +
                              "OBJECT 0\nsphere\nmaterial 0\nTRANS 0 -1.5 0\nROTAT 0 90 0\nSCALE 3 3 3\n"
                              "OBJECT 1\ncube\nmaterial 0\nTRANS 0 0 0\nROTAT 0 0 0\nSCALE 1 1 1\nVEL 1 0 0\n";
-    EXPECT_EQ(import_seed_scene(text, "some/where/seed.txt").json, R"({
+    EXPECT_EQ(import_cis565_scene(text, "some/where/cis565.txt").json, R"({
   "name": "plain",
-  "description": "Imported from seed.txt.",
+  "description": "Imported from cis565.txt.",
   "max_depth": 5,
   "camera": {"eye": [1, 2, 3], "look_at": [1, 2, 0], "up": [0, 1, 0], "vertical_fov_degrees": 60, "resolution": [40, 30],
     "shutter": {"open": 0, "close": 1, "density": "late"}},
@@ -300,14 +302,14 @@ TEST(ImportSeed, WritesTidyJson) {
 )");
 }
 
-TEST(ImportSeed, WhiteSpaceCommentsAndOrderOfLinesDoNotMatter) {
+TEST(ImportCis565, WhiteSpaceCommentsAndOrderOfLinesDoNotMatter) {
     const std::string text = with_material("RGB 1 1 1\n");
     const std::string windows = replaced(replaced(text, "RGB 1 1 1\n", "  RGB\t1 +1 1 \r\n\r\n// a comment\r\n"),
                                          "cube\nmaterial 0\n", "material 0\ncube\n");
-    EXPECT_EQ(import_seed_scene(text, "seed.txt").json, import_seed_scene(windows, "seed.txt").json);
+    EXPECT_EQ(import_cis565_scene(text, "cis565.txt").json, import_cis565_scene(windows, "cis565.txt").json);
 }
 
-TEST(ImportSeed, CameraIsReadInBothDialects) {
+TEST(ImportCis565, CameraIsReadInBothDialects) {
     const std::string text = with_material("RGB 1 1 1\n");
     EXPECT_EQ(import(text).camera.vertical_fov_degrees, 60);
     EXPECT_EQ(import(text).camera.look_at, Vec3d(1, 2, 0));
@@ -315,7 +317,7 @@ TEST(ImportSeed, CameraIsReadInBothDialects) {
     EXPECT_EQ(import(replaced(text, "ITERATIONS 10\n", "")).max_depth, 5u);
 }
 
-TEST(ImportSeed, VelocityOpensTheShutterLate) {
+TEST(ImportCis565, VelocityOpensTheShutterLate) {
     const Scene still = import(with_material("RGB 1 1 1\n") + "VEL 0 0 0\n");
     EXPECT_EQ(still.camera.shutter_close, 0);
     const Scene moving = import(with_material("RGB 1 1 1\n") + "VEL 0 -2 0\n");
@@ -325,26 +327,26 @@ TEST(ImportSeed, VelocityOpensTheShutterLate) {
     EXPECT_TRUE(moving.camera.shutter_late);
 }
 
-TEST(ImportSeed, DiffuseMaterial) {
+TEST(ImportCis565, DiffuseMaterial) {
     const SceneMaterial material = import_material("RGB .1 .2 .3\nSPECRGB .9 .9 .9\nSIGMAA 1 1 1\nREFRIOR 1.5\n");
     EXPECT_EQ(material.type, MaterialType::diffuse);
     EXPECT_EQ(material.albedo, Vec3d(.1, .2, .3));
 }
 
-TEST(ImportSeed, Emitter) {
+TEST(ImportCis565, Emitter) {
     const SceneMaterial material = import_material("RGB 1 .5 .25\nEMITTANCE 4\nREFL 1\n");
     EXPECT_EQ(material.type, MaterialType::emitter);
     EXPECT_EQ(material.emission, Vec3d(4, 2, 1));
 }
 
-TEST(ImportSeed, Mirror) {
+TEST(ImportCis565, Mirror) {
     const SceneMaterial material = import_material("RGB .1 .2 .3\nSPECRGB .7 .8 .9\nREFL 1\nSPECEX 5\n");
     EXPECT_EQ(material.type, MaterialType::mirror);
     EXPECT_EQ(material.reflectance, Vec3d(.7, .8, .9));
     EXPECT_EQ(import_material("RGB .1 .2 .3\nSPECRGB 0 0 0\nREFL 1\n").reflectance, Vec3d(.1, .2, .3));
 }
 
-TEST(ImportSeed, Dielectric) {
+TEST(ImportCis565, Dielectric) {
     const SceneMaterial material =
         import_material("RGB .1 .2 .3\nSPECRGB .7 .8 .9\nREFR 1\nREFRIOR 1.5\nSIGMAA 0 1 2\n");
     EXPECT_EQ(material.type, MaterialType::dielectric);
@@ -354,7 +356,7 @@ TEST(ImportSeed, Dielectric) {
     EXPECT_EQ(import_material("RGB .1 .2 .3\nREFR 1\nREFRIOR 1.5\n").tint, Vec3d(.1, .2, .3));
 }
 
-TEST(ImportSeed, ImperfectSpecularIsAMix) {
+TEST(ImportCis565, ImperfectSpecularIsAMix) {
     const SceneMaterial material = import_material("RGB .1 .2 .3\nSPECRGB .7 .8 .9\nSPECEX 40\n");
     EXPECT_EQ(material.type, MaterialType::mix);
     EXPECT_EQ(material.albedo, Vec3d(.1, .2, .3));
@@ -362,7 +364,7 @@ TEST(ImportSeed, ImperfectSpecularIsAMix) {
     EXPECT_EQ(material.mirror_probability, 0.5);
 }
 
-TEST(ImportSeed, Subsurface) {
+TEST(ImportCis565, Subsurface) {
     const SceneMaterial matched = import_material("RGB 1 1 1\nSIGMAA .1 .2 .3\nSIGMAS 1 2 3\n");
     EXPECT_EQ(matched.type, MaterialType::subsurface);
     EXPECT_EQ(matched.ior, 1);
@@ -373,7 +375,7 @@ TEST(ImportSeed, Subsurface) {
     EXPECT_EQ(refracting.ior, 1.3);
 }
 
-TEST(ImportSeed, SingleRotationsKeepTheirDigits) {
+TEST(ImportCis565, SingleRotationsKeepTheirDigits) {
     for (const Vec3d& degrees : {Vec3d(0, 0, 0), Vec3d(17.3, 0, 0), Vec3d(0, -400.1, 0), Vec3d(0, 0, 90)}) {
         EXPECT_EQ(rotation_x_first(degrees), degrees);
     }
@@ -403,7 +405,7 @@ double largest_difference(const Rotation& a, const Rotation& b) {
     return largest;
 }
 
-TEST(ImportSeed, RotationsGiveTheSeedsMatrix) {
+TEST(ImportCis565, RotationsGiveTheMatrixOfCis565) {
     test::Random random(1);
     for (int i = 0; i < 10000; ++i) {
         const Vec3d degrees{random.uniform(-400, 400), random.uniform(-400, 400), random.uniform(-400, 400)};
@@ -411,8 +413,8 @@ TEST(ImportSeed, RotationsGiveTheSeedsMatrix) {
     }
 }
 
-// Where ours has its poles: the seeds' x turned by z = 90 degrees about it, and close to that.
-TEST(ImportSeed, RotationsGiveTheSeedsMatrixNearThePoles) {
+// Where ours has its poles: the x of cis565 turned by z = 90 degrees about it, and close to that.
+TEST(ImportCis565, RotationsGiveTheMatrixOfCis565NearThePoles) {
     test::Random random(2);
     for (int i = 0; i < 10000; ++i) {
         const double off = std::pow(10.0, random.uniform(-17, 0));
@@ -426,7 +428,7 @@ TEST(ImportSeed, RotationsGiveTheSeedsMatrixNearThePoles) {
     }
 }
 
-TEST(ImportSeed, QuarterTurnsStayExact) {
+TEST(ImportCis565, QuarterTurnsStayExact) {
     for (int code = 0; code < 9 * 9 * 9; ++code) {
         const Vec3d degrees{90.0 * (code % 9 - 4), 90.0 * (code / 9 % 9 - 4), 90.0 * (code / 81 - 4)};
         const Vec3d ours = rotation_x_first(degrees);

@@ -1,13 +1,13 @@
-// Scenes in the seeds' text format: what the importer accepts is a scene file, and all that it says is in lines.
-#include "harness/scene/import_seed.h"
+// Scenes in the CIS 565 text format: what the importer accepts is a scene file, and all that it says is in lines.
+#include "harness/scene/import_cis565.h"
 
 #include "tests/fuzz/findings.h"
 
 namespace {
 
 void require_lines(const pt::ImportFindings& findings) {
-    for (const std::string& message : findings.messages("seed.txt", "")) {
-        pt::fuzz::require(message.starts_with("seed.txt:") && message == pt::one_line(message),
+    for (const std::string& message : findings.messages("cis565.txt", "")) {
+        pt::fuzz::require(message.starts_with("cis565.txt:") && message == pt::one_line(message),
                           "a finding that is not one line: " + message);
     }
 }
@@ -15,7 +15,7 @@ void require_lines(const pt::ImportFindings& findings) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    const pt::ImportResult result = pt::import_seed_scene(pt::fuzz::text_of(data, size), "seed.txt");
+    const pt::ImportResult result = pt::import_cis565_scene(pt::fuzz::text_of(data, size), "cis565.txt");
     require_lines(result.problems);
     require_lines(result.warnings);
     require_lines(result.notes);

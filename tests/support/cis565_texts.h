@@ -1,11 +1,11 @@
-// Small texts in the seeds' format, for tests of the importer.
+// Small texts in the CIS 565 format, for tests of the importer.
 #pragma once
 
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "harness/scene/import_seed.h"
+#include "harness/scene/import_cis565.h"
 
 namespace pt::test {
 
@@ -40,10 +40,10 @@ inline std::string replaced(std::string text, const std::string& from, const std
 
 // All problems of the text, a line each; empty: none.
 inline std::string problems_of(const std::string& text, const std::string& name = "") {
-    const ImportResult result = import_seed_scene(text, "seed.txt", name);
+    const ImportResult result = import_cis565_scene(text, "cis565.txt", name);
     EXPECT_EQ(result.json.empty(), result.problems.count() > 0);
     std::string lines;
-    for (const std::string& message : result.problems.messages("seed.txt", "")) {
+    for (const std::string& message : result.problems.messages("cis565.txt", "")) {
         lines += message + "\n";
     }
     return lines;

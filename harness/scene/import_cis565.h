@@ -1,4 +1,5 @@
-// Turns a scene in the text format of the CIS 565 path tracers, ptbench's two seeds among them, into a scene file.
+// Turns a scene in the text format of the CIS 565 path tracers into a scene file. `cis565` is the two student projects
+// for that course that ptbench began with.
 //
 // How the format is read, where its loaders differ or its names mislead. What loses something that the file says, or
 // adds something that it does not, is a warning with line and value (W below); the rest is exact.
@@ -9,7 +10,7 @@
 // - Lines that start with // are comments. These may be left out, and are 0 then: SIGMAA, SIGMAS, VEL, SPECEX, SPECRGB,
 //   REFL, REFR, REFRIOR, EMITTANCE, ITERATIONS.
 // - A material is the first of these that it fits; "specular colour" is SPECRGB or, where that is black, RGB (W):
-//   EMITTANCE > 0: an emitter of radiance RGB * EMITTANCE, whatever else it says (paths end there in the seeds too);
+//   EMITTANCE > 0: an emitter of radiance RGB * EMITTANCE, whatever else it says (paths end there in cis565 too);
 //   SIGMAS not 0: subsurface with SIGMAA and SIGMAS, of index REFRIOR (W where REFR is 0), or 1 where that is 0 (W
 //   where REFR is not); REFR > 0: a dielectric of index REFRIOR, tinted by the specular colour, absorbing by SIGMAA;
 //   REFL > 0: a mirror of the specular colour;
@@ -21,8 +22,8 @@
 // - Materials that no object has are kept, with a note.
 // - Rotation is the matrix Rx Ry Rz, z first; scene files turn about x first, so angles about several axes change. The
 //   matrix is the same to rounding.
-// - Where an object has a velocity, the shutter is open from 0 to 1 with the density "late" (W): the seed with motion
-//   blur draws its times as the square root of a uniform number.
+// - Where an object has a velocity, the shutter is open from 0 to 1 with the density "late" (W): the project of cis565
+//   with motion blur draws its times as the square root of a uniform number.
 #pragma once
 
 #include <string>
@@ -43,7 +44,7 @@ inline constexpr std::size_t largest_import = std::size_t{16} << 20;
 
 // Problems are all that the format does not know, and all that it knows but scene files do not allow. `file` is for the
 // description; a `name` that is not empty becomes the scene's, and FILE may say what it likes.
-ImportResult import_seed_scene(const std::string& text, const std::string& file, const std::string& name = "");
+ImportResult import_cis565_scene(const std::string& text, const std::string& file, const std::string& name = "");
 
 // The angles for rotation_of that give the matrix Rx Ry Rz of `degrees`. Angles about a single axis stay as they are.
 Vec3d rotation_x_first(const Vec3d& degrees);

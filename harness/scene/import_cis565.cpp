@@ -1,4 +1,4 @@
-#include "harness/scene/import_seed.h"
+#include "harness/scene/import_cis565.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,32 +29,32 @@ bool is_scene_name(const std::string& word) {
 
 class SceneImporter {
 public:
-    SceneImporter(const SeedFile& seed, const std::string& file, const std::string& name, ImportResult& result)
-        : seed_(&seed), file_(file), name_(name), result_(&result) {}
+    SceneImporter(const Cis565File& sections, const std::string& file, const std::string& name, ImportResult& result)
+        : sections_(&sections), file_(file), name_(name), result_(&result) {}
 
     SceneParts parts();
 
 private:
-    void read_name(SeedSectionReader& reader, ScenePart& root);
+    void read_name(Cis565SectionReader& reader, ScenePart& root);
     ScenePart root();
     ScenePart camera();
-    void add_view(SeedSectionReader& reader, ScenePart& camera) const;
-    void add_resolution(SeedSectionReader& reader, ScenePart& camera) const;
+    void add_view(Cis565SectionReader& reader, ScenePart& camera) const;
+    void add_resolution(Cis565SectionReader& reader, ScenePart& camera) const;
     ScenePart object(std::size_t index);
-    void add_material(SeedSectionReader& reader, ScenePart& object);
+    void add_material(Cis565SectionReader& reader, ScenePart& object);
     void note_samples();
     void note_unused_materials();
 
-    const SeedFile* seed_;
+    const Cis565File* sections_;
     std::string file_, name_;
     ImportResult* result_;
-    const SeedLine* first_velocity_ = nullptr;  // that is not 0
+    const Cis565Line* first_velocity_ = nullptr;  // that is not 0
     std::set<std::size_t> used_materials_;
 };
 
 // Where a line cannot be read, a value that is right stands for it, so that the others can be checked.
-void SceneImporter::read_name(SeedSectionReader& reader, ScenePart& root) {
-    const SeedLine* line = reader.line("FILE");
+void SceneImporter::read_name(Cis565SectionReader& reader, ScenePart& root) {
+    const Cis565Line* line = reader.line("FILE");
     const bool is_good = line != nullptr && line->words.size() == 2 && is_scene_name(line->words[1]);
     if (!name_.empty()) {
         root.add("name", json_of(name_), nullptr);
@@ -77,14 +77,14 @@ void SceneImporter::read_name(SeedSectionReader& reader, ScenePart& root) {
 }
 
 ScenePart SceneImporter::root() {
-    ScenePart root{.place = "$", .head = &seed_->camera->head, .members = {}};
-    SeedSectionReader reader(*seed_->camera, result_->problems);
+    ScenePart root{.place = "$", .head = &sections_->camera->head, .members = {}};
+    Cis565SectionReader reader(*sections_->camera, result_->problems);
     read_name(reader, root);
     root.add("description", json_of("Imported from " + std::filesystem::path(file_).filename().string() + "."),
              nullptr);
     const std::string allowed = "DEPTH and 1 whole number";
     std::optional<double> depth;
-    if (const SeedLine* line = reader.required("DEPTH")) {
+    if (const Cis565Line* line = reader.required("DEPTH")) {
         if (line->words.size() != 2) {
             reader.fail(*line, allowed);
         } else {
@@ -97,7 +97,7 @@ ScenePart SceneImporter::root() {
 }
 
 // Eye, point and direction up are allowed or not together: where one cannot be read, others stand for all three.
-void SceneImporter::add_view(SeedSectionReader& reader, ScenePart& camera) const {
+void SceneImporter::add_view(Cis565SectionReader& reader, ScenePart& camera) const {
     const std::string view_key = reader.line("VIEW") != nullptr ? "VIEW" : "LOOKAT";
     const std::optional<Vec3d> eye = reader.required_vector("EYE");
     const std::optional<Vec3d> view = reader.required_vector(view_key);
@@ -116,10 +116,10 @@ void SceneImporter::add_view(SeedSectionReader& reader, ScenePart& camera) const
     add("up", up.value_or(Vec3d(0.0)), "UP", {0, 1, 0});
 }
 
-void SceneImporter::add_resolution(SeedSectionReader& reader, ScenePart& camera) const {
+void SceneImporter::add_resolution(Cis565SectionReader& reader, ScenePart& camera) const {
     const std::string allowed = "RES and 2 whole numbers, width and height";
     std::optional<double> width, height;
-    if (const SeedLine* line = reader.required("RES")) {
+    if (const Cis565Line* line = reader.required("RES")) {
         if (line->words.size() != 3) {
             reader.fail(*line, allowed);
         } else if ((width = reader.whole(*line, 1, allowed))) {
@@ -133,8 +133,8 @@ void SceneImporter::add_resolution(SeedSectionReader& reader, ScenePart& camera)
 }
 
 ScenePart SceneImporter::camera() {
-    ScenePart camera{.place = "$.camera", .head = &seed_->camera->head, .members = {}};
-    SeedSectionReader reader(*seed_->camera, result_->problems);
+    ScenePart camera{.place = "$.camera", .head = &sections_->camera->head, .members = {}};
+    Cis565SectionReader reader(*sections_->camera, result_->problems);
     add_view(reader, camera);
     const std::optional<double> half_angle = reader.required_number("FOVY");
     camera.add("vertical_fov_degrees", json_of(2 * half_angle.value_or(30)), half_angle ? reader.line("FOVY") : nullptr,
@@ -152,19 +152,19 @@ ScenePart SceneImporter::camera() {
     return camera;
 }
 
-void SceneImporter::add_material(SeedSectionReader& reader, ScenePart& object) {
-    const SeedLine* line = reader.required("material");
+void SceneImporter::add_material(Cis565SectionReader& reader, ScenePart& object) {
+    const Cis565Line* line = reader.required("material");
     if (line == nullptr) {
         return;
     }
-    const std::size_t count = seed_->materials.size();
+    const std::size_t count = sections_->materials.size();
     const std::string allowed = count == 0 ? "no material is there" : fmt::format("material 0 to {}", count - 1);
     if (line->words.size() != 2) {
         reader.fail(*line, allowed);
         return;
     }
     const std::optional<double> index = reader.whole(*line, 1, allowed);
-    if (!index || !seed_->has_all_materials) {
+    if (!index || !sections_->has_all_materials) {
         return;
     }
     if (*index >= static_cast<double>(count)) {
@@ -176,9 +176,9 @@ void SceneImporter::add_material(SeedSectionReader& reader, ScenePart& object) {
 }
 
 ScenePart SceneImporter::object(std::size_t index) {
-    const SeedSection& section = seed_->objects[index];
+    const Cis565Section& section = sections_->objects[index];
     ScenePart object{.place = fmt::format("$.objects[{}]", index), .head = &section.head, .members = {}};
-    SeedSectionReader reader(section, result_->problems);
+    Cis565SectionReader reader(section, result_->problems);
     if (reader.line("cube") == nullptr && reader.line("sphere") == nullptr) {
         reader.fail(section.head, fmt::format("{} without a shape", section.head.text()), "with cube or sphere");
     }
@@ -205,7 +205,7 @@ ScenePart SceneImporter::object(std::size_t index) {
 }
 
 void SceneImporter::note_samples() {
-    const auto& lines = seed_->camera->lines;
+    const auto& lines = sections_->camera->lines;
     if (const auto found = lines.find("ITERATIONS"); found != lines.end()) {
         result_->notes.add(found->second.number,
                            fmt::format("{} is left out: how many samples a pixel gets is a run's business (--spp)",
@@ -216,7 +216,7 @@ void SceneImporter::note_samples() {
 void SceneImporter::note_unused_materials() {
     constexpr std::size_t most_named = 10;
     std::vector<std::size_t> unused;
-    for (std::size_t i = 0; i < seed_->materials.size(); ++i) {
+    for (std::size_t i = 0; i < sections_->materials.size(); ++i) {
         if (!used_materials_.contains(i)) {
             unused.push_back(i);
         }
@@ -232,14 +232,14 @@ void SceneImporter::note_unused_materials() {
 
 SceneParts SceneImporter::parts() {
     SceneParts parts;
-    for (std::size_t i = 0; i < seed_->materials.size(); ++i) {
-        parts.materials.push_back(import_material(seed_->materials[i], i, result_->problems, result_->warnings));
+    for (std::size_t i = 0; i < sections_->materials.size(); ++i) {
+        parts.materials.push_back(import_material(sections_->materials[i], i, result_->problems, result_->warnings));
     }
-    for (std::size_t i = 0; i < seed_->objects.size(); ++i) {
+    for (std::size_t i = 0; i < sections_->objects.size(); ++i) {
         parts.objects.push_back(object(i));
     }
     note_unused_materials();
-    if (seed_->camera) {
+    if (sections_->camera) {
         parts.root = root();
         parts.camera = camera();
         note_samples();
@@ -249,17 +249,17 @@ SceneParts SceneImporter::parts() {
 
 }  // namespace
 
-ImportResult import_seed_scene(const std::string& text, const std::string& file, const std::string& name) {
+ImportResult import_cis565_scene(const std::string& text, const std::string& file, const std::string& name) {
     ImportResult result;
     if (text.size() > largest_import) {
         result.problems.add(0, fmt::format("found {} bytes, allowed: at most {}", text.size(), largest_import));
         return result;
     }
-    const SeedFile seed = read_seed_file(text, result.problems);
-    const SceneParts parts = SceneImporter(seed, file, name, result).parts();
+    const Cis565File sections = read_cis565_file(text, result.problems);
+    const SceneParts parts = SceneImporter(sections, file, name, result).parts();
     check_parts(parts, result.problems);
-    result.objects = seed.objects.size();
-    result.materials = seed.materials.size();
+    result.objects = sections.objects.size();
+    result.materials = sections.materials.size();
     if (result.problems.count() == 0) {
         result.json = parts.json();
     }
