@@ -27,33 +27,30 @@ constexpr double least_over_time_stamps = 0.05;
 constexpr double most_over_cpufreq = 2.5;
 
 constexpr std::uint64_t steps_per_pass = 100000;
-constexpr std::uint64_t steps_per_turn = 8;
+constexpr std::uint64_t steps_per_turn = 8;  // as the assembler's .rept below has it
 
+// Calls `turn`, which makes steps_per_turn of them, as often as it takes. Each step waits for the one before it: that of
+// the turn before is in a register.
+template <class Turn>
+[[maybe_unused]] void chain(std::uint64_t steps, const Turn& turn) {
+    for (std::uint64_t i = 0; i < steps / steps_per_turn; ++i) {
+        turn();
+    }
+}
+
+// The instructions of a turn are opaque to the optimiser, which would fold them.
 #if defined(__x86_64__)
 
-// Opaque to the optimiser, and each step waits for the one before it.
 void additions(std::uint64_t steps) {
     std::uint64_t sum = 0;
     const std::uint64_t one = 1;
-    for (std::uint64_t i = 0; i < steps / steps_per_turn; ++i) {
-        asm volatile(
-            "add %1, %0\n\tadd %1, %0\n\tadd %1, %0\n\tadd %1, %0\n\tadd %1, %0\n\tadd %1, %0\n\tadd %1, %0\n\tadd %1, "
-            "%0"
-            : "+r"(sum)
-            : "r"(one));
-    }
+    chain(steps, [&] { asm volatile(".rept 8\n\tadd %1, %0\n\t.endr" : "+r"(sum) : "r"(one)); });
 }
 
 void multiplications(std::uint64_t steps) {
     std::uint32_t product = 1;
     const std::uint32_t factor = 3;
-    for (std::uint64_t i = 0; i < steps / steps_per_turn; ++i) {
-        asm volatile(
-            "imul %1, %0\n\timul %1, %0\n\timul %1, %0\n\timul %1, %0\n\timul %1, %0\n\timul %1, %0\n\timul %1, "
-            "%0\n\timul %1, %0"
-            : "+r"(product)
-            : "r"(factor));
-    }
+    chain(steps, [&] { asm volatile(".rept 8\n\timul %1, %0\n\t.endr" : "+r"(product) : "r"(factor)); });
 }
 
 double time_stamp() { return static_cast<double>(__rdtsc()); }
@@ -63,13 +60,7 @@ double time_stamp() { return static_cast<double>(__rdtsc()); }
 void additions(std::uint64_t steps) {
     std::uint64_t sum = 0;
     const std::uint64_t one = 1;
-    for (std::uint64_t i = 0; i < steps / steps_per_turn; ++i) {
-        asm volatile(
-            "add %0, %0, %1\n\tadd %0, %0, %1\n\tadd %0, %0, %1\n\tadd %0, %0, %1\n\tadd %0, %0, %1\n\tadd %0, %0, "
-            "%1\n\tadd %0, %0, %1\n\tadd %0, %0, %1"
-            : "+r"(sum)
-            : "r"(one));
-    }
+    chain(steps, [&] { asm volatile(".rept 8\n\tadd %0, %0, %1\n\t.endr" : "+r"(sum) : "r"(one)); });
 }
 
 // Latencies of multiplications differ between Arm's cores, and the counter's rate says nothing of the clock.

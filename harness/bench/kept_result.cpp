@@ -17,22 +17,33 @@ std::string text_at(const Json& document, const std::string& pointer) {
                : "";
 }
 
+[[noreturn]] void refuse_overwrite(const std::string& file, const std::string& description) {
+    throw InputError(file, "result file", description,
+                     "--overwrite, which replaces it when the new one is complete, or another --out");
+}
+
 }  // namespace
 
-std::string describe_result(const std::string& file) {
-    const Json result = parsed(file);
+bool is_complete_result(const Json& result) { return text_at(result, "/context/ptbench.status") == "completed"; }
+
+std::string describe_result(const Json& result) {
     const std::string status = text_at(result, "/context/ptbench.status");
     if (status.empty()) {
         return "a file that is no result of ptbench";
     }
-    return fmt::format("{} result of {}", status == "completed" ? "a complete" : "an interrupted",
+    return fmt::format("{} result of {}", is_complete_result(result) ? "a complete" : "an interrupted",
                        text_at(result, "/context/date"));
 }
 
 void check_overwrite(const std::string& file, bool overwrite) {
     if (!overwrite && std::filesystem::exists(file)) {
-        throw InputError(file, "result file", describe_result(file),
-                         "--overwrite, which replaces it when the new one is complete, or another --out");
+        refuse_overwrite(file, describe_result(parsed(file)));
+    }
+}
+
+void check_overwrite(const std::string& file, const EarlierResult& earlier, bool overwrite) {
+    if (!overwrite && earlier.is_there) {
+        refuse_overwrite(file, earlier.description);
     }
 }
 
@@ -40,8 +51,9 @@ void refuse_result(const std::string& file) {
     if (!std::filesystem::is_regular_file(file)) {
         return;
     }
-    if (!text_at(parsed(file), "/context/ptbench.status").empty()) {
-        throw InputError(file, "output file", describe_result(file),
+    const Json there = parsed(file);
+    if (!text_at(there, "/context/ptbench.status").empty()) {
+        throw InputError(file, "output file", describe_result(there),
                          "another name: only a result may take a result's place");
     }
 }
@@ -60,7 +72,8 @@ EarlierResult earlier_result(const std::string& file, const nlohmann::ordered_js
         return earlier;
     }
     const Json result = parsed(file);
-    earlier.is_complete = text_at(result, "/context/ptbench.status") == "completed";
+    earlier.is_complete = is_complete_result(result);
+    earlier.description = describe_result(result);
     earlier.is_of_this_run = text_at(result, "/ptbench/run/identity") == run.at("identity") &&
                              text_at(result, "/ptbench/run/shard") == run.value("shard", "");
     const Json::json_pointer cells("/ptbench/cells");

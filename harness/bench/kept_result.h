@@ -8,15 +8,13 @@
 
 namespace pt {
 
+bool is_complete_result(const Json& result);
 // "a complete result of 2026-11-22T10:00:00+0000", "an interrupted result ..", or "a file that is no result of
 // ptbench".
-std::string describe_result(const std::string& file);
+std::string describe_result(const Json& result);
 
 // Throws InputError if `file` is a result: for commands that write something else.
 void refuse_result(const std::string& file);
-
-// Throws InputError if `file` is there and the call does not say that it may be overwritten.
-void check_overwrite(const std::string& file, bool overwrite);
 
 // What an earlier result at `file` is to a run of this `run` (ptbench.run of a result: run_identity.h).
 struct EarlierResult {
@@ -25,6 +23,7 @@ struct EarlierResult {
     bool is_complete = false;
     int failed_cells = 0;
     FileStamp stamp = {};
+    std::string description;  // describe_result of it
 
     // Whether it stays until the run's own is complete: not what this very run left when it was interrupted.
     bool is_kept() const { return is_there && !(is_of_this_run && !is_complete); }
@@ -33,5 +32,10 @@ struct EarlierResult {
 // are.
 void check_untouched(const std::string& file, const FileStamp& stamp, const std::string& where);
 EarlierResult earlier_result(const std::string& file, const nlohmann::ordered_json& run);
+
+// Throws InputError if `file` is there and the call does not say that it may be overwritten. A result takes seconds to
+// parse: the second one is for who has done so.
+void check_overwrite(const std::string& file, bool overwrite);
+void check_overwrite(const std::string& file, const EarlierResult& earlier, bool overwrite);
 
 }  // namespace pt

@@ -80,8 +80,9 @@ void check_samples(const ShardResult& shard) {
 
 ShardResult read_shard(const std::string& file) {
     ShardResult shard{.file = file, .shard = {}, .positions = {}, .result = {}};
-    (void)parse_json(read_file(file, largest_result), file);
-    shard.result = OrderedJson::parse(read_file(file, largest_result));
+    const std::string text = read_file(file, largest_result);
+    (void)parse_json(text, file);
+    shard.result = OrderedJson::parse(text);
     const OrderedJson::json_pointer place("/ptbench/run/shard");
     if (!shard.result.contains(place) || !shard.result.at(place).is_string()) {
         throw InputError(file, "$.ptbench.run.shard", "no shard of a run", a_shard);

@@ -70,7 +70,7 @@ void check_result_file(const RunOptions& options, const EarlierResult& earlier) 
     }
     const bool goes_on = has_journal && (!options.resume || earlier.is_of_this_run || !earlier.is_complete);
     if (!goes_on) {
-        check_overwrite(options.out, options.overwrite);
+        check_overwrite(options.out, earlier, options.overwrite);
     }
 }
 

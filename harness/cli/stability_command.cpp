@@ -63,15 +63,18 @@ const Case& find_case(const std::string& name) {
 
 std::vector<const Case*> chosen_cases(const StabilityArguments& arguments) {
     std::vector<const Case*> cases;
+    std::vector<std::string> names;  // "lamp" and its number in the catalogue are one
     for (const std::string& argument : arguments.cases) {
         for (const std::string& name : split_names(argument, "--case")) {
-            const Case* stiff_case = &find_case(name);
-            if (std::find(cases.begin(), cases.end(), stiff_case) == cases.end()) {
-                cases.push_back(stiff_case);
-            }
+            cases.push_back(&find_case(name));
+            names.push_back(cases.back()->name);
+            check_once(names, "--case", "argument");
         }
     }
+    std::vector<std::string> families;
     for (const std::string& family : arguments.families) {
+        families.push_back(family);
+        check_once(families, "--family", "argument");
         if (std::find(std::begin(stability::families), std::end(stability::families), family) ==
             std::end(stability::families)) {
             throw InputError("--family", "name", "\"" + family + "\"",

@@ -54,20 +54,24 @@ Report::Report(std::string file, RunDescription description, IfThere if_there)
     if (if_there == IfThere::refuse) {
         check_overwrite(file_, false);
     }
-    const bool is_complete = stamp_.exists && describe_result(file_).starts_with("a complete ");
-    const bool overwrites =
-        if_there == IfThere::overwrite || (if_there == IfThere::resume_or_overwrite && is_complete && !is_beside);
-    if (is_beside || (overwrites && stamp_.exists)) {
+    if (is_beside) {
         growing_ = beside;
     }
-    if (resumes && !overwrites && std::filesystem::exists(growing_)) {
-        keep_rows();
-        is_changed_ = growing_ != file_ || !is_complete;
+    if (resumes && (is_beside || stamp_.exists)) {
+        const Json old = parse_json(read_file(growing_, largest_result), growing_);
+        const bool is_complete = is_complete_result(old);
+        if (if_there == IfThere::resume || !is_complete || is_beside) {
+            keep_rows(old);
+            is_changed_ = is_beside || !is_complete;
+            return;
+        }
+    }
+    if (if_there != IfThere::resume && stamp_.exists) {
+        growing_ = beside;
     }
 }
 
-void Report::keep_rows() {
-    const Json old = Json::parse(read_file(growing_, largest_result), nullptr, false);
+void Report::keep_rows(const Json& old) {
     if (!old.is_object() || old.value("schema", "") != schema || !old.contains("rows") || !old.contains("context")) {
         throw InputError(growing_, "file", "no result of ptbench stability", "one, to go on with");
     }
@@ -78,7 +82,7 @@ void Report::keep_rows() {
         }
     }
     if (const std::string other = difference(there, identity(description_)); !other.empty()) {
-        const bool is_complete = describe_result(growing_).starts_with("a complete ");
+        const bool is_complete = is_complete_result(old);
         throw InputError(
             growing_, "context",
             (is_complete ? std::string("the complete result of another run (") : std::string("another run (")) + other +

@@ -40,7 +40,7 @@ public:
 
 private:
     void write(const std::string& status) const;
-    void keep_rows();
+    void keep_rows(const Json& old);
     std::size_t count(std::string_view status, bool must_pass_only) const;
 
     std::string file_;

@@ -8,6 +8,7 @@ import random
 from collections.abc import Callable
 from pathlib import Path
 
+from builder import agreeing
 from conftest import ROOT
 
 REAL = ROOT / "results" / "nvidia-h200" / "first_bounce.json"
@@ -108,5 +109,5 @@ def rename(document: dict, cell: dict, name: str) -> None:
 
 
 def written(document: dict, path: Path) -> Path:
-    path.write_text(json.dumps(document), encoding="utf-8")
+    path.write_text(json.dumps(agreeing(document)), encoding="utf-8")
     return path

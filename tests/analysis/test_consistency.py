@@ -52,8 +52,10 @@ def copy_sample(document: dict, **changed) -> None:
     document["benchmarks"].insert(1, twin)
 
 
-def of_wants(document: dict) -> int:
-    return samples_of(document)[0]["repetitions"]
+def median_of(document: dict) -> dict:
+    name = cells_of(document)[0]["cell"]
+    medians = (row for row in document["benchmarks"] if row.get("aggregate_name") == "median")
+    return next(row for row in medians if row["run_name"] == name)
 
 
 # What is done to a good file, and what the line has to say; CELL: the first cell's name, OTHER: the second's.
@@ -113,6 +115,26 @@ FAULTS: dict[str, tuple[Callable[[dict], object], tuple[str, ...]]] = {
         for key in ("real_time", "pt_wall_ms", "pt_device_ms", "pt_end_to_end_ms")
         for value in (0, -0.5)
     },
+    "a time that its wall time is not": (
+        lambda d: samples_of(d)[3].update(real_time=4 * samples_of(d)[3]["pt_wall_ms"]),
+        ("$.benchmarks[3].real_time: found ", "in the cell CELL, allowed: ", ", its pt_wall_ms"),
+    ),
+    "a device that worked longer than the render took": (
+        lambda d: samples_of(d)[3].update(pt_device_ms=1.01 * samples_of(d)[3]["pt_wall_ms"]),
+        ("$.benchmarks[3].pt_device_ms: found ", "allowed: at most ", ", its pt_wall_ms"),
+    ),
+    "a render that ends before its last stage": (
+        lambda d: samples_of(d)[3].update(pt_end_to_end_ms=0.99 * samples_of(d)[3]["pt_wall_ms"]),
+        ("$.benchmarks[3].pt_end_to_end_ms: found ", "allowed: at least ", ", its pt_wall_ms"),
+    ),
+    "a median of other samples": (
+        lambda d: samples_of(d)[0].update(dict.fromkeys(("real_time", "pt_wall_ms", "pt_device_ms"), 1e-3)),
+        ("].real_time: found ", " in the cell CELL, allowed: ", ", the median of its 9 samples"),
+    ),
+    "a median of other CPU times": (
+        lambda d: median_of(d).update(cpu_time=1.0),
+        ("].cpu_time: found 1.0 in the cell CELL, allowed: ", ", the median of its 9 samples"),
+    ),
     "a sample's film": (
         spoil_film,
         (
@@ -211,6 +233,31 @@ def test_committed_files_do_not_contradict_themselves(path):
     root = read_json(path)
     if isinstance(root.value, dict) and {"benchmarks", "ptbench"} <= root.value.keys():
         assert list(contradictions(root)) == []
+
+
+def test_a_key_that_an_object_has_twice_is_refused(analysis, tmp_path):
+    """Python's parser takes the last of its values without a word."""
+    path = tmp_path / "twice.json"
+    time = samples_of(PACKET)[0]["real_time"]
+    text = json.dumps(PACKET).replace(f'"real_time": {time},', f'"real_time": {time}, "real_time": 1.0,', 1)
+    path.write_text(text, encoding="utf-8")
+    line = f'{path}: $.benchmarks[0]: found the key "real_time" twice, allowed: once\n'
+    for command in ("validate", "plots"):
+        code, out, err = analysis(command, path)
+        assert (code, out) == (2, "")
+        assert err.endswith(line)
+        assert err.count("\n") == 1
+    path.write_text('{"a": [{"b": 1}, {"c": {"d": 1, "e": 2, "d": 1}}]}', encoding="utf-8")
+    with pytest.raises(InputError, match=r'twice\.json: \$\.a\[1\]\.c: found the key "d" twice, allowed: once'):
+        read_json(path)
+
+
+def test_a_journals_line_with_a_key_twice_is_refused(analysis, tmp_path):
+    path = tmp_path / "twice.jsonl"
+    path.write_text('{"type": "run", "identity": {"seed": 1, "seed": 2}}\n', encoding="utf-8")
+    code, out, err = analysis("validate", path)
+    assert (code, err) == (1, "")
+    assert out == f'{path}: line 1 $.identity: found the key "seed" twice, allowed: once\n'
 
 
 def said(builder: Builder, tmp_path: Path) -> list[str]:

@@ -409,6 +409,13 @@ TEST(BadCallsTest, WhatStandsTwice) {
                    "--scene: argument: found \"cornell_open\" twice" + once);
     expect_refusal({"stability", "--case", "lamp", "--set", "a=0.1", "--set", "a=0.2"}, 2,
                    "--set: argument: found a twice" + once);
+    // By its name and by its number in the catalogue.
+    for (const char* again : {"lamp", "S5"}) {
+        expect_refusal({"stability", "--case", "lamp", "--case", again}, 2,
+                       "--case: argument: found \"lamp\" twice" + once);
+    }
+    expect_refusal({"stability", "--family", "cavities", "--family", "cavities"}, 2,
+                   "--family: argument: found \"cavities\" twice" + once);
     for (const std::string flag : {"--depth", "--spp", "--seed", "--repetitions"}) {
         expect_refusal({"run", "--scene", "cornell_open", flag, "2", flag, "3"}, 2, flag + ": found it 2 times" + once);
     }

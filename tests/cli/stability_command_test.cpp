@@ -51,6 +51,15 @@ TEST(StabilityCommandTest, ResumesWithWhatIsThere) {
     EXPECT_EQ(json::parse(content_of(folder.file("stability.json"))).at("rows"), json::parse(first).at("rows"));
 }
 
+TEST(StabilityCommandTest, AResultWithAKeyTwiceIsNotGoneOnWith) {
+    const TemporaryFolder folder;
+    const std::string out = folder.file("s.json");
+    write_text(out, R"({"schema": "ptbench-stability-1", "context": {}, "rows": [], "rows": []})");
+    const CommandResult result = stability({"--case", "lamp", "--out", "s.json", "--resume"}, folder);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(result.err, "ptbench: s.json: $: found the key \"rows\" twice, allowed: once\n");
+}
+
 // With what works in this process, and with processes that work for it.
 TEST(StabilityCommandTest, AnInterruptLeavesWhatIsThereAndTheWayToGoOn) {
     for (const std::string jobs : {"1", "2"}) {

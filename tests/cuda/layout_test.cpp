@@ -123,7 +123,7 @@ TEST(LayoutTest, ABounceWritesWhatItChanges) {
     EXPECT_EQ(found.medium, 0u);
 }
 
-// What a scene has no use for takes no memory, but in the seeds' whole record.
+// What a scene has no use for takes no memory, but in the whole record of cis565.
 TEST(LayoutTest, AStoreHasRoomForTheFieldsThatAreCarried) {
     const auto bytes_of = [](const char* layout, const PathFields& fields) {
         return Registry::instance()

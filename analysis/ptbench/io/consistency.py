@@ -1,11 +1,13 @@
-"""What contradicts itself in a file whose every value may be: samples twice or missing, films that differ.
+"""What contradicts itself in a file whose every value may be: samples twice or missing, times and films that differ.
 
 The types have to be right; a complaint names the place, the cell, what was found and what is allowed.
 """
 
 from __future__ import annotations
 
+import math
 import re
+import statistics
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -17,6 +19,8 @@ _BENCHMARK_SUFFIX = re.compile(
 )
 # Times of a sample: a render takes longer than no time.
 TIMES = ("real_time", "pt_wall_ms", "pt_device_ms", "pt_end_to_end_ms")
+# How far a device's clock may be from the host's: crystals differ by 1e-4 at most.
+_CLOCKS_DIFFER = 1e-3
 # Each of these tells a sample from the others of its cell.
 _OWN = ("repetition_index", "pt_seed", "pt_order")
 _MOST_NAMED = 3
@@ -51,10 +55,11 @@ def is_failure(row: Node) -> bool:
 
 @dataclass(frozen=True)
 class _Cell:
-    """A cell and the rows of its samples."""
+    """A cell, the rows of its samples, and those of their medians."""
 
     node: Node
     samples: Sequence[Node]
+    medians: Sequence[Node]
     failed: bool
 
     @property
@@ -88,28 +93,62 @@ def contradictions(root: Node) -> Iterator[Contradiction]:
             place = f"{cell.node.place}.status"
             yield Contradiction(place, f"{cell.shown} interrupted", "ok or failed: the run is completed")
     yield from _films(cells, None if run is None else run.optional_integer("seed"))
+    for cell in cells:
+        if not cell.failed:
+            yield from _medians(cell)
 
 
 def _cells(root: Node) -> list[_Cell]:
     nodes = {node.need("cell").text(): node for node in root.need("ptbench").need("cells").items()}
     samples: dict[str, list[Node]] = {name: [] for name in nodes}
+    medians: dict[str, list[Node]] = {name: [] for name in nodes}
     failed = {name for name, node in nodes.items() if node.need("status").value == "failed"}
     for row in root.need("benchmarks").items():
         if row.need("run_type").value == "aggregate":
-            continue
-        if is_failure(row):
+            if row.optional_text("aggregate_name") == "median":
+                medians[cell_of(row, nodes)].append(row)
+        elif is_failure(row):
             failed.add(cell_of(row, nodes))
         else:
             samples[cell_of(row, nodes)].append(row)
-    return [_Cell(node, samples[name], name in failed) for name, node in nodes.items()]
+    return [_Cell(node, samples[name], medians[name], name in failed) for name, node in nodes.items()]
 
 
 def times_of(row: Node, cell: str) -> Iterator[Contradiction]:
-    """The row's times that are none; whether they are numbers, others say."""
-    for key in TIMES:
-        value = row.fields().get(key)
-        if isinstance(value, (int, float)) and not isinstance(value, bool) and not value > 0:
-            yield Contradiction(f"{row.place}.{key}", f"{shown(value)} in {cell}", "a time above 0")
+    """The row's times that are none, or contradict each other; whether they are numbers, others say."""
+    times = {key: row.fields()[key] for key in TIMES if _is_number(row.fields().get(key))}
+    wrong = [key for key, value in times.items() if not value > 0]
+    for key in wrong:
+        yield Contradiction(f"{row.place}.{key}", f"{shown(times[key])} in {cell}", "a time above 0")
+    wall = times.get("pt_wall_ms")
+    if wall is None or wrong:
+        return
+    limits = {  # (least, most, in words)
+        "real_time": (wall, wall, f"{shown(wall)}, its pt_wall_ms"),
+        "pt_device_ms": (0, wall * (1 + _CLOCKS_DIFFER), f"at most {shown(wall)}, its pt_wall_ms"),
+        "pt_end_to_end_ms": (wall, math.inf, f"at least {shown(wall)}, its pt_wall_ms"),
+    }
+    for key, (least, most, allowed) in limits.items():
+        if key in times and not least <= times[key] <= most:
+            yield Contradiction(f"{row.place}.{key}", f"{shown(times[key])} in {cell}", allowed)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _medians(cell: _Cell) -> Iterator[Contradiction]:
+    """Rows of medians that are not those of the cell's samples."""
+    for row in cell.medians:
+        for key in ("real_time", "cpu_time"):
+            values = [sample.fields().get(key) for sample in cell.samples]
+            if not values or not all(map(_is_number, [*values, row.fields().get(key)])):
+                continue
+            median, found = statistics.median(values), row.need(key)
+            # Two values in the middle may be added or halved first.
+            if not math.isclose(found.value, median, rel_tol=1e-14):
+                allowed = f"{shown(median)}, the median of its {len(values)} samples"
+                yield Contradiction(found.place, f"{shown(found.value)} in {cell.shown}", allowed)
 
 
 def _twice(cell: _Cell) -> Iterator[Contradiction]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from ptbench.errors import InputError, bad_value
@@ -124,7 +124,7 @@ class Node:
 
 
 def read_json(path: Path, largest: int = LARGEST_RESULT) -> Node:
-    """Parses strictly: NaN, Infinity and halves of characters, which Python's parser takes, are not JSON."""
+    """Parses strictly. Python's parser takes NaN, Infinity, halves of characters, and of a key's values the last."""
 
     def refuse(constant: str) -> None:
         raise bad_value(path, "a value", constant, "finite numbers only")
@@ -134,15 +134,52 @@ def read_json(path: Path, largest: int = LARGEST_RESULT) -> Node:
     except UnicodeDecodeError as error:
         raise bad_value(path, f"byte {error.start}", "bytes that are not UTF-8", "JSON in UTF-8") from error
     try:
-        value = json.loads(text, parse_constant=refuse)
+        value, key_twice = parse(text, refuse)
     except json.JSONDecodeError as error:
         place = f"line {error.lineno} column {error.colno}"
         raise bad_value(path, place, f"no valid JSON ({error.msg})", "one complete JSON value") from error
     except (RecursionError, ValueError) as error:
         raise bad_value(path, "the file", "JSON nested too deeply or a number too long", "plain JSON") from error
+    if key_twice is not None:
+        raise bad_value(path, *key_twice)
     if _HALF_ESCAPED.search(text) and (half := _half_of_a_character(value)):
         raise bad_value(path, "a string", f"half of a character ({half})", "whole characters")
     return Node(path, value)
+
+
+class _Ambiguous:
+    """What an object is read as that has a key twice."""
+
+    def __init__(self, key: str):
+        self.key = key
+
+
+def parse(text: str, refuse: Callable[[str], object]) -> tuple[object, tuple[str, str, str] | None]:
+    """(the JSON value, where an object has a key twice, what was found there and what is allowed; or None)."""
+    ambiguous = []
+
+    def object_of(members: list[tuple[str, object]]) -> object:
+        value = dict(members)
+        if len(value) == len(members):
+            return value
+        keys = [key for key, _ in members]
+        ambiguous.append(_Ambiguous(next(key for key in keys if keys.count(key) > 1)))
+        return ambiguous[-1]
+
+    value = json.loads(text, parse_constant=refuse, object_pairs_hook=object_of)
+    return value, _key_twice(value, "$") if ambiguous else None
+
+
+def _key_twice(value: object, place: str) -> tuple[str, str, str] | None:
+    if isinstance(value, _Ambiguous):
+        return place, f"the key {shown(value.key)} twice", "once"
+    if isinstance(value, dict):
+        items = ((f"{place}.{key}", item) for key, item in value.items())
+    elif isinstance(value, list):
+        items = ((f"{place}[{index}]", item) for index, item in enumerate(value))
+    else:
+        return None
+    return next((found for where, item in items if (found := _key_twice(item, where)) is not None), None)
 
 
 # An escape of a character's half; whole characters have two in a row.

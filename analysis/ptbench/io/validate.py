@@ -20,7 +20,7 @@ from referencing import Registry, Resource
 from ptbench.errors import InputError, bad_value
 from ptbench.io.consistency import JournalBook, contradictions
 from ptbench.io.files import LARGEST_RESULT, one_line, package_file, read_whole
-from ptbench.io.nodes import Node, read_json, shown
+from ptbench.io.nodes import Node, parse, read_json, shown
 from ptbench.terminal import say, visible
 
 SCHEMAS = package_file("schema")
@@ -80,9 +80,13 @@ def journal_complaints(path: Path) -> Iterator[str]:
     for number, line in enumerate(lines, start=1):
         place = f"line {number}"
         try:
-            value = json.loads(line.decode("utf-8"), parse_constant=_refuse)
+            value, key_twice = parse(line.decode("utf-8"), _refuse)
         except (ValueError, RecursionError):
             yield f"{place}: found no valid JSON, allowed: one JSON object a line"
+            continue
+        if key_twice is not None:
+            where, twice, allowed = key_twice
+            yield f"{place} {where}: found {twice}, allowed: {allowed}"
             continue
         found = list(complaints(value, "journal", f"{place} $"))
         yield from found
