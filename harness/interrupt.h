@@ -10,11 +10,11 @@
 
 namespace pt {
 
-inline constexpr int exit_interrupted = 130;  // as a shell says of Ctrl-C; here of SIGTERM too
+inline constexpr int exit_interrupted = 130;  // 128 + SIGINT, as shells report Ctrl-C; for SIGTERM too
 
 class Interrupt {
 public:
-    // Handles the signals for as long as it lives; one of them at a time in a process.
+    // Handles the signals while it lives. A process has at most one Interrupt at a time.
     explicit Interrupt(std::chrono::milliseconds grace = std::chrono::seconds(1));
     ~Interrupt();
     Interrupt(const Interrupt&) = delete;
@@ -22,11 +22,11 @@ public:
 
     // Whether there was a signal.
     bool requested() const;
-    // What ends the program if it has not ended itself `grace` after a signal, in place of an exit with
-    // exit_interrupted: `end` is called on a thread of its own, and the process exits with what it returns.
+    // If the program still runs `grace` after a signal, `end` is called on a thread of its own and the process exits
+    // with what it returns. Without this call the process then exits with exit_interrupted.
     void when_overdue(std::function<int()> end);
-    // Before a program ends by itself, or what `end` needs goes: it is not called any more. Does not return where it
-    // was called already.
+    // To be called before the program ends by itself and before anything that `end` uses is destroyed: `end` is not
+    // called afterwards. If `end` is running already, this call does not return.
     void begin_end();
 
 private:

@@ -1,4 +1,4 @@
-// A file that one process at a time has: the kernel drops the lock when the process ends, however it ends.
+// A file that one process at a time may hold: the kernel drops the lock when the process ends, however it ends.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ public:
 
     int descriptor() const { return descriptor_; }
     std::size_t size() const;
-    // Nobody else can have the lock of what is removed here, so nobody's file is taken away.
+    // Removes the file. This process holds its lock, so no other one is using it.
     void remove() const;
 
 private:

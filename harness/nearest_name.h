@@ -1,5 +1,5 @@
-// What somebody may have meant who wrote a name that is none: the nearest by edit distance (Damerau 1964: insertions,
-// deletions, substitutions and swaps of neighbours).
+// Suggests the known name that is nearest to a misspelt one, by edit distance (Damerau 1964: insertions, deletions,
+// substitutions and swaps of neighbours).
 #pragma once
 
 #include <string>

@@ -6,17 +6,16 @@
 
 namespace pt {
 
-// Throws InputError if `file`, the value of the option `flag`, is there and no regular file (a folder, a device, a
-// pipe), or could not be made because a part of its path is a file. A link to a regular file is good: that file is
-// meant.
+// Throws InputError if `file`, the value of the option `flag`, cannot be written as a regular file: it is a folder, a
+// device or a pipe, a part of its path is a file, or its name cannot be used (empty, too long, control characters). A
+// link to a regular file is good: the file that it leads to is written.
 void check_output_file(const std::string& file, const std::string& flag = "--out");
 
-// Creates missing folders. Throws MachineError if it cannot be written, or what check_output_file refuses is there;
-// then the old file, if any, is untouched.
+// Creates missing folders. Throws MachineError if the file cannot be written or check_output_file would refuse it; an
+// old file then stays as it was.
 void write_file(const std::string& file, const std::string& content);
 
-// Which file there is under a name, and in which state: two stamps differ if somebody wrote it, or another in its
-// place.
+// Identifies a file and its state: two stamps of one name differ if the file was written or replaced in between.
 struct FileStamp {
     bool exists = false;
     std::uint64_t device = 0, inode = 0;
@@ -25,7 +24,7 @@ struct FileStamp {
 };
 FileStamp stamp_of(const std::string& file);
 
-// Removes what processes that were killed while they wrote `file` left beside it. Nobody else may be writing it.
+// Removes the temporary files that killed processes left beside `file`. No other process may be writing `file`.
 void remove_partial_files(const std::string& file);
 
 }  // namespace pt

@@ -1,6 +1,6 @@
-// The axes, and what the choices of one axis tell those of the others of themselves: a struct of traits an axis. A
-// choice that has to know about another one asks for a trait, never for a name: so a new choice is known to all of them
-// by what it says of itself. Defaults are those of the axis's usual choice.
+// The axes, and for each a struct of traits: what its choices tell the choices of other axes. A choice that depends on
+// another one asks for a trait, never for a name, so a new choice works with all others by its traits alone. Defaults
+// are those of the axis's usual choice.
 #pragma once
 
 #include <array>
@@ -80,7 +80,7 @@ struct SortingTraits {
 // A key is (material << bits) + rest, or rest alone; rest is below 2^bits.
 struct SortKeyTraits {
     std::uint32_t bits = 0;
-    bool has_material = true;  // known after the hit only; without it paths are sorted before they are traced
+    bool has_material = true;  // which is known only after the hit; other keys sort paths before they are traced
 
     constexpr bool is_material_alone() const { return has_material && bits == 0; }
 };
@@ -91,7 +91,7 @@ struct FirstBounceTraits {
 
 struct DirectLightTraits {
     bool connects = true;                // some vertex is connected to a light
-    bool connects_every_vertex = false;  // a path remembers its last density, to weigh the light that it meets
+    bool connects_every_vertex = false;  // a path carries its last BSDF density, for the MIS weight of light it meets
     bool counts_light_met = true;        // after a vertex that was connected
 };
 
@@ -100,11 +100,11 @@ struct RouletteTraits {
 };
 
 struct SamplerTraits {
-    bool is_in_every_kernel = false;  // no feature of a kernel: whatever is compiled has it
+    bool is_in_every_kernel = false;  // it has no feature bit: every kernel contains it
 };
 
 struct LayoutTraits {
-    bool keeps_paths_whole = false;  // a path is a record as it is in registers: good without an array of paths too
+    bool keeps_paths_whole = false;  // a path is stored as one record, so integrators without an array can have it
 };
 
 struct SpecialisationTraits {
@@ -118,7 +118,7 @@ struct LaunchTraits {
 };
 
 struct ArithmeticTraits {
-    bool is_approximate = false;  // division and square root have errors that no case is held to
+    bool is_approximate = false;  // division and square root are approximate: tolerances of cases do not cover that
 };
 
 struct PrecisionTraits {

@@ -35,7 +35,7 @@ struct Tunable {
     std::uint32_t lowest = 0, highest = 0;
     std::uint32_t multiple_of = 1;
     std::string_view summary = "";
-    bool sets_work = false;  // what is computed, not how: no search for the fastest value may touch it
+    bool sets_work = false;  // it changes what is computed, not only how: autotune leaves it alone
 
     constexpr bool allows(std::uint32_t value) const {
         return value >= lowest && value <= highest && value % multiple_of == 0;
@@ -66,7 +66,7 @@ private:
 // What a render did, counted where it was done. A choice checks its own claims against it.
 struct WorkCounters {
     std::uint64_t paths = 0;
-    std::uint64_t rays = 0;  // traced: a first hit that came from the cache is none
+    std::uint64_t rays = 0;  // traced; a first hit from the cache is not counted
     std::uint64_t unfinished_walks = 0;
     std::uint64_t bounces = 0;  // wavefront iterations over the queue
     std::uint64_t compactions = 0;

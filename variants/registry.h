@@ -31,8 +31,7 @@ struct KernelOffer {
 // Picks the feature set of the kernel to run.
 using ChooseFeatures = std::function<FeatureSet(const KernelOffer& offer, const Variant& variant, Backend backend)>;
 
-// What a choice brings; besides `features` at most one member is set, by its axis and backend. A choice that is a name
-// and nothing else
+// What a choice brings: besides `features` at most one member, by its axis and backend. A choice that is only a name
 // (`none`, an option of the compiler) brings none.
 struct Hook {
     MakeCompaction compaction = {};
@@ -93,7 +92,7 @@ struct IntegratorRegistration {
     }
 };
 
-// What the variant's choices say of themselves. One that the backend lacks says what it does elsewhere.
+// What the variant's choices say of themselves. For a choice that this backend lacks it is what it says on the other.
 VariantTraits traits_of(const Variant& variant, Backend backend);
 
 // Why a variant cannot run on a scene with these features ("axis=choice reason"); empty: it can. A choice that the
@@ -110,11 +109,11 @@ bool fp_relaxed(const Variant& variant, Backend backend);
 // The same variant with each choice that rounds freely replaced by the one whose mean it claims.
 Variant exact_twin(const Variant& variant, Backend backend);
 
-// Some choice says so of itself (Descriptor), or all do.
+// By the flags of the same names in Descriptor: that one of the variant's choices has the first, and all the second.
 bool depends_on_order(const Variant& variant, Backend backend);
 bool has_independent_samples(const Variant& variant, Backend backend);
-// Segments more that a variant's expectation has than it traces (Descriptor::mean_at_extra_depth). A choice may have
-// the mean of one that has the mean of a third.
+// By how many segments the paths of the same expectation are longer (Descriptor::mean_at_extra_depth). Summed along
+// chains: a choice may claim the mean of one that claims the mean of a third.
 std::uint32_t extra_depth(Variant variant, Backend backend);
 // The features that the variant's choices ask of a kernel, whatever the scene.
 FeatureSet features_asked(const Variant& variant, Backend backend);

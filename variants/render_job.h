@@ -27,8 +27,7 @@ struct PathQueue {
     std::vector<std::uint32_t> keys;     // by position in play; filled for a sort only
     std::vector<std::uint32_t> scratch;  // for choices that need a second index array
 
-    // AxisAlignedEnclosure for `capacity` paths; keeps its memory between renders, so that a timed render touches no
-    // fresh page.
+    // Makes room for `capacity` paths; keeps its memory between renders, so that a timed render touches no fresh page.
     void reserve(std::size_t capacity);
     std::uint32_t slot(std::size_t i) const { return indirect ? order[i] : static_cast<std::uint32_t>(i); }
 };

@@ -1,5 +1,5 @@
-// What compactions and sorts must have done by the end of a render, told from its counters. Neither runs after (before
-// the shading of) a path's last possible segment: there is nothing left to gain.
+// What compactions and sorts must have done by the end of a render, told from its counters. At a path's last possible
+// segment nothing is sorted before shading or compacted after it: no later stage would gain.
 #pragma once
 
 #include "variants/descriptor.h"

@@ -17,12 +17,12 @@ struct CompileTask {
     std::string architecture = {};  // "sm_90"; empty: the device's
 };
 
-// On CUDA; what variants have in common is compiled once. What does not compile, or does not apply, is left to whoever
-// needs it: it fails there with its message. Shows progress on stderr.
+// On CUDA; what variants have in common is compiled once. A variant that does not compile or does not apply is skipped:
+// it fails, with its message, when it is used. Shows progress on stderr.
 void compile_ahead(const std::vector<CompileTask>& tasks);
 
-// The same for programs by name, each a call that compiles it and puts it into the cache. Needs neither a device nor a
-// driver. A single program, or all of them on a single processor, are left to whoever needs them.
+// The same for programs by name; each call compiles its program and puts it into the cache. Needs neither a device nor
+// a driver. Does nothing for a single program or on a single processor, where nothing would run at once.
 void compile_programs(const std::map<std::string, std::function<void()>>& programs);
 
 }  // namespace pt

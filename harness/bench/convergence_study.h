@@ -10,17 +10,17 @@ inline constexpr std::string_view without_checkpoints_suffix = "_without_checkpo
 
 // Keys that only such a study has.
 inline const std::vector<std::string> convergence_keys{"reference", "images", "without_checkpoints"};
-// Of the object of a study; throws InputError.
+// Reads the keys of such a study from its object; throws InputError.
 ConvergenceSettings read_convergence(const JsonObject& study);
 
 // 1, 2, 4, ... and the last sample.
 std::vector<std::uint32_t> octaves(std::uint32_t spp);
 
-// Makes an ordinary cell, whose settings have the depth of depth_for_mean_of, one with checkpoints.
+// Turns an ordinary cell into one with checkpoints. Precondition: its depth is that of depth_for_mean_of.
 void add_checkpoints(Cell& cell, const ConvergenceSettings& settings, std::shared_ptr<const Scene> reference_scene,
                      std::uint32_t reference_depth);
 
-// Why the cell's images are another than the reference's, or may be; each in a line.
+// The reasons why the cell's images differ, or may differ, from the reference's; one line each.
 std::vector<std::string> declared_biases(const Cell& cell);
 
 }  // namespace pt

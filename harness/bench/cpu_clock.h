@@ -11,7 +11,7 @@
 
 namespace pt {
 
-// Steps a microsecond of each chain, and the rates that a core's clock cannot be far from. 0: not to be had here.
+// Steps per microsecond of each chain, and rates that a core's clock must be near. 0: not available on this machine.
 struct ClockEvidence {
     double additions_per_us = 0;
     double multiplications_per_us = 0;
@@ -19,7 +19,7 @@ struct ClockEvidence {
     double cpufreq_max_mhz = 0;     // the highest that the kernel names for a core; boost may go beyond it
 };
 
-// The clock in MHz that the evidence shows: nothing where it contradicts itself.
+// The clock in MHz; nothing if the evidence contradicts itself.
 std::optional<double> clock_of(const ClockEvidence& evidence);
 // What contradicts what, in words with the numbers; empty where clock_of has a clock.
 std::string clock_problem(const ClockEvidence& evidence);

@@ -24,28 +24,28 @@ inline constexpr double allowed_reference_error = 0.05;
 
 class ErrorBook {
 public:
-    // Takes the tasks of the plan's cells: of those for one reference, the most demanding.
+    // Collects the reference tasks of the plan's cells. Of several for the same reference the most demanding counts.
     ErrorBook(const Plan& plan, ReferenceMaker maker);
 
-    // Makes or loads every reference to its own variance. A task that fails is told where its reference is asked for.
+    // Makes or loads every reference, to its task's variance. If that fails, reference() throws with the reason.
     void make_references();
     // Renders a reference on until its error is no more than `dual_error`, or it has the task's most_spp.
     void improve(const std::string& name, double dual_error);
     // Throws std::runtime_error that says why there is none.
     const Reference& reference(const Cell& cell) const;
 
-    // mse_dual that the cell will have at its spp if it falls as 1/spp, from a film of fewer.
+    // mse_dual at the cell's spp, extrapolated as 1/spp from a film of fewer samples.
     double expected_mse(const Cell& cell, const Film& film) const;
     // Why the reference is too noisy for a cell with this expected mse, with the spp that would do; empty: it is not.
     std::string refusal(const Cell& cell, double expected_mse) const;
 
     // What the cell has in a result file besides the errors.
     Json cell_facts(const Cell& cell) const;
-    // The value of pt_checkpoints in a sample's row; "shared" is left for the result file to say.
+    // The value of pt_checkpoints in a sample's row, without "shared", which the result file adds.
     Json rows(const Cell& cell, const std::vector<Snapshot>& snapshots);
 
 private:
-    // Of a film and, where there is one, that of the first half of its samples, both with their hashes.
+    // A film and its hash: of all samples so far or, where that was kept, of their first half.
     struct Hashed {
         const Snapshot* snapshot = nullptr;
         std::string hash;
@@ -59,12 +59,12 @@ private:
     std::map<std::string, Json> known_;  // errors, by reference, samples and film
 };
 
-// The folder of a result's images, beside it. While an earlier result is kept, they wait in another, which
-// replace_images gives the name of the first.
+// The folder of a result's images, beside the result. While an earlier result is kept, the images go to a second
+// folder, which replace_images renames to the first.
 std::string images_folder(const std::string& result_file, bool keeps_earlier);
 void replace_images(const std::string& result_file);
-// Writes a sample's images at its checkpoints and the reference as .pfm to a folder of images_folder's; returns their
-// names by spp and that of the reference, relative to the result file, as they will be.
+// Writes a sample's images at its checkpoints and the reference as .pfm to a folder that images_folder named. Returns
+// the images' names by spp and the reference's, relative to the result file, as they are after replace_images.
 Json write_images(const std::string& images_folder, const Cell& cell, const Reference& reference,
                   const std::vector<Snapshot>& snapshots);
 

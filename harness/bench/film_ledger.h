@@ -1,5 +1,5 @@
-// Which film every bitwise group of cells must have, sample by sample: the first of them says it, the others are held
-// to it. Samples of one index have one seed in all cells.
+// Checks that the cells of a bitwise group have the same film, sample by sample: the first film of a sample is noted,
+// and those of the other cells must equal it. Sample i has the same seed in all cells.
 #pragma once
 
 #include <cstddef>

@@ -22,12 +22,12 @@ public:
     void add_sample(const std::string& cell, const Json& sample);
     // What is known of a cell besides its samples; a later call replaces an earlier one.
     void set_cell(const std::string& cell, const Json& facts);
-    // A process that takes samples: what is said of it. The samples that follow are its own.
+    // Begins a session: facts about the process that takes the samples that follow.
     void add_session(const Json& facts);
 
     const std::vector<Json>& samples(const std::string& cell) const;
     const Json* cell(const std::string& cell) const;
-    // The facts of each session with the number of its "samples".
+    // The facts of each session, with the number of its samples under "samples".
     const std::vector<Json>& sessions() const { return sessions_; }
     std::size_t sample_count() const;
     const std::string& file() const { return file_; }

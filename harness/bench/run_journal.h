@@ -26,7 +26,7 @@ public:
     void set_failed(const Cell& cell, const std::string& reason);
     void add_sample(const Cell& cell, const Json& sample);
 
-    // For good: whoever adds from now on waits for as long as the process lives.
+    // No change from now on: a thread that adds to the journal waits until the process ends.
     void close() { mutex_.lock(); }
     // Removes the file: the result file is in place.
     void finish() { journal_.finish(); }

@@ -1,5 +1,5 @@
-// A part of a run for one of several equal machines: whole groups of cells whose times or errors are compared with each
-// other, so that no comparison within a scene and setting is one of two machines.
+// A part of a run for one of several equal machines. Cells whose times or errors are compared with each other stay in
+// one shard, so that no comparison within a scene and setting is between two machines.
 #pragma once
 
 #include <string>
@@ -24,8 +24,8 @@ Shard parse_shard(const std::string& text);
 // cells that share a reference, are together. In the order of their first cells.
 std::vector<std::vector<std::size_t>> groups_of(const Plan& plan);
 
-// The positions in the plan of a shard's cells, increasing. Groups go, the largest first (by samples of pixels), to the
-// shard that has the least. Throws InputError if there are more shards than groups.
+// The positions in the plan of a shard's cells, increasing. The largest groups (pixels times samples) are placed first,
+// each into the shard that has the least so far. Throws InputError if there are more shards than groups.
 std::vector<std::size_t> positions_of(const Plan& plan, const Shard& shard);
 // The plan with these cells only; what does not apply stays.
 Plan part_of(const Plan& plan, const std::vector<std::size_t>& positions);

@@ -32,7 +32,7 @@ struct ConvergenceSettings {
         {};                                      // choices of the reference's variant, where not the plainest
     double variance = 1e-6;                      // of the reference, a pixel and channel
     std::map<Backend, double> variance_on = {};  // where a backend has its own
-    std::uint64_t most_spp = 65536;              // a half of it
+    std::uint64_t most_spp = 65536;              // of each half of the reference
     std::map<Backend, std::uint64_t> most_spp_on = {};
     bool images = false;               // keep the first sample's image at every checkpoint
     bool without_checkpoints = false;  // the cells once more as ordinary ones
@@ -83,7 +83,7 @@ struct Cell {
     Variant variant;
     RenderSettings settings;
     std::uint32_t spp = 1;
-    // Samples a pixel of the renders before the timed ones; 0: as many. Its film's bits are held to others' anyway.
+    // Samples a pixel of the renders before the timed ones; 0: `spp`. Their films are compared with others' either way.
     std::uint32_t prepared_spp = 0;
     std::optional<CellConvergence> convergence = {};
 
@@ -118,19 +118,21 @@ std::vector<Variant> expand(const AxisChoices& axes, Backend backend = Backend::
                             const TunableValues& tunables = {});
 // Every choice of every axis.
 AxisChoices all_choices(Backend backend = Backend::cpu);
-// Variants that apply to a scene with these features such that every two choices of two axes that can go together do so
-// in one of them: what all_choices() would be too many for.
+// A pairwise covering: variants that apply to a scene with these features, in which every compatible pair of choices of
+// two axes occurs. All combinations of choices would be too many.
 std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet features, Backend backend);
-// "NAME=c1,c2" -> adds to `axes`; throws InputError with the allowed names, and where they have the axis already.
-// "NAME=all": the backend's.
+// "NAME=c1,c2" -> adds to `axes`; throws InputError, with the allowed names, for an unknown name and for an axis that
+// `axes` has already. "NAME=all": all choices of the backend.
 void add_axis_argument(AxisChoices& axes, const std::string& argument, Backend backend = Backend::cpu);
 AxisChoices parse_axis_arguments(const std::vector<std::string>& arguments, Backend backend = Backend::cpu);
-// "NAME=v1,v2" -> adds to `tunables`; throws InputError with what is allowed, and where they have the name already.
+// "NAME=v1,v2" -> adds to `tunables`; throws InputError, with what is allowed, for a value that is not and for a name
+// that `tunables` has already.
 void add_tunable_argument(TunableValues& tunables, const std::string& argument);
 TunableValues parse_tunable_arguments(const std::vector<std::string>& arguments);
 // Throws InputError if no choice on any backend has such a tunable, or none that has it allows the value.
 void check_tunable(const std::string& name, std::uint32_t value, const std::string& file, const std::string& place);
-// A build without a CUDA toolkit does not know that backend's tunables: they tune nothing there.
+// Whether a build without a CUDA toolkit has to let the name pass: it does not know that backend's tunables, and a
+// suite that names them is good there too.
 bool may_be_known_elsewhere(const std::string& name);
 void check_choices(const AxisChoices& axes, const std::string& file, const std::string& place);
 

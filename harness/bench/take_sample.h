@@ -12,14 +12,14 @@
 namespace pt {
 
 struct TakenSample {
-    std::string error = {};                // why it is none; empty: it is one
+    std::string error = {};                // why the sample failed; empty: it did not
     Json facts = {};                       // for the journal
     std::vector<Snapshot> snapshots = {};  // of a cell with checkpoints
 };
 
 class SampleTaker {
 public:
-    // Goes on with the order of the samples that are in the journal.
+    // Numbers samples (pt_order) on from those that are in the journal.
     SampleTaker(const Plan& plan, const Journal& journal, std::uint64_t first_seed, FilmLedger& films,
                 ErrorBook& errors);
 

@@ -23,7 +23,7 @@ struct TunedVariant {
 
 class Tuning {
 public:
-    // An absent file is an empty tuning. Throws InputError for a file that is none.
+    // An absent file is an empty tuning. Throws InputError for a file that is not a tuning.
     static Tuning load(const std::string& file, Backend backend);
     // Replaces the entry of that variant, or adds one.
     void put(const TunedVariant& tuned);

@@ -37,14 +37,14 @@ private:
     Verdict check_bits(const Variant& variant);
     Verdict check_freely_rounded(const Variant& variant);
     const RenderResult& reference(const Variant& reference_variant);
-    // What the CPU's film says of a reference variant on CUDA; empty: nothing against it.
+    // How a reference variant's film on CUDA differs from the CPU's; empty: it does not.
     std::string against_cpu(const Variant& reference_variant);
     RenderResult render_part(const Variant& variant, std::uint32_t first, std::uint32_t count) const;
 
     struct MeanCheck {
         std::string failure = {};  // empty: the means agree
-        double detectable = 0;     // relative bias of the image's mean that would have been a failure
-        double effect = 0;         // by how much the choice moves the image's mean from the plain one at the same depth
+        double detectable = 0;     // least relative bias of the image's mean that would have failed
+        double effect = 0;         // relative change of the image's mean against the plain choice at the same depth
     };
     MeanCheck check_statistical(const Variant& variant);
     const MeanCheck& mean_check(const Variant& variant);

@@ -18,10 +18,10 @@ struct MeanClaim {
     bool same_sampling = true;                    // SameMeanOptions
 };
 
-// The claim that a variant's choices make (Descriptor::mean_of): its baseline is the reference variant without a choice
-// that claims a mean, at that depth more that they say.
+// The claim that a variant's choices make (Descriptor::mean_of). The baseline is the reference variant in which each
+// choice that claims another one's mean is replaced by that one, at the depth that has the same expectation.
 MeanClaim claim_of_mean(const Variant& variant, std::uint32_t depth, Backend backend);
-// The claim that `variant` has the image of another one: at depths whose expectations are the same.
+// The claim that `variant` has the image of `baseline`, each at the depth that has the same expectation.
 MeanClaim claim_against(const Variant& variant, const Variant& baseline, std::uint32_t depth, Backend backend);
 
 struct MeanVerdict {

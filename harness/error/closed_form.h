@@ -14,7 +14,7 @@ struct ClosedForm {
     std::string formula;
 };
 
-// Of two kinds of scene; nothing for any other.
+// There is one for two kinds of scene:
 // - One emitter that is a still quad wholly in front of a pinhole: a pixel is the quad's radiance on the part of the
 //   pixel that its image covers, and the environment on the rest.
 // - One closed object around the eye, which reflects and emits the same everywhere: a geometric series.

@@ -25,7 +25,7 @@ public:
     std::size_t parts() const { return parts_; }
     // A run's image: the mean of its parts.
     const Radiance& image(std::size_t run) const { return images_[run]; }
-    // Variance between runs of one part's luminance (the channels' sum), unbiased, added up over the parts.
+    // Unbiased variance between runs of a part's luminance (the sum of its channels), summed over the parts.
     double variance_of_parts(std::size_t pixel) const { return squares_[pixel] / static_cast<double>(count() - 1); }
 
     // Blocks of 16x16 pixels, less at the right and lower edges.

@@ -12,12 +12,12 @@ struct Dependence {
     const char* name = "";
     double value = 0;
     double error = 0;  // standard error
-    double p = 1;      // of a value as large by chance; a negative one (stratified samples) is no fault
+    double p = 1;      // chance of a value as large; a negative one (stratified samples) is no fault
 };
 
 struct Independence {
-    // Excess variance of a run over that of its parts; correlation of neighbouring pixels; that of runs whose seeds
-    // follow each other.
+    // Variance of a run in excess of what its parts' variance predicts; correlation of neighbouring pixels;
+    // correlation of runs with successive seeds.
     std::array<Dependence, 3> dependences;
     double p = 1;  // of the smallest of theirs
     const Dependence& strongest() const;

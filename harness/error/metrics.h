@@ -19,7 +19,7 @@ struct Halves {
     Image first, second;
 };
 
-// What there is only if every pixel is finite.
+// Defined only if every pixel is finite.
 struct Errors {
     std::array<double, 3> me_rgb{};
     double mse = 0;

@@ -23,7 +23,7 @@ struct ReferenceTask {
     Backend backend = Backend::cpu;
     std::map<std::string, std::string> axes = {};  // choices that take the place of reference_variant's own
     double variance = 0;                           // of the mean of the halves, a pixel and channel
-    std::uint64_t most_spp = 1;                    // a half
+    std::uint64_t most_spp = 1;                    // of each half
     // "cornell_open/64x64/depth:8/cpu", and "/AXIS=CHOICE" for each of `axes`.
     std::string name() const;
 };
@@ -34,7 +34,7 @@ struct Reference {
     std::uint32_t width = 0, height = 0, depth = 0;
     bool is_closed_form = false;
     std::string formula;             // of a closed form
-    std::uint64_t spp_per_half = 0;  // of a rendered one, and so are the following
+    std::uint64_t spp_per_half = 0;  // this and what follows: of a rendered reference
     std::string variant, backend;
     std::uint64_t seeds[2] = {0, 0};
     std::string git_sha;
@@ -51,8 +51,8 @@ struct Reference {
 // choices may not apply to its scene.
 Variant reference_variant(const ReferenceTask& task);
 
-// The depth at which a variant has the expectation of plain paths of `depth`: less by what its choices see further
-// (Descriptor::mean_at_extra_depth). 0: there is none.
+// The depth at which a variant has the expectation of plain paths of `depth`: smaller by the segments that its choices
+// look ahead (Descriptor::mean_at_extra_depth). 0: no depth has it.
 std::uint32_t depth_for_mean_of(const Variant& variant, Backend backend, std::uint32_t depth);
 
 // Seeds of the two halves; no other render uses them.

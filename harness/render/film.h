@@ -18,9 +18,9 @@ public:
     FilmView view();
     std::uint32_t width() const { return width_; }
     std::uint32_t height() const { return height_; }
-    // That a mean is over.
+    // Samples a pixel that pixel() and radiance() divide the sums by.
     std::uint64_t samples() const { return samples_; }
-    // While only so many samples a pixel have been added; scale and limit stay.
+    // For a film to which only a part of the samples has been added so far; scale and limit stay those of the whole.
     void set_samples(std::uint64_t samples) { samples_ = samples; }
     const std::vector<std::int64_t>& sums() const { return sums_; }
     // Takes over what was summed elsewhere at this film's scale. Throws std::logic_error if the sizes differ.

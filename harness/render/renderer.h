@@ -73,7 +73,7 @@ struct KernelChoice {
     FeatureSet needed, compiled;
     RenderFunction render;                        // CPU
     RenderIn<double> render_in_double = nullptr;  // CPU with precision=double: this one instead
-    // "exact", or what the kernel contains for nothing.
+    // "exact", or "has .. for nothing": the features of the kernel that the scene does not need.
     std::string note() const;
 };
 KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend backend = Backend::cpu);

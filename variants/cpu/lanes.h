@@ -1,6 +1,6 @@
-// Paths side by side in the lanes of a packet, a scalar of a path an array of its own, so that a loop over the lanes is
-// one that the compiler turns into vector instructions (g++ 12 does; -fopt-info-vec tells). What may stand in such a
-// loop is little: selections but no branches, `&` and `|` for `&&` and `||`, and no test of a single bit.
+// The paths of a packet, one a lane: each scalar of a path is an array over the lanes, so that the compiler turns a
+// loop over the lanes into vector instructions (g++ 12 does; -fopt-info-vec tells). Such a loop may have selections but
+// no branches, `&` and `|` in place of `&&` and `||`, and no test of a single bit.
 #pragma once
 
 #include "kernels/shade.h"
@@ -30,7 +30,7 @@ inline bool any(const Flags& flags) {
     return found != 0;
 }
 
-// The lanes whose flags are set, in order. Found without a branch on a flag, which would be guessed wrong.
+// The lanes whose flags are set, in order. Found without a branch on a flag, which would be mispredicted.
 class LaneList {
 public:
     explicit LaneList(const Flags& flags) {

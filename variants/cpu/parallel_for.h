@@ -26,7 +26,7 @@ void parallel_for(std::size_t count, std::size_t chunk, Body&& body) {
 // Threads that parallel_for uses.
 int parallel_threads();
 
-// Threads that had nothing to do for a while sleep: this wakes them, so that a clock does not begin with that.
+// Idle threads go to sleep. This wakes them, so that a measured time does not contain their waking up.
 void wake_threads();
 
 }  // namespace pt

@@ -5,7 +5,7 @@
 
 namespace pt {
 
-// They are to lie in slots 0 to count - 1.
+// For unsupported_reason: the paths in play must lie in slots 0 to count - 1.
 inline Reason needs_contiguous_payload(const VariantTraits& variant) {
     if (variant.compaction.payload_contiguous) {
         return {};

@@ -12,8 +12,8 @@ inline constexpr Tunable feature_tunables[] = {
      "1: a ray in a room of axis-aligned walls meets the planes of its sides, not every wall's slabs"},
 };
 
-// Every feature of scenes and estimators, and of the samplers as few as serve this variant: how a sampler is compiled
-// in has nothing to do with the scene. Of formulas just those that the variant asks for.
+// Every feature of scenes and estimators; of formulas only those that the variant asks for, and the fewest samplers
+// that serve it, since neither depends on the scene.
 inline FeatureSet every_feature(const KernelOffer& offer) {
     FeatureSet best = all_features | samplers | (offer.needed & formulas);
     for (const FeatureSet candidate : offer.compiled) {
