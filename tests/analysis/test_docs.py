@@ -82,11 +82,14 @@ def broken_links(page: Path, text: str) -> list[str]:
 def missing_files(text: str) -> list[str]:
     """Files of the repository that the text names, in code or out of it, and that are not there."""
     named = {path.rstrip("./") for path in _PATH.findall(re.sub(r"\]\([^()\s]+\)", "]", text))}
-    return sorted(
-        path
-        for path in named
-        if path not in WRITTEN_BY_THE_READER and not _PLACEHOLDER.match(path) and not list(ROOT.glob(path + "*"))
-    )
+    return sorted(path for path in named if path not in WRITTEN_BY_THE_READER and not is_there(path))
+
+
+def is_there(path: str) -> bool:
+    """Whether there is a file or folder of that name; where NAME stands for one of several, whether there are such."""
+    if re.search(r"\bNAME\b", path):
+        return bool(list(ROOT.glob(re.sub(r"\bNAME\b", "*", path))))
+    return _PLACEHOLDER.match(path) is not None or bool(list(ROOT.glob(path + "*")))
 
 
 def is_choice(axis: str, choice: str) -> bool:
@@ -195,6 +198,24 @@ def test_named_files_are_there():
     assert [file for file in sorted(WRITTEN_BY_THE_READER) if (ROOT / file).exists()] == []
 
 
+def named_in_picture(svg: str) -> tuple[set[str], set[str], set[str]]:
+    """(headers of kernels/, folders, axes) that the picture of the rooms names."""
+    words = re.findall(r"<text[^>]*>([^<]*)</text>", svg)
+    headers = {name for word in words for name in re.findall(r"\b\w+\.h\b", word)}
+    axes = set(re.findall(r'<text class="tiny"[^>]*>(\w+)</text>', svg))
+    return headers, {word for word in words if re.fullmatch(r"[\w/]+/", word)}, axes
+
+
+def test_the_picture_of_the_rooms_shows_what_is_there():
+    headers, folders, axes = named_in_picture((ROOT / "docs" / "architecture.svg").read_text(encoding="utf-8"))
+    assert {"shade.h", "film.h"} <= headers
+    assert {name for name in headers if not (ROOT / "kernels" / name).is_file()} == set()
+    floors = [ROOT, ROOT / "harness", ROOT / "variants"]
+    assert {name for name in folders if not any((floor / name).is_dir() for floor in floors)} == set()
+    table = (ROOT / "variants" / "axes.h").read_text(encoding="utf-8")
+    assert axes == set(re.findall(r'^    \{"([a-z_]+)", "', table, re.MULTILINE))
+
+
 def test_nothing_is_said_of_what_is_not_in_the_repository():
     assert pages(lambda page, text: re.findall(r"\S*\bshared/\S*", text)) == {}
 
@@ -235,6 +256,7 @@ def test_faults_are_found():
     assert broken_links(ROOT / "page.md", text) == ["nowhere.md: not there", "#b: no such heading"]
     assert broken_links(ROOT / "page.md", "[up](../)") == ["../: no part of the repository"]
     assert missing_files(text + "`analysis/ptbench/errors.py`, `results/MACHINE/a.json`") == ["analysis/gone.py"]
+    assert missing_files("`variants/layout/NAME.h`, `variants/gone/NAME.h`") == ["variants/gone/NAME.h"]
     block = (
         "```\nA=1 build/ptbench run --scene s --axis frob=x  # why\npython3 -m ptbench plots a.json   is said\n```\n"
     )
