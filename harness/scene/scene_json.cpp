@@ -1,4 +1,4 @@
-// The scene format, key by key: README, "Scene files".
+// The scene format, key by key: docs/scene_format.md.
 #include <algorithm>
 #include <cmath>
 

@@ -18,7 +18,11 @@ from conftest import ROOT
 
 from ptbench.cli.main import parser_of
 
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [
+    ROOT / "README.md",
+    *sorted((ROOT / "docs").glob("*.md")),
+    *sorted((ROOT / "docs/findings").glob("*.md")),
+]
 FOLDERS = ("analysis", "cmake", "docs", "harness", "kernels", "packaging", "results", "scenes", "tests", "variants")
 # What a page has its reader write. None may be there: then it would be no example any more.
 WRITTEN_BY_THE_READER = {

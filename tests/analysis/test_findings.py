@@ -116,7 +116,7 @@ def test_the_command_says_what_is_wrong(capsys):
     from ptbench.cli.main import main
 
     assert main(["findings", "--root", str(ROOT), "--check", "compactoin"]) == 2
-    assert "page: found compactoin, allowed: compaction, " in capsys.readouterr().err
+    assert "page: found compactoin, allowed: README, compaction, " in capsys.readouterr().err
     assert main(["findings", "--root", str(ROOT / "scenes")]) == 2
     assert "found no template, allowed: the root of a checkout as --root" in capsys.readouterr().err
     assert main(["findings", "--root", str(ROOT), "--check", "compaction"]) == 0
