@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -11,6 +12,7 @@ import pytest
 from builder import small
 
 from ptbench.cli.main import main
+from ptbench.io.files import read_stored
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "analysis" / "ptbench"
@@ -21,6 +23,11 @@ def run_analysis(*arguments: object, hash_seed: int = 1) -> subprocess.Completed
     environment = {**os.environ, "PYTHONHASHSEED": str(hash_seed), "PYTHONPATH": str(PACKAGE.parent)}
     command = [sys.executable, "-W", "error", "-m", "ptbench", *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, check=False, env=environment, cwd=ROOT.parent)
+
+
+def committed(name: str):
+    """What a committed result file holds, "nvidia-h200/seeds.json", whether it is compressed or not."""
+    return json.loads(read_stored(ROOT / "results" / name, 1 << 30)[1])
 
 
 @pytest.fixture(scope="session")

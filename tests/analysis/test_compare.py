@@ -22,7 +22,7 @@ from compare_builder import (
     without,
     written,
 )
-from conftest import ROOT
+from conftest import ROOT, committed
 from convergence_builder import convergence_cell, convergence_study, on_gpu
 from legibility import check_legible
 from scipy import stats
@@ -694,7 +694,7 @@ def test_two_suites_of_one_program_are_a_real_aa_run():
 def test_a_suite_that_was_renamed_is_compared_with_its_old_results(tmp_path):
     """cis565 was called seeds; its result files are not edited."""
     old = ROOT / "results" / "nvidia-h200" / "seeds.json"
-    document = run_again(json.loads(old.read_text(encoding="utf-8")), 0.5)
+    document = run_again(committed("nvidia-h200/seeds.json"), 0.5)
     document["context"]["ptbench.suite"] = "cis565"
     (one,) = compare_files([old, written(document, tmp_path / "cis565.json")]).comparisons
     assert not one.matching.alone

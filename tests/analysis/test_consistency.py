@@ -17,7 +17,7 @@ from ptbench.io.nodes import Node, read_json
 from ptbench.io.results import load
 from ptbench.io.validate import validate
 
-COMMITTED = sorted((ROOT / "results").glob("*/*.json"))
+COMMITTED = sorted((ROOT / "results").glob("*/*.json*"))
 PACKET = json.loads((ROOT / "results" / "amd-epyc-2-threads" / "packet.json").read_text(encoding="utf-8"))
 
 

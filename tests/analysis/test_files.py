@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import gzip
 import json
 import os
 import socket
@@ -17,7 +18,7 @@ from conftest import PACKAGE
 
 from ptbench import __version__
 from ptbench.errors import InputError
-from ptbench.io.files import LARGEST_RESULT, move_whole, read_whole, write_text, write_whole
+from ptbench.io.files import LARGEST_RESULT, move_whole, read_stored, read_whole, write_text, write_whole
 from ptbench.io.images import read_pfm
 from ptbench.io.nodes import read_json
 from ptbench.terminal import visible
@@ -379,3 +380,29 @@ def test_options_may_still_be_begun_and_follow_a_dash_dash(analysis, tmp_path):
 
 def test_the_version_is_told(analysis):
     assert analysis("--version") == (0, f"ptbench-analysis {__version__}\n", "")
+
+
+def test_a_compressed_file_is_read_for_its_name(tmp_path):
+    """Under either name; the plain one comes first where both are there."""
+    packed = tmp_path / "a.json.gz"
+    packed.write_bytes(gzip.compress(b'{"a": 1}', mtime=0))
+    for name in ("a.json", "a.json.gz"):
+        assert read_stored(tmp_path / name) == (tmp_path / "a.json", b'{"a": 1}')
+        assert read_json(tmp_path / name).need("a").integer() == 1
+    (tmp_path / "a.json").write_bytes(b'{"a": 2}')
+    assert read_json(tmp_path / "a.json").need("a").integer() == 2
+    assert read_json(packed).need("a").integer() == 1
+
+
+@pytest.mark.parametrize("cut", [5, 15, -1])
+def test_a_compressed_file_that_is_cut_short_is_refused(tmp_path, cut):
+    packed = tmp_path / "a.json.gz"
+    packed.write_bytes(gzip.compress(b'{"a": 1}' * 100, mtime=0)[:cut])
+    with pytest.raises(InputError, match=r"a\.json\.gz.*no whole gzip file"):
+        read_json(tmp_path / "a.json")
+
+
+def test_a_compressed_file_has_a_limit_when_unpacked(tmp_path):
+    (tmp_path / "a.json.gz").write_bytes(gzip.compress(b" " * 5000, mtime=0))
+    with pytest.raises(InputError, match="more bytes when unpacked"):
+        read_stored(tmp_path / "a.json", 4000)

@@ -8,7 +8,7 @@ import re
 import subprocess
 
 import pytest
-from conftest import ROOT
+from conftest import ROOT, committed
 
 FOLDERS = ("analysis", "docs", "harness", "kernels", "packaging", "scenes", "tests", "variants")
 SUFFIXES = {".json", ".h", ".cuh", ".cpp", ".cu", ".py", ".md", ".in", ".txt"}
@@ -63,6 +63,6 @@ def test_the_boxes_are_those_of_the_results(scene, tmp_path):
     rendered = subprocess.run(
         [binary, "render", "--scene", scene, *small], capture_output=True, text=True, check=True, timeout=60
     )
-    result = json.loads((ROOT / "results" / "nvidia-h200" / "seeds.json").read_text(encoding="utf-8"))
+    result = committed("nvidia-h200/seeds.json")
     measured = {cell["scene_hash"] for cell in result["ptbench"]["cells"] if cell["scene"] == scene}
     assert measured == {json.loads(rendered.stdout)["scene_hash"]}

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from builder import rates_named, small
-from conftest import ROOT
+from conftest import ROOT, committed
 from jsonschema import Draft202012Validator
 
 from ptbench.io.cells import CELL_STATUSES, CLAIMS, RUN_STATUSES, STUDY_TYPES
@@ -20,7 +20,7 @@ from ptbench.io.fields import tables
 from ptbench.io.validate import KINDS, SCHEMAS, complaints, kind_of, schema, validate
 
 BY_HAND = ("nee_bound",)  # records that no command of ptbench wrote
-COMMITTED = sorted(path for path in (ROOT / "results").glob("*/*.json") if path.stem not in BY_HAND)
+COMMITTED = sorted(path for path in (ROOT / "results").glob("*/*.json*") if path.name.partition(".")[0] not in BY_HAND)
 BINARY = ROOT / "build" / "ptbench"
 CELL = (
     "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust"
@@ -147,7 +147,7 @@ def _first(value: dict, kind: str) -> dict:
 
 
 def _committed(name: str) -> dict:
-    return thinned(json.loads((ROOT / "results" / name).read_text(encoding="utf-8")))
+    return thinned(committed(name))
 
 
 @pytest.fixture(scope="module")

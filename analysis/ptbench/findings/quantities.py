@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 
 from ptbench.findings.errors import FindingError
 from ptbench.numbers import figures, ratio
@@ -145,6 +146,12 @@ class Ratios:
     def count(self, word: str) -> int:
         """How many verdicts are `word`."""
         return sum(one.word == word for one in self.ratios)
+
+
+def link_to(results: Path, file: str) -> str:
+    """A page's link to a result file, which may lie there compressed."""
+    stored = file if (results / file).exists() else f"{file}.gz"
+    return f"[{file}](../../results/{stored})"
 
 
 def span(values: Iterable[float], digits: int = DIGITS) -> str:

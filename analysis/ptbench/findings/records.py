@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ptbench.findings.errors import FindingError
+from ptbench.findings.quantities import link_to
 from ptbench.io.inspection import Inspected, KernelCounters, load_inspected
 from ptbench.io.nodes import read_json
 from ptbench.io.stability import KNOWN_LIMIT, PASSED, Row, Stability, stability_of
@@ -17,7 +18,7 @@ class Inspection:
     """A file of `ptbench inspect --counters`."""
 
     def __init__(self, results: Path, file: str) -> None:
-        self._shown = file
+        self._shown, self._results = file, results
         self._entries: list[Inspected] = load_inspected(results / file)
 
     def kernel(self, integrator: str, specialisation: str = "features", kernel: str = "") -> KernelCounters:
@@ -53,7 +54,7 @@ class Inspection:
     @property
     def provenance(self) -> str:
         """A line of a list: the file and what it is."""
-        return f"- [{self._shown}](../../results/{self._shown}): `ptbench inspect --counters`, hardware counters."
+        return f"- {link_to(self._results, self._shown)}: `ptbench inspect --counters`, hardware counters."
 
 
 def _percent(share: float | None) -> str:
@@ -66,7 +67,7 @@ class Record:
     commit = ""
 
     def __init__(self, results: Path, file: str) -> None:
-        self._shown = file
+        self._shown, self._results = file, results
         self._root = read_json(results / file).value
 
     def __call__(self, place: str) -> str:
@@ -81,14 +82,14 @@ class Record:
     @property
     def provenance(self) -> str:
         """A line of a list: the file and what it is."""
-        return f"- [{self._shown}](../../results/{self._shown}): a record made by hand, which says what it leaves out."
+        return f"- {link_to(self._results, self._shown)}: a record made by hand, which says what it leaves out."
 
 
 class StabilitySource:
     """A file of `ptbench stability`."""
 
     def __init__(self, results: Path, file: str) -> None:
-        self._shown = file
+        self._shown, self._results = file, results
         self._stability: Stability = stability_of(read_json(results / file))
         self._layout = Layout(self._stability)
         self._required: list[Row] = [row for row in self._stability.rows if row.must_pass]
@@ -144,6 +145,6 @@ class StabilitySource:
         """A line of a list: the file and what it is."""
         folder = Path(self._shown).parent
         return (
-            f"- [{self._shown}](../../results/{self._shown}): `ptbench stability`, {self.rows} rows; commit "
+            f"- {link_to(self._results, self._shown)}: `ptbench stability`, {self.rows} rows; commit "
             f"{self.commit}. [summary](../../results/{folder}/figures/stability/summary.md)"
         )

@@ -13,7 +13,7 @@ from ptbench.convergence.efficiency import baseline_among, by_place, time_to
 from ptbench.convergence.efficiency import compare as compare_errors
 from ptbench.convergence.fit import Fit
 from ptbench.findings.errors import FindingError
-from ptbench.findings.quantities import Quantity, Ratio, Ratios
+from ptbench.findings.quantities import Quantity, Ratio, Ratios, link_to
 from ptbench.findings.selection import cell_of, cells_of, parsed
 from ptbench.io.cells import Cell, Result
 from ptbench.io.results import load
@@ -189,7 +189,7 @@ class Source:
         summary = Path(self._shown).parent / "figures" / Path(self._shown).stem / "summary.md"
         every_row = f" Every row: [summary](../../results/{summary})." if (self._results / summary).exists() else ""
         return (
-            f"- [{self._shown}](../../results/{self._shown}): suite `{self.result.suite}`, {self.count} cells, {failed}"
+            f"- {link_to(self._results, self._shown)}: suite `{self.result.suite}`, {self.count} cells, {failed}"
             f"{disturbed}; commit {self.commit}, {self.date}.{every_row}"
         )
 

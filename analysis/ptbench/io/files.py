@@ -6,10 +6,13 @@ A file is written under a temporary name in the same folder first, then renamed.
 from __future__ import annotations
 
 import errno
+import gzip
+import io
 import os
 import re
 import stat
 import tempfile
+import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib import resources
@@ -60,6 +63,24 @@ def read_whole(path: Path, largest: int = LARGEST_INPUT) -> bytes:
     if len(data) > largest:
         raise _unreadable(path, "more bytes than when it was opened, too large", largest)
     return data
+
+
+def read_stored(path: Path, largest: int = LARGEST_INPUT) -> tuple[Path, bytes]:
+    """The content of FILE.json, or of FILE.json.gz where only that is there, and the name without `.gz`.
+
+    Large results are committed compressed: whoever names one names it either way. Raises InputError.
+    """
+    packed = path if path.suffix == ".gz" else Path(f"{path}.gz")
+    if path != packed and (os.path.lexists(path) or not os.path.isfile(packed)):
+        return path, read_whole(path, largest)
+    try:
+        with gzip.open(io.BytesIO(read_whole(packed, largest))) as file:
+            data = file.read(largest + 1)
+    except (OSError, EOFError, zlib.error) as error:
+        raise _unreadable(packed, f"no whole gzip file ({error})", largest) from error
+    if len(data) > largest:
+        raise _unreadable(packed, "more bytes when unpacked, too large", largest)
+    return packed.with_suffix(""), data
 
 
 def _reason(path: Path, error: OSError) -> str:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from ptbench.errors import InputError, bad_value
-from ptbench.io.files import LARGEST_RESULT, read_whole
+from ptbench.io.files import LARGEST_RESULT, read_stored
 
 
 def shown(value: object, *, whole: bool = False) -> str:
@@ -124,13 +124,17 @@ class Node:
 
 
 def read_json(path: Path, largest: int = LARGEST_RESULT) -> Node:
-    """Parses strictly. Python's parser takes NaN, Infinity, halves of characters, and of a key's values the last."""
+    """Parses strictly: Python's parser takes NaN, Infinity, halves of characters, and of a key's values the last.
+
+    FILE.json.gz is read for FILE.json (read_stored).
+    """
 
     def refuse(constant: str) -> None:
         raise bad_value(path, "a value", constant, "finite numbers only")
 
     try:
-        text = read_whole(path, largest).decode("utf-8")
+        path, data = read_stored(path, largest)
+        text = data.decode("utf-8")
     except UnicodeDecodeError as error:
         raise bad_value(path, f"byte {error.start}", "bytes that are not UTF-8", "JSON in UTF-8") from error
     try:

@@ -38,7 +38,7 @@ def find_sources(named: Sequence[Path]) -> Sources:
         if not os.path.isdir(path):
             paths.append(path)
             continue
-        inside = sorted(path.glob("*.json"))
+        inside = sorted({*path.glob("*.json"), *path.glob("*.json.gz")})
         results = [file for file in inside if _is_result(read_json(file))]
         if not results:
             raise bad_value(path, "the folder", f"{len(inside)} JSON files, none a result", "at least one result file")
