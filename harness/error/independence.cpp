@@ -8,10 +8,10 @@ namespace pt {
 namespace {
 
 // One number a pixel and run, less its mean over the runs: [pixel][run].
-using Errors = std::vector<std::vector<double>>;
+using RunErrors = std::vector<std::vector<double>>;
 
-Errors errors_of(const ImageRuns& runs) {
-    Errors errors(runs.pixels(), std::vector<double>(runs.count()));
+RunErrors run_errors_of(const ImageRuns& runs) {
+    RunErrors errors(runs.pixels(), std::vector<double>(runs.count()));
     for (std::size_t pixel = 0; pixel < runs.pixels(); ++pixel) {
         double mean = 0;
         for (std::size_t k = 0; k < runs.count(); ++k) {
@@ -35,7 +35,7 @@ double covariance(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 // 1/variance, pooled over the block: one pixel's own would go with its error. 0 where nothing varies but roundings.
-std::vector<double> weights_of(const ImageRuns& runs, const Errors& errors) {
+std::vector<double> weights_of(const ImageRuns& runs, const RunErrors& errors) {
     constexpr double rounding = 1e-6;
     std::vector<double> variances(runs.blocks()), counts(runs.blocks()), roundings(runs.blocks());
     for (std::size_t pixel = 0; pixel < runs.pixels(); ++pixel) {
@@ -77,7 +77,7 @@ private:
 
 // The variance of a mean of m independent parts is that of one, over m. What it has beyond that are the parts'
 // covariances.
-Dependence excess_variance(const ImageRuns& runs, const Errors& errors, const std::vector<double>& weights) {
+Dependence excess_variance(const ImageRuns& runs, const RunErrors& errors, const std::vector<double>& weights) {
     Pool pool("excess variance of a run");
     const double parts = static_cast<double>(runs.parts());
     for (std::size_t pixel = 0; pixel < runs.pixels(); ++pixel) {
@@ -87,7 +87,7 @@ Dependence excess_variance(const ImageRuns& runs, const Errors& errors, const st
     return pool.dependence();
 }
 
-Dependence between_neighbours(const ImageRuns& runs, const Errors& errors, const std::vector<double>& weights) {
+Dependence between_neighbours(const ImageRuns& runs, const RunErrors& errors, const std::vector<double>& weights) {
     Pool pool("correlation of neighbouring pixels");
     const auto add = [&](std::size_t a, std::size_t b) {
         pool.add(std::sqrt(weights[runs.block_of(a)] * weights[runs.block_of(b)]), covariance(errors[a], errors[b]),
@@ -106,7 +106,7 @@ Dependence between_neighbours(const ImageRuns& runs, const Errors& errors, const
 
 // The mean product of errors of successive runs, less that of any two. (Errors add up to 0, so that of any two is
 // -1/K of the variance, not 0; it is what the difference takes out.)
-Dependence between_runs(const ImageRuns& runs, const Errors& errors, const std::vector<double>& weights) {
+Dependence between_runs(const ImageRuns& runs, const RunErrors& errors, const std::vector<double>& weights) {
     Pool pool("correlation of successive seeds");
     const double count = static_cast<double>(runs.count());
     for (std::size_t pixel = 0; pixel < runs.pixels(); ++pixel) {
@@ -128,7 +128,7 @@ const Dependence& Independence::strongest() const {
 }
 
 Independence test_independence(const ImageRuns& runs) {
-    const Errors errors = errors_of(runs);
+    const RunErrors errors = run_errors_of(runs);
     const std::vector<double> weights = weights_of(runs, errors);
     Independence result{{excess_variance(runs, errors, weights), between_neighbours(runs, errors, weights),
                          between_runs(runs, errors, weights)},

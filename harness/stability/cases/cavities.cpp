@@ -4,7 +4,7 @@
 #include "harness/stability/oracles/furnace.h"
 #include "harness/stability/oracles/limits.h"
 
-namespace pt::stability {
+namespace pt::stability::cavities {
 namespace {
 
 // A camera anywhere but at the centre.
@@ -218,4 +218,4 @@ const CaseRegistration cases({
 });
 
 }  // namespace
-}  // namespace pt::stability
+}  // namespace pt::stability::cavities

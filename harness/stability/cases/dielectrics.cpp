@@ -6,7 +6,7 @@
 #include "harness/stability/cases/glass.h"
 #include "harness/stability/oracles/limits.h"
 
-namespace pt::stability {
+namespace pt::stability::dielectrics {
 namespace {
 
 struct Pile {
@@ -294,4 +294,4 @@ const CaseRegistration cases({
 });
 
 }  // namespace
-}  // namespace pt::stability
+}  // namespace pt::stability::dielectrics

@@ -6,7 +6,7 @@
 #include "harness/stability/cases/host_kernel.h"
 #include "harness/stability/oracles/fresnel.h"
 
-namespace pt::stability {
+namespace pt::stability::dielectrics_direct {
 namespace {
 
 constexpr double not_found = std::numeric_limits<double>::infinity();
@@ -265,4 +265,4 @@ const CaseRegistration cases({
 });
 
 }  // namespace
-}  // namespace pt::stability
+}  // namespace pt::stability::dielectrics_direct

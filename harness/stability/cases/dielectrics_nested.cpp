@@ -5,7 +5,7 @@
 
 #include "harness/stability/cases/glass.h"
 
-namespace pt::stability {
+namespace pt::stability::dielectrics_nested {
 namespace {
 
 std::vector<Rendering> light_pipe(const Values& v) {
@@ -130,4 +130,4 @@ const CaseRegistration cases({
 });
 
 }  // namespace
-}  // namespace pt::stability
+}  // namespace pt::stability::dielectrics_nested

@@ -6,7 +6,7 @@
 #include "harness/stability/oracles/furnace.h"
 #include "kernels/intersect.h"
 
-namespace pt::stability {
+namespace pt::stability::film {
 namespace {
 
 // What a path's sample is in the sum: see `content` of film_sum.
@@ -386,4 +386,4 @@ const CaseRegistration cases({
 });
 
 }  // namespace
-}  // namespace pt::stability
+}  // namespace pt::stability::film

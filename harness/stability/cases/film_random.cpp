@@ -9,7 +9,7 @@
 #include "kernels/mix.h"
 #include "kernels/next_event.h"
 
-namespace pt::stability {
+namespace pt::stability::film_random {
 namespace {
 
 // Arguments at and near the ends of [0, 1]; 1 itself is none of the kernels', but a sampler must bear it.
@@ -235,4 +235,4 @@ const CaseRegistration cases({
 });
 
 }  // namespace
-}  // namespace pt::stability
+}  // namespace pt::stability::film_random

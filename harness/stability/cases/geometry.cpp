@@ -5,7 +5,7 @@
 
 #include "harness/stability/oracles/direct_rays.h"
 
-namespace pt::stability {
+namespace pt::stability::geometry {
 namespace {
 
 constexpr double round_off(bool is_double) { return is_double ? 0x1p-53 : 0x1p-24; }
@@ -313,4 +313,4 @@ const CaseRegistration cases({
 });
 
 }  // namespace
-}  // namespace pt::stability
+}  // namespace pt::stability::geometry

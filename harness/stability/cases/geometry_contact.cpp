@@ -5,7 +5,7 @@
 #include "harness/scene/scene.h"
 #include "harness/stability/case.h"
 
-namespace pt::stability {
+namespace pt::stability::geometry_contact {
 namespace {
 
 using Vec3l = Vec3<long double>;
@@ -353,4 +353,4 @@ const CaseRegistration cases({
 });
 
 }  // namespace
-}  // namespace pt::stability
+}  // namespace pt::stability::geometry_contact

@@ -5,7 +5,7 @@
 
 #include "harness/stability/oracles/direct_rays.h"
 
-namespace pt::stability {
+namespace pt::stability::geometry_edges {
 namespace {
 
 // ---- S21
@@ -252,4 +252,4 @@ const CaseRegistration cases({
 });
 
 }  // namespace
-}  // namespace pt::stability
+}  // namespace pt::stability::geometry_edges

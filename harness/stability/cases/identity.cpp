@@ -6,7 +6,7 @@
 
 #include "harness/stability/case.h"
 
-namespace pt::stability {
+namespace pt::stability::identity {
 namespace {
 
 // Every shape, every material, several lights, lens, shutter and jitter. Places are multiples of 2^-6, so that a shift
@@ -296,4 +296,4 @@ const CaseRegistration cases({
 });
 
 }  // namespace
-}  // namespace pt::stability
+}  // namespace pt::stability::identity

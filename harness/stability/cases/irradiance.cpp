@@ -8,7 +8,7 @@
 #include "harness/stability/oracles/limits.h"
 #include "kernels/naive.h"
 
-namespace pt::stability {
+namespace pt::stability::irradiance {
 namespace {
 
 constexpr double albedo = 0.75;
@@ -281,4 +281,4 @@ const CaseRegistration cases({
 });
 
 }  // namespace
-}  // namespace pt::stability
+}  // namespace pt::stability::irradiance

@@ -9,7 +9,7 @@
 #include "harness/stability/oracles/fresnel.h"
 #include "harness/stability/oracles/transfer.h"
 
-namespace pt::stability {
+namespace pt::stability::media {
 namespace {
 
 constexpr double half_quantum = 0x1p-40;  // of the film at radiance 1 and 2^16 samples
@@ -385,4 +385,4 @@ const CaseRegistration cases({
 });
 
 }  // namespace
-}  // namespace pt::stability
+}  // namespace pt::stability::media

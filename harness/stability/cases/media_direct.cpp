@@ -8,7 +8,7 @@
 #include "harness/stability/cases/host_kernel.h"
 #include "harness/stability/oracles/gauss_legendre.h"
 
-namespace pt::stability {
+namespace pt::stability::media_direct {
 namespace {
 
 // 2 [1 - (1 + t) e^-t] / t^2, by its series where that would cancel.
@@ -281,4 +281,4 @@ const CaseRegistration cases({
 });
 
 }  // namespace
-}  // namespace pt::stability
+}  // namespace pt::stability::media_direct

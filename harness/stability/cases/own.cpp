@@ -8,7 +8,7 @@
 #include "kernels/mix.h"
 #include "kernels/rng.h"
 
-namespace pt::stability {
+namespace pt::stability::own {
 namespace {
 
 constexpr double albedo = 0.75;
@@ -383,4 +383,4 @@ const CaseRegistration cases({
 });
 
 }  // namespace
-}  // namespace pt::stability
+}  // namespace pt::stability::own

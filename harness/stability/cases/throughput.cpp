@@ -5,7 +5,7 @@
 #include "harness/stability/oracles/furnace.h"
 #include "harness/stability/oracles/limits.h"
 
-namespace pt::stability {
+namespace pt::stability::throughput {
 namespace {
 
 Rendering wall_rendering(const SceneText& scene, double exact, double segments_per_path, const Tolerance& tolerance) {
@@ -169,4 +169,4 @@ const CaseRegistration cases({
 });
 
 }  // namespace
-}  // namespace pt::stability
+}  // namespace pt::stability::throughput
