@@ -53,39 +53,41 @@ add_custom_command(OUTPUT ${embedded_file}
   DEPENDS ${embedded_headers} ${PROJECT_SOURCE_DIR}/cmake/embed_sources.cmake VERBATIM)
 set(cuda_sources ${embedded_file})
 
-# A choice whose device side NVRTC compiles registers itself in a unit of its own, by the name of its file.
-function(add_cuda_registration axis name hooks)
-  set(unit ${PROJECT_BINARY_DIR}/generated/cuda_${axis}_${name}.cpp)
-  file(CONFIGURE OUTPUT ${unit} CONTENT
-"#include \"variants/registry.h\"
-#include \"variants/${axis}/${name}.cuh\"
-namespace pt { namespace {
-${hooks}
-} }
-")
-  set(cuda_sources ${cuda_sources} ${unit} PARENT_SCOPE)
-endfunction()
+# A choice whose device side NVRTC compiles is registered by the name of its file, all in one unit: most of what a unit
+# with a registration costs to compile is the registry's header.
+set(registration_includes "")
+set(registrations "")
+macro(add_cuda_registration axis name arguments)
+  string(APPEND registration_includes "#include \"variants/${axis}/${name}.cuh\"\n")
+  string(APPEND registrations "const Registration ${axis}_${name}(${arguments});\n")
+endmacro()
 
 file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/integrator/*.cuh)
 foreach(header ${headers})
   get_filename_component(name ${header} NAME_WE)
   add_cuda_registration(integrator ${name}
-    "const Registration registration(cuda::integrator::${name}::descriptor, {.cuda = {.integrator = cuda::integrator::${name}::hook}});")
+    "cuda::integrator::${name}::descriptor, {.cuda = {.integrator = cuda::integrator::${name}::hook}}")
 endforeach()
 file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/sort_key/*.cuh)
 foreach(header ${headers})
   get_filename_component(name ${header} NAME_WE)
   add_cuda_registration(sort_key ${name}
-    "const Registration registration(sort_key::${name}::descriptor, {});")
+    "sort_key::${name}::descriptor, {}")
 endforeach()
 foreach(axis compaction sorting)
   file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/${axis}/*.cuh)
   foreach(header ${headers})
     get_filename_component(name ${header} NAME_WE)
     add_cuda_registration(${axis} ${name}
-      "const Registration registration(cuda::${axis}::${name}::descriptor, {.cuda = cuda::${axis}::${name}::hooks});")
+      "cuda::${axis}::${name}::descriptor, {.cuda = cuda::${axis}::${name}::hooks}")
   endforeach()
 endforeach()
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/cuda_registrations.cpp CONTENT
+"#include \"variants/registry.h\"
+${registration_includes}namespace pt { namespace {
+${registrations}} }
+")
+list(APPEND cuda_sources ${PROJECT_BINARY_DIR}/generated/cuda_registrations.cpp)
 # NAME.cuda.cpp is the host's side of a choice on CUDA, and registers it.
 file(GLOB cuda_host_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/cuda/*.cpp ${PROJECT_SOURCE_DIR}/variants/*/*.cuda.cpp)
 list(APPEND cuda_sources ${cuda_host_sources})
