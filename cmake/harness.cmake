@@ -65,13 +65,13 @@ endif()
 # As the double_intersection kernels in variants.cmake.
 set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/stability/replay.cpp PROPERTIES COMPILE_OPTIONS
                             "$<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>")
-set(harness_optimisation "")
-if(CMAKE_BUILD_TYPE STREQUAL "Release")
+set(PTBENCH_HARNESS_OPTIMISATION "" CACHE STRING
+    "Optimisation of the parts of harness/ that no time is taken of (empty: -O1 in a release build, else the build type's)")
+set(harness_optimisation "${PTBENCH_HARNESS_OPTIMISATION}")
+if(harness_optimisation STREQUAL "" AND CMAKE_BUILD_TYPE STREQUAL "Release")
   set(harness_optimisation "-O1")
 endif()
-set(PTBENCH_HARNESS_OPTIMISATION "${harness_optimisation}" CACHE STRING
-    "Optimisation of the parts of harness/ that no time is taken of (empty: the build type's)")
-target_compile_options(ptbench_harness PRIVATE ${PTBENCH_HARNESS_OPTIMISATION})
+target_compile_options(ptbench_harness PRIVATE ${harness_optimisation})
 # The commit is in machine.cpp: it alone is compiled anew at every commit.
 set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/bench/machine.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 ptbench_precompile_headers(ptbench_harness ${PTBENCH_PRECOMPILED_JSON})
@@ -93,7 +93,7 @@ add_dependencies(ptbench_harness ptbench_build_info)
 
 add_executable(ptbench harness/main.cpp)
 target_link_libraries(ptbench PRIVATE ${PTBENCH_PARTS})
-target_compile_options(ptbench PRIVATE ${PTBENCH_HARNESS_OPTIMISATION})
+target_compile_options(ptbench PRIVATE ${harness_optimisation})
 ptbench_reuse_precompiled_headers(ptbench ptbench_harness)
 set_target_properties(ptbench PROPERTIES LINKER_LANGUAGE CXX)
 set_target_properties(ptbench PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})

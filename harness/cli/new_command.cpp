@@ -164,7 +164,7 @@ int run(const std::string& axis, const std::string& name) {
     }
     fmt::print(
         "Next, in {0}:\n"
-        "  ./run build && build/tests/{1}_{2}_test\n"
+        "  ./run build {1}_{2}_test && build/tests/{1}_{2}_test\n"
         "  build/ptbench verify --scene cornell_open --axis {2}={1} --quiet\n"
         "  build/ptbench run --scene cornell_open,cornell_closed --axis {2}=none,{1}\n",
         home.string(), name, axis);

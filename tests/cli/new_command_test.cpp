@@ -65,7 +65,7 @@ TEST_F(NewCommandTest, WritesTheTemplatesUnderTheName) {
     std::sort(expected.begin(), expected.end());
     EXPECT_EQ(home.content(), expected);
     for (const char* next :
-         {"./run build && build/tests/my_scan2_compaction_test\n",
+         {"./run build my_scan2_compaction_test && build/tests/my_scan2_compaction_test\n",
           "build/ptbench verify --scene cornell_open --axis compaction=my_scan2 --quiet\n",
           "build/ptbench run --scene cornell_open,cornell_closed --axis compaction=none,my_scan2\n"}) {
         EXPECT_NE(result.out.find(next), std::string::npos) << result.out;

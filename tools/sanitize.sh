@@ -1,0 +1,98 @@
+# shellcheck shell=bash disable=SC2154 # what ./run and its other parts set
+# Part of ./run: `./run fuzz` and `./run sanitize`, the builds with clang.
+
+# Why there are no builds with clang here; nothing if there can be.
+without_clang() {
+    local tool
+    for tool in clang++ ld.lld; do
+        command -v "$tool" >/dev/null || {
+            printf 'no %s (packages clang, lld, libomp-dev)' "$tool"
+            return
+        }
+    done
+    printf 'int main() {}' | clang++ -x c++ -fopenmp -fsanitize=address,undefined -fuse-ld=lld -o /dev/null - 2>/dev/null ||
+        printf 'clang++ cannot link OpenMP and the sanitizers (packages libomp-dev, libclang-rt-dev)'
+}
+
+# Configures and builds a preset of its own folder. Fails, with the end of the log, where that fails.
+build_preset() { # build_preset PRESET TARGET..
+    local preset=$1 log=$root/build-$1/build.log
+    shift
+    mkdir -p -- "${log%/*}"
+    { cmake --preset "$preset" && cmake --build "$root/build-$preset" -j "$jobs" --target "$@"; } >"$log" 2>&1 </dev/null &&
+        return
+    grep -E 'error|FAILED' -- "$log" | head -n 20
+    tail -n 20 -- "$log"
+    return 1
+}
+
+# One reader, from the corpus in the repository; what it learns stays in the build's folder. What it finds is there too.
+# The same commit fuzzes from the same seed.
+fuzz_one() { # fuzz_one READER SECONDS
+    local folder=$root/build-fuzz/found/$1 commit
+    commit=$(git rev-parse --short=7 HEAD 2>/dev/null) || commit=1
+    mkdir -p -- "$folder/corpus"
+    UBSAN_OPTIONS=print_stacktrace=1 "$root/build-fuzz/fuzz/fuzz_$1" -max_total_time="$2" -seed=$((16#${commit:0:7})) -timeout=10 -max_len=4096 \
+        -rss_limit_mb=2048 -dict=tests/fuzz/words.dict -artifact_prefix="$folder/" -print_final_stats=1 \
+        "$folder/corpus" "tests/fuzz/corpus/$1" >"$folder/log" 2>&1 </dev/null
+}
+
+# All readers, as many at a time as there are processors; a line for each that fails and where its input lies.
+fuzz_all() { # fuzz_all SECONDS
+    local target targets=() name status=0
+    for target in tests/fuzz/corpus/*/; do
+        targets+=("$(basename -- "$target")")
+    done
+    export root
+    export -f fuzz_one
+    printf '%s\n' "${targets[@]}" | xargs -P "$jobs" -I{} bash -c 'fuzz_one {} '"$1" || status=1
+    for name in "${targets[@]}"; do
+        say "fuzzed $name: $(sed -n 's/^stat::number_of_executed_units: *//p' "$root/build-fuzz/found/$name/log") inputs"
+        ! grep -qE '^SUMMARY|ERROR: libFuzzer|^fatal' "$root/build-fuzz/found/$name/log" ||
+            tail -n 40 -- "$root/build-fuzz/found/$name/log"
+    done
+    return "$status"
+}
+
+run_fuzz() {
+    local reason seconds=${1:-60}
+    [[ $seconds =~ ^[1-9][0-9]*$ && $# -le 1 ]] || die 2 "'fuzz' takes a whole number of seconds, got '$*'"
+    reason=$(without_clang)
+    [[ -z $reason ]] || die 2 "cannot fuzz: $reason"
+    build_preset fuzz fuzz || die 1 "the build failed"
+    fuzz_all "$seconds" || die 1 "found what ends a reader: the input lies under build-fuzz/found"
+}
+
+# One program of build-sanitize/tests; says its name when it has ended.
+run_one_sanitized() { # run_one_sanitized NAME
+    local report=$reports/sanitized_$1.xml excluded
+    excluded=$(sed -nE "s/^$1 +([^ ]+).*/\1/p" tests/sanitize_excluded.txt | paste -sd :)
+    UBSAN_OPTIONS=print_stacktrace=1 ASAN_OPTIONS=detect_leaks=1 \
+        start_cases "$report" "$root/build-sanitize/tests/$1" "--gtest_output=xml:$report" \
+        ${excluded:+"--gtest_filter=-$excluded"}
+    printf '%s\n' "$1"
+}
+
+# The tests of the CPU side, as many at once as there are processors. tests/sanitize_excluded.txt says what is left out,
+# and why.
+sanitize_tests() {
+    local name
+    export root reports
+    export -f run_one_sanitized start_cases
+    while IFS= read -r name; do
+        count_cases "sanitized $name" "$reports/sanitized_$name.xml"
+    done < <(find "$root/build-sanitize/tests" -maxdepth 1 -name '*_test' -type f -executable -printf '%f\n' | sort |
+        xargs -P "$jobs" -I{} bash -c 'run_one_sanitized {}')
+}
+
+run_sanitize() {
+    local reason reports=$build_dir/test-reports
+    export OMP_WAIT_POLICY=passive
+    setup_python
+    mkdir -p -- "$reports"
+    reason=$(without_clang)
+    [[ -z $reason ]] || die 2 "cannot sanitize: $reason"
+    build_preset sanitize all || die 1 "the build failed"
+    sanitize_tests
+    summary
+}

@@ -1,0 +1,161 @@
+# shellcheck shell=bash disable=SC2154 # what ./run and its other parts set
+# Part of ./run: `./run test` runs every test program and check, and counts.
+
+passed=0
+failed=0
+skipped=0
+failures=()
+
+fail() { # fail NAME
+    failed=$((failed + 1))
+    failures+=("$1")
+}
+
+ending() { # ending EXIT_CODE
+    if (($1 > 128)) && kill -l $(($1 - 128)) >/dev/null 2>&1; then
+        printf 'ended by SIG%s' "$(kill -l $(($1 - 128)))"
+    else
+        printf 'ended with exit code %d' "$1"
+    fi
+}
+
+# Runs a test program that writes a JUnit report, and leaves its exit code and seconds beside that.
+start_cases() { # start_cases REPORT COMMAND..
+    local report=$1 status=0 started=$SECONDS
+    shift
+    rm -f -- "$report" "${report%.xml}.ended"
+    { # the outer redirection hides the shell's own word on a crash
+        timeout --foreground --kill-after=10 "${PTBENCH_TEST_SECONDS:-1200}" "$@" >"${report%.xml}.log" 2>&1 </dev/null
+    } 2>/dev/null || status=$?
+    printf '%d %d\n' "$status" $((SECONDS - started)) >"${report%.xml}.ended"
+}
+
+# Counts the cases of a program that start_cases ran. A bad end without a failed case counts as one.
+count_cases() { # count_cases NAME REPORT
+    local name=$1 report=$2 log=${2%.xml}.log status seconds counts last
+    read -r status seconds <"${report%.xml}.ended"
+    mapfile -t counts < <([[ ! -s $report ]] || "$venv/bin/python" tools/read_report.py "$report")
+    if ((${#counts[@]})); then
+        passed=$((passed + counts[0]))
+        failed=$((failed + counts[1]))
+        skipped=$((skipped + counts[2]))
+        failures+=("${counts[@]:3}")
+        printf '%-28s %5d passed, %d failed, %d skipped (%d s)\n' "$name" "${counts[@]:0:3}" "$seconds"
+        ((status == 0 || counts[1] > 0)) && return
+    fi
+    last=$(sed -n 's/^\[ RUN      \] //p' "$log" | tail -n 1)
+    tail -n 30 -- "$log"
+    case $status in
+    0) fail "$name: left no report" ;;
+    124) fail "$name: ran out of time${last:+ in $last}" ;;
+    *) fail "$name: $(ending "$status")${last:+ in $last}" ;;
+    esac
+    printf '%-28s %s\n' "$name" "${failures[-1]#*: }"
+}
+
+run_cases() { # run_cases NAME REPORT COMMAND..
+    start_cases "${@:2}"
+    count_cases "$1" "$2"
+}
+
+# One of ./run test's programs, or pytest; says its name when it has ended.
+run_one_of_all() { # run_one_of_all NAME
+    local report=$reports/$1.xml
+    if [[ $1 == pytest ]]; then
+        start_cases "$report" "$venv/bin/python" -m pytest tests/analysis tests/package "--junitxml=$report"
+    else
+        start_cases "$report" "$build_dir/tests/$1" "--gtest_output=xml:$report"
+    fi
+    printf '%s\n' "$1"
+}
+
+# As many at once as there are processors: most have one thread. Those that take minutes come first.
+run_all_cases() {
+    local first=(compile_test pytest verify_shipped_test inspect_test nvcc_test) programs name
+    mapfile -t programs < <(find "$build_dir/tests" -maxdepth 1 -name '*_test' -type f -executable -printf '%f\n' | sort)
+    ((${#programs[@]})) || fail "no test program in $(shown "$build_dir/tests")"
+    mapfile -t programs < <(
+        printf '%s\n' "${first[@]}" | grep -xF -e pytest -f <(printf '%s\n' "${programs[@]}")
+        printf '%s\n' "${programs[@]}" | grep -vxF -f <(printf '%s\n' "${first[@]}")
+    )
+    export build_dir venv reports
+    export -f run_one_of_all start_cases
+    while IFS= read -r name; do
+        count_cases "$name" "$reports/$name.xml"
+    done < <(printf '%s\n' "${programs[@]}" | xargs -P "$jobs" -I{} bash -c 'run_one_of_all {}')
+}
+
+run_check() { # run_check NAME COMMAND..
+    local name=$1 output
+    shift
+    if output=$("$@" 2>&1); then
+        passed=$((passed + 1))
+        printf '%-28s good\n' "$name"
+    else
+        fail "$name"
+        printf '%s\n%-28s failed\n' "$output" "$name"
+    fi
+}
+
+skip_check() { # skip_check NAME REASON
+    skipped=$((skipped + 1))
+    printf '%-28s skipped: %s\n' "$1" "$2"
+}
+
+check_cpp_format() { # check_cpp_format CLANG_FORMAT; names the files that `./run format` would change
+    cpp_files | xargs -0r "$1" --dry-run --Werror 2>&1 | sed -nE 's/^([^:]+):[0-9]+:[0-9]+: error: .*/\1/p' | sort -u
+}
+
+# What needs builds of its own with clang: continuous integration does it in its 90 minutes, by hand it is asked for.
+run_extra_checks() { # run_extra_checks [--sanitize]
+    local reason
+    if [[ ${CI:-} != true && ${1:-} != --sanitize ]]; then
+        skip_check fuzz "takes minutes: ./run fuzz"
+        skip_check sanitizers "take many minutes: ./run sanitize"
+        return
+    fi
+    reason=$(without_clang)
+    if [[ -n $reason ]] && try_to_install clang lld libomp-dev libclang-rt-dev; then
+        reason=$(without_clang)
+    fi
+    if [[ -n $reason ]]; then
+        skip_check fuzz "$reason"
+        skip_check sanitizers "$reason"
+        return
+    fi
+    run_check "fuzz build" build_preset fuzz fuzz
+    [[ ! -x $root/build-fuzz/fuzz/fuzz_scene ]] || run_check fuzz fuzz_all 60
+    run_check "sanitizers' build" build_preset sanitize all
+    sanitize_tests
+}
+
+# Ends the tests: what failed, and the counts.
+summary() {
+    ((${#failures[@]} == 0)) || printf 'failed: %s\n' "${failures[@]}"
+    printf '%d passed, %d failed' "$passed" "$failed"
+    ((skipped == 0)) || printf ', %d skipped' "$skipped"
+    printf '\n'
+    ((failed == 0))
+}
+
+run_test() {
+    [[ $# -eq 0 || $* == --sanitize ]] || die 2 "'test' takes --sanitize or nothing, got '$*'"
+    # Threads that wait must not spin: test programs may share the cores. Benchmarks keep OpenMP's default.
+    export OMP_WAIT_POLICY=passive
+    local reports=$build_dir/test-reports clang_format
+    build all
+    setup_browser
+    mkdir -p -- "$reports"
+    run_all_cases
+    run_extra_checks "$@"
+    run_check "ruff check" "$venv/bin/python" -m ruff check "${python_folders[@]}"
+    run_check "ruff format" "$venv/bin/python" -m ruff format --check "${python_folders[@]}"
+    clang_format=$(find_clang_format)
+    if [[ -n $clang_format ]]; then
+        run_check clang-format check_cpp_format "$clang_format"
+    else
+        skip_check clang-format "no clang-format $clang_format_major"
+    fi
+
+    summary
+}
