@@ -44,10 +44,11 @@ function(ptbench_group_sources target)
   endforeach()
 endfunction()
 
-# What runs while a time is taken, at the build type's optimisation; the rest of harness/ traces no paths and waits for
-# the disk, and there the compiler's time counts more.
+# At the build type's optimisation: what runs while a time is taken, and what makes the numbers of scenes, oracles and
+# statistics. (A sine of a constant is rounded by the compiler where it can be evaluated, else by the C library, and they
+# differ in the last bit.) The rest of harness/ reads, writes and counts, and there the compiler's time counts more.
 set(rendering_sources ${harness_sources})
-list(FILTER rendering_sources INCLUDE REGEX "/harness/(render|cuda)/|/harness/bench/cpu_clock\\.cpp$")
+list(FILTER rendering_sources INCLUDE REGEX "/harness/(render|cuda|scene|stability|error)/|/harness/bench/cpu_clock\\.cpp$")
 list(REMOVE_ITEM harness_sources ${rendering_sources})
 add_library(ptbench_rendering OBJECT ${rendering_sources})
 add_library(ptbench_harness OBJECT ${harness_sources})
@@ -66,7 +67,7 @@ endif()
 set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/stability/replay.cpp PROPERTIES COMPILE_OPTIONS
                             "$<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>")
 set(PTBENCH_HARNESS_OPTIMISATION "" CACHE STRING
-    "Optimisation of the parts of harness/ that no time is taken of (empty: -O1 in a release build, else the build type's)")
+    "Optimisation of the parts of harness/ that time and compute nothing (empty: -O1 in a release build, else the build type's)")
 set(harness_optimisation "${PTBENCH_HARNESS_OPTIMISATION}")
 if(harness_optimisation STREQUAL "" AND CMAKE_BUILD_TYPE STREQUAL "Release")
   set(harness_optimisation "-O1")
