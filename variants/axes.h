@@ -19,24 +19,28 @@ struct Axis {
     std::string_view key;
     std::string_view what;        // in a line
     std::string_view since = "";  // the commit that brought it; empty: the first one. Older result files lack the axis.
+    std::string_view as_before = "";  // what every variant was until then; empty: of the first axes
 };
+
+// The axis whose choice a variant's name begins with.
+inline constexpr std::string_view integrator_axis = "integrator";
 
 // In the order in which a variant's name spells them.
 inline constexpr Axis axis_table[] = {
     {"integrator", "how paths are traced: as a queue, or one at a time"},
     {"compaction", "how ended paths are taken out of the queue"},
     {"sorting", "how paths are put in order before they are shaded"},
-    {"sort_key", "what they are put in order by", "5fdf3ee"},
+    {"sort_key", "what they are put in order by", "5fdf3ee", "material"},
     {"first_bounce", "whether first hits are kept and used again"},
     {"direct_light", "whether vertices are connected to lights"},
-    {"russian_roulette", "whether paths end by chance", "7b5cd03"},
-    {"sampler", "where random numbers come from", "7b5cd03"},
+    {"russian_roulette", "whether paths end by chance", "7b5cd03", "off"},
+    {"sampler", "where random numbers come from", "7b5cd03", "pcg4d"},
     {"layout", "how paths lie in memory"},
     {"specialisation", "what of a kernel is left out for a scene"},
-    {"launch", "how kernels are launched", "5fdf3ee"},
-    {"arithmetic", "how the compiler may round", "5fdf3ee"},
-    {"precision", "single or double precision, and where", "5fdf3ee"},
-    {"robustness", "the forms that are stable, or the textbook's", "94b5403"},
+    {"launch", "how kernels are launched", "5fdf3ee", "stream"},
+    {"arithmetic", "how the compiler may round", "5fdf3ee", "exact"},
+    {"precision", "single or double precision, and where", "5fdf3ee", "float"},
+    {"robustness", "the forms that are stable, or the textbook's", "94b5403", "robust"},
 };
 inline constexpr std::size_t axis_count = std::size(axis_table);
 

@@ -29,7 +29,7 @@ std::size_t Variant::index(std::string_view axis) {
     return static_cast<std::size_t>(found - std::begin(axis_names));
 }
 
-std::string Variant::name() const {
+std::string Variant::spelled_out() const {
     std::string joined;
     for (const std::string& choice : choices_) {
         joined += (joined.empty() ? "" : ".") + choice;

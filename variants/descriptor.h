@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -36,19 +37,22 @@ struct Tunable {
     std::uint32_t multiple_of = 1;
     std::string_view summary = "";
     bool sets_work = false;  // it changes what is computed, not only how: autotune leaves it alone
+    // Of a tunable that came after its choice was measured: the value that does what was done until then.
+    std::optional<std::uint32_t> as_before = {};
 
     constexpr bool allows(std::uint32_t value) const {
         return value >= lowest && value <= highest && value % multiple_of == 0;
     }
 };
 
-// One choice per axis, in the order of axis_names, and the tunables that are not at their standard.
-// As a string: the choices joined by dots, then "+NAME=VALUE" for each of those tunables.
+// One choice per axis, in the order of axis_names, and the tunables that are not at their default.
 class Variant {
 public:
     const std::string& operator[](std::string_view axis) const { return choices_.at(index(axis)); }
     void set(std::string_view axis, std::string choice) { choices_.at(index(axis)) = std::move(choice); }
-    std::string name() const;
+    // Every choice in the order of the axes, joined by dots, then "+NAME=VALUE" for each of those tunables: what tells
+    // two variants apart whatever the baselines are. People are shown shown_name (variant_name.h).
+    std::string spelled_out() const;
     bool operator==(const Variant&) const = default;
     bool operator<(const Variant& other) const {
         return choices_ != other.choices_ ? choices_ < other.choices_ : tuning < other.tuning;

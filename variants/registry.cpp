@@ -1,4 +1,5 @@
 #include "variants/registry.h"
+#include "variants/variant_name.h"
 
 #include <algorithm>
 #include <stdexcept>
@@ -308,7 +309,7 @@ std::uint32_t tunable(const Variant& variant, std::string_view name, Backend bac
             return tunable.default_value;
         }
     }
-    throw std::logic_error(variant.name() + " has no tunable " + std::string(name));
+    throw std::logic_error(shown_name(variant, backend) + " has no tunable " + std::string(name));
 }
 
 std::string check_counters(const Variant& variant, const WorkCounters& work, std::uint64_t samples, Backend backend) {

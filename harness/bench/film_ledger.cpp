@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "variants/registry.h"
+#include "variants/variant_name.h"
 
 namespace pt {
 
@@ -10,13 +11,13 @@ namespace {
 
 // All cells whose films must be equal bit for bit.
 std::string bitwise_group(const Cell& cell) {
-    std::string name = cell.name;
+    std::string name = setting_in(cell.name);
     // Stopping at checkpoints changes no bit, but where numbers follow the order of a queue, whose batches end there.
     if (cell.convergence && !depends_on_order(cell.variant, cell.backend)) {
         name.erase(name.rfind('/'));
     }
     // Two kernels that round freely need not agree: each is a group of its own.
-    return bitwise_reference(cell).name() + name.substr(name.find('/'));
+    return bitwise_reference(cell).spelled_out() + name;
 }
 
 }  // namespace
@@ -52,7 +53,8 @@ const std::string& FilmLedger::film_to_prepare(const Cell& cell, const std::func
     if (known != films_.end()) {
         return known->second.hash;
     }
-    return films_.try_emplace(key, Entry{render(), bitwise_reference(cell).name()}).first->second.hash;
+    return films_.try_emplace(key, Entry{render(), shown_name(bitwise_reference(cell), cell.backend)})
+        .first->second.hash;
 }
 
 }  // namespace pt

@@ -9,6 +9,7 @@
 #include "harness/bench/compile_ahead.h"
 #include "harness/bench/instrumented.h"
 #include "harness/bench/verify.h"
+#include "variants/variant_name.h"
 
 namespace pt {
 
@@ -76,7 +77,7 @@ private:
         if (const std::string& expected = expected_film(cell); result.film.hash() != expected) {
             facts["status"] = "failed";
             facts["reason"] = fmt::format("at full size the film {} differs from {} of {}", result.film.hash(),
-                                          expected, bitwise_reference(cell).name());
+                                          expected, shown_name(bitwise_reference(cell), cell.backend));
             return;
         }
         facts.update(facts_of(cell, result));

@@ -12,6 +12,8 @@
 #include "harness/bench/convergence_study.h"
 #include "harness/bench/machine.h"
 #include "harness/cuda/backend.h"
+#include "harness/variant_json.h"
+#include "variants/variant_name.h"
 
 namespace pt {
 
@@ -131,7 +133,8 @@ OrderedJson cell_json(const Cell& cell, const Journal& journal, int repetitions)
                      {"scene", cell.scene->name},
                      {"scene_hash", cell.scene->hash},
                      {"backend", to_string(cell.backend)},
-                     {"variant", cell.variant.name()},
+                     {"variant", shown_name(cell.variant, cell.backend)},
+                     {"variant_id", variant_id(cell.variant, cell.backend)},
                      {"axes", axes_json(cell.variant)},
                      {"tunables", tunables_json(cell)},
                      {"resolution", {cell.settings.width, cell.settings.height}},
@@ -236,14 +239,6 @@ OrderedJson studies_json(const Suite& suite) {
 
 }  // namespace
 
-nlohmann::ordered_json axes_json(const Variant& variant) {
-    OrderedJson axes;
-    for (const std::string_view axis : axis_names) {
-        axes[std::string(axis)] = variant[axis];
-    }
-    return axes;
-}
-
 nlohmann::ordered_json machine_json(Backend backend) {
     OrderedJson json;
     for (const auto& [key, value] : machine_context()) {
@@ -346,7 +341,8 @@ void check_samples_have_cells(const Plan& plan, const Journal& journal) {
 OrderedJson not_applicable_json(const NotApplicable& entry) {
     OrderedJson json{{"study", entry.study},
                      {"scene", entry.scene},
-                     {"variant", entry.variant.name()},
+                     {"variant", shown_name(entry.variant, entry.backend)},
+                     {"variant_id", variant_id(entry.variant, entry.backend)},
                      {"axes", axes_json(entry.variant)},
                      {"reason", entry.reason.text},
                      {"reason_code", entry.reason.code}};

@@ -24,8 +24,6 @@ struct Aggregates {
 // Precondition: at least one value.
 Aggregates aggregate(std::vector<double> values);
 
-// A variant's choices by axis.
-nlohmann::ordered_json axes_json(const Variant& variant);
 // What a result says of machine, build and backend.
 nlohmann::ordered_json machine_json(Backend backend);
 

@@ -21,6 +21,7 @@
 #include "harness/cuda/backend.h"
 #include "harness/interrupt.h"
 #include "harness/write_file.h"
+#include "variants/variant_name.h"
 
 namespace pt {
 
@@ -174,7 +175,8 @@ std::string describe_plan(const Plan& plan, int repetitions) {
         text += cell.name + "\n";
     }
     for (const NotApplicable& entry : plan.not_applicable) {
-        text += fmt::format("n/a: {} on {}: {}\n", entry.variant.name(), entry.scene, entry.reason.text);
+        text += fmt::format("n/a: {} on {}: {}\n", shown_name(entry.variant, entry.backend), entry.scene,
+                            entry.reason.text);
     }
     return text + fmt::format("{} cells, {} samples, {} not applicable\n", plan.cells.size(),
                               plan.cells.size() * static_cast<std::size_t>(repetitions), plan.not_applicable.size());

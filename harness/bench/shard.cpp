@@ -35,7 +35,7 @@ private:
 
 // What the name says after the variant, but for checkpoints: a cell and its twin without them are compared.
 std::string setting_of(const Cell& cell) {
-    const std::string setting = cell.name.substr(std::min(cell.name.find('/'), cell.name.size()));
+    const std::string setting = setting_in(cell.name);
     return setting.substr(0, setting.find("/checkpoints:"));
 }
 

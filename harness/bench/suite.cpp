@@ -14,6 +14,7 @@
 #include "harness/json_reader.h"
 #include "harness/nearest_name.h"
 #include "harness/places.h"
+#include "variants/variant_name.h"
 
 namespace pt {
 
@@ -80,8 +81,9 @@ Cell make_cell(const std::shared_ptr<const Scene>& scene, Backend backend, const
     }
     cell.settings.depth = depth;
     cell.spp = spp;
-    cell.name = fmt::format("{}/scene:{}/backend:{}/resolution:{}x{}/depth:{}/spp:{}", variant.name(), scene->name,
-                            to_string(backend), cell.settings.width, cell.settings.height, depth, cell.spp);
+    cell.name =
+        fmt::format("{}/scene:{}/backend:{}/{}x{}/depth:{}/spp:{}", benchmark_name(variant, backend), scene->name,
+                    to_string(backend), cell.settings.width, cell.settings.height, depth, cell.spp);
     return cell;
 }
 
@@ -126,6 +128,10 @@ Scenes scenes_of(const Suite& suite) {
 }
 
 }  // namespace
+
+std::string setting_in(const std::string& cell_name) {
+    return cell_name.substr(std::min(cell_name.find("/scene:"), cell_name.size()));
+}
 
 bool may_be_known_elsewhere(const std::string& name) {
     const std::vector<Tunable> known = tunables_on_any_backend();
@@ -350,8 +356,8 @@ void check_reference(const ReferenceTask& task, const std::string& study) {
     const Variant variant = reference_variant(task);
     if (const std::string reason = why_not_applicable(variant, features_of(*task.scene), task.backend);
         !reason.empty()) {
-        throw InputError(fmt::format("study {}: its reference {} cannot be rendered on {}: {}", study, variant.name(),
-                                     to_string(task.backend), reason));
+        throw InputError(fmt::format("study {}: its reference {} cannot be rendered on {}: {}", study,
+                                     shown_name(variant, task.backend), to_string(task.backend), reason));
     }
 }
 
@@ -378,7 +384,7 @@ private:
     // At every size, depth and number of samples.
     void add_variant(const Study& study, const std::shared_ptr<const Scene>& scene, const Variant& variant) {
         if (Reason reason = reason_not_applicable(variant, features_of(*scene), backend_); !reason.empty()) {
-            plan_.not_applicable.push_back({study.name, scene->name, variant, std::move(reason)});
+            plan_.not_applicable.push_back({study.name, scene->name, backend_, variant, std::move(reason)});
             return;
         }
         const std::vector<std::uint32_t> depths =
@@ -400,7 +406,7 @@ private:
         const std::uint32_t own_depth = depth_for_mean_of(asked.variant, backend_, depth);
         if (own_depth == 0) {
             Reason reason{"no_such_depth", fmt::format("has no depth at which its mean is that of {}", depth)};
-            plan_.not_applicable.push_back({study.name, asked.scene->name, asked.variant, std::move(reason)});
+            plan_.not_applicable.push_back({study.name, asked.scene->name, backend_, asked.variant, std::move(reason)});
             return;
         }
         Cell cell = make_cell(asked.scene, backend_, asked.variant, asked.settings.width, asked.settings.height,

@@ -93,9 +93,13 @@ struct Cell {
 struct NotApplicable {
     std::string study;
     std::string scene;
+    Backend backend = Backend::cpu;
     Variant variant;
     Reason reason;
 };
+
+// What a cell's name says after its variant: "/scene:box/backend:cpu/800x800/depth:8/spp:1".
+std::string setting_in(const std::string& cell_name);
 
 struct Plan {
     std::vector<Cell> cells;  // each name once

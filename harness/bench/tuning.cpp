@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -11,26 +12,42 @@
 #include "harness/json_reader.h"
 #include "harness/places.h"
 #include "harness/write_file.h"
+#include "variants/variant_name.h"
 
 namespace pt {
 
 namespace {
 
+// Of files that are older than identities: their names spell every choice, joined by dots.
+std::string id_of_spelled_out(const JsonValue& name, Backend backend) {
+    Variant variant;
+    std::istringstream choices(name.text());
+    std::string choice;
+    std::size_t count = 0;
+    for (; std::getline(choices, choice, '.'); ++count) {
+        if (count < axis_count) {
+            variant.set(axis_names[count], choice);
+        }
+    }
+    // An entry of a program with fewer axes would never be found again, in silence.
+    if (count != axis_count) {
+        name.fail(fmt::format("a variant's name with a choice for each of the {} axes (run ptbench autotune anew)",
+                              axis_count));
+    }
+    return variant_id(variant, backend);
+}
+
 TunedVariant read_entry(const JsonValue& value, Backend backend) {
-    const JsonObject object(value,
-                            {"variant", "tunables", "scene", "resolution", "depth", "spp", "standard_ms", "tuned_ms"});
+    const JsonObject object(
+        value, {"variant", "variant_id", "tunables", "scene", "resolution", "depth", "spp", "standard_ms", "tuned_ms"});
     constexpr long long most = 0xffffffffll;
     const auto whole = [&](const JsonValue& number) {
         return static_cast<std::uint32_t>(number.whole(0, most, "a whole number"));
     };
     TunedVariant entry;
     entry.variant = object.required("variant").text();
-    // An entry of a program with fewer axes would never be found again, in silence.
-    if (std::count(entry.variant.begin(), entry.variant.end(), '.') + 1 != static_cast<long>(std::size(axis_names))) {
-        object.required("variant").fail(
-            fmt::format("a variant's name with a choice for each of the {} axes (run ptbench autotune anew)",
-                        std::size(axis_names)));
-    }
+    entry.id = object.has("variant_id") ? object.at("variant_id").text()
+                                        : id_of_spelled_out(object.required("variant"), backend);
     const JsonValue tunables = object.required("tunables");
     std::vector<std::string> names;
     if (!tunables.json().is_object()) {
@@ -67,6 +84,7 @@ TunedVariant read_entry(const JsonValue& value, Backend backend) {
 
 Tuning Tuning::load(const std::string& file, Backend backend) {
     Tuning tuning;
+    tuning.backend_ = backend;
     if (!std::filesystem::exists(file)) {
         return tuning;
     }
@@ -79,8 +97,8 @@ Tuning Tuning::load(const std::string& file, Backend backend) {
 }
 
 void Tuning::put(const TunedVariant& tuned) {
-    const auto known = std::find_if(entries_.begin(), entries_.end(),
-                                    [&](const TunedVariant& entry) { return entry.variant == tuned.variant; });
+    const auto known =
+        std::find_if(entries_.begin(), entries_.end(), [&](const TunedVariant& entry) { return entry.id == tuned.id; });
     if (known != entries_.end()) {
         *known = tuned;
     } else {
@@ -92,6 +110,7 @@ void Tuning::save(const std::string& file, const std::string& machine) const {
     nlohmann::ordered_json json{{"machine", machine}, {"entries", nlohmann::ordered_json::array()}};
     for (const TunedVariant& entry : entries_) {
         json["entries"].push_back({{"variant", entry.variant},
+                                   {"variant_id", entry.id},
                                    {"tunables", entry.values},
                                    {"scene", entry.scene},
                                    {"resolution", {entry.width, entry.height}},
@@ -103,9 +122,9 @@ void Tuning::save(const std::string& file, const std::string& machine) const {
     write_file(file, json.dump(1) + "\n");
 }
 
-const TunedVariant* Tuning::find(const std::string& variant) const {
+const TunedVariant* Tuning::find(const std::string& id) const {
     for (const TunedVariant& entry : entries_) {
-        if (entry.variant == variant) {
+        if (entry.id == id) {
             return &entry;
         }
     }
@@ -115,7 +134,7 @@ const TunedVariant* Tuning::find(const std::string& variant) const {
 Variant Tuning::applied(const Variant& variant, const std::set<std::string>& named) const {
     Variant plain = variant;
     plain.tuning.clear();
-    const TunedVariant* const tuned = find(plain.name());
+    const TunedVariant* const tuned = find(variant_id(plain, backend_));
     Variant result = variant;
     if (tuned != nullptr) {
         for (const auto& [name, value] : tuned->values) {

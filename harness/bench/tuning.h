@@ -1,6 +1,6 @@
 // The values of tunables that were found to be fastest on a machine, by variant: results/MACHINE/tuning.json, written
 // by `ptbench autotune` and used by `ptbench run` and `render` where nothing else is asked for. A tuned variant's name
-// says so, as the name of every variant with tunables that are not at their standard does.
+// says so, as the name of every variant with tunables that are not at their default does.
 #pragma once
 
 #include <map>
@@ -13,7 +13,8 @@
 namespace pt {
 
 struct TunedVariant {
-    std::string variant;                          // its name with every tunable at its standard
+    std::string variant;                          // its name with every tunable at its default, for people
+    std::string id;                               // what it is found by (variant_id)
     std::map<std::string, std::uint32_t> values;  // those that are not
     // What was rendered to find them.
     std::string scene;
@@ -30,14 +31,15 @@ public:
     // Throws MachineError.
     void save(const std::string& file, const std::string& machine) const;
 
-    // Null if the variant was never tuned.
-    const TunedVariant* find(const std::string& variant) const;
+    // Null if the variant of that identity was never tuned.
+    const TunedVariant* find(const std::string& id) const;
     // The variant with the values found for it, but for tunables in `named` and those that it has a value for already.
     Variant applied(const Variant& variant, const std::set<std::string>& named) const;
     const std::vector<TunedVariant>& entries() const { return entries_; }
 
 private:
     std::vector<TunedVariant> entries_;
+    Backend backend_ = Backend::cpu;
 };
 
 // results/MACHINE/tuning.json beside scenes/.

@@ -1,6 +1,7 @@
 #include "harness/bench/verify.h"
 
 #include "harness/bench/suite.h"
+#include "variants/variant_name.h"
 
 #include <cmath>
 
@@ -185,7 +186,7 @@ std::string Verifier::against_cpu(const Variant& reference_variant) {
     const double paths = static_cast<double>(settings_.width) * settings_.height * spp_;
     if (static_cast<double>(differing) > 1e-5 * paths) {
         verdict = fmt::format("the film of {} differs from the CPU's in {} pixels of {:.0f} paths (allowed: 1e-5)",
-                              reference_variant.name(), differing, paths);
+                              shown_name(reference_variant, backend_), differing, paths);
     }
     return verdict;
 }
@@ -251,7 +252,7 @@ Verdict Verifier::check_bits(const Variant& variant) {
     const Variant reference_variant = Registry::instance().reference(variant, backend_);
     const RenderResult result = render_part(variant, 0, spp_);
     const RenderResult& expected = reference(reference_variant);
-    Verdict verdict{true, result.film.hash(), "film bits equal to " + reference_variant.name()};
+    Verdict verdict{true, result.film.hash(), "film bits equal to " + shown_name(reference_variant, backend_)};
     const auto fail = [&](const std::string& message) {
         verdict.holds = false;
         verdict.message = message;
@@ -262,12 +263,13 @@ Verdict Verifier::check_bits(const Variant& variant) {
     }
     if (result.film.sums() != expected.film.sums()) {
         const Difference difference = first_difference(scene_, settings_, spp_, reference_variant, variant, backend_);
-        return fail(fmt::format("film differs from {}: {}", reference_variant.name(), difference.text()));
+        return fail(
+            fmt::format("film differs from {}: {}", shown_name(reference_variant, backend_), difference.text()));
     }
     const auto segments = [](const WorkCounters& work) { return work.rays + work.cache_hits; };
     if (segments(result.work) != segments(expected.work)) {
         return fail(fmt::format("{} path segments, but {} of {}", segments(result.work), segments(expected.work),
-                                reference_variant.name()));
+                                shown_name(reference_variant, backend_)));
     }
     if (backend_ == Backend::cuda) {
         if (const std::string difference = against_cpu(reference_variant); !difference.empty()) {
@@ -294,15 +296,15 @@ Verdict Verifier::check_freely_rounded(const Variant& variant) {
     const RenderResult result = render_part(variant, 0, spp_);
     Verdict verdict{false, result.film.hash(), ""};
     if (!bits.holds) {
-        verdict.message = "its twin " + twin.name() + " fails: " + bits.message;
+        verdict.message = "its twin " + shown_name(twin, backend_) + " fails: " + bits.message;
     } else if (const std::string fault = fault_of(result, variant, backend_, settings_, spp_); !fault.empty()) {
         verdict.message = fault;
     } else if (const MeanCheck& check = mean_check(variant); !check.failure.empty()) {
         verdict.message = "not the declared expectation: " + check.failure;
     } else {
         verdict.holds = true;
-        verdict.message = fmt::format("{}: {}; mean as declared (a bias of {:.2g} % would show)", twin.name(),
-                                      bits.message, 100 * check.detectable);
+        verdict.message = fmt::format("{}: {}; mean as declared (a bias of {:.2g} % would show)",
+                                      shown_name(twin, backend_), bits.message, 100 * check.detectable);
     }
     return verdict;
 }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "harness/error/reference.h"
+#include "variants/variant_name.h"
 
 namespace pt {
 
@@ -69,7 +70,7 @@ ImageRuns StatisticalVerifier::render_runs(const Variant& variant, std::uint32_t
             request.first_sample = part * request.samples;
             const RenderResult result = render(scene_, request);
             if (!result.film.faults().none()) {
-                throw std::runtime_error(faults_text(result.film.faults()) + " of " + variant.name());
+                throw std::runtime_error(faults_text(result.film.faults()) + " of " + shown_name(variant, backend_));
             }
             images.push_back(image_of(result.film));
         }
@@ -91,7 +92,8 @@ MeanVerdict StatisticalVerifier::check(const MeanClaim& claim) {
     const ImageRuns tested = render_runs(claim.tested, claim.depth, settings_.seed);
     const SameMeanReport report =
         test_same_mean(tested, baseline, {.family_error = effort_.family_error, .same_sampling = claim.same_sampling});
-    const std::string against = fmt::format("{} at depth {}", claim.baseline.name(), claim.baseline_depth);
+    const std::string against =
+        fmt::format("{} at depth {}", shown_name(claim.baseline, backend_), claim.baseline_depth);
     if (report.same()) {
         return {true, fmt::format("same mean as {}: {}", against, report.text())};
     }

@@ -13,6 +13,7 @@
 #include "harness/cuda/backend.h"
 #include "harness/places.h"
 #include "harness/write_file.h"
+#include "variants/variant_name.h"
 
 namespace pt {
 
@@ -118,7 +119,7 @@ int run(const AutotuneArguments& arguments) {
     }
     const Variant& standard = variants[0];
     if (const std::string reason = why_not_applicable(standard, features_of(scene), backend); !reason.empty()) {
-        throw InputError(fmt::format("n/a: {} on {}: {}", standard.name(), scene.name, reason));
+        throw InputError(fmt::format("n/a: {} on {}: {}", shown_name(standard, backend), scene.name, reason));
     }
     require_backend(backend);
     // Before the search: it takes minutes, and what it finds must have a place.
@@ -134,7 +135,7 @@ int run(const AutotuneArguments& arguments) {
     const Search search(scene, backend, settings, arguments.spp);
 
     double best_ms = search.typical(standard);
-    fmt::print("{}: {:.4f} ms\n", standard.name(), best_ms);
+    fmt::print("{}: {:.4f} ms\n", shown_name(standard, backend), best_ms);
     Variant best = standard;
     for (std::uint32_t pass = 0; pass < arguments.passes; ++pass) {
         const Variant before = best;
@@ -155,12 +156,13 @@ int run(const AutotuneArguments& arguments) {
     small.width = small.height = 48;
     small.seed = 1;
     const Verdict verdict = Verifier(scene, small, 4, backend).check(best);
-    fmt::print("{}: {:.4f} ms, {:.3f} of the standard's {:.4f}; {}\n", best.name(), tuned_ms, tuned_ms / standard_ms,
-               standard_ms, verdict.holds ? "verified" : "FAILED: " + verdict.message);
+    fmt::print("{}: {:.4f} ms, {:.3f} of the standard's {:.4f}; {}\n", shown_name(best, backend), tuned_ms,
+               tuned_ms / standard_ms, standard_ms, verdict.holds ? "verified" : "FAILED: " + verdict.message);
     if (!verdict.holds) {
         return exit_check_failed;
     }
-    tuning.put({standard.name(),
+    tuning.put({shown_name(standard, backend),
+                variant_id(standard, backend),
                 {best.tuning.begin(), best.tuning.end()},
                 scene.name,
                 settings.width,

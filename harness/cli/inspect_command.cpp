@@ -7,6 +7,7 @@
 #include "harness/cuda/backend.h"
 #include "harness/places.h"
 #include "harness/write_file.h"
+#include "variants/variant_name.h"
 
 namespace pt {
 
@@ -107,7 +108,8 @@ int run(const InspectArguments& arguments) {
     for (const Variant& variant : variants) {
         const std::string reason = why_not_applicable(variant, features_of(scene), Backend::cuda);
         if (!reason.empty()) {
-            not_applicable += fmt::format("n/a: {} on {}: {}\n", variant.name(), scene.name, reason);
+            not_applicable +=
+                fmt::format("n/a: {} on {}: {}\n", shown_name(variant, Backend::cuda), scene.name, reason);
             continue;
         }
         reports.push_back(cuda::inspect_kernels(scene, variant, arguments.architecture));

@@ -9,6 +9,7 @@
 #include "harness/cli/commands.h"
 #include "harness/cuda/backend.h"
 #include "harness/places.h"
+#include "harness/variant_json.h"
 
 namespace pt {
 

@@ -10,7 +10,9 @@
 #include "harness/cli/commands.h"
 #include "harness/places.h"
 #include "harness/render/image.h"
+#include "harness/variant_json.h"
 #include "harness/write_file.h"
+#include "variants/variant_name.h"
 
 namespace pt {
 
@@ -72,7 +74,8 @@ RenderResult render_aloud(const Scene& scene, RenderRequest request) {
         return render(scene, request);
     }
     fmt::print(stderr, "render: {}x{}, {} spp, {}{}\n", request.settings.width, request.settings.height,
-               request.samples, request.variant.name(), seconds ? ": about " + clock_text(*seconds) : "");
+               request.samples, shown_name(request.variant, request.backend),
+               seconds ? ": about " + clock_text(*seconds) : "");
     // Where numbers follow the order of a queue, a stop would change them.
     if (depends_on_order(request.variant, request.backend)) {
         return render(scene, request);
@@ -100,7 +103,7 @@ int run(const RenderArguments& arguments) {
     }
     const std::string reason = why_not_applicable(variants[0], features_of(scene), backend);
     if (!reason.empty()) {
-        throw InputError(fmt::format("n/a: {} on {}: {}", variants[0].name(), scene.name, reason));
+        throw InputError(fmt::format("n/a: {} on {}: {}", shown_name(variants[0], backend), scene.name, reason));
     }
     require_backend(backend);
     if (!arguments.untuned) {
@@ -125,7 +128,9 @@ int run(const RenderArguments& arguments) {
     const nlohmann::ordered_json summary{
         {"scene", scene.name},
         {"scene_hash", scene.hash},
-        {"variant", request.variant.name()},
+        {"variant", shown_name(request.variant, backend)},
+        {"variant_id", variant_id(request.variant, backend)},
+        {"axes", axes_json(request.variant)},
         {"backend", to_string(backend)},
         {"resolution", {request.settings.width, request.settings.height}},
         {"depth", request.settings.depth},

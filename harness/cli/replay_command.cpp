@@ -5,6 +5,7 @@
 #include "harness/cli/commands.h"
 #include "harness/places.h"
 #include "harness/stability/replay.h"
+#include "variants/variant_name.h"
 
 namespace pt {
 
@@ -65,7 +66,7 @@ int run(const ReplayArguments& arguments) {
         variant.set(axis, choices.front());
     }
     if (const std::string reason = why_not_applicable(variant, features_of(scene), Backend::cpu); !reason.empty()) {
-        throw InputError(fmt::format("n/a: {} on {}: {}", variant.name(), scene.name, reason));
+        throw InputError(fmt::format("n/a: {} on {}: {}", shown_name(variant, Backend::cpu), scene.name, reason));
     }
     RenderRequest request{.variant = variant, .settings = default_settings(scene)};
     request.settings.seed = arguments.seed;
@@ -91,7 +92,7 @@ int run(const ReplayArguments& arguments) {
     const auto single = stability::replay_single(scene, settings, formula, pixel, arguments.sample);
     const auto fp64 = stability::replay_double(scene, settings, formula, pixel, arguments.sample);
     fmt::print("{} pixel {} sample {} seed {}, {}\n", scene.name, arguments.pixel, arguments.sample, arguments.seed,
-               variant.name());
+               shown_name(variant, Backend::cpu));
     const auto parting = stability::first_parting(single, fp64);
     for (std::size_t i = 0; i < std::max(single.size(), fp64.size()); ++i) {
         fmt::print("segment {}{}\n", i + 1, parting == i + 1 ? "  <- the two part here" : "");

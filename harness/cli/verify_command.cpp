@@ -10,6 +10,7 @@
 #include "harness/bench/verify_statistical.h"
 #include "harness/cli/commands.h"
 #include "harness/places.h"
+#include "variants/variant_name.h"
 
 namespace pt {
 
@@ -63,14 +64,14 @@ void verify_scene(const Scene& scene, Backend backend, const std::vector<Variant
         if (const std::string reason = why_not_applicable(variant, features, backend); !reason.empty()) {
             tally.not_applicable += 1;
             if (!arguments.quiet) {
-                fmt::print("n/a              {}/scene:{}  {}\n", variant.name(), scene.name, reason);
+                fmt::print("n/a              {} on {}: {}\n", shown_name(variant, backend), scene.name, reason);
             }
             continue;
         }
         const Verdict verdict = check_or_fail(verifier, variant);
         (verdict.holds ? tally.held : tally.failed) += 1;
         if (!verdict.holds || !arguments.quiet) {
-            fmt::print("{} {}/scene:{}  {}  {}\n", verdict.film_hash, variant.name(), scene.name,
+            fmt::print("{} {} on {}: {}, {}\n", verdict.film_hash, shown_name(variant, backend), scene.name,
                        verdict.holds ? "ok" : "FAILED", verdict.message);
             std::fflush(stdout);
         }
@@ -138,7 +139,7 @@ std::vector<MeanClaim> claims_of(const Scene& scene, const std::vector<Variant>&
         if (!reason.empty()) {
             tally.not_applicable += 1;
             if (!arguments.quiet) {
-                fmt::print("n/a     {}/scene:{}  {}\n", image.name(), scene.name, reason);
+                fmt::print("n/a     {} on {}: {}\n", shown_name(image, backend), scene.name, reason);
             }
         }
     }
@@ -158,8 +159,8 @@ void verify_means(const Scene& scene, const std::vector<MeanClaim>& claims, Back
         }
         (verdict.holds ? tally.held : tally.failed) += 1;
         if (!verdict.holds || !arguments.quiet) {
-            fmt::print("{} {}/scene:{}/depth:{}  {}\n", verdict.holds ? "ok     " : "FAILED ", claim.tested.name(),
-                       scene.name, claim.depth, verdict.message);
+            fmt::print("{} {} on {} at depth {}: {}\n", verdict.holds ? "ok     " : "FAILED ",
+                       shown_name(claim.tested, backend), scene.name, claim.depth, verdict.message);
             std::fflush(stdout);
         }
     }

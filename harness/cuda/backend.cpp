@@ -12,6 +12,7 @@
 #include "harness/error.h"
 #include "variants/cuda/device.h"
 #include "variants/cuda/nvrtc.h"
+#include "variants/variant_name.h"
 
 namespace pt::cuda {
 
@@ -54,8 +55,9 @@ RenderResult render(const Scene& scene, const RenderRequest& request) {
             render_in<float>(scene, request, settings, kernel, result);
         }
     } catch (const Error& error) {
-        throw MachineError(fmt::format("{} of {} at {}x{}, {} spp on {}: {}", request.variant.name(), scene.name,
-                                       settings.width, settings.height, request.samples, device().name, error.what()));
+        throw MachineError(fmt::format("{} of {} at {}x{}, {} spp on {}: {}",
+                                       shown_name(request.variant, Backend::cuda), scene.name, settings.width,
+                                       settings.height, request.samples, device().name, error.what()));
     }
     return result;
 }

@@ -8,7 +8,9 @@
 #include "harness/cuda/sass.h"
 #include "harness/error.h"
 #include "harness/render/renderer.h"
+#include "harness/variant_json.h"
 #include "variants/cuda/compiler_report.h"
+#include "variants/variant_name.h"
 
 namespace pt::cuda {
 
@@ -86,7 +88,7 @@ Occupancy occupancy(const std::string& architecture, int registers, int shared_b
 Json inspect(const Scene& scene, const Variant& variant, const std::string& architecture) {
     (void)limits_of(architecture);
     if (const std::string reason = why_not_applicable(variant, features_of(scene), Backend::cuda); !reason.empty()) {
-        throw InputError(fmt::format("n/a: {} on {}: {}", variant.name(), scene.name, reason));
+        throw InputError(fmt::format("n/a: {} on {}: {}", shown_name(variant, Backend::cuda), scene.name, reason));
     }
     const CompilerReport report = [&] {
         try {
@@ -106,7 +108,9 @@ Json inspect(const Scene& scene, const Variant& variant, const std::string& arch
     }
     Json json{
         {"scene", scene.name},
-        {"variant", variant.name()},
+        {"variant", shown_name(variant, Backend::cuda)},
+        {"variant_id", variant_id(variant, Backend::cuda)},
+        {"axes", axes_json(variant)},
         {"architecture", architecture},
         {"features", feature_names(kernel.compiled)},
         {"left_out", feature_names(all_features & ~kernel.compiled)},

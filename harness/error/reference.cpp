@@ -11,6 +11,7 @@
 #include "harness/bench/machine.h"
 #include "harness/error/closed_form.h"
 #include "harness/error/reference_cache.h"
+#include "variants/variant_name.h"
 
 namespace pt {
 
@@ -170,7 +171,8 @@ Reference ReferenceMaker::make(const ReferenceTask& task, double dual_error) con
         return reference;
     }
     const Variant variant = reference_variant(task);
-    reference.variant = variant.name();
+    reference.variant = shown_name(variant, task.backend);
+    reference.variant_id = variant_id(variant, task.backend);
     reference.backend = to_string(task.backend);
     reference.git_sha = git_sha();
     std::copy(std::begin(reference_seeds), std::end(reference_seeds), reference.seeds);

@@ -35,7 +35,7 @@ struct Reference {
     bool is_closed_form = false;
     std::string formula;             // of a closed form
     std::uint64_t spp_per_half = 0;  // this and what follows: of a rendered reference
-    std::string variant, backend;
+    std::string variant, variant_id, backend;
     std::uint64_t seeds[2] = {0, 0};
     std::string git_sha;
     Image first, second;  // of a closed form both are the same

@@ -24,7 +24,7 @@ Json identity_of(const Reference& reference) {
             {"scene_hash", reference.scene_hash},
             {"resolution", {reference.width, reference.height}},
             {"depth", reference.depth},
-            {"variant", reference.variant},
+            {"variant", reference.variant_id},
             {"backend", reference.backend},
             {"seeds", {reference.seeds[0], reference.seeds[1]}},
             {"sources", image_sources_hash()}};

@@ -10,6 +10,7 @@
 #include "harness/error.h"
 #include "harness/render/checkpoints.h"
 #include "variants/cpu/parallel_for.h"
+#include "variants/variant_name.h"
 
 namespace pt {
 
@@ -169,8 +170,8 @@ RenderResult render(const Scene& scene, const RenderRequest& request) {
     try {
         return render_unguarded(scene, request);
     } catch (const std::bad_alloc&) {
-        throw MachineError(fmt::format("out of memory: {} of {} at {}x{}", request.variant.name(), scene.name,
-                                       request.settings.width, request.settings.height));
+        throw MachineError(fmt::format("out of memory: {} of {} at {}x{}", shown_name(request.variant, request.backend),
+                                       scene.name, request.settings.width, request.settings.height));
     }
 }
 

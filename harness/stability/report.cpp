@@ -11,6 +11,7 @@
 #include "harness/bench/result_file.h"
 #include "harness/json_reader.h"
 #include "harness/write_file.h"
+#include "variants/variant_name.h"
 
 namespace pt::stability {
 
@@ -33,7 +34,7 @@ std::string key_of(const std::string& name, const Json& point, const std::string
 }
 
 std::string key_of(const Task& task) {
-    return key_of(task.stiff_case->name, to_json(task.values), task.variant.name());
+    return key_of(task.stiff_case->name, to_json(task.values), variant_id(task.variant, task.backend));
 }
 
 }  // namespace
@@ -92,7 +93,7 @@ void Report::keep_rows(const Json& old) {
     }
     rows_ = old["rows"];
     for (const Json& row : rows_) {
-        done_.insert(key_of(row["case"], row["point"], row["variant"]));
+        done_.insert(key_of(row["case"], row["point"], row["variant_id"]));
     }
 }
 

@@ -1,0 +1,16 @@
+// A variant as results hold it.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "variants/descriptor.h"
+
+namespace pt {
+
+// A variant's choices by axis, in the order of the axes.
+nlohmann::ordered_json axes_json(const Variant& variant);
+
+// Its name, its identity and its choices: "variant", "variant_id" and "axes", which every row of results begins with.
+nlohmann::ordered_json variant_json(const Variant& variant, Backend backend);
+
+}  // namespace pt
