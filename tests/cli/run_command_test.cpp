@@ -79,34 +79,18 @@ TEST_F(RunCommandTest, DryRunListsTheCellsAndRunsNothing) {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.err, "");
     EXPECT_EQ(result.out,
-              "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust/"
-              "scene:cornell_open/backend:cpu/"
-              "resolution:8x6/depth:8/spp:1\n"
-              "wavefront.none.none.material.off.off.off.pcg4d.soa.features.stream.exact.float.robust/"
-              "scene:cornell_open/backend:cpu/"
-              "resolution:8x6/depth:8/spp:1\n"
-              "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust/"
-              "scene:cornell_open/"
-              "backend:cpu/resolution:8x6/depth:8/spp:1\n"
-              "wavefront.none.none.material.cached_jitters.off.off.pcg4d.soa.features.stream.exact.float.robust/"
-              "scene:cornell_open/"
-              "backend:cpu/resolution:8x6/depth:8/spp:1\n"
-              "n/a: wavefront.none.none.material.cached.off.off.pcg4d.aos.features.stream.exact.float.robust on "
-              "cornell_open: "
-              "first_bounce=cached needs jitter off "
-              "(camera.jitter is true in the scene)\n"
-              "n/a: wavefront.none.none.material.cached.off.off.pcg4d.soa.features.stream.exact.float.robust on "
-              "cornell_open: "
-              "first_bounce=cached needs jitter off "
-              "(camera.jitter is true in the scene)\n"
-              "4 cells, 28 samples, 2 not applicable\n");
+              "wavefront/scene:cornell_open/backend:cpu/8x6/depth:8/spp:1\nwavefront/layout:soa/scene:cornell_open/"
+              "backend:cpu/8x6/depth:8/spp:1\nwavefront/first_bounce:cached_jitters/scene:cornell_open/backend:cpu/8x6/"
+              "depth:8/spp:1\nwavefront/first_bounce:cached_jitters/layout:soa/scene:cornell_open/backend:cpu/8x6/"
+              "depth:8/spp:1\nn/a: wavefront first_bounce=cached on cornell_open: first_bounce=cached needs jitter off "
+              "(camera.jitter is true in the scene)\nn/a: wavefront first_bounce=cached layout=soa on cornell_open: "
+              "first_bounce=cached needs jitter off (camera.jitter is true in the scene)\n4 cells, 28 samples, 2 not "
+              "applicable\n");
     EXPECT_EQ(folder.content(), Arguments());
-    const CommandResult filtered = ptbench(call(7, {"--dry-run", "--benchmark_filter=\\.soa\\."}));
+    const CommandResult filtered = ptbench(call(7, {"--dry-run", "--benchmark_filter=layout:soa/"}));
     EXPECT_EQ(filtered.out,
-              "wavefront.none.none.material.off.off.off.pcg4d.soa.features.stream.exact.float.robust/"
-              "scene:cornell_open/backend:cpu/"
-              "resolution:8x6/depth:8/spp:1\n"
-              "1 cells, 7 samples, 0 not applicable\n");
+              "wavefront/layout:soa/scene:cornell_open/backend:cpu/8x6/depth:8/spp:1\n1 cells, 7 samples, 0 not "
+              "applicable\n");
     for (const char* suite : {"quick", "cis565"}) {
         const CommandResult planned = ptbench({"run", "--suite", suite, "--dry-run"}, {.folder = folder.path()});
         EXPECT_EQ(planned.exit_code, 0) << planned.err;
@@ -141,19 +125,18 @@ TEST_F(RunCommandTest, DryRunListsTunedCellsAndSizes) {
         EXPECT_EQ(result.exit_code, 0) << result.err;
         return result.out;
     };
-    const std::string off = "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust";
-    const std::string kept =
-        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust";
+    const std::string off = "wavefront";
+    const std::string kept = "wavefront/first_bounce:cached_jitters";
     const auto cell = [](const std::string& variant, const std::string& resolution) {
-        return variant + "/scene:cornell_open/backend:cpu/resolution:" + resolution + "/depth:3/spp:1\n";
+        return variant + "/scene:cornell_open/backend:cpu/" + resolution + "/depth:3/spp:1\n";
     };
     const std::string nothing_tuned =
-        "n/a: " + off + "+jitters=2 on cornell_open: jitters=2 tunes none of the variant's choices\n";
+        "n/a: " + off + " jitters=2 on cornell_open: jitters=2 tunes none of the variant's choices\n";
     const std::string no_graph =
-        "n/a: wavefront.none.none.material.off.off.off.pcg4d.aos.features.graph.exact.float.robust on cornell_open: "
+        "n/a: wavefront launch=graph on cornell_open: "
         "launch=graph is not "
         "there on the backend cpu\n";
-    EXPECT_EQ(planned({}), cell(kept + "+jitters=2", "8x6") + cell(kept + "+jitters=2", "4x3") + nothing_tuned +
+    EXPECT_EQ(planned({}), cell(kept + "/jitters:2", "8x6") + cell(kept + "/jitters:2", "4x3") + nothing_tuned +
                                no_graph + "2 cells, 18 samples, 2 not applicable\n");
     // From the command line, for every study: one resolution instead of all, other values instead of the suite's.
     EXPECT_EQ(planned({"--resolution", "5x5", "--tune", "jitters=16", "--axis", "launch=stream", "--depth", "3"}),
@@ -180,9 +163,9 @@ TEST_F(RunCommandTest, DryRunListsTheCellsOfAGpuWithoutOne) {
         ptbench({"run", "--scene", "cornell_open", "--resolution", "8x6", "--depth", "3", "--spp", "2", "--backend",
                  "cuda", "--axis", "integrator=wavefront,megakernel,depth_first", "--tune", "block=64", "--dry-run"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    const std::string rest = ".none.none.material.off.off.off.pcg4d.aos.features.stream.precise.float.robust+block=64";
-    const std::string settings = "/scene:cornell_open/backend:cuda/resolution:8x6/depth:3/spp:2\n";
-    EXPECT_EQ(result.out, "wavefront" + rest + settings + "megakernel" + rest + settings + "n/a: depth_first" + rest +
+    const std::string rest = "/block:64";
+    const std::string settings = "/scene:cornell_open/backend:cuda/8x6/depth:3/spp:2\n";
+    EXPECT_EQ(result.out, "wavefront" + rest + settings + "megakernel" + rest + settings + "n/a: depth_first block=64" +
                               " on cornell_open: integrator=depth_first is not there on the backend cuda\n" +
                               "2 cells, 18 samples, 1 not applicable\n");
 }
@@ -209,13 +192,10 @@ TEST_F(RunCommandTest, GoogleBenchmarksFlagsWork) {
         return arguments;
     };
     EXPECT_EQ(ptbench(call(5, {"--benchmark_repetitions=3"})).exit_code, 2);  // which of them?
-    EXPECT_EQ(ptbench(without_repetitions({"--benchmark_filter=\\.soa\\.", "--benchmark_repetitions=3"})).exit_code, 0);
+    EXPECT_EQ(ptbench(without_repetitions({"--benchmark_filter=layout:soa/", "--benchmark_repetitions=3"})).exit_code, 0);
     const std::vector<json> rows = samples(result());
     ASSERT_EQ(rows.size(), 3u);
-    EXPECT_EQ(rows[0].at("run_name"),
-              "wavefront.none.none.material.off.off.off.pcg4d.soa.features.stream.exact.float.robust/"
-              "scene:cornell_open/backend:cpu/"
-              "resolution:8x6/depth:8/spp:1");
+    EXPECT_EQ(rows[0].at("run_name"), "wavefront/layout:soa/scene:cornell_open/backend:cpu/8x6/depth:8/spp:1");
 }
 
 // What GOMP_SPINCOUNT does to the time of a render beside other jobs: results/*/waiting.txt.
@@ -242,7 +222,7 @@ TEST_F(RunCommandTest, ListsOfDepthsSamplesAndSizesAreCells) {
     for (const std::string size : {"8x6", "4x3"}) {
         for (const std::string depth : {"2", "4", "8"}) {
             for (const std::string spp : {"1", "16"}) {
-                const std::string cell = "/resolution:" + size + "/depth:" + depth + "/spp:" + spp + "\n";
+                const std::string cell = "/" + size + "/depth:" + depth + "/spp:" + spp + "\n";
                 EXPECT_NE(listed.out.find(cell), std::string::npos) << cell << listed.out;
             }
         }
@@ -324,9 +304,7 @@ TEST_F(RunCommandTest, ASuiteFileCanBeOverriddenAndTheDefaultOutIsResults) {
     const json file = result();
     ASSERT_EQ(file.at("ptbench").at("cells").size(), 1u);
     EXPECT_EQ(file.at("ptbench").at("cells")[0].at("cell"),
-              "wavefront.none.none.material.off.off.off.pcg4d.soa.features.stream.exact.float.robust/"
-              "scene:cornell_open/backend:cpu/"
-              "resolution:6x5/depth:4/spp:3");
+              "wavefront/layout:soa/scene:cornell_open/backend:cpu/6x5/depth:4/spp:3");
     EXPECT_EQ(file.at("context").at("ptbench.suite"), "mine");
 }
 

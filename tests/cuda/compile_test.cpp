@@ -64,11 +64,11 @@ public:
     // The integrator's program, if the variant applies to the scene.
     void add(const Scene& scene, const Variant& variant) {
         if (why_not_applicable(variant, features_of(scene), Backend::cuda).empty()) {
-            add(cuda::module_request(scene, variant, architecture_), scene.name + " " + variant.name());
+            add(cuda::module_request(scene, variant, architecture_), scene.name + " " + variant.spelled_out());
         }
     }
     void add_stage(const std::string& source, const Variant& variant) {
-        add(cuda::stage_request(variant, source, architecture_), variant.name());
+        add(cuda::stage_request(variant, source, architecture_), variant.spelled_out());
     }
 
     const std::map<std::string, Program>& by_key() const { return programs_; }

@@ -17,7 +17,7 @@ TEST(NewChoiceTest, KernelsCompile) {
             Variant variant = Registry::instance().baseline(Backend::cuda);
             variant.set("layout", std::string(layout->descriptor.name));
             variant.set("precision", precision);
-            SCOPED_TRACE(variant.name());
+            SCOPED_TRACE(variant.spelled_out());
             // Not from the cache: its key knows the text of embedded sources only.
             const cuda::ModuleImage image =
                 cuda::compile_module(cuda::stage_request(variant, PTBENCH_EXAMPLE, "sm_90"));

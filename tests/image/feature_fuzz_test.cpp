@@ -138,7 +138,7 @@ TEST(FeatureFuzz, GenericAndFeaturesLeaveOneFilm) {
                 lit += result.film.mean() != Vec3d(0.0) ? 1 : 0;
                 continue;
             }
-            ASSERT_EQ(result.film.hash(), expected) << "seed " << seed << ", " << request.variant.name() << ", "
+            ASSERT_EQ(result.film.hash(), expected) << "seed " << seed << ", " << request.variant.spelled_out() << ", "
                                                     << testing::PrintToString(feature_names(result.compiled));
             rooms += contains(result.compiled, Feature::enclosure) ? 1 : 0;
             specialised += (result.compiled & all_features) != all_features ? 1 : 0;

@@ -68,7 +68,7 @@ TEST_P(ShippedScene, HoldsTheClaimOfEveryVariant) {
             continue;
         }
         const Verdict verdict = verifier.check(variant);
-        EXPECT_TRUE(verdict.holds) << variant.name() << ": " << verdict.message;
+        EXPECT_TRUE(verdict.holds) << variant.spelled_out() << ": " << verdict.message;
         held += 1;
     }
     if (!is_first) {

@@ -58,11 +58,11 @@ TEST(CoveringTest, AllApplyAndNoneIsThereTwice) {
             const std::vector<Variant> variants = covering_variants(all_choices(backend), scene, backend);
             std::set<std::string> names;
             for (const Variant& variant : variants) {
-                EXPECT_EQ(why_not_applicable(variant, scene, backend), "") << variant.name();
+                EXPECT_EQ(why_not_applicable(variant, scene, backend), "") << variant.spelled_out();
                 EXPECT_TRUE(variant.tuning.empty());
-                EXPECT_TRUE(names.insert(variant.name()).second) << variant.name();
+                EXPECT_TRUE(names.insert(variant.spelled_out()).second) << variant.spelled_out();
             }
-            EXPECT_TRUE(names.contains(Registry::instance().baseline(backend).name()));
+            EXPECT_TRUE(names.contains(Registry::instance().baseline(backend).spelled_out()));
         }
     }
 }
@@ -106,7 +106,7 @@ std::string find_completion(const Pair& pair, const AxisChoices& axes, FeatureSe
                 for (const std::string& second : axes.at(others[b])) {
                     variant.set(others[b], second);
                     if (applies(variant, scene, backend)) {
-                        return variant.name();
+                        return variant.spelled_out();
                     }
                 }
             }
@@ -119,7 +119,7 @@ std::string find_completion(const Pair& pair, const AxisChoices& axes, FeatureSe
             variant.set(axis, names[random() % names.size()]);
         }
         if (applies(variant, scene, backend)) {
-            return variant.name();
+            return variant.spelled_out();
         }
     }
     return "";
@@ -170,7 +170,7 @@ TEST(CoveringTest, NoRandomVariantHasAPairThatIsLeftOut) {
                 std::set<Pair> pairs;
                 add_pairs(variant, pairs);
                 EXPECT_TRUE(std::includes(covered.begin(), covered.end(), pairs.begin(), pairs.end()))
-                    << variant.name();
+                    << variant.spelled_out();
             }
             EXPECT_GT(found, 100u) << to_string(backend);
         }

@@ -8,6 +8,7 @@
 
 #include "tests/support/command.h"
 #include "tests/support/scenes.h"
+#include "variants/variant_name.h"
 
 namespace pt {
 namespace {
@@ -75,7 +76,8 @@ TEST_F(ReferenceTest, HalvesAreTheMeansOfTheirSeedsSamples) {
     const ReferenceTask task = ball(0, 256);
     const Reference reference = ReferenceMaker("").make(task);
     const Variant variant = reference_variant(task);
-    EXPECT_EQ(reference.variant, variant.name());
+    EXPECT_EQ(reference.variant, shown_name(variant, Backend::cpu));
+    EXPECT_EQ(reference.variant_id, variant_id(variant, Backend::cpu));
     EXPECT_EQ(variant["integrator"], "depth_first");
     EXPECT_EQ(variant["specialisation"], "generic");
     for (const int half : {0, 1}) {

@@ -247,10 +247,9 @@ TEST_F(RunnerTest, EveryValueOfATunableIsACellOfItsOwn) {
     const Json& many = cells.at("cached_jitters{\"jitters\":16,\"room\":1}");
     EXPECT_EQ(off.at("claim"), "bitwise");
     EXPECT_EQ(one.at("claim"), "biased");
-    EXPECT_EQ(
-        one.at("claim_check"),
-        "film bits equal to "
-        "depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.exact.float.robust+jitters=1");
+    EXPECT_EQ(one.at("claim_check"),
+              "film bits equal to "
+              "depth_first first_bounce=cached_jitters specialisation=generic jitters=1");
     // Two samples: 16 rays are the rays of no cache, one ray is another image.
     EXPECT_EQ(many.at("film_hash"), off.at("film_hash"));
     EXPECT_NE(one.at("film_hash"), off.at("film_hash"));
@@ -304,10 +303,9 @@ TEST_F(RunnerTest, AChoiceThatFailsItsClaimLeavesTheOthersAlone) {
     std::map<std::string, std::string> found = statuses(file);
     EXPECT_EQ(found["none"], "ok");
     EXPECT_EQ(found["thrust_remove_if"], "ok");
-    EXPECT_EQ(found["test_hooked"].find(
-                  "failed: film differs from "
-                  "depth_first.none.none.material.off.off.off.pcg4d.aos.generic.stream.exact.float.robust: "
-                  "first at pixel "),
+    EXPECT_EQ(found["test_hooked"].find("failed: film differs from "
+                                        "depth_first specialisation=generic: "
+                                        "first at pixel "),
               0u)
         << found["test_hooked"];
     EXPECT_EQ(sample_rows(file).size(), 2u);
@@ -342,13 +340,9 @@ TEST_F(RunnerTest, AChoiceThatFailsLateFailsAloneAndForGood) {
         EXPECT_EQ(rows.size(),
                   name.find("test_hooked") != std::string::npos ? 1u : static_cast<std::size_t>(repetitions));
     }
-    EXPECT_NE(
-        progress.find(
-            "failed: "
-            "wavefront.test_hooked.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust/scene:tiny/"
-            "backend:cpu/resolution:8x6/depth:3/"
-            "spp:2: out of luck\n"),
-        std::string::npos);
+    EXPECT_NE(progress.find("failed: "
+                            "wavefront/compaction:test_hooked/scene:tiny/backend:cpu/8x6/depth:3/spp:2: out of luck\n"),
+              std::string::npos);
 }
 
 TEST_F(RunnerTest, AChoiceThatThrowsWhileItIsVerifiedFailsAlone) {
@@ -890,15 +884,10 @@ TEST_F(RunnerTest, RunsWithoutACellAreRefused) {
 
 TEST_F(RunnerTest, DescribesAPlan) {
     const Plan plan = make_plan(suite({{"first_bounce", {"off", "cached"}}}));
-    EXPECT_EQ(
-        describe_plan(plan, 5),
-        "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust/scene:tiny/backend:cpu/"
-        "resolution:8x6/depth:3/spp:2\n"
-        "n/a: wavefront.none.none.material.cached.off.off.pcg4d.aos.features.stream.exact.float.robust on tiny: "
-        "first_bounce=cached needs jitter off "
-        "(camera.jitter is "
-        "true in the scene)\n"
-        "1 cells, 5 samples, 1 not applicable\n");
+    EXPECT_EQ(describe_plan(plan, 5),
+              "wavefront/scene:tiny/backend:cpu/8x6/depth:3/spp:2\nn/a: wavefront first_bounce=cached on tiny: "
+              "first_bounce=cached needs jitter off (camera.jitter is true in the scene)\n1 cells, 5 samples, 1 not "
+              "applicable\n");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "harness/bench/suite.h"
 #include "tests/support/backends.h"
+#include "variants/variant_name.h"
 
 namespace pt {
 namespace {
@@ -108,7 +109,7 @@ TEST(TunableTest, IsAtItsStandardUnlessTuned) {
         tunable(variant_with({}), "jitters", Backend::cpu);
         FAIL() << "no exception";
     } catch (const std::logic_error& error) {
-        EXPECT_EQ(error.what(), variant_with({}).name() + " has no tunable jitters");
+        EXPECT_EQ(error.what(), shown_name(variant_with({}), Backend::cpu) + " has no tunable jitters");
     }
 }
 
@@ -157,13 +158,12 @@ TEST(TunableTest, ExpandsToEveryValueAndLeavesTheStandardOut) {
     const std::vector<Variant> variants =
         expand({{"first_bounce", {"off", "cached_jitters"}}}, Backend::cpu, {{"jitters", {4, 16, 5}}});
     ASSERT_EQ(variants.size(), 6u);
-    const std::string off = "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust";
-    const std::string kept =
-        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust";
-    const std::string expected[] = {off + "+jitters=4",  off,  off + "+jitters=5",
-                                    kept + "+jitters=4", kept, kept + "+jitters=5"};
+    const std::string off = "wavefront";
+    const std::string kept = "wavefront first_bounce=cached_jitters";
+    const std::string expected[] = {off + " jitters=4",  off,  off + " jitters=5",
+                                    kept + " jitters=4", kept, kept + " jitters=5"};
     for (std::size_t i = 0; i < variants.size(); ++i) {
-        EXPECT_EQ(variants[i].name(), expected[i]);
+        EXPECT_EQ(shown_name(variants[i], Backend::cpu), expected[i]);
     }
     EXPECT_EQ(variants[4], variant_with({{"first_bounce", "cached_jitters"}}));  // nothing to tell them apart
     EXPECT_TRUE(expand({}, Backend::cpu, {{"jitters", {16}}})[0].tuning.empty());
@@ -180,11 +180,11 @@ TEST(TunableTest, TheStandardThatIsLeftOutIsThatOfTheVariantsOwnChoice) {
     ASSERT_EQ(variants.size(), 6u * values.size());
     for (std::size_t i = 0; i < variants.size(); ++i) {
         const std::uint32_t asked = values[i % values.size()];
-        EXPECT_EQ(tunable(variants[i], "block", Backend::cuda), asked) << variants[i].name();
+        EXPECT_EQ(tunable(variants[i], "block", Backend::cuda), asked) << variants[i].spelled_out();
         EXPECT_EQ(variants[i].tuning.contains("block"),
                   asked != tunable(variant_with({{"integrator", variants[i]["integrator"]}}, {}, Backend::cuda),
                                    "block", Backend::cuda))
-            << variants[i].name();
+            << variants[i].spelled_out();
     }
 }
 
@@ -201,7 +201,7 @@ TEST(TunableTest, ExpandsToTheProductOfSeveral) {
     std::set<std::string> names;
     std::size_t applicable = 0;
     for (const Variant& variant : variants) {
-        EXPECT_TRUE(names.insert(variant.name()).second) << variant.name();
+        EXPECT_TRUE(names.insert(shown_name(variant, Backend::cuda)).second) << variant.spelled_out();
         EXPECT_EQ(variant.tuning.at("spp_in_flight"), 4u);
         EXPECT_FALSE(variant.tuning.contains("block") && variant.tuning.at("block") == standard);
         const std::string reason = why_not_applicable(variant, jittered, Backend::cuda);
@@ -212,9 +212,7 @@ TEST(TunableTest, ExpandsToTheProductOfSeveral) {
         applicable += reason.empty() ? 1u : 0u;
     }
     EXPECT_EQ(applicable, 6u);
-    EXPECT_TRUE(names.contains(
-        "wavefront.thrust_partition.none.material.off.off.off.pcg4d.aos.features.stream.precise.float.robust+block=64+"
-        "caching_allocator=1+spp_in_flight=4"));
+    EXPECT_TRUE(names.contains("wavefront compaction=thrust_partition block=64 caching_allocator=1 spp_in_flight=4"));
 }
 
 // ---- References ----
@@ -222,9 +220,8 @@ TEST(TunableTest, ExpandsToTheProductOfSeveral) {
 TEST(TunableTest, AReferenceKeepsThoseOfChoicesThatDoNotClaimBits) {
     const Registry& registry = Registry::instance();
     const Variant kept = registry.reference(variant_with({{"first_bounce", "cached_jitters"}}, {{"jitters", 4}}));
-    EXPECT_EQ(
-        kept.name(),
-        "depth_first.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.exact.float.robust+jitters=4");
+    EXPECT_EQ(shown_name(kept, Backend::cpu),
+              "depth_first first_bounce=cached_jitters specialisation=generic jitters=4");
     EXPECT_EQ(registry.reference(kept), kept);
     // Those of no choice, or of one that claims bits, go.
     EXPECT_TRUE(registry.reference(variant_with({}, {{"jitters", 4}})).tuning.empty());
@@ -233,9 +230,8 @@ TEST(TunableTest, AReferenceKeepsThoseOfChoicesThatDoNotClaimBits) {
             variant_with({{"first_bounce", "cached_jitters"}, {"compaction", "thrust_partition"}},
                          {{"jitters", 4}, {"block", 256}, {"par_nosync", 1}, {"spp_in_flight", 8}}, Backend::cuda);
         const Variant reference = registry.reference(variant, Backend::cuda);
-        EXPECT_EQ(reference.name(),
-                  "megakernel.none.none.material.cached_jitters.off.off.pcg4d.aos.generic.stream.precise.float.robust+"
-                  "jitters=4");
+        EXPECT_EQ(shown_name(reference, Backend::cuda),
+                  "megakernel first_bounce=cached_jitters specialisation=generic jitters=4");
         EXPECT_EQ(exact_twin(variant, Backend::cuda).tuning, variant.tuning);
     }
 }

@@ -12,16 +12,26 @@
 #include "harness/bench/suite.h"
 #include "harness/error.h"
 #include "tests/support/command.h"
+#include "variants/variant_name.h"
 
 namespace pt {
 namespace {
 
-const std::string plain = "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust";
-const std::string kept =
-    "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust";
+const std::string plain = "wavefront";
+const std::string kept = "wavefront first_bounce=cached_jitters";
+
+// By the name, which is plain, kept, or of no variant that there is.
+std::string id_of(const std::string& name) {
+    Variant variant = Registry::instance().baseline();
+    if (name == kept) {
+        variant.set("first_bounce", "cached_jitters");
+    }
+    return name == plain || name == kept ? variant_id(variant, Backend::cpu) : name;
+}
 
 TunedVariant tuned(const std::string& variant, const std::map<std::string, std::uint32_t>& values) {
     return {.variant = variant,
+            .id = id_of(variant),
             .values = values,
             .scene = "cornell_open",
             .width = 800,
@@ -42,6 +52,7 @@ Variant variant_with(const std::string& axis, const std::string& choice,
 
 void expect_same(const TunedVariant& a, const TunedVariant& b) {
     EXPECT_EQ(a.variant, b.variant);
+    EXPECT_EQ(a.id, b.id);
     EXPECT_EQ(a.values, b.values);
     EXPECT_EQ(a.scene, b.scene);
     EXPECT_EQ(a.width, b.width);
@@ -72,6 +83,7 @@ protected:
     // A file of one entry, right but for the keys that are given otherwise (null: left out).
     static std::string file_with(const nlohmann::json& otherwise) {
         nlohmann::json entry{{"variant", plain},
+                             {"variant_id", id_of(plain)},
                              {"tunables", {{"room", 0}}},
                              {"scene", "cornell_open"},
                              {"resolution", {8, 6}},
@@ -88,7 +100,7 @@ TEST_F(TuningFileTest, WhatIsSavedIsLoaded) {
     Tuning tuning;
     tuning.put(tuned(plain, {{"room", 0}}));
     tuning.put(tuned(kept, {{"room", 0}}));
-    tuning.put(tuned("of.another.build.d.e.f.g.h.i.j.k.l.m.n", {}));
+    tuning.put(tuned("of another build", {}));
     tuning.save(file, "amd-epyc");
     const Tuning loaded = Tuning::load(file, Backend::cpu);
     ASSERT_EQ(loaded.entries().size(), 3u);
@@ -106,9 +118,21 @@ TEST_F(TuningFileTest, AVariantHasOneEntryTheLast) {
     tuning.put(tuned(plain, {{"room", 1}}));
     ASSERT_EQ(tuning.entries().size(), 2u);
     expect_same(tuning.entries()[0], tuned(plain, {{"room", 1}}));
-    ASSERT_NE(tuning.find(kept), nullptr);
-    expect_same(*tuning.find(kept), tuned(kept, {{"jitters", 64}}));
+    ASSERT_NE(tuning.find(id_of(kept)), nullptr);
+    expect_same(*tuning.find(id_of(kept)), tuned(kept, {{"jitters", 64}}));
     EXPECT_EQ(tuning.find("never tuned"), nullptr);
+}
+
+// Files that are older than identities spell every choice.
+TEST_F(TuningFileTest, AnOlderFilesVariantIsFoundByItsChoices) {
+    test::write_text(
+        file, file_with({{"variant",
+                          "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float."
+                          "robust"},
+                         {"variant_id", nullptr}}));
+    const Tuning loaded = Tuning::load(file, Backend::cpu);
+    ASSERT_EQ(loaded.entries().size(), 1u);
+    EXPECT_EQ(loaded.entries()[0].id, id_of(kept));
 }
 
 TEST_F(TuningFileTest, AnAbsentFileIsEmpty) {
@@ -128,10 +152,11 @@ TEST_F(TuningFileTest, RefusesBadFilesWithTheirPlace) {
         {R"({"entries": [], "colour": 1})", "$: found unknown key \"colour\", allowed: machine, entries"},
         {R"({"entries": [7]})", "$.entries[0]: found 7, allowed: an object"},
         {entry(R"({"variant": 7})"), "$.entries[0].variant: found 7, allowed: a string"},
-        {entry(R"({"variant": "of.fewer.axes"})"),
+        {entry(R"({"variant": "of.fewer.axes", "variant_id": null})"),
          "$.entries[0].variant: found \"of.fewer.axes\", allowed: a variant's name with a choice for each of the 14 "
          "axes"},
-        {entry(R"({"colour": 7})"), "$.entries[0]: found unknown key \"colour\", allowed: variant, tunables, "},
+        {entry(R"({"colour": 7})"),
+         "$.entries[0]: found unknown key \"colour\", allowed: variant, variant_id, tunables, "},
         {entry(R"({"tunables": [1]})"), "$.entries[0].tunables: found [1], allowed: an object"},
         {entry(R"({"tunables": {"colour": 4}})"), "$.entries[0].tunables.colour: found "},
         {entry(R"({"tunables": {"room": 0.5}})"), "$.entries[0].tunables.room: found 0.5, allowed: a whole number"},
@@ -179,8 +204,9 @@ TEST(TunedVariantTest, GetsTheValuesThatWereFoundForIt) {
     Tuning tuning;
     tuning.put(tuned(plain, {{"room", 0}}));
     tuning.put(tuned(kept, {{"jitters", 64}, {"room", 0}}));
-    EXPECT_EQ(tuning.applied(Registry::instance().baseline(), {}).name(), plain + "+room=0");
-    EXPECT_EQ(tuning.applied(variant_with("first_bounce", "cached_jitters"), {}).name(), kept + "+jitters=64+room=0");
+    EXPECT_EQ(shown_name(tuning.applied(Registry::instance().baseline(), {}), Backend::cpu), plain + " room=0");
+    EXPECT_EQ(shown_name(tuning.applied(variant_with("first_bounce", "cached_jitters"), {}), Backend::cpu),
+              kept + " jitters=64 room=0");
     // Another variant stays as it is, and nothing is tuned where nothing was found.
     EXPECT_EQ(tuning.applied(variant_with("layout", "soa"), {}), variant_with("layout", "soa"));
     EXPECT_EQ(Tuning().applied(Registry::instance().baseline(), {}), Registry::instance().baseline());
@@ -191,11 +217,11 @@ TEST(TunedVariantTest, KeepsWhatIsAskedFor) {
     tuning.put(tuned(kept, {{"jitters", 64}, {"room", 0}}));
     const Variant asked = variant_with("first_bounce", "cached_jitters", {{"jitters", 4}});
     // The entry is that of the variant with every tunable at its standard.
-    EXPECT_EQ(tuning.applied(asked, {}).name(), kept + "+jitters=4+room=0");
+    EXPECT_EQ(shown_name(tuning.applied(asked, {}), Backend::cpu), kept + " jitters=4 room=0");
     EXPECT_EQ(tuning.applied(asked, {"room"}), asked);
     // Named, and asked for at its standard.
     const Variant standard = variant_with("first_bounce", "cached_jitters");
-    EXPECT_EQ(tuning.applied(standard, {"jitters"}).name(), kept + "+room=0");
+    EXPECT_EQ(shown_name(tuning.applied(standard, {"jitters"}), Backend::cpu), kept + " room=0");
     EXPECT_EQ(tuning.applied(standard, {"jitters", "room"}), standard);
 }
 
@@ -213,21 +239,21 @@ TEST(TunedVariantTest, ItsCellsSayItInTheirNames) {
         std::vector<std::string> all;
         for (const Cell& cell :
              make_plan({.name = "s", .description = "", .studies = {study}}, Backend::cpu, with).cells) {
-            EXPECT_EQ(cell.name.find(cell.variant.name() + "/"), 0u);
+            EXPECT_EQ(cell.name.find(benchmark_name(cell.variant, Backend::cpu) + "/"), 0u);
             all.push_back(cell.name);
         }
         return all;
     };
-    const std::string settings = "/scene:cornell_open/backend:cpu/resolution:8x6/depth:8/spp:1";
-    const std::string soa = "wavefront.none.none.material.off.off.off.pcg4d.soa.features.stream.exact.float.robust";
-    EXPECT_EQ(names(tuning), (std::vector<std::string>{plain + "+room=0" + settings, soa + settings}));
+    const std::string settings = "/scene:cornell_open/backend:cpu/8x6/depth:8/spp:1";
+    const std::string soa = "wavefront/layout:soa";
+    EXPECT_EQ(names(tuning), (std::vector<std::string>{plain + "/room:0" + settings, soa + settings}));
     EXPECT_EQ(names({}), (std::vector<std::string>{plain + settings, soa + settings}));
     // A study that names a tunable gets the values that it names, the standard among them.
     study.axes = {};
     study.tunables = {{"room", {1}}};
     EXPECT_EQ(names(tuning), std::vector<std::string>{plain + settings});
     study.tunables = {{"room", {1, 0}}};
-    EXPECT_EQ(names(tuning), (std::vector<std::string>{plain + settings, plain + "+room=0" + settings}));
+    EXPECT_EQ(names(tuning), (std::vector<std::string>{plain + settings, plain + "/room:0" + settings}));
 }
 
 // ---- What is worth trying ----

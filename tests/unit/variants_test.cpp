@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <omp.h>
 
@@ -14,6 +15,7 @@
 #include "tests/support/backends.h"
 #include "tests/support/render.h"
 #include "tests/support/scenes.h"
+#include "variants/variant_name.h"
 
 namespace pt {
 namespace {
@@ -410,29 +412,77 @@ TEST(RegistryTest, OnlyDepthFirstIsCompiledInDouble) {
     }
 }
 
-TEST(VariantTest, NameJoinsTheChoicesByDots) {
-    EXPECT_EQ(registry().baseline().name(),
-              "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust");
-    EXPECT_EQ(baseline_with({{"compaction", "thrust_remove_if"}, {"layout", "soa"}, {"first_bounce", "cached"}}).name(),
-              "wavefront.thrust_remove_if.none.material.cached.off.off.pcg4d.soa.features.stream.exact.float.robust");
+TEST(VariantTest, NameSaysTheIntegratorAndWhatDiffersFromTheBaseline) {
+    const Variant baseline = registry().baseline();
+    EXPECT_EQ(shown_name(baseline, Backend::cpu), "wavefront");
+    EXPECT_EQ(benchmark_name(baseline, Backend::cpu), "wavefront");
+    Variant variant =
+        baseline_with({{"compaction", "thrust_remove_if"}, {"layout", "soa"}, {"first_bounce", "cached_jitters"}});
+    EXPECT_EQ(shown_name(variant, Backend::cpu),
+              "wavefront compaction=thrust_remove_if first_bounce=cached_jitters layout=soa");
+    variant.tuning["jitters"] = 4;
+    variant.tuning["block"] = 256;
+    EXPECT_EQ(shown_name(variant, Backend::cpu),
+              "wavefront compaction=thrust_remove_if first_bounce=cached_jitters layout=soa block=256 jitters=4");
+    EXPECT_EQ(benchmark_name(variant, Backend::cpu),
+              "wavefront/compaction:thrust_remove_if/first_bounce:cached_jitters/layout:soa/block:256/jitters:4");
+    EXPECT_EQ(shown_name(baseline_with({{"integrator", "depth_first"}}), Backend::cpu), "depth_first");
     EXPECT_THROW(Variant::index("colour"), std::out_of_range);
-    EXPECT_EQ(Variant::index("specialisation"), 9u);
-    EXPECT_EQ(Variant::index("precision"), 12u);
     if (test::cuda_is_built()) {
-        EXPECT_EQ(registry().baseline(Backend::cuda).name(),
-                  "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.precise.float.robust");
+        EXPECT_EQ(shown_name(registry().baseline(Backend::cuda), Backend::cuda), "wavefront");
+        // The CPU's baseline is another one there.
+        EXPECT_EQ(shown_name(baseline, Backend::cuda), "wavefront arithmetic=exact");
     }
 }
 
-TEST(VariantTest, NameEndsWithTheTunablesByName) {
+TEST(VariantTest, SpelledOutItSaysEveryChoiceAndTheTunablesThatAreNotAtTheirDefault) {
     Variant variant = baseline_with({{"first_bounce", "cached_jitters"}});
     const std::string choices =
         "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust";
-    EXPECT_EQ(variant.name(), choices);
+    EXPECT_EQ(variant.spelled_out(), choices);
     variant.tuning["jitters"] = 4;
-    EXPECT_EQ(variant.name(), choices + "+jitters=4");
     variant.tuning["block"] = 256;
-    EXPECT_EQ(variant.name(), choices + "+block=256+jitters=4");
+    EXPECT_EQ(variant.spelled_out(), choices + "+block=256+jitters=4");
+}
+
+// FNV-1a over "name=value\n", sorted by name, of what is not as it was before its axis was there: by hand here.
+std::string identity_of(const std::vector<std::string>& lines) {
+    std::uint64_t hash = 0xcbf29ce484222325ull;
+    for (const std::string& line : lines) {
+        for (const char c : line + "\n") {
+            hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
+        }
+    }
+    return fmt::format("{:016x}", hash);
+}
+
+TEST(VariantTest, IdentityIsOfChoicesAndTunablesAndNotOfBaselines) {
+    const std::vector<std::string> plain{
+        "compaction=none", "direct_light=off", "first_bounce=off", "integrator=wavefront",
+        "layout=aos",      "room=1",           "sorting=none",     "specialisation=features"};
+    const Variant baseline = registry().baseline();
+    EXPECT_EQ(variant_id(baseline, Backend::cpu), identity_of(plain));
+    // A tunable that is named at its default is at its default.
+    Variant named = baseline;
+    named.tuning["room"] = 1;
+    EXPECT_EQ(variant_id(named, Backend::cpu), variant_id(baseline, Backend::cpu));
+    named.tuning["room"] = 0;
+    EXPECT_NE(variant_id(named, Backend::cpu), variant_id(baseline, Backend::cpu));
+    // A later axis takes part where it is not as it was before.
+    std::vector<std::string> philox = plain;
+    philox.insert(philox.begin() + 6, "sampler=philox");
+    EXPECT_EQ(variant_id(baseline_with({{"sampler", "philox"}}), Backend::cpu), identity_of(philox));
+}
+
+TEST(VariantTest, EveryVariantHasAnIdentityAndANameOfItsOwn) {
+    std::set<std::string> names, identities;
+    const std::vector<Variant> variants = expand(all_choices());
+    for (const Variant& variant : variants) {
+        names.insert(shown_name(variant, Backend::cpu));
+        identities.insert(variant_id(variant, Backend::cpu));
+    }
+    EXPECT_EQ(names.size(), variants.size());
+    EXPECT_EQ(identities.size(), variants.size());
 }
 
 TEST(VariantTest, VariantsAreOrderedByTheirChoicesThenByTheirTunables) {
@@ -462,11 +512,11 @@ TEST(VariantTest, ReferenceIsThePlainestVariantOfTheSameExpectation) {
         const std::string first_bounce = variant["first_bounce"] == "cached_jitters" ? "cached_jitters" : "off";
         const std::string formula = variant["specialisation"] == "matrix" ? "matrix" : "generic";
         // Its film depends on every other choice: nothing but itself has it.
-        EXPECT_EQ(reference.name(), variant["sampler"] == "minstd_by_position"
-                                        ? variant.name()
-                                        : "depth_first.none.none.material." + first_bounce + "." +
-                                              estimator_of(variant) + ".aos." + formula + ".stream.exact." +
-                                              variant["precision"] + "." + variant["robustness"]);
+        EXPECT_EQ(reference.spelled_out(), variant["sampler"] == "minstd_by_position"
+                                               ? variant.spelled_out()
+                                               : "depth_first.none.none.material." + first_bounce + "." +
+                                                     estimator_of(variant) + ".aos." + formula + ".stream.exact." +
+                                                     variant["precision"] + "." + variant["robustness"]);
         EXPECT_EQ(registry().reference(reference), reference);
         // Which do not go together.
         const bool has_formulas = variant["precision"] == "double_intersection" || variant["robustness"] == "naive";
@@ -491,14 +541,14 @@ TEST(VariantTest, ReferenceOnCudaIsThePlainestVariantOfTheSameExpectation) {
         const std::string first_bounce = variant["first_bounce"] == "cached_jitters" ? "cached_jitters" : "off";
         const std::string formula = variant["specialisation"] == "matrix" ? "matrix" : "generic";
         // A variant that rounds freely keeps its arithmetic: it is its twin that is held to bits.
-        EXPECT_EQ(reference.name(), variant["sampler"] == "minstd_by_position"
-                                        ? variant.name()
-                                        : "megakernel.none.none.material." + first_bounce + "." +
-                                              estimator_of(variant) + ".aos." + formula + ".stream." +
-                                              variant["arithmetic"] + "." + variant["precision"] + "." +
-                                              variant["robustness"]);
+        EXPECT_EQ(reference.spelled_out(), variant["sampler"] == "minstd_by_position"
+                                               ? variant.spelled_out()
+                                               : "megakernel.none.none.material." + first_bounce + "." +
+                                                     estimator_of(variant) + ".aos." + formula + ".stream." +
+                                                     variant["arithmetic"] + "." + variant["precision"] + "." +
+                                                     variant["robustness"]);
         EXPECT_EQ(registry().reference(reference, Backend::cuda), reference);
-        EXPECT_EQ(why_not_applicable(reference, all_features, Backend::cuda), "") << reference.name();
+        EXPECT_EQ(why_not_applicable(reference, all_features, Backend::cuda), "") << reference.spelled_out();
     }
 }
 
@@ -540,7 +590,7 @@ TEST(VariantTest, WhatRoundsFreelyOnCudaHasATwinInExactArithmetic) {
             Variant variant = baseline_with(
                 {{"integrator", integrator}, {"arithmetic", c.arithmetic}, {"precision", c.precision}}, Backend::cuda);
             variant.tuning["block"] = 256;
-            SCOPED_TRACE(variant.name());
+            SCOPED_TRACE(variant.spelled_out());
             EXPECT_EQ(fp_relaxed(variant, Backend::cuda), c.fp_relaxed);
             EXPECT_EQ(claim_of(variant, Backend::cuda), c.claim);
             // The twin differs in the arithmetic alone: its choices and tunables stay.
@@ -665,7 +715,7 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApply) {
     };
     for (const Case& c : cases) {
         const Variant variant = baseline_with(c.choices);
-        EXPECT_EQ(why_not_applicable(variant, c.scene), c.reason) << variant.name();
+        EXPECT_EQ(why_not_applicable(variant, c.scene), c.reason) << variant.spelled_out();
     }
 }
 
@@ -692,8 +742,8 @@ TEST(ApplicabilityTest, ReasonsHaveACodeAndTheAxisThatDoesNotApply) {
     for (const auto& c : cases) {
         const Variant variant = baseline_with(c.choices);
         const Reason reason = reason_not_applicable(variant, c.scene);
-        EXPECT_EQ(reason.code, c.code) << variant.name();
-        EXPECT_EQ(reason.axis, c.axis) << variant.name();
+        EXPECT_EQ(reason.code, c.code) << variant.spelled_out();
+        EXPECT_EQ(reason.axis, c.axis) << variant.spelled_out();
         EXPECT_EQ(reason.text, why_not_applicable(variant, c.scene));
     }
     Variant tuned = registry().baseline();
@@ -759,7 +809,7 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApplyOnCuda) {
     };
     for (const auto& c : cases) {
         const Variant variant = baseline_with(c.choices, Backend::cuda);
-        EXPECT_EQ(why_not_applicable(variant, plain_features, Backend::cuda), c.reason) << variant.name();
+        EXPECT_EQ(why_not_applicable(variant, plain_features, Backend::cuda), c.reason) << variant.spelled_out();
     }
     Variant reading_back = baseline_with({{"launch", "graph"}}, Backend::cuda);
     reading_back.tuning["read_back"] = 1;
@@ -1092,13 +1142,13 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
         }
         const RenderResult& reference = references.at(reference_variant);
         const RenderResult result = render_variant(scene, variant);
-        ASSERT_EQ(result.film.sums(), reference.film.sums()) << variant.name();
-        ASSERT_EQ(check_counters(variant, result.work, spp), "") << variant.name();
-        ASSERT_EQ(result.work.paths, 24u * 18u * spp) << variant.name();
+        ASSERT_EQ(result.film.sums(), reference.film.sums()) << variant.spelled_out();
+        ASSERT_EQ(check_counters(variant, result.work, spp), "") << variant.spelled_out();
+        ASSERT_EQ(result.work.paths, 24u * 18u * spp) << variant.spelled_out();
         ASSERT_EQ(result.work.rays + result.work.cache_hits, reference.work.rays + reference.work.cache_hits)
-            << variant.name();
-        ASSERT_EQ(result.work.unfinished_walks, reference.work.unfinished_walks) << variant.name();
-        ASSERT_EQ(result.film.faults().nonfinite + result.film.faults().negative, 0u) << variant.name();
+            << variant.spelled_out();
+        ASSERT_EQ(result.work.unfinished_walks, reference.work.unfinished_walks) << variant.spelled_out();
+        ASSERT_EQ(result.film.faults().nonfinite + result.film.faults().negative, 0u) << variant.spelled_out();
         ++rendered;
     }
     // And the other estimators, by pairs.
@@ -1110,11 +1160,11 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
         }
         const RenderResult& reference = of_pairs.at(reference_variant);
         const RenderResult result = render_variant(scene, variant);
-        ASSERT_EQ(result.film.sums(), reference.film.sums()) << variant.name();
-        ASSERT_EQ(check_counters(variant, result.work, spp), "") << variant.name();
+        ASSERT_EQ(result.film.sums(), reference.film.sums()) << variant.spelled_out();
+        ASSERT_EQ(check_counters(variant, result.work, spp), "") << variant.spelled_out();
         ASSERT_EQ(result.work.rays + result.work.cache_hits, reference.work.rays + reference.work.cache_hits)
-            << variant.name();
-        ASSERT_EQ(result.work.connections, reference.work.connections) << variant.name();
+            << variant.spelled_out();
+        ASSERT_EQ(result.work.connections, reference.work.connections) << variant.spelled_out();
     }
     // 2 x 4 for depth_first and (5 x 3 - 1) x 2 x 2 x 3 for wavefront; each with the first bounce off, and cached, or,
     // with jitter, with 16 and with 2 camera rays kept. 2 x 3 for packet and 2 x 4 for audited, with the first bounce
@@ -1153,9 +1203,10 @@ TEST(FilmTest, DoesNotDependOnTheNumberOfThreads) {
         for (const int threads : {2, 3}) {
             omp_set_num_threads(threads);
             const RenderResult together = render_variant(scene, variant);
-            EXPECT_EQ(together.film.sums(), alone.film.sums()) << variant.name() << " on " << threads;
-            EXPECT_EQ(together.work.rays, alone.work.rays) << variant.name() << " on " << threads;
-            EXPECT_EQ(together.work.compacted_away, alone.work.compacted_away) << variant.name() << " on " << threads;
+            EXPECT_EQ(together.film.sums(), alone.film.sums()) << variant.spelled_out() << " on " << threads;
+            EXPECT_EQ(together.work.rays, alone.work.rays) << variant.spelled_out() << " on " << threads;
+            EXPECT_EQ(together.work.compacted_away, alone.work.compacted_away)
+                << variant.spelled_out() << " on " << threads;
         }
     }
     omp_set_num_threads(threads_before);
