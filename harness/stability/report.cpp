@@ -10,6 +10,7 @@
 #include "harness/bench/machine.h"
 #include "harness/bench/result_file.h"
 #include "harness/json_reader.h"
+#include "harness/variant_json.h"
 #include "harness/write_file.h"
 #include "variants/variant_name.h"
 
@@ -91,6 +92,10 @@ void Report::keep_rows(const Json& old) {
             is_complete ? "--overwrite, which replaces it when the new one is complete, or another --out"
                         : "the run that it was started with; remove the file to start over");
     }
+    if (!old.contains("variants") || !old["variants"].is_object()) {
+        throw InputError(growing_, "file", "no variants: a result of an older ptbench stability", "one, to go on with");
+    }
+    variants_ = old["variants"];
     rows_ = old["rows"];
     for (const Json& row : rows_) {
         done_.insert(key_of(row["case"], row["point"], row["variant_id"]));
@@ -101,6 +106,8 @@ bool Report::has(const Task& task) const { return done_.contains(key_of(task)); 
 
 void Report::add(const Task& task, const Json& rows) {
     is_changed_ = true;
+    variants_[variant_id(task.variant, task.backend)] = {{"variant", shown_name(task.variant, task.backend)},
+                                                         {"axes", axes_json(task.variant)}};
     rows_.insert(rows_.end(), rows.begin(), rows.end());
     done_.insert(key_of(task));
 }
@@ -118,11 +125,12 @@ void Report::write(const std::string& status) const {
     for (const Case& stiff_case : catalogue()) {
         cases.push_back(to_json(stiff_case));
     }
-    write_file(
-        growing_,
-        rows_on_lines(
-            {{"schema", schema}, {"context", std::move(context)}, {"cases", std::move(cases)}, {"rows", rows_}}) +
-            "\n");
+    write_file(growing_, rows_on_lines({{"schema", schema},
+                                        {"context", std::move(context)},
+                                        {"cases", std::move(cases)},
+                                        {"variants", variants_},
+                                        {"rows", rows_}}) +
+                             "\n");
     stamp_ = stamp_of(file_);
 }
 

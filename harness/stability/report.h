@@ -48,6 +48,7 @@ private:
     mutable FileStamp stamp_;  // of file_, as this report knows it
     bool is_changed_ = true;   // since it was read; a complete one that nothing is added to stays as it is
     RunDescription description_;
+    Json variants_ = Json::object();  // by identity: the name and the choices of every variant that a row is of
     Json rows_ = Json::array();
     std::set<std::string> done_;  // keys of tasks
 };

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <iterator>
 
-#include "harness/bench/result_file.h"
 #include "harness/stability/evaluate.h"
 #include "harness/variant_json.h"
 #include "variants/variant_name.h"
@@ -74,9 +73,7 @@ Json to_json(const Values& values) {
 Json to_json(const Task& task, const Row& row) {
     Json json{{"case", task.stiff_case->name}, {"point", to_json(task.values)}};
     json["backend"] = task.stiff_case->direct ? "host" : pt::to_string(task.backend);
-    json["variant"] = shown_name(task.variant, task.backend);
     json["variant_id"] = variant_id(task.variant, task.backend);
-    json["axes"] = axes_json(task.variant);
     json["status"] = to_string(row.status);
     json["must_pass"] = must_pass(task.variant, task.backend);
     if (!row.reason.empty()) {
