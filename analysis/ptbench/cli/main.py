@@ -52,7 +52,7 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
     add_compare(commands)
     explain = commands.add_parser("explain", help="where the time of two variants differs, and what goes with that")
     explain.add_argument("result", type=Path, metavar="RESULT.json")
-    explain.add_argument("a", metavar="A", help="a variant's dotted name, or parts that name one: wavefront.soa")
+    explain.add_argument("a", metavar="A", help='a variant\'s name, or parts that name one: "wavefront layout=soa"')
     explain.add_argument("b", metavar="B", help="the variant that is held against A")
     explain.add_argument("--scene", default="", help="default: every scene in which both ran")
     explain.add_argument("--depth", type=_positive, metavar="N", help="default: every depth")

@@ -26,7 +26,7 @@ class Inspection:
         found = [
             one
             for entry in self._entries
-            if entry.variant.split(".")[0] == integrator and specialisation in entry.variant.split("+")[0].split(".")
+            if entry.choices[0] == integrator and specialisation in entry.choices
             for one in entry.kernels
             if kernel in ("", one.name)
         ]

@@ -118,12 +118,6 @@ class Cuda:
     path_state_bytes: int | None = None  # of path_bytes, one copy of the path itself
 
 
-def tuned_in(variant: str) -> dict[str, str]:
-    """The tunables that are not at their choice's standard: a variant's name spells those and no others."""
-    pairs = (part.partition("=") for part in variant.split("+")[1:])
-    return {name: value for name, _, value in pairs}
-
-
 @dataclass(frozen=True)
 class Cell:
     """Scene x backend x variant x settings, with its samples."""
@@ -154,6 +148,8 @@ class Cell:
     counters: dict[str, int] = field(default_factory=dict)  # of the instrumented pass, `spp` samples a pixel
     cuda: Cuda | None = None
     convergence: Convergence | None = None
+    tuned: dict[str, str] = field(default_factory=dict)  # the tunables that are not at their choice's default
+    variant_in_file: str = ""  # older files spell every choice
     failed_repetitions: tuple[int, ...] = ()  # of `errors`, one each
 
     @property
@@ -220,11 +216,6 @@ class Cell:
         return self.backend == GPU_BACKEND
 
     @property
-    def tuned(self) -> dict[str, str]:
-        """The tunables that are not at their choice's standard."""
-        return tuned_in(self.variant)
-
-    @property
     def device_share(self) -> float | None:
         """Device time over render wall time, the median of the samples'."""
         shares = [sample.device_ms / sample.wall_ms for sample in self.samples if sample.device_ms is not None]
@@ -271,12 +262,8 @@ class NotApplicable:
     axes: dict[str, str]
     reason: str
     reason_code: str = ""  # empty in older files
+    tuned: dict[str, str] = field(default_factory=dict)  # the tunables that were not at their choice's default
     reason_axis: str = ""  # of the choice that does not apply; empty in older files, and where it is no choice's own
-
-    @property
-    def tuned(self) -> dict[str, str]:
-        """The tunables that were not at their choice's standard."""
-        return tuned_in(self.variant)
 
     @property
     def elsewhere(self) -> str:

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from ptbench.errors import bad_value
 from ptbench.io.cells import Cell
+from ptbench.io.names import tuned_in
 from ptbench.io.nodes import Node, read_json, shown
 from ptbench.io.older import before, filled_in
 
@@ -54,21 +55,29 @@ class Inspected:
     variant: str
     kernels: tuple[KernelCounters, ...]
     file: Path
+    choices: tuple[str, ...] = ()  # in the order of the axes that the file knows
+    tuned: dict[str, str] = field(default_factory=dict)  # the tunables that are not at their choice's default
 
 
 def load_inspected(path: Path) -> list[Inspected]:
     """The file's entries; raises InputError."""
     root = read_json(path)
     word = _word_of_rates(root)
-    return [
-        Inspected(
-            scene=node.need("scene").name(),
-            variant=node.need("variant").name(),
-            kernels=tuple(_kernel(kernel, word) for kernel in node.need("kernels").items()),
-            file=path,
-        )
-        for node in root.items()
-    ]
+    return [_inspected(node, word, path) for node in root.items()]
+
+
+def _inspected(node: Node, word: str, path: Path) -> Inspected:
+    name, axes = node.need("variant").name(), node.maybe("axes")
+    named = {} if axes is None else axes.texts()
+    return Inspected(
+        scene=node.need("scene").name(),
+        variant=name,
+        kernels=tuple(_kernel(kernel, word) for kernel in node.need("kernels").items()),
+        file=path,
+        # An older file has no axes: its name spells the choices.
+        choices=tuple(named.values()) if named else tuple(name.partition("+")[0].split(".")),
+        tuned=tuned_in(name, named),
+    )
 
 
 def _word_of_rates(root: Node) -> str:
@@ -114,22 +123,17 @@ def _kernel(node: Node, word: str) -> KernelCounters:
 
 def inspected_of(cell: Cell, entries: list[Inspected]) -> Inspected | None:
     """The entry of the cell's scene and variant, whichever axes the two files are too old to name."""
-    names = {_plain(cell.variant), _plain(".".join(cell.axes.values()) + _tunables(cell.variant))}
-    # The axes that a file lacks stand after the same one in every name.
-    later = filled_in()
-    without = [choice for name, choice in cell.axes.items() if later.get(name) != choice]
-    names.add(_plain(".".join(without) + _tunables(cell.variant)))
-    return next((e for e in entries if e.scene == cell.scene and _plain(e.variant) in names), None)
+    # The axes that a file lacks stand after the same one in every name, but for the last, which older files lack too.
+    later, choices = filled_in(), tuple(cell.axes.values())
+    without = tuple(choice for name, choice in cell.axes.items() if later.get(name) != choice)
+    known = {_plain(choices), _plain(without)}
+    return next(
+        (e for e in entries if e.scene == cell.scene and e.tuned == cell.tuned and _plain(e.choices) in known), None
+    )
 
 
-def _tunables(variant: str) -> str:
-    _, plus, tuned = variant.partition("+")
-    return plus + tuned
-
-
-def _plain(variant: str) -> str:
-    name, plus, tuned = variant.partition("+")
-    return name.removesuffix(_ROBUST) + plus + tuned
+def _plain(choices: tuple[str, ...]) -> tuple[str, ...]:
+    return choices[:-1] if choices[-1:] == (_ROBUST,) else choices
 
 
 @dataclass(frozen=True)

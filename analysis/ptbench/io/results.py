@@ -7,7 +7,8 @@ this version does not know are ignored, so that a newer harness may add some.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from ptbench.errors import bad_value
@@ -27,9 +28,10 @@ from ptbench.io.cells import (
     Study,
 )
 from ptbench.io.consistency import Contradiction, cell_of, contradictions, is_failure, times_of
-from ptbench.io.convergence import check_checkpoints, checkpoints_of, convergence_of
+from ptbench.io.convergence import Convergence, check_checkpoints, checkpoints_of, convergence_of
+from ptbench.io.names import axes_spelled_out, shown_name, tuned_in
 from ptbench.io.nodes import Node, read_json, shown
-from ptbench.io.older import SCHEMA_VERSIONS, with_later_axes
+from ptbench.io.older import SCHEMA_VERSIONS, usual_baselines, with_later_axes
 
 
 def load(path: Path | str) -> Result:
@@ -45,18 +47,20 @@ def result_of(root: Node) -> Result:
     _refuse_twins(ptbench.need("studies"), [study.name for study in studies], "name")
     samples, errors = _samples(root.need("benchmarks"), ptbench.need("cells"))
     study_names = tuple(study.name for study in studies)
-    cells = tuple(_cell(node, study_names, samples, errors) for node in ptbench.need("cells").items())
+    baselines = ptbench.maybe("baselines")
+    named = {} if baselines is None else baselines.texts()
+    usual = usual_baselines(named)
+    cells = tuple(_cell(node, study_names, samples, errors, usual) for node in ptbench.need("cells").items())
     _refuse_twins(ptbench.need("cells"), [cell.name for cell in cells], "cell")
     _refuse(root, contradictions(root))
     absent = ptbench.maybe("not_applicable")
-    baselines = ptbench.maybe("baselines")
     return Result(
         path=root.file,
         context=context,
         studies=studies,
         cells=cells,
-        not_applicable=() if absent is None else tuple(_not_applicable(node) for node in absent.items()),
-        baselines={} if baselines is None else baselines.texts(),
+        not_applicable=() if absent is None else tuple(_not_applicable(node, usual) for node in absent.items()),
+        baselines=named,
     )
 
 
@@ -157,8 +161,11 @@ def _cell(
     study_names: tuple[str, ...],
     samples: dict[str, list[Sample]],
     errors: dict[str, list[tuple[int, str]]],
+    usual: Mapping[str, str],
 ) -> Cell:
     name = node.need("cell").name()
+    in_file, axes = node.need("variant").name(), with_later_axes(node.need("axes").texts())
+    tuned = tuned_in(in_file, axes)
     resolution = [item.integer(minimum=1) for item in node.need("resolution").items()]
     if len(resolution) != 2:
         raise node.need("resolution").wrong("[width, height]")
@@ -166,7 +173,7 @@ def _cell(
     claim = node.maybe("claim")
     instrumented = node.maybe("instrumented")
     tunables, counters, cuda = node.maybe("tunables"), node.maybe("counters"), node.maybe("cuda")
-    convergence = convergence_of(node)
+    convergence = _with_named_reference(convergence_of(node), tuple(node.need("axes").fields()), usual)
     if convergence is not None:
         check_checkpoints(node, convergence, samples[name])
     return Cell(
@@ -175,8 +182,10 @@ def _cell(
         scene=node.need("scene").name(),
         scene_hash=node.optional_text("scene_hash"),
         backend=node.need("backend").name(),
-        variant=node.need("variant").name(),
-        axes=with_later_axes(node.need("axes").texts()),
+        variant=shown_name(axes, tuned, usual),
+        variant_in_file=in_file,
+        axes=axes,
+        tuned=tuned,
         resolution=(resolution[0], resolution[1]),
         depth=node.need("depth").integer(minimum=1),
         spp=node.need("spp").integer(minimum=1),
@@ -199,6 +208,18 @@ def _cell(
         cuda=None if cuda is None or cuda.value == {} else _cuda(cuda),
         convergence=convergence,
     )
+
+
+def _with_named_reference(
+    convergence: Convergence | None, order: Sequence[str], usual: Mapping[str, str]
+) -> Convergence | None:
+    """With the reference's variant by its name; an older file spells its choices in the order of the cell's axes."""
+    if convergence is None:
+        return None
+    axes = axes_spelled_out(convergence.reference.variant, order)
+    tuned = tuned_in(convergence.reference.variant, axes)
+    variant = shown_name(axes, tuned, usual) if axes else convergence.reference.variant
+    return replace(convergence, reference=replace(convergence.reference, variant=variant))
 
 
 def _cuda(node: Node) -> Cuda:
@@ -237,13 +258,16 @@ def _instrumented(node: Node) -> Instrumented:
     )
 
 
-def _not_applicable(node: Node) -> NotApplicable:
-    axes = node.maybe("axes")
+def _not_applicable(node: Node, usual: Mapping[str, str]) -> NotApplicable:
+    named, in_file = node.maybe("axes"), node.need("variant").text()
+    axes = {} if named is None else with_later_axes(named.texts())
+    tuned = tuned_in(in_file, axes)
     return NotApplicable(
         study=node.optional_text("study"),
         scene=node.optional_text("scene"),
-        variant=node.need("variant").text(),
-        axes={} if axes is None else with_later_axes(axes.texts()),
+        variant=shown_name(axes, tuned, usual) if axes else in_file,
+        axes=axes,
+        tuned=tuned,
         reason=node.need("reason").text(),
         reason_code=node.optional_text("reason_code"),
         reason_axis=node.optional_text("reason_axis"),

@@ -7,7 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ptbench.errors import bad_value
+from ptbench.io.names import shown_name, tuned_in
 from ptbench.io.nodes import Node, shown
+from ptbench.io.older import usual_baselines
 
 SCHEMA = "ptbench-stability-1"
 PASSED, FAILED, KNOWN_LIMIT, NOT_APPLICABLE, BROKEN = STATUSES = ("passed", "failed", "known limit", "n/a", "broken")
@@ -140,6 +142,8 @@ def stability_of(root: Node) -> Stability:
             raise bad_value(node.file, f"{node.place}.name", f"{shown(case.name)} again", "each name once")
         cases[case.name] = case
     quick = context.maybe("quick")
+    table = root.maybe("variants")
+    variants = {} if table is None else {key: _variant(table.need(key)) for key in table.fields()}
     return Stability(
         path=root.file,
         context={
@@ -148,7 +152,7 @@ def stability_of(root: Node) -> Stability:
         is_quick=quick is not None and quick.one_of((True, False)),
         seed=context.optional_integer("seed"),
         cases=tuple(cases.values()),
-        rows=tuple(_row(node, cases) for node in root.need("rows").items()),
+        rows=tuple(_row(node, cases, variants) for node in root.need("rows").items()),
         paths=context.optional_integer("paths"),
     )
 
@@ -173,17 +177,35 @@ def _parameter(node: Node) -> Parameter:
     return Parameter(node.need("name").name(), node.need("standard").number(signed=True), node.optional_text("summary"))
 
 
-def _row(node: Node, cases: dict[str, Case]) -> Row:
+def _variant(node: Node) -> tuple[str, dict[str, str]]:
+    return node.need("variant").name(), node.need("axes").texts()
+
+
+def _variant_of(row: Node, variants: dict[str, tuple[str, dict[str, str]]]) -> tuple[str, dict[str, str]]:
+    """Name and choices: by the row's identity, or of the row itself in a file that is older than identities."""
+    identity = row.maybe("variant_id")
+    if identity is not None:
+        if identity.text() not in variants:
+            raise identity.wrong("the identity of a variant in $.variants")
+        return variants[identity.text()]
+    axes = row.need("axes").texts()
+    arithmetic = "precise" if row.optional_text("backend") == "cuda" else "exact"
+    usual = usual_baselines({"arithmetic": arithmetic})
+    return shown_name(axes, tuned_in(row.need("variant").name(), axes), usual), axes
+
+
+def _row(node: Node, cases: dict[str, Case], variants: dict[str, tuple[str, dict[str, str]]]) -> Row:
     name = node.need("case")
     if name.text() not in cases:
         raise name.wrong("the name of a case in $.cases")
     point = node.need("point")
     looks = node.optional_integer("looks")
+    variant, axes = _variant_of(node, variants)
     return Row(
         case=cases[name.text()],
         point=tuple((key, point.need(key).number(signed=True)) for key in point.fields()),
-        variant=node.need("variant").name(),
-        axes=node.need("axes").texts(),
+        variant=variant,
+        axes=axes,
         status=node.need("status").one_of(STATUSES),
         must_pass=node.need("must_pass").one_of((True, False)),
         reason=node.optional_text("reason"),

@@ -14,6 +14,7 @@ from ptbench.studies.gpu import about_gpu, gpu_line, hottest_kernel
 from ptbench.studies.notes import Note, notes_of
 from ptbench.studies.questions import question_of, usual_baseline
 from ptbench.studies.rows import Row, measure
+from ptbench.studies.variants import TableNames, table_names
 from ptbench.studies.withdrawn import concerning
 from ptbench.tables import Lines, markdown, table_of
 
@@ -95,7 +96,9 @@ def study_section(
     elif rows:
         on_gpu = any(row.cell.on_gpu for row in rows)
         columns = (*_COLUMNS[:-1], *_GPU_COLUMNS, _COLUMNS[-1]) if on_gpu else _COLUMNS
-        lines += [table_of(columns, (_table_row(row, on_gpu) for row in rows), _NUMERIC), ""]
+        named = table_names(result, [row.cell for row in rows])
+        lines += named.above()
+        lines += [table_of(columns, (_table_row(row, on_gpu, named) for row in rows), _NUMERIC), ""]
         if on_gpu:
             lines += [gpu_line(result, [row.cell for row in rows]), ""]
     else:
@@ -106,11 +109,11 @@ def study_section(
     return lines
 
 
-def _table_row(row: Row, on_gpu: bool) -> list[str]:
+def _table_row(row: Row, on_gpu: bool, named: TableNames) -> list[str]:
     cell = row.cell
     verdict = "baseline" if row.is_baseline and row.estimate else row.verdict.word if row.verdict else "—"
     return [
-        cell.variant,
+        named.names[cell.name],
         cell.scene,
         str(cell.depth),
         cell.resolution_text,
@@ -174,6 +177,8 @@ def stages(result: Result) -> Lines:
     # Where it says nothing, an older table stays as it was.
     sizes = len({cell.resolution for cell in cells}) > 1
     head = ["Variant", "Scene", "Depth", *(["Resolution"] if sizes else []), *names, "rest", "Remarks"]
+    named = table_names(result, cells)
+    lines += named.above()
     rows = []
     for cell in cells:
         wall = cell.instrumented.wall_ms
@@ -183,7 +188,9 @@ def stages(result: Result) -> Lines:
         remark = "stages do not add up to the wall time" if abs(rest) > 0.05 else ""
         digits = telling_digits([100 * rest], [-5, 5], lambda value, count: f"{value:.{count}f}", least=1)
         size = [cell.resolution_text] if sizes else []
-        rows.append((cell.variant, cell.scene, str(cell.depth), *size, *shares, f"{100 * rest:.{digits}f} %", remark))
+        rows.append(
+            (named.names[cell.name], cell.scene, str(cell.depth), *size, *shares, f"{100 * rest:.{digits}f} %", remark)
+        )
     numeric = set(head) - {"Variant", "Scene", "Resolution", "Remarks"}
     return [*lines, table_of(head, rows, numeric), ""]
 
@@ -199,13 +206,15 @@ def on_device(result: Result) -> Lines:
         "Kernels: registers a thread, bytes of local memory a thread (arrays, spills), bytes of shared memory a block.",
         "",
     ]
+    named = table_names(result, cells)
+    lines += named.above()
     rows = []
     for cell in cells:
         cuda = cell.cuda
         kernels = [f"{name} {k.registers}/{k.local_bytes}/{k.shared_bytes}" for name, k in cuda.kernels.items()]
         rows.append(
             (
-                cell.variant,
+                named.names[cell.name],
                 cell.scene,
                 cell.resolution_text,
                 "—" if cuda.block is None else str(cuda.block),

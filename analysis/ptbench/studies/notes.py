@@ -133,7 +133,8 @@ def _first(names: Sequence[str], most: int = 3) -> str:
 def _gist(cell: Cell) -> str:
     """Why a cell failed, without the cell's own name, with which the GPU's messages begin."""
     head, _, message = cell.failure.partition(": ")
-    return message if message and head.startswith(cell.variant) else cell.failure
+    names = (cell.variant, cell.variant_in_file)
+    return message if message and head.startswith(names) else cell.failure
 
 
 def _clipped(text: str, length: int = 90) -> str:

@@ -1,14 +1,17 @@
-"""Finds a variant by its dotted name or a part of it, and says what two variants differ in."""
+"""Finds a variant by its name or a part of it, and says what two variants differ in."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 
 from ptbench.errors import InputError, bad_value
-from ptbench.io.cells import Cell, Result, tuned_in
+from ptbench.io.cells import Cell, Result
+from ptbench.io.names import INTEGRATOR, shown_name
+from ptbench.io.older import usual_baselines
 
 _SHOWN = 3
 
@@ -17,25 +20,26 @@ def find_variant(result: Result, text: str, role: str = "the variant") -> str:
     """The whole name of the file's one variant that `text` names; raises InputError.
 
     `role` is what the call names it. `text` is the whole name, or some of its parts in their order: choices,
-    AXIS=CHOICE, TUNABLE=VALUE, between dots, commas or plus signs. A choice that several axes have is the first one's
-    that fits: "wavefront.none.soa" has no compaction. Where no tunable is named, a variant that has all at their
-    standards comes before others.
+    AXIS=CHOICE, TUNABLE=VALUE, between spaces, dots, commas or plus signs. A choice that several axes have is the
+    first one's that fits: "wavefront.none.soa" has no compaction. Where no tunable is named, a variant that has all at
+    their defaults comes before others.
     """
     axes = {cell.variant: cell.axes for cell in result.cells}
+    tuned = {cell.variant: cell.tuned for cell in result.cells}
     if text in axes:
         return text
     parts = [part for part in re.split(r"[.,+\s]+", text) if part]
-    places = {variant: _places(axes[variant], tuned_in(variant), parts) for variant in axes} if parts else {}
+    places = {variant: _places(axes[variant], tuned[variant], parts) for variant in axes} if parts else {}
     first = min((at for at in places.values() if at is not None), default=None)
     found = [variant for variant, at in places.items() if at is not None and at == first]
-    standard = [variant for variant in found if not tuned_in(variant)]
+    standard = [variant for variant in found if not tuned[variant]]
     if len(found) > 1 and standard and not any(_names_tunable(axes, part) for part in parts):
         found = standard
     if len(found) == 1:
         return found[0]
     if found:
         differing = "; ".join(
-            f"{name} ({', '.join(values)})" for name, values in _differences([(axes[v], tuned_in(v)) for v in found])
+            f"{name} ({', '.join(values)})" for name, values in _differences([(axes[v], tuned[v]) for v in found])
         )
         what = f'{len(found)} variants with "{text}", which differ in {differing}'
         raise bad_value(result.path, role, what, "what names one of them")
@@ -82,6 +86,40 @@ def _unknown(
     close = close or get_close_matches(text, axes, _SHOWN, cutoff=0.3) or list(axes)[:_SHOWN]
     nearest = ", ".join(dict.fromkeys(close[:_SHOWN])) or "it has none"
     return bad_value(path, role, f'"{text}"', f"a variant of the file or a part of one name; nearest: {nearest}")
+
+
+@dataclass(frozen=True)
+class TableNames:
+    """What the rows of a table are called, by cell name, and what all of them share, which stands above it."""
+
+    names: dict[str, str]
+    shared: str  # "arithmetic=exact, depth"; empty where they share nothing but the baseline
+
+    def above(self) -> list[str]:
+        """The lines above the table."""
+        return [f"All rows: {self.shared}.", ""] if self.shared else []
+
+
+def table_names(result: Result, cells: Sequence[Cell]) -> TableNames:
+    """Names of the cells' variants without what all of them have; a single variant is named whole."""
+    usual = usual_baselines(result.baselines)
+    if len({cell.variant for cell in cells}) < 2:
+        return TableNames({cell.name: cell.variant for cell in cells}, "")
+    axes = {axis for cell in cells for axis in cell.axes if axis != INTEGRATOR}
+    fixed = {
+        axis: cells[0].axes[axis]
+        for axis in cells[0].axes
+        if axis in axes and all(cell.axes.get(axis) == cells[0].axes[axis] for cell in cells)
+    }
+    tuned = {name: value for name, value in cells[0].tuned.items() if all(c.tuned.get(name) == value for c in cells)}
+    told = shown_name({INTEGRATOR: "", **fixed}, tuned, usual).split()
+    names = {
+        cell.name: shown_name(
+            cell.axes, {name: value for name, value in cell.tuned.items() if name not in tuned}, usual | fixed
+        )
+        for cell in cells
+    }
+    return TableNames(names, ", ".join(told))
 
 
 def labels_of(a: Cell, b: Cell) -> tuple[str, str]:
