@@ -1,0 +1,65 @@
+"""Names of variants, from files of every age, and what all rows of a table share."""
+
+import pytest
+from conftest import ROOT
+
+from ptbench.io.names import axes_spelled_out, shown_name, tuned_in
+from ptbench.io.results import load
+from ptbench.studies.variants import table_names
+
+BASELINES = {"integrator": "wavefront", "compaction": "none", "layout": "aos", "arithmetic": "precise"}
+
+
+@pytest.mark.parametrize(
+    ("axes", "tuned", "name"),
+    [
+        ({}, {}, "?"),
+        ({"integrator": "wavefront", "compaction": "none"}, {}, "wavefront"),
+        ({"integrator": "megakernel", "layout": "aos"}, {"block": "64"}, "megakernel block=64"),
+        (
+            {"integrator": "wavefront", "compaction": "thrust_remove_if", "layout": "soa"},
+            {},
+            "wavefront compaction=thrust_remove_if layout=soa",
+        ),
+        # No baseline is known of this axis: what was before it was there is not told.
+        ({"integrator": "wavefront", "robustness": "robust"}, {}, "wavefront"),
+        ({"integrator": "wavefront", "robustness": "naive"}, {}, "wavefront robustness=naive"),
+    ],
+)
+def test_a_name_says_what_differs(axes, tuned, name):
+    assert shown_name(axes, tuned, BASELINES) == name
+
+
+def test_tunables_are_found_in_names_of_every_age():
+    axes = {"integrator": "wavefront", "layout": "soa"}
+    assert tuned_in("wavefront layout=soa jitters=4 block=64", axes) == {"jitters": "4", "block": "64"}
+    assert tuned_in("wavefront.none.soa+jitters=4+block=64", axes) == {"jitters": "4", "block": "64"}
+    assert tuned_in("wavefront+jitters=4", axes) == {"jitters": "4"}
+    assert tuned_in("wavefront", axes) == {}
+
+
+def test_an_older_name_is_its_choices_in_the_order_of_the_files_axes():
+    assert axes_spelled_out("a.b", ("integrator", "layout")) == {"integrator": "a", "layout": "b"}
+    assert axes_spelled_out("a.b+jitters=1", ("integrator", "layout")) == {"integrator": "a", "layout": "b"}
+    assert axes_spelled_out("wavefront layout=soa", ("integrator", "layout")) == {}
+
+
+def test_every_committed_cell_has_one_name_and_the_name_its_cells():
+    """One to one with the older names, so that nothing is told twice and nothing merged."""
+    for file in sorted((ROOT / "results").glob("*/*.json*")):
+        if file.stem.partition(".")[0] not in ("compaction", "scaling", "seeds", "convergence", "schedulers", "packet"):
+            continue
+        result = load(file)
+        pairs = {(cell.variant, cell.variant_in_file) for cell in result.cells}
+        assert len({shown for shown, _ in pairs}) == len({spelled for _, spelled in pairs}) == len(pairs), file
+
+
+def test_what_all_rows_share_stands_above():
+    result = load(next((ROOT / "results/nvidia-h200").glob("compaction.json*")))
+    named = table_names(result, result.cells)
+    assert named.shared == "arithmetic=exact"
+    assert named.above() == ["All rows: arithmetic=exact.", ""]
+    assert "wavefront" in named.names.values()
+    assert not any("arithmetic" in name for name in named.names.values())
+    one = table_names(result, result.cells[:1])
+    assert (one.shared, *one.names.values()) == ("", "wavefront arithmetic=exact")
