@@ -76,7 +76,8 @@ def test_summary_has_a_row_a_cell_with_numbers_and_verdicts(quick_run):
     partition = next(r for r in rows if "compaction=thrust_partition" in r[0])
     assert (partition[10], partition[12]) == ("1.400", "SLOWER")
     assert next(r for r in rows if r[0] == "wavefront")[12] == "baseline"
-    remove = next(r for r in rows if r[0].startswith("wavefront compaction=thrust_remove_if layout=soa"))
+    remove = next(r for r in rows if r[0] == "wavefront compaction=thrust_remove_if")
+    assert "\nAll rows: layout=soa.\n" in summary
     assert remove[12] == "UNSURE"
     assert "reaches both sides of a 1 % limit" in remove[13]
     assert "With at least 9 samples on both sides" in summary
