@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from ptbench.measured import Measured
 
-__version__ = "0.1.0"  # the program's, CMakeLists.txt
+__version__ = "1.0.0"  # the program's, CMakeLists.txt
 
 
 def load(paths: Path | str | Iterable[Path | str]) -> Measured:

@@ -16,7 +16,7 @@ std::vector<std::pair<std::string, std::string>> machine_context();
 // Now, as ISO 8601 in local time.
 std::string iso_date();
 
-// "0.1.0 (commit 0123abc, with changes that are not committed)".
+// "1.0.0 (commit 0123abc, with changes that are not committed)".
 std::string version_text();
 std::string git_sha();
 bool git_dirty();
