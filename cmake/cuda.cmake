@@ -29,9 +29,12 @@ math(EXPR cub_minor "${cub_version} / 100 % 1000")
 math(EXPR cub_patch "${cub_version} % 100")
 set(PTBENCH_CCCL_VERSION "${cub_major}.${cub_minor}.${cub_patch}")
 
-# What NVRTC compiles: kernels/, the device side of choices, and the GLM headers behind glm/vec3.hpp.
+# What NVRTC compiles: kernels/, the device side of choices, what both sides include, and the GLM headers behind
+# glm/vec3.hpp.
+set(shared_headers append_in_kernel append_parameters kernel_config kernel_parameters key_bounds parameters path_store totals)
+list(TRANSFORM shared_headers REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/variants/cuda/\\1.h")
 file(GLOB embedded_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/kernels/*.h ${PROJECT_SOURCE_DIR}/variants/*/*.cuh
-     ${PROJECT_SOURCE_DIR}/variants/cuda/totals.h ${PROJECT_SOURCE_DIR}/variants/cuda/path_store.h)
+     ${shared_headers})
 get_target_property(glm_include glm::glm INTERFACE_INCLUDE_DIRECTORIES)
 list(GET glm_include 0 glm_include)
 file(GLOB glm_headers ${glm_include}/glm/vec3.hpp ${glm_include}/glm/ext/vector_bool3*.hpp ${glm_include}/glm/ext/vector_float3*.hpp
@@ -53,41 +56,6 @@ add_custom_command(OUTPUT ${embedded_file}
   DEPENDS ${embedded_headers} ${PROJECT_SOURCE_DIR}/cmake/embed_sources.cmake VERBATIM)
 set(cuda_sources ${embedded_file})
 
-# A choice whose device side NVRTC compiles is registered by the name of its file, all in one unit: most of what a unit
-# with a registration costs to compile is the registry's header.
-set(registration_includes "")
-set(registrations "")
-macro(add_cuda_registration axis name arguments)
-  string(APPEND registration_includes "#include \"variants/${axis}/${name}.cuh\"\n")
-  string(APPEND registrations "const Registration ${axis}_${name}(${arguments});\n")
-endmacro()
-
-file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/integrator/*.cuh)
-foreach(header ${headers})
-  get_filename_component(name ${header} NAME_WE)
-  add_cuda_registration(integrator ${name}
-    "cuda::integrator::${name}::descriptor, {.cuda = {.integrator = cuda::integrator::${name}::hook}}")
-endforeach()
-file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/sort_key/*.cuh)
-foreach(header ${headers})
-  get_filename_component(name ${header} NAME_WE)
-  add_cuda_registration(sort_key ${name}
-    "sort_key::${name}::descriptor, {}")
-endforeach()
-foreach(axis compaction sorting)
-  file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/${axis}/*.cuh)
-  foreach(header ${headers})
-    get_filename_component(name ${header} NAME_WE)
-    add_cuda_registration(${axis} ${name}
-      "cuda::${axis}::${name}::descriptor, {.cuda = cuda::${axis}::${name}::hooks}")
-  endforeach()
-endforeach()
-file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/cuda_registrations.cpp CONTENT
-"#include \"variants/registry.h\"
-${registration_includes}namespace pt { namespace {
-${registrations}} }
-")
-list(APPEND cuda_sources ${PROJECT_BINARY_DIR}/generated/cuda_registrations.cpp)
 # NAME.cuda.cpp is the host's side of a choice on CUDA, and registers it.
 file(GLOB cuda_host_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/cuda/*.cpp ${PROJECT_SOURCE_DIR}/variants/*/*.cuda.cpp)
 list(APPEND cuda_sources ${cuda_host_sources})

@@ -103,7 +103,7 @@ endif()
 # name it.
 set(choices_not_built "")
 if(NOT PTBENCH_CUDA)
-  file(GLOB device_sides CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/*/*.cu ${PROJECT_SOURCE_DIR}/variants/*/*.cuh)
+  file(GLOB device_sides CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/*/*.cu ${PROJECT_SOURCE_DIR}/variants/*/*.cuda.cpp)
   list(FILTER device_sides EXCLUDE REGEX "/variants/cuda/")
   foreach(source ${device_sides})
     get_filename_component(name ${source} NAME_WE)

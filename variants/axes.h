@@ -13,6 +13,8 @@
 #include <string_view>
 #include <variant>
 
+#include "variants/cuda/append_in_kernel.h"
+
 namespace pt {
 
 struct Axis {
@@ -61,9 +63,6 @@ struct IntegratorTraits {
     bool seeds_by_position = false;  // tells a sampler where in the queue a path lies
     bool sums_in_order = false;      // adds a pixel's samples in their order
 };
-
-// How an integrator's own kernel can do what the compaction does (PT_APPEND).
-enum class AppendInKernel { no = 0, by_warp = 1, by_block = 2 };
 
 struct CompactionTraits {
     bool compacts = true;

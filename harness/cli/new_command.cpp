@@ -29,7 +29,9 @@ constexpr std::string_view placeholder = "@NAME@";
 
 constexpr TemplateFile compaction_files[] = {
     {"choice.cpp.in", "variants/compaction/@NAME@.cpp", "the CPU's side"},
-    {"choice.cuh.in", "variants/compaction/@NAME@.cuh", "CUDA's side"},
+    {"choice.cuh.in", "variants/compaction/@NAME@.cuh", "CUDA's side: the kernel"},
+    {"choice_parameters.cuh.in", "variants/compaction/@NAME@_parameters.cuh", "its parameters"},
+    {"choice.cuda.cpp.in", "variants/compaction/@NAME@.cuda.cpp", "what launches it"},
     {"test.cpp.in", "tests/unit/@NAME@_compaction_test.cpp", "its test"},
 };
 

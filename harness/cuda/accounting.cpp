@@ -63,7 +63,7 @@ std::vector<std::uint64_t> alive_by_segment(std::vector<std::uint64_t> by_length
 // Of kernels that trace one segment a thread: rays are told from how many paths were traced.
 void add_queue_work(const Job& job, const DeviceCounts& counts, WorkCounters& work) {
     const std::uint64_t segments = sum_of(counts.live);
-    const std::uint64_t cache_uses = job.cache.rays > 0 ? counts.live.front() : 0;
+    const std::uint64_t cache_uses = job.kept_rays > 0 ? counts.live.front() : 0;
     work.rays = segments - cache_uses + counts.totals.cache_fills + counts.totals.paths.connections;
     work.cache_hits = cache_uses - counts.totals.cache_fills;
     work.last_paths = counts.live.back();
@@ -85,7 +85,6 @@ DeviceCounts download_counts(const Job& job, const IntegratorTraits& integrator)
     DeviceCounts counts;
     counts.totals = download_totals(job);
     download(job, &counts.health, job.health.counters, 1);
-    download(job, &counts.rounds, job.loop.rounds, 1);
     counts.live = download_segments(job, job.segments.live);
     counts.in_play = download_segments(job, job.segments.in_play);
     if (integrator.has_queue) {
@@ -99,12 +98,10 @@ DeviceCounts download_counts(const Job& job, const IntegratorTraits& integrator)
     return counts;
 }
 
-WorkCounters work_of(const Job& job, const IntegratorTraits& integrator, const DeviceCounts& counts) {
+WorkCounters work_of(const Job& job, const IntegratorTraits& integrator, const WorkCounters& device_work,
+                     const DeviceCounts& counts) {
     WorkCounters work = job.work;
-    for (std::uint64_t round = 0; round < counts.rounds; ++round) {
-        work += job.loop.work_per_round;
-    }
-    work.loop_rounds = counts.rounds;
+    work += device_work;
     work.paths = counts.totals.paths.paths;
     work.connections = counts.totals.paths.connections;
     work.unfinished_walks = counts.totals.paths.unfinished_walks;
@@ -122,16 +119,15 @@ std::vector<std::uint64_t> reached_segments(const std::vector<std::uint64_t>& li
     return {live.begin(), std::find(live.begin(), live.end(), std::uint64_t{0})};
 }
 
-std::vector<CudaFacts::Kernel> kernel_facts(const Module& module, const Integrator& integrator) {
-    std::vector<CudaFacts::Kernel> kernels;
-    for (const char* const name : integrator.kernels) {
-        if (name == nullptr) {
-            break;
+std::vector<CudaFacts::Kernel> kernel_facts(const Module& module, const std::vector<KernelSignature>& kernels) {
+    std::vector<CudaFacts::Kernel> facts;
+    for (const KernelSignature& kernel : kernels) {
+        if (kernel.is_reported) {
+            const KernelFacts fact = module.facts(kernel.name);
+            facts.push_back({kernel.name, fact.registers, fact.local_bytes, fact.shared_bytes});
         }
-        const KernelFacts kernel = module.facts(name);
-        kernels.push_back({name, kernel.registers, kernel.local_bytes, kernel.shared_bytes});
     }
-    return kernels;
+    return facts;
 }
 
 }  // namespace pt::cuda

@@ -14,17 +14,17 @@ struct DeviceCounts {
     HealthCounters health;
     std::vector<std::uint64_t> live;     // by segment: paths that were alive when it was traced
     std::vector<std::uint64_t> in_play;  // by segment: paths that were looked at; of integrators with a queue
-    std::uint64_t rounds = 0;            // of a graph's loop
 };
 DeviceCounts download_counts(const Job& job, const IntegratorTraits& integrator);
 
-// What the job counted on the host and its kernels on the device.
-WorkCounters work_of(const Job& job, const IntegratorTraits& integrator, const DeviceCounts& counts);
+// What the job counted on the host, the integrator's loops on the device (device_work) and its kernels.
+WorkCounters work_of(const Job& job, const IntegratorTraits& integrator, const WorkCounters& device_work,
+                     const DeviceCounts& counts);
 
 // Of `live`, up to the last segment that a path reached.
 std::vector<std::uint64_t> reached_segments(const std::vector<std::uint64_t>& live);
 
 // What the compiler made of the integrator's kernels.
-std::vector<CudaFacts::Kernel> kernel_facts(const Module& module, const Integrator& integrator);
+std::vector<CudaFacts::Kernel> kernel_facts(const Module& module, const std::vector<KernelSignature>& kernels);
 
 }  // namespace pt::cuda

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <type_traits>
+#include <utility>
 
 #include "harness/cuda/accounting.h"
 #include "harness/cuda/choices.h"
@@ -45,13 +47,15 @@ KeyBounds key_bounds(const Scene& scene) {
     return bounds;
 }
 
+// By object number: 0 diffuse-like, 1 delta-like.
 template <class Real>
-QueueNeeds queue_needs(const Variant& variant, FeatureSet features, const SceneView<Real>& scene) {
-    return {.layout = hooks("layout", variant).layout,
-            .real_bytes = sizeof(Real),
-            .hit_bytes = hooks("integrator", variant).integrator.stores_hits ? sizeof(Hit<Real>) : 0,
-            .features = features,
-            .object_class = object_classes(scene)};
+std::vector<unsigned char> object_classes(const SceneView<Real>& scene) {
+    std::vector<unsigned char> classes;
+    for (std::uint32_t object = 0; object < scene.object_material.size; ++object) {
+        const MaterialType type = scene.materials[scene.object_material[object]].type;
+        classes.push_back(type == MaterialType::mirror || type == MaterialType::dielectric ? 1 : 0);
+    }
+    return classes;
 }
 
 }  // namespace
@@ -62,29 +66,30 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
     : scene_(scene),
       request_(request),
       traits_(traits_of(request.variant, Backend::cuda)),
-      integrator_(hooks("integrator", request.variant).integrator),
+      integrator_hook_(hooks("integrator", request.variant).integrator),
+      features_(kernel.compiled),
+      layout_(hooks("layout", request.variant).layout),
       buffers_(scene, settings),
       device_scene_(buffers_.view(), kernel.compiled, hooks("specialisation", request.variant).bakes_scene),
-      queue_needs_(queue_needs(request.variant, kernel.compiled, buffers_.view())),
       host_film_(film) {
     facts_.from_cache = true;
     job_.module = &loaded_module(module_request(scene, request.variant, device().architecture()), facts_);
     const auto start = std::chrono::steady_clock::now();
     make_handles();
     describe_job(settings);
-    make_choices();
+    make_integrator();
     Arena measuring;
     reserve(measuring);
     arena_ = std::make_unique<Arena>(measuring.used());
     reserve(*arena_);
     upload();
     facts_.device_bytes = measuring.used();
+    facts_.path_state_bytes = integrator_->path_bytes().state;
+    facts_.path_bytes = integrator_->path_bytes().everything;
     facts_.threads = job_.block;
     facts_.options = job_.module->image().options;
-    if (integrator_.prepare != nullptr) {
-        integrator_.prepare(job_);
-        choice_launches_ = 0;  // what was captured has not been launched
-    }
+    integrator_->prepare();
+    choice_launches_ = 0;  // what was captured has not been launched
     PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
     facts_.prepare_ms = milliseconds_since(start);
 }
@@ -100,9 +105,7 @@ void RenderCell<Real>::make_handles() {
     stream_ = make_stream();
     begin_ = make_event();
     end_ = make_event();
-    pinned_ = make_pinned_words(64);
     job_.stream = stream_.get();
-    job_.pinned_count = pinned_.get();
 }
 
 template <class Real>
@@ -113,47 +116,48 @@ void RenderCell<Real>::describe_job(const RenderSettings& settings) {
     job_.materials = buffers_.view().materials.size;
     job_.first_sample = request_.first_sample;
     job_.samples = request_.samples;
-    job_.samples_in_flight = std::min(tuned(variant, "spp_in_flight", 1), request_.samples);
+    job_.all_samples = request_.samples;
     job_.block = tunable(variant, "block", Backend::cuda);
-    job_.samples_per_piece = tuned(variant, "piece", 1);
-    job_.append_counters = tuned(variant, "append_counters", 1);
-    job_.reads_back = tuned(variant, "read_back", 0) != 0;
     job_.multiprocessors = static_cast<std::uint32_t>(device().multiprocessors);
-    job_.cache.rays = kept_rays(variant);
-    job_.sort_key = traits_.sort_key;
-    job_.key_bounds = key_bounds(scene_);
-    job_.is_captured = traits_.launch.is_captured;
-    job_.loops = traits_.launch.loops;
+    job_.kept_rays = job_.cache.rays = kept_rays(variant);
     job_.stages = request_.instrument ? &stages_ : nullptr;
-    job_.appends_in_kernel = traits_.integrator.appends_in_kernel && traits_.compaction.can_append_in_kernel();
 }
 
 template <class Real>
-void RenderCell<Real>::make_choices() {
+void RenderCell<Real>::make_integrator() {
+    IntegratorNeeds needs{.variant = request_.variant,
+                          .traits = traits_,
+                          .features = features_,
+                          .key_bounds = key_bounds(scene_),
+                          .layout = layout_,
+                          .object_class = object_classes(buffers_.view())};
     const Hooks& compaction = hooks("compaction", request_.variant);
     const Hooks& sorting = hooks("sorting", request_.variant);
     if (traits_.integrator.has_queue && compaction.compaction != nullptr) {
-        compaction_ = compaction.compaction(context());
+        needs.compaction = compaction.compaction(context(compaction));
     }
     if (traits_.integrator.has_queue && sorting.sorting != nullptr) {
-        sorting_ = sorting.sorting(context());
+        needs.sorting = sorting.sorting(context(sorting));
     }
-    job_.compaction = compaction_.get();
-    job_.sorting = sorting_.get();
+    if constexpr (std::is_same_v<Real, float>) {
+        integrator_ = integrator_hook_.make_single(job_, std::move(needs));
+    } else {
+        integrator_ = integrator_hook_.make_double(job_, std::move(needs));
+    }
 }
 
 template <class Real>
-CellContext RenderCell<Real>::context() {
+CellContext RenderCell<Real>::context(const Hooks& choice) {
     CellContext context;
-    context.layout = &queue_needs_.layout;
+    context.layout = &layout_;
     context.layout_name = request_.variant["layout"];
     context.real_bytes = sizeof(Real);
     context.materials = job_.materials;
     context.multiprocessors = job_.multiprocessors;
     context.stream = job_.stream;
     context.tunable = [this](std::string_view name) { return tunable(request_.variant, name, Backend::cuda); };
-    context.module = [this](const std::string& source) -> const Module& {
-        return loaded_module(stage_request(request_.variant, source, device().architecture()), facts_);
+    context.module = [this, &choice](const std::string& source) -> const Module& {
+        return loaded_module(stage_request(request_.variant, source, choice.kernels, device().architecture()), facts_);
     };
     context.launches = &choice_launches_;
     context.host_waits = &choice_waits_;
@@ -163,27 +167,19 @@ CellContext RenderCell<Real>::context() {
 template <class Real>
 void RenderCell<Real>::reserve(Arena& arena) {
     device_scene_.reserve(arena);
-    job_.scene = device_scene_.parameter();
+    job_.scene = device_scene_.view();
     job_.film = host_film_;
     job_.film.sums = arena.take<std::int64_t>(std::size_t{3} * job_.pixels);
     job_.film.faults = arena.take<FilmFaults>(1);
     job_.totals = arena.take<Totals>(counter_copies);
     job_.health = health_request(scene_, buffers_.file_index());
     job_.health.counters = arena.take<HealthCounters>(1);
-    job_.next_item = arena.take<std::uint64_t>(1);
-    job_.next_sample = arena.take<std::uint32_t>(1);
-    job_.loop.offset = arena.take<std::uint32_t>(1);
-    job_.loop.rounds = arena.take<std::uint64_t>(1);
     job_.segments.copies = job_.longest_path <= few_segments ? counter_copies : 1;
     const std::size_t segment_counts = std::size_t{job_.longest_path} * job_.segments.copies;
     job_.segments.live = arena.take<std::uint64_t>(segment_counts);
-    job_.lengths = request_.instrument ? job_.segments.live : nullptr;
     job_.segments.in_play = arena.take<std::uint64_t>(segment_counts);
-    job_.cache.hits =
-        reinterpret_cast<Hit<float>*>(arena.take_bytes(std::size_t{job_.pixels} * job_.cache.rays * sizeof(Hit<Real>)));
-    if (traits_.integrator.has_queue) {
-        reserve_queue(arena, queue_needs_, job_, facts_);
-    }
+    job_.cache.hits = arena.take<Hit<Real>>(std::size_t{job_.pixels} * job_.kept_rays);
+    integrator_->reserve(arena);
 }
 
 template <class Real>
@@ -191,17 +187,13 @@ void RenderCell<Real>::upload() {
     device_scene_.upload(*job_.module, job_.stream);
     clear(job_.film.sums, std::size_t{3} * job_.pixels * sizeof(std::int64_t), job_.stream);
     clear(job_.film.faults, sizeof(FilmFaults), job_.stream);
-    clear(job_.loop.offset, sizeof(std::uint32_t), job_.stream);
-    clear(job_.loop.rounds, sizeof(std::uint64_t), job_.stream);
     clear(job_.totals, counter_copies * sizeof(Totals), job_.stream);
     static const HealthCounters healthy;
     PT_CUDA_CHECK(cudaMemcpyAsync(job_.health.counters, &healthy, sizeof healthy, cudaMemcpyHostToDevice, job_.stream));
     const std::size_t segment_bytes = std::size_t{job_.longest_path} * job_.segments.copies * sizeof(std::uint64_t);
     clear(job_.segments.live, segment_bytes, job_.stream);
     clear(job_.segments.in_play, segment_bytes, job_.stream);
-    if (traits_.integrator.has_queue) {
-        upload_queue(queue_needs_, job_);
-    }
+    integrator_->upload();
 }
 
 // Between two parts everything stays on the device as it is: the film, the counters, the cache, the graph. Nobody waits
@@ -224,7 +216,7 @@ void RenderCell<Real>::run_part(const RenderPart& part, RenderResult& result) {
     const double cpu_start = process_cpu_ms();
     const auto start = std::chrono::steady_clock::now();
     PT_CUDA_CHECK(cudaEventRecord(begin_.get(), job_.stream));
-    integrator_.render(job_);
+    integrator_->render();
     PT_CUDA_CHECK(cudaEventRecord(end_.get(), job_.stream));
     PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
     result.wall_ms += milliseconds_since(start);
@@ -239,14 +231,14 @@ void RenderCell<Real>::collect(RenderResult& result) {
     download_film(job_, result.film);
     const DeviceCounts counts = download_counts(job_, traits_.integrator);
     result.health = counts.health;
-    result.work = work_of(job_, traits_.integrator, counts);
+    result.work = work_of(job_, traits_.integrator, integrator_->device_work(), counts);
     result.work.launches += choice_launches_;
     result.work.host_waits += choice_waits_;
     if (request_.instrument) {
         result.stages.milliseconds = stages_.milliseconds();
         result.stages.live_paths = reached_segments(counts.live);
     }
-    facts_.kernels = kernel_facts(*job_.module, integrator_);
+    facts_.kernels = kernel_facts(*job_.module, integrator_hook_.kernels(sizeof(Real)));
     result.cuda = facts_;
 }
 

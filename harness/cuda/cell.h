@@ -1,14 +1,14 @@
 // Everything a render on the device needs, made before its clock starts and freed on every path out: compiled kernels,
-// one arena, the uploaded scene, the film, the queue and the choices that work on it.
+// one arena, the uploaded scene, the film, the integrator with the choices that work on its queue.
 #pragma once
 
 #include <memory>
 
 #include "harness/cuda/device_scene.h"
-#include "harness/cuda/handles.h"
-#include "harness/cuda/queue_memory.h"
 #include "harness/render/checkpoints.h"
 #include "harness/scene/scene_buffers.h"
+#include "variants/cuda/handles.h"
+#include "variants/cuda/integrator.h"
 
 namespace pt::cuda {
 
@@ -29,8 +29,8 @@ public:
 private:
     void make_handles();
     void describe_job(const RenderSettings& settings);
-    void make_choices();
-    CellContext context();
+    void make_integrator();
+    CellContext context(const Hooks& choice);
     void reserve(Arena& arena);
     void upload();
     void run_part(const RenderPart& part, RenderResult& result);
@@ -38,21 +38,20 @@ private:
     const Scene& scene_;
     const RenderRequest& request_;
     VariantTraits traits_;
-    const Integrator& integrator_;
+    const IntegratorHook& integrator_hook_;
+    FeatureSet features_;  // of the kernels
+    Layout layout_;
     SceneBuffers<Real> buffers_;
     DeviceScene<Real> device_scene_;
-    QueueNeeds queue_needs_;
     FilmView host_film_;
     CudaFacts facts_;
     std::uint64_t choice_launches_ = 0, choice_waits_ = 0;
     std::unique_ptr<Arena> arena_;
-    PinnedWords pinned_;
     Stream stream_;
     Event begin_, end_;
-    std::unique_ptr<Compaction> compaction_;
-    std::unique_ptr<Sorting> sorting_;
     StageEvents stages_;
-    Job job_;
+    JobOf<Real> job_;
+    std::unique_ptr<Integrator> integrator_;
 };
 
 }  // namespace pt::cuda

@@ -11,10 +11,7 @@ namespace pt::cuda {
 
 namespace {
 
-// Of the 64 KiB of constant memory that a module may have; larger scenes stay in global memory.
-constexpr std::size_t constant_bytes = 32768;
-
-// As kernels find it there (SceneViews in device.cuh).
+// As kernels find it there (scene_in_constant.cuh).
 template <class Real>
 std::vector<unsigned char> constant_scene(const SceneView<Real>& scene, FeatureSet features) {
     std::vector<unsigned char> bytes;
@@ -34,9 +31,13 @@ public:
     template <class T>
     void add(const char* name, const T* values, std::size_t count) {
         static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % 4 == 0);
+        std::vector<T> cleared(values, values + count);
+        for (T& value : cleared) {
+            __builtin_clear_padding(&value);  // the text is part of the cache's key
+        }
         std::vector<std::uint32_t> words(std::max<std::size_t>(1, count * sizeof(T) / 4));
         if (count != 0) {
-            std::memcpy(words.data(), static_cast<const void*>(values), count * sizeof(T));
+            std::memcpy(words.data(), static_cast<const void*>(cleared.data()), count * sizeof(T));
         }
         text_ +=
             fmt::format("__device__ alignas(16) const unsigned {}[] = {{{:#x}u}};\n", name, fmt::join(words, "u,"));
@@ -48,7 +49,7 @@ public:
     void add_count(const char* name, std::uint32_t count) {
         text_ += fmt::format("constexpr unsigned {} = {}u;\n", name, count);
     }
-    std::string text() const { return "#define PT_BAKED 1\nnamespace baked { namespace {\n" + text_ + "} }\n"; }
+    std::string text() const { return "namespace baked { namespace {\n" + text_ + "} }\n"; }
 
 private:
     std::string text_;
@@ -70,27 +71,32 @@ View<T> placed(Arena& arena, const View<T>& host) {
 }  // namespace
 
 template <class Real>
-std::vector<std::string> scene_defines(const SceneView<Real>& scene, FeatureSet features) {
-    // A kernel with everything is compiled once, for any scene.
-    const bool fixes_counts = (features & all_features) != all_features;
-    const bool fits = constant_scene(scene, features).size() <= constant_bytes;
-    std::vector<std::string> defines{fmt::format("-DPT_SCENE_BYTES={}", fits ? constant_bytes : 0),
-                                     fmt::format("-DPT_FIXED_COUNTS={}", fixes_counts ? 1 : 0)};
-    if (fixes_counts) {
-#define PT_DEFINE(name, kind, word) defines.push_back(fmt::format("-DPT_" #word "={}u", scene.name.size));
-        PT_OBJECT_ARRAYS(PT_DEFINE)
-#undef PT_DEFINE
-        const AxisAlignedEnclosure<Real>& enclosure = scene.enclosure;
-        defines.push_back(fmt::format("-DPT_ENCLOSURE_WALLS={}u", enclosure.walls));
-        defines.push_back(fmt::format("-DPT_ENCLOSURE_LAMPS={}u", enclosure.lamps));
-        defines.push_back(fmt::format("-DPT_ENCLOSURE_OPEN_SIDES={}u", enclosure.open_sides));
-        const auto codes = [](const SurfaceId(&sides)[3]) {
-            return fmt::format("{}u,{}u,{}u", sides[0].code, sides[1].code, sides[2].code);
-        };
-        defines.push_back("-DPT_ENCLOSURE_LOW_SIDES=" + codes(enclosure.low_side));
-        defines.push_back("-DPT_ENCLOSURE_HIGH_SIDES=" + codes(enclosure.high_side));
+std::string scene_place(const SceneView<Real>& scene, FeatureSet features, bool is_baked) {
+    if (is_baked) {
+        return "baked";
     }
-    return defines;
+    return constant_scene(scene, features).size() <= constant_bytes ? scene_in_constant : "in_global";
+}
+
+template <class Real>
+void fix_counts(const SceneView<Real>& scene, KernelConfig& config) {
+    // A kernel with everything is compiled once, for any scene.
+    if ((config.features & all_features) == all_features) {
+        return;
+    }
+    config.has_fixed_counts = true;
+    FixedCounts& counts = config.counts;
+#define PT_COUNT(name, kind, word) counts.name = scene.name.size;
+    PT_OBJECT_ARRAYS(PT_COUNT)
+#undef PT_COUNT
+    const AxisAlignedEnclosure<Real>& enclosure = scene.enclosure;
+    counts.walls = enclosure.walls;
+    counts.lamps = enclosure.lamps;
+    counts.open_sides = enclosure.open_sides;
+    for (int axis = 0; axis < 3; ++axis) {
+        counts.low_sides[axis] = enclosure.low_side[axis].code;
+        counts.high_sides[axis] = enclosure.high_side[axis].code;
+    }
 }
 
 template <class Real>
@@ -138,8 +144,10 @@ void DeviceScene<Real>::upload(const Module& module, cudaStream_t stream) const 
     PT_CUDA_CHECK(cudaStreamSynchronize(stream));  // the host's copy ends with this function
 }
 
-template std::vector<std::string> scene_defines(const SceneView<float>& scene, FeatureSet features);
-template std::vector<std::string> scene_defines(const SceneView<double>& scene, FeatureSet features);
+template std::string scene_place(const SceneView<float>& scene, FeatureSet features, bool is_baked);
+template std::string scene_place(const SceneView<double>& scene, FeatureSet features, bool is_baked);
+template void fix_counts(const SceneView<float>& scene, KernelConfig& config);
+template void fix_counts(const SceneView<double>& scene, KernelConfig& config);
 template std::string baked_text(const SceneView<float>& scene);
 template std::string baked_text(const SceneView<double>& scene);
 template class DeviceScene<float>;

@@ -8,11 +8,18 @@
 
 namespace pt::cuda {
 
+// Of the 64 KiB of constant memory that a module may have; larger scenes stay in global memory.
+inline constexpr std::uint32_t constant_bytes = 32768;
+inline constexpr const char* scene_in_constant = "in_constant";
+
+// Where a kernel with these features finds the scene's arrays: the name of a file variants/cuda/scene_*.cuh.
+template <class Real>
+std::string scene_place(const SceneView<Real>& scene, FeatureSet features, bool is_baked);
 // The scene's numbers of objects and which of them are a room's walls, as constants where the kernel has the scene's
 // features only.
 template <class Real>
-std::vector<std::string> scene_defines(const SceneView<Real>& scene, FeatureSet features);
-// Arrays of words under which device.cuh finds the scene's numbers: constants that the compiler sees through.
+void fix_counts(const SceneView<Real>& scene, KernelConfig& config);
+// Arrays of words under which scene_baked.cuh finds the scene's numbers: constants that the compiler sees through.
 template <class Real>
 std::string baked_text(const SceneView<Real>& scene);
 
@@ -22,14 +29,11 @@ public:
     // `host` lives as long as this; `features`: of the kernels.
     DeviceScene(const SceneView<Real>& host, FeatureSet features, bool is_baked)
         : host_(host), features_(features), is_baked_(is_baked) {}
-    DeviceScene(const DeviceScene&) = delete;  // who launches holds the address of its view
-    DeviceScene& operator=(const DeviceScene&) = delete;
-
     void reserve(Arena& arena);
     // Waits for the device.
     void upload(const Module& module, cudaStream_t stream) const;
-    // A SceneView with pointers of the device.
-    ParameterBytes parameter() const { return {&view_}; }
+    // With pointers of the device.
+    const SceneView<Real>& view() const { return view_; }
 
 private:
     const SceneView<Real>& host_;

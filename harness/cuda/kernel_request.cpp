@@ -6,6 +6,8 @@
 #include "harness/cuda/device_scene.h"
 #include "harness/render/renderer.h"
 #include "harness/scene/scene_buffers.h"
+#include "variants/cuda/parameters.h"
+#include "variants/cuda/stages.h"
 
 namespace pt::cuda {
 
@@ -25,12 +27,21 @@ ModuleRequest request_for(const Variant& variant, const std::string& source, con
 template <class Real>
 void describe_scene(const Scene& scene, bool bakes, ModuleRequest& request) {
     const SceneBuffers<Real> buffers(scene, default_settings(scene));
-    for (std::string& define : scene_defines(buffers.view(), request.features)) {
-        request.defines.push_back(std::move(define));
-    }
+    request.scene = scene_place(buffers.view(), request.config.features, bakes);
+    request.config.constant_scene_bytes = request.scene == scene_in_constant ? constant_bytes : 16;
+    fix_counts(buffers.view(), request.config);
     if (bakes) {
         request.prelude = baked_text(buffers.view());
     }
+}
+
+template <class Real>
+std::vector<KernelSignature> kernels_of(const IntegratorHook& integrator, const KernelConfig& config) {
+    std::vector<KernelSignature> kernels = integrator.kernels(sizeof(Real));
+    if (config.keeps_first_hits) {
+        kernels.push_back(kernel_of<FillCacheParameters<Real>>(false));
+    }
+    return kernels;
 }
 
 }  // namespace
@@ -41,26 +52,29 @@ std::string integrator_source(const Variant& variant) {
 }
 
 ModuleRequest module_request(const Scene& scene, const Variant& variant, const std::string& architecture) {
-    const FeatureSet features = choose_kernel(scene, variant, Backend::cuda).compiled;
     ModuleRequest request = request_for(variant, integrator_source(variant), architecture);
-    const Integrator& integrator = hooks("integrator", variant).integrator;
+    const IntegratorHook& integrator = hooks("integrator", variant).integrator;
     const VariantTraits traits = traits_of(variant, Backend::cuda);
-    request.features = features;
+    const bool is_double = traits.precision.is_double();
     request.options = hooks("arithmetic", variant).options;
-    request.defines = {
-        fmt::format("-DPT_BLOCK={}", tunable(variant, "block", Backend::cuda)),
-        fmt::format("-DPT_MIN_BLOCKS={}", tuned(variant, "min_blocks", 0) / (traits.precision.is_double() ? 2 : 1)),
-        fmt::format("-DPT_CACHED={}", kept_rays(variant) > 0 ? 1 : 0),
-        fmt::format("-DPT_SHADING_FMAS={}", tuned(variant, "shading_fmas", 0))};
+    request.config = {.features = choose_kernel(scene, variant, Backend::cuda).compiled,
+                      .block = tunable(variant, "block", Backend::cuda),
+                      .min_blocks = tuned(variant, "min_blocks", 0) / (is_double ? 2 : 1),
+                      .keeps_first_hits = kept_rays(variant) > 0,
+                      .shading_fmas = tuned(variant, "shading_fmas", 0)};
+    request.kernels =
+        is_double ? kernels_of<double>(integrator, request.config) : kernels_of<float>(integrator, request.config);
+    if (request.config.keeps_first_hits) {
+        request.includes.insert(request.includes.begin(), "variants/cuda/fill_cache.cuh");
+    }
     const bool bakes = hooks("specialisation", variant).bakes_scene;
-    if (traits.precision.is_double()) {
+    if (is_double) {
         describe_scene<double>(scene, bakes, request);
     } else {
         describe_scene<float>(scene, bakes, request);
     }
-    if (integrator.defines != nullptr) {
-        const std::vector<std::string> more = integrator.defines(variant);
-        request.defines.insert(request.defines.end(), more.begin(), more.end());
+    if (integrator.constants != nullptr) {
+        request.constants = integrator.constants(variant);
     }
     if (!traits.integrator.has_queue) {
         request.layout = "aos";  // not used: one compilation serves
@@ -72,12 +86,12 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
 }
 
 // Stages move paths and count them; they do no arithmetic on them, so neither features nor arithmetic matter.
-ModuleRequest stage_request(const Variant& variant, const std::string& source, const std::string& architecture) {
+ModuleRequest stage_request(const Variant& variant, const std::string& source,
+                            const std::vector<KernelSignature>& kernels, const std::string& architecture) {
     ModuleRequest request = request_for(variant, source, architecture);
-    request.features = no_features;
     request.sort_key = "material";
-    request.defines = {"-DPT_BLOCK=256",      "-DPT_MIN_BLOCKS=0",  "-DPT_CACHED=0",
-                       "-DPT_SHADING_FMAS=0", "-DPT_SCENE_BYTES=0", "-DPT_FIXED_COUNTS=0"};
+    request.config.block = stage_block;
+    request.kernels = kernels;
     return request;
 }
 

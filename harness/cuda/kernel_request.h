@@ -9,7 +9,9 @@
 namespace pt::cuda {
 
 ModuleRequest module_request(const Scene& scene, const Variant& variant, const std::string& architecture);
-ModuleRequest stage_request(const Variant& variant, const std::string& source, const std::string& architecture);
+// `kernels`: those of the source that are launched.
+ModuleRequest stage_request(const Variant& variant, const std::string& source,
+                            const std::vector<KernelSignature>& kernels, const std::string& architecture);
 // The embedded source of the variant's integrator.
 std::string integrator_source(const Variant& variant);
 

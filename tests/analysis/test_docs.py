@@ -27,7 +27,9 @@ FOLDERS = ("analysis", "cmake", "docs", "harness", "kernels", "packaging", "resu
 # What a page has its reader write. None may be there: then it would be no example any more.
 WRITTEN_BY_THE_READER = {
     "variants/compaction/my_scan.cpp",
+    "variants/compaction/my_scan.cuda.cpp",
     "variants/compaction/my_scan.cuh",
+    "variants/compaction/my_scan_parameters.cuh",
     "tests/unit/my_scan_compaction_test.cpp",
     "variants/compaction/std_remove_if.cpp",
     "variants/integrator/tiled.h",

@@ -19,7 +19,8 @@ protected:
         for (const char* folder : {"scenes/suites", "variants/compaction", "tests/unit", "tests/image", axis_folder}) {
             fs::create_directories(home.path() / folder);
         }
-        for (const char* file : {"choice.cpp.in", "choice.cuh.in", "test.cpp.in"}) {
+        for (const char* file :
+             {"choice.cpp.in", "choice.cuh.in", "choice_parameters.cuh.in", "choice.cuda.cpp.in", "test.cpp.in"}) {
             fs::copy_file(fs::path(PTBENCH_SOURCE_DIR) / axis_folder / file, home.path() / axis_folder / file);
         }
     }
@@ -52,9 +53,12 @@ TEST_F(NewCommandTest, WritesTheTemplatesUnderTheName) {
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.err, "");
     std::vector<std::string> expected = before;
-    for (const auto& [file, source] : {std::pair{"variants/compaction/my_scan2.cpp", "choice.cpp.in"},
-                                       std::pair{"variants/compaction/my_scan2.cuh", "choice.cuh.in"},
-                                       std::pair{"tests/unit/my_scan2_compaction_test.cpp", "test.cpp.in"}}) {
+    for (const auto& [file, source] :
+         {std::pair{"variants/compaction/my_scan2.cpp", "choice.cpp.in"},
+          std::pair{"variants/compaction/my_scan2.cuh", "choice.cuh.in"},
+          std::pair{"variants/compaction/my_scan2_parameters.cuh", "choice_parameters.cuh.in"},
+          std::pair{"variants/compaction/my_scan2.cuda.cpp", "choice.cuda.cpp.in"},
+          std::pair{"tests/unit/my_scan2_compaction_test.cpp", "test.cpp.in"}}) {
         // As CMake fills them in for the test that compiles them.
         EXPECT_EQ(content_of(home.file(file)), filled(source, "my_scan2"));
         EXPECT_NE(content_of(home.file(file)).find("my_scan2"), std::string::npos);

@@ -2,37 +2,38 @@
 // the host's side, without a device.
 #include <gtest/gtest.h>
 
+#include "variants/cuda/persistent.h"
 #include "variants/cuda/wavefronts.h"
 
 namespace pt::cuda {
 namespace {
 
-using Batches = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+using Cut = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-Batches batches_of(const std::vector<std::uint32_t>& checkpoints, std::uint32_t in_flight) {
+Cut batches_of(const std::vector<std::uint32_t>& checkpoints, std::uint32_t in_flight) {
     Job job;
-    job.samples_in_flight = in_flight;
-    Batches batches;
+    Batches batches(job, in_flight, {});
+    Cut cut;
     std::uint32_t done = 0;
     for (const std::uint32_t checkpoint : checkpoints) {
         job.first_sample = 100 + done;
         job.samples = checkpoint - done;
-        run_batches(job, [&](std::uint32_t first, std::uint32_t samples) { batches.emplace_back(first, samples); });
+        batches.run([&](std::uint32_t first, std::uint32_t samples) { cut.emplace_back(first, samples); });
         done = checkpoint;
     }
-    return batches;
+    return cut;
 }
 
 TEST(BatchesTest, AreAsManySamplesAsFitAndEndWithTheirPart) {
     EXPECT_EQ(batches_of({11}, 1).size(), 11u);
-    EXPECT_EQ(batches_of({11}, 4), (Batches{{100, 4}, {104, 4}, {108, 3}}));
-    EXPECT_EQ(batches_of({1, 2, 8, 11}, 4), (Batches{{100, 1}, {101, 1}, {102, 4}, {106, 2}, {108, 3}}));
-    EXPECT_EQ(batches_of({1, 2, 4, 8, 11}, 16), (Batches{{100, 1}, {101, 1}, {102, 2}, {104, 4}, {108, 3}}));
+    EXPECT_EQ(batches_of({11}, 4), (Cut{{100, 4}, {104, 4}, {108, 3}}));
+    EXPECT_EQ(batches_of({1, 2, 8, 11}, 4), (Cut{{100, 1}, {101, 1}, {102, 4}, {106, 2}, {108, 3}}));
+    EXPECT_EQ(batches_of({1, 2, 4, 8, 11}, 16), (Cut{{100, 1}, {101, 1}, {102, 2}, {104, 4}, {108, 3}}));
 }
 
 std::vector<std::uint32_t> filled(std::uint32_t rays, const std::vector<std::uint32_t>& parts) {
     Job job;
-    job.cache.rays = rays;
+    job.kept_rays = rays;
     std::vector<std::uint32_t> missing;
     for (const std::uint32_t part : parts) {
         job.samples = part;
@@ -55,41 +56,28 @@ TEST(BatchesTest, ALaunchTakesNoMoreSamplesThanThePartHas) {
     Job job;
     job.longest_path = 8;
     job.samples = 3;
-    EXPECT_EQ(samples_per_launch(job), 3u);
+    EXPECT_EQ(samples_per_launch(job, 1), 3u);
     job.samples = 0xffffffffu;
-    EXPECT_EQ(samples_per_launch(job), 0xffffffffu / (2 * 8 * 128));
-    job.samples_in_flight = 4;  // each of a pixel's four threads takes that many
-    EXPECT_EQ(samples_per_launch(job), 4 * (0xffffffffu / (2 * 8 * 128)));
+    EXPECT_EQ(samples_per_launch(job, 1), 0xffffffffu / (2 * 8 * 128));
+    // Each of a pixel's four threads takes that many.
+    EXPECT_EQ(samples_per_launch(job, 4), 4 * (0xffffffffu / (2 * 8 * 128)));
     job.longest_path = 1000000;
-    job.samples_in_flight = 1u << 18;
-    EXPECT_EQ(samples_per_launch(job), (1u << 18) * 16);
+    EXPECT_EQ(samples_per_launch(job, 1u << 18), (1u << 18) * 16);
     job.samples = 1u << 20;
-    EXPECT_EQ(samples_per_launch(job), 1u << 20);
+    EXPECT_EQ(samples_per_launch(job, 1u << 18), 1u << 20);
 }
 
-struct NoCompaction : Compaction {
-    void compact(Queue&) override {}
-};
-
 TEST(BatchesTest, TheHostAsksForTheEndOfLongPathsWhereNobodyTellsIt) {
+    constexpr bool told = true, capturing = true;
     Job job;
     job.longest_path = 1000000;
-    EXPECT_TRUE(asks_for_the_end(job, 512));
-    EXPECT_FALSE(asks_for_the_end(job, 513));
-    NoCompaction compaction;
-    job.compaction = &compaction;
-    EXPECT_TRUE(asks_for_the_end(job, 512));
+    EXPECT_TRUE(asks_for_the_end(job, !told, !capturing, 512));
+    EXPECT_FALSE(asks_for_the_end(job, !told, !capturing, 513));
     // The read-back of the count has the pinned words that asking would use.
-    job.reads_back = true;
-    EXPECT_FALSE(asks_for_the_end(job, 512));
-    job.compaction = nullptr;  // nothing to read back
-    EXPECT_TRUE(asks_for_the_end(job, 512));
-    const std::uint32_t sample = 0;
-    job.cursor = &sample;
-    EXPECT_FALSE(asks_for_the_end(job, 512));
-    job.cursor = nullptr;
+    EXPECT_FALSE(asks_for_the_end(job, told, !capturing, 512));
+    EXPECT_FALSE(asks_for_the_end(job, !told, capturing, 512));
     job.longest_path = few_segments;
-    EXPECT_FALSE(asks_for_the_end(job, 512));
+    EXPECT_FALSE(asks_for_the_end(job, !told, !capturing, 512));
 }
 
 TEST(BatchesTest, APersistentLaunchTakesAsManySamplesAsItHasNumbersForPieces) {
@@ -105,13 +93,12 @@ TEST(BatchesTest, APersistentLaunchTakesAsManySamplesAsItHasNumbersForPieces) {
 
 TEST(BatchesTest, AThreadCanCountAPiece) {
     Job job;
-    job.samples_per_piece = 128;
     job.longest_path = 8;
-    EXPECT_EQ(samples_per_strip(job), 128u);
+    EXPECT_EQ(samples_per_strip(job, 128), 128u);
     job.longest_path = 1000000;
-    EXPECT_EQ(samples_per_strip(job), 67u);  // 2^32 / (64 * 10^6)
+    EXPECT_EQ(samples_per_strip(job, 128), 67u);  // 2^32 / (64 * 10^6)
     job.longest_path = 0x80000000u;
-    EXPECT_EQ(samples_per_strip(job), 1u);
+    EXPECT_EQ(samples_per_strip(job, 128), 1u);
 }
 
 }  // namespace

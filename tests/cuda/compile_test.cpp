@@ -67,8 +67,9 @@ public:
             add(cuda::module_request(scene, variant, architecture_), scene.name + " " + variant.spelled_out());
         }
     }
-    void add_stage(const std::string& source, const Variant& variant) {
-        add(cuda::stage_request(variant, source, architecture_), variant.spelled_out());
+    void add_stage(const Choice& stage, const Variant& variant) {
+        const std::string source = fmt::format("variants/{}/{}.cuh", stage.descriptor.axis, stage.descriptor.name);
+        add(cuda::stage_request(variant, source, stage.hook.cuda.kernels, architecture_), variant.spelled_out());
     }
 
     const std::map<std::string, Program>& by_key() const { return programs_; }
@@ -102,15 +103,17 @@ std::vector<Scene> scenes_by_program() {
     return scenes;
 }
 
-// The sources that compactions and sorts ask for: each a file by the choice's name.
-std::vector<std::string> stage_sources() {
-    std::vector<std::string> sources;
-    for (const cuda::EmbeddedSource& source : cuda::embedded_sources()) {
-        if (source.name.starts_with("variants/compaction/") || source.name.starts_with("variants/sorting/")) {
-            sources.emplace_back(source.name);
+// The compactions and sorts that have kernels of their own which NVRTC compiles.
+std::vector<const Choice*> stages() {
+    std::vector<const Choice*> all;
+    for (const char* axis : {"compaction", "sorting"}) {
+        for (const Choice* choice : Registry::instance().choices(axis, Backend::cuda)) {
+            if (!choice->hook.cuda.kernels.empty()) {
+                all.push_back(choice);
+            }
         }
     }
-    return sources;
+    return all;
 }
 
 void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
@@ -155,11 +158,12 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
     add_by_turns(still, {{"direct_light", "final_bounce"}}, 3);
     add_by_turns(still, {{"direct_light", "nee_mis"}, {"russian_roulette", "throughput"}, {"sampler", "sobol_owen"}},
                  2);
-    for (const std::string& source : stage_sources()) {
+    ASSERT_GE(stages().size(), 5u);
+    for (const Choice* stage : stages()) {
         for (const std::string& layout : choices_of("layout")) {
-            programs.add_stage(source, baseline_with({{"layout", layout}}));
+            programs.add_stage(*stage, baseline_with({{"layout", layout}}));
         }
-        programs.add_stage(source, baseline_with({{"precision", "double"}}));
+        programs.add_stage(*stage, baseline_with({{"precision", "double"}}));
     }
 }
 
@@ -174,9 +178,9 @@ void add_pairs(Programs& programs, const std::vector<Scene>& scenes, std::size_t
         programs.add(scenes[i], baseline_with({{"integrator", integrator},
                                                {"direct_light", lights[(i / integrators.size()) % lights.size()]}}));
     }
-    const std::vector<std::string> sources = stage_sources();
-    for (std::size_t i = turn % 2; i < sources.size(); i += 2) {
-        programs.add_stage(sources[i], baseline_with({}));
+    const std::vector<const Choice*> all = stages();
+    for (std::size_t i = turn % 2; i < all.size(); i += 2) {
+        programs.add_stage(*all[i], baseline_with({}));
     }
 }
 

@@ -23,7 +23,9 @@ Variant baseline() { return Registry::instance().baseline(Backend::cuda); }
 
 // A small program: NVRTC takes less than a second.
 ModuleRequest small_request() {
-    return cuda::stage_request(baseline(), "variants/compaction/atomic_append.cuh", "sm_90");
+    return cuda::stage_request(
+        baseline(), "variants/compaction/atomic_append.cuh",
+        Registry::instance().find("compaction", "atomic_append", Backend::cuda)->hook.cuda.kernels, "sm_90");
 }
 
 // What came of a build.
@@ -227,8 +229,8 @@ TEST(KernelKeyTest, EverythingThatChangesTheCodeChangesTheKey) {
     };
     const std::vector<std::string> keys{
         cuda::module_key(base),
-        changed([](ModuleRequest& r) { r.features = all_features; }),
-        changed([](ModuleRequest& r) { r.features = no_features | Feature::sphere; }),
+        changed([](ModuleRequest& r) { r.config.features = all_features; }),
+        changed([](ModuleRequest& r) { r.config.features = no_features | Feature::sphere; }),
         changed([](ModuleRequest& r) { r.real = "double"; }),
         changed([](ModuleRequest& r) { r.options = {"--fmad=false"}; }),
         changed([](ModuleRequest& r) { r.options = {"--use_fast_math"}; }),
@@ -239,13 +241,26 @@ TEST(KernelKeyTest, EverythingThatChangesTheCodeChangesTheKey) {
         changed([](ModuleRequest& r) { r.includes = {"variants/compaction/gap_fill.cuh"}; }),
         changed([](ModuleRequest& r) { r.includes.push_back("variants/compaction/gap_fill.cuh"); }),
         changed([](ModuleRequest& r) { r.includes.clear(); }),
-        changed([](ModuleRequest& r) { r.defines.push_back("-DPT_MORE=1"); }),
-        changed([](ModuleRequest& r) { r.defines.push_back("-DPT_MORE=2"); }),
-        changed([](ModuleRequest& r) { r.defines.push_back("-DPT_MORE=12"); }),
+        changed([](ModuleRequest& r) { r.scene = "in_constant"; }),
+        changed([](ModuleRequest& r) { r.config.block = 128; }),
+        changed([](ModuleRequest& r) { r.config.min_blocks = 1; }),
+        changed([](ModuleRequest& r) { r.config.keeps_first_hits = true; }),
+        changed([](ModuleRequest& r) { r.config.shading_fmas = 1; }),
+        changed([](ModuleRequest& r) { r.config.constant_scene_bytes = 32; }),
+        changed([](ModuleRequest& r) { r.config.has_fixed_counts = true; }),
+        changed([](ModuleRequest& r) { r.config.counts.quads = 1; }),
+        changed([](ModuleRequest& r) { r.config.counts.low_sides[1] = 1; }),
         changed([](ModuleRequest& r) {
-            r.defines.insert(r.defines.end(), {"-DPT_MORE=1", "2"});
+            r.constants = {{"more", 1}};
         }),
-        changed([](ModuleRequest& r) { r.defines.clear(); }),
+        changed([](ModuleRequest& r) {
+            r.constants = {{"more", 12}};
+        }),
+        changed([](ModuleRequest& r) {
+            r.constants = {{"other", 1}};
+        }),
+        changed([](ModuleRequest& r) { r.kernels.front().parameter_bytes += 8; }),
+        changed([](ModuleRequest& r) { r.prelude = " "; }),
     };
     EXPECT_EQ(std::set<std::string>(keys.begin(), keys.end()).size(), keys.size());
     EXPECT_EQ(cuda::module_key(small_request()), keys.front());
@@ -299,19 +314,16 @@ protected:
 TEST_F(CompileErrorTest, NamesTheFileAndTheLineOfABadSource) {
     ModuleRequest request = small_request();
     request.real = "nonsense";
-    const std::string text = failure(request, R"(atomic_append\.cuh\.cu\(2\): error)", "-DPT_REAL=nonsense");
+    const std::string text = failure(request, R"(atomic_append\.cuh\.cu\(2\): error)", "using Real = nonsense;");
     EXPECT_NE(text.find("identifier \"nonsense\" is undefined"), std::string::npos) << text;
 }
 
-TEST_F(CompileErrorTest, NamesTheLineInsideAnIncludedSource) {
+// The host and the kernel must agree on the parameters' size.
+TEST_F(CompileErrorTest, NamesTheLineOfAKernelThatIsLaunchedWithOtherParameters) {
     ModuleRequest request = small_request();
-    for (std::string& define : request.defines) {
-        if (define.starts_with("-DPT_BLOCK=")) {
-            define = "-DPT_BLOCK=nonsense";
-        }
-    }
-    (void)failure(request, R"(/variants/[a-z_/]+\.cuh\([0-9]+\): error: identifier "nonsense" is undefined)",
-                  "-DPT_BLOCK=nonsense");
+    request.kernels.front().parameter_bytes += 8;
+    (void)failure(request, R"(/variants/[a-z_/]+\.cuh\([0-9]+\): error: static assertion failed)",
+                  "using Real = float;");
 }
 
 TEST_F(CompileErrorTest, NamesASourceThatIsNotThere) {
@@ -320,7 +332,7 @@ TEST_F(CompileErrorTest, NamesASourceThatIsNotThere) {
     (void)failure(
         request,
         R"(atomic_append\.cuh\.cu\([0-9]+\): .*error: cannot open source file "variants/compaction/no_such\.cuh")",
-        "-DPT_REAL=float");
+        "using Real = float;");
 }
 
 TEST_F(CompileErrorTest, NamesAnArchitectureThatTheCompilerDoesNotKnow) {

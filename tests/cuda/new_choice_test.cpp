@@ -1,39 +1,43 @@
-// The CUDA side of the compaction that `ptbench new` writes: the C++ compiler takes the host's half here, and NVRTC the
-// kernels, in every layout and precision. No GPU is needed. What it does on one, its own test says where it is written.
-#include PTBENCH_EXAMPLE
-
+// CUDA's side of what `ptbench new` writes: the C++ compiler takes the host's half here, and NVRTC the kernels, in
+// every layout and precision. No GPU is needed. What it does on one, its own test says where it is written.
 #include <gtest/gtest.h>
 
 #include "harness/cuda/kernel_request.h"
 #include "variants/cuda/nvrtc.h"
+#include "variants/registry.h"
 
 namespace pt {
 namespace {
 
-TEST(NewChoiceTest, KernelsCompile) {
+// The name under which CMake fills the templates in.
+constexpr const char* example = "example_";
+
+TEST(NewChoiceTest, KernelsOfACompactionCompile) {
     ASSERT_EQ(cuda::nvrtc_missing(), "");
+    const Choice* const choice = Registry::instance().find("compaction", example, Backend::cuda);
+    ASSERT_NE(choice, nullptr);
     for (const Choice* layout : Registry::instance().choices("layout", Backend::cuda)) {
         for (const char* precision : {"float", "double"}) {
             Variant variant = Registry::instance().baseline(Backend::cuda);
             variant.set("layout", std::string(layout->descriptor.name));
             variant.set("precision", precision);
             SCOPED_TRACE(variant.spelled_out());
+            cuda::ModuleRequest request = cuda::stage_request(
+                variant, "variants/compaction/" + std::string(example) + ".cuh", choice->hook.cuda.kernels, "sm_90");
+            request.options.push_back("-I" PTBENCH_EXAMPLES);
             // Not from the cache: its key knows the text of embedded sources only.
-            const cuda::ModuleImage image =
-                cuda::compile_module(cuda::stage_request(variant, PTBENCH_EXAMPLE, "sm_90"));
-            EXPECT_NE(image.cubin.find("list_live_slots"), std::string::npos);
+            EXPECT_NE(cuda::compile_module(request).cubin.find("list_live_slots"), std::string::npos);
         }
     }
 }
 
-TEST(NewChoiceTest, SaysWhatItIs) {
-    using cuda::compaction::example_::descriptor;
-    EXPECT_EQ(descriptor.axis, "compaction");
-    EXPECT_EQ(descriptor.name, "example_");
-    EXPECT_EQ(descriptor.backends, on_cuda);
-    EXPECT_EQ(descriptor.claim, Claim::bitwise);
-    EXPECT_NE(descriptor.check_counters, nullptr);
-    EXPECT_NE(cuda::compaction::example_::hooks.compaction, nullptr);
+TEST(NewChoiceTest, ACompactionSaysWhatItIs) {
+    const Choice* const choice = Registry::instance().find("compaction", example, Backend::cuda);
+    ASSERT_NE(choice, nullptr);
+    EXPECT_EQ(choice->descriptor.backends, on_cuda);
+    EXPECT_EQ(choice->descriptor.claim, Claim::bitwise);
+    EXPECT_NE(choice->descriptor.check_counters, nullptr);
+    EXPECT_NE(choice->hook.cuda.compaction, nullptr);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 // The host side of the CUDA backend as far as it goes without a device.
+#include <cstddef>
 #include <cstdlib>
+#include <cstring>
 #include <set>
 
 #include <fmt/format.h>
@@ -7,6 +9,7 @@
 
 #include "harness/bench/compile_ahead.h"
 #include "harness/cuda/backend.h"
+#include "harness/cuda/device_scene.h"
 #include "harness/cuda/kernel_request.h"
 #include "harness/error.h"
 #include "harness/places.h"
@@ -37,15 +40,6 @@ Variant with(const std::string& axis, const std::string& choice) {
     Variant variant = baseline();
     variant.set(axis, choice);
     return variant;
-}
-
-std::string define(const cuda::ModuleRequest& request, const std::string& name) {
-    for (const std::string& define : request.defines) {
-        if (define.starts_with("-D" + name + "=")) {
-            return define.substr(name.size() + 3);
-        }
-    }
-    return "not defined";
 }
 
 std::string render_failure(const std::function<void()>& call) {
@@ -170,48 +164,110 @@ TEST(ModuleRequestTest, HoldsWhatTheVariantAsksFor) {
     variant.tuning["shading_fmas"] = 64;
     const cuda::ModuleRequest request = cuda::module_request(scene, variant, "sm_89");
     EXPECT_EQ(request.includes, std::vector<std::string>{"variants/integrator/wavefront.cuh"});
-    EXPECT_EQ(request.features, features_of(scene) | shortcuts_of(scene));
+    EXPECT_EQ(request.config.features, features_of(scene) | shortcuts_of(scene));
     EXPECT_EQ(request.real, "float");
     EXPECT_EQ(request.layout, "soa");
     EXPECT_EQ(request.sort_key, "material_hit");
     EXPECT_EQ(request.architecture, "sm_89");
     EXPECT_EQ(request.options, std::vector<std::string>{"--fmad=false"});
-    EXPECT_EQ(define(request, "PT_BLOCK"), "128");
-    EXPECT_EQ(define(request, "PT_SHADING_FMAS"), "64");
-    EXPECT_EQ(define(request, "PT_CACHED"), "0");
+    EXPECT_EQ(request.config.block, 128u);
+    EXPECT_EQ(request.config.shading_fmas, 64u);
+    EXPECT_FALSE(request.config.keeps_first_hits);
+    variant.tuning["min_blocks"] = 6;
+    EXPECT_EQ(cuda::module_request(scene, variant, "sm_89").config.min_blocks, 6u);
+    variant.set("precision", "double");
+    variant.set("sorting", "none");
+    variant.set("sort_key", "material");
+    EXPECT_EQ(cuda::module_request(scene, variant, "sm_89").config.min_blocks, 3u);  // registers of twice the size
 }
 
 TEST(ModuleRequestTest, CountsAreConstantsWhereTheKernelIsTheScenes) {
     const Scene scene = find_scene("cornell_open_five");
     const SceneBuffers<float> buffers(scene, default_settings(scene));
     const cuda::ModuleRequest own = cuda::module_request(scene, baseline(), "sm_90");
-    EXPECT_EQ(define(own, "PT_FIXED_COUNTS"), "1");
-    EXPECT_EQ(define(own, "PT_SPHERES"), fmt::format("{}u", buffers.view().spheres.size));
-    EXPECT_EQ(define(own, "PT_QUADS"), fmt::format("{}u", buffers.view().quads.size));
+    EXPECT_TRUE(own.config.has_fixed_counts);
+    EXPECT_EQ(own.config.counts.spheres, buffers.view().spheres.size);
+    EXPECT_EQ(own.config.counts.quads, buffers.view().quads.size);
+    EXPECT_EQ(own.config.counts.objects(), buffers.view().object_count());
+    EXPECT_EQ(own.config.counts.walls, buffers.view().enclosure.walls);
+    EXPECT_EQ(own.scene, "in_constant");
     const cuda::ModuleRequest generic = cuda::module_request(scene, with("specialisation", "generic"), "sm_90");
-    EXPECT_EQ(generic.features, all_features);
-    EXPECT_EQ(define(generic, "PT_FIXED_COUNTS"), "0");
-    EXPECT_EQ(define(generic, "PT_SPHERES"), "not defined");
+    EXPECT_EQ(generic.config.features, all_features);
+    EXPECT_FALSE(generic.config.has_fixed_counts);
+    EXPECT_EQ(cuda::module_request(scene, with("specialisation", "baked"), "sm_90").scene, "baked");
 }
 
 TEST(ModuleRequestTest, ACacheOfFirstHitsIsAnotherKernel) {
     const Scene scene = find_scene("cornell_open_unjittered");
-    EXPECT_EQ(define(cuda::module_request(scene, with("first_bounce", "cached"), "sm_90"), "PT_CACHED"), "1");
+    const cuda::ModuleRequest request = cuda::module_request(scene, with("first_bounce", "cached"), "sm_90");
+    EXPECT_TRUE(request.config.keeps_first_hits);
+    EXPECT_EQ(request.kernels.back().name, std::string("fill_cache"));
 }
 
 TEST(ModuleRequestTest, StagesNeedNeitherFeaturesNorArithmetic) {
     const std::string source = "variants/sorting/bucket.cuh";
-    const cuda::ModuleRequest request = cuda::stage_request(baseline(), source, "sm_90");
+    const auto request_of = [&](const Variant& variant) {
+        return cuda::stage_request(
+            variant, source, Registry::instance().find("sorting", "bucket", Backend::cuda)->hook.cuda.kernels, "sm_90");
+    };
+    const cuda::ModuleRequest request = request_of(baseline());
     EXPECT_EQ(request.includes, std::vector<std::string>{source});
-    EXPECT_EQ(request.features, no_features);
+    EXPECT_EQ(request.kernels.size(), 3u);
+    EXPECT_EQ(request.config.features, no_features);
     EXPECT_TRUE(request.options.empty());
-    EXPECT_EQ(cuda::module_key(request),
-              cuda::module_key(cuda::stage_request(with("arithmetic", "fast"), source, "sm_90")));
-    EXPECT_NE(cuda::module_key(request),
-              cuda::module_key(cuda::stage_request(with("layout", "packed"), source, "sm_90")));
-    EXPECT_NE(cuda::module_key(request),
-              cuda::module_key(cuda::stage_request(with("precision", "double"), source, "sm_90")));
+    EXPECT_EQ(cuda::module_key(request), cuda::module_key(request_of(with("arithmetic", "fast"))));
+    EXPECT_NE(cuda::module_key(request), cuda::module_key(request_of(with("layout", "packed"))));
+    EXPECT_NE(cuda::module_key(request), cuda::module_key(request_of(with("precision", "double"))));
 }
+
+// Padding bytes hold what lay in memory before: in the text, and so in the cache's key, they would change from run to
+// run.
+TEST(ModuleRequestTest, TheBakedTextHoldsNoPadding) {
+    const Scene scene = find_scene("cornell_open");
+    const SceneBuffers<double> buffers(scene, default_settings(scene));
+    using Enclosure = AxisAlignedEnclosure<double>;
+    constexpr std::size_t used = offsetof(Enclosure, open_sides) + sizeof(std::uint32_t);
+    static_assert(used < sizeof(Enclosure), "no padding to look at");
+    std::set<std::string> texts;
+    for (const unsigned char left_over : {0x00, 0x55, 0xff}) {
+        SceneView<double> view = buffers.view();
+        std::memset(reinterpret_cast<unsigned char*>(&view.enclosure) + used, left_over, sizeof(Enclosure) - used);
+        texts.insert(cuda::baked_text(view));
+    }
+    EXPECT_EQ(texts.size(), 1u);
+}
+
+// The configuration as a program reads it is that which the host wrote.
+TEST(ModuleRequestTest, AProgramReadsTheConfigurationThatTheHostWrote) {
+    cuda::KernelConfig config{.features = 0x8000000000000001ull,
+                              .block = 96,
+                              .min_blocks = 3,
+                              .keeps_first_hits = true,
+                              .shading_fmas = 7,
+                              .constant_scene_bytes = 64,
+                              .has_fixed_counts = true};
+    config.counts.quads = 5;
+    config.counts.spheres = 2;
+    config.counts.walls = 9;
+    config.counts.high_sides[2] = 0xffffffffu;
+    EXPECT_EQ(cuda::text_of(config),
+              "{.features = 9223372036854775809ull, .block = 96u, .min_blocks = 3u, .keeps_first_hits = true, "
+              ".shading_fmas = 7u, .constant_scene_bytes = 64u, .has_fixed_counts = true, .counts = {.spheres = 2u, "
+              ".ellipsoids = 0u, .axis_boxes = 0u, .oriented_boxes = 0u, .quads = 5u, .walls = 9u, .lamps = 0u, "
+              ".open_sides = 0u, .low_sides = {0u, 0u, 0u}, .high_sides = {0u, 0u, 4294967295u}}}");
+}
+
+// What a kernel's parameters are is held by their struct's members (kernel_parameters.h).
+struct TwoMembers {
+    static constexpr const char* kernel = "two";
+    FilmView film;
+    const std::uint32_t* count;
+};
+static_assert(cuda::is_kernel_of<TwoMembers, void(FilmView, const std::uint32_t*)>("two"));
+static_assert(!cuda::is_kernel_of<TwoMembers, void(FilmView, const std::uint32_t*)>("tw"));
+static_assert(!cuda::is_kernel_of<TwoMembers, void(FilmView, std::uint32_t*)>("two"));
+static_assert(!cuda::is_kernel_of<TwoMembers, void(FilmView)>("two"));
+static_assert(!cuda::is_kernel_of<TwoMembers, void(const std::uint32_t*, FilmView)>("two"));
 
 // --- memory
 // -----------------------------------------------------------------------------------------------------------

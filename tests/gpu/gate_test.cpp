@@ -8,44 +8,75 @@
 #include "harness/error.h"
 #include "harness/places.h"
 #include "variants/cuda/megakernels.h"
+#include "variants/integrator/megakernel_parameters.cuh"
 
 namespace pt {
 namespace {
 
 // The megakernel's code, launched wrongly.
-void launch_megakernel(cuda::Job& job, std::uint32_t threads, std::uint32_t samples) {
-    const std::uint32_t stride = 1;
-    job.launch("megakernel", threads, job.scene, job.film, job.first_sample, samples, stride, job.cache, job.totals,
-               job.lengths);
-}
-void launch_nothing(cuda::Job& job) { job.work.launches += 1; }
-void leave_out_the_last_rows(cuda::Job& job) { launch_megakernel(job, job.pixels * 3 / 4, job.samples); }
-void take_a_sample_twice(cuda::Job& job) {
-    launch_megakernel(job, job.pixels, job.samples);
-    launch_megakernel(job, job.pixels, 1);
-}
-// As many paths as there should be, but two times the same sample.
-void repeat_a_sample(cuda::Job& job) {
-    for (std::uint32_t i = 0; i < job.samples; ++i) {
-        launch_megakernel(job, job.pixels, 1);
+template <class Real>
+class BrokenMegakernel : public cuda::Integrator {
+public:
+    BrokenMegakernel(cuda::JobOf<Real>& job, const cuda::IntegratorNeeds&) : job_(job) {}
+    static std::vector<cuda::KernelSignature> kernels() {
+        return {cuda::kernel_of<cuda::MegakernelParameters<Real>>()};
     }
-}
 
-Registration broken(std::string_view name, void (*render)(cuda::Job&)) {
+protected:
+    void launch(std::uint32_t threads, std::uint32_t samples) {
+        constexpr std::uint32_t stride = 1;
+        job_.launch(threads, cuda::MegakernelParameters<Real>{job_.scene, job_.film, job_.first_sample, samples, stride,
+                                                              job_.cache, job_.totals, job_.lengths()});
+    }
+
+    cuda::JobOf<Real>& job_;
+};
+
+template <class Real>
+struct LaunchesNothing final : BrokenMegakernel<Real> {
+    using BrokenMegakernel<Real>::BrokenMegakernel;
+    void render() override { this->job_.work.launches += 1; }
+};
+template <class Real>
+struct LeavesOutTheLastRows final : BrokenMegakernel<Real> {
+    using BrokenMegakernel<Real>::BrokenMegakernel;
+    void render() override { this->launch(this->job_.pixels * 3 / 4, this->job_.samples); }
+};
+template <class Real>
+struct TakesASampleTwice final : BrokenMegakernel<Real> {
+    using BrokenMegakernel<Real>::BrokenMegakernel;
+    void render() override {
+        this->launch(this->job_.pixels, this->job_.samples);
+        this->launch(this->job_.pixels, 1);
+    }
+};
+// As many paths as there should be, but two times the same sample.
+template <class Real>
+struct RepeatsASample final : BrokenMegakernel<Real> {
+    using BrokenMegakernel<Real>::BrokenMegakernel;
+    void render() override {
+        for (std::uint32_t i = 0; i < this->job_.samples; ++i) {
+            this->launch(this->job_.pixels, 1);
+        }
+    }
+};
+
+Registration broken(std::string_view name, cuda::IntegratorHook hook) {
+    hook.source = "variants/integrator/megakernel.cuh";
     return {{.axis = "integrator",
              .name = name,
              .summary = "broken on purpose",
              .origin = "tests",
              .backends = on_cuda,
              .tunables = cuda::megakernel_tunables},
-            {.cuda = {.integrator = {.render = render, .source = "variants/integrator/megakernel.cuh"}}}};
+            {.cuda = {.integrator = hook}}};
 }
 
 const Registration registrations[] = {
-    broken("test_null", launch_nothing),
-    broken("test_truncated", leave_out_the_last_rows),
-    broken("test_twice", take_a_sample_twice),
-    broken("test_repeated", repeat_a_sample),
+    broken("test_null", cuda::integrator_hook<LaunchesNothing>()),
+    broken("test_truncated", cuda::integrator_hook<LeavesOutTheLastRows>()),
+    broken("test_twice", cuda::integrator_hook<TakesASampleTwice>()),
+    broken("test_repeated", cuda::integrator_hook<RepeatsASample>()),
 };
 
 Scene stability_scene(const std::string& name) {

@@ -2,8 +2,6 @@
 // wavefront_fused part of the bounce's kernel.
 #pragma once
 
-#if defined(__CUDACC_RTC__)
-
 #include "variants/cuda/append.cuh"
 
 __device__ inline std::uint32_t append(std::uint32_t* count, bool keep) {
@@ -11,30 +9,3 @@ __device__ inline std::uint32_t append(std::uint32_t* count, bool keep) {
 }
 
 #include "variants/cuda/append_kernels.cuh"
-
-#else
-
-#include "variants/cuda/append_compaction.h"
-
-namespace pt::cuda::compaction::atomic_append {
-
-inline constexpr Descriptor descriptor{
-    .axis = "compaction",
-    .name = "atomic_append",
-    .summary = "live paths are appended to the next queue, one atomic operation a warp",
-    .origin = "Adinetz 2014 (warp-aggregated atomics)",
-    .traits =
-        CompactionTraits{
-            .payload_contiguous = false, .reproducible_order = false, .append_in_kernel = AppendInKernel::by_warp},
-    .backends = on_cuda,
-    .tunables = append_tunables,
-    .check_counters = compacted_every_bounce,
-};
-
-inline const Hooks hooks{.compaction = [](const CellContext& context) -> std::unique_ptr<Compaction> {
-    return std::make_unique<AppendCompaction>(context, "variants/compaction/atomic_append.cuh");
-}};
-
-}  // namespace pt::cuda::compaction::atomic_append
-
-#endif

@@ -1,8 +1,6 @@
 // Live paths are appended to the next queue, with a scan in shared memory and one atomic operation a block.
 #pragma once
 
-#if defined(__CUDACC_RTC__)
-
 #include "variants/cuda/append.cuh"
 
 __device__ inline std::uint32_t append(std::uint32_t* count, bool keep) {
@@ -10,30 +8,3 @@ __device__ inline std::uint32_t append(std::uint32_t* count, bool keep) {
 }
 
 #include "variants/cuda/append_kernels.cuh"
-
-#else
-
-#include "variants/cuda/append_compaction.h"
-
-namespace pt::cuda::compaction::block_scan_append {
-
-inline constexpr Descriptor descriptor{
-    .axis = "compaction",
-    .name = "block_scan_append",
-    .summary = "live paths are appended to the next queue: shared-memory scan, one atomic operation a block",
-    .origin = "Billeter, Olsson and Assarsson 2009, with an atomic counter for the global scan",
-    .traits =
-        CompactionTraits{
-            .payload_contiguous = false, .reproducible_order = false, .append_in_kernel = AppendInKernel::by_block},
-    .backends = on_cuda,
-    .tunables = append_tunables,
-    .check_counters = compacted_every_bounce,
-};
-
-inline const Hooks hooks{.compaction = [](const CellContext& context) -> std::unique_ptr<Compaction> {
-    return std::make_unique<AppendCompaction>(context, "variants/compaction/block_scan_append.cuh");
-}};
-
-}  // namespace pt::cuda::compaction::block_scan_append
-
-#endif

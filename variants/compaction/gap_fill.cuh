@@ -2,21 +2,19 @@
 // n, in place. Nothing else is touched, and no second store is needed.
 #pragma once
 
-#if defined(__CUDACC_RTC__)
-
+#include "variants/compaction/gap_fill_parameters.cuh"
 #include "variants/cuda/append.cuh"
 
-extern "C" __global__ void PT_LAUNCH_BOUNDS count_live(PathStore store, const std::uint32_t* count,
-                                                       std::uint32_t* live) {
+PT_KERNEL(count_live, pt::cuda::CountLiveParameters,
+          (PathStore store, const std::uint32_t* count, std::uint32_t* live)) {
     const std::uint32_t i = pt::cuda::thread_number();
     (void)pt::cuda::append_by_block(live, i < *count && Paths(store).alive(i));
 }
 
 // As many gaps below *live as there are live paths above it.
-extern "C" __global__ void PT_LAUNCH_BOUNDS find_gaps(PathStore store, const std::uint32_t* count,
-                                                      const std::uint32_t* live, std::uint32_t* gaps,
-                                                      std::uint32_t* gap_count, std::uint32_t* movers,
-                                                      std::uint32_t* mover_count) {
+PT_KERNEL(find_gaps, pt::cuda::FindGapsParameters,
+          (PathStore store, const std::uint32_t* count, const std::uint32_t* live, std::uint32_t* gaps,
+           std::uint32_t* gap_count, std::uint32_t* movers, std::uint32_t* mover_count)) {
     const std::uint32_t i = pt::cuda::thread_number();
     const bool alive = i < *count && Paths(store).alive(i);
     const bool is_gap = i < *live && !alive;
@@ -31,73 +29,10 @@ extern "C" __global__ void PT_LAUNCH_BOUNDS find_gaps(PathStore store, const std
     }
 }
 
-extern "C" __global__ void PT_LAUNCH_BOUNDS fill_gaps(PathStore store, const std::uint32_t* gaps,
-                                                      const std::uint32_t* movers, const std::uint32_t* mover_count) {
+PT_KERNEL(fill_gaps, pt::cuda::FillGapsParameters,
+          (PathStore store, const std::uint32_t* gaps, const std::uint32_t* movers, const std::uint32_t* mover_count)) {
     const std::uint32_t i = pt::cuda::thread_number();
     if (i < *mover_count) {
         Paths(store).store(gaps[i], Paths(store).load(movers[i]));
     }
 }
-
-#else
-
-#include "variants/cuda/append_compaction.h"
-
-namespace pt::cuda::compaction::gap_fill {
-
-class GapFill final : public Compaction {
-public:
-    explicit GapFill(const CellContext& context)
-        : context_(context), module_(context.module("variants/compaction/gap_fill.cuh")) {}
-
-    void reserve(Arena& arena, const Queue& queue) override {
-        gaps_ = arena.take<std::uint32_t>(queue.capacity);
-        movers_ = arena.take<std::uint32_t>(queue.capacity);
-        counts_ = arena.take<std::uint32_t>(2);
-    }
-
-    // Works on slots 0 to count - 1: an order by which they were shaded is dropped.
-    void compact(Queue& queue) override {
-        PT_CUDA_CHECK(cudaMemsetAsync(queue.count_spare, 0, sizeof(std::uint32_t), context_.stream));
-        PT_CUDA_CHECK(cudaMemsetAsync(counts_, 0, 2 * sizeof(std::uint32_t), context_.stream));
-        launch("count_live", queue.bound, queue.paths, queue.count, queue.count_spare);
-        launch("find_gaps", queue.bound, queue.paths, queue.count, queue.count_spare, gaps_, counts_, movers_,
-               counts_ + 1);
-        // There are at most as many gaps below n as live paths above it, so no more than half of all.
-        launch("fill_gaps", queue.bound / 2 + 1, queue.paths, gaps_, movers_, counts_ + 1);
-        queue.swap_count();
-        queue.indirect = false;
-    }
-
-private:
-    template <class... Parameters>
-    void launch(const char* kernel, std::uint32_t threads, const Parameters&... parameters) {
-        module_.launch(kernel, (threads + compaction_block - 1) / compaction_block, compaction_block, context_.stream,
-                       parameters...);
-        *context_.launches += 1;
-    }
-
-    CellContext context_;
-    const Module& module_;
-    std::uint32_t* gaps_ = nullptr;
-    std::uint32_t* movers_ = nullptr;
-    std::uint32_t* counts_ = nullptr;  // gaps, movers
-};
-
-inline constexpr Descriptor descriptor{
-    .axis = "compaction",
-    .name = "gap_fill",
-    .summary = "live paths above the new size move into ended ones' slots below it, in place",
-    .origin = "Wald 2011, \"Active thread compaction\"; Cycles' compaction of its state array",
-    .traits = CompactionTraits{.reproducible_order = false},
-    .backends = on_cuda,
-    .check_counters = compacted_every_bounce,
-};
-
-inline const Hooks hooks{.compaction = [](const CellContext& context) -> std::unique_ptr<Compaction> {
-    return std::make_unique<GapFill>(context);
-}};
-
-}  // namespace pt::cuda::compaction::gap_fill
-
-#endif

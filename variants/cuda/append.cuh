@@ -1,5 +1,5 @@
 // Appending to a queue in global memory from many threads: where each kept element goes.
-// Device side; PT_BLOCK threads a block. Every thread of the block must call these.
+// Device side; kernel_config.block threads a block. Every thread of the block must call these.
 #pragma once
 
 #include "variants/cuda/device.cuh"
@@ -19,10 +19,10 @@ __device__ inline std::uint32_t append_by_warp(std::uint32_t* count, bool keep) 
 
 // One atomic operation a block: the warps' counts are scanned in shared memory. Within a block the order is kept.
 __device__ inline std::uint32_t append_by_block(std::uint32_t* count, bool keep) {
-    constexpr unsigned warps = PT_BLOCK / 32;
+    constexpr unsigned warps = kernel_config.block / warp_size;
     __shared__ std::uint32_t before[warps];
     const unsigned kept = __ballot_sync(0xffffffffu, keep);
-    const unsigned warp = threadIdx.x / 32;
+    const unsigned warp = threadIdx.x / warp_size;
     if (lane() == 0) {
         before[warp] = static_cast<std::uint32_t>(__popc(kept));
     }

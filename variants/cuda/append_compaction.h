@@ -1,13 +1,12 @@
 // The host's side of the compactions that append what is alive to another queue: slot numbers, or the payload.
 #pragma once
 
+#include "variants/cuda/append_parameters.h"
 #include "variants/cuda/stages.h"
 #include "variants/registry.h"
 #include "variants/work_checks.h"
 
 namespace pt::cuda {
-
-inline constexpr std::uint32_t compaction_block = 256;
 
 inline constexpr Tunable append_tunables[] = {
     {"payload", 0, 0, 1, 1, "1: the paths themselves are moved, 0: their slot numbers (wavefront)"}};
@@ -22,15 +21,16 @@ public:
 
     void compact(Queue& queue) override {
         PT_CUDA_CHECK(cudaMemsetAsync(queue.count_spare, 0, sizeof(std::uint32_t), context_.stream));
-        const std::uint32_t blocks = (queue.bound + compaction_block - 1) / compaction_block;
+        const std::uint32_t blocks = blocks_for(queue.bound);
         const std::uint32_t* const order = queue.indirect ? queue.order : nullptr;
         if (moves_payload_) {
-            module_.launch("append_paths", blocks, compaction_block, context_.stream, queue.paths, order, queue.count,
-                           queue.spare, queue.count_spare);
+            module_.launch(blocks, stage_block, context_.stream,
+                           AppendPathsParameters{queue.paths, order, queue.count, queue.spare, queue.count_spare});
             queue.swap_paths();
         } else {
-            module_.launch("append_slots", blocks, compaction_block, context_.stream, queue.paths, order, queue.count,
-                           queue.order_spare, queue.count_spare);
+            module_.launch(
+                blocks, stage_block, context_.stream,
+                AppendSlotsParameters{queue.paths, order, queue.count, queue.order_spare, queue.count_spare});
             queue.swap_order();
         }
         *context_.launches += 1;

@@ -1,9 +1,12 @@
 // The kernels of the appending compactions. Who includes this names the way to append: append(count, keep).
 #pragma once
 
-extern "C" __global__ void PT_LAUNCH_BOUNDS append_slots(PathStore store, const std::uint32_t* order,
-                                                         const std::uint32_t* count, std::uint32_t* kept,
-                                                         std::uint32_t* kept_count) {
+#include "variants/cuda/append.cuh"
+#include "variants/cuda/append_parameters.h"
+
+PT_KERNEL(append_slots, pt::cuda::AppendSlotsParameters,
+          (PathStore store, const std::uint32_t* order, const std::uint32_t* count, std::uint32_t* kept,
+           std::uint32_t* kept_count)) {
     const std::uint32_t i = pt::cuda::thread_number();
     const bool in_play = i < *count;
     const std::uint32_t slot = in_play && order != nullptr ? order[i] : i;
@@ -14,9 +17,9 @@ extern "C" __global__ void PT_LAUNCH_BOUNDS append_slots(PathStore store, const 
     }
 }
 
-extern "C" __global__ void PT_LAUNCH_BOUNDS append_paths(PathStore store, const std::uint32_t* order,
-                                                         const std::uint32_t* count, PathStore kept,
-                                                         std::uint32_t* kept_count) {
+PT_KERNEL(append_paths, pt::cuda::AppendPathsParameters,
+          (PathStore store, const std::uint32_t* order, const std::uint32_t* count, PathStore kept,
+           std::uint32_t* kept_count)) {
     const std::uint32_t i = pt::cuda::thread_number();
     const bool in_play = i < *count;
     const std::uint32_t slot = in_play && order != nullptr ? order[i] : i;

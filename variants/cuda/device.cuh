@@ -1,20 +1,26 @@
 // What every kernel that NVRTC compiles starts from: the types of the variant, and adding up over a block.
-// The program's text (variants/cuda/module.cpp) goes on with the layout (Paths) and the sort key.
+// The program's text (program_text in variants/cuda/module.cpp) begins with what the host has chosen: Real,
+// kernel_config, the layout (Paths), where the scene's arrays lie; and goes on with the sort key.
 #pragma once
 
-#include "kernels/scene_arrays.h"
+#include "variants/cuda/kernel_config.h"
+#include "variants/cuda/kernel_parameters.h"
+#include "variants/cuda/parameters.h"
 #include "variants/cuda/path_store.h"
-#include "variants/cuda/totals.h"
 
-// Threads a block and, where asked for, blocks that a multiprocessor must be able to hold: fewer registers a thread.
-#if PT_MIN_BLOCKS > 0
-#define PT_LAUNCH_BOUNDS __launch_bounds__(PT_BLOCK, PT_MIN_BLOCKS)
-#else
-#define PT_LAUNCH_BOUNDS __launch_bounds__(PT_BLOCK)
-#endif
+// The head of a kernel, with its parameters in brackets: it compiles only if they are what the host launches it with,
+// in number, type and size. The parameters are one struct on the host's side alone: as one parameter of the kernel they
+// are loaded elsewhere, and kernels have other registers. host_bytes is in the program's text.
+#define PT_KERNEL_WITH(bounds, name, Parameters, ...)                                                      \
+    extern "C" __global__ void bounds name __VA_ARGS__;                                                    \
+    static_assert(pt::cuda::is_kernel_of<Parameters, decltype(name)>(#name), "not the host's parameters"); \
+    static_assert(sizeof(Parameters) == host_bytes::name, "not of the size that the host knows");          \
+    extern "C" __global__ void bounds name __VA_ARGS__
+#define PT_KERNEL(...) PT_KERNEL_WITH(__launch_bounds__(kernel_config.block, kernel_config.min_blocks), __VA_ARGS__)
+// With blocks of any size, and as many registers as that leaves.
+#define PT_UNBOUNDED_KERNEL(...) PT_KERNEL_WITH(, __VA_ARGS__)
 
-using Real = PT_REAL;
-using Configuration = pt::Config<PT_REAL, PT_FEATURES>;
+using Configuration = pt::Config<Real, kernel_config.features>;
 using Scene = pt::SceneView<Real>;
 using Path = pt::Path<Real>;
 using Hit = pt::Hit<Real>;
@@ -25,10 +31,11 @@ using pt::cuda::PathStore;
 using pt::cuda::SegmentCounts;
 using pt::cuda::SegmentNumber;
 using pt::cuda::Totals;
+using pt::cuda::warp_size;
 
 namespace pt::cuda {
 
-__device__ inline std::uint32_t lane() { return threadIdx.x & 31u; }
+__device__ inline std::uint32_t lane() { return threadIdx.x % warp_size; }
 __device__ inline std::uint32_t thread_number() { return blockIdx.x * blockDim.x + threadIdx.x; }
 __device__ inline std::uint32_t thread_count() { return gridDim.x * blockDim.x; }
 
@@ -110,7 +117,7 @@ __device__ inline void add_if_many(Totals* totals, PathCounters& counters) {
     atomic_add(&mine->paths.rays, counters.rays);
     atomic_add(&mine->paths.connections, counters.connections);
     atomic_add(&mine->paths.unfinished_walks, counters.unfinished_walks);
-    atomic_add(&mine->cache_uses, PT_CACHED ? counters.paths : 0);
+    atomic_add(&mine->cache_uses, kernel_config.keeps_first_hits ? counters.paths : 0);
     counters = {};
 }
 
@@ -129,100 +136,38 @@ __device__ inline void add_counters(Totals* totals, const PathCounters& counters
 
 }  // namespace pt::cuda
 
-// The arrays that every ray walks through, side by side in constant memory: all lanes read one element at a time there,
-// and an instruction takes its operand from it without a load. 0: the scene is too large, they stay where they are.
-#if !defined(PT_BAKED)
-#define PT_BAKED 0
-#endif
-#if PT_SCENE_BYTES > 0 && !PT_BAKED
-extern "C" {
-__constant__ alignas(16) unsigned char pt_scene[PT_SCENE_BYTES];
-}
-#endif
-
 // A scene as kernels use it: `shade` for a surface that each lane chooses for itself, `trace` for all objects in turn.
 // Where the variant fixes the numbers of objects, they are constants from here on.
 struct SceneViews {
     Scene shade, trace;
 
     __device__ explicit SceneViews(const Scene& scene) : shade(scene), trace(scene) {
-#if PT_FIXED_COUNTS
-        fix_counts(shade);
-#endif
-#if PT_BAKED
-        bake(shade);
-#endif
+        if constexpr (kernel_config.has_fixed_counts) {
+            fix_counts(shade);
+        }
+        pt::cuda::bake(shade);
         trace = shade;
-#if PT_SCENE_BYTES > 0 && !PT_BAKED
-        std::uint32_t offset = 0;
-// Statements: with a visitor NVRTC gives some kernels other registers.
-#define PT_PLACE(name, kind, word)                                                                 \
-    if constexpr (pt::SceneArray{#name, pt::ArrayKind::kind}.is_traced(Configuration::features)) { \
-        place(trace.name, offset);                                                                 \
-    }
-        PT_SCENE_ARRAYS(PT_PLACE)
-#undef PT_PLACE
-#endif
+        pt::cuda::place_traced_arrays(trace);
     }
 
 private:
-#if PT_FIXED_COUNTS
     __device__ static void fix_counts(Scene& scene) {
-#define PT_PLUS(name, kind, word) +PT_##word
-#define PT_FIX(name, kind, word) scene.name.size = PT_##word;
-#define PT_OBJECTS (PT_OBJECT_ARRAYS(PT_PLUS))
+        constexpr pt::cuda::FixedCounts counts = kernel_config.counts;
+#define PT_FIX(name, kind, word) scene.name.size = counts.name;
+#define PT_FIX_BY_OBJECT(name, kind, word) scene.name.size = counts.objects();
         PT_OBJECT_ARRAYS(PT_FIX)
-        PT_TRACED_ARRAYS(PT_FIX)
-        PT_SHADING_ARRAYS(PT_FIX)
-#undef PT_PLUS
+        PT_TRACED_ARRAYS(PT_FIX_BY_OBJECT)
+        PT_SHADING_ARRAYS(PT_FIX_BY_OBJECT)
 #undef PT_FIX
-#undef PT_OBJECTS
-        scene.enclosure.walls = PT_ENCLOSURE_WALLS;
-        scene.enclosure.lamps = PT_ENCLOSURE_LAMPS;
-        scene.enclosure.open_sides = PT_ENCLOSURE_OPEN_SIDES;
-        constexpr std::uint32_t low_side[] = {PT_ENCLOSURE_LOW_SIDES};
-        constexpr std::uint32_t high_side[] = {PT_ENCLOSURE_HIGH_SIDES};
+#undef PT_FIX_BY_OBJECT
+        scene.enclosure.walls = counts.walls;
+        scene.enclosure.lamps = counts.lamps;
+        scene.enclosure.open_sides = counts.open_sides;
         for (int axis = 0; axis < 3; ++axis) {
-            scene.enclosure.low_side[axis].code = low_side[axis];
-            scene.enclosure.high_side[axis].code = high_side[axis];
+            scene.enclosure.low_side[axis].code = counts.low_sides[axis];
+            scene.enclosure.high_side[axis].code = counts.high_sides[axis];
         }
     }
-#endif
-#if PT_BAKED
-    // The scene's numbers, not what a render sets: resolution, depth and seed stay parameters.
-    __device__ static void bake(Scene& scene) {
-#define PT_BAKE(name, kind, word) scene.name.data = reinterpret_cast<decltype(scene.name.data)>(baked::name);
-#define PT_BAKE_ALL(name, kind, word) \
-    scene.name = {reinterpret_cast<decltype(scene.name.data)>(baked::name), baked::word##_count};
-        PT_OBJECT_ARRAYS(PT_BAKE)
-        PT_TRACED_ARRAYS(PT_BAKE)
-        PT_SHADING_ARRAYS(PT_BAKE)
-        PT_SHARED_ARRAYS(PT_BAKE_ALL)
-#undef PT_BAKE
-#undef PT_BAKE_ALL
-        scene.environment = *reinterpret_cast<const pt::Vec3<Real>*>(baked::environment);
-        scene.enclosure = *reinterpret_cast<const pt::AxisAlignedEnclosure<Real>*>(baked::enclosure);
-        const auto& camera = *reinterpret_cast<const pt::Camera<Real>*>(baked::camera);
-        scene.camera.right = camera.right;
-        scene.camera.up = camera.up;
-        scene.camera.forward = camera.forward;
-        scene.camera.aperture_radius = camera.aperture_radius;
-        scene.camera.focus_distance = camera.focus_distance;
-        scene.camera.shutter_open = camera.shutter_open;
-        scene.camera.shutter_length = camera.shutter_length;
-        scene.camera.shutter_late = camera.shutter_late;
-        scene.camera.jitter = camera.jitter;
-        scene.camera.initial_medium = camera.initial_medium;
-    }
-#endif
-#if PT_SCENE_BYTES > 0 && !PT_BAKED
-    // As the host lays them out (constant_scene): each array on a border of 16 bytes.
-    template <class T>
-    __device__ static void place(pt::View<T>& view, std::uint32_t& offset) {
-        view.data = reinterpret_cast<const T*>(pt_scene + offset);
-        offset += (static_cast<std::uint32_t>(sizeof(T)) * view.size + 15u) / 16u * 16u;
-    }
-#endif
 };
 
 // What a path between two bounces has to remember in this variant.
@@ -244,7 +189,8 @@ __device__ inline Path load_path(const Paths& paths, std::uint32_t slot, const S
 // The camera ray of a path: its own, or with a first-bounce cache that of the kept one which the sample uses.
 __device__ inline Path first_path(const Scene& scene, const pt::PixelPlace& place, std::uint32_t sample,
                                   const HitCache& cache) {
-    return pt::generate<Configuration>(scene, place, sample, PT_CACHED ? sample % cache.rays : sample);
+    return pt::generate<Configuration>(scene, place, sample,
+                                       kernel_config.keeps_first_hits ? sample % cache.rays : sample);
 }
 
 __device__ inline Path first_path(const Scene& scene, std::uint32_t pixel, std::uint32_t sample,
@@ -257,56 +203,31 @@ __device__ inline Hit trace(const SceneViews& scene, const Path& path) {
 }
 
 __device__ inline Hit first_hit(const SceneViews& scene, const Path& path, const HitCache& cache) {
-    if (PT_CACHED) {
+    if (kernel_config.keeps_first_hits) {
         return cache.hits[static_cast<std::size_t>(path.pixel) * cache.rays + path.sample % cache.rays];
     }
     return trace(scene, path);
 }
 
-// Traces the camera rays that `samples` samples, no more than the cache keeps, will use: one thread a pixel.
-#if PT_CACHED
-extern "C" __global__ void fill_cache(Scene parameter, HitCache cache, std::uint32_t first_sample,
-                                      std::uint32_t samples, Totals* totals) {
-    const SceneViews scene(parameter);
-    const std::uint32_t pixel = pt::cuda::thread_number();
-    std::uint32_t fills = 0;
-    if (pixel < scene.shade.pixel_count()) {
-        for (std::uint32_t i = 0; i < samples; ++i) {
-            const std::uint32_t ray = (first_sample + i) % cache.rays;
-            const Path path = pt::generate<Configuration>(scene.shade, pixel, ray, ray);
-            cache.hits[static_cast<std::size_t>(pixel) * cache.rays + ray] = trace(scene, path);
-            fills += 1;
-        }
-    }
-    const std::uint32_t values[] = {fills, fills};
-    Totals* const mine = pt::cuda::own_copy(totals);
-    std::uint64_t* const sums[] = {&mine->cache_fills, &mine->paths.rays};
-    pt::cuda::add_over_block(values, sums);
-}
-#endif
-
-// Stands in for a costlier material: PT_SHADING_FMAS dependent multiply-adds, executed material by material, so that a
-// warp whose lanes hit k materials pays for k. The path depends on the result as far as ptxas can tell (it drops unused
-// inline assembly, volatile or not): x starts at 0 or above and never falls, so it is never below 0 in fact.
+// Stands in for a costlier material: kernel_config.shading_fmas dependent multiply-adds, executed material by material,
+// so that a warp whose lanes hit k materials pays for k. The path depends on the result as far as ptxas can tell (it
+// drops unused inline assembly, volatile or not): x starts at 0 or above and never falls, so it is never below 0 in
+// fact.
 __device__ inline void injected_cost(const Scene& scene, const Hit& hit, Path& path) {
-#if PT_SHADING_FMAS > 0
-    const std::uint32_t mine = hit.side.exists() ? scene.object_material[hit.side.object()] : 0xffffffffu;
-    for (std::uint32_t material = 0; material < scene.materials.size; ++material) {
-        if (mine == material) {
-            float x = path.throughput.x < Real(0) ? 1.0f : 0.0f;
-            for (int i = 0; i < PT_SHADING_FMAS; ++i) {
-                asm volatile("fma.rn.f32 %0, %0, %0, %0;" : "+f"(x));
-            }
-            if (x < 0.0f) {
-                path.throughput.x = Real(0);
+    if constexpr (kernel_config.shading_fmas > 0) {
+        const std::uint32_t mine = hit.side.exists() ? scene.object_material[hit.side.object()] : 0xffffffffu;
+        for (std::uint32_t material = 0; material < scene.materials.size; ++material) {
+            if (mine == material) {
+                float x = path.throughput.x < Real(0) ? 1.0f : 0.0f;
+                for (int i = 0; i < static_cast<int>(kernel_config.shading_fmas); ++i) {
+                    asm volatile("fma.rn.f32 %0, %0, %0, %0;" : "+f"(x));
+                }
+                if (x < 0.0f) {
+                    path.throughput.x = Real(0);
+                }
             }
         }
     }
-#else
-    (void)scene;
-    (void)hit;
-    (void)path;
-#endif
 }
 
 __device__ inline bool shade(const SceneViews& scene, Path& path, const Hit& hit, PathCounters& counters) {
@@ -316,14 +237,15 @@ __device__ inline bool shade(const SceneViews& scene, Path& path, const Hit& hit
 
 // One step of a path: of its walk, if it is on one, else its segment traced and shaded. A warp whose lanes take their
 // walks step by step does not wait for the longest of them. Returns whether the path lives.
-__device__ inline bool advance(const SceneViews& scene, Path& path, pt::Walk& walk, const HitCache& cache,
-                               PathCounters& counters) {
+__device__ inline bool take_step(const SceneViews& scene, Path& path, pt::Walk& walk, const HitCache& cache,
+                                 PathCounters& counters) {
     if constexpr (pt::has<Configuration>(pt::Feature::subsurface)) {
         if (walk.is_on()) {
             return pt::walk_on<Configuration>(scene.shade, path, walk, counters);
         }
     }
-    const Hit hit = PT_CACHED && path.segment == 0 ? first_hit(scene, path, cache) : trace(scene, path);
+    const Hit hit =
+        kernel_config.keeps_first_hits && path.segment == 0 ? first_hit(scene, path, cache) : trace(scene, path);
     injected_cost(scene.shade, hit, path);
     return pt::shade<Configuration>(scene.shade, scene.trace, path, hit, counters, walk);
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "variants/cuda/kernel_parameters.h"
 #include "variants/cuda/path_store.h"
 
 namespace pt {
@@ -16,10 +17,13 @@ class Variant;
 
 namespace pt::cuda {
 
-class Compaction;    // variants/cuda/stages.h
-class Sorting;       // variants/cuda/stages.h
-struct CellContext;  // variants/cuda/stages.h
-struct Job;          // variants/cuda/job.h
+class Compaction;        // variants/cuda/stages.h
+class Integrator;        // variants/cuda/integrator.h
+class Sorting;           // variants/cuda/stages.h
+struct CellContext;      // variants/cuda/stages.h
+struct IntegratorNeeds;  // variants/cuda/integrator.h
+template <class Real>
+struct JobOf;  // variants/cuda/job.h
 
 struct Layout {
     // Of a store whose paths carry these fields; a layout may give them more.
@@ -28,22 +32,33 @@ struct Layout {
     FieldView (*origin_surface)(const PathStore& store, std::size_t real_bytes) = nullptr;  // Path::origin_surface
 };
 
-// What an integrator compiles and runs.
-struct Integrator {
-    void (*render)(Job&) = nullptr;   // enqueues the whole render on the job's stream
-    void (*prepare)(Job&) = nullptr;  // before the clock starts: captures what can be replayed; may be null
-    const char* source = nullptr;     // embedded; null: variants/integrator/NAME.cuh
-    // "-DNAME=VALUE" beyond those of every integrator; may be null.
-    std::vector<std::string> (*defines)(const Variant& variant) = nullptr;
-    const char* kernels[4] = {};  // those that do the work, for what the compiler made of them
-    bool stores_hits = false;     // they lie in device memory between kernels, as the paths of a queue do
+// A number that the kernels of an integrator are compiled with: tuned::NAME in their program.
+struct KernelConstant {
+    std::string name;
+    std::uint32_t value = 0;
+};
+
+// What an integrator compiles, and how it is made for a cell.
+struct IntegratorHook {
+    std::unique_ptr<Integrator> (*make_single)(JobOf<float>& job, IntegratorNeeds&& needs) = nullptr;
+    std::unique_ptr<Integrator> (*make_double)(JobOf<double>& job, IntegratorNeeds&& needs) = nullptr;
+    std::vector<KernelSignature> (*single_kernels)() = nullptr;
+    std::vector<KernelSignature> (*double_kernels)() = nullptr;
+    std::vector<KernelConstant> (*constants)(const Variant& variant) = nullptr;  // may be null
+    const char* source = nullptr;  // embedded; null: variants/integrator/NAME.cuh
+    bool stores_hits = false;  // they lie in device memory between kernels, as the paths of a queue do
+
+    std::vector<KernelSignature> kernels(std::size_t real_bytes) const {
+        return real_bytes == sizeof(float) ? single_kernels() : double_kernels();
+    }
 };
 
 struct Hooks {
     std::unique_ptr<Compaction> (*compaction)(const CellContext&) = nullptr;
     std::unique_ptr<Sorting> (*sorting)(const CellContext&) = nullptr;
     Layout layout = {};
-    Integrator integrator = {};
+    std::vector<KernelSignature> kernels = {};  // of a compaction or sorting that NVRTC compiles
+    IntegratorHook integrator = {};
     std::vector<std::string> options = {};  // arithmetic: for the compiler
     std::string real = "";                  // precision: the type's name
     bool bakes_scene = false;               // specialisation: the scene's numbers are constants of the kernel

@@ -1,10 +1,10 @@
-// What the integrators that keep their paths in registers have in common: what they cannot be combined with, and what
-// their counters must say. (CUDA's host side.)
+// What the integrators that keep their paths in registers have in common on the host's side: what they cannot be
+// combined with, what their counters must say, and their loop over a render's samples.
 #pragma once
 
 #include <algorithm>
 
-#include "variants/cuda/job.h"
+#include "variants/cuda/integrator.h"
 #include "variants/no_queue.h"
 #include "variants/registry.h"
 
@@ -41,8 +41,8 @@ inline constexpr Tunable piece_tunable{"piece", 16, 1,
 inline constexpr Tunable persistent_tunables[] = {block_tunable, shading_tunable, min_blocks_tunable,
                                                   regeneration_tunable, piece_tunable};
 
-inline std::vector<std::string> regeneration_defines(const Variant& variant) {
-    return {"-DPT_REGENERATE_AT=" + std::to_string(tunable(variant, "regenerate_at", Backend::cuda))};
+inline std::vector<KernelConstant> regeneration_constants(const Variant& variant) {
+    return {{"regenerate_at", tunable(variant, "regenerate_at", Backend::cuda)}};
 }
 
 inline Reason megakernel_unsupported_reason(FeatureSet, const VariantTraits& variant) {
@@ -62,5 +62,58 @@ inline std::string megakernel_work_missing(const WorkCounters& work, std::uint64
     }
     return work.launches == 0 ? "launched no kernel" : "";
 }
+
+// Samples of a pixel that one launch may take when this many threads share them, so that a thread's and a block's
+// counters fit in 32 bits.
+inline std::uint32_t samples_per_launch(const Job& job, std::uint32_t threads_per_pixel) {
+    const std::uint64_t rays_per_sample = 2ull * job.longest_path;  // a segment and, at most, a connection
+    const std::uint64_t a_thread = std::max<std::uint64_t>(1, 0xffffffffull / (rays_per_sample * job.block));
+    const std::uint64_t threads = std::min(threads_per_pixel, job.samples);
+    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(a_thread * threads, 1, job.samples));
+}
+
+// The loop over a render's samples: launch after launch, each of so many samples of every pixel as it may take.
+template <class Real>
+class Megakernel : public Integrator {
+public:
+    explicit Megakernel(JobOf<Real>& job) : job_(job) {}
+
+    void render() final {
+        fill_cache(job_);
+        const Stage stage(job_.stages, "trace", job_.stream);
+        const std::uint32_t most = most_samples();
+        for (std::uint32_t done = 0; done < job_.samples;) {
+            const std::uint32_t samples = std::min(most, job_.samples - done);
+            launch(job_.first_sample + done, samples);
+            done += samples;
+        }
+    }
+
+protected:
+    // Of a pixel, that one launch may take.
+    virtual std::uint32_t most_samples() const = 0;
+    virtual void launch(std::uint32_t first_sample, std::uint32_t samples) = 0;
+
+    JobOf<Real>& job_;
+};
+
+// One whose threads share the samples of a pixel (spp_in_flight): `stride` of them.
+template <class Real>
+class StridedMegakernel : public Megakernel<Real> {
+public:
+    StridedMegakernel(JobOf<Real>& job, const IntegratorNeeds& needs)
+        : Megakernel<Real>(job), threads_per_pixel_(std::min(needs.tunable("spp_in_flight"), job.all_samples)) {}
+
+protected:
+    virtual void launch_strided(std::uint32_t first_sample, std::uint32_t samples, std::uint32_t stride) = 0;
+
+private:
+    std::uint32_t most_samples() const final { return samples_per_launch(this->job_, threads_per_pixel_); }
+    void launch(std::uint32_t first_sample, std::uint32_t samples) final {
+        launch_strided(first_sample, samples, std::min(threads_per_pixel_, samples));
+    }
+
+    std::uint32_t threads_per_pixel_;
+};
 
 }  // namespace pt::cuda

@@ -126,16 +126,35 @@ std::string from_cache(const fs::path& file) {
     return entry.substr(0, entry.size() - 16);
 }
 
+// What the host has chosen, as constants.
+std::vector<std::string> chosen(const ModuleRequest& request) {
+    std::vector<std::string> lines{
+        fmt::format("using Real = {};", request.real),
+        fmt::format("inline constexpr pt::cuda::KernelConfig kernel_config{};", text_of(request.config))};
+    for (const KernelConstant& constant : request.constants) {
+        lines.push_back(
+            fmt::format("namespace tuned {{ inline constexpr unsigned {} = {}u; }}", constant.name, constant.value));
+    }
+    return lines;
+}
+
 // Includes in order, and the names by which device code knows the variant's choices.
 std::string program_text(const ModuleRequest& request) {
     std::string text = request.prelude;
+    text += "#include \"variants/cuda/kernel_config.h\"\n";
+    text += fmt::format("{}\n", fmt::join(chosen(request), "\n"));
+    for (const KernelSignature& kernel : request.kernels) {
+        text += fmt::format("namespace host_bytes {{ inline constexpr unsigned {} = {}u; }}\n", kernel.name,
+                            kernel.parameter_bytes);
+    }
     text += fmt::format(
         "#include \"variants/layout/{0}.cuh\"\n"
-        "using Paths = pt::layout::{0}::DevicePaths<PT_REAL>;\n"
+        "using Paths = pt::layout::{0}::DevicePaths<Real>;\n"
+        "#include \"variants/cuda/scene_{2}.cuh\"\n"
         "#include \"variants/cuda/device.cuh\"\n"
         "#include \"variants/sort_key/{1}.cuh\"\n"
         "namespace sort_key = pt::sort_key::{1};\n",
-        request.layout, request.sort_key);
+        request.layout, request.sort_key, request.scene);
     for (const std::string& include : request.includes) {
         text += fmt::format("#include \"{}\"\n", include);
     }
@@ -143,18 +162,20 @@ std::string program_text(const ModuleRequest& request) {
 }
 
 std::vector<std::string> options_of(const ModuleRequest& request) {
-    std::vector<std::string> options{"-std=c++20",
-                                     "-default-device",
-                                     "-DGLM_FORCE_CUDA",
-                                     "-DCUDA_VERSION=12080",
-                                     "-diag-suppress=20012",
-                                     "-DPT_REAL=" + request.real,
-                                     fmt::format("-DPT_FEATURES={}ull", request.features),
-                                     "--gpu-architecture=" + request.architecture};
-    for (const std::vector<std::string>& more : {request.options, request.defines}) {
-        options.insert(options.end(), more.begin(), more.end());
-    }
+    std::vector<std::string> options{"-std=c++20",           "-default-device",
+                                     "-DGLM_FORCE_CUDA",     "-DCUDA_VERSION=12080",
+                                     "-diag-suppress=20012", "--gpu-architecture=" + request.architecture};
+    options.insert(options.end(), request.options.begin(), request.options.end());
     return options;
+}
+
+// For results and messages.
+std::vector<std::string> described_options(const ModuleRequest& request) {
+    std::vector<std::string> described = options_of(request);
+    for (std::string& line : chosen(request)) {
+        described.push_back(std::move(line));
+    }
+    return described;
 }
 
 std::string key_of(const ModuleRequest& request, const std::vector<std::string>& options) {
@@ -166,6 +187,21 @@ std::string key_of(const ModuleRequest& request, const std::vector<std::string>&
 }
 
 }  // namespace
+
+std::string text_of(const KernelConfig& config) {
+    std::string counts;
+#define PT_COUNT(name, kind, word) counts += fmt::format(".{} = {}u, ", #name, config.counts.name);
+    PT_OBJECT_ARRAYS(PT_COUNT)
+#undef PT_COUNT
+    return fmt::format(
+        "{{.features = {}ull, .block = {}u, .min_blocks = {}u, .keeps_first_hits = {}, .shading_fmas = {}u, "
+        ".constant_scene_bytes = {}u, .has_fixed_counts = {}, .counts = {{{}.walls = {}u, .lamps = {}u, .open_sides = "
+        "{}u, .low_sides = {{{}u}}, .high_sides = {{{}u}}}}}}",
+        config.features, config.block, config.min_blocks, config.keeps_first_hits, config.shading_fmas,
+        config.constant_scene_bytes, config.has_fixed_counts, counts, config.counts.walls, config.counts.lamps,
+        config.counts.open_sides, fmt::join(config.counts.low_sides, "u, "),
+        fmt::join(config.counts.high_sides, "u, "));
+}
 
 std::string kernel_source_hash() { return fmt::format("{:016x}", sources_hash()); }
 
@@ -194,7 +230,8 @@ Compilation compiled(const ModuleRequest& request, const std::vector<std::string
     Compilation compilation = compile(program_text(request), request.name + ".cu", options);
     if (!compilation.succeeded) {
         throw CompileError(fmt::format("{} does not compile for {} (options: {}):\n{}", request.name,
-                                       request.architecture, fmt::join(options_of(request), " "), compilation.log));
+                                       request.architecture, fmt::join(described_options(request), " "),
+                                       compilation.log));
     }
     return compilation;
 }
@@ -204,8 +241,8 @@ Compilation compiled(const ModuleRequest& request, const std::vector<std::string
 ModuleImage compile_module(const ModuleRequest& request) {
     Compilation compilation = compiled(request, {});
     ModuleImage image;
-    image.options = options_of(request);
-    image.key = key_of(request, image.options);
+    image.options = described_options(request);
+    image.key = module_key(request);
     image.cubin = std::move(compilation.cubin);
     image.compile_seconds = compilation.seconds;
     return image;
@@ -216,14 +253,14 @@ CompilerReport compiler_report(const ModuleRequest& request) {
     return {.cubin = std::move(compilation.cubin),
             .kernels = parse_ptxas_log(compilation.log),
             .compile_seconds = compilation.seconds,
-            .options = options_of(request)};
+            .options = described_options(request)};
 }
 
 ModuleImage build_module(const ModuleRequest& request) {
     const auto start = std::chrono::steady_clock::now();
     ModuleImage image;
-    image.options = options_of(request);
-    image.key = key_of(request, image.options);
+    image.options = described_options(request);
+    image.key = module_key(request);
     const fs::path file = cache_folder() / (image.key + ".cubin");
     image.cubin = from_cache(file);
     if (!image.cubin.empty()) {

@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "kernels/config.h"
 #include "variants/cuda/check.h"
+#include "variants/cuda/hooks.h"
+#include "variants/cuda/kernel_config.h"
 
 namespace pt::cuda {
 
@@ -14,20 +15,22 @@ namespace pt::cuda {
 struct ModuleRequest {
     std::string name;                   // for messages: what it is
     std::vector<std::string> includes;  // embedded sources, in order, e.g. "variants/integrator/megakernel.cuh"
-    FeatureSet features = all_features;
     std::string real = "float";
     std::string layout = "aos";
     std::string sort_key = "material";
-    std::vector<std::string> options = {};  // of the arithmetic
-    std::vector<std::string> defines = {};  // "-DNAME=VALUE", from tunables
-    std::string prelude = "";               // source text in front of everything else
-    std::string architecture;               // "sm_90"
+    std::string scene = "in_global";  // where its arrays lie: variants/cuda/scene_*.cuh
+    KernelConfig config = {};
+    std::vector<KernelConstant> constants = {};  // of the integrator: tuned::NAME
+    std::vector<KernelSignature> kernels = {};   // what is launched
+    std::vector<std::string> options = {};       // of the arithmetic
+    std::string prelude = "";                    // source text in front of everything else
+    std::string architecture;                    // "sm_90"
 };
 
 struct ModuleImage {
     std::string cubin;
-    std::string key;  // hash of sources, options, architecture
-    std::vector<std::string> options;
+    std::string key;                   // hash of sources, options, architecture
+    std::vector<std::string> options;  // for the compiler, and what the text begins with: config and constants
     double compile_seconds = 0;
     bool from_cache = false;
 };
@@ -41,6 +44,9 @@ ModuleImage compile_module(const ModuleRequest& request);
 std::string module_key(const ModuleRequest& request);
 // A sound image of the program is in the cache on disk.
 bool is_cached(const ModuleRequest& request);
+
+// `config` as C++, for a program's text.
+std::string text_of(const KernelConfig& config);
 
 class CompileError : public std::runtime_error {
 public:
@@ -60,11 +66,6 @@ struct KernelFacts {
     int max_threads = 0;           // a block
 };
 
-// Wraps the parameter of a launch whose type the host knows only as bytes.
-struct ParameterBytes {
-    const void* data = nullptr;
-};
-
 class Module {
 public:
     explicit Module(const ModuleImage& image);
@@ -81,20 +82,18 @@ public:
     int blocks_per_multiprocessor(const char* name, unsigned threads) const;
     const ModuleImage& image() const { return image_; }
 
-    // Parameters are passed by value, as the kernel declares them. Throws Error naming the kernel.
-    template <class... Parameters>
-    void launch(const char* name, unsigned blocks, unsigned threads, cudaStream_t stream,
-                const Parameters&... parameters) const {
-        const void* pointers[] = {address(parameters)...};
-        launch_pointers(name, blocks, threads, stream, pointers);
+    // The kernel that has these parameters: the members of the struct are passed by value. Throws Error naming the
+    // kernel.
+    template <class Parameters>
+    void launch(unsigned blocks, unsigned threads, cudaStream_t stream, const Parameters& parameters) const {
+        static_assert(std::is_trivially_copyable_v<Parameters>);
+        visit_members(parameters, [&](const auto&... member) {
+            const void* pointers[] = {&member...};
+            launch_pointers(Parameters::kernel, blocks, threads, stream, pointers);
+        });
     }
 
 private:
-    template <class T>
-    static const void* address(const T& parameter) {
-        return &parameter;
-    }
-    static const void* address(const ParameterBytes& parameter) { return parameter.data; }
     void launch_pointers(const char* name, unsigned blocks, unsigned threads, cudaStream_t stream,
                          const void** parameters) const;
 

@@ -2,13 +2,9 @@
 #pragma once
 
 #include "variants/cuda/device.cuh"
+#include "variants/cuda/key_bounds.h"
 
 namespace pt::cuda {
-
-struct KeyBounds {
-    float low[3];
-    float inverse_extent[3];
-};
 
 // Five bits an axis, x highest. A position outside the bounds counts as on their border; NaN as on the lower one.
 __device__ inline std::uint32_t morton(const Vec3<Real>& position, const KeyBounds& bounds) {

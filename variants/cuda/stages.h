@@ -33,6 +33,10 @@ struct Queue {
     void swap_count() { std::swap(count, count_spare); }
 };
 
+// Threads a block of the kernels that NVRTC compiles of compactions and sorts.
+inline constexpr std::uint32_t stage_block = 256;
+constexpr std::uint32_t blocks_for(std::uint32_t threads) { return (threads + stage_block - 1) / stage_block; }
+
 // What a choice knows when it is made.
 struct CellContext {
     const Layout* layout = nullptr;
@@ -43,8 +47,8 @@ struct CellContext {
     cudaStream_t stream = nullptr;
     // The value of a tunable in the variant.
     std::function<std::uint32_t(std::string_view)> tunable;
-    // The kernels of an embedded source ("variants/compaction/atomic_append.cuh"), compiled for the cell's layout,
-    // precision and GPU.
+    // The choice's kernels (Hooks::kernels), of an embedded source ("variants/compaction/atomic_append.cuh"), compiled
+    // for the cell's layout, precision and GPU.
     std::function<const Module&(const std::string& source)> module;
     // Counts kernels that the choice enqueues and waits for the device.
     std::uint64_t* launches = nullptr;

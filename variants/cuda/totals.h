@@ -10,6 +10,9 @@ namespace pt::cuda {
 // address would wait for each other. The host adds the copies up.
 inline constexpr std::uint32_t counter_copies = 64;
 
+// Words from one counter of a queue's parts to the next: they lie in different cache lines.
+inline constexpr std::uint32_t counter_stride = 32;
+
 struct Totals {
     PathCounters paths;             // paths.rays: rays traced, connections to lights included
     std::uint64_t cache_fills = 0;  // camera rays traced for the first-bounce cache

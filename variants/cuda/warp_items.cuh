@@ -12,18 +12,18 @@ struct Items {
     pt::PixelPlace first;
     std::uint32_t first_sample, sample_stride;
 
-    __device__ bool exists(std::uint32_t item) const { return item < count && first.index + item % 32 < pixels; }
+    __device__ bool exists(std::uint32_t item) const { return item < count && first.index + item % warp_size < pixels; }
     // One division a strip instead of one a path.
     __device__ pt::PixelPlace place(std::uint32_t item) const {
-        const std::uint32_t step = item % 32;
+        const std::uint32_t step = item % warp_size;
         const std::uint32_t x = first.x + step;
         const bool wraps = x >= width;
-        if (width < 32) {
+        if (width < warp_size) {
             return pt::PixelPlace::of(first.index + step, width);
         }
         return {first.index + step, wraps ? x - width : x, first.y + (wraps ? 1u : 0u)};
     }
-    __device__ std::uint32_t sample(std::uint32_t item) const { return first_sample + item / 32 * sample_stride; }
+    __device__ std::uint32_t sample(std::uint32_t item) const { return first_sample + item / warp_size * sample_stride; }
 };
 
 // Traces them all. Every lane of the warp must call it, with the same items. `ended`: as in megakernel.
@@ -37,11 +37,11 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
     Path path;
     do {
         const unsigned living = __ballot_sync(all_lanes, alive);
-        if (__popc(living) <= PT_REGENERATE_AT) {
+        if (__popc(living) <= static_cast<int>(tuned::regenerate_at)) {
             if (!alive) {
                 if (holds) {
                     pt::accumulate(film, path);
-                    counters.rays += path.segment - PT_CACHED;
+                    counters.rays += path.segment - (kernel_config.keeps_first_hits ? 1 : 0);
                     counters.paths += 1;
                     if (ended != nullptr) {
                         pt::atomic_add(&ended[path.segment - 1], std::uint64_t{1});
@@ -57,7 +57,7 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
             next += __popc(~living);
         }
         if (alive) {
-            alive = advance(scene, path, walk, cache, counters);
+            alive = take_step(scene, path, walk, cache, counters);
         }
     } while (__any_sync(all_lanes, holds));
 }

@@ -1,11 +1,11 @@
-// What the integrators with a queue have in common on the host's side.
+// What the integrators with a queue have in common on the host's side: the queue's memory, its batches of samples, and
+// the loop over the segments of a batch.
 #pragma once
 
-#include <algorithm>
-#include <numeric>
-#include <stdexcept>
 #include <vector>
 
+#include "variants/cuda/batches.h"
+#include "variants/cuda/handles.h"
 #include "variants/cuda/megakernels.h"
 
 namespace pt::cuda {
@@ -27,73 +27,68 @@ inline std::string wavefront_work_missing(const WorkCounters& work, std::uint64_
     return work.launches == 0 ? "launched no kernel" : "";
 }
 
-// Runs the job's compaction, unless the integrator's kernel has done it. The host learns the count if it reads back.
-inline void compact(Job& job, Queue& queue) {
-    const Stage stage(job.stages, "compact", job.stream);
-    if (!job.appends_in_kernel) {
-        job.compaction->compact(queue);
-    }
-    job.work.compactions += 1;
-    if (job.reads_back) {
-        const std::uint32_t parts = job.appends_in_kernel ? job.append_counters : 1;
-        PT_CUDA_CHECK(cudaMemcpy2DAsync(job.pinned_count, sizeof(std::uint32_t), queue.count,
-                                        32 * sizeof(std::uint32_t), sizeof(std::uint32_t), parts,
-                                        cudaMemcpyDeviceToHost, job.stream));
-        PT_CUDA_CHECK(cudaStreamSynchronize(job.stream));
-        queue.bound = std::accumulate(job.pinned_count, job.pinned_count + parts, 0u);
-        job.work.host_waits += 1;
-    }
-}
+// An integrator tells how a batch begins and what a segment is; the rest is here.
+class Wavefront : public Integrator {
+public:
+    void reserve(Arena& arena) final;
+    void upload() final;
+    void prepare() final;
+    void render() final;
+    WorkCounters device_work() const final { return batches_.loop_work(); }
+    PathBytes path_bytes() const final { return path_bytes_; }
+
+protected:
+    // hit_bytes: of a hit that is stored between two kernels; 0: none is.
+    Wavefront(Job& job, IntegratorNeeds&& needs, std::size_t real_bytes, std::size_t hit_bytes);
+
+    // Enqueues what begins the paths of queue_, queue_.bound of them. They may have done their first segment.
+    virtual void begin(std::uint32_t first_sample) = 0;
+    // Enqueues a segment of the paths in queue_, but for the compaction after it.
+    virtual void trace(std::uint32_t segment) = 0;
+    virtual void fill_first_hits() = 0;
+
+    // Where an integrator's own kernel appends the paths that live (appends_): parts of the queue, each with a counter.
+    virtual std::uint32_t parts() const { return 1; }
+    virtual void reserve_counts(Arena&) {}
+    // After the two segments of a round: where the paths that live are counted. Leaves queue_.count as a round finds
+    // it.
+    virtual LiveCounts end_round(const Queue& before);
+
+    // After a segment: counts it, and compacts where the kernel did not.
+    void end_segment(std::uint32_t segment);
+    bool is_last(std::uint32_t segment) const { return segment + 1 == job_.longest_path; }
+    const std::uint32_t* order() const { return queue_.indirect ? queue_.order : nullptr; }
+    const IntegratorNeeds& needs() const { return needs_; }
+    const Batches& batches() const { return batches_; }
+
+    Queue queue_;  // of the batch being enqueued
+    const bool appends_;
+
+private:
+    class EndOfPaths;
+
+    void enqueue(std::uint32_t first_sample, std::uint32_t samples);
+    LiveCounts enqueue_round();
+    void compact();
+    bool copies_whole_paths() const;
+    std::uint32_t capacity() const;
+    void reserve_order(Arena& arena);
+
+    Job& job_;
+    IntegratorNeeds needs_;
+    std::size_t real_bytes_, hit_bytes_;
+    Batches batches_;
+    bool reads_back_;  // the host learns the count after each compaction
+    PinnedWords pinned_;
+    Queue start_;  // in the state in which a batch starts
+    PathBytes path_bytes_;
+};
 
 // Without a read-back nobody tells the host that all paths of a batch have ended. Where they may be long enough for
 // that to cost more than asking, it asks now and then. A batch that is captured cannot ask.
-inline bool asks_for_the_end(const Job& job, std::uint32_t segment) {
+inline bool asks_for_the_end(const Job& job, bool is_told, bool is_capturing, std::uint32_t segment) {
     constexpr std::uint32_t segments_between = 512;
-    const bool is_told = job.reads_back && job.compaction != nullptr;
-    return !is_told && job.cursor == nullptr && job.longest_path > few_segments && segment % segments_between == 0;
-}
-
-// The device counts the paths that each segment finds alive. Made before the segment is enqueued; the pinned words are
-// those of a read-back, which there is none of where this asks.
-class EndOfPaths {
-public:
-    EndOfPaths(Job& job, std::uint32_t segment)
-        : job_(job),
-          asks_(asks_for_the_end(job, segment)),
-          live_(job.segments.live + segment),
-          counts_(reinterpret_cast<std::uint64_t*>(job.pinned_count)) {
-        if (asks_) {
-            read(0);
-        }
-    }
-    // Whether no path was alive in the segment, which has been enqueued by now.
-    bool is_reached() {
-        if (!asks_) {
-            return false;
-        }
-        read(1);
-        PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
-        job_.work.host_waits += 1;
-        return counts_[0] == counts_[1];  // it counts earlier batches too
-    }
-
-private:
-    void read(int i) {
-        PT_CUDA_CHECK(cudaMemcpyAsync(counts_ + i, live_, sizeof *live_, cudaMemcpyDeviceToHost, job_.stream));
-    }
-
-    Job& job_;
-    bool asks_;
-    const std::uint64_t* live_;
-    std::uint64_t* counts_;
-};
-
-// The body of a loop must leave the queue as it found it: what it swaps, it swaps back.
-inline void check_round_trip(const Queue& before, const Queue& after) {
-    if (before.paths.base != after.paths.base || before.order != after.order || before.keys != after.keys ||
-        before.count != after.count || before.bound != after.bound || before.indirect != after.indirect) {
-        throw std::logic_error("a round of the graph's loop leaves the queue otherwise than it found it");
-    }
+    return !is_told && !is_capturing && job.longest_path > few_segments && segment % segments_between == 0;
 }
 
 }  // namespace pt::cuda

@@ -2,11 +2,10 @@
 // for times. Its film is held to the reference's bits like any other's.
 #pragma once
 
-#if defined(__CUDACC_RTC__)
-
 #include "variants/cuda/device.cuh"
 
 #include "kernels/health.h"
+#include "variants/integrator/audited_parameters.cuh"
 
 namespace pt::cuda {
 
@@ -33,9 +32,9 @@ __device__ inline void add_health(HealthCounters* totals, const HealthCounters& 
 
 }  // namespace pt::cuda
 
-extern "C" __global__ void PT_LAUNCH_BOUNDS audited(Scene parameter, FilmView film, std::uint32_t first_sample,
-                                                    std::uint32_t samples, std::uint32_t stride,
-                                                    pt::HealthRequest health, Totals* totals) {
+PT_KERNEL(audited, pt::cuda::AuditedParameters<Real>,
+          (Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples, std::uint32_t stride,
+           pt::HealthRequest health, Totals* totals)) {
     const SceneViews scene(parameter);
     PathCounters counters;
     pt::HealthCounters mine;
@@ -56,47 +55,3 @@ extern "C" __global__ void PT_LAUNCH_BOUNDS audited(Scene parameter, FilmView fi
     }
     pt::cuda::add_counters(totals, counters, 0);
 }
-
-#else
-
-#include "variants/cuda/megakernels.h"
-
-namespace pt::cuda::integrator::audited {
-
-inline Reason unsupported_reason(FeatureSet features, const VariantTraits& variant) {
-    if (variant.first_bounce.keeps_hits) {
-        return {"no_first_hits",
-                "looks at every segment: needs first_bounce=off, not " + std::string(variant.first_bounce.name)};
-    }
-    return megakernel_unsupported_reason(features, variant);
-}
-
-inline constexpr Descriptor descriptor{
-    .axis = "integrator",
-    .name = "audited",
-    .summary = "megakernel that looks at every path's state between stages; for health, not for times",
-    .origin = "Falcor's InvalidPixelDetectionPass",
-    .traits = IntegratorTraits{.sums_in_order = true},
-    .backends = on_cuda,
-    .tunables = megakernel_tunables,
-    .unsupported_reason = unsupported_reason,
-    .check_counters = megakernel_work_missing,
-};
-
-inline void render(Job& job) {
-    const Stage stage(job.stages, "trace", job.stream);
-    const std::uint32_t most = samples_per_launch(job);
-    for (std::uint32_t done = 0; done < job.samples;) {
-        const std::uint32_t samples = std::min(most, job.samples - done);
-        const std::uint32_t stride = std::min(job.samples_in_flight, samples);
-        job.launch("audited", job.pixels * stride, job.scene, job.film, job.first_sample + done, samples, stride,
-                   job.health, job.totals);
-        done += samples;
-    }
-}
-
-inline const Integrator hook{.render = render, .kernels = {"audited"}};
-
-}  // namespace pt::cuda::integrator::audited
-
-#endif

@@ -2,17 +2,10 @@
 // cis565, and of Laine, Karras and Aila 2013, "Megakernels considered harmful".
 #pragma once
 
-#if defined(__CUDACC_RTC__)
-
+#include "variants/cuda/advance.cuh"
 #include "variants/cuda/device.cuh"
 #include "variants/cuda/sort_keys.cuh"
-
-// Moves a graph's first sample on.
-extern "C" __global__ void advance(std::uint32_t* cursor, std::uint32_t samples) {
-    if (threadIdx.x == 0) {
-        *cursor += samples;
-    }
-}
+#include "variants/integrator/wavefront_parameters.cuh"
 
 // The slot of the path at position i; no order: slot i.
 __device__ inline std::uint32_t slot_at(const std::uint32_t* order, std::uint32_t i) {
@@ -20,9 +13,9 @@ __device__ inline std::uint32_t slot_at(const std::uint32_t* order, std::uint32_
 }
 
 // Path i: pixel i mod pixels, sample first_sample + i / pixels; with a cursor the first sample is there.
-extern "C" __global__ void PT_LAUNCH_BOUNDS generate_paths(Scene parameter, PathStore store, std::uint32_t* count,
-                                                           std::uint32_t pool, std::uint32_t first_sample,
-                                                           const std::uint32_t* cursor, HitCache cache) {
+PT_KERNEL(generate_paths, pt::cuda::GeneratePathsParameters<Real>,
+          (Scene parameter, PathStore store, std::uint32_t* count, std::uint32_t pool, std::uint32_t first_sample,
+           const std::uint32_t* cursor, HitCache cache)) {
     const SceneViews scene(parameter);
     const std::uint32_t i = pt::cuda::thread_number();
     if (i == 0) {
@@ -37,12 +30,10 @@ extern "C" __global__ void PT_LAUNCH_BOUNDS generate_paths(Scene parameter, Path
 
 // With `keys`, also writes the sort key of every position below `bound`: ended paths and positions beyond the count
 // have the last one.
-extern "C" __global__ void PT_LAUNCH_BOUNDS intersect_paths(Scene parameter, PathStore store,
-                                                            const std::uint32_t* order, const std::uint32_t* count,
-                                                            std::uint32_t bound, Hit* hits, HitCache cache,
-                                                            SegmentNumber segment, SegmentCounts segments,
-                                                            std::uint32_t* keys, std::uint32_t bits,
-                                                            std::uint32_t last_key, pt::cuda::KeyBounds bounds) {
+PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
+          (Scene parameter, PathStore store, const std::uint32_t* order, const std::uint32_t* count,
+           std::uint32_t bound, Hit* hits, HitCache cache, SegmentNumber segment, SegmentCounts segments,
+           std::uint32_t* keys, std::uint32_t bits, std::uint32_t last_key, pt::cuda::KeyBounds bounds)) {
     const SceneViews scene(parameter);
     const Paths paths(store);
     const std::uint32_t i = pt::cuda::thread_number();
@@ -54,7 +45,7 @@ extern "C" __global__ void PT_LAUNCH_BOUNDS intersect_paths(Scene parameter, Pat
             live = true;
             const pt::Ray<Real> ray = paths.ray(slot);
             Hit hit;
-            if (PT_CACHED && segment == 0) {
+            if (kernel_config.keeps_first_hits && segment == 0) {
                 hit = cache.hits[static_cast<std::size_t>(paths.pixel(slot)) * cache.rays +
                                  paths.sample(slot) % cache.rays];
             } else {
@@ -75,10 +66,9 @@ extern "C" __global__ void PT_LAUNCH_BOUNDS intersect_paths(Scene parameter, Pat
 }
 
 // The key of a ray that is yet to be traced, by the same rules.
-extern "C" __global__ void PT_LAUNCH_BOUNDS write_ray_keys(PathStore store, const std::uint32_t* order,
-                                                           const std::uint32_t* count, std::uint32_t bound,
-                                                           std::uint32_t* keys, std::uint32_t last_key,
-                                                           pt::cuda::KeyBounds bounds) {
+PT_KERNEL(write_ray_keys, pt::cuda::WriteRayKeysParameters,
+          (PathStore store, const std::uint32_t* order, const std::uint32_t* count, std::uint32_t bound,
+           std::uint32_t* keys, std::uint32_t last_key, pt::cuda::KeyBounds bounds)) {
     const Paths paths(store);
     const std::uint32_t i = pt::cuda::thread_number();
     if (i < bound) {
@@ -91,9 +81,9 @@ extern "C" __global__ void PT_LAUNCH_BOUNDS write_ray_keys(PathStore store, cons
     }
 }
 
-extern "C" __global__ void PT_LAUNCH_BOUNDS shade_paths(Scene parameter, FilmView film, PathStore store,
-                                                        const std::uint32_t* order, const std::uint32_t* count,
-                                                        const Hit* hits, Totals* totals) {
+PT_KERNEL(shade_paths, pt::cuda::ShadePathsParameters<Real>,
+          (Scene parameter, FilmView film, PathStore store, const std::uint32_t* order, const std::uint32_t* count,
+           const Hit* hits, Totals* totals)) {
     const SceneViews scene(parameter);
     const Paths paths(store);
     PathCounters counters;
@@ -120,135 +110,3 @@ extern "C" __global__ void PT_LAUNCH_BOUNDS shade_paths(Scene parameter, FilmVie
     }
     pt::cuda::add_shade_counters(totals, counters);
 }
-
-#else
-
-#include "variants/cuda/wavefronts.h"
-
-namespace pt::cuda::integrator::wavefront {
-
-inline constexpr Descriptor descriptor{
-    .axis = "integrator",
-    .name = "wavefront",
-    .summary = "a kernel a stage over a queue of paths: generate, intersect, shade",
-    .origin = "Laine, Karras and Aila 2013; cis565",
-    .baseline = on_cuda,
-    .traits = IntegratorTraits{.has_queue = true, .can_loop = true, .seeds_by_position = true},
-    .backends = on_cuda,
-    .tunables = wavefront_tunables,
-    .check_counters = wavefront_work_missing,
-};
-
-// One batch: every path of it from its camera ray to its end.
-class Batch {
-public:
-    explicit Batch(Job& job) : job_(job), queue_(job.queue) {}
-
-    void enqueue(std::uint32_t first_sample, std::uint32_t samples) {
-        queue_.bound = job_.pixels * samples;
-        {
-            const Stage stage(job_.stages, "generate", job_.stream);
-            job_.launch("generate_paths", queue_.bound, job_.scene, queue_.paths, queue_.count, queue_.bound,
-                        first_sample, job_.cursor, job_.cache);
-        }
-        enqueue_segment(0);
-        for (std::uint32_t segment = 1 + enqueue_loop(job_, [&] { return enqueue_round(); });
-             segment < job_.longest_path && queue_.bound > 0; ++segment) {
-            EndOfPaths end(job_, segment);
-            enqueue_segment(segment);
-            if (end.is_reached()) {
-                break;
-            }
-        }
-    }
-
-private:
-    LiveCounts enqueue_round() {
-        const Queue before = queue_;
-        enqueue_segment(1);
-        enqueue_segment(2);
-        check_round_trip(before, queue_);
-        return {.counts = queue_.count};
-    }
-
-    void enqueue_segment(std::uint32_t segment) {
-        const bool last = segment + 1 == job_.longest_path;
-        const bool sorts = job_.sorting != nullptr && !last;
-        const bool by_hit = job_.sort_key.has_material;
-        if (sorts && !by_hit) {
-            const Stage stage(job_.stages, "sort", job_.stream);
-            job_.launch("write_ray_keys", queue_.bound, queue_.paths, order(), queue_.count, queue_.bound, queue_.keys,
-                        last_key(), job_.key_bounds);
-            sort();
-        }
-        {
-            const Stage stage(job_.stages, "intersect", job_.stream);
-            std::uint32_t* const keys = sorts && by_hit ? queue_.keys : nullptr;
-            job_.launch("intersect_paths", queue_.bound, job_.scene, queue_.paths, order(), queue_.count, queue_.bound,
-                        queue_.hits, job_.cache, job_.segment(segment), job_.segments, keys, job_.sort_key.bits,
-                        last_key(), job_.key_bounds);
-        }
-        if (sorts && by_hit) {
-            const Stage stage(job_.stages, "sort", job_.stream);
-            sort();
-        }
-        shade(sorts && by_hit);
-        job_.work.bounces += 1;
-        job_.work.last_bounces += last ? 1u : 0u;
-        if (job_.compaction != nullptr && !last) {
-            compact(job_, queue_);
-        }
-    }
-
-    // One material more than the scene has: "missed".
-    std::uint32_t last_key() const {
-        return (job_.sort_key.has_material ? job_.materials + 1 : 1) << job_.sort_key.bits;
-    }
-
-    void sort() {
-        job_.sorting->sort(queue_, last_key() + 1);
-        job_.work.sorts += 1;
-    }
-
-    void shade(bool sorted) {
-        const Stage stage(job_.stages, "shade", job_.stream);
-        std::vector<ShadeRange> ranges = sorted ? job_.sorting->shade_ranges() : std::vector<ShadeRange>();
-        if (ranges.empty()) {
-            ranges.push_back({order(), queue_.count});
-        }
-        for (const ShadeRange& range : ranges) {
-            job_.launch("shade_paths", queue_.bound, job_.scene, job_.film, queue_.paths, range.order, range.count,
-                        queue_.hits, job_.totals);
-        }
-    }
-
-    const std::uint32_t* order() const { return queue_.indirect ? queue_.order : nullptr; }
-
-    Job& job_;
-    Queue queue_;
-};
-
-inline void enqueue_batch(Job& job, std::uint32_t first_sample, std::uint32_t samples) {
-    Batch(job).enqueue(first_sample, samples);
-}
-
-inline void prepare(Job& job) {
-    prepare_batches(
-        job, [&](std::uint32_t first_sample, std::uint32_t samples) { enqueue_batch(job, first_sample, samples); });
-}
-
-inline void render(Job& job) {
-    run_batches(job,
-                [&](std::uint32_t first_sample, std::uint32_t samples) { enqueue_batch(job, first_sample, samples); });
-}
-
-inline const Integrator hook{
-    .render = render,
-    .prepare = prepare,
-    .kernels = {"generate_paths", "intersect_paths", "shade_paths"},
-    .stores_hits = true,
-};
-
-}  // namespace pt::cuda::integrator::wavefront
-
-#endif

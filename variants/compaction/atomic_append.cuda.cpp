@@ -1,0 +1,28 @@
+// The host's side of atomic_append.cuh.
+#include "variants/cuda/append_compaction.h"
+
+namespace pt::cuda {
+namespace {
+
+constexpr Descriptor descriptor{
+    .axis = "compaction",
+    .name = "atomic_append",
+    .summary = "live paths are appended to the next queue, one atomic operation a warp",
+    .origin = "Adinetz 2014 (warp-aggregated atomics)",
+    .traits =
+        CompactionTraits{
+            .payload_contiguous = false, .reproducible_order = false, .append_in_kernel = AppendInKernel::by_warp},
+    .backends = on_cuda,
+    .tunables = append_tunables,
+    .check_counters = compacted_every_bounce,
+};
+
+const Registration registration(
+    descriptor, {.cuda = {.compaction = [](const CellContext& context) -> std::unique_ptr<Compaction> {
+                              return std::make_unique<AppendCompaction>(context,
+                                                                        "variants/compaction/atomic_append.cuh");
+                          },
+                          .kernels = {kernel_of<AppendSlotsParameters>(), kernel_of<AppendPathsParameters>()}}});
+
+}  // namespace
+}  // namespace pt::cuda

@@ -1,0 +1,28 @@
+// The host's side of block_scan_append.cuh.
+#include "variants/cuda/append_compaction.h"
+
+namespace pt::cuda {
+namespace {
+
+constexpr Descriptor descriptor{
+    .axis = "compaction",
+    .name = "block_scan_append",
+    .summary = "live paths are appended to the next queue: shared-memory scan, one atomic operation a block",
+    .origin = "Billeter, Olsson and Assarsson 2009, with an atomic counter for the global scan",
+    .traits =
+        CompactionTraits{
+            .payload_contiguous = false, .reproducible_order = false, .append_in_kernel = AppendInKernel::by_block},
+    .backends = on_cuda,
+    .tunables = append_tunables,
+    .check_counters = compacted_every_bounce,
+};
+
+const Registration registration(
+    descriptor, {.cuda = {.compaction = [](const CellContext& context) -> std::unique_ptr<Compaction> {
+                              return std::make_unique<AppendCompaction>(context,
+                                                                        "variants/compaction/block_scan_append.cuh");
+                          },
+                          .kernels = {kernel_of<AppendSlotsParameters>(), kernel_of<AppendPathsParameters>()}}});
+
+}  // namespace
+}  // namespace pt::cuda

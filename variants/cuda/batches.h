@@ -1,0 +1,59 @@
+// The samples of a render in batches, as the integrators with a queue take them: by stream, or as a CUDA graph that is
+// captured once, which may hold a loop over the segments.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "variants/cuda/graph.h"
+#include "variants/cuda/job.h"
+
+namespace pt::cuda {
+
+class Batches {
+public:
+    // Enqueues the paths of `samples` samples of every pixel, from their first segment to their last.
+    using Enqueue = std::function<void(std::uint32_t first_sample, std::uint32_t samples)>;
+
+    Batches(Job& job, std::uint32_t samples_in_flight, const LaunchTraits& launch)
+        : job_(job), samples_in_flight_(samples_in_flight), launch_(launch) {}
+
+    void reserve(Arena& arena);
+    void clear();
+    // Before the clock starts: captures a full batch, where the launch is captured.
+    void prepare(const Enqueue& enqueue);
+    // Enqueues all samples of the job, samples_in_flight at a time. A last batch that is not full, and so every part of
+    // a render with fewer samples than that, takes the places of the first paths of the queue only. Full batches run as
+    // a graph where one was captured, others by stream.
+    void run(const Enqueue& enqueue);
+
+    // Where the graph loops and a batch is being captured: captures `enqueue_round`, which enqueues segments 1 and 2
+    // and returns where the paths then alive are counted, as a loop that ends with the last path. Returns the number of
+    // segments that the loop may take: none of them is the last possible one, which ends differently.
+    std::uint32_t enqueue_loop(const std::function<LiveCounts()>& enqueue_round);
+    SegmentNumber segment(std::uint32_t number) const { return {number, is_in_loop_ ? offset_ : nullptr}; }
+    // Where a batch that is being captured finds its first sample; null: in the parameter.
+    const std::uint32_t* cursor() const { return is_capturing_ ? next_sample_ : nullptr; }
+    bool is_capturing() const { return is_capturing_; }
+    std::uint32_t samples_in_flight() const { return samples_in_flight_; }
+    // What the loops' rounds have counted. Waits for the device.
+    WorkCounters loop_work() const;
+
+private:
+    void launch_graph(std::uint32_t sample);
+
+    Job& job_;
+    std::uint32_t samples_in_flight_;  // of a pixel
+    LaunchTraits launch_;
+    std::unique_ptr<Graph> graph_;
+    WorkCounters work_per_graph_;  // what the host's side of one captured batch counts
+    WorkCounters work_per_round_;  // of one round of the loop
+    bool is_capturing_ = false;
+    bool is_in_loop_ = false;               // its body is being captured
+    std::uint32_t* next_sample_ = nullptr;  // device: where the graph finds its first sample
+    std::uint32_t graph_sample_ = 0;        // what is there once all that was enqueued has run
+    std::uint32_t* offset_ = nullptr;  // device: segments that earlier rounds of this batch took; 0 outside the loop
+    std::uint64_t* rounds_ = nullptr;  // device: rounds run since the render began
+};
+
+}  // namespace pt::cuda

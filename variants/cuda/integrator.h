@@ -1,0 +1,69 @@
+// An integrator on CUDA: made for a cell, it owns its buffers and knows its tunables; what every integrator is handed
+// is in job.h.
+#pragma once
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "variants/cuda/job.h"
+#include "variants/cuda/key_bounds.h"
+#include "variants/registry.h"
+
+namespace pt::cuda {
+
+// Of a path in a queue.
+struct PathBytes {
+    std::size_t state = 0;       // one copy of the path itself
+    std::size_t everything = 0;  // with all that compacts and sorts it
+};
+
+class Integrator {
+public:
+    virtual ~Integrator() = default;
+    Integrator() = default;
+    Integrator(const Integrator&) = delete;
+    Integrator& operator=(const Integrator&) = delete;
+
+    // Memory on the device; called with a measuring arena first, then with one that has it.
+    virtual void reserve(Arena&) {}
+    // Brings what it has reserved into the state in which a render begins. May wait for the device.
+    virtual void upload() {}
+    // Before the clock starts: captures what can be replayed.
+    virtual void prepare() {}
+    // Enqueues the job's samples on its stream.
+    virtual void render() = 0;
+    // What only the device has counted. Waits for it.
+    virtual WorkCounters device_work() const { return {}; }
+    virtual PathBytes path_bytes() const { return {}; }
+};
+
+// What an integrator is made from, beside the job.
+struct IntegratorNeeds {
+    Variant variant;
+    VariantTraits traits;
+    FeatureSet features = no_features;  // of the kernels
+    KeyBounds key_bounds;               // of the scene
+    // For integrators with a queue.
+    Layout layout = {};
+    std::vector<unsigned char> object_class = {};      // as in Queue
+    std::unique_ptr<Compaction> compaction = nullptr;  // null: none
+    std::unique_ptr<Sorting> sorting = nullptr;        // null: none
+
+    std::uint32_t tunable(std::string_view name) const { return pt::tunable(variant, name, Backend::cuda); }
+};
+
+// The hook of an integrator: Class<Real>(JobOf<Real>&, IntegratorNeeds&&), with Class<Real>::kernels().
+template <template <class Real> class Class>
+IntegratorHook integrator_hook() {
+    return {.make_single = [](JobOf<float>& job, IntegratorNeeds&& needs) -> std::unique_ptr<Integrator> {
+                return std::make_unique<Class<float>>(job, std::move(needs));
+            },
+            .make_double = [](JobOf<double>& job, IntegratorNeeds&& needs) -> std::unique_ptr<Integrator> {
+                return std::make_unique<Class<double>>(job, std::move(needs));
+            },
+            .single_kernels = &Class<float>::kernels,
+            .double_kernels = &Class<double>::kernels};
+}
+
+}  // namespace pt::cuda

@@ -1,0 +1,41 @@
+// What a program that NVRTC compiles is compiled for. The host writes one of these into the program's text, as the
+// constant `kernel_config` (text_of), and the kernels read it; shared by both sides.
+#pragma once
+
+#include "kernels/config.h"
+#include "kernels/scene_arrays.h"
+
+namespace pt::cuda {
+
+inline constexpr std::uint32_t warp_size = 32;
+
+// The numbers of a scene's objects and which of them are a room's walls (AxisAlignedEnclosure), where a program is for
+// scenes with the same numbers alone.
+struct FixedCounts {
+#define PT_COUNT(name, kind, word) std::uint32_t name = 0;
+    PT_OBJECT_ARRAYS(PT_COUNT)
+#undef PT_COUNT
+    std::uint32_t walls = 0, lamps = 0, open_sides = 0;
+    std::uint32_t low_sides[3] = {0, 0, 0}, high_sides[3] = {0, 0, 0};
+
+    PT_HD constexpr std::uint32_t objects() const {
+        std::uint32_t sum = 0;
+#define PT_ADD(name, kind, word) sum += name;
+        PT_OBJECT_ARRAYS(PT_ADD)
+#undef PT_ADD
+        return sum;
+    }
+};
+
+struct KernelConfig {
+    FeatureSet features = no_features;
+    std::uint32_t block = 256;                // threads
+    std::uint32_t min_blocks = 0;             // that a multiprocessor must be able to hold at once; 0: no bound
+    bool keeps_first_hits = false;            // there is a first-bounce cache
+    std::uint32_t shading_fmas = 0;           // injected cost of a material
+    std::uint32_t constant_scene_bytes = 16;  // of the arrays in constant memory, where the program has them there
+    bool has_fixed_counts = false;
+    FixedCounts counts = {};
+};
+
+}  // namespace pt::cuda

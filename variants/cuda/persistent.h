@@ -1,0 +1,23 @@
+// How many samples persistent threads may take, so that what they count fits in 32 bits.
+#pragma once
+
+#include "variants/cuda/megakernels.h"
+
+namespace pt::cuda {
+
+// Of a pixel, in one launch. Persistent threads add up what they have counted after a piece: so many that the pieces'
+// numbers fit in 32 bits.
+inline std::uint32_t samples_per_persistent_launch(const Job& job) {
+    const std::uint64_t by_pieces = 0xffffffffull / ((job.pixels + warp_size - 1) / warp_size) - 1;
+    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(by_pieces, 1, job.samples));
+}
+
+// Of the strip of pixels, one a lane, that is a piece: samples_per_piece, or fewer, so that a thread that happens to
+// trace them all can count them.
+inline std::uint32_t samples_per_strip(const Job& job, std::uint32_t samples_per_piece) {
+    const std::uint64_t rays_per_sample = std::uint64_t{warp_size} * 2 * job.longest_path;
+    const std::uint64_t countable = (0xffffffffull - few_rays) / rays_per_sample;
+    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(countable, 1, samples_per_piece));
+}
+
+}  // namespace pt::cuda

@@ -1,0 +1,34 @@
+// Where a kernel finds the scene's arrays: those that every ray walks through side by side in constant memory, the
+// others in global memory. All lanes read one element at a time there, and an instruction takes its operand from it
+// without a load.
+#pragma once
+
+extern "C" {
+__constant__ alignas(16) unsigned char pt_scene[kernel_config.constant_scene_bytes];
+}
+
+namespace pt::cuda {
+
+template <class Scene>
+__device__ inline void bake(Scene&) {}
+
+// As the host lays them out (constant_scene): each array on a border of 16 bytes.
+template <class T>
+__device__ inline void place_array(View<T>& view, std::uint32_t& offset) {
+    view.data = reinterpret_cast<const T*>(pt_scene + offset);
+    offset += (static_cast<std::uint32_t>(sizeof(T)) * view.size + 15u) / 16u * 16u;
+}
+
+template <class Scene>
+__device__ inline void place_traced_arrays(Scene& scene) {
+    std::uint32_t offset = 0;
+// Statements: with a visitor NVRTC gives some kernels other registers.
+#define PT_PLACE(name, kind, word)                                                        \
+    if constexpr (SceneArray{#name, ArrayKind::kind}.is_traced(kernel_config.features)) { \
+        place_array(scene.name, offset);                                                  \
+    }
+    PT_SCENE_ARRAYS(PT_PLACE)
+#undef PT_PLACE
+}
+
+}  // namespace pt::cuda

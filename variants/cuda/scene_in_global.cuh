@@ -1,0 +1,11 @@
+// Where a kernel finds the scene's arrays: all of them in global memory, as the parameter says.
+#pragma once
+
+namespace pt::cuda {
+
+template <class Scene>
+__device__ inline void bake(Scene&) {}
+template <class Scene>
+__device__ inline void place_traced_arrays(Scene&) {}
+
+}  // namespace pt::cuda

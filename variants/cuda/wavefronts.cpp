@@ -1,0 +1,217 @@
+#include "variants/cuda/wavefronts.h"
+
+#include <numeric>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace pt::cuda {
+
+namespace {
+
+constexpr std::size_t pinned_words = 64;
+
+// The body of a loop must leave the queue as it found it: what it swaps, it swaps back.
+void check_round_trip(const Queue& before, const Queue& after) {
+    if (before.paths.base != after.paths.base || before.order != after.order || before.keys != after.keys ||
+        before.count != after.count || before.bound != after.bound || before.indirect != after.indirect) {
+        throw std::logic_error("a round of the graph's loop leaves the queue otherwise than it found it");
+    }
+}
+
+}  // namespace
+
+// The device counts the paths that each segment finds alive. Made before the segment is enqueued; the pinned words are
+// those of a read-back, which there is none of where this asks.
+class Wavefront::EndOfPaths {
+public:
+    EndOfPaths(Wavefront& wavefront, std::uint32_t segment)
+        : job_(wavefront.job_),
+          asks_(asks_for_the_end(job_, wavefront.reads_back_ && wavefront.needs_.compaction != nullptr,
+                                 wavefront.batches_.is_capturing(), segment)),
+          live_(job_.segments.live + segment),
+          counts_(reinterpret_cast<std::uint64_t*>(wavefront.pinned_.get())) {
+        if (asks_) {
+            read(0);
+        }
+    }
+    // Whether no path was alive in the segment, which has been enqueued by now.
+    bool is_reached() {
+        if (!asks_) {
+            return false;
+        }
+        read(1);
+        PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
+        job_.work.host_waits += 1;
+        return counts_[0] == counts_[1];  // it counts earlier batches too
+    }
+
+private:
+    void read(int i) {
+        PT_CUDA_CHECK(cudaMemcpyAsync(counts_ + i, live_, sizeof *live_, cudaMemcpyDeviceToHost, job_.stream));
+    }
+
+    Job& job_;
+    bool asks_;
+    const std::uint64_t* live_;
+    std::uint64_t* counts_;
+};
+
+Wavefront::Wavefront(Job& job, IntegratorNeeds&& needs, std::size_t real_bytes, std::size_t hit_bytes)
+    : appends_(needs.traits.integrator.appends_in_kernel && needs.traits.compaction.can_append_in_kernel()),
+      job_(job),
+      needs_(std::move(needs)),
+      real_bytes_(real_bytes),
+      hit_bytes_(hit_bytes),
+      batches_(job, std::min(needs_.tunable("spp_in_flight"), job.all_samples), needs_.traits.launch),
+      reads_back_(needs_.tunable("read_back") != 0),
+      pinned_(make_pinned_words(pinned_words)) {}
+
+// ---- the loop over the segments
+
+void Wavefront::prepare() {
+    batches_.prepare([this](std::uint32_t first_sample, std::uint32_t samples) { enqueue(first_sample, samples); });
+}
+
+void Wavefront::render() {
+    fill_first_hits();
+    batches_.run([this](std::uint32_t first_sample, std::uint32_t samples) { enqueue(first_sample, samples); });
+}
+
+// One batch: every path of it from its camera ray to its end.
+void Wavefront::enqueue(std::uint32_t first_sample, std::uint32_t samples) {
+    queue_ = start_;
+    queue_.bound = job_.pixels * samples;
+    begin(first_sample);
+    for (std::uint32_t segment = 1 + batches_.enqueue_loop([this] { return enqueue_round(); });
+         segment < job_.longest_path && queue_.bound > 0; ++segment) {
+        EndOfPaths end(*this, segment);
+        trace(segment);
+        end_segment(segment);
+        if (end.is_reached()) {
+            break;
+        }
+    }
+}
+
+LiveCounts Wavefront::enqueue_round() {
+    const Queue before = queue_;
+    for (const std::uint32_t segment : {1u, 2u}) {
+        trace(segment);
+        end_segment(segment);
+    }
+    const LiveCounts live = end_round(before);
+    check_round_trip(before, queue_);
+    return live;
+}
+
+LiveCounts Wavefront::end_round(const Queue&) { return {.counts = queue_.count}; }
+
+void Wavefront::end_segment(std::uint32_t segment) {
+    job_.work.bounces += 1;
+    job_.work.last_bounces += is_last(segment) ? 1u : 0u;
+    if (needs_.compaction != nullptr && !is_last(segment)) {
+        compact();
+    }
+}
+
+// The host learns the count if it reads back.
+void Wavefront::compact() {
+    const Stage stage(job_.stages, "compact", job_.stream);
+    if (!appends_) {
+        needs_.compaction->compact(queue_);
+    }
+    job_.work.compactions += 1;
+    if (reads_back_) {
+        std::uint32_t* const counts = pinned_.get();
+        PT_CUDA_CHECK(cudaMemcpy2DAsync(counts, sizeof(std::uint32_t), queue_.count,
+                                        counter_stride * sizeof(std::uint32_t), sizeof(std::uint32_t), parts(),
+                                        cudaMemcpyDeviceToHost, job_.stream));
+        PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
+        queue_.bound = std::accumulate(counts, counts + parts(), 0u);
+        job_.work.host_waits += 1;
+    }
+}
+
+// ---- the queue's memory: how many paths it holds, what each of them carries, and what the compaction and the sorting
+// need beside the paths
+
+bool Wavefront::copies_whole_paths() const {
+    return (needs_.compaction != nullptr && !appends_ && needs_.compaction->moves_paths()) ||
+           (needs_.sorting != nullptr && needs_.sorting->moves_paths());
+}
+
+std::uint32_t Wavefront::capacity() const {
+    const std::uint64_t pool = std::uint64_t{job_.pixels} * batches_.samples_in_flight();
+    if (pool > 0x7fffffffu) {
+        throw Error(fmt::format("{} paths in flight: spp_in_flight is too large for {} pixels", pool, job_.pixels));
+    }
+    if (!appends_) {
+        return static_cast<std::uint32_t>(pool);
+    }
+    // Each part has room for its share of the blocks.
+    const std::uint64_t blocks = (pool + job_.block - 1) / job_.block;
+    const std::uint64_t blocks_per_part = (blocks + parts() - 1) / parts();
+    return static_cast<std::uint32_t>(blocks_per_part * parts() * job_.block);
+}
+
+void Wavefront::reserve_order(Arena& arena) {
+    if (needs_.compaction != nullptr || needs_.sorting != nullptr) {
+        start_.order = arena.take<std::uint32_t>(start_.capacity);
+        start_.order_spare = arena.take<std::uint32_t>(start_.capacity);
+    }
+    if (needs_.sorting != nullptr) {
+        start_.keys = arena.take<std::uint32_t>(start_.capacity);
+        start_.keys_spare = arena.take<std::uint32_t>(start_.capacity);
+    }
+}
+
+void Wavefront::reserve(Arena& arena) {
+    batches_.reserve(arena);
+    const std::size_t before = arena.used();
+    start_.capacity = capacity();
+    // What the kernels write, unless somebody copies whole paths.
+    const PathFields carried = copies_whole_paths() ? every_path_field : PathFields::of(needs_.features);
+    const std::size_t store_bytes = needs_.layout.bytes(start_.capacity, real_bytes_, carried);
+    path_bytes_.state = store_bytes / start_.capacity;
+    const auto take_paths = [&]() -> PathStore { return {arena.take_bytes(store_bytes), start_.capacity}; };
+    start_.paths = take_paths();
+    if (appends_ || (needs_.compaction != nullptr && needs_.compaction->needs_spare_paths())) {
+        start_.spare = take_paths();
+    }
+    if (hit_bytes_ != 0) {
+        start_.hits = arena.take_bytes(start_.capacity * hit_bytes_);
+    }
+    reserve_order(arena);
+    reserve_counts(arena);
+    start_.count = arena.take<std::uint32_t>(1);
+    start_.count_spare = arena.take<std::uint32_t>(1);
+    start_.bound = start_.capacity;
+    start_.object_class = arena.take<unsigned char>(needs_.object_class.size());
+    if (needs_.compaction != nullptr && !appends_) {
+        needs_.compaction->reserve(arena, start_);
+    }
+    if (needs_.sorting != nullptr) {
+        needs_.sorting->reserve(arena, start_);
+    }
+    path_bytes_.everything = (arena.used() - before) / start_.capacity;
+}
+
+void Wavefront::upload() {
+    batches_.clear();
+    // Positions beyond the count are carried along by sorts though nobody looks at what they hold.
+    for (std::uint32_t* const index : {start_.order, start_.order_spare, start_.keys, start_.keys_spare}) {
+        clear(index, std::size_t{start_.capacity} * sizeof(std::uint32_t), job_.stream);
+    }
+    if (copies_whole_paths()) {
+        // What the scene's kernels never write is copied along.
+        clear(start_.paths.base, needs_.layout.bytes(start_.capacity, real_bytes_, every_path_field), job_.stream);
+    }
+    clear(start_.count, sizeof(std::uint32_t), job_.stream);
+    clear(start_.count_spare, sizeof(std::uint32_t), job_.stream);
+    PT_CUDA_CHECK(cudaMemcpyAsync(const_cast<unsigned char*>(start_.object_class), needs_.object_class.data(),
+                                  needs_.object_class.size(), cudaMemcpyHostToDevice, job_.stream));
+    PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
+}
+
+}  // namespace pt::cuda

@@ -1,0 +1,105 @@
+// The host's side of wavefront.cuh.
+#include "variants/cuda/wavefronts.h"
+#include "variants/integrator/wavefront_parameters.cuh"
+
+namespace pt::cuda {
+namespace {
+
+constexpr Descriptor descriptor{
+    .axis = "integrator",
+    .name = "wavefront",
+    .summary = "a kernel a stage over a queue of paths: generate, intersect, shade",
+    .origin = "Laine, Karras and Aila 2013; cis565",
+    .baseline = on_cuda,
+    .traits = IntegratorTraits{.has_queue = true, .can_loop = true, .seeds_by_position = true},
+    .backends = on_cuda,
+    .tunables = wavefront_tunables,
+    .check_counters = wavefront_work_missing,
+};
+
+template <class Real>
+class StagedWavefront final : public Wavefront {
+public:
+    StagedWavefront(JobOf<Real>& job, IntegratorNeeds&& needs)
+        : Wavefront(job, std::move(needs), sizeof(Real), sizeof(Hit<Real>)), job_(job) {}
+
+    static std::vector<KernelSignature> kernels() {
+        return {kernel_of<GeneratePathsParameters<Real>>(), kernel_of<IntersectPathsParameters<Real>>(),
+                kernel_of<ShadePathsParameters<Real>>(), kernel_of<WriteRayKeysParameters>(false),
+                kernel_of<AdvanceParameters>(false)};
+    }
+
+private:
+    void fill_first_hits() override { fill_cache(job_); }
+
+    void begin(std::uint32_t first_sample) override {
+        {
+            const Stage stage(job_.stages, "generate", job_.stream);
+            job_.launch(queue_.bound,
+                        GeneratePathsParameters<Real>{job_.scene, queue_.paths, queue_.count, queue_.bound,
+                                                      first_sample, batches().cursor(), job_.cache});
+        }
+        trace(0);
+        end_segment(0);
+    }
+
+    void trace(std::uint32_t segment) override {
+        const bool sorts = needs().sorting != nullptr && !is_last(segment);
+        const bool by_hit = sort_key().has_material;
+        if (sorts && !by_hit) {
+            const Stage stage(job_.stages, "sort", job_.stream);
+            job_.launch(queue_.bound, WriteRayKeysParameters{queue_.paths, order(), queue_.count, queue_.bound,
+                                                             queue_.keys, last_key(), needs().key_bounds});
+            sort();
+        }
+        {
+            const Stage stage(job_.stages, "intersect", job_.stream);
+            std::uint32_t* const keys = sorts && by_hit ? queue_.keys : nullptr;
+            job_.launch(queue_.bound,
+                        IntersectPathsParameters<Real>{job_.scene, queue_.paths, order(), queue_.count, queue_.bound,
+                                                       hits(), job_.cache, batches().segment(segment), job_.segments,
+                                                       keys, sort_key().bits, last_key(), needs().key_bounds});
+        }
+        if (sorts && by_hit) {
+            const Stage stage(job_.stages, "sort", job_.stream);
+            sort();
+        }
+        shade(sorts && by_hit);
+    }
+
+    const SortKeyTraits& sort_key() const { return needs().traits.sort_key; }
+    Hit<Real>* hits() const { return static_cast<Hit<Real>*>(queue_.hits); }
+
+    // One material more than the scene has: "missed".
+    std::uint32_t last_key() const { return (sort_key().has_material ? job_.materials + 1 : 1) << sort_key().bits; }
+
+    void sort() {
+        needs().sorting->sort(queue_, last_key() + 1);
+        job_.work.sorts += 1;
+    }
+
+    void shade(bool sorted) {
+        const Stage stage(job_.stages, "shade", job_.stream);
+        std::vector<ShadeRange> ranges = sorted ? needs().sorting->shade_ranges() : std::vector<ShadeRange>();
+        if (ranges.empty()) {
+            ranges.push_back({order(), queue_.count});
+        }
+        for (const ShadeRange& range : ranges) {
+            job_.launch(queue_.bound, ShadePathsParameters<Real>{job_.scene, job_.film, queue_.paths, range.order,
+                                                                 range.count, hits(), job_.totals});
+        }
+    }
+
+    JobOf<Real>& job_;
+};
+
+IntegratorHook hook() {
+    IntegratorHook made = integrator_hook<StagedWavefront>();
+    made.stores_hits = true;
+    return made;
+}
+
+const Registration registration(descriptor, {.cuda = {.integrator = hook()}});
+
+}  // namespace
+}  // namespace pt::cuda

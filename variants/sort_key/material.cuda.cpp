@@ -1,0 +1,20 @@
+// What the sort key of material.cuh says of itself.
+#include "variants/registry.h"
+
+namespace pt {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "sort_key",
+        .name = "material",
+        .summary = "the material that was hit; paths that left the scene last",
+        .origin = "cis565",
+        .baseline = on_cuda,
+        .traits = SortKeyTraits{.bits = 0, .has_material = true},
+        .backends = on_cuda,
+    },
+    {});
+
+}  // namespace
+}  // namespace pt
