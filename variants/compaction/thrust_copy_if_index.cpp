@@ -2,6 +2,7 @@
 #include <thrust/copy.h>
 #include <thrust/iterator/counting_iterator.h>
 
+#include "variants/compaction/thrust_copy_if_index.h"
 #include "variants/cpu/thrust_compaction.h"
 
 namespace pt {
@@ -31,16 +32,7 @@ public:
     }
 };
 
-const Registration registration(
-    {
-        .axis = "compaction",
-        .name = "thrust_copy_if_index",
-        .summary = "thrust::copy_if of slot numbers; the payload stays in place",
-        .origin = "Cycles' active index array",
-        .traits = CompactionTraits{.payload_contiguous = false},
-        .check_counters = compacted_every_bounce,
-    },
-    {.compaction = [] { return std::make_unique<CopyIfIndex>(); }});
+const Registration registration(thrust_copy_if_index, {.compaction = [] { return std::make_unique<CopyIfIndex>(); }});
 
 }  // namespace
 }  // namespace pt

@@ -1,6 +1,7 @@
 // Leaves the payload where it is and keeps a list of the slots that are alive: 4 bytes a path are moved instead of 72.
 #include <thrust/copy.h>
 
+#include "variants/compaction/thrust_copy_if_index.h"
 #include "variants/cuda/live_slots.h"
 #include "variants/cuda/thrust_compaction.h"
 
@@ -36,20 +37,10 @@ private:
     ThrustCalls thrust_;
 };
 
-const Registration registration(
-    {
-        .axis = "compaction",
-        .name = "thrust_copy_if_index",
-        .summary = "thrust::copy_if of slot numbers; the payload stays in place",
-        .origin = "Cycles' active index array",
-        .traits = CompactionTraits{.payload_contiguous = false, .host_sync = true},
-        .backends = on_cuda,
-        .tunables = thrust_tunables,
-        .check_counters = compacted_every_bounce,
-    },
-    {.compaction = [](const CellContext& cell) -> std::unique_ptr<Compaction> {
-        return std::make_unique<CopyIfIndex>(cell);
-    }});
+const Registration registration(on_device(thrust_copy_if_index),
+                                {.compaction = [](const CellContext& cell) -> std::unique_ptr<Compaction> {
+                                    return std::make_unique<CopyIfIndex>(cell);
+                                }});
 
 }  // namespace
 }  // namespace pt::cuda

@@ -1,6 +1,7 @@
 // Brings the live paths to the front and the ended ones to the back, in any order; the payload is moved (seed B).
 #include <thrust/partition.h>
 
+#include "variants/compaction/thrust_partition.h"
 #include "variants/cpu/thrust_compaction.h"
 
 namespace pt {
@@ -13,15 +14,8 @@ struct Algorithm {
     }
 };
 
-const Registration registration(
-    {
-        .axis = "compaction",
-        .name = "thrust_partition",
-        .summary = "thrust::partition on the payload; order not promised",
-        .origin = "seed B (2022)",
-        .check_counters = compacted_every_bounce,
-    },
-    {.compaction = [] { return std::make_unique<PayloadCompaction<Algorithm>>(); }});
+const Registration registration(thrust_partition,
+                                {.compaction = [] { return std::make_unique<PayloadCompaction<Algorithm>>(); }});
 
 }  // namespace
 }  // namespace pt

@@ -1,6 +1,7 @@
 // Removes the ended paths, keeping the order of the others; the whole payload is moved (seed A).
 #include <thrust/remove.h>
 
+#include "variants/compaction/thrust_remove_if.h"
 #include "variants/cpu/thrust_compaction.h"
 
 namespace pt {
@@ -13,15 +14,8 @@ struct Algorithm {
     }
 };
 
-const Registration registration(
-    {
-        .axis = "compaction",
-        .name = "thrust_remove_if",
-        .summary = "thrust::remove_if on the payload; order kept",
-        .origin = "seed A (2023)",
-        .check_counters = compacted_every_bounce,
-    },
-    {.compaction = [] { return std::make_unique<PayloadCompaction<Algorithm>>(); }});
+const Registration registration(thrust_remove_if,
+                                {.compaction = [] { return std::make_unique<PayloadCompaction<Algorithm>>(); }});
 
 }  // namespace
 }  // namespace pt

@@ -1,6 +1,7 @@
 // Removes the ended paths, keeping the order of the others; the whole payload is moved (seed A).
 #include <thrust/remove.h>
 
+#include "variants/compaction/thrust_remove_if.h"
 #include "variants/cuda/thrust_compaction.h"
 
 namespace pt::cuda {
@@ -13,19 +14,8 @@ struct Algorithm {
     }
 };
 
-const Registration registration(
-    {
-        .axis = "compaction",
-        .name = "thrust_remove_if",
-        .summary = "thrust::remove_if on the payload; order kept",
-        .origin = "seed A (2023)",
-        .traits = CompactionTraits{.host_sync = true},
-        .backends = on_cuda,
-        .tunables = thrust_tunables,
-        .unsupported_reason = needs_single_precision,
-        .check_counters = compacted_every_bounce,
-    },
-    {.compaction = &ThrustPayloadCompaction<Algorithm>::make});
+const Registration registration(on_device(thrust_remove_if, needs_single_precision),
+                                {.compaction = &ThrustPayloadCompaction<Algorithm>::make});
 
 }  // namespace
 }  // namespace pt::cuda

@@ -1,6 +1,7 @@
 // Like thrust_partition, but both groups keep their order.
 #include <thrust/partition.h>
 
+#include "variants/compaction/thrust_stable_partition.h"
 #include "variants/cpu/thrust_compaction.h"
 
 namespace pt {
@@ -13,15 +14,8 @@ struct Algorithm {
     }
 };
 
-const Registration registration(
-    {
-        .axis = "compaction",
-        .name = "thrust_stable_partition",
-        .summary = "thrust::stable_partition on the payload; order kept",
-        .origin = "CIS 565 project 3",
-        .check_counters = compacted_every_bounce,
-    },
-    {.compaction = [] { return std::make_unique<PayloadCompaction<Algorithm>>(); }});
+const Registration registration(thrust_stable_partition,
+                                {.compaction = [] { return std::make_unique<PayloadCompaction<Algorithm>>(); }});
 
 }  // namespace
 }  // namespace pt

@@ -1,6 +1,7 @@
 // Like thrust_partition, but both groups keep their order.
 #include <thrust/partition.h>
 
+#include "variants/compaction/thrust_stable_partition.h"
 #include "variants/cuda/thrust_compaction.h"
 
 namespace pt::cuda {
@@ -13,19 +14,8 @@ struct Algorithm {
     }
 };
 
-const Registration registration(
-    {
-        .axis = "compaction",
-        .name = "thrust_stable_partition",
-        .summary = "thrust::stable_partition on the payload; order kept",
-        .origin = "CIS 565 project 3",
-        .traits = CompactionTraits{.host_sync = true},
-        .backends = on_cuda,
-        .tunables = thrust_tunables,
-        .unsupported_reason = needs_single_precision,
-        .check_counters = compacted_every_bounce,
-    },
-    {.compaction = &ThrustPayloadCompaction<Algorithm>::make});
+const Registration registration(on_device(thrust_stable_partition, needs_single_precision),
+                                {.compaction = &ThrustPayloadCompaction<Algorithm>::make});
 
 }  // namespace
 }  // namespace pt::cuda

@@ -25,6 +25,18 @@ inline constexpr Tunable thrust_tunables[] = {
      .summary = "1: thrust::cuda::par_nosync, which waits for the device only where a result needs it"},
 };
 
+// What a Thrust compaction is on CUDA, of what it is on the CPU: the host waits for its count.
+inline Descriptor on_device(Descriptor descriptor,
+                            Reason (*unsupported_reason)(FeatureSet, const VariantTraits&) = nullptr) {
+    CompactionTraits traits = traits_in<CompactionTraits>(descriptor);
+    traits.host_sync = true;
+    descriptor.traits = traits;
+    descriptor.backends = on_cuda;
+    descriptor.tunables = thrust_tunables;
+    descriptor.unsupported_reason = unsupported_reason;
+    return descriptor;
+}
+
 // The allocator that Thrust takes temporaries from. One type for both kinds, so that each algorithm is compiled once.
 class TemporaryMemory {
 public:

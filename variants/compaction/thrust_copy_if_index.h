@@ -1,0 +1,19 @@
+// Leaves the payload where it is and keeps a list of the slots that are alive: 4 bytes a path are moved instead of 72.
+#pragma once
+
+#include "variants/descriptor.h"
+#include "variants/work_checks.h"
+
+namespace pt {
+
+// On the CPU; on_device (variants/cuda/thrust_policy.h) makes of it what the choice is on CUDA.
+inline constexpr Descriptor thrust_copy_if_index{
+    .axis = "compaction",
+    .name = "thrust_copy_if_index",
+    .summary = "thrust::copy_if of slot numbers; the payload stays in place",
+    .origin = "Cycles' active index array",
+    .traits = CompactionTraits{.payload_contiguous = false},
+    .check_counters = compacted_every_bounce,
+};
+
+}  // namespace pt

@@ -1,0 +1,18 @@
+// Like thrust_partition, but both groups keep their order.
+#pragma once
+
+#include "variants/descriptor.h"
+#include "variants/work_checks.h"
+
+namespace pt {
+
+// On the CPU; on_device (variants/cuda/thrust_policy.h) makes of it what the choice is on CUDA.
+inline constexpr Descriptor thrust_stable_partition{
+    .axis = "compaction",
+    .name = "thrust_stable_partition",
+    .summary = "thrust::stable_partition on the payload; order kept",
+    .origin = "CIS 565 project 3",
+    .check_counters = compacted_every_bounce,
+};
+
+}  // namespace pt
