@@ -93,8 +93,9 @@ def missing_files(text: str) -> list[str]:
 
 def is_there(path: str) -> bool:
     """Whether there is a file or folder of that name; where NAME stands for one of several, whether there are such."""
-    if re.search(r"\bNAME\b", path):
-        return bool(list(ROOT.glob(re.sub(r"\bNAME\b", "*", path))))
+    name = r"(?<!\w)NAME(?=_[a-z]|\b)"
+    if re.search(name, path):
+        return bool(list(ROOT.glob(re.sub(name, "*", path))))
     return _PLACEHOLDER.match(path) is not None or bool(list(ROOT.glob(path + "*")))
 
 
@@ -263,6 +264,9 @@ def test_faults_are_found():
     assert broken_links(ROOT / "page.md", "[up](../)") == ["../: no part of the repository"]
     assert missing_files(text + "`analysis/ptbench/errors.py`, `results/MACHINE/a.json`") == ["analysis/gone.py"]
     assert missing_files("`variants/layout/NAME.h`, `variants/gone/NAME.h`") == ["variants/gone/NAME.h"]
+    assert missing_files("`variants/integrator/NAME_parameters.cuh`, `variants/layout/NAME_gone.h`") == [
+        "variants/layout/NAME_gone.h"
+    ]
     block = (
         "```\nA=1 build/ptbench run --scene s --axis frob=x  # why\npython3 -m ptbench plots a.json   is said\n```\n"
     )
