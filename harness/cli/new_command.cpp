@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <span>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -33,6 +34,31 @@ constexpr TemplateFile compaction_files[] = {
     {"choice_parameters.cuh.in", "variants/compaction/@NAME@_parameters.cuh", "its parameters"},
     {"choice.cuda.cpp.in", "variants/compaction/@NAME@.cuda.cpp", "what launches it"},
     {"test.cpp.in", "tests/unit/@NAME@_compaction_test.cpp", "its test"},
+};
+constexpr TemplateFile integrator_files[] = {
+    {"choice.h.in", "variants/integrator/@NAME@.h", "the CPU's side"},
+    {"choice.cuh.in", "variants/integrator/@NAME@.cuh", "CUDA's side: the kernel"},
+    {"choice_parameters.cuh.in", "variants/integrator/@NAME@_parameters.cuh", "its parameters"},
+    {"choice.cuda.cpp.in", "variants/integrator/@NAME@.cuda.cpp", "what launches it"},
+    {"test.cpp.in", "tests/unit/@NAME@_integrator_test.cpp", "its test"},
+};
+
+// What can be new.
+struct Kind {
+    std::string_view name;  // also of its folder of templates
+    std::span<const TemplateFile> files;
+    std::string_view folder;  // where its files lie
+    std::string_view next;    // what to do then; {0}: the repository, {1}: the name
+};
+constexpr Kind kinds[] = {
+    {"compaction", compaction_files, "variants/compaction",
+     "  ./run build {1}_compaction_test && build/tests/{1}_compaction_test\n"
+     "  build/ptbench verify --scene cornell_open --axis compaction={1} --quiet\n"
+     "  build/ptbench run --scene cornell_open,cornell_closed --axis compaction=none,{1}\n"},
+    {"integrator", integrator_files, "variants/integrator",
+     "  ./run build {1}_integrator_test && build/tests/{1}_integrator_test\n"
+     "  build/ptbench verify --scene cornell_open --axis integrator={1} --quiet\n"
+     "  build/ptbench run --scene cornell_open,cornell_closed --axis integrator=wavefront,{1}\n"},
 };
 
 struct NewFile {
@@ -118,11 +144,11 @@ void check_is_free(const fs::path& home, const std::string& axis, const std::str
 }
 
 // What is to be written, with nothing written yet.
-std::vector<NewFile> new_files(const fs::path& home, const std::string& axis, const std::string& name) {
+std::vector<NewFile> new_files(const fs::path& home, const Kind& kind, const std::string& name) {
     std::vector<NewFile> files;
-    for (const TemplateFile& file : compaction_files) {
+    for (const TemplateFile& file : kind.files) {
         files.push_back({home / with_name(file.written, name),
-                         with_name(read_file((home / "harness/templates" / axis / file.source).string()), name),
+                         with_name(read_file((home / "harness/templates" / kind.name / file.source).string()), name),
                          file.what});
     }
     return files;
@@ -146,30 +172,27 @@ void write_all(const std::vector<NewFile>& files) {
 }
 
 int run(const std::string& axis, const std::string& name) {
-    if (axis != "compaction") {
-        throw InputError("new", "AXIS", "\"" + axis + "\"", "compaction");
+    const auto* const kind =
+        std::find_if(std::begin(kinds), std::end(kinds), [&](const Kind& known) { return known.name == axis; });
+    if (kind == std::end(kinds)) {
+        throw InputError("new", "AXIS", "\"" + axis + "\"", "compaction, integrator");
     }
     check_name(name);
     const fs::path home = home_folder();
     for (const fs::path& folder :
-         {fs::path("harness/templates") / axis, fs::path("variants") / axis, fs::path("tests/unit")}) {
+         {fs::path("harness/templates") / kind->name, fs::path(kind->folder), fs::path("tests/unit")}) {
         if (!fs::is_directory(home / folder)) {
             throw InputError("new", "folder", fmt::format("no {} in {}", folder.string(), home.string()),
                              "a checkout of the repository (a package has no sources that a choice could be added to)");
         }
     }
     check_is_free(home, axis, name);
-    const std::vector<NewFile> files = new_files(home, axis, name);
+    const std::vector<NewFile> files = new_files(home, *kind, name);
     write_all(files);
     for (const NewFile& file : files) {
         fmt::print("{}  {}\n", file.path.string(), file.what);
     }
-    fmt::print(
-        "Next, in {0}:\n"
-        "  ./run build {1}_{2}_test && build/tests/{1}_{2}_test\n"
-        "  build/ptbench verify --scene cornell_open --axis {2}={1} --quiet\n"
-        "  build/ptbench run --scene cornell_open,cornell_closed --axis {2}=none,{1}\n",
-        home.string(), name, axis);
+    fmt::print("Next, in {}:\n{}", home.string(), fmt::format(fmt::runtime(kind->next), home.string(), name));
     return exit_good;
 }
 
@@ -182,7 +205,8 @@ Command add_new_command(CLI::App& app) {
     };
     auto arguments = std::make_shared<NewArguments>();
     CLI::App* command = app.add_subcommand("new", "Write the starting files of a choice of your own, with its test");
-    command->add_option("AXIS", arguments->axis, "The axis that it is a choice of: compaction")->required();
+    command->add_option("AXIS", arguments->axis, "The axis that it is a choice of: compaction or integrator")
+        ->required();
     command->add_option("NAME", arguments->name, "Its name, in lower_snake_case")->required();
     return [arguments] { return run(arguments->axis, arguments->name); };
 }

@@ -9,6 +9,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* axis_folder = "harness/templates/compaction";
+constexpr const char* integrator_folder = "harness/templates/integrator";
 
 // What of the repository the command looks at.
 class NewCommandTest : public testing::Test {
@@ -16,12 +17,16 @@ protected:
     const TemporaryFolder home;
 
     void SetUp() override {
-        for (const char* folder : {"scenes/suites", "variants/compaction", "tests/unit", "tests/image", axis_folder}) {
+        for (const char* folder : {"scenes/suites", "variants/compaction", "variants/integrator", "tests/unit",
+                                   "tests/image", axis_folder, integrator_folder}) {
             fs::create_directories(home.path() / folder);
         }
         for (const char* file :
              {"choice.cpp.in", "choice.cuh.in", "choice_parameters.cuh.in", "choice.cuda.cpp.in", "test.cpp.in"}) {
             fs::copy_file(fs::path(PTBENCH_SOURCE_DIR) / axis_folder / file, home.path() / axis_folder / file);
+        }
+        for (const auto& entry : fs::directory_iterator(fs::path(PTBENCH_SOURCE_DIR) / integrator_folder)) {
+            fs::copy_file(entry.path(), home.path() / integrator_folder / entry.path().filename());
         }
     }
     CommandResult call(std::vector<std::string> arguments) const {
@@ -77,6 +82,26 @@ TEST_F(NewCommandTest, WritesTheTemplatesUnderTheName) {
     EXPECT_EQ(call({"compaction", "my_scan3"}).exit_code, 0);  // beside the first
 }
 
+TEST_F(NewCommandTest, WritesAnIntegratorUnderItsName) {
+    std::vector<std::string> expected = home.content();
+    const CommandResult result = call({"integrator", "my_tiles"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    for (const char* file : {"variants/integrator/my_tiles.h", "variants/integrator/my_tiles.cuh",
+                             "variants/integrator/my_tiles_parameters.cuh", "variants/integrator/my_tiles.cuda.cpp",
+                             "tests/unit/my_tiles_integrator_test.cpp"}) {
+        EXPECT_NE(content_of(home.file(file)).find("my_tiles"), std::string::npos) << file;
+        EXPECT_EQ(content_of(home.file(file)).find('@'), std::string::npos) << file;
+        EXPECT_NE(result.out.find(home.file(file) + "  "), std::string::npos) << result.out;
+        expected.emplace_back(file);
+    }
+    std::sort(expected.begin(), expected.end());
+    EXPECT_EQ(home.content(), expected);
+    EXPECT_NE(result.out.find("--axis integrator=wavefront,my_tiles\n"), std::string::npos) << result.out;
+    expect_refusal({"integrator", "depth_first"},
+                   "new: NAME: found \"depth_first\", allowed: a name that is not taken: depth_first is a choice of "
+                   "integrator (see ptbench list)");
+}
+
 TEST_F(NewCommandTest, RefusesWhatIsNoName) {
     for (const std::string name : {"", "MyScan", "2scan", "my-scan", "_scan", "scan_", "my__scan", "my scan", "../scan",
                                    "scan.cpp", "sc\xc3\xa4n", "a23456789_123456789_123456789_123"}) {
@@ -112,8 +137,8 @@ TEST_F(NewCommandTest, RefusesANameThatIsTaken) {
 }
 
 TEST_F(NewCommandTest, RefusesAnAxisWithoutTemplates) {
-    for (const std::string axis : {"sorting", "integrator", "scene", "frob", ""}) {
-        expect_refusal({axis, "my_own"}, "new: AXIS: found \"" + axis + "\", allowed: compaction");
+    for (const std::string axis : {"sorting", "scene", "frob", ""}) {
+        expect_refusal({axis, "my_own"}, "new: AXIS: found \"" + axis + "\", allowed: compaction, integrator");
     }
     expect_refusal({}, "AXIS is required (see ptbench --help)");
     expect_refusal({"compaction"}, "NAME is required (see ptbench --help)");
