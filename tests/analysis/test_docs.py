@@ -32,6 +32,11 @@ WRITTEN_BY_THE_READER = {
     "variants/compaction/my_scan_parameters.cuh",
     "tests/unit/my_scan_compaction_test.cpp",
     "variants/compaction/std_remove_if.cpp",
+    "variants/integrator/my_tiles.cuda.cpp",
+    "variants/integrator/my_tiles.cuh",
+    "variants/integrator/my_tiles.h",
+    "variants/integrator/my_tiles_parameters.cuh",
+    "tests/unit/my_tiles_integrator_test.cpp",
     "variants/integrator/tiled.h",
     "variants/direct_light/nee_sparse.cpp",
 }
