@@ -1,6 +1,6 @@
 // A kernel's parameters are a struct that both sides include and that says by its member `kernel` whose they are: the
 // host launches by the type of the struct, with its members as the kernel's parameters, and a kernel compiles only if
-// its parameters are those members (PT_KERNEL in device.cuh).
+// its parameters are those members (PT_KERNEL in device.cuh). Shared by host and NVRTC.
 #pragma once
 
 #include <cstddef>

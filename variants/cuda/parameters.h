@@ -1,6 +1,5 @@
-// Parameters of the kernels that several integrators have. A kernel has one parameter, a struct that both sides include
-// and that says by its member `kernel` whose it is: the host launches by the type, and PT_KERNEL (device.cuh) compiles
-// only where name and size are the host's.
+// Parameters of the kernels that several integrators have, a struct a kernel (kernel_parameters.h). Shared by host and
+// NVRTC.
 #pragma once
 
 #include "kernels/scene_view.h"
