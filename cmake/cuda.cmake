@@ -33,7 +33,7 @@ set(PTBENCH_CCCL_VERSION "${cub_major}.${cub_minor}.${cub_patch}")
 # glm/vec3.hpp.
 set(shared_headers append_in_kernel append_parameters kernel_config kernel_parameters key_bounds parameters path_store totals)
 list(TRANSFORM shared_headers REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/variants/cuda/\\1.h")
-file(GLOB embedded_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/kernels/*.h ${PROJECT_SOURCE_DIR}/variants/*/*.cuh
+file(GLOB embedded_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/kernels/*.h ${PROJECT_SOURCE_DIR}/kernels/shapes/*.h ${PROJECT_SOURCE_DIR}/variants/*/*.cuh
      ${shared_headers})
 get_target_property(glm_include glm::glm INTERFACE_INCLUDE_DIRECTORIES)
 list(GET glm_include 0 glm_include)

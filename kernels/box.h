@@ -1,29 +1,11 @@
-// Boxes: axis-aligned ones in scene coordinates, oriented ones in their own frame.
+// What boxes share: axis-aligned ones in scene coordinates, oriented ones in their own frame.
 // Slab test of Kay and Kajiya with Ize's rounding bound ("Robust BVH Ray Traversal", JCGT 2(2), 2013): without the
 // factor 1 + 2 gamma(3), 4 % of the rays through an edge miss (docs/numerics.md S21).
 #pragma once
 
-#include "kernels/in_range.h"
-#include "kernels/sphere.h"
-
-#include <limits>
+#include "kernels/shape.h"
 
 namespace pt {
-
-template <class Real>
-struct AxisBox {
-    Vec3<Real> low, high;
-};
-
-template <class Real>
-struct OrientedBox {
-    Vec3<Real> centre;
-    Vec3<Real> axis[3];  // orthonormal
-    Vec3<Real> half;     // half extents along them
-
-    PT_HD Vec3<Real> to_local(const Vec3<Real>& v) const { return {dot(axis[0], v), dot(axis[1], v), dot(axis[2], v)}; }
-    PT_HD Vec3<Real> to_world(const Vec3<Real>& v) const { return axis[0] * v.x + axis[1] * v.y + axis[2] * v.z; }
-};
 
 // The planes to enter and to leave by are chosen by the sign of the direction, and every comparison is arranged so that
 // a NaN (0 * infinity: the ray lies in a face's plane) is passed over rather than kept.
@@ -55,18 +37,6 @@ PT_HD inline Vec3<Real> reciprocal(const Vec3<Real>& v) {
         return {reciprocal_in_range(v.x), reciprocal_in_range(v.y), reciprocal_in_range(v.z)};
     }
     return {Real(1) / v.x, Real(1) / v.y, Real(1) / v.z};
-}
-
-template <class Real>
-PT_HD inline Interval<Real> interval(const OrientedBox<Real>& box, const Vec3<Real>& origin,
-                                     const Vec3<Real>& direction) {
-    return slab_interval(-box.half, box.half, box.to_local(origin - box.centre), reciprocal(box.to_local(direction)));
-}
-
-// The way out for a ray that starts on a face and runs inside: that face's own plane lies at t = 0 on the near side.
-template <class Real>
-PT_HD inline Real chord(const OrientedBox<Real>& box, const Vec3<Real>& origin, const Vec3<Real>& direction) {
-    return max(interval(box, origin, direction).far, Real(0));
 }
 
 // The face through which the ray enters (or leaves, if `inside`) the box [low, high], as an axis. The same products as
@@ -119,18 +89,35 @@ PT_HD inline SurfacePoint<Real> face_point(const Vec3<Real>& low, const Vec3<Rea
 }
 
 template <class Real>
-PT_HD inline SurfacePoint<Real> surface_point(const AxisBox<Real>& box, const Vec3<Real>& origin,
-                                              const Vec3<Real>& direction, Real t, bool inside) {
-    return face_point(box.low, box.high, origin, reciprocal(direction), inside, origin + direction * t);
+PT_HD inline Real area_of_box(const Vec3<Real>& half) {
+    return Real(8) * (half.y * half.z + half.z * half.x + half.x * half.y);
 }
 
+inline bool is_in_unit_box(const Vec3<double>& p) {
+    return absolute(p.x) < 0.5 && absolute(p.y) < 0.5 && absolute(p.z) < 0.5;
+}
+
+// A point on the box around 0, by area: w chooses the face.
 template <class Real>
-PT_HD inline SurfacePoint<Real> surface_point(const OrientedBox<Real>& box, const Vec3<Real>& origin,
-                                              const Vec3<Real>& direction, Real t, bool inside) {
-    const Vec3<Real> o = box.to_local(origin - box.centre);
-    const Vec3<Real> d = box.to_local(direction);
-    const SurfacePoint<Real> local = face_point(-box.half, box.half, o, reciprocal(d), inside, o + d * t);
-    return {box.centre + box.to_world(local.position), box.to_world(local.normal)};
+PT_HD inline LightSample<Real> sample_box(const Vec3<Real>& half, Real u, Real v, Real w) {
+    const Real yz = half.y * half.z;
+    const Real zx = half.z * half.x;
+    const Real xy = half.x * half.y;
+    const Real total = yz + zx + xy;
+    Real pick = w * Real(2);  // [0, 2): the whole part is the side, the rest the axis
+    const bool high = pick >= Real(1);
+    pick = (high ? pick - Real(1) : pick) * total;
+    const Real side = high ? Real(1) : Real(-1);
+    const Real a = Real(2) * u - Real(1);
+    const Real b = Real(2) * v - Real(1);
+    const Real inverse_density = Real(8) * total;
+    if (pick < yz) {
+        return {{side * half.x, a * half.y, b * half.z}, {side, Real(0), Real(0)}, inverse_density};
+    }
+    if (pick < yz + zx) {
+        return {{a * half.x, side * half.y, b * half.z}, {Real(0), side, Real(0)}, inverse_density};
+    }
+    return {{a * half.x, b * half.y, side * half.z}, {Real(0), Real(0), side}, inverse_density};
 }
 
 }  // namespace pt

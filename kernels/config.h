@@ -3,6 +3,8 @@
 // The idea of a feature mask that is a template argument is Cycles' (kernel/features.h).
 #pragma once
 
+#include "kernels/shape_list.h"
+
 #include <cstdint>
 
 // The one host/device macro. Under g++ it vanishes; under nvcc and NVRTC every function serves both sides.
@@ -29,17 +31,15 @@ inline constexpr FeatureSet traversal = FeatureSet{1} << 56;  // 8 bits
 enum class Feature : FeatureSet {
     jitter = feature_bit::camera << 0,
     lens = feature_bit::camera << 1,
-    // Kinds of primitives. An object is classified once, at load: every kernel uses one formula a kind.
-    sphere = feature_bit::shape << 0,
-    ellipsoid = feature_bit::shape << 1,
-    axis_box = feature_bit::shape << 2,
-    oriented_box = feature_bit::shape << 3,
-    quad = feature_bit::shape << 4,
-    // Spheres that the eye is near, as the ground under it (sphere.h, NearSphere).
-    near_sphere = feature_bit::shape << 5,
-    motion = feature_bit::shape << 6,
+// Kinds of primitives. An object is classified once, at load: every kernel uses one formula a kind.
+#define PT_FEATURE(name, array, Type) name = feature_bit::shape << static_cast<std::uint32_t>(ShapeKind::name),
+    PT_SHAPES(PT_FEATURE)
+#undef PT_FEATURE
+    // Spheres that the eye is near, as the ground under it (NearSphere in kernels/shapes/sphere.h).
+    near_sphere = feature_bit::shape << 13,
+    motion = feature_bit::shape << 14,
     // Another formula for every object: its 4x4 matrix (kernels/transform.h). Changes roundings, and so the film.
-    matrix = feature_bit::shape << 7,
+    matrix = feature_bit::shape << 15,
     diffuse = feature_bit::material << 0,
     emitter = feature_bit::material << 1,
     mirror = feature_bit::material << 2,
@@ -74,8 +74,9 @@ PT_HD constexpr FeatureSet set_of(Features... features) {
 }
 
 inline constexpr FeatureSet no_features = 0;
-inline constexpr FeatureSet shape_features =
-    set_of(Feature::sphere, Feature::ellipsoid, Feature::axis_box, Feature::oriented_box, Feature::quad);
+#define PT_FEATURE(name, array, Type) | static_cast<FeatureSet>(Feature::name)
+inline constexpr FeatureSet shape_features = no_features PT_SHAPES(PT_FEATURE);
+#undef PT_FEATURE
 inline constexpr FeatureSet material_features =
     set_of(Feature::diffuse, Feature::emitter, Feature::mirror, Feature::mix, Feature::dielectric, Feature::subsurface,
            Feature::emission, Feature::absorption, Feature::subsurface_boundary);

@@ -99,28 +99,6 @@ PT_HD inline std::uint64_t off_unit(const Vec3<Real>& v) {
     return off < 1.0 ? static_cast<std::uint64_t>(off * 0x1p40) : std::uint64_t{1} << 40;
 }
 
-// A length that says how large a shape is: the largest of its half extents. Scene units.
-template <class Real>
-PT_HD inline Real size_of(const Sphere<Real>& sphere) {
-    return sphere.radius;
-}
-template <class Real>
-PT_HD inline Real size_of(const Ellipsoid<Real>& e) {
-    return square_root(max(dot(e.semi_axis[0], e.semi_axis[0]),
-                           max(dot(e.semi_axis[1], e.semi_axis[1]), dot(e.semi_axis[2], e.semi_axis[2]))));
-}
-template <class Real>
-PT_HD inline Real size_of(const AxisBox<Real>& box) {
-    return Real(0.5) * max(box.high.x - box.low.x, max(box.high.y - box.low.y, box.high.z - box.low.z));
-}
-template <class Real>
-PT_HD inline Real size_of(const OrientedBox<Real>& box) {
-    return max(box.half.x, max(box.half.y, box.half.z));
-}
-template <class Real>
-PT_HD inline Real size_of(const Quad<Real>& quad) {
-    return max(quad.half_u, quad.half_v);
-}
 template <class Real>
 PT_HD inline Real size_of(const SceneView<Real>& scene, std::uint32_t object) {
     Real size = Real(0);
@@ -153,7 +131,7 @@ public:
             counters_.self_hits += 1;
             note_least(counters_.first_self_hit, key_of(path));
         }
-        if (knows_sides_ && object < scene_.first_quad() && object < 64 &&
+        if (knows_sides_ && !is_flat(scene_, object) && object < 64 &&
             hit.side.inside() != (((inside_ >> object) & 1u) != 0)) {
             counters_.parity_errors += 1;
             note_least(counters_.first_parity_error, key_of(path));

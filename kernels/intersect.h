@@ -3,7 +3,6 @@
 // (Path::origin_surface), and a convex body is met again only from within, at its other root.
 #pragma once
 
-#include "kernels/naive.h"
 #include "kernels/visit_shape.h"
 
 namespace pt {
@@ -143,7 +142,7 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
                                    const Ray<typename Config::Real>& ray, const Vec3<typename Config::Real>& inverse,
                                    bool without_walls) {
     using Real = typename Config::Real;
-    const std::uint32_t first = scene.first_axis_box();
+    const std::uint32_t first = first_of<ShapeKind::axis_box>(scene);
     for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
         if constexpr (has<Config>(Feature::enclosure)) {
             if (without_walls && scene.enclosure.is_wall(i)) {
@@ -178,7 +177,8 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
         // A ray inside a wall is none of the enclosure's, not even on its face.
         bool in_wall = ray.origin_surface.exists() && ray.origin_surface.inside();
         if constexpr (has<Config>(Feature::dielectric) || has<Config>(Feature::subsurface)) {
-            in_wall = in_wall && scene.enclosure.is_wall(ray.origin_surface.object() - scene.first_axis_box());
+            in_wall =
+                in_wall && scene.enclosure.is_wall(ray.origin_surface.object() - first_of<ShapeKind::axis_box>(scene));
         }
         if (exit.known && !in_wall) {
             closest_axis_box<Config>(best, scene, ray, inverse, true);
@@ -199,29 +199,76 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
     closest_axis_box<Config>(best, scene, ray, inverse, false);
 }
 
-template <class Config, class Scene>
-PT_HD inline void closest_quad(Hit<typename Config::Real>& best, const Scene& scene,
-                               const Ray<typename Config::Real>& ray) {
+// Flat surfaces: a ray that starts on one does not meet it again.
+template <class Config, class Scene, class Flats>
+PT_HD inline void closest_flat(Hit<typename Config::Real>& best, const Scene& scene, const Flats& flats,
+                               std::uint32_t first, const Ray<typename Config::Real>& ray) {
     using Real = typename Config::Real;
-    const std::uint32_t first = scene.first_quad();
-    for (std::uint32_t i = 0; i < scene.quads.size; ++i) {
+    for (std::uint32_t i = 0; i < flats.size; ++i) {
         const std::uint32_t object = first + i;
-        const auto& quad = scene.quads[i];
+        const auto& flat = flats[i];
         const Interval<Real> crossing =
-            interval(quad, at_rest<Config>(scene, object, ray.origin, ray.time), ray.direction);
+            interval(flat, at_rest<Config>(scene, object, ray.origin, ray.time), ray.direction);
         if (!ray.origin_surface.is_of(object)) {
-            keep_nearer_flat(best, crossing, object, dot(ray.direction, quad.normal) > Real(0));
+            keep_nearer_flat(best, crossing, object, dot(ray.direction, flat.normal) > Real(0));
         }
     }
 }
 
-// Every object in turn by its matrix.
+// All objects of one kind. Special: axis boxes, which share the reciprocal of the ray's direction and make enclosures,
+// and spheres in kernels that may have them near the eye.
+template <class Config, ShapeKind kind, class Scene, class Shapes>
+PT_HD inline void closest_of(Hit<typename Config::Real>& best, const Scene& scene, const Shapes& shapes,
+                             const Ray<typename Config::Real>& ray) {
+    if constexpr (kind == ShapeKind::axis_box) {
+        closest_axis_box<Config>(best, scene, ray);
+    } else if constexpr (kind == ShapeKind::sphere) {
+        closest_in<Config>(best, scene, spheres_of<Config>(scene), first_of<kind>(scene), ray);
+    } else if constexpr (ShapeOf<kind, typename Config::Real>::is_flat) {
+        closest_flat<Config>(best, scene, shapes, first_of<kind>(scene), ray);
+    } else {
+        closest_in<Config>(best, scene, shapes, first_of<kind>(scene), ray);
+    }
+}
+
+// One object, whichever its shape, in any order among others: what a leaf of an acceleration structure does with each
+// of its objects. Over all objects it leaves the hit of closest_hit, bit for bit.
+template <VisitOrder order, class Real, class Shape>
+PT_HD inline void meet_shape(Hit<Real>& best, const Shape& shape, std::uint32_t object, const Vec3<Real>& origin,
+                             const Ray<Real>& ray) {
+    const bool starts_here = ray.origin_surface.is_of(object);
+    if constexpr (Shape::is_flat) {
+        if (!starts_here) {
+            keep_nearer_flat<order>(best, interval(shape, origin, ray.direction), object,
+                                    dot(ray.direction, shape.normal) > Real(0));
+        }
+    } else if (!starts_here) {
+        keep_nearer<order>(best, interval(shape, origin, ray.direction), object);
+    } else if (ray.origin_surface.inside()) {
+        keep_nearer<order>(best, chord(shape, origin, ray.direction), ray.origin_surface);
+    }
+}
+template <class Config, VisitOrder order, class Scene>
+PT_HD inline void meet_object(Hit<typename Config::Real>& best, const Scene& scene, std::uint32_t object,
+                              const Ray<typename Config::Real>& ray) {
+    const auto origin = at_rest<Config>(scene, object, ray.origin, ray.time);
+    visit_shape<Config>(
+        scene, object, [&](const auto& shape) { meet_shape<order>(best, as_met<Config>(shape), object, origin, ray); });
+}
+
+// Every object in turn by its matrix, but for shapes that are no unit shape's image.
 template <class Config, class Scene>
 PT_HD inline void closest_transformed(Hit<typename Config::Real>& best, const Scene& scene,
                                       const Ray<typename Config::Real>& ray) {
     using Real = typename Config::Real;
     for (std::uint32_t object = 0; object < scene.transforms.size; ++object) {
         const Transform<Real>& transform = scene.transforms[object];
+        if constexpr ((Config::features & shapes_without_matrix) != 0) {
+            if (transform.shape == UnitShape::none) {
+                meet_object<Config, VisitOrder::ascending>(best, scene, object, ray);
+                continue;
+            }
+        }
         const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
         const bool starts_here = ray.origin_surface.is_of(object);
         if (starts_here && (transform.shape == UnitShape::quad || !ray.origin_surface.inside())) {
@@ -263,19 +310,18 @@ PT_HD inline void closest_naive(Hit<typename Config::Real>& best, const Scene& s
     }
 }
 
-template <class Config, class Scene>
-PT_HD inline void closest_naive(Hit<typename Config::Real>& best, const Scene& scene,
-                                const Ray<typename Config::Real>& ray) {
-    closest_naive<Config>(best, scene, scene.spheres, 0, ray);
-    closest_naive<Config>(best, scene, scene.ellipsoids, scene.first_ellipsoid(), ray);
-    closest_naive<Config>(best, scene, scene.axis_boxes, scene.first_axis_box(), ray);
-    closest_naive<Config>(best, scene, scene.oriented_boxes, scene.first_oriented_box(), ray);
-    const typename Config::Real before_quads = best.t;
-    closest_naive<Config>(best, scene, scene.quads, scene.first_quad(), ray);
-    if (best.t < before_quads) {
-        const std::uint32_t object = best.side.object();
-        best.side = SurfaceId::of(
-            object, dot(ray.direction, scene.quads[object - scene.first_quad()].normal) > typename Config::Real(0));
+template <class Config, ShapeKind kind, class Scene, class Shapes>
+PT_HD inline void closest_naive_of(Hit<typename Config::Real>& best, const Scene& scene, const Shapes& shapes,
+                                   const Ray<typename Config::Real>& ray) {
+    using Real = typename Config::Real;
+    const Real before = best.t;
+    closest_naive<Config>(best, scene, shapes, first_of<kind>(scene), ray);
+    if constexpr (ShapeOf<kind, Real>::is_flat) {
+        if (best.t < before) {
+            const std::uint32_t object = best.side.object();
+            best.side =
+                SurfaceId::of(object, dot(ray.direction, shapes[object - first_of<kind>(scene)].normal) > Real(0));
+        }
     }
 }
 
@@ -288,67 +334,22 @@ PT_HD inline Hit<typename Config::Real> closest_hit(const Scene& scene, const Ra
     }
     Hit<Real> best;
     best.t = std::numeric_limits<Real>::infinity();
-    if constexpr (has<Config>(Feature::naive)) {
-        closest_naive<Config>(best, scene, ray);
-        return best;
+// Statements: a visitor of kinds gives some kernels other registers.
+#define PT_CLOSEST(name, array, Type)                                                 \
+    if constexpr (has<Config>(Feature::name)) {                                       \
+        if constexpr (has<Config>(Feature::naive)) {                                  \
+            closest_naive_of<Config, ShapeKind::name>(best, scene, scene.array, ray); \
+        } else {                                                                      \
+            closest_of<Config, ShapeKind::name>(best, scene, scene.array, ray);       \
+        }                                                                             \
     }
     if constexpr (has<Config>(Feature::matrix)) {
         closest_transformed<Config>(best, scene, ray);
-        return best;
+    } else {
+        PT_SHAPES(PT_CLOSEST)
     }
-    if constexpr (has<Config>(Feature::sphere)) {
-        closest_in<Config>(best, scene, spheres_of<Config>(scene), 0, ray);
-    }
-    if constexpr (has<Config>(Feature::ellipsoid)) {
-        closest_in<Config>(best, scene, scene.ellipsoids, scene.first_ellipsoid(), ray);
-    }
-    if constexpr (has<Config>(Feature::axis_box)) {
-        closest_axis_box<Config>(best, scene, ray);
-    }
-    if constexpr (has<Config>(Feature::oriented_box)) {
-        closest_in<Config>(best, scene, scene.oriented_boxes, scene.first_oriented_box(), ray);
-    }
-    if constexpr (has<Config>(Feature::quad)) {
-        closest_quad<Config>(best, scene, ray);
-    }
+#undef PT_CLOSEST
     return best;
-}
-
-// One object, whichever its shape, in any order among others: what a leaf of an acceleration structure does with each
-// of its objects. Over all objects it leaves the hit of closest_hit, bit for bit.
-template <VisitOrder order, class Real, class Shape>
-PT_HD inline void meet_shape(Hit<Real>& best, const Shape& shape, std::uint32_t object, const Vec3<Real>& origin,
-                             const Ray<Real>& ray) {
-    if (!ray.origin_surface.is_of(object)) {
-        keep_nearer<order>(best, interval(shape, origin, ray.direction), object);
-    } else if (ray.origin_surface.inside()) {
-        keep_nearer<order>(best, chord(shape, origin, ray.direction), ray.origin_surface);
-    }
-}
-template <VisitOrder order, class Real>
-PT_HD inline void meet_shape(Hit<Real>& best, const AxisBox<Real>& box, std::uint32_t object, const Vec3<Real>& origin,
-                             const Ray<Real>& ray) {
-    const Interval<Real> crossing = slab_interval(box.low, box.high, origin, reciprocal(ray.direction));
-    if (!ray.origin_surface.is_of(object)) {
-        keep_nearer<order>(best, crossing, object);
-    } else if (ray.origin_surface.inside()) {
-        keep_nearer<order>(best, max(crossing.far, Real(0)), ray.origin_surface);
-    }
-}
-template <VisitOrder order, class Real>
-PT_HD inline void meet_shape(Hit<Real>& best, const Quad<Real>& quad, std::uint32_t object, const Vec3<Real>& origin,
-                             const Ray<Real>& ray) {
-    if (!ray.origin_surface.is_of(object)) {
-        keep_nearer_flat<order>(best, interval(quad, origin, ray.direction), object,
-                                dot(ray.direction, quad.normal) > Real(0));
-    }
-}
-template <class Config, VisitOrder order, class Scene>
-PT_HD inline void meet_object(Hit<typename Config::Real>& best, const Scene& scene, std::uint32_t object,
-                              const Ray<typename Config::Real>& ray) {
-    const auto origin = at_rest<Config>(scene, object, ray.origin, ray.time);
-    visit_shape<Config>(
-        scene, object, [&](const auto& shape) { meet_shape<order>(best, as_met<Config>(shape), object, origin, ray); });
 }
 
 // The point left where the ray's rounding puts it.
@@ -372,8 +373,8 @@ PT_HD inline SurfacePoint<typename Config::Real> surface_at(const Scene& scene, 
                                                             const Hit<typename Config::Real>& hit) {
     using Real = typename Config::Real;
     if constexpr (has<Config>(Feature::double_intersection)) {
-        // A quad's points keep away from its edges by the rounding of the precision that they end in (quad.h).
-        if (hit.side.object() < scene.first_quad()) {
+        // A flat shape's points keep away from its edges by the rounding of the precision that they end in.
+        if (!is_flat(scene, hit.side.object())) {
             const SurfacePoint<double> point =
                 surface_at<InDouble<Config>>(WideScene(scene), widened(ray), Hit<double>{hit.t, hit.side});
             return {Vec3<Real>(point.position), Vec3<Real>(point.normal)};
@@ -393,9 +394,16 @@ PT_HD inline SurfacePoint<typename Config::Real> surface_at(const Scene& scene, 
     }
     const std::uint32_t object = hit.side.object();
     const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
+    bool by_matrix = has<Config>(Feature::matrix);
     if constexpr (has<Config>(Feature::matrix)) {
-        point = surface_point(scene.transforms[object], origin, ray.direction, hit.t, hit.side.inside());
-    } else {
+        if constexpr ((Config::features & shapes_without_matrix) != 0) {
+            by_matrix = scene.transforms[object].shape != UnitShape::none;
+        }
+        if (by_matrix) {
+            point = surface_point(scene.transforms[object], origin, ray.direction, hit.t, hit.side.inside());
+        }
+    }
+    if (!by_matrix) {
         visit_shape<Config>(scene, object, [&](const auto& shape) {
             point = surface_point(as_met<Config>(shape), origin, ray.direction, hit.t, hit.side.inside());
         });

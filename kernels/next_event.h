@@ -7,38 +7,28 @@
 #pragma once
 
 #include "kernels/dielectric.h"
-#include "kernels/solid_angle.h"
+#include "kernels/intersect.h"
 
 namespace pt {
 
-// As the kernel samples a shape: spheres in textbook form where it has those.
+// As the kernel samples a shape: in textbook form where the shape has one.
 template <class Config, class Shape, class Real>
 PT_HD inline DirectionSample<Real> sample_direction_in(const Shape& shape, const Vec3<Real>& observer, Real u, Real v,
                                                        Real w) {
-    return sample_direction(shape, observer, u, v, w);
-}
-template <class Config, class Real>
-PT_HD inline DirectionSample<Real> sample_direction_in(const Sphere<Real>& sphere, const Vec3<Real>& observer, Real u,
-                                                       Real v, Real w) {
     if constexpr (has<Config>(Feature::naive)) {
-        return naive::sample_direction(sphere, observer, u, v);
+        return naive::sample_direction(shape, observer, u, v, w);
     } else {
-        return sample_direction(sphere, observer, u, v, w);
+        return sample_direction(shape, observer, u, v, w);
     }
 }
 
 template <class Config, class Shape, class Real>
 PT_HD inline Real inverse_direction_pdf_in(const Shape& shape, const Vec3<Real>& observer, const Vec3<Real>& direction,
                                            Real distance) {
-    return inverse_direction_pdf(shape, observer, direction, distance);
-}
-template <class Config, class Real>
-PT_HD inline Real inverse_direction_pdf_in(const Sphere<Real>& sphere, const Vec3<Real>& observer,
-                                           const Vec3<Real>& direction, Real distance) {
     if constexpr (has<Config>(Feature::naive)) {
-        return naive::inverse_direction_pdf(sphere, observer);
+        return naive::inverse_direction_pdf(shape, observer, direction, distance);
     } else {
-        return inverse_direction_pdf(sphere, observer, direction, distance);
+        return inverse_direction_pdf(shape, observer, direction, distance);
     }
 }
 

@@ -29,12 +29,8 @@ struct SceneArray {
 
 // ARRAY(name, kind, word): the list for who needs the names in program text, a macro a kind. The word is in the name of
 // the constant that tells a kernel how many there are: PT_SPHERES, baked::material_count.
-#define PT_OBJECT_ARRAYS(ARRAY)                    \
-    ARRAY(spheres, objects, SPHERES)               \
-    ARRAY(ellipsoids, objects, ELLIPSOIDS)         \
-    ARRAY(axis_boxes, objects, AXIS_BOXES)         \
-    ARRAY(oriented_boxes, objects, ORIENTED_BOXES) \
-    ARRAY(quads, objects, QUADS)
+#define PT_OBJECT_ARRAYS(ARRAY) PT_SHAPES_WITH(PT_ARRAY_OF_SHAPE, ARRAY)
+#define PT_ARRAY_OF_SHAPE(name, array, Type, WORD, ARRAY) ARRAY(array, objects, WORD)
 #define PT_TRACED_ARRAYS(ARRAY) ARRAY(velocity, traced, OBJECTS)
 #define PT_MATRIX_ARRAYS(ARRAY) ARRAY(transforms, matrix, OBJECTS)
 #define PT_SHADING_ARRAYS(ARRAY)             \

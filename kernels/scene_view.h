@@ -3,11 +3,9 @@
 #pragma once
 
 #include "kernels/axis_aligned_enclosure.h"
-#include "kernels/box.h"
 #include "kernels/camera.h"
 #include "kernels/material.h"
-#include "kernels/quad.h"
-#include "kernels/sphere.h"
+#include "kernels/shapes.h"
 #include "kernels/transform.h"
 
 namespace pt {
@@ -19,11 +17,9 @@ struct Light {
 
 template <class Real>
 struct SceneView {
-    View<Sphere<Real>> spheres;
-    View<Ellipsoid<Real>> ellipsoids;
-    View<AxisBox<Real>> axis_boxes;
-    View<OrientedBox<Real>> oriented_boxes;
-    View<Quad<Real>> quads;
+#define PT_VIEW(name, array, Type) View<Type<Real>> array;
+    PT_SHAPES(PT_VIEW)
+#undef PT_VIEW
     View<Transform<Real>> transforms;     // by object number; only for kernels with Feature::matrix
     View<std::uint32_t> object_material;  // by object number
     View<Surface<Real>> surfaces;         // by object number
@@ -40,15 +36,32 @@ struct SceneView {
     std::uint32_t mis_exponent;    // 0: lights count where connected only; 1: balance heuristic, 2: power heuristic
     std::uint32_t roulette_start;  // Russian roulette from the vertex at the end of this segment on; 0: none
 
-    PT_HD std::uint32_t first_ellipsoid() const { return spheres.size; }
-    PT_HD std::uint32_t first_axis_box() const { return first_ellipsoid() + ellipsoids.size; }
-    PT_HD std::uint32_t first_oriented_box() const { return first_axis_box() + axis_boxes.size; }
-    PT_HD std::uint32_t first_quad() const { return first_oriented_box() + oriented_boxes.size; }
-    PT_HD std::uint32_t object_count() const { return first_quad() + quads.size; }
     PT_HD std::uint32_t pixel_count() const { return camera.width * camera.height; }
     // Segments that the longest path can have: with a final bounce, a path whose last vertex is specular goes one
     // further.
     PT_HD std::uint32_t longest_path() const { return depth + final_bounce; }
 };
+
+// The number of the first object of a kind, and that past the last: of a SceneView, or what has members of the same
+// names.
+template <ShapeKind kind, class Scene>
+PT_HD constexpr std::uint32_t first_of(const Scene& scene) {
+    std::uint32_t first = 0;
+#define PT_ADD(name, array, Type)           \
+    if constexpr (ShapeKind::name < kind) { \
+        first += scene.array.size;          \
+    }
+    PT_SHAPES(PT_ADD)
+#undef PT_ADD
+    return first;
+}
+template <ShapeKind kind, class Scene>
+PT_HD constexpr std::uint32_t end_of(const Scene& scene) {
+    return first_of<static_cast<ShapeKind>(static_cast<std::uint32_t>(kind) + 1)>(scene);
+}
+template <class Scene>
+PT_HD constexpr std::uint32_t object_count(const Scene& scene) {
+    return first_of<static_cast<ShapeKind>(shape_count)>(scene);
+}
 
 }  // namespace pt

@@ -8,18 +8,10 @@
 // taken out.
 #pragma once
 
-#include "kernels/box.h"
-#include "kernels/quad.h"
 #include "kernels/sampling.h"
+#include "kernels/shape.h"
 
 namespace pt {
-
-// `inverse_pdf` is 1 / density by solid angle, at most 4 pi; 0: there is nothing to sample.
-template <class Real>
-struct DirectionSample {
-    Vec3<Real> direction;  // unit
-    Real inverse_pdf;
-};
 
 // What a unit sphere fills of the sky of a point at a distance: 2 pi (1 - cos) of a cone, everything from inside.
 template <class Real>
@@ -44,62 +36,10 @@ struct Cone {
 };
 
 template <class Real>
-PT_HD inline Cone<Real> cone_of(const Sphere<Real>& sphere, const Vec3<Real>& to_centre) {
-    return Cone<Real>(sphere.radius / square_root(dot(to_centre, to_centre)));
-}
-
-// 1 / density of the directions that sample_direction gives, in the direction of a ray that meets the light after
-// `distance`.
-template <class Real>
-PT_HD inline Real inverse_direction_pdf(const Sphere<Real>& sphere, const Vec3<Real>& observer, const Vec3<Real>&,
-                                        Real) {
-    return cone_of(sphere, sphere.centre - observer).inverse_pdf();
-}
-
-template <class Real>
 PT_HD inline Vec3<Real> along(const Vec3<Real>& axis, const Vec3<Real>& local) {
     const Real square = dot(axis, axis);
     // At the very centre every axis will do.
     return square > Real(0) ? Frame<Real>(axis * (Real(1) / square_root(square))).to_world(local) : local;
-}
-
-template <class Real>
-PT_HD inline DirectionSample<Real> sample_direction(const Sphere<Real>& sphere, const Vec3<Real>& observer, Real u,
-                                                    Real v, Real) {
-    const Vec3<Real> to_centre = sphere.centre - observer;
-    const Cone<Real> cone = cone_of(sphere, to_centre);
-    return {along(to_centre, cone.direction(u, v)), cone.inverse_pdf()};
-}
-
-// Solid angle in the world over solid angle in the unit sphere's frame: |det| / length^3, with `length` that of the
-// image of a unit vector. Each axis is divided by it first, so that no cube of a length is formed.
-template <class Real>
-PT_HD inline Real ellipsoid_stretch(const Ellipsoid<Real>& e, Real length) {
-    const Real inverse = Real(1) / length;
-    return absolute(dot(e.semi_axis[0] * inverse, cross(e.semi_axis[1] * inverse, e.semi_axis[2] * inverse)));
-}
-
-template <class Real>
-PT_HD inline Cone<Real> cone_of(const Ellipsoid<Real>&, const Vec3<Real>& to_centre_in_unit) {
-    return Cone<Real>(Real(1) / square_root(dot(to_centre_in_unit, to_centre_in_unit)));
-}
-
-template <class Real>
-PT_HD inline Real inverse_direction_pdf(const Ellipsoid<Real>& e, const Vec3<Real>& observer,
-                                        const Vec3<Real>& direction, Real) {
-    const Vec3<Real> in_unit = e.to_unit(direction);
-    return cone_of(e, e.to_unit(e.centre - observer)).inverse_pdf() *
-           ellipsoid_stretch(e, Real(1) / square_root(dot(in_unit, in_unit)));
-}
-
-template <class Real>
-PT_HD inline DirectionSample<Real> sample_direction(const Ellipsoid<Real>& e, const Vec3<Real>& observer, Real u,
-                                                    Real v, Real) {
-    const Vec3<Real> to_centre = e.to_unit(e.centre - observer);
-    const Cone<Real> cone = cone_of(e, to_centre);
-    const Vec3<Real> image = e.to_world(along(to_centre, cone.direction(u, v)));
-    const Real length = square_root(dot(image, image));
-    return {image * (Real(1) / length), cone.inverse_pdf() * ellipsoid_stretch(e, length)};
 }
 
 // A rectangle in the plane z = `height` above the observer, with its sides along x and y.
@@ -226,46 +166,42 @@ private:
     }
 };
 
-template <class Real>
-PT_HD inline SeenBox<Real> seen_from(const AxisBox<Real>& box, const Vec3<Real>& observer) {
-    return {observer - (box.high + box.low) * Real(0.5), (box.high - box.low) * Real(0.5)};
+// A shape that has nothing better is sampled by area, uniformly: each point in which a ray meets it adds its density,
+// distance^2 / (cosine * area). Of a convex body these are up to two. Right from everywhere, but the weights of samples
+// are not bounded where the observer is near.
+template <class Shape, class Real>
+PT_HD inline Real area_density(const Shape& shape, const Vec3<Real>& observer, const Vec3<Real>& direction, Real t,
+                               bool inside) {
+    const Real cosine = absolute(dot(surface_point(shape, observer, direction, t, inside).normal, direction));
+    const Real away = t / square_root(area_of(shape));
+    return away * away / cosine;
 }
-template <class Real>
-PT_HD inline SeenBox<Real> seen_from(const OrientedBox<Real>& box, const Vec3<Real>& observer) {
-    return {box.to_local(observer - box.centre), box.half};
-}
-template <class Real>
-PT_HD inline SeenBox<Real> seen_from(const Quad<Real>& quad, const Vec3<Real>& observer) {
-    const Vec3<Real> from_centre = observer - quad.centre;
-    return {{dot(from_centre, quad.axis_u), dot(from_centre, quad.normal), dot(from_centre, quad.axis_v)},
-            {quad.half_u, Real(0), quad.half_v}};
-}
-
-template <class Real>
-PT_HD inline Vec3<Real> to_scene(const AxisBox<Real>&, const Vec3<Real>& local) {
-    return local;
-}
-template <class Real>
-PT_HD inline Vec3<Real> to_scene(const OrientedBox<Real>& box, const Vec3<Real>& local) {
-    return box.to_world(local);
-}
-template <class Real>
-PT_HD inline Vec3<Real> to_scene(const Quad<Real>& quad, const Vec3<Real>& local) {
-    return quad.axis_u * local.x + quad.normal * local.y + quad.axis_v * local.z;
-}
-
-// For AxisBox, OrientedBox and Quad.
-template <class Body, class Real>
-PT_HD inline Real inverse_direction_pdf(const Body& body, const Vec3<Real>& observer, const Vec3<Real>&,
+template <class Shape, class Real>
+PT_HD inline Real inverse_direction_pdf(const Shape& shape, const Vec3<Real>& observer, const Vec3<Real>& direction,
                                         Real distance) {
-    return seen_from(body, observer).inverse_pdf(distance);
+    if constexpr (Shape::is_flat) {
+        return Real(1) / area_density(shape, observer, direction, distance, false);
+    } else {
+        const Interval<Real> crossing = interval(shape, observer, direction);
+        if (!crossing.hits || !(crossing.far > Real(0))) {
+            return Real(0);
+        }
+        const Real beyond = area_density(shape, observer, direction, crossing.far, true);
+        const Real before =
+            crossing.near > Real(0) ? area_density(shape, observer, direction, crossing.near, false) : Real(0);
+        return Real(1) / (before + beyond);
+    }
 }
-template <class Body, class Real>
-PT_HD inline DirectionSample<Real> sample_direction(const Body& body, const Vec3<Real>& observer, Real u, Real v,
+template <class Shape, class Real>
+PT_HD inline DirectionSample<Real> sample_direction(const Shape& shape, const Vec3<Real>& observer, Real u, Real v,
                                                     Real w) {
-    DirectionSample<Real> sample = seen_from(body, observer).sample(u, v, w);
-    sample.direction = to_scene(body, sample.direction);
-    return sample;
+    const Vec3<Real> to_point = sample_point(shape, u, v, w).position - observer;
+    const Real distance = square_root(dot(to_point, to_point));
+    if (!(distance > Real(0))) {
+        return {{Real(0), Real(0), Real(1)}, Real(0)};
+    }
+    const Vec3<Real> direction = to_point * (Real(1) / distance);
+    return {direction, inverse_direction_pdf(shape, observer, direction, distance)};
 }
 
 }  // namespace pt

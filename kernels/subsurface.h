@@ -20,28 +20,6 @@ PT_HD inline Real naive_distance_to_exit(const Scene& scene, std::uint32_t objec
     return distance;
 }
 
-// From a point inside, or on the surface of, one shape.
-template <class Shape, class Real>
-PT_HD inline Real distance_out_of(const Shape& shape, const Vec3<Real>& origin, const Vec3<Real>& direction,
-                                  bool on_surface) {
-    return on_surface ? chord(shape, origin, direction) : max(Real(0), interval(shape, origin, direction).far);
-}
-template <class Real>
-PT_HD inline Real distance_out_of(const AxisBox<Real>& box, const Vec3<Real>& origin, const Vec3<Real>& direction,
-                                  bool) {
-    return max(Real(0), slab_interval(box.low, box.high, origin, reciprocal(direction)).far);
-}
-template <class Real>
-PT_HD inline Real distance_out_of(const OrientedBox<Real>& box, const Vec3<Real>& origin, const Vec3<Real>& direction,
-                                  bool) {
-    return chord(box, origin, direction);
-}
-// A quad has no inside: the loader refuses a body of this shape.
-template <class Real>
-PT_HD inline Real distance_out_of(const Quad<Real>&, const Vec3<Real>&, const Vec3<Real>&, bool) {
-    return Real(0);
-}
-
 // Way to the surface from a point inside the body or, if `on_surface`, from its surface inwards.
 template <class Config, class Scene>
 PT_HD inline typename Config::Real distance_to_exit(const Scene& scene, std::uint32_t object,

@@ -4,10 +4,9 @@
 #pragma once
 
 #include "kernels/box.h"
+#include "kernels/unit_sphere.h"
 
 namespace pt {
-
-enum class UnitShape : std::uint32_t { box, sphere, quad };
 
 template <class Real>
 struct Transform {
@@ -15,7 +14,7 @@ struct Transform {
     Vec3<Real> offset;     // the inverse's last column
     Vec3<Real> column[3];  // of the matrix's 3x3 part
     Vec3<Real> centre;     // the matrix's last column, relative to the camera's eye
-    UnitShape shape;       // [-1/2, 1/2]^3, the sphere of diameter 1, or the square of side 1 in the plane y = 0
+    UnitShape shape;
 
     PT_HD Vec3<Real> direction_to_local(const Vec3<Real>& v) const {
         return {dot(row[0], v), dot(row[1], v), dot(row[2], v)};
@@ -29,7 +28,7 @@ struct Transform {
     }
 };
 
-// As quad.h's, in the unit square: the edges reach out by the rounding of the point.
+// As a quad's (kernels/shapes/quad.h), in the unit square: the edges reach out by the rounding of the point.
 template <class Real>
 PT_HD inline Interval<Real> unit_quad_interval(const Vec3<Real>& origin, const Vec3<Real>& direction) {
     const Real t = -origin.y / direction.y;
@@ -75,7 +74,7 @@ PT_HD inline SurfacePoint<Real> surface_point(const Transform<Real>& object, con
         return {object.point_to_world(f * Real(0.5)), object.normal_to_world(f)};
     }
     if (object.shape == UnitShape::quad) {
-        // Inside the edges by the same bound: see quad.h.
+        // Inside the edges by the same bound: see kernels/shapes/quad.h.
         const Real reach =
             Real(0.5) - gamma<Real>(16) * (absolute(object.offset.x) + absolute(object.offset.z) + Real(1));
         const Real inner = max(Real(0), reach);

@@ -7,21 +7,32 @@
 
 namespace pt {
 
-// Calls visit(shape) with the object's shape: a Sphere, Ellipsoid, AxisBox, OrientedBox or Quad. Kinds that the kernel
-// has not leave nothing behind; an object of such a kind is not visited.
+PT_HD constexpr bool is_last(ShapeKind kind) { return static_cast<std::uint32_t>(kind) + 1 == shape_count; }
+
+// Calls visit(shape) with the object's shape: a Sphere, Ellipsoid, and so on. Kinds that the kernel has not leave
+// nothing behind; an object of such a kind is not visited. The last kind takes what is left, with no comparison.
 template <class Config, class Scene, class Visitor>
 PT_HD inline void visit_shape(const Scene& scene, std::uint32_t object, Visitor&& visit) {
-    if (has<Config>(Feature::sphere) && object < scene.first_ellipsoid()) {
-        visit(scene.spheres[object]);
-    } else if (has<Config>(Feature::ellipsoid) && object < scene.first_axis_box()) {
-        visit(scene.ellipsoids[object - scene.first_ellipsoid()]);
-    } else if (has<Config>(Feature::axis_box) && object < scene.first_oriented_box()) {
-        visit(scene.axis_boxes[object - scene.first_axis_box()]);
-    } else if (has<Config>(Feature::oriented_box) && object < scene.first_quad()) {
-        visit(scene.oriented_boxes[object - scene.first_oriented_box()]);
-    } else if (has<Config>(Feature::quad)) {
-        visit(scene.quads[object - scene.first_quad()]);
+#define PT_VISIT(name, array, Type)                                                                            \
+    if (has<Config>(Feature::name) && (is_last(ShapeKind::name) || object < end_of<ShapeKind::name>(scene))) { \
+        visit(scene.array[object - first_of<ShapeKind::name>(scene)]);                                         \
+    } else
+    PT_SHAPES(PT_VISIT) {}
+#undef PT_VISIT
+}
+
+// Whether the object is a surface without an inside.
+template <class Scene>
+PT_HD inline bool is_flat(const Scene& scene, std::uint32_t object) {
+    bool flat = false;
+#define PT_IS_FLAT(name, array, Type)                                                           \
+    if constexpr (Type<float>::is_flat) {                                                       \
+        flat = flat || (object >= first_of<ShapeKind::name>(scene) &&                           \
+                        (is_last(ShapeKind::name) || object < end_of<ShapeKind::name>(scene))); \
     }
+    PT_SHAPES(PT_IS_FLAT)
+#undef PT_IS_FLAT
+    return flat;
 }
 
 // The same for code that is compiled once, for every scene.

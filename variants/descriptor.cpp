@@ -62,12 +62,10 @@ struct NamedFeature {
 
 // In the order in which results list them.
 constexpr NamedFeature named_features[] = {
-    {Feature::sphere, "sphere"},
-    {Feature::ellipsoid, "ellipsoid"},
-    {Feature::axis_box, "axis_box"},
-    {Feature::oriented_box, "oriented_box"},
-    {Feature::quad, "quad"},
-    {Feature::motion, "motion"},
+#define PT_NAMED(name, array, Type) {Feature::name, #name},
+    PT_SHAPES(PT_NAMED)
+#undef PT_NAMED
+        {Feature::motion, "motion"},
     {Feature::diffuse, "diffuse"},
     {Feature::emitter, "emitter"},
     {Feature::mirror, "mirror"},

@@ -52,7 +52,7 @@ private:
     const AxisBox<Real>& box(std::uint32_t i) const { return scene_.axis_boxes[i]; }
 
     bool is_at_rest(std::uint32_t i) const {
-        return scene_.velocity[scene_.first_axis_box() + i] == Vec3<Real>(Real(0));
+        return scene_.velocity[first_of<ShapeKind::axis_box>(scene_) + i] == Vec3<Real>(Real(0));
     }
 
     // A wall is thinnest across itself: that keeps the search short.
@@ -127,7 +127,7 @@ private:
             if (wall == nobody) {
                 enclosure.open_sides |= 1u << (2 * number + (is_low ? 0 : 1));
             } else {
-                side = SurfaceId::of_face(scene_.first_axis_box() + wall, number, is_low);
+                side = SurfaceId::of_face(first_of<ShapeKind::axis_box>(scene_) + wall, number, is_low);
                 enclosure.walls |= 1u << wall;
             }
         };
@@ -154,10 +154,11 @@ void describe_boxes(AxisAlignedEnclosure<Real>& enclosure, const SceneView<Real>
     enclosure.reach_low = Vec3<Real>(infinity);
     enclosure.reach_high = Vec3<Real>(-infinity);
     for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
-        if (scene.materials[scene.object_material[scene.first_axis_box() + i]].type == MaterialType::emitter) {
+        if (scene.materials[scene.object_material[first_of<ShapeKind::axis_box>(scene) + i]].type ==
+            MaterialType::emitter) {
             enclosure.lamps |= 1u << i;
         }
-        const bool moves = scene.velocity[scene.first_axis_box() + i] != Vec3<Real>(Real(0));
+        const bool moves = scene.velocity[first_of<ShapeKind::axis_box>(scene) + i] != Vec3<Real>(Real(0));
         for (int axis = 0; axis < 3; ++axis) {
             const AxisBox<Real>& box = scene.axis_boxes[i];
             enclosure.reach_low[axis] = std::min(enclosure.reach_low[axis], moves ? -infinity : box.low[axis]);

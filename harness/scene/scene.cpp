@@ -1,6 +1,8 @@
 #include "harness/scene/scene.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace pt {
 
@@ -58,19 +60,78 @@ Rotation rotation_of(const Vec3d& degrees) {
               y.cosine * x.cosine}}};
 }
 
-PrimitiveKind classify(const SceneObject& object) {
-    switch (object.shape) {
-        case Shape::sphere:
-            return object.scale.x == object.scale.y && object.scale.y == object.scale.z ? PrimitiveKind::sphere
-                                                                                        : PrimitiveKind::ellipsoid;
-        case Shape::box: {
-            const Vec3d& r = object.rotate_degrees;
-            return is_quarter_turn(r.x) && is_quarter_turn(r.y) && is_quarter_turn(r.z) ? PrimitiveKind::axis_box
-                                                                                        : PrimitiveKind::oriented_box;
+namespace {
+
+// Calls visit(kind, shape of double) for every kind of shape, in the list's order; the shape is for its static members.
+template <class Visit>
+void for_each_kind(const Visit& visit) {
+#define PT_VISIT_KIND(name, array, Type) visit(ShapeKind::name, Type<double>{});
+    PT_SHAPES(PT_VISIT_KIND)
+#undef PT_VISIT_KIND
+}
+
+template <class Visit>
+void visit_kind(ShapeKind wanted, const Visit& visit) {
+    for_each_kind([&](ShapeKind kind, const auto& shape) {
+        if (kind == wanted) {
+            visit(shape);
         }
-        default:
-            return PrimitiveKind::quad;
-    }
+    });
+}
+
+}  // namespace
+
+std::string name_of(Shape shape) {
+    std::string name;
+    visit_kind(shape.first_kind, [&](const auto& kind) { name = kind.file_name; });
+    return name;
+}
+
+std::vector<std::string> shape_names() {
+    std::vector<std::string> names;
+    for_each_kind([&](ShapeKind, const auto& shape) {
+        if (std::find(names.begin(), names.end(), shape.file_name) == names.end()) {
+            names.emplace_back(shape.file_name);
+        }
+    });
+    return names;
+}
+
+Shape shape_named(const std::string& name) {
+    std::optional<Shape> found;
+    for_each_kind([&](ShapeKind kind, const auto& shape) {
+        if (!found && shape.file_name == name) {
+            found = Shape{kind};
+        }
+    });
+    return found.value();
+}
+
+Placement placement_of(const SceneObject& object, const Vec3d& eye) {
+    const Rotation rotation = rotation_of(object.rotate_degrees);
+    const Vec3d& r = object.rotate_degrees;
+    return {object.translate - eye,
+            {rotation.column[0], rotation.column[1], rotation.column[2]},
+            object.scale,
+            is_quarter_turn(r.x) && is_quarter_turn(r.y) && is_quarter_turn(r.z)};
+}
+
+ShapeKind classify(const SceneObject& object) {
+    const std::string name = name_of(object.shape);
+    const Placement placement = placement_of(object, Vec3d(0.0));
+    std::optional<ShapeKind> found;
+    for_each_kind([&](ShapeKind kind, const auto& shape) {
+        if (!found && shape.file_name == name && shape.is_kind_of(placement)) {
+            found = kind;
+        }
+    });
+    return found.value();
+}
+
+bool is_flat(const SceneObject& object) {
+    bool flat = false;
+    visit_kind(object.shape.first_kind, [&](const auto& shape) { flat = shape.is_flat; });
+    return flat;
 }
 
 bool contains_point(const SceneObject& object, const Vec3d& point) {
@@ -78,14 +139,9 @@ bool contains_point(const SceneObject& object, const Vec3d& point) {
     const Vec3d p = point - object.translate;
     const Vec3d local{dot(rotation.column[0], p) / object.scale.x, dot(rotation.column[1], p) / object.scale.y,
                       dot(rotation.column[2], p) / object.scale.z};
-    switch (object.shape) {
-        case Shape::sphere:
-            return dot(local, local) < 0.25;
-        case Shape::box:
-            return std::abs(local.x) < 0.5 && std::abs(local.y) < 0.5 && std::abs(local.z) < 0.5;
-        default:
-            return false;
-    }
+    bool inside = false;
+    visit_kind(object.shape.first_kind, [&](const auto& shape) { inside = shape.contains(local); });
+    return inside;
 }
 
 namespace {
@@ -138,19 +194,20 @@ double eye_power(const SceneObject& sphere, const Vec3d& eye) {
 }
 
 bool is_near_eye(const SceneObject& object, const Vec3d& eye) {
-    return classify(object) == PrimitiveKind::sphere && std::abs(eye_power(object, eye)) < 0.5;
+    return classify(object) == ShapeKind::sphere && std::abs(eye_power(object, eye)) < 0.5;
 }
 
 FeatureSet features_of(const Scene& scene) {
-    static constexpr Feature by_kind[] = {Feature::sphere, Feature::ellipsoid, Feature::axis_box, Feature::oriented_box,
-                                          Feature::quad};
+#define PT_FEATURE(name, array, Type) Feature::name,
+    static constexpr Feature by_kind[] = {PT_SHAPES(PT_FEATURE)};
+#undef PT_FEATURE
     const bool shutter_moves_objects = scene.camera.shutter_open != 0 || scene.camera.shutter_close != 0;
     FeatureSet features = no_features;
     for (const SceneObject& object : scene.objects) {
-        const PrimitiveKind kind = classify(object);
+        const ShapeKind kind = classify(object);
         features = features | by_kind[static_cast<std::size_t>(kind)];
         features |= features_of_material(scene.materials[object.material]);
-        if (kind == PrimitiveKind::sphere && is_near_eye(object, scene.camera.eye)) {
+        if (kind == ShapeKind::sphere && is_near_eye(object, scene.camera.eye)) {
             features = features | Feature::near_sphere;
         }
         if (shutter_moves_objects && !is_black(object.velocity)) {

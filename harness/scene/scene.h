@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "kernels/config.h"
 #include "kernels/material.h"
+#include "kernels/shapes.h"
 
 namespace pt {
 
@@ -34,7 +34,16 @@ struct SceneMaterial {
     std::uint32_t max_scatterings = 1000000;
 };
 
-enum class Shape { sphere, box, quad };
+// A shape as scene files name it, by the first of the kinds that share the name.
+struct Shape {
+    ShapeKind first_kind;
+
+    static const Shape sphere, box, quad;
+    bool operator==(const Shape& other) const { return first_kind == other.first_kind; }
+};
+inline constexpr Shape Shape::sphere{ShapeKind::sphere};
+inline constexpr Shape Shape::box{ShapeKind::axis_box};
+inline constexpr Shape Shape::quad{ShapeKind::quad};
 
 struct SceneObject {
     Shape shape = Shape::sphere;
@@ -57,21 +66,27 @@ struct Scene {
 Scene load_scene(const std::string& file);
 Scene parse_scene(const std::string& text, const std::string& file);
 
+// The names that scene files have for shapes, each once, and the shape that goes by one of them.
+std::vector<std::string> shape_names();
+Shape shape_named(const std::string& name);
+std::string name_of(Shape shape);
+
+Placement placement_of(const SceneObject& object, const Vec3d& eye);
 // Which formula an object is intersected by.
-enum class PrimitiveKind { sphere, ellipsoid, axis_box, oriented_box, quad };
-PrimitiveKind classify(const SceneObject& object);
+ShapeKind classify(const SceneObject& object);
+bool is_flat(const SceneObject& object);
 
 // Everything that rendering the scene needs, and nothing else.
 FeatureSet features_of(const Scene& scene);
 
-// Whether a point lies inside the object as it stands at time 0; never inside a quad.
+// Whether a point lies inside the object as it stands at time 0; never inside a flat shape.
 bool contains_point(const SceneObject& object, const Vec3d& point);
 
 // The power of the camera's eye with respect to a sphere, |centre - eye|^2 - radius^2, in square radii: to one rounding
 // of a double from the numbers of the scene.
 double eye_power(const SceneObject& sphere, const Vec3d& eye);
-// Whether that is how the sphere is met best (kernels/sphere.h, NearSphere): the eye is off its surface by less than
-// about a quarter of its radius. Not for objects of other kinds.
+// Whether that is how the sphere is met best (NearSphere in kernels/shapes/sphere.h): the eye is off its surface by
+// less than about a quarter of its radius. Not for objects of other kinds.
 bool is_near_eye(const SceneObject& object, const Vec3d& eye);
 
 // Columns of the rotation "about x, then y, then z"; exact at multiples of 90 degrees.

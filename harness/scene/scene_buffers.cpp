@@ -110,64 +110,31 @@ Camera<Real> make_camera(const Scene& scene, const RenderSettings& settings) {
     return camera;
 }
 
+// What a shape's placement does not say. Special: of a sphere near the eye, its power, formed from the file's numbers
+// before any is rounded.
+template <class Shape>
+void complete(Shape&, const SceneObject&, const Vec3d&) {}
 template <class Real>
-AxisBox<Real> make_axis_box(const Vec3d& centre, const Rotation& rotation, const Vec3d& scale) {
-    Vec3d half(0.0);
-    for (int axis = 0; axis < 3; ++axis) {
-        // Each column has one entry of 1 or -1.
-        half += Vec3d(std::abs(rotation.column[axis].x), std::abs(rotation.column[axis].y),
-                      std::abs(rotation.column[axis].z)) *
-                (0.5 * scale[axis]);
-    }
-    return {narrow<Real>(centre - half), narrow<Real>(centre + half)};
-}
-
-template <class Real>
-Sphere<Real> make_sphere(const SceneObject& object, const Vec3d& eye) {
-    Sphere<Real> sphere{narrow<Real>(object.translate - eye), static_cast<Real>(0.5 * object.scale.x),
-                        static_cast<Real>(2.0 / object.scale.x)};
+void complete(Sphere<Real>& sphere, const SceneObject& object, const Vec3d& eye) {
     if (is_near_eye(object, eye)) {
         sphere.eye_power = static_cast<Real>(eye_power(object, eye));
         sphere.is_near_eye = 1;
     }
-    return sphere;
 }
 
 template <class Real>
-Ellipsoid<Real> make_ellipsoid(const Vec3d& centre, const Rotation& rotation, const Vec3d& scale) {
-    Ellipsoid<Real> ellipsoid{};
-    ellipsoid.centre = narrow<Real>(centre);
-    for (int axis = 0; axis < 3; ++axis) {
-        ellipsoid.semi_axis[axis] = narrow<Real>(rotation.column[axis] * (0.5 * scale[axis]));
-        ellipsoid.inverse_axis[axis] = narrow<Real>(rotation.column[axis] / (0.5 * scale[axis]));
-    }
-    return ellipsoid;
-}
-
-template <class Real>
-Quad<Real> make_quad(const Vec3d& centre, const Rotation& rotation, const Vec3d& scale) {
-    return {narrow<Real>(centre),
-            narrow<Real>(rotation.column[1]),
-            narrow<Real>(rotation.column[0]),
-            narrow<Real>(rotation.column[2]),
-            static_cast<Real>(0.5 * scale.x),
-            static_cast<Real>(0.5 * scale.z)};
-}
-
-template <class Real>
-Transform<Real> make_transform(const SceneObject& object, const Vec3d& centre, const Rotation& rotation) {
+Transform<Real> make_transform(const SceneObject& object, const Placement& placement, UnitShape shape) {
     Transform<Real> transform{};
     for (int axis = 0; axis < 3; ++axis) {
-        // A quad has no thickness: its normal's scale is free.
-        const double scale = object.shape == Shape::quad && axis == 1 ? 1.0 : object.scale[axis];
-        transform.row[axis] = narrow<Real>(rotation.column[axis] / scale);
-        transform.offset[axis] = static_cast<Real>(-dot(rotation.column[axis], centre) / scale);
-        transform.column[axis] = narrow<Real>(rotation.column[axis] * scale);
+        // A flat shape has no thickness: its normal's scale is free.
+        const double scale = is_flat(object) && axis == 1 ? 1.0 : object.scale[axis];
+        const Vec3d& column = placement.column[axis];
+        transform.row[axis] = narrow<Real>(column / scale);
+        transform.offset[axis] = static_cast<Real>(-dot(column, placement.centre) / scale);
+        transform.column[axis] = narrow<Real>(column * scale);
     }
-    transform.centre = narrow<Real>(centre);
-    transform.shape = object.shape == Shape::sphere ? UnitShape::sphere
-                      : object.shape == Shape::quad ? UnitShape::quad
-                                                    : UnitShape::box;
+    transform.centre = narrow<Real>(placement.centre);
+    transform.shape = shape;
     return transform;
 }
 
@@ -196,29 +163,17 @@ RenderSettings default_settings(const Scene& scene) {
 template <class Real>
 void SceneBuffers<Real>::add_object(const Scene& scene, std::uint32_t index) {
     const SceneObject& object = scene.objects[index];
-    const Vec3d centre = object.translate - scene.camera.eye;
-    const Rotation rotation = rotation_of(object.rotate_degrees);
+    const Placement placement = placement_of(object, scene.camera.eye);
     switch (classify(object)) {
-        case PrimitiveKind::sphere:
-            arrays_.spheres.push_back(make_sphere<Real>(object, scene.camera.eye));
-            break;
-        case PrimitiveKind::ellipsoid:
-            arrays_.ellipsoids.push_back(make_ellipsoid<Real>(centre, rotation, object.scale));
-            break;
-        case PrimitiveKind::axis_box:
-            arrays_.axis_boxes.push_back(make_axis_box<Real>(centre, rotation, object.scale));
-            break;
-        case PrimitiveKind::oriented_box:
-            arrays_.oriented_boxes.push_back(
-                {narrow<Real>(centre),
-                 {narrow<Real>(rotation.column[0]), narrow<Real>(rotation.column[1]), narrow<Real>(rotation.column[2])},
-                 narrow<Real>(object.scale * 0.5)});
-            break;
-        case PrimitiveKind::quad:
-            arrays_.quads.push_back(make_quad<Real>(centre, rotation, object.scale));
-            break;
+#define PT_ADD_SHAPE(name, array, Type)                                                                \
+    case ShapeKind::name:                                                                              \
+        arrays_.array.push_back(Type<Real>::placed(placement));                                        \
+        complete(arrays_.array.back(), object, scene.camera.eye);                                      \
+        arrays_.transforms.push_back(make_transform<Real>(object, placement, Type<Real>::unit_shape)); \
+        break;
+        PT_SHAPES(PT_ADD_SHAPE)
+#undef PT_ADD_SHAPE
     }
-    arrays_.transforms.push_back(make_transform<Real>(object, centre, rotation));
     if (scene.materials[object.material].emission != Vec3d(0.0)) {
         arrays_.lights.push_back({static_cast<std::uint32_t>(arrays_.object_material.size())});
     }

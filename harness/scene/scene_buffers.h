@@ -28,11 +28,9 @@ RenderSettings default_settings(const Scene& scene);
 // What the arrays of a SceneView lie in.
 template <class Real>
 struct SceneStorage {
-    std::vector<Sphere<Real>> spheres;
-    std::vector<Ellipsoid<Real>> ellipsoids;
-    std::vector<AxisBox<Real>> axis_boxes;
-    std::vector<OrientedBox<Real>> oriented_boxes;
-    std::vector<Quad<Real>> quads;
+#define PT_VECTOR(name, array, Type) std::vector<Type<Real>> array;
+    PT_SHAPES(PT_VECTOR)
+#undef PT_VECTOR
     std::vector<Transform<Real>> transforms;
     std::vector<std::uint32_t> object_material;
     std::vector<Vec3<Real>> velocity;

@@ -210,8 +210,7 @@ std::string names_of(const std::vector<SceneMaterial>& materials) {
 SceneObject read_object(const JsonValue& value, const std::vector<SceneMaterial>& materials) {
     const JsonObject object(value, {"shape", "material", "translate", "rotate_degrees", "scale", "velocity"});
     SceneObject result;
-    const std::string shape = object.required("shape").one_of({"sphere", "box", "quad"});
-    result.shape = shape == "sphere" ? Shape::sphere : shape == "box" ? Shape::box : Shape::quad;
+    result.shape = shape_named(object.required("shape").one_of(shape_names()));
     const JsonValue material_value = object.required("material");
     const std::string name = material_value.text();
     const auto material =
@@ -222,9 +221,10 @@ SceneObject read_object(const JsonValue& value, const std::vector<SceneMaterial>
     }
     result.material = static_cast<std::uint32_t>(material - materials.begin());
     const bool needs_inside = material->type == MaterialType::dielectric || material->type == MaterialType::subsurface;
-    if (result.shape == Shape::quad && needs_inside) {
-        material_value.fail(
-            "on a quad: diffuse, emitter, mirror or mix (dielectric and subsurface need a shape with an inside)");
+    if (is_flat(result) && needs_inside) {
+        material_value.fail(fmt::format(
+            "on a {}: diffuse, emitter, mirror or mix (dielectric and subsurface need a shape with an inside)",
+            name_of(result.shape)));
     }
     result.translate = object.has("translate") ? point(object.at("translate")) : Vec3d(0.0);
     if (object.has("rotate_degrees")) {

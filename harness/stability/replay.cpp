@@ -19,11 +19,15 @@ std::string name_of(const Scene& scene, const SceneBuffers<Real>& buffers, Surfa
     if (!side.exists()) {
         return "nothing";
     }
-    static constexpr const char* kinds[] = {"sphere", "ellipsoid", "axis box", "oriented box", "quad"};
+#define PT_NAME(name, array, Type) #name,
+    static constexpr const char* kinds[] = {PT_SHAPES(PT_NAME)};
+#undef PT_NAME
     const std::uint32_t index = buffers.file_index()[side.object()];
     const SceneObject& object = scene.objects[index];
-    return fmt::format("{} {} ({}), {}", kinds[static_cast<int>(classify(object))], index,
-                       scene.materials[object.material].name, side.inside() ? "inside" : "outside");
+    std::string kind = kinds[static_cast<int>(classify(object))];
+    std::replace(kind.begin(), kind.end(), '_', ' ');
+    return fmt::format("{} {} ({}), {}", kind, index, scene.materials[object.material].name,
+                       side.inside() ? "inside" : "outside");
 }
 
 template <class Config>

@@ -434,7 +434,7 @@ TEST(ImportCis565, QuarterTurnsStayExact) {
         const Vec3d ours = rotation_x_first(degrees);
         EXPECT_EQ(largest_difference(product_xyz(degrees), rotation_of(ours)), 0)
             << degrees.x << " " << degrees.y << " " << degrees.z;
-        EXPECT_EQ(classify({.shape = Shape::box, .rotate_degrees = ours}), PrimitiveKind::axis_box);
+        EXPECT_EQ(classify({.shape = Shape::box, .rotate_degrees = ours}), ShapeKind::axis_box);
     }
 }
 

@@ -1,4 +1,4 @@
-// Spheres that the eye is near (kernels/sphere.h, NearSphere), as a ground of ten million units below it, against long
+// Spheres that the eye is near (NearSphere in kernels/shapes/sphere.h), as a ground of ten million units below it, against long
 // double from the scene's own numbers.
 #include <cmath>
 #include <limits>

@@ -1,5 +1,5 @@
 // The nearest object along the rays of a packet: spheres and axis boxes over all lanes at once, other kinds lane by
-// lane. The sums and comparisons are those of kernels/sphere.h, box.h, axis_aligned_enclosure.h and intersect.h, in
+// lane. The sums and comparisons are those of kernels/shapes/sphere.h, box.h, axis_aligned_enclosure.h and intersect.h, in
 // their order, so a lane's answer has the same bits (tests/unit/lanes_test.cpp); only their branches are selections
 // here.
 #pragma once
@@ -134,7 +134,7 @@ inline void leave_enclosure(EnclosureExits<typename Config::Real>& exits, const 
                             const Paths<typename Config::Real>& paths, const Vectors<typename Config::Real>& inverses) {
     using Real = typename Config::Real;
     const AxisAlignedEnclosure<Real> enclosure = scene.enclosure;
-    const std::uint32_t first = scene.first_axis_box();
+    const std::uint32_t first = first_of<ShapeKind::axis_box>(scene);
 #pragma GCC ivdep
     for (std::uint32_t l = 0; l < width; ++l) {
         const Vec3<Real> origin = paths.origin[l];
@@ -168,7 +168,7 @@ inline void closest_by_slabs(Hits<typename Config::Real>& hits, const SceneView<
         if (has_enclosure && scene.enclosure.is_wall(i)) {
             continue;
         }
-        const std::uint32_t object = scene.first_axis_box() + i;
+        const std::uint32_t object = first_of<ShapeKind::axis_box>(scene) + i;
         const std::uint32_t left = has_enclosure && scene.enclosure.is_lamp(i) ? SurfaceId::nowhere : object;
         const AxisBox<Real> box = scene.axis_boxes[i];
 #pragma GCC ivdep
@@ -218,6 +218,22 @@ inline void closest_axis_box(Hits<typename Config::Real>& hits, const SceneView<
     }
 }
 
+// All objects of one kind. Special, for speed: spheres and axis boxes, which g++ makes vectors of.
+template <class Config, ShapeKind kind, class Shapes>
+inline void closest_of(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
+                       const Shapes& shapes, const Paths<typename Config::Real>& paths) {
+    if constexpr (kind == ShapeKind::sphere) {
+        closest_sphere<Config>(hits, scene, paths);
+    } else if (shapes.size == 0) {
+        return;
+    } else if constexpr (kind == ShapeKind::axis_box) {
+        closest_axis_box<Config>(hits, scene, paths);
+    } else {
+        closest_by_lane(hits, paths,
+                        [&](auto& hit, const auto& ray) { pt::closest_of<Config, kind>(hit, scene, shapes, ray); });
+    }
+}
+
 template <class Config>
 inline void closest_hit(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
                         const Paths<typename Config::Real>& paths) {
@@ -231,25 +247,12 @@ inline void closest_hit(Hits<typename Config::Real>& hits, const SceneView<typen
         closest_by_lane(hits, paths, [&](auto& hit, const auto& ray) { closest_transformed<Config>(hit, scene, ray); });
         return;
     }
-    if constexpr (has<Config>(Feature::sphere)) {
-        closest_sphere<Config>(hits, scene, paths);
+#define PT_CLOSEST(name, array, Type)                                         \
+    if constexpr (has<Config>(Feature::name)) {                               \
+        closest_of<Config, ShapeKind::name>(hits, scene, scene.array, paths); \
     }
-    if (has<Config>(Feature::ellipsoid) && scene.ellipsoids.size != 0) {
-        closest_by_lane(hits, paths, [&](auto& hit, const auto& ray) {
-            closest_in<Config>(hit, scene, scene.ellipsoids, scene.first_ellipsoid(), ray);
-        });
-    }
-    if (has<Config>(Feature::axis_box) && scene.axis_boxes.size != 0) {
-        closest_axis_box<Config>(hits, scene, paths);
-    }
-    if (has<Config>(Feature::oriented_box) && scene.oriented_boxes.size != 0) {
-        closest_by_lane(hits, paths, [&](auto& hit, const auto& ray) {
-            closest_in<Config>(hit, scene, scene.oriented_boxes, scene.first_oriented_box(), ray);
-        });
-    }
-    if (has<Config>(Feature::quad) && scene.quads.size != 0) {
-        closest_by_lane(hits, paths, [&](auto& hit, const auto& ray) { closest_quad<Config>(hit, scene, ray); });
-    }
+    PT_SHAPES(PT_CLOSEST)
+#undef PT_CLOSEST
 }
 
 }  // namespace pt::lanes

@@ -47,8 +47,7 @@ template <class RealT, FeatureSet formula>
 class RayScene {
 public:
     using Real = RealT;
-    static constexpr FeatureSet shapes = Feature::sphere | Feature::near_sphere | Feature::ellipsoid |
-                                         Feature::axis_box | Feature::oriented_box | Feature::quad;
+    static constexpr FeatureSet shapes = shape_features | Feature::near_sphere;
     using Kernel = Config<Real, shapes | formula>;
     // The robust functions of the same precision.
     using RobustKernel = Config<Real, shapes | (formula & ~static_cast<FeatureSet>(Feature::naive))>;
@@ -152,9 +151,9 @@ Chord exact_chord(const OrientedBox<Real>& box, const Vec3l& origin, const Vec3l
     return box_chord(Vec3l(box.half), in_frame(axis, origin - Vec3l(box.centre)), in_frame(axis, direction));
 }
 
-// Nothing is inside a quad.
-template <class Real>
-Chord exact_chord(const Quad<Real>&, const Vec3l&, const Vec3l&) {
+// Nothing is inside a flat shape, and no case asks for the chord of another body.
+template <class Shape>
+Chord exact_chord(const Shape&, const Vec3l&, const Vec3l&) {
     return {0, 1};
 }
 

@@ -1,0 +1,94 @@
+// What a shape is asked for, and what it need not say. Its header defines a class template on the number type with
+//   static constexpr const char* file_name     what scene files call it; several kinds may share a name
+//   static constexpr bool is_flat              a surface without an inside, met on both sides; has a unit `normal` then
+//   static constexpr UnitShape unit_shape      what a matrix kernel meets in its place; none: it is met as ever
+//   static bool is_kind_of(placement)          of the kinds of one name, the first that says yes is the object's
+//   static Shape placed(placement)             from what a scene's file says
+//   static bool contains(point)                of the shape of scale 1 about 0: whether the point lies inside
+// and these functions, found by the type of their first argument:
+//   interval(shape, origin, direction)         where a line enters and leaves it; flat: both where it is met
+//   surface_point(shape, origin, direction, t, inside)
+//   sample_point(shape, u, v, w)               a point on it, by area
+//   size_of(shape), bounds_of(shape)           the largest of its half extents; a box round it
+//   widened(shape of float)                    the same in double
+//   naive::normal_at(shape, point)             for a point near its surface
+// Sampling by solid angle (kernels/solid_angle.h) asks for area_of(shape) where sample_point is uniform, or is written
+// anew. The others below have a default, which a shape's own function hides.
+#pragma once
+
+#include "kernels/in_range.h"
+#include "kernels/path.h"
+
+#include <limits>
+
+namespace pt {
+
+// Where a line enters and leaves a convex body, in ray parameter. No hit: hits == false.
+template <class Real>
+struct Interval {
+    Real near, far;
+    bool hits;
+};
+
+// A point pulled back onto the surface, with the outward unit normal there.
+template <class Real>
+struct SurfacePoint {
+    Vec3<Real> position, normal;
+};
+
+template <class Real>
+struct LightSample {
+    Vec3<Real> position;
+    Vec3<Real> normal;     // outward unit normal
+    Real inverse_density;  // 1 / density by area, square scene units
+};
+
+// `inverse_pdf` is 1 / density by solid angle; 0: there is nothing to sample.
+template <class Real>
+struct DirectionSample {
+    Vec3<Real> direction;  // unit
+    Real inverse_pdf;
+};
+
+template <class Real>
+struct Bounds {
+    Vec3<Real> low, high;
+};
+
+// [-1/2, 1/2]^3, the sphere of diameter 1, or the square of side 1 in the plane y = 0 (kernels/transform.h).
+enum class UnitShape : std::uint32_t { box, sphere, quad, none };
+
+// An object as its scene's file places it: the shape of scale 1 about 0, scaled, rotated, and moved.
+struct Placement {
+    Vec3<double> centre;     // relative to the camera's eye
+    Vec3<double> column[3];  // of the rotation; a flat shape faces +y before it
+    Vec3<double> scale;
+    bool is_quarter_turned;  // by multiples of 90 degrees only
+};
+
+template <class Real>
+PT_HD inline Vec3<Real> rounded_to(const Vec3<double>& v) {
+    return {static_cast<Real>(v.x), static_cast<Real>(v.y), static_cast<Real>(v.z)};
+}
+
+PT_HD inline Vec3<double> widened(const Vec3<float>& v) { return Vec3<double>(v); }
+
+// The way out of a body for a ray that starts on it and runs inside: its own surface lies at t = 0 on the near side.
+template <class Shape, class Real>
+PT_HD inline Real chord(const Shape& shape, const Vec3<Real>& origin, const Vec3<Real>& direction) {
+    return max(interval(shape, origin, direction).far, Real(0));
+}
+
+// The way out of a body from a point inside it or on its surface. Nothing is inside a flat shape: the loader refuses a
+// body of one.
+template <class Shape, class Real>
+PT_HD inline Real distance_out_of(const Shape& shape, const Vec3<Real>& origin, const Vec3<Real>& direction,
+                                  bool on_surface) {
+    if constexpr (Shape::is_flat) {
+        return Real(0);
+    } else {
+        return on_surface ? chord(shape, origin, direction) : max(Real(0), interval(shape, origin, direction).far);
+    }
+}
+
+}  // namespace pt

@@ -1,0 +1,31 @@
+// The shapes, listed once: everybody who does something for each of them goes by this list. A shape is a header in
+// kernels/shapes/ and a line here (docs/add_a_shape.md); objects are numbered by kind, in the order of the lines.
+#pragma once
+
+#include <cstdint>
+
+// SHAPE(name, array, Type, WORD, more): the name of its header and of its Feature, the array of SceneView that holds
+// the objects of the kind, the class, and the word in PT_WORD, by which a kernel knows how many there are. `more` is
+// for whoever hands something on to SHAPE.
+#define PT_SHAPES_WITH(SHAPE, more)                                        \
+    SHAPE(sphere, spheres, Sphere, SPHERES, more)                          \
+    SHAPE(ellipsoid, ellipsoids, Ellipsoid, ELLIPSOIDS, more)              \
+    SHAPE(axis_box, axis_boxes, AxisBox, AXIS_BOXES, more)                 \
+    SHAPE(oriented_box, oriented_boxes, OrientedBox, ORIENTED_BOXES, more) \
+    SHAPE(quad, quads, Quad, QUADS, more)
+
+// SHAPE(name, array, Type).
+#define PT_SHAPES(SHAPE) PT_SHAPES_WITH(PT_SHAPE_ALONE, SHAPE)
+#define PT_SHAPE_ALONE(name, array, Type, WORD, SHAPE) SHAPE(name, array, Type)
+
+namespace pt {
+
+#define PT_SHAPE_KIND(name, array, Type) name,
+enum class ShapeKind : std::uint32_t { PT_SHAPES(PT_SHAPE_KIND) };
+#undef PT_SHAPE_KIND
+
+#define PT_COUNT(name, array, Type) +1u
+inline constexpr std::uint32_t shape_count = 0u PT_SHAPES(PT_COUNT);
+#undef PT_COUNT
+
+}  // namespace pt

@@ -1,0 +1,2 @@
+// What kernels/shapes.h includes for the places that its list leaves empty.
+#pragma once
