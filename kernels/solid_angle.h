@@ -177,8 +177,8 @@ PT_HD inline Real area_density(const Shape& shape, const Vec3<Real>& observer, c
     return away * away / cosine;
 }
 template <class Shape, class Real>
-PT_HD inline Real inverse_direction_pdf(const Shape& shape, const Vec3<Real>& observer, const Vec3<Real>& direction,
-                                        Real distance) {
+PT_HD inline Real inverse_pdf_by_area(const Shape& shape, const Vec3<Real>& observer, const Vec3<Real>& direction,
+                                      Real distance) {
     if constexpr (Shape::is_flat) {
         return Real(1) / area_density(shape, observer, direction, distance, false);
     } else {
@@ -191,6 +191,11 @@ PT_HD inline Real inverse_direction_pdf(const Shape& shape, const Vec3<Real>& ob
             crossing.near > Real(0) ? area_density(shape, observer, direction, crossing.near, false) : Real(0);
         return Real(1) / (before + beyond);
     }
+}
+template <class Shape, class Real>
+PT_HD inline Real inverse_direction_pdf(const Shape& shape, const Vec3<Real>& observer, const Vec3<Real>& direction,
+                                        Real distance) {
+    return inverse_pdf_by_area(shape, observer, direction, distance);
 }
 template <class Shape, class Real>
 PT_HD inline DirectionSample<Real> sample_direction(const Shape& shape, const Vec3<Real>& observer, Real u, Real v,

@@ -1,7 +1,9 @@
-// `new`: writes the starting files of a choice of one's own, whole and working, from harness/templates/AXIS.
+// `new`: writes the starting files of a choice or a shape of one's own, whole and working, from harness/templates/KIND.
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <filesystem>
+#include <optional>
 #include <span>
 
 #include <fmt/format.h>
@@ -11,6 +13,7 @@
 #include "harness/json_reader.h"
 #include "harness/places.h"
 #include "harness/write_file.h"
+#include "kernels/scene_arrays.h"
 #include "variants/registry.h"
 
 namespace pt {
@@ -25,8 +28,9 @@ struct TemplateFile {
     std::string_view what;
 };
 
-// "@NAME@" stands for the choice's name, in a template's path and in its text.
-constexpr std::string_view placeholder = "@NAME@";
+// In a template's path and in its text "@NAME@" stands for the name, "@TYPE@" for the class that a shape has of it.
+constexpr std::string_view name_placeholder = "@NAME@";
+constexpr std::string_view type_placeholder = "@TYPE@";
 
 constexpr TemplateFile compaction_files[] = {
     {"choice.cpp.in", "variants/compaction/@NAME@.cpp", "the CPU's side"},
@@ -42,6 +46,11 @@ constexpr TemplateFile integrator_files[] = {
     {"choice.cuda.cpp.in", "variants/integrator/@NAME@.cuda.cpp", "what launches it"},
     {"test.cpp.in", "tests/unit/@NAME@_integrator_test.cpp", "its test"},
 };
+constexpr TemplateFile shape_files[] = {
+    {"shape.h.in", "kernels/shapes/@NAME@.h", "the shape"},
+    {"test.cpp.in", "tests/unit/@NAME@_shape_test.cpp", "its test"},
+};
+constexpr std::string_view shape_list = "kernels/shape_list.h";
 
 // What can be new.
 struct Kind {
@@ -59,21 +68,60 @@ constexpr Kind kinds[] = {
      "  ./run build {1}_integrator_test && build/tests/{1}_integrator_test\n"
      "  build/ptbench verify --scene cornell_open --axis integrator={1} --quiet\n"
      "  build/ptbench run --scene cornell_open,cornell_closed --axis integrator=wavefront,{1}\n"},
+    {"shape", shape_files, "kernels/shapes",
+     "  ./run build {1}_shape_test && build/tests/{1}_shape_test\n"
+     "  build/ptbench verify --scene my_scene.json --quiet, of a scene with {{\"shape\": \"{1}\", ...}}\n"},
 };
 
 struct NewFile {
     fs::path path;
     std::string text;
     std::string_view what;
+    std::optional<std::string> before;  // what it held; nothing: it was not there
 };
 
-std::string with_name(std::string_view text, const std::string& name) {
-    std::string filled(text);
-    for (std::size_t at = filled.find(placeholder); at != std::string::npos; at = filled.find(placeholder, at)) {
-        filled.replace(at, placeholder.size(), name);
-        at += name.size();
+std::string replaced(std::string text, std::string_view placeholder, std::string_view value) {
+    for (std::size_t at = text.find(placeholder); at != std::string::npos; at = text.find(placeholder, at)) {
+        text.replace(at, placeholder.size(), value);
+        at += value.size();
     }
-    return filled;
+    return text;
+}
+
+// my_ball: MyBallShape.
+std::string type_of(const std::string& name) {
+    std::string type;
+    bool begins = true;
+    for (const char c : name) {
+        if (c != '_') {
+            type += begins ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
+        }
+        begins = c == '_';
+    }
+    return type + "Shape";
+}
+
+std::string with_name(std::string_view text, const std::string& name) {
+    return replaced(replaced(std::string(text), name_placeholder, name), type_placeholder, type_of(name));
+}
+
+// The list of shapes with one more line, after the last.
+std::string with_shape(const std::string& list, const std::string& name) {
+    constexpr std::string_view end_of_lines = ", more)\n\n";
+    const std::size_t end = list.find(end_of_lines);
+    if (end == std::string::npos) {
+        throw InputError("new", "file", std::string(shape_list), "a list of lines SHAPE(..., more)");
+    }
+    const std::size_t after = end + end_of_lines.size() - 2;
+    const std::size_t line = list.rfind('\n', end) + 1;
+    const std::size_t line_before = list.rfind('\n', line - 2) + 1;
+    // The backslashes of all lines but the last stand in one column.
+    const std::size_t column = list.find('\\', line_before) - line_before;
+    std::string upper = name;
+    std::transform(upper.begin(), upper.end(), upper.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+    return list.substr(0, after) + std::string(column > after - line ? column - (after - line) : 1, ' ') +
+           fmt::format("\\\n    SHAPE({0}, {0}s, {1}, {2}S, more)", name, type_of(name), upper) + list.substr(after);
 }
 
 // Names that are words of C++ or of the command line, or that would hide what the written files refer to.
@@ -126,19 +174,38 @@ fs::path file_named(const fs::path& folder, const std::string& name) {
     return {};
 }
 
-void check_is_free(const fs::path& home, const std::string& axis, const std::string& name) {
+[[noreturn]] void refuse_taken(const std::string& name, const std::string& by) {
+    throw InputError("new", "NAME", "\"" + name + "\"", "a name that is not taken: " + by);
+}
+
+// A shape's name is a feature's too, and with an s an array's.
+void check_shape_is_free(const std::string& name) {
+    const std::vector<std::string> features = feature_names(~FeatureSet{0});
+    if (std::find(features.begin(), features.end(), name) != features.end()) {
+        refuse_taken(name, name + " is a feature of kernels");
+    }
+    SceneView<float> view{};
+    for_each_array(view, [&](const SceneArray& array, const auto&) {
+        if (array.name == name + "s") {
+            refuse_taken(name, fmt::format("{}s is an array of scenes", name));
+        }
+    });
+}
+
+void check_is_free(const fs::path& home, const Kind& kind, const std::string& name) {
+    const std::string axis(kind.name);
     for (const Backend backend : all_backends) {
         if (Registry::instance().find(axis, name, backend) != nullptr) {
-            throw InputError(
-                "new", "NAME", "\"" + name + "\"",
-                fmt::format("a name that is not taken: {} is a choice of {} (see ptbench list)", name, axis));
+            refuse_taken(name, fmt::format("{} is a choice of {} (see ptbench list)", name, axis));
         }
     }
-    for (const auto& [folder, stem] : {std::pair{home / "variants" / axis, name},
-                                       std::pair{home / "tests", fmt::format("{}_{}_test", name, axis)}}) {
+    if (kind.name == "shape") {
+        check_shape_is_free(name);
+    }
+    for (const auto& [folder, stem] :
+         {std::pair{home / kind.folder, name}, std::pair{home / "tests", fmt::format("{}_{}_test", name, axis)}}) {
         if (const fs::path taken = file_named(folder, stem); !taken.empty()) {
-            throw InputError("new", "NAME", "\"" + name + "\"",
-                             fmt::format("a name that is not taken: there is a file {}", taken.string()));
+            refuse_taken(name, fmt::format("there is a file {}", taken.string()));
         }
     }
 }
@@ -149,12 +216,18 @@ std::vector<NewFile> new_files(const fs::path& home, const Kind& kind, const std
     for (const TemplateFile& file : kind.files) {
         files.push_back({home / with_name(file.written, name),
                          with_name(read_file((home / "harness/templates" / kind.name / file.source).string()), name),
-                         file.what});
+                         file.what, std::nullopt});
+    }
+    if (kind.name == "shape") {
+        const fs::path path = home / shape_list;
+        const std::string list = read_file(path.string());
+        files.push_back({path, with_shape(list, name), "its line in the list of shapes", list});
     }
     return files;
 }
 
-// All or none: what is there of them when one cannot be written is taken away again.
+// All or none: what is there of them when one cannot be written is taken away again. A file that was there before is
+// the last, and is written whole or not at all.
 void write_all(const std::vector<NewFile>& files) {
     std::size_t written = 0;
     try {
@@ -165,17 +238,19 @@ void write_all(const std::vector<NewFile>& files) {
     } catch (const MachineError&) {
         std::error_code ignored;
         for (std::size_t i = 0; i < written; ++i) {
-            fs::remove(files[i].path, ignored);
+            if (!files[i].before) {
+                fs::remove(files[i].path, ignored);
+            }
         }
         throw;
     }
 }
 
-int run(const std::string& axis, const std::string& name) {
+int run(const std::string& kind_name, const std::string& name) {
     const auto* const kind =
-        std::find_if(std::begin(kinds), std::end(kinds), [&](const Kind& known) { return known.name == axis; });
+        std::find_if(std::begin(kinds), std::end(kinds), [&](const Kind& known) { return known.name == kind_name; });
     if (kind == std::end(kinds)) {
-        throw InputError("new", "AXIS", "\"" + axis + "\"", "compaction, integrator");
+        throw InputError("new", "KIND", "\"" + kind_name + "\"", "compaction, integrator, shape");
     }
     check_name(name);
     const fs::path home = home_folder();
@@ -186,7 +261,7 @@ int run(const std::string& axis, const std::string& name) {
                              "a checkout of the repository (a package has no sources that a choice could be added to)");
         }
     }
-    check_is_free(home, axis, name);
+    check_is_free(home, *kind, name);
     const std::vector<NewFile> files = new_files(home, *kind, name);
     write_all(files);
     for (const NewFile& file : files) {
@@ -200,15 +275,15 @@ int run(const std::string& axis, const std::string& name) {
 
 Command add_new_command(CLI::App& app) {
     struct NewArguments {
-        std::string axis;
+        std::string kind;
         std::string name;
     };
     auto arguments = std::make_shared<NewArguments>();
-    CLI::App* command = app.add_subcommand("new", "Write the starting files of a choice of your own, with its test");
-    command->add_option("AXIS", arguments->axis, "The axis that it is a choice of: compaction or integrator")
-        ->required();
+    CLI::App* command =
+        app.add_subcommand("new", "Write the starting files of a choice or shape of your own, with its test");
+    command->add_option("KIND", arguments->kind, "What is new: a compaction, an integrator or a shape")->required();
     command->add_option("NAME", arguments->name, "Its name, in lower_snake_case")->required();
-    return [arguments] { return run(arguments->axis, arguments->name); };
+    return [arguments] { return run(arguments->kind, arguments->name); };
 }
 
 }  // namespace pt

@@ -28,6 +28,12 @@ protected:
         for (const auto& entry : fs::directory_iterator(fs::path(PTBENCH_SOURCE_DIR) / integrator_folder)) {
             fs::copy_file(entry.path(), home.path() / integrator_folder / entry.path().filename());
         }
+        fs::create_directories(home.path() / "kernels/shapes");
+        fs::create_directories(home.path() / "harness/templates/shape");
+        for (const char* file :
+             {"kernels/shape_list.h", "harness/templates/shape/shape.h.in", "harness/templates/shape/test.cpp.in"}) {
+            fs::copy_file(fs::path(PTBENCH_SOURCE_DIR) / file, home.path() / file);
+        }
     }
     CommandResult call(std::vector<std::string> arguments) const {
         arguments.insert(arguments.begin(), "new");
@@ -102,6 +108,51 @@ TEST_F(NewCommandTest, WritesAnIntegratorUnderItsName) {
                    "integrator (see ptbench list)");
 }
 
+TEST_F(NewCommandTest, AShapeIsAHeaderAndALineOfTheList) {
+    const std::string before = content_of(home.file("kernels/shape_list.h"));
+    std::vector<std::string> expected = home.content();
+    const CommandResult result = call({"shape", "my_ball2"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+    for (const char* file : {"kernels/shapes/my_ball2.h", "tests/unit/my_ball2_shape_test.cpp"}) {
+        EXPECT_NE(content_of(home.file(file)).find("MyBall2Shape"), std::string::npos);
+        EXPECT_EQ(content_of(home.file(file)).find('@'), std::string::npos);
+        EXPECT_NE(result.out.find(home.file(file) + "  "), std::string::npos) << result.out;
+        expected.emplace_back(file);
+    }
+    EXPECT_NE(result.out.find(home.file("kernels/shape_list.h") + "  "), std::string::npos) << result.out;
+    std::sort(expected.begin(), expected.end());
+    EXPECT_EQ(home.content(), expected);
+    // A line after the last, and a second after that; but for these and their backslashes the list is what it was.
+    ASSERT_EQ(call({"shape", "a_ball_of_rather_a_long_name"}).exit_code, 0);
+    const std::string list = content_of(home.file("kernels/shape_list.h"));
+    const std::size_t last = before.find(", more)\n\n") + 7;
+    EXPECT_EQ(list.substr(0, last), before.substr(0, last));
+    const std::string end = before.substr(last);
+    EXPECT_EQ(list.substr(list.size() - end.size()), end);
+    std::string added = list.substr(last, list.size() - end.size() - last);
+    added.erase(std::remove(added.begin(), added.end(), ' '), added.end());
+    EXPECT_EQ(added,
+              "\\\nSHAPE(my_ball2,my_ball2s,MyBall2Shape,MY_BALL2S,more)\\\n"
+              "SHAPE(a_ball_of_rather_a_long_name,a_ball_of_rather_a_long_names,ABallOfRatherALongNameShape,"
+              "A_BALL_OF_RATHER_A_LONG_NAMES,more)");
+    EXPECT_NE(call({"shape", "my_ball2"}).exit_code, 0);
+}
+
+TEST_F(NewCommandTest, RefusesAShapeThatWouldHideSomethingElse) {
+    const auto taken = [](const std::string& name, const std::string& by) {
+        return "new: NAME: found \"" + name + "\", allowed: a name that is not taken: " + by;
+    };
+    expect_refusal({"shape", "quad"}, taken("quad", "quad is a feature of kernels"));
+    expect_refusal({"shape", "motion"}, taken("motion", "motion is a feature of kernels"));
+    expect_refusal({"shape", "light"}, taken("light", "lights is an array of scenes"));
+    write_text(home.file("kernels/shapes/mine.h"), "mine");
+    expect_refusal({"shape", "mine"}, taken("mine", "there is a file " + home.file("kernels/shapes/mine.h")));
+    write_text(home.file("kernels/shape_list.h"), "// no list\n");
+    expect_refusal({"shape", "my_ball"},
+                   "new: file: found kernels/shape_list.h, allowed: a list of lines SHAPE(..., more)");
+}
+
 TEST_F(NewCommandTest, RefusesWhatIsNoName) {
     for (const std::string name : {"", "MyScan", "2scan", "my-scan", "_scan", "scan_", "my__scan", "my scan", "../scan",
                                    "scan.cpp", "sc\xc3\xa4n", "a23456789_123456789_123456789_123"}) {
@@ -139,8 +190,11 @@ TEST_F(NewCommandTest, RefusesANameThatIsTaken) {
 TEST_F(NewCommandTest, RefusesAnAxisWithoutTemplates) {
     for (const std::string axis : {"sorting", "scene", "frob", ""}) {
         expect_refusal({axis, "my_own"}, "new: AXIS: found \"" + axis + "\", allowed: compaction, integrator");
+TEST_F(NewCommandTest, RefusesWhatHasNoTemplates) {
+    for (const std::string kind : {"sorting", "integrator", "scene", "frob", ""}) {
+        expect_refusal({kind, "my_own"}, "new: KIND: found \"" + kind + "\", allowed: compaction, shape");
     }
-    expect_refusal({}, "AXIS is required (see ptbench --help)");
+    expect_refusal({}, "KIND is required (see ptbench --help)");
     expect_refusal({"compaction"}, "NAME is required (see ptbench --help)");
 }
 

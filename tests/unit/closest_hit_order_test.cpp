@@ -36,7 +36,7 @@ TEST(ClosestHitOrderTest, AnyOrderLeavesTheSameBits) {
     const Scene scene = with_ties().scene;
     const SceneBuffers<float> buffers(scene, default_settings(scene));
     const SceneView<float>& view = buffers.view();
-    std::vector<std::uint32_t> objects(view.object_count());
+    std::vector<std::uint32_t> objects(object_count(view));
     std::iota(objects.begin(), objects.end(), 0u);
     std::mt19937 random(17);
     std::uniform_real_distribution<float> coordinate(-3, 3);
