@@ -1,5 +1,8 @@
 // Shadow rays: whether anything lies before a hit that is known. Where closest_hit looks for the least (t, object) of
-// all, this ends at the first object whose own is less than the limit's.
+// all, this ends at the first object whose own is less than the limit's. The answer is the closest hit's, bit for bit.
+// Next-event estimation asks closest_hit all the same: over lists of a few objects the light's own hit, found first,
+// costs more than ending early saves (in the shipped scenes 10 to 25 % of a CPU's time, and up to a quarter more
+// instructions in kernels of CUDA's). It is for scenes whose objects are not all visited.
 #pragma once
 
 #include "kernels/intersect.h"

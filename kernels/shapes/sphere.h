@@ -84,6 +84,12 @@ PT_HD inline Real chord(const Sphere<Real>& sphere, const Vec3<Real>& origin, co
     return max(Real(0), Real(-2) * dot((origin - sphere.centre) * sphere.inverse_radius, direction)) * sphere.radius;
 }
 
+// From the surface on, a sphere near the eye is a sphere like others.
+template <class Real>
+PT_HD inline Real chord(const NearSphere<Real>& sphere, const Vec3<Real>& origin, const Vec3<Real>& direction) {
+    return chord(static_cast<const Sphere<Real>&>(sphere), origin, direction);
+}
+
 template <class Real>
 PT_HD inline SurfacePoint<Real> surface_point(const Sphere<Real>& sphere, const Vec3<Real>& origin,
                                               const Vec3<Real>& direction, Real t, bool = false) {
