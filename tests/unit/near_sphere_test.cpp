@@ -1,5 +1,5 @@
-// Spheres that the eye is near (NearSphere in kernels/shapes/sphere.h), as a ground of ten million units below it, against long
-// double from the scene's own numbers.
+// Spheres that the eye is near (NearSphere in kernels/shapes/sphere.h), as a ground of ten million units below it,
+// against long double from the scene's own numbers.
 #include <cmath>
 #include <limits>
 

@@ -1,6 +1,6 @@
 // The nearest object along the rays of a packet: spheres and axis boxes over all lanes at once, other kinds lane by
-// lane. The sums and comparisons are those of kernels/shapes/sphere.h, box.h, axis_aligned_enclosure.h and intersect.h, in
-// their order, so a lane's answer has the same bits (tests/unit/lanes_test.cpp); only their branches are selections
+// lane. The sums and comparisons are those of kernels/shapes/sphere.h, box.h, axis_aligned_enclosure.h and intersect.h,
+// in their order, so a lane's answer has the same bits (tests/unit/lanes_test.cpp); only their branches are selections
 // here.
 #pragma once
 
