@@ -79,6 +79,8 @@ struct EnclosureExits {
     Flags unclear;  // neither
 };
 
+// The three that follow are those of kernels/axis_aligned_enclosure.h without a branch. Their common sums are written
+// twice on purpose: in a function of their own they change the machine code of CUDA's kernels.
 template <class Real>
 inline bool contains(const AxisAlignedEnclosure<Real>& enclosure, const Vec3<Real>& p) {
     return (p.x >= enclosure.low.x) & (p.x <= enclosure.high.x) & (p.y >= enclosure.low.y) & (p.y <= enclosure.high.y) &
