@@ -1,5 +1,6 @@
-// CUDA's side of what `ptbench new` writes: the C++ compiler takes the host's half here, and NVRTC the kernels, in
-// every layout and precision. No GPU is needed. What it does on one, its own test says where it is written.
+// CUDA's side of what `ptbench new` writes. Of a compaction and an integrator: the C++ compiler takes the host's half
+// here, and NVRTC the kernels. Of a shape: NVRTC compiles a whole kernel that has it, in every way in which shapes are
+// met. No GPU is needed. What they do on one, their own tests say where they are written.
 #include <cstdlib>
 
 #include <gtest/gtest.h>
@@ -56,7 +57,7 @@ TEST(NewChoiceTest, KernelsOfAnIntegratorCompile) {
         Variant variant = Registry::instance().baseline(Backend::cuda);
         variant.set("integrator", example);
         variant.set(axis, choice);
-        SCOPED_TRACE(variant.name());
+        SCOPED_TRACE(variant.spelled_out());
         ASSERT_EQ(why_not_applicable(variant, features_of(scene), Backend::cuda), "");
         cuda::ModuleRequest request = cuda::module_request(scene, variant, "sm_90");
         request.options.push_back("-I" PTBENCH_EXAMPLES);
@@ -72,6 +73,27 @@ TEST(NewChoiceTest, AnIntegratorSaysWhatItIs) {
     EXPECT_NE(choice->descriptor.check_counters, nullptr);
     EXPECT_NE(choice->hook.cuda.integrator.make_single, nullptr);
     EXPECT_NE(choice->hook.cuda.integrator.make_double, nullptr);
+}
+
+// The list with the example's line and its header stand before the program's own.
+TEST(NewChoiceTest, KernelsOfAShapeCompile) {
+    ASSERT_EQ(cuda::nvrtc_missing(), "");
+    const Scene scene = load_scene(PTBENCH_SOURCE_DIR "/scenes/cornell_closed.json");
+    for (const auto& [axis, choice] :
+         {std::pair{"direct_light", "nee_mis"}, std::pair{"specialisation", "matrix"}, std::pair{"robustness", "naive"},
+          std::pair{"precision", "double"}, std::pair{"precision", "double_intersection"}}) {
+        Variant variant = Registry::instance().baseline(Backend::cuda);
+        variant.set("integrator", "megakernel");
+        variant.set(axis, choice);
+        SCOPED_TRACE(variant.spelled_out());
+        cuda::ModuleRequest request = cuda::module_request(scene, variant, "sm_90");
+        request.features |= feature_bit::shape << shape_count;  // the line after the last
+        request.defines.insert(request.defines.begin(), "-I" PTBENCH_EXAMPLE_SHAPE);
+        request.defines.push_back("-DPT_EXAMPLE_S=1u");
+        const std::size_t with = cuda::compile_module(request).cubin.size();
+        request.features &= ~(feature_bit::shape << shape_count);
+        EXPECT_GT(with, cuda::compile_module(request).cubin.size());
+    }
 }
 
 }  // namespace
