@@ -87,11 +87,11 @@ TEST(NewChoiceTest, KernelsOfAShapeCompile) {
         variant.set(axis, choice);
         SCOPED_TRACE(variant.spelled_out());
         cuda::ModuleRequest request = cuda::module_request(scene, variant, "sm_90");
-        request.features |= feature_bit::shape << shape_count;  // the line after the last
-        request.defines.insert(request.defines.begin(), "-I" PTBENCH_EXAMPLE_SHAPE);
-        request.defines.push_back("-DPT_EXAMPLE_S=1u");
+        request.config.features |= feature_bit::shape << shape_count;  // the line after the last
+        request.config.has_fixed_counts = false;                       // the program's own list has no count of it
+        request.options.insert(request.options.begin(), "-I" PTBENCH_EXAMPLE_SHAPE);
         const std::size_t with = cuda::compile_module(request).cubin.size();
-        request.features &= ~(feature_bit::shape << shape_count);
+        request.config.features &= ~(feature_bit::shape << shape_count);
         EXPECT_GT(with, cuda::compile_module(request).cubin.size());
     }
 }
