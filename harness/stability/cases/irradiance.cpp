@@ -94,7 +94,7 @@ std::vector<Measurement> cone(double sine_squared, bool is_naive) {
     for (int i = 0; i < steps * steps; ++i) {
         const Real u = (static_cast<Real>(i % steps) + Real(0.5)) / steps;
         const Real w = (static_cast<Real>(i / steps) + Real(0.5)) / steps;
-        const DirectionSample<Real> sample = is_naive ? naive::sample_direction(sphere, observer, u, w)
+        const DirectionSample<Real> sample = is_naive ? naive::sample_direction(sphere, observer, u, w, Real(0.5))
                                                       : sample_direction(sphere, observer, u, w, Real(0.5));
         measure = sample.inverse_pdf;
         const Vec3<double> d(sample.direction);
