@@ -1,5 +1,6 @@
 #include "harness/cuda/kernel_request.h"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 #include "harness/cuda/choices.h"
@@ -65,7 +66,8 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
     request.kernels =
         is_double ? kernels_of<double>(integrator, request.config) : kernels_of<float>(integrator, request.config);
     if (request.config.keeps_first_hits) {
-        request.includes.insert(request.includes.begin(), "variants/cuda/fill_cache.cuh");
+        request.includes.emplace_back("variants/cuda/fill_cache.cuh");
+        std::rotate(request.includes.begin(), request.includes.end() - 1, request.includes.end());
     }
     const bool bakes = hooks("specialisation", variant).bakes_scene;
     if (is_double) {
