@@ -1,5 +1,6 @@
 // Directions towards lights: they meet the light, their densities are what they are drawn by, and what is integrated
 // with them is known in closed form.
+#include "kernels/shapes/sphere.h"
 #include "kernels/solid_angle.h"
 
 #include <cmath>
