@@ -1,7 +1,7 @@
 // Directions towards lights: they meet the light, their densities are what they are drawn by, and what is integrated
 // with them is known in closed form.
-#include "kernels/shapes/sphere.h"
 #include "kernels/solid_angle.h"
+#include "kernels/scene_view.h"
 
 #include <cmath>
 #include <functional>
