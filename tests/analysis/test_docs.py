@@ -31,6 +31,8 @@ WRITTEN_BY_THE_READER = {
     "variants/compaction/my_scan.cuh",
     "variants/compaction/my_scan_parameters.cuh",
     "tests/unit/my_scan_compaction_test.cpp",
+    "kernels/shapes/my_ball.h",
+    "tests/unit/my_ball_shape_test.cpp",
     "variants/compaction/std_remove_if.cpp",
     "variants/integrator/my_tiles.cuda.cpp",
     "variants/integrator/my_tiles.cuh",
