@@ -129,6 +129,11 @@ add_library(ptbench_variants OBJECT ${variant_sources} ${integrator_sources})
 target_link_libraries(ptbench_variants PUBLIC ptbench_options)
 ptbench_precompile_headers(ptbench_variants)
 if(PTBENCH_CUDA)
+  # In one unit: most of what a unit with a registration costs to compile is the registry's header. Each file has a
+  # namespace of its own.
+  set_target_properties(ptbench_variants PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  file(GLOB cuda_choices CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/*/*.cuda.cpp)
+  set_source_files_properties(${cuda_choices} PROPERTIES UNITY_GROUP cuda_choices)
   target_link_libraries(ptbench_variants PUBLIC ptbench_cudart)
   target_include_directories(ptbench_variants SYSTEM PRIVATE ${PTBENCH_NVRTC_INCLUDE})
 endif()

@@ -1,7 +1,7 @@
 // The host's side of atomic_append.cuh.
 #include "variants/cuda/append_compaction.h"
 
-namespace pt::cuda {
+namespace pt::cuda::compaction::atomic_append {
 namespace {
 
 constexpr Descriptor descriptor{
@@ -25,4 +25,4 @@ const Registration registration(
                           .kernels = {kernel_of<AppendSlotsParameters>(), kernel_of<AppendPathsParameters>()}}});
 
 }  // namespace
-}  // namespace pt::cuda
+}  // namespace pt::cuda::compaction::atomic_append

@@ -2,7 +2,7 @@
 #include "variants/compaction/gap_fill_parameters.cuh"
 #include "variants/cuda/append_compaction.h"
 
-namespace pt::cuda {
+namespace pt::cuda::compaction::gap_fill {
 namespace {
 
 class GapFill final : public Compaction {
@@ -61,4 +61,4 @@ const Registration registration(descriptor,
                                                       kernel_of<FillGapsParameters>()}}});
 
 }  // namespace
-}  // namespace pt::cuda
+}  // namespace pt::cuda::compaction::gap_fill

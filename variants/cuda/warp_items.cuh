@@ -23,7 +23,9 @@ struct Items {
         }
         return {first.index + step, wraps ? x - width : x, first.y + (wraps ? 1u : 0u)};
     }
-    __device__ std::uint32_t sample(std::uint32_t item) const { return first_sample + item / warp_size * sample_stride; }
+    __device__ std::uint32_t sample(std::uint32_t item) const {
+        return first_sample + item / warp_size * sample_stride;
+    }
 };
 
 // Traces them all. Every lane of the warp must call it, with the same items. `ended`: as in megakernel.

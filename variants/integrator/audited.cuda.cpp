@@ -2,7 +2,7 @@
 #include "variants/cuda/megakernels.h"
 #include "variants/integrator/audited_parameters.cuh"
 
-namespace pt::cuda {
+namespace pt::cuda::integrator::audited {
 namespace {
 
 Reason unsupported_reason(FeatureSet features, const VariantTraits& variant) {
@@ -42,4 +42,4 @@ private:
 const Registration registration(descriptor, {.cuda = {.integrator = integrator_hook<Audited>()}});
 
 }  // namespace
-}  // namespace pt::cuda
+}  // namespace pt::cuda::integrator::audited

@@ -2,7 +2,7 @@
 #include "variants/cuda/megakernels.h"
 #include "variants/integrator/megakernel_parameters.cuh"
 
-namespace pt::cuda {
+namespace pt::cuda::integrator::megakernel {
 namespace {
 
 constexpr Descriptor descriptor{
@@ -35,4 +35,4 @@ private:
 const Registration registration(descriptor, {.cuda = {.integrator = integrator_hook<PlainMegakernel>()}});
 
 }  // namespace
-}  // namespace pt::cuda
+}  // namespace pt::cuda::integrator::megakernel

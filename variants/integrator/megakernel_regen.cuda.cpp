@@ -2,7 +2,7 @@
 #include "variants/cuda/megakernels.h"
 #include "variants/integrator/megakernel_regen_parameters.cuh"
 
-namespace pt::cuda {
+namespace pt::cuda::integrator::megakernel_regen {
 namespace {
 
 constexpr Tunable tunables[] = {megakernel_tunables[0], megakernel_tunables[1], megakernel_tunables[2],
@@ -43,4 +43,4 @@ IntegratorHook hook() {
 const Registration registration(descriptor, {.cuda = {.integrator = hook()}});
 
 }  // namespace
-}  // namespace pt::cuda
+}  // namespace pt::cuda::integrator::megakernel_regen

@@ -3,7 +3,7 @@
 #include "variants/cuda/handles.h"
 #include "variants/integrator/persistent_parameters.cuh"
 
-namespace pt::cuda {
+namespace pt::cuda::integrator::persistent {
 namespace {
 
 constexpr Descriptor descriptor{
@@ -54,4 +54,4 @@ IntegratorHook hook() {
 const Registration registration(descriptor, {.cuda = {.integrator = hook()}});
 
 }  // namespace
-}  // namespace pt::cuda
+}  // namespace pt::cuda::integrator::persistent

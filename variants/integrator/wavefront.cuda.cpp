@@ -2,7 +2,7 @@
 #include "variants/cuda/wavefronts.h"
 #include "variants/integrator/wavefront_parameters.cuh"
 
-namespace pt::cuda {
+namespace pt::cuda::integrator::wavefront {
 namespace {
 
 constexpr Descriptor descriptor{
@@ -102,4 +102,4 @@ IntegratorHook hook() {
 const Registration registration(descriptor, {.cuda = {.integrator = hook()}});
 
 }  // namespace
-}  // namespace pt::cuda
+}  // namespace pt::cuda::integrator::wavefront

@@ -2,7 +2,7 @@
 #include "variants/cuda/wavefronts.h"
 #include "variants/integrator/wavefront_fused_parameters.cuh"
 
-namespace pt::cuda {
+namespace pt::cuda::integrator::wavefront_fused {
 namespace {
 
 constexpr Tunable tunables[] = {
@@ -118,4 +118,4 @@ IntegratorHook hook() {
 const Registration registration(descriptor, {.cuda = {.integrator = hook()}});
 
 }  // namespace
-}  // namespace pt::cuda
+}  // namespace pt::cuda::integrator::wavefront_fused

@@ -4,20 +4,20 @@
 #include "variants/cuda/layout_hooks.h"
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::layout::aos {
 namespace {
 
 const Registration registration(
     {
         .axis = "layout",
-        .name = layout::aos::name,
+        .name = name,
         .summary = "array of structures: the fields of a path lie together",
         .origin = "cis565 (two CIS 565 path tracers)",
         .baseline = on_cuda,
         .traits = LayoutTraits{.keeps_paths_whole = true},
         .backends = on_cuda,
     },
-    {.cuda = {.layout = cuda::layout_hooks<layout::aos::DevicePaths>()}});
+    {.cuda = {.layout = cuda::layout_hooks<DevicePaths>()}});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::layout::aos

@@ -4,13 +4,13 @@
 #include "variants/cuda/layout_hooks.h"
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::layout::packed {
 namespace {
 
 const Registration registration(
     {
         .axis = "layout",
-        .name = layout::packed::name,
+        .name = name,
         .summary =
             "columns of 16 bytes: origin and time, direction and surface, throughput and segment, radiance and medium",
         .origin = "Laine, Karras and Aila 2013 (16-byte accesses)",
@@ -22,7 +22,7 @@ const Registration registration(
             return {"needs_single_precision", "packs single-precision fields: needs precision=float"};
         },
     },
-    {.cuda = {.layout = cuda::layout_hooks<layout::packed::DevicePaths>()}});
+    {.cuda = {.layout = cuda::layout_hooks<DevicePaths>()}});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::layout::packed

@@ -4,18 +4,18 @@
 #include "variants/cuda/layout_hooks.h"
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::layout::soa {
 namespace {
 
 const Registration registration(
     {
         .axis = "layout",
-        .name = layout::soa::name,
+        .name = name,
         .summary = "structure of arrays: one array a scalar of the path state",
         .origin = "pbrt-v4's soac; Laine, Karras and Aila 2013",
         .backends = on_cuda,
     },
-    {.cuda = {.layout = cuda::layout_hooks<layout::soa::DevicePaths>()}});
+    {.cuda = {.layout = cuda::layout_hooks<DevicePaths>()}});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::layout::soa

@@ -1,7 +1,7 @@
 // What the sort key of material.cuh says of itself.
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::sort_key::material {
 namespace {
 
 const Registration registration(
@@ -17,4 +17,4 @@ const Registration registration(
     {});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::sort_key::material

@@ -1,7 +1,7 @@
 // What the sort key of material_hit.cuh says of itself.
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::sort_key::material_hit {
 namespace {
 
 const Registration registration(
@@ -19,4 +19,4 @@ const Registration registration(
     {});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::sort_key::material_hit

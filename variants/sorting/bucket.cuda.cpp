@@ -6,7 +6,7 @@
 #include "variants/sorting/bucket_parameters.cuh"
 #include "variants/work_checks.h"
 
-namespace pt::cuda {
+namespace pt::cuda::sorting::bucket {
 namespace {
 
 class Bucket final : public Sorting {
@@ -66,4 +66,4 @@ const Registration registration(descriptor,
                                                       kernel_of<ScatterParameters>()}}});
 
 }  // namespace
-}  // namespace pt::cuda
+}  // namespace pt::cuda::sorting::bucket

@@ -4,7 +4,7 @@
 #include "variants/sorting/per_material_queue_parameters.cuh"
 #include "variants/work_checks.h"
 
-namespace pt::cuda {
+namespace pt::cuda::sorting::per_material_queue {
 namespace {
 
 class PerMaterialQueue final : public Sorting {
@@ -70,4 +70,4 @@ const Registration registration(descriptor,
                                           .kernels = {kernel_of<AppendToQueuesParameters>()}}});
 
 }  // namespace
-}  // namespace pt::cuda
+}  // namespace pt::cuda::sorting::per_material_queue
