@@ -1,8 +1,7 @@
 // The random numbers of cis565: a short linear congruential generator, seeded anew for every path and bounce by a hash
-// of the sample's number and of the path's place in the queue. Kept to measure what that costs: its streams overlap, and
-// whatever moves a path moves its numbers.
-// Park and Miller's minstd with Stockmeyer's multiplier (thrust::default_random_engine) and Wang's integer hash, as in
-// the path tracers of CIS 565 (makeSeededRandomEngine).
+// of the sample's number and of the path's place in the queue. Kept to measure what that costs: its streams overlap,
+// and whatever moves a path moves its numbers. Park and Miller's minstd with Stockmeyer's multiplier
+// (thrust::default_random_engine) and Wang's integer hash, as in the path tracers of CIS 565 (makeSeededRandomEngine).
 #pragma once
 
 #include "kernels/random_words.h"

@@ -29,8 +29,8 @@ constexpr double most_over_cpufreq = 2.5;
 constexpr std::uint64_t steps_per_pass = 100000;
 constexpr std::uint64_t steps_per_turn = 8;  // as the assembler's .rept below has it
 
-// Calls `turn`, which makes steps_per_turn of them, as often as it takes. Each step waits for the one before it: that of
-// the turn before is in a register.
+// Calls `turn`, which makes steps_per_turn of them, as often as it takes. Each step waits for the one before it: that
+// of the turn before is in a register.
 template <class Turn>
 [[maybe_unused]] void chain(std::uint64_t steps, const Turn& turn) {
     for (std::uint64_t i = 0; i < steps / steps_per_turn; ++i) {

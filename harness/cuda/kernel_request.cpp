@@ -1,7 +1,7 @@
 #include "harness/cuda/kernel_request.h"
 
-#include <algorithm>
 #include <fmt/format.h>
+#include <algorithm>
 
 #include "harness/cuda/choices.h"
 #include "harness/cuda/device_scene.h"

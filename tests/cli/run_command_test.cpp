@@ -192,7 +192,8 @@ TEST_F(RunCommandTest, GoogleBenchmarksFlagsWork) {
         return arguments;
     };
     EXPECT_EQ(ptbench(call(5, {"--benchmark_repetitions=3"})).exit_code, 2);  // which of them?
-    EXPECT_EQ(ptbench(without_repetitions({"--benchmark_filter=layout:soa/", "--benchmark_repetitions=3"})).exit_code, 0);
+    EXPECT_EQ(ptbench(without_repetitions({"--benchmark_filter=layout:soa/", "--benchmark_repetitions=3"})).exit_code,
+              0);
     const std::vector<json> rows = samples(result());
     ASSERT_EQ(rows.size(), 3u);
     EXPECT_EQ(rows[0].at("run_name"), "wavefront/layout:soa/scene:cornell_open/backend:cpu/8x6/depth:8/spp:1");

@@ -170,7 +170,8 @@ TEST(ReplayCommandTest, CountsPathsThatPart) {
         return std::stoi(result.out);
     };
     EXPECT_GT(parted("robustness=naive"), 10);
-    // Both have the ground by the eye's power (kernels/shapes/sphere.h): so near to double that no path goes another way.
+    // Both have the ground by the eye's power (kernels/shapes/sphere.h): so near to double that no path goes another
+    // way.
     EXPECT_EQ(parted("robustness=robust"), 0);
     EXPECT_EQ(parted("precision=double_intersection"), 0);
 }
