@@ -188,7 +188,7 @@ TEST(ModuleRequestTest, CountsAreConstantsWhereTheKernelIsTheScenes) {
     EXPECT_TRUE(own.config.has_fixed_counts);
     EXPECT_EQ(own.config.counts.spheres, buffers.view().spheres.size);
     EXPECT_EQ(own.config.counts.quads, buffers.view().quads.size);
-    EXPECT_EQ(own.config.counts.objects(), buffers.view().object_count());
+    EXPECT_EQ(own.config.counts.objects(), object_count(buffers.view()));
     EXPECT_EQ(own.config.counts.walls, buffers.view().enclosure.walls);
     EXPECT_EQ(own.scene, "in_constant");
     const cuda::ModuleRequest generic = cuda::module_request(scene, with("specialisation", "generic"), "sm_90");

@@ -95,7 +95,7 @@ protected:
         if (!why_not_applicable(tuned, features_of(scene), Backend::cuda).empty()) {
             return 0;
         }
-        SCOPED_TRACE(scene_name + " " + tuned.name());
+        SCOPED_TRACE(scene_name + " " + tuned.spelled_out());
         expect_right_films(scene, request_for(scene, tuned));
         return 1;
     }
