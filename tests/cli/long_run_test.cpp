@@ -313,7 +313,7 @@ TEST_F(ShardedRunTest, MergedItIsWhatOneRunWrites) {
     std::map<std::string, std::set<std::string>> shards_of;
     for (const json& cell : parts.at("ptbench").at("cells")) {
         const std::string name = cell.at("cell");
-        shards_of[name.substr(name.find('/'))].insert(cell.at("shard").get<std::string>());
+        shards_of[name.substr(name.find("/scene:"))].insert(cell.at("shard").get<std::string>());
     }
     EXPECT_EQ(shards_of.size(), 4u);
     for (const auto& [setting, found] : shards_of) {

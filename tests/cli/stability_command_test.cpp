@@ -144,7 +144,8 @@ TEST(ReplayCommandTest, ShowsBothPrecisionsSegmentBySegment) {
         ptbench({"replay", "--scene", "cornell_open", "--resolution", "16x16", "--pixel", "8,8", "--sample", "3"},
                 {.folder = folder.path()});
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_EQ(result.out.find("cornell_open pixel 8,8 sample 3 seed 1, depth_first."), 0u) << result.out;
+    EXPECT_EQ(result.out.find("cornell_open pixel 8,8 sample 3 seed 1, depth_first specialisation=generic\n"), 0u)
+        << result.out;
     EXPECT_NE(result.out.find("segment 1\n  float   "), std::string::npos) << result.out;
     EXPECT_NE(result.out.find("\n  double  "), std::string::npos);
     EXPECT_NE(result.out.find("both go the same way"), std::string::npos);

@@ -401,7 +401,7 @@ TEST_F(ConvergenceTest, RefusesBadStudiesWithTheirPlace) {
     // What only the plan can tell.
     EXPECT_EQ(refusal([&] {
                   make_plan(suite(head + R"(, "reference": {"axes": {"first_bounce": "cached"}}})"));
-              }).find("study a: its reference depth_first."),
+              }).find("study a: its reference depth_first first_bounce=cached "),
               0u);
     const std::string twice =
         head + R"(}, {"name": "b", "type": "convergence", "scenes": ["tiny"], "reference": {"scene": "still"}})";

@@ -167,9 +167,7 @@ TEST_F(RunnerTest, ACompletedRunHasEveryRow) {
         EXPECT_EQ(cell.at("status"), "ok");
         const bool is_lit = cell.at("axes").at("direct_light") == "final_bounce";
         EXPECT_EQ(cell.at("claim"), is_lit ? "statistical" : "bitwise");
-        EXPECT_EQ(
-            cell.at("claim_check").get<std::string>().find("film bits equal to depth_first.none.none.material.off."),
-            0u);
+        EXPECT_EQ(cell.at("claim_check").get<std::string>().find("film bits equal to depth_first "), 0u);
         EXPECT_EQ(cell.at("film_hash").get<std::string>().size(), 16u);
         if (!is_lit) {
             plain_hashes.insert(cell.at("film_hash"));
@@ -859,7 +857,7 @@ TEST_F(RunnerTest, AFilterChoosesCells) {
     how.overwrite = true;
     EXPECT_EQ(run(suite(three_compactions), how), exit_good);
     ASSERT_EQ(sample_rows(result()).size(), 1u);
-    EXPECT_EQ(sample_rows(result()).begin()->first.find("wavefront.none."), 0u);
+    EXPECT_EQ(sample_rows(result()).begin()->first.find("wavefront/"), 0u);
     EXPECT_EQ(result().at("benchmarks").size(), 1 + 4u);
 }
 

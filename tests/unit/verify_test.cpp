@@ -332,7 +332,7 @@ TEST(VerifyTest, ABiasedVariantIsHeldToTheBitsOfItsOwnReference) {
         const Verdict verdict = verifier.check(keeping_camera_rays(rays));
         EXPECT_TRUE(verdict.holds) << verdict.message;
         EXPECT_EQ(verdict.message,
-                  "film bits equal to " + biased + (rays == 16 ? "" : "+jitters=" + std::to_string(rays)));
+                  "film bits equal to " + biased + (rays == 16 ? "" : " jitters=" + std::to_string(rays)));
         EXPECT_EQ(verifier.check(keeping_camera_rays(rays, "depth_first")).film_hash, verdict.film_hash);
         hashes.insert(verdict.film_hash);
     }
