@@ -143,7 +143,7 @@ def test_it_is_installed_as_run_does(tmp_path):
     python = _environment(tmp_path / "venv")
     sources = _copy_of_sources(tmp_path / "sources")
     (command,) = re.findall(
-        r'-m pip install \\\n\s+(.*) --editable "\$root"', (ROOT / "run").read_text(encoding="utf-8")
+        r'-m pip install \\\n\s+(.*) --editable "\$root"', (ROOT / "tools/setup.sh").read_text(encoding="utf-8")
     )
     pip = (sys.executable, "-m", "pip", "--python", python, "install", "--no-index", "--ignore-installed")
     done = _run(*pip, *command.split(), "--editable", sources, cwd=tmp_path)
