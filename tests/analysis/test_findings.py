@@ -95,6 +95,15 @@ def test_old_results_are_told(tmp_path, monkeypatch):
     assert "8 commits to kernels/ and variants/ ago, the page allows 7" in too_old(page, HOUSE.results, ROOT)[0]
 
 
+def test_an_overview_of_old_results_is_told(monkeypatch, capsys):
+    monkeypatch.setattr(pages, "commits_since", lambda repository, commit: 10**6)
+    assert findings(ROOT, ["overview"], check=True) == 1
+    assert (
+        "overview.json: compaction (nvidia-h200/compaction.json) was measured 1000000 commits"
+        in capsys.readouterr().out
+    )
+
+
 def test_commits_are_counted_in_git(tmp_path):
     if shutil.which("git") is None or not (ROOT / ".git").exists():
         pytest.skip("no git checkout")

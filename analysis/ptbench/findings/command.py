@@ -6,6 +6,7 @@ pages on disk are not what their results say.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +17,7 @@ from ptbench.figures.saving import png_of, svg_of
 from ptbench.findings.errors import FindingError
 from ptbench.findings.overview import draw, overview_of
 from ptbench.findings.page import Page, read_page, render, too_old, typed_by_hand
-from ptbench.io.files import write_text
+from ptbench.io.files import write_text, write_whole
 
 OVERVIEW = "overview"
 _DPI = 130
@@ -81,18 +82,19 @@ def findings(root: Path, names: Sequence[str], *, check: bool) -> int:
 
 
 def _overview(house: House, *, check: bool) -> list[str]:
-    folder = house.root / "docs/findings"
+    template, folder = house.templates / f"{OVERVIEW}.json", house.root / "docs/findings"
+    faults = too_old(Page(template, json.loads(template.read_text(encoding="utf-8")), ""), house.results, house.root)
     try:
         with style.applied():
-            figure = draw(overview_of(house.templates / f"{OVERVIEW}.json", house.results))
+            figure = draw(overview_of(template, house.results))
             svg = svg_of(figure)
-            if not check:
+            if not check and not faults:
                 print(write_text(folder / f"{OVERVIEW}.svg", svg))
-                (folder / f"{OVERVIEW}.png").write_bytes(png_of(figure, _DPI, few_colours=True))
-                print(folder / f"{OVERVIEW}.png")
+                png = png_of(figure, _DPI, few_colours=True)
+                print(write_whole(folder / f"{OVERVIEW}.png", lambda path: path.write_bytes(png) and None))
     except FindingError as error:
-        return [str(error)]
+        return [*faults, str(error)]
     drawn = folder / f"{OVERVIEW}.svg"
     if check and (not drawn.exists() or drawn.read_text(encoding="utf-8") != svg):
-        return [f"{drawn}: not what its results say; run python3 -m ptbench findings"]
-    return []
+        faults.append(f"{drawn}: not what its results say; run python3 -m ptbench findings")
+    return faults

@@ -92,9 +92,7 @@ def render(page: Page, results: Path) -> str:
         text = environment.from_string(page.text).render(
             **names, **page.head.get("constants", {}), span=span, confidence=f"{CONFIDENCE:.0%}".replace("%", " %")
         )
-    except TemplateError as error:
-        raise FindingError(f"{page.template}: {error}") from error
-    except FindingError as error:
+    except (TemplateError, FindingError) as error:
         raise FindingError(f"{page.template}: {error}") from error
     return text
 
