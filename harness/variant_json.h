@@ -10,7 +10,4 @@ namespace pt {
 // A variant's choices by axis, in the order of the axes.
 nlohmann::ordered_json axes_json(const Variant& variant);
 
-// Its name, its identity and its choices: "variant", "variant_id" and "axes", which every row of results begins with.
-nlohmann::ordered_json variant_json(const Variant& variant, Backend backend);
-
 }  // namespace pt

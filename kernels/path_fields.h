@@ -2,8 +2,6 @@
 // scene's kernels carry, and what a bounce changes all follow from this list.
 #pragma once
 
-#include <cstddef>
-
 #include "kernels/config.h"
 #include "kernels/path.h"
 

@@ -1,8 +1,6 @@
 #include "harness/cuda/kernel_request.h"
 
 #include <fmt/format.h>
-#include <algorithm>
-
 #include "harness/cuda/choices.h"
 #include "harness/cuda/device_scene.h"
 #include "harness/render/renderer.h"
@@ -65,10 +63,6 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
                       .shading_fmas = tuned(variant, "shading_fmas", 0)};
     request.kernels =
         is_double ? kernels_of<double>(integrator, request.config) : kernels_of<float>(integrator, request.config);
-    if (request.config.keeps_first_hits) {
-        request.includes.emplace_back("variants/cuda/fill_cache.cuh");
-        std::rotate(request.includes.begin(), request.includes.end() - 1, request.includes.end());
-    }
     const bool bakes = hooks("specialisation", variant).bakes_scene;
     if (is_double) {
         describe_scene<double>(scene, bakes, request);

@@ -36,6 +36,7 @@
 #include "kernels/solid_angle.h"
 #include "kernels/subsurface.h"
 #include "kernels/transform.h"
+#include "kernels/triangle.h"
 #include "kernels/unit_sphere.h"
 #include "kernels/visit_shape.h"
 #include "kernels/widen.h"

@@ -155,6 +155,9 @@ std::string program_text(const ModuleRequest& request) {
         "#include \"variants/sort_key/{1}.cuh\"\n"
         "namespace sort_key = pt::sort_key::{1};\n",
         request.layout, request.sort_key, request.scene);
+    if (request.config.keeps_first_hits) {
+        text += "#include \"variants/cuda/fill_cache.cuh\"\n";
+    }
     for (const std::string& include : request.includes) {
         text += fmt::format("#include \"{}\"\n", include);
     }

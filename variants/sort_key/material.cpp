@@ -1,4 +1,4 @@
-// The key that cis565 sorts by: the material of the surface that was hit. (CPU backend.)
+// The key that cis565 sorts by: the material of the surface that was hit.
 #include "variants/registry.h"
 
 namespace pt {
@@ -10,9 +10,9 @@ const Registration registration(
         .name = "material",
         .summary = "the material that was hit; paths that left the scene last",
         .origin = "cis565",
-        .baseline = on_cpu,
+        .baseline = on_every_backend,
         .traits = SortKeyTraits{.bits = 0, .has_material = true},
-        .backends = on_cpu,
+        .backends = on_every_backend,
     },
     {});
 

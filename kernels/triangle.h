@@ -1,0 +1,82 @@
+// One triangle along a ray, without gaps: two triangles that share an edge, vertex for vertex, let no ray through
+// between them, and no epsilon is in it. Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2 (1), 2013.
+// Every accelerator calls this test and no other, and its operations are IEEE ones in a fixed order: equal bits.
+#pragma once
+
+#include "kernels/math.h"
+
+namespace pt {
+
+template <class Real>
+struct Triangle {
+    Vec3<Real> a, b, c;
+};
+
+// The shear and permutation that turn the ray's direction into the z axis: what every triangle's test of one ray
+// shares. The direction need not be a unit vector; distances come in its multiples.
+template <class Real>
+struct ShearedDirection {
+    std::uint32_t kx, ky, kz;  // kz: the axis of the direction's largest component
+    Vec3<Real> shear;          // x, y: by how much of z they shift; z: 1 / that component
+
+    PT_HD static ShearedDirection of(const Vec3<Real>& direction) {
+        const Vec3<Real> size{absolute(direction.x), absolute(direction.y), absolute(direction.z)};
+        ShearedDirection s;
+        s.kz = size.x > size.y ? (size.x > size.z ? 0u : 2u) : (size.y > size.z ? 1u : 2u);
+        s.kx = s.kz == 2u ? 0u : s.kz + 1u;
+        s.ky = s.kx == 2u ? 0u : s.kx + 1u;
+        const Real z = pick(direction, s.kz);
+        s.shear = {pick(direction, s.kx) / z, pick(direction, s.ky) / z, Real(1) / z};
+        return s;
+    }
+    // By selection: an index would put the vector into memory.
+    PT_HD static Real pick(const Vec3<Real>& v, std::uint32_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
+};
+
+template <class Real>
+struct TriangleHit {
+    Real t;        // along the direction, in its multiples
+    Real det;      // its sign: negative where the ray meets the side on which a, b, c go round anticlockwise
+    Real u, v, w;  // barycentric weights of a, b, c times det
+    bool hits;
+};
+
+// u = cx by - cy bx in twice the precision: exact for float, whose products fit a double.
+template <class Real>
+PT_HD inline Real edge_function_in_double(Real ax, Real ay, Real bx, Real by) {
+    return static_cast<Real>(static_cast<double>(ax) * static_cast<double>(by) -
+                             static_cast<double>(ay) * static_cast<double>(bx));
+}
+
+// Hits where t > 0 and, on an edge, both triangles that share it: a closed mesh has no gap, and of equal distances the
+// least primitive wins. A triangle seen edge-on (det = 0) is not hit.
+template <class Real>
+PT_HD inline TriangleHit<Real> intersect(const Triangle<Real>& triangle, const Vec3<Real>& origin,
+                                         const ShearedDirection<Real>& s) {
+    const Vec3<Real> a = triangle.a - origin, b = triangle.b - origin, c = triangle.c - origin;
+    const Real az = s.pick(a, s.kz), bz = s.pick(b, s.kz), cz = s.pick(c, s.kz);
+    const Real ax = s.pick(a, s.kx) - s.shear.x * az, ay = s.pick(a, s.ky) - s.shear.y * az;
+    const Real bx = s.pick(b, s.kx) - s.shear.x * bz, by = s.pick(b, s.ky) - s.shear.y * bz;
+    const Real cx = s.pick(c, s.kx) - s.shear.x * cz, cy = s.pick(c, s.ky) - s.shear.y * cz;
+    TriangleHit<Real> hit{Real(0), Real(0), cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax, false};
+    // A rounded zero says neither side; the exact sign does. In double there is nothing wider to ask, and zero is in.
+    if constexpr (sizeof(Real) == 4) {
+        if (hit.u == Real(0) || hit.v == Real(0) || hit.w == Real(0)) {
+            hit.u = edge_function_in_double(cx, cy, bx, by);
+            hit.v = edge_function_in_double(ax, ay, cx, cy);
+            hit.w = edge_function_in_double(bx, by, ax, ay);
+        }
+    }
+    const bool below = hit.u < Real(0) || hit.v < Real(0) || hit.w < Real(0);
+    const bool above = hit.u > Real(0) || hit.v > Real(0) || hit.w > Real(0);
+    hit.det = hit.u + hit.v + hit.w;
+    if ((below && above) || hit.det == Real(0)) {
+        return hit;
+    }
+    const Real scaled = hit.u * (s.shear.z * az) + hit.v * (s.shear.z * bz) + hit.w * (s.shear.z * cz);
+    hit.t = scaled / hit.det;
+    hit.hits = hit.t > Real(0);
+    return hit;
+}
+
+}  // namespace pt

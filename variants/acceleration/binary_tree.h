@@ -1,0 +1,34 @@
+// A binary bounding volume hierarchy as builders leave it on the host and accelerators take it up: each accelerator
+// turns it into nodes of its own width and format.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace pt {
+
+// A closed box; `none` is empty and the identity of `join`.
+struct Box {
+    float low[3] = {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
+                    std::numeric_limits<float>::infinity()};
+    float high[3] = {-std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
+                     -std::numeric_limits<float>::infinity()};
+};
+
+struct BinaryTree {
+    struct Node {
+        Box box;
+        std::uint32_t first = 0;  // inner: the left child, whose sibling follows it; leaf: its first reference
+        std::uint32_t count = 0;  // references of a leaf; 0: an inner node
+
+        bool is_leaf() const { return count != 0; }
+    };
+    std::vector<Node> nodes;                // the root is nodes[0]; empty: a tree of nothing
+    std::vector<std::uint32_t> references;  // primitives in the order of the leaves; spatial splits repeat some
+};
+
+// What a leaf holds, one a primitive: boxes round whole primitives, conservative (rounded outward).
+using PrimitiveBoxes = std::vector<Box>;
+
+}  // namespace pt
