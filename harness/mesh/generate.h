@@ -1,0 +1,31 @@
+// Meshes that anyone can make: by name and size, with exact counts and the same bits on every machine (exact_math.h).
+// All are about the size of the unit sphere or cube, y up, but for what the table says otherwise.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "harness/mesh/mesh.h"
+
+namespace pt {
+
+struct Generator {
+    std::string_view name, what;
+    std::string_view size;  // what a size counts
+    std::uint32_t least_size, most_size;
+    std::uint64_t (*triangles)(std::uint32_t size);  // that generate_mesh returns
+    std::uint64_t (*left_out)(std::uint32_t size);   // without area, at poles: not among them
+    bool closed;  // every edge is shared by two triangles, in opposite directions, and the volume inside is positive
+    Mesh (*make)(std::uint32_t size);
+};
+
+// In the order in which people are told of them.
+std::span<const Generator> generators();
+// nullptr where there is none of that name.
+const Generator* find_generator(std::string_view name);
+
+// Throws InputError for a name that is none of theirs, or a size out of its range.
+Mesh generate_mesh(std::string_view name, std::uint32_t size);
+
+}  // namespace pt

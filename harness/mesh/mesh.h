@@ -1,0 +1,26 @@
+// A triangle mesh as it is made or read, before any scene or accelerator sees it: plain arrays on the host.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace pt {
+
+// Indices of triangles and vertices stay below it; a scene of several meshes still counts its triangles in 32 bits.
+inline constexpr std::uint64_t most_triangles = std::uint64_t{1} << 27;
+inline constexpr std::uint64_t most_vertices = std::uint64_t{1} << 28;
+
+struct Mesh {
+    std::vector<std::array<float, 3>> vertices;
+    std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise, seen from outside
+    std::vector<std::array<float, 3>> normals;            // empty, or one a vertex; of any length, as they were given
+    std::uint32_t degenerate_left_out = 0;                // faces without area that were met and are not in `triangles`
+};
+
+// FNV-1a of vertices, triangles and normals, a word at a time as Film::hash has it: 16 hex digits. The sign of a zero
+// counts; what was left out does not.
+std::string content_hash(const Mesh& mesh);
+
+}  // namespace pt

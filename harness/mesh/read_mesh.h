@@ -1,0 +1,23 @@
+// Reads triangle meshes from files: Wavefront .obj, Stanford .ply (ascii and both binary formats), binary glTF 2
+// (.glb). Faces of more than three corners become fans around their first corner. Materials, colours, texture
+// coordinates and whatever else a file has beside its triangles and vertex normals are passed over.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "harness/mesh/mesh.h"
+
+namespace pt {
+
+inline constexpr std::uint64_t largest_mesh_file = std::uint64_t{1} << 33;
+
+// By the file's ending. Triangles without area are left out and counted: who calls says so. Throws InputError of one
+// line for a file that is missing, of another kind, too large or broken, and for whatever check_mesh refuses.
+Mesh read_mesh(const std::filesystem::path& path);
+
+// The same of a file's content; `file` is for the messages.
+Mesh parse_ply(std::string_view content, const std::string& file);
+
+}  // namespace pt

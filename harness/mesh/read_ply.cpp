@@ -1,0 +1,454 @@
+// The Stanford polygon format (Turk 1994): a header in lines that declares elements and their properties, then the
+// elements, as text or as numbers of either byte order. Read here and not by a library: none that Debian has as headers
+// reads it, and a reader of our own says of any fault where it is.
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "harness/error.h"
+#include "harness/mesh/check_mesh.h"
+#include "harness/mesh/read_mesh.h"
+
+namespace pt {
+
+namespace {
+
+enum class PlyFormat { ascii, little_endian, big_endian };
+enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+
+struct PlyProperty {
+    std::string name;
+    PlyType type = PlyType::float32;
+    bool is_list = false;
+    PlyType count_type = PlyType::uint8;  // of a list
+};
+
+struct PlyElement {
+    std::string name;
+    std::uint64_t count = 0;
+    std::vector<PlyProperty> properties;
+};
+
+struct PlyHeader {
+    PlyFormat format = PlyFormat::ascii;
+    bool has_format = false;
+    std::vector<PlyElement> elements;
+};
+
+constexpr std::pair<std::string_view, PlyType> ply_type_names[] = {
+    {"char", PlyType::int8},       {"int8", PlyType::int8},       {"uchar", PlyType::uint8},
+    {"uint8", PlyType::uint8},     {"short", PlyType::int16},     {"int16", PlyType::int16},
+    {"ushort", PlyType::uint16},   {"uint16", PlyType::uint16},   {"int", PlyType::int32},
+    {"int32", PlyType::int32},     {"uint", PlyType::uint32},     {"uint32", PlyType::uint32},
+    {"float", PlyType::float32},   {"float32", PlyType::float32}, {"double", PlyType::float64},
+    {"float64", PlyType::float64},
+};
+
+std::size_t bytes_of(PlyType type) {
+    constexpr std::size_t bytes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+    return bytes[static_cast<int>(type)];
+}
+
+std::string excerpt(std::string_view text) {
+    constexpr std::size_t longest = 40;
+    return text.size() <= longest ? fmt::format("\"{}\"", text) : fmt::format("\"{}..\"", text.substr(0, longest));
+}
+
+std::vector<std::string_view> words_of(std::string_view line) {
+    constexpr std::string_view white = " \t\r";
+    std::vector<std::string_view> words;
+    for (std::size_t at = line.find_first_not_of(white); at != std::string_view::npos;) {
+        const std::size_t end = std::min(line.find_first_of(white, at), line.size());
+        words.push_back(line.substr(at, end - at));
+        at = line.find_first_not_of(white, end);
+    }
+    return words;
+}
+
+class PlyHeaderReader {
+public:
+    PlyHeaderReader(std::string_view content, const std::string& file) : content_(content), file_(file) {}
+
+    // What follows the header is content.substr(end()).
+    std::size_t end() const { return at_; }
+
+    PlyHeader read() {
+        if (next_line() != "ply") {
+            fail("a file that does not begin with the line \"ply\"", "a PLY file");
+        }
+        for (std::string_view line = next_line(); line != "end_header"; line = next_line()) {
+            add(line, words_of(line));
+        }
+        if (!header_.has_format) {
+            fail("end_header", "a line \"format ..\" before it");
+        }
+        return header_;
+    }
+
+private:
+    [[noreturn]] void fail(const std::string& found, const std::string& allowed) const {
+        throw InputError(file_, fmt::format("line {}", line_), found, allowed);
+    }
+
+    std::string_view next_line() {
+        constexpr std::size_t longest = 4096, most_lines = 4096;
+        ++line_;
+        const std::size_t end = content_.substr(0, at_ + std::min(longest, content_.size() - at_)).find('\n', at_);
+        if (end == std::string_view::npos || line_ > most_lines) {
+            fail("no end_header", "a header of at most 4096 lines of at most 4096 bytes, and end_header");
+        }
+        std::string_view line = content_.substr(at_, end - at_);
+        at_ = end + 1;
+        while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) {
+            line.remove_suffix(1);
+        }
+        return line;
+    }
+
+    void add(std::string_view line, const std::vector<std::string_view>& words) {
+        if (words.empty() || words[0] == "comment" || words[0] == "obj_info") {
+            return;
+        }
+        if (words[0] == "format" && words.size() == 3) {
+            add_format(words);
+        } else if (words[0] == "element" && words.size() == 3) {
+            add_element(words);
+        } else if (words[0] == "property" && words.size() >= 3 && !header_.elements.empty()) {
+            add_property(line, words);
+        } else {
+            fail(excerpt(line),
+                 "format, element NAME COUNT, property TYPE NAME (after an element), comment or end_header");
+        }
+    }
+
+    void add_format(const std::vector<std::string_view>& words) {
+        constexpr std::string_view names[] = {"ascii", "binary_little_endian", "binary_big_endian"};
+        const auto* found = std::find(std::begin(names), std::end(names), words[1]);
+        if (found == std::end(names) || words[2] != "1.0" || header_.has_format) {
+            fail(fmt::format("format {} {}", words[1], words[2]),
+                 "once: ascii, binary_little_endian or binary_big_endian, 1.0");
+        }
+        header_.format = static_cast<PlyFormat>(found - names);
+        header_.has_format = true;
+    }
+
+    void add_element(const std::vector<std::string_view>& words) {
+        PlyElement element{std::string(words[1]), 0, {}};
+        const auto [end, error] = std::from_chars(words[2].begin(), words[2].end(), element.count);
+        if (error != std::errc() || end != words[2].end()) {
+            fail(fmt::format("element {} {}", words[1], excerpt(words[2])), "a whole number of them");
+        }
+        for (const PlyElement& before : header_.elements) {
+            if (before.name == element.name) {
+                fail(fmt::format("element {} twice", element.name), "once");
+            }
+        }
+        header_.elements.push_back(std::move(element));
+    }
+
+    PlyType type_of(std::string_view word) const {
+        for (const auto& [name, type] : ply_type_names) {
+            if (name == word) {
+                return type;
+            }
+        }
+        fail(fmt::format("type {}", excerpt(word)), "char, uchar, short, ushort, int, uint, float or double");
+    }
+
+    void add_property(std::string_view line, const std::vector<std::string_view>& words) {
+        PlyProperty property;
+        property.name = words.back();
+        property.is_list = words[1] == "list";
+        if (words.size() != (property.is_list ? 5u : 3u)) {
+            fail(excerpt(line), "property TYPE NAME, or property list TYPE TYPE NAME");
+        }
+        property.type = type_of(words[words.size() - 2]);
+        if (property.is_list) {
+            property.count_type = type_of(words[2]);
+            if (property.count_type >= PlyType::float32) {
+                fail(excerpt(line), "a list with a whole number for its length");
+            }
+        }
+        header_.elements.back().properties.push_back(std::move(property));
+    }
+
+    std::string_view content_;
+    const std::string& file_;
+    PlyHeader header_;
+    std::size_t at_ = 0, line_ = 0;
+};
+
+// The numbers after the header, one after the other.
+class PlyNumbers {
+public:
+    PlyNumbers(std::string_view content, PlyFormat format, const std::string& file)
+        : content_(content), format_(format), file_(file) {}
+
+    // For the messages.
+    void enter(const std::string& element, std::uint64_t index) {
+        element_ = &element;
+        index_ = index;
+    }
+    [[noreturn]] void fail(const std::string& found, const std::string& allowed) const {
+        throw InputError(file_, fmt::format("{} {}", *element_, index_), found, allowed);
+    }
+
+    double next(PlyType type) { return format_ == PlyFormat::ascii ? next_word(type) : next_binary(type); }
+
+    // The most elements of that kind for which there are bytes left.
+    std::uint64_t most_left(const PlyElement& element) const {
+        std::uint64_t bytes = 0;
+        for (const PlyProperty& property : element.properties) {
+            bytes += format_ == PlyFormat::ascii ? 2 : bytes_of(property.is_list ? property.count_type : property.type);
+        }
+        const std::uint64_t left = content_.size() - at_ + (format_ == PlyFormat::ascii ? 1 : 0);
+        return left / std::max<std::uint64_t>(bytes, 1);
+    }
+
+private:
+    double next_word(PlyType type) {
+        constexpr std::string_view white = " \t\r\n";
+        const std::size_t start = std::min(content_.find_first_not_of(white, at_), content_.size());
+        const std::size_t end = std::min(content_.find_first_of(white, start), content_.size());
+        const std::string_view word = content_.substr(start, end - start);
+        at_ = end;
+        double value = 0.0;
+        const auto [last, error] = std::from_chars(word.begin(), word.end(), value);
+        if (word.empty()) {
+            fail("the end of the file", "all elements that the header declares");
+        }
+        if (error == std::errc::result_out_of_range && last == word.end()) {
+            return out_of_range(word);
+        }
+        if (error != std::errc() || last != word.end()) {
+            fail(excerpt(word), "a number");
+        }
+        if (type < PlyType::float32 && value != std::floor(value)) {
+            fail(excerpt(word), "a whole number");
+        }
+        return value;
+    }
+
+    // Beyond double: too small is zero, and too large infinite, which check_mesh refuses.
+    static double out_of_range(std::string_view word) {
+        const std::size_t exponent = word.find_first_of("eE");
+        const bool small = exponent != std::string_view::npos && word.substr(exponent + 1).starts_with('-');
+        return small ? 0.0 : std::numeric_limits<double>::infinity();
+    }
+
+    template <class T, class Bits>
+    double as(const unsigned char* bytes) const {
+        Bits bits = 0;
+        for (std::size_t i = 0; i < sizeof(Bits); ++i) {
+            const std::size_t place = format_ == PlyFormat::little_endian ? i : sizeof(Bits) - 1 - i;
+            bits = static_cast<Bits>(bits | static_cast<Bits>(bytes[i]) << (8 * place));
+        }
+        return static_cast<double>(std::bit_cast<T>(bits));
+    }
+
+    double next_binary(PlyType type) {
+        const std::size_t bytes = bytes_of(type);
+        if (content_.size() - at_ < bytes) {
+            fail("the end of the file", "all elements that the header declares");
+        }
+        const auto* from = reinterpret_cast<const unsigned char*>(content_.data() + at_);
+        at_ += bytes;
+        switch (type) {
+            case PlyType::int8:
+                return as<std::int8_t, std::uint8_t>(from);
+            case PlyType::uint8:
+                return as<std::uint8_t, std::uint8_t>(from);
+            case PlyType::int16:
+                return as<std::int16_t, std::uint16_t>(from);
+            case PlyType::uint16:
+                return as<std::uint16_t, std::uint16_t>(from);
+            case PlyType::int32:
+                return as<std::int32_t, std::uint32_t>(from);
+            case PlyType::uint32:
+                return as<std::uint32_t, std::uint32_t>(from);
+            case PlyType::float32:
+                return as<float, std::uint32_t>(from);
+            default:
+                return as<double, std::uint64_t>(from);
+        }
+    }
+
+    std::string_view content_;
+    PlyFormat format_;
+    const std::string& file_;
+    const std::string* element_ = nullptr;
+    std::uint64_t index_ = 0;
+    std::size_t at_ = 0;
+};
+
+class PlyReader {
+public:
+    PlyReader(std::string_view content, const std::string& file) : file_(file), header_reader_(content, file) {
+        header_ = header_reader_.read();
+        PlyNumbers numbers(content.substr(header_reader_.end()), header_.format, file);
+        for (const PlyElement& element : header_.elements) {
+            read_element(element, numbers);
+        }
+        if (!has_faces_) {
+            throw InputError(file, "header", "no faces", "an element \"face\" with a list \"vertex_indices\"");
+        }
+    }
+
+    Mesh mesh() { return std::move(mesh_); }
+
+private:
+    void read_element(const PlyElement& element, PlyNumbers& numbers) {
+        if (element.count > 0 && element.properties.empty()) {
+            throw InputError(file_, "header", fmt::format("element {} without properties", element.name),
+                             "at least one");
+        }
+        numbers.enter(element.name, 0);
+        if (element.count > numbers.most_left(element)) {
+            numbers.fail(
+                fmt::format("{} of them declared, and bytes for {}", element.count, numbers.most_left(element)),
+                "a file as long as its header says");
+        }
+        if (element.name == "vertex") {
+            read_vertices(element, numbers);
+        } else if (element.name == "face") {
+            read_faces(element, numbers);
+        } else {
+            for (std::uint64_t i = 0; i < element.count; ++i) {
+                numbers.enter(element.name, i);
+                for (const PlyProperty& property : element.properties) {
+                    pass_over(property, numbers);
+                }
+            }
+        }
+    }
+
+    static std::uint64_t list_length(const PlyProperty& property, PlyNumbers& numbers) {
+        const double length = numbers.next(property.count_type);
+        if (!(length >= 0.0 && length <= 4294967295.0)) {
+            numbers.fail(fmt::format("a list of {} numbers", length), "0 or more");
+        }
+        return static_cast<std::uint64_t>(length);
+    }
+
+    static void pass_over(const PlyProperty& property, PlyNumbers& numbers) {
+        const std::uint64_t count = property.is_list ? list_length(property, numbers) : 1;
+        for (std::uint64_t i = 0; i < count; ++i) {
+            (void)numbers.next(property.type);
+        }
+    }
+
+    // -1 where the element has none of that name.
+    static int place_of(const PlyElement& element, std::string_view name, bool is_list) {
+        for (std::size_t i = 0; i < element.properties.size(); ++i) {
+            if (element.properties[i].name == name && element.properties[i].is_list == is_list) {
+                return static_cast<int>(i);
+            }
+        }
+        return -1;
+    }
+
+    void read_vertices(const PlyElement& element, PlyNumbers& numbers) {
+        constexpr std::string_view names[] = {"x", "y", "z", "nx", "ny", "nz"};
+        int places[6];
+        for (int i = 0; i < 6; ++i) {
+            places[i] = place_of(element, names[i], false);
+            if (i < 3 && places[i] < 0) {
+                throw InputError(file_, "header", fmt::format("vertices without {}", names[i]), "x, y and z");
+            }
+        }
+        const bool has_normals = places[3] >= 0 && places[4] >= 0 && places[5] >= 0;
+        check_count(element, most_vertices);
+        mesh_.vertices.reserve(element.count);
+        mesh_.normals.reserve(has_normals ? element.count : 0);
+        std::vector<float> values(element.properties.size());
+        for (std::uint64_t i = 0; i < element.count; ++i) {
+            numbers.enter(element.name, i);
+            for (std::size_t k = 0; k < values.size(); ++k) {
+                if (element.properties[k].is_list) {
+                    pass_over(element.properties[k], numbers);
+                } else {
+                    values[k] = static_cast<float>(numbers.next(element.properties[k].type));
+                }
+            }
+            mesh_.vertices.push_back({values[places[0]], values[places[1]], values[places[2]]});
+            if (has_normals) {
+                mesh_.normals.push_back({values[places[3]], values[places[4]], values[places[5]]});
+            }
+        }
+    }
+
+    void check_count(const PlyElement& element, std::uint64_t most) const {
+        if (element.count > most) {
+            throw InputError(file_, "header", fmt::format("{} {} elements", element.count, element.name),
+                             fmt::format("at most {}", most));
+        }
+    }
+
+    void read_faces(const PlyElement& element, PlyNumbers& numbers) {
+        const int plural = place_of(element, "vertex_indices", true),
+                  singular = place_of(element, "vertex_index", true);
+        const int list = plural >= 0 ? plural : singular;
+        if (list < 0) {
+            throw InputError(file_, "header", "faces without vertex_indices", "a list of that name, or vertex_index");
+        }
+        has_faces_ = true;
+        check_count(element, most_triangles);
+        mesh_.triangles.reserve(element.count);
+        for (std::uint64_t i = 0; i < element.count; ++i) {
+            numbers.enter(element.name, i);
+            for (int k = 0; k < static_cast<int>(element.properties.size()); ++k) {
+                if (k == list) {
+                    read_corners(element.properties[k], numbers);
+                } else {
+                    pass_over(element.properties[k], numbers);
+                }
+            }
+        }
+    }
+
+    static std::uint32_t next_corner(const PlyProperty& property, PlyNumbers& numbers) {
+        const double index = numbers.next(property.type);
+        if (!(index >= 0.0 && index <= 4294967295.0 && index == std::floor(index))) {
+            numbers.fail(fmt::format("vertex {}", index), "the number of a vertex, from 0");
+        }
+        return static_cast<std::uint32_t>(index);
+    }
+
+    void read_corners(const PlyProperty& property, PlyNumbers& numbers) {
+        const std::uint64_t count = list_length(property, numbers);
+        if (count < 3) {
+            numbers.fail(fmt::format("{} corners", count), "at least 3");
+        }
+        const std::uint32_t first = next_corner(property, numbers);
+        std::uint32_t last = next_corner(property, numbers);
+        for (std::uint64_t i = 2; i < count; ++i) {
+            const std::uint32_t corner = next_corner(property, numbers);
+            if (mesh_.triangles.size() >= most_triangles) {
+                numbers.fail("more triangles", fmt::format("at most {}", most_triangles));
+            }
+            mesh_.triangles.push_back({first, last, corner});
+            last = corner;
+        }
+    }
+
+    const std::string& file_;
+    PlyHeaderReader header_reader_;
+    PlyHeader header_;
+    Mesh mesh_;
+    bool has_faces_ = false;
+};
+
+}  // namespace
+
+Mesh parse_ply(std::string_view content, const std::string& file) {
+    Mesh mesh = PlyReader(content, file).mesh();
+    check_mesh(mesh, file);
+    return mesh;
+}
+
+}  // namespace pt
