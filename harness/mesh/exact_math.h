@@ -3,6 +3,7 @@
 // to processor in its last bit. (The build's -ffp-contract=off keeps compilers from fusing them.)
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -40,6 +41,10 @@ inline SineCosine exact_sine_cosine(double x) {
         default:
             return {-cosine, sine};
     }
+}
+
+inline std::array<float, 3> in_single(const glm::dvec3& point) {
+    return {static_cast<float>(point.x), static_cast<float>(point.y), static_cast<float>(point.z)};
 }
 
 // SplitMix64 (Steele, Lea, Flood 2014): the n-th number depends on the seed and n alone.

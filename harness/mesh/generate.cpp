@@ -17,13 +17,35 @@ std::uint64_t power(std::uint64_t base, std::uint32_t exponent) {
     return exponent == 0 ? 1 : base * power(base, exponent - 1);
 }
 std::uint64_t square(std::uint64_t n) { return n * n; }
+std::uint64_t same(std::uint32_t n) { return n; }
+std::uint64_t teapot_triangles(std::uint32_t n) { return 64 * square(n) - 8 * std::uint64_t{n}; }
 
 const Generator table[] = {
-    {"icosphere", "sphere of an icosahedron, with smooth bumps; 20 x 4^N triangles", "level of division", 0, 10,
+    {"icosphere", "sphere of an icosahedron, with smooth bumps", "N: levels of division; 20 x 4^N triangles", 0, 10,
      [](std::uint32_t n) { return 20 * power(4, n); }, nothing, true, make_icosphere},
-    {"grid_sphere", "sphere of N rows of latitude by 2 N of longitude, with fine bumps; 4 N (N - 1)", "rows", 3, 4096,
-     [](std::uint32_t n) { return 4 * square(n) - 4 * n; }, [](std::uint32_t n) { return std::uint64_t{4} * n; }, true,
-     make_probe_sphere},
+    {"grid_sphere", "sphere of a grid in latitude and longitude, with fine bumps",
+     "N: rows of latitude; 4 N^2 - 4 N triangles", 3, 4096, [](std::uint32_t n) { return 4 * square(n) - 4 * n; },
+     [](std::uint32_t n) { return std::uint64_t{4} * n; }, true, make_probe_sphere},
+    {"menger", "Menger sponge, its outer faces", "N: levels of boring; 4 x 20^N + 8 x 8^N triangles", 0, 5,
+     [](std::uint32_t n) { return 2 * (2 * power(20, n) + 4 * power(8, n)); }, nothing, true, make_menger_sponge},
+    {"teapot", "Newell's 32 patches, 6.525 long", "N: pieces of a patch's side; 64 N^2 - 8 N triangles", 2, 1024,
+     teapot_triangles, [](std::uint32_t n) { return std::uint64_t{8} * n; }, false, make_teapot},
+    {"stadium", "the teapot on a quad 10^5 times as long", "N: as the teapot's; 64 N^2 - 8 N + 2 triangles", 2, 1024,
+     [](std::uint32_t n) { return teapot_triangles(n) + 2; }, [](std::uint32_t n) { return std::uint64_t{8} * n; },
+     false, make_stadium},
+    {"hairball", "bent tubes of 24 x 6 sides outward from the centre", "N: hairs; 288 N triangles", 1, 400'000,
+     [](std::uint32_t n) { return std::uint64_t{288} * n; }, nothing, false, make_hairball},
+    {"trefoil", "tube along a trefoil knot, 8 N rings of N corners", "N: corners of a ring; 16 N^2 triangles", 3, 2048,
+     [](std::uint32_t n) { return 16 * square(n); }, nothing, true, make_trefoil},
+    {"tori", "tori of 64 x 32 quads at random", "N: tori; 4096 N triangles", 1, 32'768,
+     [](std::uint32_t n) { return std::uint64_t{4096} * n; }, nothing, true, make_tori},
+    {"needles", "triangles 2^7 to 2^13 times longer than wide, at random", "N: triangles", 1, 1u << 24, same, nothing,
+     false, make_needles},
+    {"equal", "the same triangle N times", "N: triangles", 1, 1u << 24, same, nothing, false, make_equal_triangles},
+    {"terrain", "height field of fractal noise over 2^N x 2^N cells", "N: levels of noise; 2 x 4^N triangles", 1, 12,
+     [](std::uint32_t n) { return 2 * power(4, n); }, nothing, false, make_terrain},
+    {"cornell", "Cornell box, open at the front, with its two blocks", "N: pieces of a quad's side; 30 N^2 triangles",
+     1, 2048, [](std::uint32_t n) { return 30 * square(n); }, nothing, false, make_cornell_box},
 };
 
 }  // namespace

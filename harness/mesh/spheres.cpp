@@ -8,10 +8,6 @@ namespace pt {
 
 namespace {
 
-std::array<float, 3> in_single(const glm::dvec3& point) {
-    return {static_cast<float>(point.x), static_cast<float>(point.y), static_cast<float>(point.z)};
-}
-
 // A triangulated sphere whose triangles know their edges, so that an edge's middle is made once without a search.
 struct DividedSphere {
     std::vector<glm::dvec3> vertices;
