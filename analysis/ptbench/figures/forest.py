@@ -19,6 +19,10 @@ LOOKS = {
     FASTER: style.Look(style.COLOURS[1], "s", "-"),
     SAME: style.Look(style.COLOURS[0], "o", "-"),
     UNSURE: style.Look("#6e6e6e", "D", "-"),
+    # Of ratios that are better when high.
+    "lower": style.Look(style.COLOURS[2], "^", "-"),
+    "higher": style.Look(style.COLOURS[1], "s", "-"),
+    "not told apart from 1": style.Look("#6e6e6e", "D", "-"),
 }
 _LOG_FROM = 4.0
 _ROW, _TIGHT_ROW = 0.27, 0.22
@@ -33,7 +37,7 @@ class Item:
 
     label: str
     ratio: Estimate
-    word: str  # a verdict
+    word: str  # a key of LOOKS
 
 
 @dataclass(frozen=True)
@@ -46,13 +50,14 @@ class Group:
 
 @dataclass(frozen=True)
 class Data:
-    """`threshold`: differences up to here count as none; `axis` names the ratio."""
+    """`threshold`: differences up to here count as none; `axis` names the ratio; `kind` is for file names."""
 
     title: str
     axis: str
     caption: str
     groups: tuple[Group, ...]
     threshold: float
+    kind: str = ""
 
 
 def pages(groups: Sequence[Group], most: int) -> list[tuple[Group, ...]]:
@@ -119,6 +124,51 @@ def draw(data: Data) -> Figure:
     return page.figure
 
 
+_NARROW = 3.57  # inches: a telephone's 375 CSS pixels less its page's margins
+_NARROW_SIZE = 8.0
+_NARROW_PLOT = 1.5
+
+
+def draw_narrow(data: Data) -> Figure:
+    """The same for a narrow screen: each label above its row, the ratio beside it."""
+    inner = _NARROW - 2 * style.MARGIN
+    labels = [[style.wrapped(item.label, _NARROW_SIZE, inner) for item in group.items] for group in data.groups]
+    titles = [style.wrapped(group.title, style.LABEL_SIZE, inner, "bold") for group in data.groups]
+    heads = [style.text_height(style.LABEL_SIZE, len(title)) + 0.1 for title in titles]
+    rows = [[style.text_height(_NARROW_SIZE, len(label)) + 0.3 for label in group] for group in labels]
+    body = sum(heads) + sum(map(sum, rows)) + 0.5
+    page = style.Page(_NARROW, body, data.title, data.caption)
+    limits, log = _limits(data)
+    # One axes under all rows: what a row is lies at inches from its bottom.
+    height = body - 0.5
+    axes = page.axes(style.MARGIN, 0.5, _NARROW_PLOT, height)
+    axes.set_ylim(0, height)
+    axes.axvspan(1 - data.threshold, 1 + data.threshold, color="#e9e9e9", linewidth=0, zorder=0)
+    axes.axvline(1, color="#888888", linewidth=0.8, linestyle=(0, (4, 2)), zorder=1)
+    top = height
+    plain = {"size": _NARROW_SIZE, "va": "top", "bbox": {"facecolor": "white", "edgecolor": "none", "pad": 0.5}}
+    for group, title, head, group_labels, pitches in zip(data.groups, titles, heads, labels, rows, strict=True):
+        bold = {**plain, "size": style.LABEL_SIZE, "weight": "bold"}
+        page.text(style.MARGIN, top + 0.5, "\n".join(title), **bold)
+        top -= head
+        for item, label, pitch in zip(group.items, group_labels, pitches, strict=True):
+            page.text(style.MARGIN, top + 0.5, "\n".join(label), **plain)
+            y = top - pitch + 0.17
+            style.draw_row(axes, y, item.ratio, LOOKS[item.word])
+            text = f"{_ratio_text(item.ratio, data.threshold)}\n{item.word}"
+            page.text(
+                style.MARGIN + _NARROW_PLOT + 0.1, y + 0.5, text, size=_NARROW_SIZE - 0.5, va="center",
+                color=LOOKS[item.word].colour, linespacing=1.1,
+            )  # fmt: skip
+            top -= pitch
+    axes.yaxis.set_major_locator(NullLocator())
+    axes.spines["left"].set_visible(False)
+    _scale(axes, limits, log, most=3)
+    axes.tick_params(labelsize=_NARROW_SIZE - 1)
+    axes.set_xlabel(data.axis + (", log" if log else ""), size=_NARROW_SIZE)
+    return page.figure
+
+
 def _limits(data: Data) -> tuple[tuple[float, float], bool]:
     """What the axis shows: everything, 1 and the band round it included."""
     ends = [1 - data.threshold, 1 + data.threshold]
@@ -131,13 +181,14 @@ def _limits(data: Data) -> tuple[tuple[float, float], bool]:
     return (low - 0.06 * (high - low), high + 0.06 * (high - low)), False
 
 
-def _scale(axes: Axes, limits: tuple[float, float], log: bool) -> None:
+def _scale(axes: Axes, limits: tuple[float, float], log: bool, most: int = 5) -> None:
+    """`most`: that many ticks, or about it on a log scale."""
     if log:
         axes.set_xscale("log")
-        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if limits[1] < 60 * limits[0] else (1,)))
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if limits[1] < 12 * most * limits[0] else (1,)))
         axes.xaxis.set_minor_locator(NullLocator())
     else:
-        axes.xaxis.set_major_locator(MaxNLocator(5))
+        axes.xaxis.set_major_locator(MaxNLocator(most))
     axes.set_xlim(limits)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.grid(axis="x")

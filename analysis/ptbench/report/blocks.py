@@ -39,13 +39,17 @@ class Folded:
 
 @dataclass(frozen=True)
 class Image:
-    """A figure's file: `name` has its ending, `alt` says what is to be seen. Sizes in CSS pixels."""
+    """A figure's file: `name` has its ending, `alt` says what is to be seen. Sizes in CSS pixels.
+
+    `narrow` is the same drawn for a narrow screen, which a page with room for the other does not show.
+    """
 
     name: str
     data: bytes
     alt: str
     width: int
     height: int
+    narrow: Image | None = None
 
     @property
     def media_type(self) -> str:
@@ -98,14 +102,19 @@ def anchor_of(*parts: str) -> str:
 LONG_TABLE = 12  # rows; a longer one is folded
 
 
-def shown_table(table: Table, label: str) -> Table | Folded:
-    """The table, folded under `label` where it is long."""
+def shown_table(table: Table, label: str, *, fold: bool = False) -> Table | Folded | Facts:
+    """The table, folded under `label` where it is long or with `fold`; of one row, its names and values."""
     count = len(table.rows)
-    return table if count <= LONG_TABLE else Folded(f"{label}, {count} rows", table)
+    if fold or count > LONG_TABLE:
+        return Folded(f"{label}, {count} row{'' if count == 1 else 's'}", table)
+    return Facts(tuple(zip(table.head, table.rows[0], strict=True))) if count == 1 else table
 
 
-def blocks_of(lines: Lines, label: str, *, skip_heading: bool = True) -> list[Block]:
-    """A summary's section as blocks: its paragraphs, lists, headings and tables. Its own heading is left out."""
+def blocks_of(lines: Lines, label: str, *, skip_heading: bool = True, fold: bool = False) -> list[Block]:
+    """A summary's section as blocks: its paragraphs, lists, headings and tables, which `fold` folds whatever they hold.
+
+    Its own heading is left out.
+    """
     blocks: list[Block] = []
     bullets: list[str] = []
     name = label
@@ -117,7 +126,7 @@ def blocks_of(lines: Lines, label: str, *, skip_heading: bool = True) -> list[Bl
             blocks.append(Bullets(tuple(bullets)))
             bullets = []
         if isinstance(line, Table):
-            blocks.append(shown_table(line, name))
+            blocks.append(shown_table(line, name, fold=fold))
         elif line.startswith("## ") and skip_heading:
             continue
         elif line.startswith("#"):

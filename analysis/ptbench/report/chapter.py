@@ -15,6 +15,8 @@ from ptbench.plots.summary import failed, not_applicable, on_device, stages, stu
 from ptbench.report import tidy
 from ptbench.report.blocks import Block, Bullets, Download, Facts, Paragraph, Section, anchor_of, blocks_of
 from ptbench.report.drawing import Drawn, draw_stability_figures, draw_study_figures
+from ptbench.report.findings import Findings, findings_of, stability_findings
+from ptbench.report.forest import draw_overview
 from ptbench.report.scenes import SceneUse, scene_uses
 from ptbench.report.sources import load
 from ptbench.report.verdicts import counts_text, plural, study_verdicts, verdict_counts
@@ -85,6 +87,7 @@ class Chapter:
     left_out: LeftOut
     scenes: tuple[SceneUse, ...]
     downloads: tuple[Download, ...]
+    findings: tuple[Block, ...]
     section: Section
     has_gpu: bool = False
     has_convergence: bool = False
@@ -148,7 +151,9 @@ def _timing_chapter(result: Result, title: str) -> Chapter:
         children.append(_study_section(result, study, drawn, title))
     if any(not cell.studies for cell in result.cells):
         lines = study_section(result, None, "", (), None)
-        children.append(_child(title, "Cells of no study", "no-study", blocks_of(lines, "Cells of no study")))
+        children.append(
+            _child(title, "Cells of no study", "no-study", blocks_of(lines, "Cells of no study", fold=True))
+        )
     children += _rest(result, title)
     has_convergence = any(cell.convergence is not None for cell in result.cells)
     downloads = [tidy.download(f"{prefix}.samples.csv", tidy.sample_rows(result), "a sample")]
@@ -171,11 +176,16 @@ def _timing_chapter(result: Result, title: str) -> Chapter:
         left_out=LeftOut(_missing_variants(result), _failed_cells(result), tuple(not_drawn), tuple(_doubts(result))),
         scenes=scene_uses(result),
         downloads=tuple(downloads),
+        findings=(*_in_words(findings_of(result)), *draw_overview(result, title, prefix)),
         section=Section(title, anchor_of("file", title), tuple(blocks), tuple(children)),
         has_gpu=any(cell.on_gpu for cell in result.cells),
         has_convergence=has_convergence,
         withdrawn=tuple(entry.full for entry in concerning(result.cells)),
     )
+
+
+def _in_words(found: Findings) -> list[Block]:
+    return [Paragraph(found.head), *([Bullets(found.items)] if found.items else [])]
 
 
 def _child(title: str, heading: str, name: str, blocks: Sequence[Block]) -> Section:
@@ -190,7 +200,7 @@ def _study_section(result: Result, study, drawn: Drawn, title: str) -> Section:
     if items:
         blocks.append(Bullets(tuple(items)))
     blocks += drawn.images
-    blocks += blocks_of(lines, study.title or study.name)
+    blocks += blocks_of(lines, study.title or study.name, fold=True)
     return _child(title, study.title or study.name, f"study-{study.name}", blocks)
 
 
@@ -201,7 +211,9 @@ def _rest(result: Result, title: str) -> list[Section]:
         ("Not applicable", "not-applicable", not_applicable(result)),
         ("Failed", "failed", failed(result.cells)),
     ]
-    return [_child(title, heading, name, blocks_of(lines, heading)) for heading, name, lines in parts if lines]
+    return [
+        _child(title, heading, name, blocks_of(lines, heading, fold=True)) for heading, name, lines in parts if lines
+    ]
 
 
 def _options(result: Result) -> list[tuple[str, str]]:
@@ -276,11 +288,11 @@ def _stability_chapter(stability: Stability, title: str) -> Chapter:
     parts: list[tuple[str, str, list[Block]]] = [
         ("By family", "families", [Bullets(tuple(families)) if families else Paragraph("The file has no cases.")]),
         ("Figures", "figures", list(drawn.images)),
-        ("Known limits", "limits", blocks_of(limits(stability, layout), "Known limits")),
+        ("Known limits", "limits", blocks_of(limits(stability, layout), "Known limits", fold=True)),
         (
             "Failures of what must pass",
             "failures",
-            blocks_of(must_pass_failures(stability, layout), "Failures of what must pass"),
+            blocks_of(must_pass_failures(stability, layout), "Failures of what must pass", fold=True),
         ),
         ("Cases without checks", "missing", _cases_without(stability)),
     ]
@@ -311,6 +323,7 @@ def _stability_chapter(stability: Stability, title: str) -> Chapter:
         ),
         scenes=(),
         downloads=(tidy.download(f"{prefix}.checks.csv", tidy.check_rows(stability), "a check"),),
+        findings=tuple(_in_words(stability_findings(stability))),
         section=Section(
             title,
             anchor_of("file", title),

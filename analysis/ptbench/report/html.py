@@ -42,8 +42,10 @@ def html_page(title: str, subtitle: str, sections: Sequence[Section]) -> str:
 <p>{escape(subtitle)}</p>
 </header>
 <nav aria-label="Contents">
-<h2>Contents</h2>
-{_contents(sections)}</nav>
+<details>
+<summary>Contents</summary>
+{_contents(sections)}</details>
+</nav>
 <main>
 {body}</main>
 <script>
@@ -108,7 +110,7 @@ def _block(block: Block, level: int) -> str:
         case Folded(label, table):
             return f"<details>\n<summary>{inline(label)}</summary>\n{_table(table)}</details>\n"
         case Image():
-            return f'<figure class="scroll" tabindex="0">{_image(block)}</figure>\n'
+            return _figure(block)
         case Pictures(items):
             shown = (
                 f"<figure>{_image(image)}<figcaption>{inline(text)}</figcaption></figure>" for image, text in items
@@ -117,6 +119,18 @@ def _block(block: Block, level: int) -> str:
         case Download():
             return _download(block)
     raise TypeError(f"no HTML for {type(block).__name__}")
+
+
+def _figure(image: Image) -> str:
+    if image.narrow is None:
+        return f'<figure class="scroll" tabindex="0">{_image(image)}</figure>\n'
+    narrow = image.narrow
+    # Paper is narrow, too, in CSS pixels, and has room for the wide one.
+    source = (
+        f'<source media="screen and (max-width: 44rem)" srcset="{_data(narrow.media_type, narrow.data)}" '
+        f'width="{narrow.width}" height="{narrow.height}">'
+    )
+    return f'<figure class="fitting"><picture>{source}{_image(image)}</picture></figure>\n'
 
 
 def _image(image: Image) -> str:

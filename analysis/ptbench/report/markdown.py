@@ -87,8 +87,14 @@ def _block(block: Block, level: int) -> list[str]:
             return [f"{'#' * min(level, 6)} {_text(text)}"]
         case Table():
             return _table(block)
-        case Folded(_, table):
-            return _table(table)
+        case Folded(label, table):
+            return [
+                f"<details><summary>{_text(label).replace('`', '')}</summary>",
+                "",
+                *_table(table),
+                "",
+                "</details>",
+            ]
         case Image():
             return [_image(block, FIGURES)]
         case Pictures(items):

@@ -9,7 +9,7 @@ from ptbench.convergence.assessment import RULES
 from ptbench.convergence.efficiency import EFFICIENCY_RULE
 from ptbench.io.files import one_line
 from ptbench.plots.summary import GPU_TEXT
-from ptbench.report.blocks import Block, Bullets, Facts, Heading, Paragraph, Pictures, Section, shown_table
+from ptbench.report.blocks import Block, Bullets, Facts, Heading, Paragraph, Pictures, Section, anchor_of, shown_table
 from ptbench.report.chapter import Chapter
 from ptbench.report.scenes import ScenePicture
 from ptbench.report.verdicts import plural
@@ -26,14 +26,15 @@ NO_PICTURES = (
 def report_sections(
     chapters: Sequence[Chapter], pictures: Sequence[ScenePicture], passed_over: Sequence[Path]
 ) -> list[Section]:
-    """The page, in order."""
+    """The page, in order: the answer, what may be wrong with it, all of it, and how it came about."""
     return [
+        _findings(chapters),
         Section("At a glance", "glance", tuple(_glance(chapters))),
+        Section("What was left out, and why", "left-out", tuple(_left_out(chapters))),
+        Section("Results", "results", (), tuple(chapter.section for chapter in chapters)),
+        Section("Scenes", "scenes", tuple(_scenes(chapters, pictures))),
         Section("Machines", "machines", tuple(_machines(chapters))),
         Section("What ran", "what-ran", tuple(_what_ran(chapters, passed_over))),
-        Section("What was left out, and why", "left-out", tuple(_left_out(chapters))),
-        Section("Scenes", "scenes", tuple(_scenes(chapters, pictures))),
-        Section("Results", "results", (), tuple(chapter.section for chapter in chapters)),
         Section("Method", "method", tuple(_method(chapters))),
         Section("Raw rows", "raw", tuple(_raw(chapters))),
     ]
@@ -43,13 +44,19 @@ def _listed(values: Sequence[str]) -> str:
     return ", ".join(f"`{value}`" for value in dict.fromkeys(values))
 
 
-def _glance(chapters: Sequence[Chapter]) -> list[Block]:
-    machines = list(dict.fromkeys(chapter.machine for chapter in chapters))
-    commits = list(dict.fromkeys(chapter.git_sha for chapter in chapters))
-    text = f"{plural(len(chapters), 'result file')}, from {plural(len(machines), 'machine')} ({_listed(machines)})"
-    text += f" and {plural(len(commits), 'commit')} of ptbench ({_listed([commit[:10] for commit in commits])})."
-    if len(machines) > 1 or len(commits) > 1:
-        text += " Every comparison on this page is within one file; nothing is compared across machines or commits."
+def _findings(chapters: Sequence[Chapter]) -> Section:
+    """What each file says, after what should make a reader doubt it."""
+    warnings = _warnings(chapters)
+    blocks: list[Block] = [Bullets(tuple(warnings))] if warnings else []
+    if len(chapters) == 1:
+        return Section("What was found", "findings", (*blocks, *chapters[0].findings))
+    parts = tuple(
+        Section(chapter.title, anchor_of("findings", chapter.title), chapter.findings) for chapter in chapters
+    )
+    return Section("What was found", "findings", tuple(blocks), parts)
+
+
+def _warnings(chapters: Sequence[Chapter]) -> list[str]:
     warnings = []
     for chapter in chapters:
         if chapter.status != "completed":
@@ -58,6 +65,16 @@ def _glance(chapters: Sequence[Chapter]) -> list[Block]:
             warnings.append(f"**{chapter.title}**: built with uncommitted changes: the commit does not say what ran.")
         if chapter.counts.failed:
             warnings.append(f"**{chapter.title}**: {chapter.counts.failed} failed.")
+    return warnings
+
+
+def _glance(chapters: Sequence[Chapter]) -> list[Block]:
+    machines = list(dict.fromkeys(chapter.machine for chapter in chapters))
+    commits = list(dict.fromkeys(chapter.git_sha for chapter in chapters))
+    text = f"{plural(len(chapters), 'result file')}, from {plural(len(machines), 'machine')} ({_listed(machines)})"
+    text += f" and {plural(len(commits), 'commit')} of ptbench ({_listed([commit[:10] for commit in commits])})."
+    if len(machines) > 1 or len(commits) > 1:
+        text += " Every comparison on this page is within one file; nothing is compared across machines or commits."
     head = ("File", "Machine", "Backend", "Measured", "Failed", "n/a", "Samples", "Disturbed", "Verdicts")
     rows = [
         (
@@ -74,10 +91,11 @@ def _glance(chapters: Sequence[Chapter]) -> list[Block]:
         for chapter in chapters
     ]
     blocks: list[Block] = [Paragraph(text)]
-    blocks += [Bullets(tuple(warnings))] if warnings else [Paragraph("All runs are complete, and nothing failed.")]
+    if all(chapter.status == "completed" and not chapter.counts.failed for chapter in chapters):
+        blocks.append(Paragraph("All runs are complete, and nothing failed."))
     if withdrawn := dict.fromkeys(text for chapter in chapters for text in chapter.withdrawn):
         blocks += [Paragraph("Withdrawn of what these files say:"), Bullets(tuple(withdrawn))]
-    blocks.append(table_of(head, rows, ("Failed", "n/a", "Samples")))
+    blocks.append(shown_table(table_of(head, rows, ("Failed", "n/a", "Samples")), "At a glance"))
     blocks.append(
         Paragraph(
             "Verdicts are counted over all comparisons of a file; a cell of two studies counts in both. Of a "
@@ -117,7 +135,7 @@ def _what_ran(chapters: Sequence[Chapter], passed_over: Sequence[Path]) -> list[
         )
         for chapter in chapters
     ]
-    blocks: list[Block] = [table_of(head, rows)]
+    blocks: list[Block] = [shown_table(table_of(head, rows), "What ran")]
     if passed_over:
         names = _listed([path.name for path in passed_over])
         blocks.append(Paragraph(f"In the folders given, but no result files, so not here: {names}."))
@@ -161,7 +179,8 @@ def _scenes(chapters: Sequence[Chapter], pictures: Sequence[ScenePicture]) -> li
     if lacking:
         blocks.append(Paragraph(f"{plural(len(lacking), 'scene')} without a picture. {NO_PICTURES}"))
         rows = [(picture.scene, f"`{picture.scene_hash}`", picture.sizes, picture.failure) for picture in lacking]
-        blocks.append(table_of(("Scene", "Hash", "Measured at", "Why there is no picture"), rows))
+        table = table_of(("Scene", "Hash", "Measured at", "Why there is no picture"), rows)
+        blocks.append(shown_table(table, "Scenes without a picture", fold=True))
     cases = sum(chapter.stability_cases for chapter in chapters)
     if cases:
         blocks.append(

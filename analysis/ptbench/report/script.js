@@ -67,6 +67,9 @@ if (typeof DecompressionStream !== "undefined") {
   }
 }
 
+// Beside the page the contents stay open; above it they would push down what was found.
+document.querySelector("nav details").open = matchMedia("screen and (min-width: 75rem)").matches;
+
 // In print everything is open, and afterwards as it was. A link into a folded table opens it.
 let opened = [];
 addEventListener("beforeprint", () => {

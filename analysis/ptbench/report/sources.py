@@ -57,7 +57,10 @@ def _is_result(root: Node) -> bool:
 
 def _titles(paths: Sequence[Path]) -> list[str]:
     """ "compaction", or "nvidia-h200/compaction" where two files are called so."""
-    names = [[*Path(os.path.realpath(path)).parent.parts, visible(path.stem)] for path in paths]
+    names = [
+        [*Path(os.path.realpath(path)).parent.parts, visible(path.name.removesuffix(".gz").removesuffix(".json"))]
+        for path in paths
+    ]
     titles = []
     for name in names:
         length = 1

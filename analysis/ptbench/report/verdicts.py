@@ -52,7 +52,7 @@ def study_verdicts(result: Result, study: Study) -> tuple[str, list[str]]:
     compared = [row for row in measure(result, study) if row.verdict is not None]
     if not compared:
         return f"Nothing to hold against `{question.axis}={question.baseline}`: no other choice has times.", []
-    where = _where(result, study, question)
+    where = where_in(result, study, question)
     counts = Counter(row.verdict.word for row in compared)
     head = (
         f"Held against `{question.axis}={question.baseline}`, all else equal: "
@@ -66,8 +66,8 @@ def _of(rows: Sequence[Row], question: Question, choice: str) -> list[Row]:
     return [row for row in rows if question.choice_of(row.cell) == choice]
 
 
-def _where(result: Result, study: Study, question: Question) -> Callable[[Cell], str]:
-    """What tells a study's cells of one choice apart."""
+def where_in(result: Result, study: Study, question: Question) -> Callable[[Cell], str]:
+    """What tells a study's cells of one choice apart: scene, depth and whatever else varies."""
     cells = result.cells_of(study)
     swept = swept_by(study)
     names = [name for name in (swept,) if name != "scene" and len({dimension(cell, name) for cell in cells}) > 1]

@@ -1,0 +1,267 @@
+"""What a report opens with: a run's findings in words, each made from its rows, and the one figure that shows them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from ptbench.convergence.assessment import Assessment, assess
+from ptbench.convergence.efficiency import baseline_among, by_place, compare, ends_beside_one, names_in
+from ptbench.io.cells import Cell, Result, Study
+from ptbench.io.stability import BROKEN, FAILED, KNOWN_LIMIT, NOT_APPLICABLE, PASSED, Stability
+from ptbench.numbers import ratio
+from ptbench.report.verdicts import WORDS, counts_text, plural, where_in
+from ptbench.stability.layout import count
+from ptbench.stats.estimates import (
+    CLOCK_UNKNOWN,
+    FASTER,
+    SAME,
+    SLOWER,
+    THRESHOLD,
+    UNSURE,
+    Estimate,
+    Verdict,
+    interval_of_ratio,
+)
+from ptbench.studies.questions import Question, question_of
+from ptbench.studies.rows import Row, measure
+from ptbench.studies.withdrawn import between
+
+_NAMED = 3  # more choices of one outcome are counted, and the two ends named
+HIGHER, LOWER, NOT_TOLD_APART = "higher", "lower", "not told apart from 1"
+
+
+@dataclass(frozen=True)
+class Findings:
+    """A sentence on the whole file, and one or a few on each of its studies."""
+
+    head: str
+    items: tuple[str, ...] = ()
+
+
+def is_convergence(result: Result, study: Study) -> bool:
+    """Whether the study asks for errors, and so for no ratios of times."""
+    return any(cell.convergence is not None for cell in result.cells_of(study))
+
+
+def compared_rows(result: Result, study: Study) -> list[Row]:
+    """The rows that are held against a baseline and have a ratio."""
+    return [row for row in measure(result, study) if row.verdict is not None and row.ratio is not None]
+
+
+def findings_of(result: Result) -> Findings:
+    """What a file of times or errors says."""
+    verdicts: list[Verdict] = []
+    items = []
+    efficiencies = 0
+    for study in result.studies:
+        if is_convergence(result, study):
+            found = efficiencies_of(result, study)
+            efficiencies += len(found)
+            items.append(_errors(result, study, found))
+            continue
+        question = question_of(result, study)
+        rows = [] if question is None else compared_rows(result, study)
+        verdicts += [row.verdict for row in rows]
+        if rows:
+            items.append(_times(result, study, question, rows))
+    if not items:
+        return Findings("This file compares nothing: no study has a choice and its baseline with times.")
+    heads = []
+    if verdicts:
+        counts = Counter(verdict.word for verdict in verdicts)
+        heads.append(f"{plural(len(verdicts), 'comparison')} of times, all else equal: {counts_text(counts)}.")
+        heads += _unsure(verdicts)
+    if efficiencies:
+        told = "how much less time than the baseline the same noise takes"
+        heads.append(f"{plural(efficiencies, 'comparison')} of efficiency, {told}.")
+    return Findings(" ".join(heads), tuple(items))
+
+
+def _unsure(verdicts: Sequence[Verdict]) -> list[str]:
+    """Why nothing firmer is said: UNSURE is not SAME."""
+    reasons = Counter(_reason(verdict) for verdict in verdicts if verdict.word == UNSURE)
+    said = []
+    if reasons:
+        told = "; ".join(f"{number} for {reason}" for reason, number in reasons.items())
+        said.append(f"UNSURE is not SAME; these data do not decide: {told}.")
+    if alone := sum(CLOCK_UNKNOWN in verdict.note for verdict in verdicts):
+        said.append(f"{alone} of the verdicts are in time alone, the clock being unknown.")
+    return said
+
+
+def _reason(verdict: Verdict) -> str:
+    if verdict.needs_samples:
+        return "too few samples"
+    if verdict.withheld or "cycles" in verdict.reason:
+        return verdict.reason
+    return f"an interval that reaches both sides of the {THRESHOLD:.0%} limit".replace("%", " %")
+
+
+# --- times ------------------------------------------------------------------------------------------------------------
+
+
+def _times(result: Result, study: Study, question: Question, rows: Sequence[Row]) -> str:
+    """The study's answer, then its choices by outcome, those that pay first; each end with its interval and place."""
+    outcomes: dict[tuple[str, ...], list[str]] = {}
+    for choice in dict.fromkeys(question.choice_of(row.cell) for row in rows):
+        words = {row.verdict.word for row in rows if question.choice_of(row.cell) == choice}
+        kept = (FASTER, SLOWER) if {FASTER, SLOWER} <= words else tuple(word for word in WORDS if word in words)
+        outcomes.setdefault(kept, []).append(choice)
+    where = where_in(result, study, question)
+    parts = []
+    for words in sorted(outcomes, key=lambda words: [WORDS.index(word) for word in words]):
+        of = [row for row in rows if question.choice_of(row.cell) in outcomes[words]]
+        places = len(of) > len(outcomes[words])
+        parts.append(f"{_outcome(words, places)}: {_ends(outcomes[words], of, question, where)}.")
+    notes = (note for row in rows for note in row.verdict.note.split("; ") if note not in ("", CLOCK_UNKNOWN))
+    counts = counts_text(Counter(row.verdict.word for row in rows))
+    against = f"against `{question.axis}={question.baseline}`: {counts}"
+    head = f"**{study.title or study.name}**: {_answer(outcomes)} ({against})."
+    return " ".join([head, *parts, *(f"Note: {mark}." for mark in dict.fromkeys(notes))])
+
+
+def _answer(outcomes: Mapping[tuple[str, ...], Sequence[str]]) -> str:
+    """Whether anything pays, no more firmly than the verdicts say it."""
+    words = {word for outcome in outcomes for word in outcome}
+    if sure := outcomes.get((FASTER,)):
+        return _pays(sure)
+    if FASTER in words and SLOWER in words:
+        return "it depends on the place what pays"
+    if FASTER in words:
+        found = [choice for outcome, choices in outcomes.items() if FASTER in outcome for choice in choices]
+        return f"{_pays(found)} in some places"
+    if words == {UNSURE}:
+        return "these data do not decide"
+    if words == {SAME}:
+        return "no difference"
+    return "nothing pays" if UNSURE not in words else "nothing is shown to pay"
+
+
+def _pays(choices: Sequence[str]) -> str:
+    named = ", ".join(f"`{choice}`" for choice in choices[:_NAMED]) + (" and others" if len(choices) > _NAMED else "")
+    return f"{named} {'pays' if len(choices) == 1 else 'pay'}"
+
+
+def _outcome(words: Sequence[str], has_places: bool) -> str:
+    if len(words) == 1:
+        return f"**{words[0]}**" + (" everywhere" if has_places else "")
+    if tuple(words) == (FASTER, SLOWER):
+        return f"**{FASTER}** here and **{SLOWER}** there"
+    return " or ".join(f"**{word}**" for word in words)
+
+
+def _ends(choices: Sequence[str], rows: Sequence[Row], question: Question, where: Callable[[Cell], str]) -> str:
+    """A choice that pays somewhere with a range of its own; of several others the lowest and the highest ratio."""
+    alone = len(choices) == 1 or (len(choices) <= _NAMED and any(row.verdict.word == FASTER for row in rows))
+    if not alone:
+        named = ", ".join(f"`{choice}`" for choice in choices) if len(choices) <= _NAMED else f"{len(choices)} choices"
+        return f"{named}, {_range(rows, lambda cell: f'`{question.choice_of(cell)}`, {where(cell)}')}"
+    each = ((choice, [row for row in rows if question.choice_of(row.cell) == choice]) for choice in choices)
+    return "; ".join(f"`{choice}`{_mixed(of)} {_range(of, where)}" for choice, of in each)
+
+
+def _mixed(rows: Sequence[Row]) -> str:
+    counts = Counter(row.verdict.word for row in rows)
+    return f" ({counts_text(counts)})" if len(counts) > 1 else ""
+
+
+def _range(rows: Sequence[Row], told: Callable[[Cell], str]) -> str:
+    ordered = sorted(rows, key=lambda row: row.ratio.value)
+    ends = ordered[:1] if len(ordered) == 1 else [ordered[0], ordered[-1]]
+    return " to ".join(
+        " ".join(filter(None, (ratio(row.ratio.value), interval_of_ratio(row.ratio), f"({told(row.cell)})")))
+        for row in ends
+    )
+
+
+# --- errors -----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Efficiency:
+    """A variant's efficiency over its baseline's at one place."""
+
+    place: str
+    name: str
+    baseline: str
+    estimate: Estimate
+    is_withdrawn: bool
+
+    @property
+    def word(self) -> str:
+        """On which side of 1 the whole interval lies."""
+        return HIGHER if self.estimate.low > 1 else LOWER if self.estimate.high < 1 else NOT_TOLD_APART
+
+
+def efficiencies_of(result: Result, study: Study) -> list[Efficiency]:
+    """Those of the study that are defined and have an interval, place by place."""
+    assessed = assess(result)
+    places = by_place([assessed[cell.name] for cell in result.cells_of(study) if cell.name in assessed])
+    found = []
+    for place, group in places.items():
+        baseline = baseline_among(result, group)
+        names = names_in(group, baseline)
+        for one in group:
+            estimate = None if baseline in (None, one) else _efficiency(one, baseline)
+            if estimate is not None and estimate.low is not None:
+                mark = bool(between(one.cell, baseline.cell))
+                name, base = names[one.cell.name], names[baseline.cell.name]
+                found.append(Efficiency(place.title(list(places)), name, base, estimate, mark))
+    return found
+
+
+def _efficiency(one: Assessment, baseline: Assessment) -> Estimate | None:
+    compared = compare(one, baseline)
+    return None if compared is None else compared.efficiency
+
+
+def _errors(result: Result, study: Study, found: Sequence[Efficiency]) -> str:
+    """How many converge, and which need least and most time for the same noise."""
+    assessed = assess(result)
+    members = [assessed[cell.name] for cell in result.cells_of(study) if cell.name in assessed]
+    words = Counter(one.verdict.word for one in members)
+    judged = ", ".join(f"{number} {word}" for word, number in words.items())
+    text = f"**{study.title or study.name}**: {plural(len(members), 'variant')} judged by error: {judged or 'none'}."
+    if not found:
+        return f"{text} No efficiencies to compare."
+    counts = Counter(one.word for one in found)
+    told = ", ".join(f"{counts[word]} {word}" for word in (HIGHER, LOWER, NOT_TOLD_APART) if counts[word])
+    text += f" Efficiency against the baseline's: {told}."
+    for word, what, end in ((HIGHER, "Highest", max), (LOWER, "Lowest", min)):
+        if of := [one for one in found if one.word == word]:
+            text += f" {what}: {_said(end(of, key=lambda one: one.estimate.value))}."
+    return text
+
+
+def _said(one: Efficiency) -> str:
+    mark = ", withdrawn" if one.is_withdrawn else ""
+    against = f"against `{one.baseline}`, " if one.baseline != "baseline" else ""
+    return f"`{one.name}` {ratio(one.estimate.value)} {ends_beside_one(one.estimate)} ({against}{one.place}{mark})"
+
+
+# --- stability --------------------------------------------------------------------------------------------------------
+
+
+def stability_findings(stability: Stability) -> Findings:
+    """What must pass, what is there to compare, and which families have a failure of what must pass."""
+    rows = [row for row in stability.rows if row.status != NOT_APPLICABLE]
+    required = [row for row in rows if row.must_pass]
+    bad = [row for row in required if row.status in (FAILED, BROKEN)]
+    head = f"Of {plural(len(required), 'check')} that must pass, {_statuses(required)}."
+    if families := dict.fromkeys(row.case.family for row in bad):
+        head += f" **Failures in {', '.join(families)}.**"
+    items = []
+    compared = [row for row in rows if not row.must_pass]
+    for family in dict.fromkeys(row.case.family for row in compared):
+        items.append(
+            f"**{family}**, variants there to compare: {_statuses(r for r in compared if r.case.family == family)}."
+        )
+    return Findings(head, tuple(items))
+
+
+def _statuses(rows: Iterable) -> str:
+    rows = list(rows)
+    named = ((PASSED, "passed"), (FAILED, "failed"), (BROKEN, "broke"), (KNOWN_LIMIT, "at a known limit"))
+    return ", ".join(f"{number} {name}" for status, name in named if (number := count(rows, status))) or "none"
