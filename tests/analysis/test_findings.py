@@ -80,11 +80,24 @@ def test_a_cell_that_is_not_there_or_not_one_is_told(tmp_path):
         ("It brings 8 % at depth 8.", ["8 %"]),
         ("All are SLOWER.", ["SLOWER"]),
         ("`--set a=0.03` at depth 8, [a](b_1.5.png)", []),
-        ("{{ compaction.ms('x') }} and {{ 0.02 }}", []),
+        ("It takes `0.92` of the time.", ["0.92"]),
+        ("It takes 20 ms, 3 times as long, at 9 Grays/s.", ["20 ms", "3 times", "9 Grays/s"]),
+        ("{{ compaction.ms('x') }} and {{ compaction.ms('x', 3) }}", []),
+        ("{{ 0.02 }} and {% set a = '0.92' %}", ["0.02", "0.92"]),
+        ("{% set edge = 256 / 65536 %}", []),
     ],
 )
 def test_what_is_typed_by_hand_is_found(tmp_path, text, found):
     assert typed_by_hand(read_page(template(tmp_path, text))) == found
+
+
+def test_the_overviews_words_hold_no_number():
+    def texts(value) -> list[str]:
+        inside = value.values() if isinstance(value, dict) else value if isinstance(value, list) else []
+        return [value] if isinstance(value, str) else [text for one in inside for text in texts(one)]
+
+    head = json.loads((HOUSE.templates / "overview.json").read_text(encoding="utf-8"))
+    assert [number for text in texts({**head, "sources": {}}) for number in pages.measured_in(text)] == []
 
 
 def test_old_results_are_told(tmp_path, monkeypatch):

@@ -13,6 +13,7 @@ variants/ there may be since the result's; more, and the page must be looked at 
 from __future__ import annotations
 
 import json
+import math
 import re
 import subprocess
 from collections.abc import Mapping
@@ -32,9 +33,15 @@ from ptbench.stats.estimates import CONFIDENCE, FASTER, SAME, SLOWER, UNSURE
 
 _HEAD = re.compile(r"\A---\n(\{.*?\n\})\n---\n", re.DOTALL)
 _EXPRESSION = re.compile(r"\{\{.*?\}\}|\{%.*?%\}|\{#.*?#\}", re.DOTALL)
-_DECIMAL = re.compile(r"(?<![\w.])\d+(?:[.,]\d+)+(?![\w.]*\.(?:json|md|py|png|svg|txt))|\d+(?:\.\d+)? ?%")
+_FILE = r"(?![\w.]*\.(?:json|md|py|png|svg|txt))"
+_DECIMAL = re.compile(rf"(?<![\w.=])\d+(?:[.,]\d+)+{_FILE}")
+# What is measured has a unit; a whole number may have one, too.
+_MEASURED = re.compile(
+    rf"(?<![\w.])\d+(?:[.,]\d+)+{_FILE}|(?<![\w.,])\d+ ?(?:%|(?:ns|µs|ms|s|times|[kMG]?rays/s|[MG]Hz)\b)"
+)
 _VERDICT = re.compile(rf"\b(?:{FASTER}|{SLOWER}|{SAME}|{UNSURE})\b")
-_CODE = re.compile(r"^```.*?^```|`[^`\n]*`|\]\([^)]*\)", re.DOTALL | re.MULTILINE)
+_CODE = re.compile(r"^```.*?^```|`[^`\n]*`", re.DOTALL | re.MULTILINE)
+_TARGET = re.compile(r"\]\([^)]*\)")
 
 
 AnySource = Source | Inspection | StabilitySource | Record
@@ -90,17 +97,32 @@ def render(page: Page, results: Path) -> str:
     names = {name: source_of(results, about) for name, about in page.sources.items()}
     try:
         text = environment.from_string(page.text).render(
-            **names, **page.head.get("constants", {}), span=span, confidence=f"{CONFIDENCE:.0%}".replace("%", " %")
+            **names,
+            **page.head.get("constants", {}),
+            span=span,
+            root=math.sqrt,
+            confidence=f"{CONFIDENCE:.0%}".replace("%", " %"),
         )
     except (TemplateError, FindingError) as error:
         raise FindingError(f"{page.template}: {error}") from error
     return text
 
 
+def measured_in(prose: str) -> list[str]:
+    """Numbers of Markdown's running text that look measured: decimals, percentages, and those with a unit of time."""
+    return _MEASURED.findall(_CODE.sub("", _TARGET.sub("]", prose)))
+
+
 def typed_by_hand(page: Page) -> list[str]:
-    """Decimals, percentages and verdict words of the template that no expression makes; there ought to be none."""
-    prose = _CODE.sub("", _EXPRESSION.sub("", page.text))
-    return _DECIMAL.findall(prose) + _VERDICT.findall(prose)
+    """Measured numbers and verdict words of the template that no expression makes; there ought to be none.
+
+    Nor may an expression hold one: a number that nobody measured is a constant of the head. In code a decimal may be
+    an option's value, a=0.03, and nothing else.
+    """
+    prose = _EXPRESSION.sub("", page.text)
+    typed = [number for made in _EXPRESSION.findall(page.text) for number in _DECIMAL.findall(made[2:-2])]
+    typed += [number for code in _CODE.findall(prose) for number in _DECIMAL.findall(code)]
+    return measured_in(prose) + typed + _VERDICT.findall(_CODE.sub("", _TARGET.sub("]", prose)))
 
 
 def too_old(page: Page, results: Path, repository: Path) -> list[str]:
