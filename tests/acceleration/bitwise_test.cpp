@@ -1,0 +1,99 @@
+// Every builder x accelerator leaves brute force's closest hit, bit for bit.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <sstream>
+
+#include "tests/acceleration/closest.h"
+#include "tests/acceleration/triangle_scenes.h"
+#include "variants/acceleration/box.h"
+#include "variants/acceleration/box_ray.h"
+#include "variants/acceleration/primitive_boxes.h"
+#include "variants/accelerator/bvh2.h"
+#include "variants/builder/sah_binned.h"
+
+namespace pt::test {
+namespace {
+
+using Build = std::function<BinaryTree(const Triangles&, std::uint32_t)>;
+using Trace = std::function<ClosestHit(const EncodedTree&, const Triangles&, const TestRay&, TraversalCounter&)>;
+
+struct BuilderChoice {
+    std::string name;
+    Build build;
+    bool is_whole;  // no primitive is parted over leaves
+};
+
+struct AcceleratorChoice {
+    std::string name;
+    EncodedTree (*encode)(const BinaryTree&);
+    Trace trace;
+};
+
+PrimitiveBoxes boxes_of(const Triangles& triangles) {
+    return primitive_boxes(std::span<const Triangle<float>>(triangles));
+}
+
+std::vector<BuilderChoice> builders() {
+    return {{"sah_binned",
+             [](const Triangles& triangles, std::uint32_t leaf_size) {
+                 return builder::sah_binned::build(boxes_of(triangles), leaf_size);
+             },
+             true}};
+}
+
+std::vector<AcceleratorChoice> accelerators() {
+    return {{"bvh2", &accelerator::bvh2::encode,
+             [](const EncodedTree& tree, const Triangles& triangles, const TestRay& ray, TraversalCounter& counter) {
+                 return through(
+                     tree, triangles, ray, [](auto&&... all) { accelerator::bvh2::traverse<float>(all...); }, counter);
+             }}};
+}
+
+std::string text(const TestRay& ray) {
+    std::ostringstream out;
+    out << std::hexfloat << "ray " << ray.origin.x << " " << ray.origin.y << " " << ray.origin.z << " -> "
+        << ray.direction.x << " " << ray.direction.y << " " << ray.direction.z;
+    return out.str();
+}
+
+class BitwiseTest : public testing::TestWithParam<TriangleScene> {};
+
+TEST_P(BitwiseTest, EveryBuilderAndAcceleratorLeavesBruteForcesHit) {
+    const Triangles& triangles = GetParam().triangles;
+    const std::vector<TestRay> rays = rays_for(triangles, 12000, 99);
+    std::vector<ClosestHit> expected(rays.size());
+    std::size_t hits = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        expected[i] = brute_force(triangles, rays[i]);
+        hits += expected[i].hit.hits ? 1 : 0;
+    }
+    EXPECT_GT(hits, rays.size() / 50);
+    for (const BuilderChoice& builder : builders()) {
+        for (const std::uint32_t leaf_size : {1u, 4u}) {
+            const BinaryTree tree = builder.build(triangles, leaf_size);
+            ASSERT_NO_THROW(builder::check(tree, boxes_of(triangles), builder.is_whole)) << builder.name;
+            for (const AcceleratorChoice& accelerator : accelerators()) {
+                const EncodedTree encoded = accelerator.encode(tree);
+                TraversalCounter counter;
+                std::size_t wrong = 0;
+                for (std::size_t i = 0; i < rays.size(); ++i) {
+                    const ClosestHit found = accelerator.trace(encoded, triangles, rays[i], counter);
+                    if (!(found == expected[i]) && wrong++ < 3) {
+                        ADD_FAILURE() << builder.name << " " << accelerator.name << " ray " << i << ": primitive "
+                                      << found.primitive << " at " << found.hit.t << ", brute force "
+                                      << expected[i].primitive << " at " << expected[i].hit.t << "; " << text(rays[i]);
+                    }
+                }
+                EXPECT_EQ(wrong, 0u) << builder.name << " " << accelerator.name << " leaf size " << leaf_size;
+                EXPECT_GT(counter.nodes_visited, 0u);
+            }
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, BitwiseTest, testing::ValuesIn(triangle_scenes()),
+                         [](const auto& scene) { return scene.param.name; });
+
+}  // namespace
+}  // namespace pt::test

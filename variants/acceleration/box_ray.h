@@ -1,0 +1,62 @@
+// A ray as box tests want it. Slabs of Kay and Kajiya (SIGGRAPH 1986), made to err only towards yes: the relative
+// rounding by a factor (Ize, "Robust BVH Ray Traversal", JCGT 2 (2), 2013), the triangle test's own rounding, which is
+// relative to the distance of the farthest vertex, by shifted origins (Woop, Benthin, Wald, JCGT 2 (1), 2013).
+#pragma once
+
+#include "kernels/triangle.h"
+
+namespace pt {
+
+// The span of a tree along one axis: its root's.
+struct BoxSpan {
+    float low, high;
+};
+
+template <class Real>
+struct BoxRay {
+    Vec3<Real> near_origin, far_origin;  // one box further and one box nearer than the ray's origin
+    Vec3<Real> inverse;                  // of the direction; infinite along an axis that the ray does not move on
+
+    PT_HD static BoxRay of(const Vec3<Real>& origin, const Vec3<Real>& direction, const BoxSpan (&spans)[3]) {
+        const ShearedDirection<Real> s = ShearedDirection<Real>::of(direction);
+        Vec3<Real> reach;
+        for (int axis = 0; axis < 3; ++axis) {
+            const Real below = absolute(static_cast<Real>(spans[axis].low) - origin[axis]);
+            const Real above = absolute(static_cast<Real>(spans[axis].high) - origin[axis]);
+            reach[axis] = max(below, above);
+        }
+        const Real along = s.pick(reach, s.kz);
+        BoxRay ray{origin, origin, {Real(1) / direction.x, Real(1) / direction.y, Real(1) / direction.z}};
+        for (std::uint32_t axis = 0; axis < 3; ++axis) {
+            if (axis == s.kz) {
+                continue;
+            }
+            // Six roundings of a sheared vertex, of the shear and of this; two of the shifted origin.
+            const Real sheared = absolute(axis == s.kx ? s.shear.x : s.shear.y) * along;
+            const Real margin = gamma<Real>(8) * (reach[axis] + sheared) + gamma<Real>(2) * absolute(origin[axis]);
+            const Real shift = ray.inverse[axis] < Real(0) ? -margin : margin;
+            ray.near_origin[axis] += shift;
+            ray.far_origin[axis] -= shift;
+        }
+        return ray;
+    }
+
+    // Whether the side of the box where the ray enters is the high one. -0 counts as negative, as its inverse does.
+    PT_HD bool is_reversed(int axis) const { return inverse[axis] < Real(0); }
+
+    // Where the ray enters a box, or `no_entry`: also where it enters beyond best_t, but not where it enters at best_t.
+    // 0 times infinity, on a side's plane, is NaN, and is passed over.
+    static constexpr Real no_entry = Real(-1);
+    PT_HD Real entry(const Vec3<Real>& entry_sides, const Vec3<Real>& exit_sides, const Real& best_t) const {
+        Real nearest = Real(0), farthest = best_t;
+        for (int axis = 0; axis < 3; ++axis) {
+            nearest = keep_larger(nearest, (entry_sides[axis] - near_origin[axis]) * inverse[axis]);
+            farthest = keep_smaller(farthest, (exit_sides[axis] - far_origin[axis]) * inverse[axis]);
+        }
+        // Three roundings of either side, and those of a triangle's t.
+        nearest = nearest * (Real(1) - gamma<Real>(16));
+        return nearest <= farthest ? nearest : no_entry;
+    }
+};
+
+}  // namespace pt

@@ -1,0 +1,87 @@
+// Binary tree, nodes of 64 bytes with both children's boxes, so that one read decides on two; the nearer child first.
+// Aila and Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG 2009.
+#pragma once
+
+#include "kernels/math.h"
+#include "variants/acceleration/box_ray.h"
+#include "variants/acceleration/encoded_tree.h"
+#include "variants/acceleration/link.h"
+
+namespace pt::accelerator::bvh2 {
+
+struct alignas(16) Node {
+    float low_x[2], high_x[2], low_y[2], high_y[2], low_z[2], high_z[2];  // of the children
+    std::uint32_t link[2];                                                // variants/acceleration/link.h
+    std::uint32_t padding[2];
+};
+static_assert(sizeof(Node) == 64);
+
+// Edges from the root to the deepest leaf: each inner node on the way leaves one child on the stack.
+inline constexpr std::uint32_t stack_size = 64;
+
+#if !defined(__CUDACC_RTC__)
+// Throws std::length_error for a tree that is too deep, too large, or has too large leaves.
+EncodedTree encode(const BinaryTree& tree);
+#endif
+
+template <class Real>
+PT_HD inline BoxRay<Real> box_ray(const Node& root, const Vec3<Real>& origin, const Vec3<Real>& direction) {
+    const BoxSpan spans[3] = {{min(root.low_x[0], root.low_x[1]), max(root.high_x[0], root.high_x[1])},
+                              {min(root.low_y[0], root.low_y[1]), max(root.high_y[0], root.high_y[1])},
+                              {min(root.low_z[0], root.low_z[1]), max(root.high_z[0], root.high_z[1])}};
+    return BoxRay<Real>::of(origin, direction, spans);
+}
+
+template <class Real>
+PT_HD inline Real child_entry(const Node& node, int child, const BoxRay<Real>& ray, const Real& best_t) {
+    const Vec3<Real> low{Real(node.low_x[child]), Real(node.low_y[child]), Real(node.low_z[child])};
+    const Vec3<Real> high{Real(node.high_x[child]), Real(node.high_y[child]), Real(node.high_z[child])};
+    const bool x = ray.is_reversed(0), y = ray.is_reversed(1), z = ray.is_reversed(2);
+    return ray.entry({x ? high.x : low.x, y ? high.y : low.y, z ? high.z : low.z},
+                     {x ? low.x : high.x, y ? low.y : high.y, z ? low.z : high.z}, best_t);
+}
+
+// leaf(first_slot, count) may lower the variable that best_t refers to; to below 0: nothing more is visited.
+template <class Real, class Leaf, class Counter>
+PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<Real>& direction, const Real& best_t,
+                    Leaf&& leaf, Counter& counter) {
+    if (tree.node_count == 0) {
+        return;
+    }
+    const Node* nodes = static_cast<const Node*>(tree.nodes);
+    const BoxRay<Real> ray = box_ray(nodes[0], origin, direction);
+    std::uint32_t link_stack[stack_size];
+    Real entry_stack[stack_size];
+    std::uint32_t waiting = 0, link = 0;
+    while (true) {
+        if (is_leaf_link(link)) {
+            counter.primitives(slot_count(link));
+            leaf(first_slot(link), slot_count(link));
+        } else {
+            const Node& node = nodes[link];
+            counter.node();
+            counter.boxes(2);
+            const Real left = child_entry(node, 0, ray, best_t), right = child_entry(node, 1, ray, best_t);
+            const bool meets_left = left >= Real(0), meets_right = right >= Real(0);
+            if (meets_left && meets_right) {
+                const std::uint32_t nearer = right < left ? 1u : 0u;
+                link_stack[waiting] = node.link[1u - nearer];
+                entry_stack[waiting++] = nearer == 0 ? right : left;
+                link = node.link[nearer];
+                continue;
+            }
+            if (meets_left || meets_right) {
+                link = node.link[meets_left ? 0 : 1];
+                continue;
+            }
+        }
+        do {
+            if (waiting == 0) {
+                return;
+            }
+            link = link_stack[--waiting];
+        } while (entry_stack[waiting] > best_t);
+    }
+}
+
+}  // namespace pt::accelerator::bvh2

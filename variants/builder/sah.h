@@ -1,0 +1,27 @@
+// The surface area heuristic, common to builders: what a tree costs to trace, in units of one primitive's test.
+// Goldsmith and Salmon, IEEE CG&A 7 (5), 1987; MacDonald and Booth, The Visual Computer 6 (3), 1990.
+#pragma once
+
+#include "variants/acceleration/binary_tree.h"
+
+namespace pt::builder {
+
+// Costs as in Stich et al. 2009 and Meister, Bittner 2018.
+struct SahCosts {
+    double traversal = 1.2;     // a visit of an inner node
+    double intersection = 1.0;  // a primitive's test
+};
+
+// Expected cost of a line through the root's box: sum of area / root's area x cost over nodes. 0 for an empty tree;
+// where the root has no area, each node counts in full.
+double tree_cost(const BinaryTree& tree, const SahCosts& costs = {});
+
+// Edges from the root to the deepest leaf.
+std::uint32_t tree_depth(const BinaryTree& tree);
+
+// Throws std::logic_error that says what is wrong with a tree over `boxes`: a primitive no leaf refers to, a reference
+// out of range, a node reached twice or never, a child that leaves its parent's box, a leaf that does not meet its
+// primitive's box (or, `whole`, does not contain it), a depth beyond max_tree_depth.
+void check(const BinaryTree& tree, const PrimitiveBoxes& boxes, bool whole = true);
+
+}  // namespace pt::builder

@@ -1,0 +1,12 @@
+// Top down, the best of 16 planes an axis by the surface area heuristic, from bins of centres. Wald, "On fast
+// Construction of SAH-based Bounding Volume Hierarchies", RT 2007. On all cores; the tree is the same on any number.
+#pragma once
+
+#include "variants/builder/sah.h"
+
+namespace pt::builder::sah_binned {
+
+// `leaf_size`: the most references of a leaf. A leaf has fewer where the heuristic wants it.
+BinaryTree build(const PrimitiveBoxes& boxes, std::uint32_t leaf_size = 4, const SahCosts& costs = {});
+
+}  // namespace pt::builder::sah_binned
