@@ -10,6 +10,10 @@ if(NOT TARGET glm::glm)
   target_include_directories(glm::glm INTERFACE ${GLM_INCLUDE_DIRS})
 endif()
 find_path(PTBENCH_STB_INCLUDE stb/stb_image_write.h REQUIRED)
+find_path(PTBENCH_TINYGLTF_INCLUDE tiny_gltf.h)
+if(NOT PTBENCH_TINYGLTF_INCLUDE)
+  message(STATUS "tinygltf: not found: no reader for .glb meshes (libtinygltf-dev)")
+endif()
 
 # Thrust: the CUDA toolkit's where there is one, the distribution's (libthrust-dev) where not.
 find_program(PTBENCH_NVCC nvcc HINTS $ENV{CUDA_HOME}/bin /usr/local/cuda/bin)

@@ -66,6 +66,13 @@ endif()
 # As the double_intersection kernels in variants.cmake.
 set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/stability/replay.cpp PROPERTIES COMPILE_OPTIONS
                             "$<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>")
+# tinygltf is compiled in this file alone.
+set(glb_reader ${PROJECT_SOURCE_DIR}/harness/mesh/read_glb.cpp)
+set_source_files_properties(${glb_reader} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
+if(PTBENCH_TINYGLTF_INCLUDE)
+  set_source_files_properties(${glb_reader} PROPERTIES COMPILE_DEFINITIONS PTBENCH_HAS_TINYGLTF)
+  target_include_directories(ptbench_rendering SYSTEM PRIVATE ${PTBENCH_TINYGLTF_INCLUDE})
+endif()
 set(PTBENCH_HARNESS_OPTIMISATION "" CACHE STRING
     "Optimisation of the parts of harness/ that time and compute nothing (empty: -O1 in a release build, else the build type's)")
 set(harness_optimisation "${PTBENCH_HARNESS_OPTIMISATION}")

@@ -89,6 +89,7 @@ int run(int argc, char** argv) {
         {"inspect", pt::add_inspect_command(app)},
         {"autotune", pt::add_autotune_command(app)},
         {"import", pt::add_import_command(app)},
+        {"generate", pt::add_generate_command(app)},
         {"machine", pt::add_machine_command(app)},
         {"new", pt::add_new_command(app)},
         {"replay", pt::add_replay_command(app)},

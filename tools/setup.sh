@@ -106,6 +106,17 @@ try_to_install() { # try_to_install PACKAGE..
     "${install[@]}" >>"$log" 2>&1 </dev/null
 }
 
+# What the program can do without. Asked for once in a build's folder: not every system has it.
+setup_mesh_readers() {
+    local stamp=$build_dir/without-libtinygltf-dev
+    [[ ${PTBENCH_PACKAGES:-} != skip && ! -e $stamp ]] || return 0
+    is_installed libtinygltf-dev || try_to_install libtinygltf-dev || {
+        say "no libtinygltf-dev: this build reads no .glb meshes"
+        mkdir -p -- "$build_dir"
+        touch -- "$stamp"
+    }
+}
+
 # The report's tests look at its page in a browser. Not every system has one as a package: without it they are skipped.
 setup_browser() {
     command -v chromium >/dev/null || try_to_install chromium ||
@@ -147,6 +158,7 @@ setup_compilers() {
     nvcc=$(find_nvcc)
     cuda_thrust=$(find_cuda_thrust)
     setup_packages
+    setup_mesh_readers
     [[ -n $nvcc ]] || say "no nvcc found: CPU backend only"
 }
 

@@ -12,7 +12,7 @@ namespace pt {
 
 struct Generator {
     std::string_view name, what;
-    std::string_view size;  // what a size counts
+    std::string_view size, formula;  // what N counts, and how many triangles there are of N, in words
     std::uint32_t least_size, most_size;
     std::uint64_t (*triangles)(std::uint32_t size);  // that generate_mesh returns
     std::uint64_t (*left_out)(std::uint32_t size);   // without area, at poles: not among them

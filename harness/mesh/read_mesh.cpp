@@ -16,7 +16,13 @@ Mesh read_mesh(const std::filesystem::path& path) {
     if (ending == ".ply") {
         return parse_ply(read_file(file, largest_mesh_file), file);
     }
-    throw InputError(file, "file name", fmt::format("the ending \"{}\"", ending), ".ply");
+    if (ending == ".obj") {
+        return parse_obj(read_file(file, largest_mesh_file), file);
+    }
+    if (ending == ".glb") {
+        return parse_glb(read_file(file, largest_mesh_file), file);
+    }
+    throw InputError(file, "file name", fmt::format("the ending \"{}\"", ending), ".obj, .ply or .glb");
 }
 
 }  // namespace pt

@@ -19,5 +19,10 @@ Mesh read_mesh(const std::filesystem::path& path);
 
 // The same of a file's content; `file` is for the messages.
 Mesh parse_ply(std::string_view content, const std::string& file);
+Mesh parse_obj(std::string_view content, const std::string& file);
+Mesh parse_glb(std::string_view content, const std::string& file);
+
+// Whether the build found what reads .glb (tinygltf); without it parse_glb throws InputError that says so.
+bool reads_glb();
 
 }  // namespace pt

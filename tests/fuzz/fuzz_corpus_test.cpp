@@ -14,14 +14,19 @@ int fuzz_scene(const std::uint8_t* data, std::size_t size);
 int fuzz_import_cis565(const std::uint8_t* data, std::size_t size);
 int fuzz_suite(const std::uint8_t* data, std::size_t size);
 int fuzz_journal(const std::uint8_t* data, std::size_t size);
+int fuzz_mesh_ply(const std::uint8_t* data, std::size_t size);
+int fuzz_mesh_obj(const std::uint8_t* data, std::size_t size);
+int fuzz_mesh_glb(const std::uint8_t* data, std::size_t size);
 }
 
 namespace pt {
 namespace {
 
 using Target = int (*)(const std::uint8_t*, std::size_t);
-const std::map<std::string, Target> targets{
-    {"scene", fuzz_scene}, {"import_cis565", fuzz_import_cis565}, {"suite", fuzz_suite}, {"journal", fuzz_journal}};
+const std::map<std::string, Target> targets{{"scene", fuzz_scene},       {"import_cis565", fuzz_import_cis565},
+                                            {"suite", fuzz_suite},       {"journal", fuzz_journal},
+                                            {"mesh_ply", fuzz_mesh_ply}, {"mesh_obj", fuzz_mesh_obj},
+                                            {"mesh_glb", fuzz_mesh_glb}};
 const std::filesystem::path corpus = std::filesystem::path(PTBENCH_SOURCE_DIR) / "tests/fuzz/corpus";
 
 class FuzzCorpusTest : public testing::TestWithParam<std::string> {};

@@ -1,7 +1,10 @@
 // Mesh files: what is read of good ones, and the one line that each fault of a broken one gets.
 #include "harness/mesh/read_mesh.h"
 
+#include <limits>
+
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "harness/error.h"
 #include "tests/support/command.h"
@@ -102,6 +105,190 @@ TEST(PlyTest, EachFaultHasItsLine) {
     EXPECT_EQ(fault("end_header\n", ""),
               "mesh: line 11: found \"0 0 0 255\", allowed: format, element NAME COUNT, property TYPE NAME (after an "
               "element), comment or end_header");
+}
+
+const std::string quad_obj =
+    "# by hand\nmtllib none.mtl\nv 0 0 0\nv 1 0 0 1\n  v 1 +1 0 .5 .5 .5\nv 0 1 .5\r\nvt 0 0\no quad\nf 1/1 2/1 3/1 "
+    "4/1\n"
+    "f -4 -4 -1\n";
+
+TEST(ObjTest, PolygonsAreFannedAndDegenerateFacesCounted) {
+    const Mesh mesh = parse_obj(quad_obj, "mesh");
+    EXPECT_EQ(mesh.vertices, (std::vector<std::array<float, 3>>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0.5f}}));
+    EXPECT_EQ(mesh.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}}));
+    EXPECT_TRUE(mesh.normals.empty());
+    EXPECT_EQ(mesh.degenerate_left_out, 1u);
+}
+
+TEST(ObjTest, FacesMayComeFirstAndLinesMayBeJoined) {
+    const Mesh mesh = parse_obj("f 1 \\\n2 \\\n3\nv 0 0 0\nv 1 0 0\nv 0 1 0", "mesh");
+    EXPECT_EQ(mesh.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}}));
+    EXPECT_EQ(fault_of(parse_obj, "f 1 \\\n2 \\\n3\nv 0 0 0\nv 1 0 0\nv x 1 0"),
+              "mesh: line 6: found \"v x 1 0\", allowed: 3 numbers");
+}
+
+TEST(ObjTest, AVertexWithTwoNormalsBecomesTwo) {
+    const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\nvn 1 0 0\n";
+    const Mesh mesh = parse_obj(points + "f 1//1 2//1 3//1\nf 1//2 3/7/2 4//2\n", "mesh");
+    EXPECT_EQ(mesh.vertices,
+              (std::vector<std::array<float, 3>>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
+    EXPECT_EQ(mesh.normals,
+              (std::vector<std::array<float, 3>>{{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {1, 0, 0}, {1, 0, 0}, {1, 0, 0}}));
+    EXPECT_EQ(mesh.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {3, 4, 5}}));
+    EXPECT_TRUE(parse_obj(points + "f 1//1 2//1 3//1\nf 1 3 4\n", "mesh").normals.empty());
+    EXPECT_EQ(fault_of(parse_obj, points + "f 1//1 2//3 3//1\n"),
+              "mesh: line 7: found normal 3, allowed: 1 to 2, or -1 to -2");
+}
+
+TEST(ObjTest, EachFaultHasItsLine) {
+    const auto fault = [](const std::string& old, const std::string& with) {
+        return fault_of(parse_obj, replaced(quad_obj, old, with));
+    };
+    EXPECT_EQ(fault("v 0 1 .5", "v 0 1"), "mesh: line 6: found \"v 0 1\", allowed: 3 numbers");
+    EXPECT_EQ(fault("v 0 1 .5", "v 0 x .5"), "mesh: line 6: found \"v 0 x .5\", allowed: 3 numbers");
+    EXPECT_EQ(fault("v 0 1 .5", "v 0 nan .5"),
+              "mesh: vertex 3: found (0, nan, 0.5), allowed: finite numbers in single precision");
+    EXPECT_EQ(fault("v 0 1 .5", "v 0 -1e99 .5"),
+              "mesh: vertex 3: found (0, -inf, 0.5), allowed: finite numbers in single precision");
+    EXPECT_EQ(fault("4/1", "5/1"), "mesh: line 9: found vertex 5, allowed: 1 to 4, or -1 to -4");
+    EXPECT_EQ(fault("4/1", "0/1"),
+              "mesh: line 9: found \"0/1\", allowed: V, V/T, V//N or V/T/N, whole numbers from 1, or from -1 backward");
+    EXPECT_EQ(fault("-4 -4 -1", "-4 -5 -1"),
+              "mesh: line 10: found \"-5\", allowed: -1 to -4: so many there are before this line");
+    EXPECT_EQ(fault("-4 -4 -1", "1 2"), "mesh: line 10: found \"f 1 2\", allowed: a face with at least 3 corners");
+    EXPECT_EQ(
+        fault("f 1/1 2/1 3/1 4/1\n", ""),
+        "mesh: mesh: found 1 triangles without area and no other, allowed: at least one triangle that has an area");
+    EXPECT_EQ(fault_of(parse_obj, "v 0 0 0\n"),
+              "mesh: mesh: found no triangles, allowed: at least one triangle that has an area");
+}
+
+std::string glb_of(nlohmann::json json, std::string binary) {
+    std::string text = json.dump();
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    binary.resize((binary.size() + 3) / 4 * 4, '\0');
+    std::string content = "glTF";
+    const auto add = [&](std::size_t word) {
+        for (int i = 0; i < 4; ++i) {
+            content += static_cast<char>(word >> (8 * i));
+        }
+    };
+    add(2), add(12 + 8 + text.size() + 8 + binary.size());
+    add(text.size());
+    content += "JSON" + text;
+    add(binary.size());
+    return content + std::string("BIN\0", 4) + binary;
+}
+
+template <class T>
+std::string bytes_of_all(const std::vector<T>& values) {
+    return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+}
+
+// A quad of two triangles with normals along z.
+struct GlbQuad {
+    nlohmann::json json = nlohmann::json::parse(R"({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1}, "indices": 2}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+                      {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC3"},
+                      {"bufferView": 2, "componentType": 5123, "count": 6, "type": "SCALAR"}],
+        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 48},
+                        {"buffer": 0, "byteOffset": 96, "byteLength": 12}],
+        "buffers": [{"byteLength": 108}]})");
+    std::vector<float> positions{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0.5f}, normals{0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
+    std::vector<std::uint16_t> indices{0, 1, 2, 0, 2, 3};
+
+    std::string content() const {
+        return glb_of(json, bytes_of_all(positions) + bytes_of_all(normals) + bytes_of_all(indices));
+    }
+    Mesh mesh() const { return parse_glb(content(), "mesh"); }
+    std::string fault() const { return fault_of(parse_glb, content()); }
+};
+
+class GlbTest : public testing::Test {
+protected:
+    void SetUp() override {
+        if (!reads_glb()) {
+            EXPECT_EQ(GlbQuad().fault(),
+                      "mesh: this build has no reader for .glb: install libtinygltf-dev and build again");
+            GTEST_SKIP() << "built without tinygltf";
+        }
+    }
+};
+
+TEST_F(GlbTest, TrianglesAndNormalsAreRead) {
+    const Mesh mesh = GlbQuad().mesh();
+    EXPECT_EQ(mesh.vertices, (std::vector<std::array<float, 3>>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0.5f}}));
+    EXPECT_EQ(mesh.normals, (std::vector<std::array<float, 3>>(4, {0, 0, 1})));
+    EXPECT_EQ(mesh.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}}));
+}
+
+TEST_F(GlbTest, NodesMoveTheirMeshesAndAMirrorTurnsTheCorners) {
+    GlbQuad quad;
+    // A quarter turn about z of the children: one mirrored in y, one moved by a matrix.
+    quad.json["nodes"] = nlohmann::json::parse(
+        R"([{"children": [1, 2], "translation": [10, 0, 0], "rotation": [0, 0, 0.7071067811865476, 0.7071067811865476]},
+            {"mesh": 0, "scale": [1, -2, 1]},
+            {"mesh": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 7, 1]}])");
+    const Mesh mesh = quad.mesh();
+    ASSERT_EQ(mesh.vertices.size(), 8u);
+    const std::array<float, 3> expected[] = {{10, 0, 0}, {10, 1, 0}, {12, 1, 0}, {12, 0, 0.5f},
+                                             {10, 0, 7}, {10, 1, 7}, {9, 1, 7},  {9, 0, 7.5f}};
+    for (std::size_t i = 0; i < 8; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            EXPECT_NEAR(mesh.vertices[i][k], expected[i][k], 1e-6) << i;
+        }
+        EXPECT_GT(mesh.normals[i][2], 0.0f) << i;  // mirrored in y, z stays up
+    }
+    EXPECT_EQ(mesh.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}}));
+}
+
+TEST_F(GlbTest, StripsAndFansAreTriangles) {
+    GlbQuad quad;
+    quad.json["accessors"][2]["count"] = 4;
+    quad.json["meshes"][0]["primitives"][0]["mode"] = 5;
+    quad.indices = {0, 1, 3, 2, 0, 0};
+    EXPECT_EQ(quad.mesh().triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 3}, {1, 2, 3}}));
+    quad.json["meshes"][0]["primitives"][0]["mode"] = 6;
+    quad.indices = {0, 1, 2, 3, 0, 0};
+    EXPECT_EQ(quad.mesh().triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}}));
+    quad.json["meshes"][0]["primitives"][0].erase("indices");
+    EXPECT_EQ(quad.mesh().triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}}));
+}
+
+TEST_F(GlbTest, EachFaultHasItsLine) {
+    const auto fault = [](const auto& change) {
+        GlbQuad quad;
+        change(quad);
+        return quad.fault();
+    };
+    EXPECT_EQ(fault([](GlbQuad& quad) { quad.indices[5] = 4; }),
+              "mesh: mesh 0, primitive 0: found vertex 4, allowed: 0 to 3");
+    EXPECT_EQ(fault([](GlbQuad& quad) { quad.positions[4] = std::numeric_limits<float>::quiet_NaN(); }),
+              "mesh: vertex 1: found (nan, nan, nan), allowed: finite numbers in single precision");
+    EXPECT_EQ(
+        fault([](GlbQuad& quad) { quad.json["accessors"][0]["count"] = 5; }),
+        "mesh: accessor 0: found 5 elements of 12 bytes each 12 bytes from byte 0 on, allowed: at least one, within "
+        "its bufferView (48 bytes) and buffer (108 bytes)");
+    EXPECT_EQ(
+        fault([](GlbQuad& quad) { quad.json["bufferViews"][2]["byteLength"] = 13; }),
+        "mesh: accessor 2: found 6 elements of 2 bytes each 2 bytes from byte 0 on, allowed: at least one, within "
+        "its bufferView (13 bytes) and buffer (108 bytes)");
+    EXPECT_EQ(fault([](GlbQuad& quad) { quad.json["accessors"][2]["bufferView"] = 3; }),
+              "mesh: file: found accessor[2] invalid bufferView, allowed: binary glTF 2.0 with its data in it");
+    EXPECT_EQ(fault([](GlbQuad& quad) { quad.json["accessors"][0]["componentType"] = 5123; }),
+              "mesh: accessor 0: found component type 5123, allowed: float (5126)");
+    EXPECT_EQ(fault([](GlbQuad& quad) { quad.json["nodes"][0]["children"] = {0}; }),
+              "mesh: node 0: found nodes within nodes without end, allowed: at most 64 levels and 2^20 nodes");
+    EXPECT_EQ(fault([](GlbQuad& quad) { quad.json["extensionsRequired"] = {"KHR_draco_mesh_compression"}; }),
+              "mesh: extensionsRequired: found \"KHR_draco_mesh_compression\", allowed: none");
+    EXPECT_EQ(fault([](GlbQuad& quad) {
+                  quad.json["buffers"][0] = {{"byteLength", 108}, {"uri", "other.bin"}};
+              }).substr(0, 12),
+              "mesh: file: ");
+    EXPECT_EQ(fault_of(parse_glb, GlbQuad().content().substr(0, 40)).substr(0, 12), "mesh: file: ");
+    EXPECT_EQ(fault_of(parse_glb, "").substr(0, 12), "mesh: file: ");
 }
 
 TEST(ReadMeshTest, AFileThatIsMissingOrOfAnotherKindIsRefused) {

@@ -1,0 +1,234 @@
+// Wavefront's object files (Advanced Visualizer manual, appendix B1), of which vertices, vertex normals and faces are
+// read. Not by tinyobjloader (2.0.0): it takes "v nan 0 x" for the origin, and faces that it cannot place away, and
+// says nothing of the first and no line of the second.
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "harness/error.h"
+#include "harness/mesh/check_mesh.h"
+#include "harness/mesh/read_mesh.h"
+#include "harness/mesh/text_numbers.h"
+
+namespace pt {
+
+namespace {
+
+struct ObjCorner {
+    std::uint32_t vertex = 0, normal = 0;
+    bool has_normal = false;
+};
+
+class ObjReader {
+public:
+    ObjReader(std::string_view content, const std::string& file) : content_(content), file_(file) {}
+
+    Mesh read() {
+        while (next_line()) {
+            read_line();
+        }
+        check_pending(pending_vertex_, mesh_.vertices.size(), "vertex");
+        check_pending(pending_normal_, normals_.size(), "normal");
+        give_normals();
+        return std::move(mesh_);
+    }
+
+private:
+    // An index may come before what it means: the largest, and where it stands.
+    struct Pending {
+        std::uint64_t count = 0;
+        std::size_t line = 0;
+    };
+
+    [[noreturn]] void fail(std::size_t line, const std::string& found, const std::string& allowed) const {
+        throw InputError(file_, fmt::format("line {}", line), found, allowed);
+    }
+
+    void check_pending(const Pending& pending, std::size_t count, const std::string& what) const {
+        if (pending.count > count) {
+            fail(pending.line, fmt::format("{} {}", what, pending.count),
+                 count == 0 ? "none: the file has none" : fmt::format("1 to {}, or -1 to -{}", count, count));
+        }
+    }
+
+    // Joined to the next where it ends in a backslash.
+    bool next_line() {
+        if (at_ >= content_.size()) {
+            return false;
+        }
+        line_ += lines_joined_ + 1;
+        lines_joined_ = 0;
+        text_ = physical_line();
+        if (!text_.ends_with('\\')) {
+            return true;
+        }
+        joined_.clear();
+        while (text_.ends_with('\\') && at_ < content_.size()) {
+            joined_ += text_.substr(0, text_.size() - 1);
+            joined_ += ' ';
+            text_ = physical_line();
+            ++lines_joined_;
+        }
+        joined_ += text_;
+        text_ = joined_;
+        return true;
+    }
+
+    std::string_view physical_line() {
+        const std::size_t end = std::min(content_.find('\n', at_), content_.size());
+        std::string_view line = content_.substr(at_, end - at_);
+        at_ = end + 1;
+        while (line.ends_with('\r') || line.ends_with(' ')) {
+            line.remove_suffix(1);
+        }
+        return line;
+    }
+
+    // Empty at the line's end.
+    std::string_view next_word() {
+        constexpr std::string_view white = " \t\v\f\r";
+        const std::size_t start = std::min(text_.find_first_not_of(white), text_.size());
+        const std::size_t end = std::min(text_.find_first_of(white, start), text_.size());
+        const std::string_view word = text_.substr(start, end - start);
+        text_.remove_prefix(end);
+        return word;
+    }
+
+    void read_line() {
+        text_ = text_.substr(0, text_.find('#'));
+        const std::string_view line = text_, word = next_word();
+        if (word == "v") {
+            check_room(mesh_.vertices.size(), most_vertices, "vertices");
+            mesh_.vertices.push_back(read_triple(line));
+        } else if (word == "vn") {
+            check_room(normals_.size(), most_vertices, "normals");
+            normals_.push_back(read_triple(line));
+        } else if (word == "f") {
+            read_face(line);
+        }
+    }
+
+    void check_room(std::size_t count, std::uint64_t most, const std::string& what) const {
+        if (count >= most) {
+            fail(line_, fmt::format("more {}", what), fmt::format("at most {}", most));
+        }
+    }
+
+    // What comes after it, a weight or a colour, is passed over.
+    std::array<float, 3> read_triple(std::string_view line) {
+        std::array<float, 3> triple;
+        for (float& number : triple) {
+            if (!parse_real(next_word(), number)) {
+                fail(line_, excerpt(line), "3 numbers");
+            }
+        }
+        return triple;
+    }
+
+    void read_face(std::string_view line) {
+        corners_.clear();
+        for (std::string_view word = next_word(); !word.empty(); word = next_word()) {
+            corners_.push_back(read_corner(word));
+        }
+        if (corners_.size() < 3) {
+            fail(line_, excerpt(line), "a face with at least 3 corners");
+        }
+        for (std::size_t i = 2; i < corners_.size(); ++i) {
+            check_room(mesh_.triangles.size(), most_triangles, "triangles");
+            mesh_.triangles.push_back({corners_[0].vertex, corners_[i - 1].vertex, corners_[i].vertex});
+            for (const ObjCorner& corner : {corners_[0], corners_[i - 1], corners_[i]}) {
+                all_have_normals_ = all_have_normals_ && corner.has_normal;
+                if (all_have_normals_) {
+                    corner_normals_.push_back(corner.normal);
+                }
+            }
+        }
+    }
+
+    // V, V/T, V//N or V/T/N.
+    ObjCorner read_corner(std::string_view word) {
+        const std::size_t first = std::min(word.find('/'), word.size());
+        const std::size_t second = std::min(word.find('/', first + 1), word.size());
+        ObjCorner corner;
+        corner.vertex = read_index(word, word.substr(0, first), mesh_.vertices.size(), pending_vertex_);
+        corner.has_normal = second < word.size();
+        if (corner.has_normal) {
+            corner.normal = read_index(word, word.substr(second + 1), normals_.size(), pending_normal_);
+        }
+        return corner;
+    }
+
+    // From 1 on, or from -1 backward; returned from 0 on.
+    std::uint32_t read_index(std::string_view word, std::string_view number, std::size_t count,
+                             Pending& pending) const {
+        std::int64_t index = 0;
+        const auto [end, error] = std::from_chars(number.begin(), number.end(), index);
+        if (error != std::errc() || end != number.end() || index == 0 || index > 0xffffffff) {
+            fail(line_, excerpt(word), "V, V/T, V//N or V/T/N, whole numbers from 1, or from -1 backward");
+        }
+        if (index < 0 && index + static_cast<std::int64_t>(count) < 0) {
+            fail(line_, excerpt(word), fmt::format("-1 to -{}: so many there are before this line", count));
+        }
+        if (index > 0 && static_cast<std::uint64_t>(index) > pending.count) {
+            pending = {static_cast<std::uint64_t>(index), line_};
+        }
+        return static_cast<std::uint32_t>(index > 0 ? index - 1 : index + static_cast<std::int64_t>(count));
+    }
+
+    // A vertex that has several normals becomes several. Where only some corners have one, there are none.
+    void give_normals() {
+        if (corner_normals_.empty() || !all_have_normals_) {
+            return;
+        }
+        if (normals_.size() == mesh_.vertices.size() && normals_go_with_vertices()) {
+            mesh_.normals = std::move(normals_);
+            return;
+        }
+        std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> vertex_of;
+        std::vector<std::array<float, 3>> vertices;
+        for (std::size_t i = 0; i < corner_normals_.size(); ++i) {
+            std::uint32_t& corner = mesh_.triangles[i / 3][i % 3];
+            const auto [place, is_new] =
+                vertex_of.try_emplace({corner, corner_normals_[i]}, static_cast<std::uint32_t>(vertices.size()));
+            if (is_new) {
+                vertices.push_back(mesh_.vertices[corner]);
+                mesh_.normals.push_back(normals_[corner_normals_[i]]);
+            }
+            corner = place->second;
+        }
+        mesh_.vertices = std::move(vertices);
+    }
+
+    bool normals_go_with_vertices() const {
+        for (std::size_t i = 0; i < corner_normals_.size(); ++i) {
+            if (mesh_.triangles[i / 3][i % 3] != corner_normals_[i]) {
+                return false;
+            }
+        }
+        return true;
+    }
+
+    std::string_view content_;
+    const std::string& file_;
+    std::size_t at_ = 0, line_ = 0, lines_joined_ = 0;
+    std::string_view text_;  // what is left of the line
+    std::string joined_;
+    std::vector<ObjCorner> corners_;  // of the face
+    std::vector<std::array<float, 3>> normals_;
+    std::vector<std::uint32_t> corner_normals_;  // three a triangle
+    bool all_have_normals_ = true;
+    Pending pending_vertex_, pending_normal_;
+    Mesh mesh_;
+};
+
+}  // namespace
+
+Mesh parse_obj(std::string_view content, const std::string& file) {
+    Mesh mesh = ObjReader(content, file).read();
+    check_mesh(mesh, file);
+    return mesh;
+}
+
+}  // namespace pt

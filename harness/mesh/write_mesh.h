@@ -1,0 +1,21 @@
+// Writes a mesh for other programs: .ply (binary, little-endian) or .obj. read_mesh reads either back bit for bit.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "harness/mesh/mesh.h"
+
+namespace pt {
+
+std::string ply_of(const Mesh& mesh);
+std::string obj_of(const Mesh& mesh);
+
+// Throws InputError where write_mesh would refuse the name, of the option `flag`.
+void check_mesh_name(const std::string& file, const std::string& flag = "--out");
+
+// By the file's ending, whole or not at all; throws InputError for another ending, MachineError if it cannot be
+// written.
+void write_mesh(const Mesh& mesh, const std::string& file);
+
+}  // namespace pt
