@@ -34,7 +34,7 @@ set(PTBENCH_CCCL_VERSION "${cub_major}.${cub_minor}.${cub_patch}")
 set(shared_headers append_in_kernel append_parameters kernel_config kernel_parameters key_bounds parameters path_store totals)
 list(TRANSFORM shared_headers REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/variants/cuda/\\1.h")
 file(GLOB embedded_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/kernels/*.h ${PROJECT_SOURCE_DIR}/kernels/shapes/*.h ${PROJECT_SOURCE_DIR}/variants/*/*.cuh
-     ${shared_headers})
+     ${PROJECT_SOURCE_DIR}/variants/accelerator/*.h ${PROJECT_SOURCE_DIR}/variants/acceleration/*.h ${shared_headers})
 get_target_property(glm_include glm::glm INTERFACE_INCLUDE_DIRECTORIES)
 list(GET glm_include 0 glm_include)
 file(GLOB glm_headers ${glm_include}/glm/vec3.hpp ${glm_include}/glm/ext/vector_bool3*.hpp ${glm_include}/glm/ext/vector_float3*.hpp

@@ -27,7 +27,8 @@ file(CONFIGURE OUTPUT ${generated}/layouts.cpp CONTENT
 # One translation unit an integrator and feature set; the generic kernel has them all, once with pcg4d alone and once
 # with every sampler.
 option(PTBENCH_CPU_FEATURE_SETS "Compile the CPU integrators for the sets of cpu_feature_sets.txt too (off: the generic kernels alone)" ON)
-set(feature_sets "all_features" "all_features | Feature::matrix" "all_features | samplers")
+set(feature_sets "all_features" "all_features | Feature::matrix" "all_features | samplers"
+    "all_features | samplers | traversals")
 set(lines "")
 if(PTBENCH_CPU_FEATURE_SETS)
   file(STRINGS ${feature_set_file} lines)
@@ -48,6 +49,8 @@ set(integrator_sources ${generated}/layouts.cpp)
 set(integrators_in_double depth_first audited)
 # For health, not for times: no specialised kernels.
 set(integrators_generic_only audited)
+# They meet shapes in a way of their own.
+set(integrators_without_meshes packet)
 # Other formulas as well, by precision (kernels/config.h: formulas).
 set(formula_sets_float "all_features | Feature::naive" "all_features | Feature::double_intersection")
 set(formula_sets_double "all_features | Feature::naive")
@@ -61,7 +64,7 @@ function(add_integrator_unit unit name features real)
 namespace pt { namespace {
 constexpr FeatureSet features = ${features};
 const IntegratorRegistration registration(integrator::${name}::descriptor, features,
-                                          &integrator::${name}::render<Config<${real}, features>>);
+                                          &integrator::${name}::render<Config<${real}, features, RunTimeAccelerator>>);
 } }
 ")
   # g++ 12 at -O2 drops the rounding of a vector that goes from double to float and back (its SLP vectoriser).
@@ -76,6 +79,9 @@ foreach(header ${integrator_headers})
   set(index 0)
   foreach(features ${feature_sets})
     if(name IN_LIST integrators_generic_only AND NOT features MATCHES "^all_features")
+      continue()
+    endif()
+    if(name IN_LIST integrators_without_meshes AND features MATCHES "traversals|::mesh")
       continue()
     endif()
     add_integrator_unit(integrator_${name}_${index} ${name} "${features}" float)

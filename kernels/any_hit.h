@@ -32,7 +32,7 @@ PT_HD inline bool any_of(const Hit<typename Config::Real>& limit, const Scene& s
         const auto origin = at_rest<Config>(scene, object, ray.origin, ray.time);
         Hit<typename Config::Real> found = limit;
         meet_shape<VisitOrder::any>(found, as_met<Config>(shapes[i]), object, origin, ray);
-        if (found.t != limit.t || found.side.code != limit.side.code) {
+        if (found.t != limit.t || found.side.code != limit.side.code || found.primitive != limit.primitive) {
             return true;
         }
     }

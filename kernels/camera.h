@@ -57,6 +57,7 @@ PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Confi
     path.sample = sample;
     path.segment = 0;
     path.origin_surface = SurfaceId{};
+    path.primitive = 0;
     path.medium = camera.initial_medium;
     path.bsdf_pdf = Real(0);
 

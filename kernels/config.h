@@ -80,13 +80,16 @@ inline constexpr FeatureSet shape_features = no_features PT_SHAPES(PT_FEATURE);
 inline constexpr FeatureSet material_features =
     set_of(Feature::diffuse, Feature::emitter, Feature::mirror, Feature::mix, Feature::dielectric, Feature::subsurface,
            Feature::emission, Feature::absorption, Feature::subsurface_boundary);
-// What a scene or an estimator may need: a kernel with all of these renders any scene.
+// What a scene or an estimator may need: a kernel with all of these renders any scene without meshes.
 inline constexpr FeatureSet all_features =
-    shape_features | material_features |
+    (shape_features & ~static_cast<FeatureSet>(Feature::mesh)) | material_features |
     set_of(Feature::near_sphere, Feature::motion, Feature::environment, Feature::jitter, Feature::lens,
            Feature::final_bounce, Feature::next_event, Feature::multiple_importance, Feature::russian_roulette);
 inline constexpr FeatureSet shortcuts = set_of(Feature::enclosure);
 inline constexpr FeatureSet samplers = set_of(Feature::philox, Feature::sobol_owen, Feature::minstd);
+
+// A kernel has it only for a scene that has it: the way through an accelerator takes registers from every other shape.
+inline constexpr FeatureSet traversals = set_of(Feature::mesh);
 
 // Of these a kernel has just the ones that it is asked for: they change what is computed.
 inline constexpr FeatureSet formulas = set_of(Feature::double_intersection, Feature::naive);
@@ -98,10 +101,14 @@ PT_HD constexpr FeatureSet operator|(FeatureSet a, Feature b) { return a | stati
 PT_HD constexpr bool contains(FeatureSet set, Feature feature) { return (set & static_cast<FeatureSet>(feature)) != 0; }
 PT_HD constexpr bool is_superset(FeatureSet set, FeatureSet subset) { return (set & subset) == subset; }
 
-template <class RealT, FeatureSet Features>
+// Takes rays through a mesh (kernels/mesh_view.h); a choice of the axis accelerator.
+struct BruteForce;
+
+template <class RealT, FeatureSet Features, class AcceleratorT = BruteForce>
 struct Config {
     using Real = RealT;
     static constexpr FeatureSet features = Features;
+    using Accelerator = AcceleratorT;
 };
 
 template <class Config>

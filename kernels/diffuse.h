@@ -15,6 +15,7 @@ struct Vertex {
     bool inside;  // the incoming ray ran inside the object
     std::uint32_t material;
     SurfaceId hit;  // with the face, where it is known
+    std::uint32_t primitive = 0;
 
     // Unit, on the incoming ray's side: a face is met from outside.
     PT_HD Vec3<Real> normal() const { return hit.has_face() ? face_normal<Real>(hit) : surface_normal; }
@@ -26,6 +27,7 @@ PT_HD inline void leave_on_same_side(Path<Real>& path, const Vertex<Real>& verte
     path.origin = vertex.position;
     path.direction = direction;
     path.origin_surface = SurfaceId::of(vertex.object, vertex.inside);
+    path.primitive = vertex.primitive;
 }
 
 // Sends the path through the surface.
@@ -34,6 +36,7 @@ PT_HD inline void leave_on_other_side(Path<Real>& path, const Vertex<Real>& vert
     path.origin = vertex.position;
     path.direction = direction;
     path.origin_surface = SurfaceId::of(vertex.object, !vertex.inside);
+    path.primitive = vertex.primitive;
 }
 
 // Frame::to_world for a normal along an axis: the frame's entries are 0, 1 and -1, so coordinates only change places

@@ -12,11 +12,28 @@ struct Ray {
     Vec3<Real> origin, direction;
     Real time;
     SurfaceId origin_surface;
+    std::uint32_t primitive = 0;  // of origin_surface's object
 };
 
 template <class Real>
 PT_HD inline Ray<Real> ray_of(const Path<Real>& path) {
-    return {path.origin, path.direction, path.time, path.origin_surface};
+    return {path.origin, path.direction, path.time, path.origin_surface, path.primitive};
+}
+
+// Whether the hit is on this primitive of its object; of shapes that are one primitive it is.
+template <class Config, class Real>
+PT_HD inline bool is_of_primitive(const Hit<Real>& hit, std::uint32_t primitive) {
+    return !has<Config>(Feature::mesh) || hit.primitive == primitive;
+}
+
+// What of a shape a hit names: the shape itself, but for meshes.
+template <class Shape>
+PT_HD inline const Shape& primitive_of(const Shape& shape, std::uint32_t) {
+    return shape;
+}
+template <class Real>
+PT_HD inline MeshTriangle<Real> primitive_of(const MeshInstance<Real>& mesh, std::uint32_t primitive) {
+    return {mesh, primitive};
 }
 
 // The ray's origin as the object sees it at the ray's time: the object stands still, the ray is moved back.
@@ -62,6 +79,15 @@ PT_HD inline decltype(auto) as_met(const Sphere<Real>& sphere) {
     } else {
         return (sphere);
     }
+}
+
+template <class Config, class Shape>
+PT_HD inline decltype(auto) as_met(const Shape& shape, std::uint32_t) {
+    return as_met<Config>(shape);
+}
+template <class Config, class Real>
+PT_HD inline MeshTriangle<Real> as_met(const MeshInstance<Real>& mesh, std::uint32_t primitive) {
+    return {mesh, primitive};
 }
 
 template <class Config, class Scene>
@@ -215,13 +241,62 @@ PT_HD inline void closest_flat(Hit<typename Config::Real>& best, const Scene& sc
     }
 }
 
-// All objects of one kind. Special: axis boxes, which share the reciprocal of the ray's direction and make enclosures,
-// and spheres in kernels that may have them near the eye.
+// Keeps the least (t, object, primitive) of `best` and the triangles of a mesh.
+template <class Accelerator, class Real, class Counter>
+PT_HD inline void closest_in_mesh(Hit<Real>& best, const MeshInstance<Real>& mesh, std::uint32_t object,
+                                  const Vec3<Real>& origin, const Ray<Real>& ray, Counter& counter) {
+    const Vec3<Real> start = mesh.point_in(origin);
+    const Vec3<Real> direction = mesh.direction_in(ray.direction);
+    const ShearedDirection<Real> sheared = ShearedDirection<Real>::of(direction);
+    const bool starts_here = ray.origin_surface.is_of(object);
+    Accelerator::traverse(
+        mesh.geometry.tree, start, direction, best.t,
+        [&](std::uint32_t first, std::uint32_t count) {
+            for (std::uint32_t slot = first; slot < first + count; ++slot) {
+                const LeafTriangle leaf = mesh.geometry.leaves[slot];
+                const Triangle<Real> triangle{vector_of<Real>(leaf.a), vector_of<Real>(leaf.b),
+                                              vector_of<Real>(leaf.c)};
+                const TriangleHit<Real> hit = intersect(triangle, start, sheared);
+                if (!hit.hits || (starts_here && leaf.primitive == ray.primitive)) {
+                    continue;
+                }
+                const bool same = best.side.is_of(object) && leaf.primitive < best.primitive;
+                if (hit.t < best.t ||
+                    (hit.t == best.t && best.side.exists() && (object < best.side.object() || same))) {
+                    best.t = hit.t;
+                    best.side = SurfaceId::of(object, hit.from_behind);
+                    best.primitive = leaf.primitive;
+                }
+            }
+        },
+        counter);
+}
+
+// One mesh. Where an accelerator is chosen at run time (RunTimeAccelerator), the scene has a function of it.
+template <class Config, class Scene>
+PT_HD inline void closest_mesh(Hit<typename Config::Real>& best, const Scene& scene,
+                               const MeshInstance<typename Config::Real>& mesh, std::uint32_t object,
+                               const Ray<typename Config::Real>& ray) {
+    const auto origin = at_rest<Config>(scene, object, ray.origin, ray.time);
+    if constexpr (Config::Accelerator::is_chosen_at_run_time) {
+        scene.meet_mesh(best, mesh, object, origin, ray);
+    } else {
+        NoTraversalCounter counter;
+        closest_in_mesh<typename Config::Accelerator>(best, mesh, object, origin, ray, counter);
+    }
+}
+
+// All objects of one kind. Special: meshes, which have many primitives, axis boxes, which share the reciprocal of the
+// ray's direction and make enclosures, and spheres in kernels that may have them near the eye.
 template <class Config, ShapeKind kind, class Scene, class Shapes>
 PT_HD inline void closest_of(Hit<typename Config::Real>& best, const Scene& scene, const Shapes& shapes,
                              const Ray<typename Config::Real>& ray) {
     if constexpr (kind == ShapeKind::axis_box) {
         closest_axis_box<Config>(best, scene, ray);
+    } else if constexpr (kind == ShapeKind::mesh) {
+        for (std::uint32_t i = 0; i < shapes.size; ++i) {
+            closest_mesh<Config>(best, scene, shapes[i], first_of<kind>(scene) + i, ray);
+        }
     } else if constexpr (kind == ShapeKind::sphere) {
         closest_in<Config>(best, scene, spheres_of<Config>(scene), first_of<kind>(scene), ray);
     } else if constexpr (ShapeOf<kind, typename Config::Real>::is_flat) {
@@ -247,6 +322,12 @@ PT_HD inline void meet_shape(Hit<Real>& best, const Shape& shape, std::uint32_t 
     } else if (ray.origin_surface.inside()) {
         keep_nearer<order>(best, chord(shape, origin, ray.direction), ray.origin_surface);
     }
+}
+template <VisitOrder order, class Real>
+PT_HD inline void meet_shape(Hit<Real>& best, const MeshInstance<Real>& mesh, std::uint32_t object,
+                             const Vec3<Real>& origin, const Ray<Real>& ray) {
+    NoTraversalCounter counter;
+    closest_in_mesh<BruteForce>(best, mesh, object, origin, ray, counter);
 }
 template <class Config, VisitOrder order, class Scene>
 PT_HD inline void meet_object(Hit<typename Config::Real>& best, const Scene& scene, std::uint32_t object,
@@ -289,7 +370,7 @@ PT_HD inline void closest_transformed(Hit<typename Config::Real>& best, const Sc
 
 template <class Real>
 PT_HD inline Ray<double> widened(const Ray<Real>& ray) {
-    return {Vec3<double>(ray.origin), Vec3<double>(ray.direction), ray.time, ray.origin_surface};
+    return {Vec3<double>(ray.origin), Vec3<double>(ray.direction), ray.time, ray.origin_surface, ray.primitive};
 }
 
 // The nearest of some bodies the textbook's way: whatever lies beyond the epsilon counts.
@@ -314,13 +395,17 @@ template <class Config, ShapeKind kind, class Scene, class Shapes>
 PT_HD inline void closest_naive_of(Hit<typename Config::Real>& best, const Scene& scene, const Shapes& shapes,
                                    const Ray<typename Config::Real>& ray) {
     using Real = typename Config::Real;
-    const Real before = best.t;
-    closest_naive<Config>(best, scene, shapes, first_of<kind>(scene), ray);
-    if constexpr (ShapeOf<kind, Real>::is_flat) {
-        if (best.t < before) {
-            const std::uint32_t object = best.side.object();
-            best.side =
-                SurfaceId::of(object, dot(ray.direction, shapes[object - first_of<kind>(scene)].normal) > Real(0));
+    if constexpr (kind == ShapeKind::mesh) {
+        closest_of<Config, kind>(best, scene, shapes, ray);
+    } else {
+        const Real before = best.t;
+        closest_naive<Config>(best, scene, shapes, first_of<kind>(scene), ray);
+        if constexpr (ShapeOf<kind, Real>::is_flat) {
+            if (best.t < before) {
+                const std::uint32_t object = best.side.object();
+                best.side =
+                    SurfaceId::of(object, dot(ray.direction, shapes[object - first_of<kind>(scene)].normal) > Real(0));
+            }
         }
     }
 }
@@ -330,7 +415,7 @@ PT_HD inline Hit<typename Config::Real> closest_hit(const Scene& scene, const Ra
     using Real = typename Config::Real;
     if constexpr (has<Config>(Feature::double_intersection)) {
         const Hit<double> hit = closest_hit<InDouble<Config>>(WideScene(scene), widened(ray));
-        return {static_cast<Real>(hit.t), hit.side};
+        return {static_cast<Real>(hit.t), hit.side, hit.primitive};
     }
     Hit<Real> best;
     best.t = std::numeric_limits<Real>::infinity();
@@ -362,7 +447,9 @@ PT_HD inline SurfacePoint<typename Config::Real> naive_surface_at(const Scene& s
     const Vec3<Real> p = at_rest<Config>(scene, object, ray.origin, ray.time) + ray.direction * hit.t;
     const Vec3<Real> position = in_motion<Config>(scene, object, p, ray.time);
     SurfacePoint<Real> point{position, {Real(0), Real(1), Real(0)}};
-    visit_shape<EveryShape<Real>>(scene, object, [&](const auto& shape) { point.normal = naive::normal_at(shape, p); });
+    visit_shape<EveryShape<Real>>(scene, object, [&](const auto& shape) {
+        point.normal = naive::normal_at(primitive_of(shape, hit.primitive), p);
+    });
     return point;
 }
 
@@ -375,8 +462,8 @@ PT_HD inline SurfacePoint<typename Config::Real> surface_at(const Scene& scene, 
     if constexpr (has<Config>(Feature::double_intersection)) {
         // A flat shape's points keep away from its edges by the rounding of the precision that they end in.
         if (!is_flat(scene, hit.side.object())) {
-            const SurfacePoint<double> point =
-                surface_at<InDouble<Config>>(WideScene(scene), widened(ray), Hit<double>{hit.t, hit.side});
+            const SurfacePoint<double> point = surface_at<InDouble<Config>>(
+                WideScene(scene), widened(ray), Hit<double>{hit.t, hit.side, hit.primitive});
             return {Vec3<Real>(point.position), Vec3<Real>(point.normal)};
         }
     } else if constexpr (has<Config>(Feature::naive)) {
@@ -405,7 +492,8 @@ PT_HD inline SurfacePoint<typename Config::Real> surface_at(const Scene& scene, 
     }
     if (!by_matrix) {
         visit_shape<Config>(scene, object, [&](const auto& shape) {
-            point = surface_point(as_met<Config>(shape), origin, ray.direction, hit.t, hit.side.inside());
+            point =
+                surface_point(as_met<Config>(shape, hit.primitive), origin, ray.direction, hit.t, hit.side.inside());
         });
     }
     point.position = in_motion<Config>(scene, object, point.position, ray.time);

@@ -63,9 +63,11 @@ PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene
     if (!(cosine > Real(0)) || light_cosine == Real(0)) {
         return 0;
     }
-    const Ray<Real> ray{vertex.position, direction, path.time, SurfaceId::of(vertex.object, vertex.inside)};
+    const Ray<Real> ray{vertex.position, direction, path.time, SurfaceId::of(vertex.object, vertex.inside),
+                        vertex.primitive};
     const Hit<Real> hit = closest_hit<Config>(traced, ray);
-    if (hit.side.exists() && hit.side.object() == object && hit.side.inside() == (light_cosine > Real(0))) {
+    if (hit.side.exists() && hit.side.object() == object && hit.side.inside() == (light_cosine > Real(0)) &&
+        is_of_primitive<Config>(hit, light.primitive)) {
         // The square of the distance is divided out in two steps: 1 / distance^2 alone may overflow.
         const Real geometry = (cosine / distance_squared) * (absolute(light_cosine) * light.inverse_density);
         if constexpr (has<Config>(Feature::absorption)) {

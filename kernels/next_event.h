@@ -44,16 +44,18 @@ PT_HD inline DirectionSample<typename Config::Real> sample_direction_to(
     return sample;
 }
 
-// 1 / density, by solid angle, of sample_direction_to in the direction of a ray that meets the object after `distance`.
+// 1 / density, by solid angle, of sample_direction_to in the direction of a ray that meets the object at `hit`.
 template <class Config>
 PT_HD inline typename Config::Real inverse_direction_pdf_to(const SceneView<typename Config::Real>& scene,
-                                                            std::uint32_t object, const Ray<typename Config::Real>& ray,
-                                                            typename Config::Real distance) {
+                                                            const Hit<typename Config::Real>& hit,
+                                                            const Ray<typename Config::Real>& ray) {
     using Real = typename Config::Real;
+    const std::uint32_t object = hit.side.object();
     const Vec3<Real> observer = at_rest<Config>(scene, object, ray.origin, ray.time);
     Real inverse_pdf = Real(0);
     visit_shape<Config>(scene, object, [&](const auto& shape) {
-        inverse_pdf = inverse_direction_pdf_in<Config>(shape, observer, ray.direction, distance);
+        inverse_pdf =
+            inverse_direction_pdf_in<Config>(primitive_of(shape, hit.primitive), observer, ray.direction, hit.t);
     });
     return inverse_pdf;
 }
@@ -82,7 +84,7 @@ PT_HD inline typename Config::Real encounter_weight(const SceneView<typename Con
     }
     if constexpr (has<Config>(Feature::multiple_importance)) {
         if (scene.mis_exponent != 0) {
-            const Real inverse_pdf = inverse_direction_pdf_to<Config>(scene, hit.side.object(), ray_of(path), hit.t);
+            const Real inverse_pdf = inverse_direction_pdf_to<Config>(scene, hit, ray_of(path));
             return mis_weight_bsdf(path.bsdf_pdf * inverse_pdf * static_cast<Real>(scene.lights.size),
                                    scene.mis_exponent);
         }
@@ -111,9 +113,10 @@ PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::R
     if (!(sample.inverse_pdf > Real(0)) || !(cosine > Real(0))) {
         return 0;
     }
-    const Ray<Real> ray{vertex.position, sample.direction, path.time, SurfaceId::of(vertex.object, vertex.inside)};
+    const Ray<Real> ray{vertex.position, sample.direction, path.time, SurfaceId::of(vertex.object, vertex.inside),
+                        vertex.primitive};
     const Hit<Real> hit = closest_hit<Config>(traced, ray);
-    if (!hit.side.exists() || hit.side.object() != object) {
+    if (!hit.side.exists() || hit.side.object() != object || !is_of_primitive<Config>(hit, sample.primitive)) {
         return 1;
     }
     const Real ratio = cosine * (Real(1) / pi<Real>)*sample.inverse_pdf * static_cast<Real>(scene.lights.size);

@@ -32,8 +32,17 @@ struct SurfaceId {
 
 template <class Real>
 struct Hit {
-    Real t = Real(0);  // distance along the unit direction, scene units
-    SurfaceId side;    // nowhere: the ray left the scene
+    Real t = Real(0);             // distance along the unit direction, scene units
+    SurfaceId side;               // nowhere: the ray left the scene
+    std::uint32_t primitive = 0;  // of the object: which of a mesh's triangles; 0 of other shapes
+};
+
+// A hit as it lies in memory between two stages. A mesh's primitive lies with the path (Path::primitive), so that
+// scenes without meshes move no more than they need.
+template <class Real>
+struct StoredHit {
+    Real t;
+    SurfaceId side;
 };
 
 template <class Real>
@@ -51,6 +60,9 @@ struct Path {
     // Density, by solid angle, with which the ray's direction was drawn where next-event estimation had its turn too;
     // 0 where it had not: from the camera, a specular surface or a body. Lights met then count in full.
     Real bsdf_pdf;
+    // Of origin_surface's object: the mesh's triangle that the ray starts on. Between intersection and shading in a
+    // queue: the one that it met.
+    std::uint32_t primitive;
 
     static constexpr std::uint32_t ended = 0xffffffffu;
     static constexpr std::uint32_t no_medium = 0xffffffffu;

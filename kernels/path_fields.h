@@ -29,7 +29,8 @@ enum class FieldChange { by_bounce, never };  // never: written when the path be
     ALWAYS(segment, word, by_bounce)                                                                    \
     ALWAYS(origin_surface, word, by_bounce)                                                             \
     OPTIONAL(medium, word, by_bounce, set_of(Feature::absorption), scene.camera.initial_medium)         \
-    OPTIONAL(bsdf_pdf, real, by_bounce, set_of(Feature::next_event), Real(0))
+    OPTIONAL(bsdf_pdf, real, by_bounce, set_of(Feature::next_event), Real(0))                           \
+    OPTIONAL(primitive, word, by_bounce, set_of(Feature::mesh), 0u)
 
 #define PT_NO_FIELD(...)
 

@@ -16,6 +16,13 @@ struct Light {
 };
 
 template <class Real>
+struct Ray;
+
+// Keeps the nearer of a hit and the triangles of a mesh: object, the ray's origin as the object sees it, the ray.
+template <class Real>
+using MeetMesh = void (*)(Hit<Real>&, const MeshInstance<Real>&, std::uint32_t, const Vec3<Real>&, const Ray<Real>&);
+
+template <class Real>
 struct SceneView {
 #define PT_VIEW(name, array, Type) View<Type<Real>> array;
     PT_SHAPES(PT_VIEW)
@@ -35,6 +42,8 @@ struct SceneView {
     std::uint32_t next_event;      // 1: connect every diffuse vertex but the last to a light
     std::uint32_t mis_exponent;    // 0: lights count where connected only; 1: balance heuristic, 2: power heuristic
     std::uint32_t roulette_start;  // Russian roulette from the vertex at the end of this segment on; 0: none
+
+    MeetMesh<Real> meet_mesh;  // by the host's accelerator; kernels of a device have theirs compiled in
 
     PT_HD std::uint32_t pixel_count() const { return camera.width * camera.height; }
     // Segments that the longest path can have: with a final bounce, a path whose last vertex is specular goes one

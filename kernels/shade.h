@@ -187,7 +187,8 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
     const SurfacePoint<Real> point = surface_at<Config, false>(scene, ray_of(path), hit);
     const bool inside = hit.side.inside();
     const Vertex<Real> vertex{
-        point.position, inside ? -point.normal : point.normal, hit.side.object(), inside, material_index, hit.side};
+        point.position, inside ? -point.normal : point.normal, hit.side.object(), inside, material_index, hit.side,
+        hit.primitive};
     path.bsdf_pdf = Real(0);
     const RandomWords words =
         random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::scatter});

@@ -39,8 +39,9 @@ struct SurfacePoint {
 template <class Real>
 struct LightSample {
     Vec3<Real> position;
-    Vec3<Real> normal;     // outward unit normal
-    Real inverse_density;  // 1 / density by area, square scene units
+    Vec3<Real> normal;            // outward unit normal
+    Real inverse_density;         // 1 / density by area, square scene units
+    std::uint32_t primitive = 0;  // that the point lies on
 };
 
 // `inverse_pdf` is 1 / density by solid angle; 0: there is nothing to sample.
@@ -48,6 +49,7 @@ template <class Real>
 struct DirectionSample {
     Vec3<Real> direction;  // unit
     Real inverse_pdf;
+    std::uint32_t primitive = 0;  // that the direction was drawn to
 };
 
 template <class Real>

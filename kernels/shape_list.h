@@ -12,7 +12,8 @@
     SHAPE(ellipsoid, ellipsoids, Ellipsoid, ELLIPSOIDS, more)              \
     SHAPE(axis_box, axis_boxes, AxisBox, AXIS_BOXES, more)                 \
     SHAPE(oriented_box, oriented_boxes, OrientedBox, ORIENTED_BOXES, more) \
-    SHAPE(quad, quads, Quad, QUADS, more)
+    SHAPE(quad, quads, Quad, QUADS, more)                                  \
+    SHAPE(mesh, meshes, MeshInstance, MESHES, more)
 
 // SHAPE(name, array, Type).
 #define PT_SHAPES(SHAPE) PT_SHAPES_WITH(PT_SHAPE_ALONE, SHAPE)

@@ -137,6 +137,7 @@ PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, P
     }
     path.origin = exit.position;
     path.origin_surface = SurfaceId::of(walk.object, false);
+    path.primitive = 0;
     return WalkStep::left;
 }
 

@@ -36,9 +36,10 @@ struct ShearedDirection {
 template <class Real>
 struct TriangleHit {
     Real t;        // along the direction, in its multiples
-    Real det;      // its sign: negative where the ray meets the side on which a, b, c go round anticlockwise
+    Real det;      // u + v + w
     Real u, v, w;  // barycentric weights of a, b, c times det
     bool hits;
+    bool from_behind;  // on the side where a, b, c go round clockwise
 };
 
 // u = cx by - cy bx in twice the precision: exact for float, whose products fit a double.
@@ -58,7 +59,7 @@ PT_HD inline TriangleHit<Real> intersect(const Triangle<Real>& triangle, const V
     const Real ax = s.pick(a, s.kx) - s.shear.x * az, ay = s.pick(a, s.ky) - s.shear.y * az;
     const Real bx = s.pick(b, s.kx) - s.shear.x * bz, by = s.pick(b, s.ky) - s.shear.y * bz;
     const Real cx = s.pick(c, s.kx) - s.shear.x * cz, cy = s.pick(c, s.ky) - s.shear.y * cz;
-    TriangleHit<Real> hit{Real(0), Real(0), cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax, false};
+    TriangleHit<Real> hit{Real(0), Real(0), cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax, false, false};
     // A rounded zero says neither side; the exact sign does. In double there is nothing wider to ask, and zero is in.
     if constexpr (sizeof(Real) == 4) {
         if (hit.u == Real(0) || hit.v == Real(0) || hit.w == Real(0)) {
@@ -76,6 +77,7 @@ PT_HD inline TriangleHit<Real> intersect(const Triangle<Real>& triangle, const V
     const Real scaled = hit.u * (s.shear.z * az) + hit.v * (s.shear.z * bz) + hit.w * (s.shear.z * cz);
     hit.t = scaled / hit.det;
     hit.hits = hit.t > Real(0);
+    hit.from_behind = (hit.det < Real(0)) == (s.shear.z > Real(0));
     return hit;
 }
 

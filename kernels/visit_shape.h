@@ -9,13 +9,20 @@ namespace pt {
 
 PT_HD constexpr bool is_last(ShapeKind kind) { return static_cast<std::uint32_t>(kind) + 1 == shape_count; }
 
+// Whether a kernel has no kind after this one. Kernels without meshes end with the kind before.
+PT_HD constexpr bool is_last(ShapeKind kind, FeatureSet features) {
+    return is_last(kind) || (static_cast<std::uint32_t>(kind) + 2 == shape_count && !contains(features, Feature::mesh));
+}
+static_assert(is_last(ShapeKind::mesh));
+
 // Calls visit(shape) with the object's shape: a Sphere, Ellipsoid, and so on. Kinds that the kernel has not leave
 // nothing behind; an object of such a kind is not visited. The last kind takes what is left, with no comparison.
 template <class Config, class Scene, class Visitor>
 PT_HD inline void visit_shape(const Scene& scene, std::uint32_t object, Visitor&& visit) {
-#define PT_VISIT(name, array, Type)                                                                            \
-    if (has<Config>(Feature::name) && (is_last(ShapeKind::name) || object < end_of<ShapeKind::name>(scene))) { \
-        visit(scene.array[object - first_of<ShapeKind::name>(scene)]);                                         \
+#define PT_VISIT(name, array, Type)                                                                \
+    if (has<Config>(Feature::name) &&                                                              \
+        (is_last(ShapeKind::name, Config::features) || object < end_of<ShapeKind::name>(scene))) { \
+        visit(scene.array[object - first_of<ShapeKind::name>(scene)]);                             \
     } else
     PT_SHAPES(PT_VISIT) {}
 #undef PT_VISIT

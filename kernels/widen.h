@@ -40,6 +40,7 @@ struct WideScene {
 
 // The same kernel with its intersection in double.
 template <class Kernel>
-using InDouble = Config<double, Kernel::features & ~static_cast<FeatureSet>(Feature::double_intersection)>;
+using InDouble = Config<double, Kernel::features & ~static_cast<FeatureSet>(Feature::double_intersection),
+                        typename Kernel::Accelerator>;
 
 }  // namespace pt

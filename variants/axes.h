@@ -43,6 +43,8 @@ inline constexpr Axis axis_table[] = {
     {"arithmetic", "how the compiler may round", "5fdf3ee", "exact"},
     {"precision", "single or double precision, and where", "5fdf3ee", "float"},
     {"robustness", "the forms that are stable, or the textbook's", "94b5403", "robust"},
+    {"accelerator", "how a ray finds the triangles of a mesh", "4dc231d", "brute_force"},
+    {"builder", "how the tree over a mesh is built", "4dc231d", "sah_binned"},
 };
 inline constexpr std::size_t axis_count = std::size(axis_table);
 
@@ -137,10 +139,19 @@ struct RobustnessTraits {
     bool is_naive = false;
 };
 
+struct AcceleratorTraits {
+    bool has_tree = true;
+};
+
+struct BuilderTraits {
+    bool splits_primitives = false;  // a primitive may be in several leaves
+};
+
 // What a descriptor holds: nothing (the defaults of its axis), or the traits of its axis; in the order of axis_table.
-using Traits = std::variant<std::monostate, IntegratorTraits, CompactionTraits, SortingTraits, SortKeyTraits,
-                            FirstBounceTraits, DirectLightTraits, RouletteTraits, SamplerTraits, LayoutTraits,
-                            SpecialisationTraits, LaunchTraits, ArithmeticTraits, PrecisionTraits, RobustnessTraits>;
+using Traits =
+    std::variant<std::monostate, IntegratorTraits, CompactionTraits, SortingTraits, SortKeyTraits, FirstBounceTraits,
+                 DirectLightTraits, RouletteTraits, SamplerTraits, LayoutTraits, SpecialisationTraits, LaunchTraits,
+                 ArithmeticTraits, PrecisionTraits, RobustnessTraits, AcceleratorTraits, BuilderTraits>;
 static_assert(std::variant_size_v<Traits> == axis_count + 1);
 
 // The traits of the choice that a variant has, and its name: for messages alone.
@@ -165,6 +176,8 @@ struct VariantTraits {
     Chosen<ArithmeticTraits> arithmetic;
     Chosen<PrecisionTraits> precision;
     Chosen<RobustnessTraits> robustness;
+    Chosen<AcceleratorTraits> accelerator;
+    Chosen<BuilderTraits> builder;
     std::map<std::string, std::uint32_t, std::less<>> tuning;  // Variant::tuning
 };
 

@@ -99,7 +99,7 @@ constexpr FeatureSet all_named() {
     }
     return set;
 }
-static_assert(all_named() == (all_features | shortcuts | Feature::matrix | samplers | formulas));
+static_assert(all_named() == (all_features | traversals | shortcuts | Feature::matrix | samplers | formulas));
 
 }  // namespace
 

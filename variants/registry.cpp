@@ -197,6 +197,8 @@ VariantTraits traits_of(const Variant& variant, Backend backend) {
         .arithmetic = chosen<ArithmeticTraits>("arithmetic", variant, backend),
         .precision = chosen<PrecisionTraits>("precision", variant, backend),
         .robustness = chosen<RobustnessTraits>("robustness", variant, backend),
+        .accelerator = chosen<AcceleratorTraits>("accelerator", variant, backend),
+        .builder = chosen<BuilderTraits>("builder", variant, backend),
         .tuning = variant.tuning,
     };
 }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "variants/acceleration/hooks.h"
 #include "variants/cuda/hooks.h"
 #include "variants/descriptor.h"
 #include "variants/render_job.h"
@@ -42,6 +43,8 @@ struct Hook {
     ChooseFeatures specialisation = {};
     std::map<FeatureSet, RenderFunction> integrator = {};
     std::map<FeatureSet, RenderIn<double>> integrator_in_double = {};  // empty: single precision only
+    AcceleratorHook accelerator = {};
+    BuilderHook builder = {};
     cuda::Hooks cuda = {};
 };
 

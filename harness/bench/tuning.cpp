@@ -29,10 +29,15 @@ std::string id_of_spelled_out(const JsonValue& name, Backend backend) {
             variant.set(axis_names[count], choice);
         }
     }
-    // An entry of a program with fewer axes would never be found again, in silence.
-    if (count != axis_count) {
+    // An entry of a program with fewer axes would never be found again, in silence. The axes after these have
+    // identities that leave out what is as it was before them, and their files have identities.
+    constexpr std::size_t spelled_axes = 14;
+    for (std::size_t i = count; count == spelled_axes && i < axis_count; ++i) {
+        variant.set(axis_names[i], std::string(axis_table[i].as_before));
+    }
+    if (count != spelled_axes && count != axis_count) {
         name.fail(fmt::format("a variant's name with a choice for each of the {} axes (run ptbench autotune anew)",
-                              axis_count));
+                              spelled_axes));
     }
     return variant_id(variant, backend);
 }

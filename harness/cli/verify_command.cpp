@@ -183,10 +183,9 @@ std::vector<Variant> single_steps(Backend backend) {
     return variants;
 }
 
-// A product of all choices is small on the CPU backend but for roulette, samplers and robustness, which multiply it by
-// sixteen; on
-// CUDA it is millions. So without --axis these meet the rest in a covering set, in which every two choices of two axes
-// meet, on CUDA all axes do, and of means each choice is tested by itself.
+// A product of all choices is small on the CPU backend but for roulette, samplers, robustness, accelerators and
+// builders, which multiply it by hundreds; on CUDA it is millions. So without --axis these meet the rest in a covering
+// set, in which every two choices of two axes meet, on CUDA all axes do, and of means each choice is tested by itself.
 std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backend backend, const Scene& scene) {
     const bool none_named = arguments.axes.empty() && arguments.tunables.empty();
     if (arguments.statistical && none_named) {
@@ -198,6 +197,8 @@ std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backen
         axes.erase("russian_roulette");
         axes.erase("sampler");
         axes.erase("robustness");
+        axes.erase("accelerator");
+        axes.erase("builder");
     }
     for (const auto& [axis, choices] : parse_axis_arguments(arguments.axes, backend)) {
         axes[axis] = choices;
@@ -283,7 +284,8 @@ Command add_verify_command(CLI::App& app) {
         ->required();
     command
         ->add_option("--axis", arguments->axes,
-                     "AXIS=CHOICE,CHOICE, repeatable (default: every choice, but roulette, samplers and robustness by "
+                     "AXIS=CHOICE,CHOICE, repeatable (default: every choice, but roulette, samplers, robustness, "
+                     "accelerators and builders by "
                      "pairs with the rest; on cuda a set in which every two choices meet)")
         ->allow_extra_args(false);
     command->add_option("--tune", arguments->tunables, "TUNABLE=VALUE,VALUE, repeatable")->allow_extra_args(false);

@@ -11,6 +11,7 @@
 #include "harness/cuda/choices.h"
 #include "harness/cuda/kernel_request.h"
 #include "harness/cuda/loaded_modules.h"
+#include "harness/scene/scene_mesh.h"
 #include "variants/cuda/device.h"
 
 namespace pt::cuda {
@@ -27,15 +28,21 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-// A box round all objects, relative to the eye: each within its half diagonal of its centre.
+// A box round all objects, relative to the eye: each within its half diagonal of its centre, a mesh within its own box.
 KeyBounds key_bounds(const Scene& scene) {
     Vec3d low(1e300), high(-1e300);
     for (const SceneObject& object : scene.objects) {
         const Vec3d centre = object.translate - scene.camera.eye;
         const double reach = 0.5 * std::sqrt(dot(object.scale, object.scale));
+        Vec3d least = centre - Vec3d(reach), greatest = centre + Vec3d(reach);
+        if (object.mesh != SceneObject::no_mesh) {
+            const Box box = box_round(*scene.meshes[object.mesh], placement_of(object, scene.camera.eye));
+            least = {box.low[0], box.low[1], box.low[2]};
+            greatest = {box.high[0], box.high[1], box.high[2]};
+        }
         for (int axis = 0; axis < 3; ++axis) {
-            low[axis] = std::min(low[axis], centre[axis] - reach);
-            high[axis] = std::max(high[axis], centre[axis] + reach);
+            low[axis] = std::min(low[axis], least[axis]);
+            high[axis] = std::max(high[axis], greatest[axis]);
         }
     }
     KeyBounds bounds;
@@ -69,7 +76,7 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
       integrator_hook_(hooks("integrator", request.variant).integrator),
       features_(kernel.compiled),
       layout_(hooks("layout", request.variant).layout),
-      buffers_(scene, settings),
+      buffers_(scene, settings, Acceleration::of(request.variant, Backend::cuda)),
       device_scene_(buffers_.view(), kernel.compiled, hooks("specialisation", request.variant).bakes_scene),
       host_film_(film) {
     facts_.from_cache = true;
@@ -178,7 +185,9 @@ void RenderCell<Real>::reserve(Arena& arena) {
     const std::size_t segment_counts = std::size_t{job_.longest_path} * job_.segments.copies;
     job_.segments.live = arena.take<std::uint64_t>(segment_counts);
     job_.segments.in_play = arena.take<std::uint64_t>(segment_counts);
-    job_.cache.hits = arena.take<Hit<Real>>(std::size_t{job_.pixels} * job_.kept_rays);
+    const std::size_t kept_hits = std::size_t{job_.pixels} * job_.kept_rays;
+    job_.cache.hits = arena.take<StoredHit<Real>>(kept_hits);
+    job_.cache.primitives = contains(features_, Feature::mesh) ? arena.take<std::uint32_t>(kept_hits) : nullptr;
     integrator_->reserve(arena);
 }
 

@@ -63,6 +63,22 @@ void copy_to_device(const View<T>& device, const View<T>& host, cudaStream_t str
     }
 }
 
+// A kernel's text cannot hold the addresses of a mesh.
+template <class T>
+inline constexpr bool is_baked = true;
+template <class Real>
+inline constexpr bool is_baked<MeshInstance<Real>> = false;
+
+// Bytes of a mesh's arrays, and where each lies in it: on the host and, by the same steps, on the device.
+template <class Visit>
+void for_each_array_of(const MeshView& host, MeshView& device, const Visit& visit) {
+    visit(host.leaves, device.leaves, host.tree.slot_count * sizeof(LeafTriangle));
+    visit(host.triangles, device.triangles, host.triangle_count * sizeof(Triangle<float>));
+    visit(host.cumulative_area, device.cumulative_area,
+          host.cumulative_area != nullptr ? host.triangle_count * sizeof(float) : 0);
+    visit(host.tree.nodes, device.tree.nodes, std::size_t{host.tree.node_count} * host.tree.node_bytes);
+}
+
 template <class T>
 View<T> placed(Arena& arena, const View<T>& host) {
     return {arena.take<T>(host.size), host.size};
@@ -103,8 +119,9 @@ template <class Real>
 std::string baked_text(const SceneView<Real>& scene) {
     BakedText text;
     for_each_array(scene, [&](const SceneArray& array, const auto& view) {
+        using Element = std::remove_cvref_t<decltype(*view.data)>;
         if (array.kind != ArrayKind::matrix) {
-            text.add(array.name, view);
+            text.add(array.name, is_baked<Element> ? view : View<Element>{});
         }
     });
     text.add("environment", &scene.environment, 1);
@@ -127,6 +144,18 @@ void DeviceScene<Real>::reserve(Arena& arena) {
             device = placed(arena, host);
         }
     });
+    meshes_.assign(host_.meshes.data, host_.meshes.data + host_.meshes.size);
+    for (std::size_t i = 0; i < meshes_.size(); ++i) {
+        const MeshView& geometry = host_.meshes[static_cast<std::uint32_t>(i)].geometry;
+        if (i > 0 && geometry.triangles == host_.meshes[static_cast<std::uint32_t>(i) - 1].geometry.triangles) {
+            meshes_[i].geometry = meshes_[i - 1].geometry;
+            continue;
+        }
+        for_each_array_of(geometry, meshes_[i].geometry, [&](const auto*, const auto*& device, std::size_t bytes) {
+            using Element = std::remove_cvref_t<decltype(device)>;
+            device = bytes == 0 ? nullptr : reinterpret_cast<Element>(arena.take_bytes(bytes));
+        });
+    }
 }
 
 template <class Real>
@@ -136,7 +165,20 @@ void DeviceScene<Real>::upload(const Module& module, cudaStream_t stream) const 
             copy_to_device(device, host, stream);
         }
     });
-    const std::vector<unsigned char> constant = constant_scene(host_, features_);
+    SceneView<Real> host = host_;
+    host.meshes = {meshes_.data(), static_cast<std::uint32_t>(meshes_.size())};
+    copy_to_device(view_.meshes, host.meshes, stream);
+    for (std::size_t i = 0; i < meshes_.size(); ++i) {
+        MeshView device = meshes_[i].geometry;
+        for_each_array_of(
+            host_.meshes[static_cast<std::uint32_t>(i)].geometry, device,
+            [&](const void* from, const void* to, std::size_t bytes) {
+                if (bytes != 0) {
+                    PT_CUDA_CHECK(cudaMemcpyAsync(const_cast<void*>(to), from, bytes, cudaMemcpyHostToDevice, stream));
+                }
+            });
+    }
+    const std::vector<unsigned char> constant = constant_scene(host, features_);
     if (!is_baked_ && !constant.empty() && constant.size() <= constant_bytes) {
         PT_CUDA_CHECK(cudaMemcpyAsync(module.global("pt_scene"), constant.data(), constant.size(),
                                       cudaMemcpyHostToDevice, stream));

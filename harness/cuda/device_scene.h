@@ -40,6 +40,7 @@ private:
     FeatureSet features_;
     bool is_baked_;
     SceneView<Real> view_ = {};
+    std::vector<MeshInstance<Real>> meshes_;  // with pointers of the device
 };
 
 }  // namespace pt::cuda

@@ -1,6 +1,7 @@
 #include "harness/cuda/kernel_request.h"
 
 #include <fmt/format.h>
+
 #include "harness/cuda/choices.h"
 #include "harness/cuda/device_scene.h"
 #include "harness/render/renderer.h"
@@ -19,6 +20,7 @@ ModuleRequest request_for(const Variant& variant, const std::string& source, con
     request.real = hooks("precision", variant).real;
     request.layout = variant["layout"];
     request.sort_key = variant["sort_key"];
+    request.accelerator = variant["accelerator"];
     request.architecture = architecture;
     return request;
 }
@@ -86,6 +88,7 @@ ModuleRequest stage_request(const Variant& variant, const std::string& source,
                             const std::vector<KernelSignature>& kernels, const std::string& architecture) {
     ModuleRequest request = request_for(variant, source, architecture);
     request.sort_key = "material";
+    request.accelerator = "brute_force";
     request.config.block = stage_block;
     request.kernels = kernels;
     return request;

@@ -131,7 +131,7 @@ std::optional<ClosedForm> of_furnace(const Scene& scene, const RenderSettings& s
     const SceneMaterial& material = scene.materials[object.material];
     const std::optional<Vec3d> reflected = reflected_part(material);
     const bool can_move = object.velocity != Vec3d(0.0) || scene.camera.aperture_radius != 0;
-    if (!reflected || can_move || !contains_point(object, scene.camera.eye)) {
+    if (!reflected || can_move || !contains_point(scene, object, scene.camera.eye)) {
         return std::nullopt;
     }
     ClosedForm form;

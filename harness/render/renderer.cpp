@@ -41,7 +41,7 @@ RenderResult render_in(const Scene& scene, const RenderRequest& request, const K
     const std::vector<RenderPart> parts = parts_of(request);
     const RenderSettings settings = settings_for(request, kernel);
 
-    const SceneBuffers<Real> buffers(scene, settings);
+    const SceneBuffers<Real> buffers(scene, settings, Acceleration::of(request.variant, Backend::cpu));
     const std::uint64_t film_samples = request.film_samples != 0 ? request.film_samples : request.samples;
     RenderResult result{.film = Film(settings.width, settings.height, radiance_bound(scene, settings), film_samples),
                         .work = {},
@@ -122,7 +122,7 @@ HealthRequest health_request(const Scene& scene, const std::vector<std::uint32_t
     for (std::size_t object = 0; object < file_index.size(); ++object) {
         const SceneObject& body = scene.objects[file_index[object]];
         request.knows_sides = request.knows_sides && body.velocity == Vec3d(0.0);
-        if (object < 64 && contains_point(body, scene.camera.eye)) {
+        if (object < 64 && contains_point(scene, body, scene.camera.eye)) {
             request.around_eye |= BodySet{1} << object;
         }
     }
@@ -140,8 +140,9 @@ KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend b
     // On CUDA a kernel is compiled when it is needed, so there is one for every set.
     // A shortcut gives the bits of the plain formulas, not of others.
     const FeatureSet shortcuts_here = (needed & formulas) == 0 ? shortcuts_of(scene) : no_features;
-    KernelOffer offer{
-        needed, shortcuts_here, {needed, needed | shortcuts_here, all_features | (needed & (samplers | formulas))}};
+    KernelOffer offer{needed,
+                      shortcuts_here,
+                      {needed, needed | shortcuts_here, all_features | (needed & (samplers | formulas | traversals))}};
     const Hook& integrator = registry.at("integrator", variant, backend).hook;
     const bool in_double = traits_of(variant, backend).precision.is_double();
     if (backend == Backend::cpu) {

@@ -1,5 +1,7 @@
 #include "harness/scene/scene.h"
 
+#include "harness/scene/scene_mesh.h"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -134,11 +136,15 @@ bool is_flat(const SceneObject& object) {
     return flat;
 }
 
-bool contains_point(const SceneObject& object, const Vec3d& point) {
+bool contains_point(const Scene& scene, const SceneObject& object, const Vec3d& point) {
     const Rotation rotation = rotation_of(object.rotate_degrees);
     const Vec3d p = point - object.translate;
     const Vec3d local{dot(rotation.column[0], p) / object.scale.x, dot(rotation.column[1], p) / object.scale.y,
                       dot(rotation.column[2], p) / object.scale.z};
+    if (object.mesh != SceneObject::no_mesh) {
+        const SceneMesh& mesh = *scene.meshes[object.mesh];
+        return mesh.is_closed && is_inside(mesh, local);
+    }
     bool inside = false;
     visit_kind(object.shape.first_kind, [&](const auto& shape) { inside = shape.contains(local); });
     return inside;

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "kernels/material.h"
 #include "kernels/shapes.h"
+#include "variants/acceleration/binary_tree.h"
 
 namespace pt {
 
@@ -38,15 +40,30 @@ struct SceneMaterial {
 struct Shape {
     ShapeKind first_kind;
 
-    static const Shape sphere, box, quad;
+    static const Shape sphere, box, quad, mesh;
     bool operator==(const Shape& other) const { return first_kind == other.first_kind; }
 };
 inline constexpr Shape Shape::sphere{ShapeKind::sphere};
 inline constexpr Shape Shape::box{ShapeKind::axis_box};
 inline constexpr Shape Shape::quad{ShapeKind::quad};
+inline constexpr Shape Shape::mesh{ShapeKind::mesh};
+
+// A mesh that objects show. Its triangles stand in an order that does not depend on the file's: each begins with its
+// least vertex, and they are sorted, so that no film depends on the order either.
+struct SceneMesh {
+    std::string source;  // as the scene names it: a file, or a generator and its size
+    std::vector<Triangle<float>> triangles;
+    std::uint32_t degenerate_left_out = 0;
+    Box bounds;
+    bool is_closed = false;  // every edge is shared by two triangles, in opposite directions
+    std::string hash;        // of the triangles: 16 hex digits
+};
 
 struct SceneObject {
+    static constexpr std::uint32_t no_mesh = 0xffffffffu;
+
     Shape shape = Shape::sphere;
+    std::uint32_t mesh = no_mesh;  // index into Scene::meshes
     std::uint32_t material = 0;
     Vec3d translate{0.0}, rotate_degrees{0.0}, scale{1.0}, velocity{0.0};
 };
@@ -59,6 +76,7 @@ struct Scene {
     SceneCamera camera;
     std::vector<SceneMaterial> materials;  // sorted by name
     std::vector<SceneObject> objects;
+    std::vector<std::shared_ptr<const SceneMesh>> meshes;
     std::string hash;  // of the file's content, white space and key order aside; 16 hex digits
 };
 
@@ -79,8 +97,9 @@ bool is_flat(const SceneObject& object);
 // Everything that rendering the scene needs, and nothing else.
 FeatureSet features_of(const Scene& scene);
 
-// Whether a point lies inside the object as it stands at time 0; never inside a flat shape.
-bool contains_point(const SceneObject& object, const Vec3d& point);
+// Whether a point lies inside the object as it stands at time 0; never inside a flat shape or a mesh that is not
+// closed.
+bool contains_point(const Scene& scene, const SceneObject& object, const Vec3d& point);
 
 // The power of the camera's eye with respect to a sphere, |centre - eye|^2 - radius^2, in square radii: to one rounding
 // of a double from the numbers of the scene.

@@ -17,9 +17,10 @@ namespace {
 
 std::array<double, 3> as_array(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
-auto canonical_key(const SceneObject& object) {
+auto canonical_key(const Scene& scene, const SceneObject& object) {
+    const std::string mesh_hash = object.mesh != SceneObject::no_mesh ? scene.meshes[object.mesh]->hash : "";
     return std::make_tuple(classify(object), as_array(object.translate), as_array(object.rotate_degrees),
-                           as_array(object.scale), as_array(object.velocity), object.material);
+                           as_array(object.scale), as_array(object.velocity), object.material, mesh_hash);
 }
 
 template <class Real>
@@ -78,7 +79,7 @@ std::uint32_t medium_at_eye(const Scene& scene) {
         const SceneMaterial& material = scene.materials[object.material];
         const double volume = object.scale.x * object.scale.y * object.scale.z;
         if (material.type == MaterialType::dielectric && volume < least_volume &&
-            contains_point(object, scene.camera.eye)) {
+            contains_point(scene, object, scene.camera.eye)) {
             least_volume = volume;
             medium = material.sigma_a != Vec3d(0.0) ? object.material : Path<float>::no_medium;
         }
@@ -161,14 +162,41 @@ RenderSettings default_settings(const Scene& scene) {
 }
 
 template <class Real>
-void SceneBuffers<Real>::add_object(const Scene& scene, std::uint32_t index) {
+void SceneBuffers<Real>::complete(MeshInstance<Real>& instance, const Scene& scene, const SceneObject& object,
+                                  const Placement& placement, const Acceleration& acceleration) {
+    const std::shared_ptr<const SceneMesh>& mesh = scene.meshes[object.mesh];
+    const auto shown_by = std::count_if(scene.objects.begin(), scene.objects.end(),
+                                        [&](const SceneObject& other) { return other.mesh == object.mesh; });
+    // The triangles of a light are chosen by their area in the scene, which a scale may change one by one.
+    const bool is_light = scene.materials[object.material].emission != Vec3d(0.0);
+    instance.is_placed = shown_by == 1 || is_light ? 1 : 0;
+    meshes_.push_back(geometry_of(mesh, instance.is_placed != 0 ? &placement : nullptr, acceleration));
+    const MeshGeometry& geometry = meshes_.back();
+    instance.geometry = geometry.view();
+    if (!is_light) {
+        instance.geometry.cumulative_area = nullptr;
+    }
+    const Box bounds = instance.is_placed != 0 ? geometry.placed->bounds : box_round(*mesh, placement);
+    for (int axis = 0; axis < 3; ++axis) {
+        instance.low[axis] = bounds.low[axis];
+        instance.high[axis] = bounds.high[axis];
+    }
+    instance.area = is_light ? static_cast<float>(geometry.placed->area) : 0.0f;
+}
+
+template <class Real>
+void SceneBuffers<Real>::add_object(const Scene& scene, std::uint32_t index, const Acceleration& acceleration) {
     const SceneObject& object = scene.objects[index];
     const Placement placement = placement_of(object, scene.camera.eye);
     switch (classify(object)) {
 #define PT_ADD_SHAPE(name, array, Type)                                                                \
     case ShapeKind::name:                                                                              \
         arrays_.array.push_back(Type<Real>::placed(placement));                                        \
-        complete(arrays_.array.back(), object, scene.camera.eye);                                      \
+        if constexpr (ShapeKind::name == ShapeKind::mesh) {                                            \
+            complete(arrays_.meshes.back(), scene, object, placement, acceleration);                   \
+        } else {                                                                                       \
+            pt::complete(arrays_.array.back(), object, scene.camera.eye);                              \
+        }                                                                                              \
         arrays_.transforms.push_back(make_transform<Real>(object, placement, Type<Real>::unit_shape)); \
         break;
         PT_SHAPES(PT_ADD_SHAPE)
@@ -183,14 +211,14 @@ void SceneBuffers<Real>::add_object(const Scene& scene, std::uint32_t index) {
 }
 
 template <class Real>
-SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& settings) {
+SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& settings, const Acceleration& acceleration) {
     std::vector<std::uint32_t> order(scene.objects.size());
     std::iota(order.begin(), order.end(), 0u);
     std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return canonical_key(scene.objects[a]) < canonical_key(scene.objects[b]);
+        return canonical_key(scene, scene.objects[a]) < canonical_key(scene, scene.objects[b]);
     });
     for (const std::uint32_t index : order) {
-        add_object(scene, index);
+        add_object(scene, index, acceleration);
     }
     for (const SceneMaterial& material : scene.materials) {
         arrays_.materials.push_back(make_material<Real>(material));
@@ -210,6 +238,11 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     view_.mis_exponent = settings.mis_exponent;
     view_.roulette_start = settings.roulette_start;
     view_.enclosure = find_enclosure(view_);
+    if constexpr (std::is_same_v<Real, float>) {
+        view_.meet_mesh = acceleration.accelerator_hook.meet_single;
+    } else {
+        view_.meet_mesh = acceleration.accelerator_hook.meet_double;
+    }
 }
 
 double radiance_bound(const Scene& scene, const RenderSettings& settings) {

@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "harness/scene/mesh_geometry.h"
 #include "harness/scene/scene.h"
 #include "kernels/scene_view.h"
 
@@ -42,20 +43,27 @@ struct SceneStorage {
 template <class Real>
 class SceneBuffers {
 public:
-    SceneBuffers(const Scene& scene, const RenderSettings& settings);
+    // `acceleration`: over the scene's meshes.
+    SceneBuffers(const Scene& scene, const RenderSettings& settings,
+                 const Acceleration& acceleration = Acceleration::none());
     // Valid as long as this object lives and stays where it is.
     const SceneView<Real>& view() const { return view_; }
     SceneBuffers(const SceneBuffers&) = delete;
     SceneBuffers& operator=(const SceneBuffers&) = delete;
 
+    // By number of the objects that show a mesh.
+    const std::vector<MeshGeometry>& meshes() const { return meshes_; }
     // By object number: the object's index in the scene file.
     const std::vector<std::uint32_t>& file_index() const { return file_index_; }
 
 private:
-    void add_object(const Scene& scene, std::uint32_t index);
+    void add_object(const Scene& scene, std::uint32_t index, const Acceleration& acceleration);
+    void complete(MeshInstance<Real>& instance, const Scene& scene, const SceneObject& object,
+                  const Placement& placement, const Acceleration& acceleration);
 
     SceneStorage<Real> arrays_;
     std::vector<std::uint32_t> file_index_;
+    std::vector<MeshGeometry> meshes_;
     SceneView<Real> view_;
 };
 

@@ -1,12 +1,15 @@
 // The scene format, key by key: docs/scene_format.md.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "harness/json_reader.h"
+#include "harness/mesh/generate.h"
 #include "harness/scene/scene.h"
+#include "harness/scene/scene_mesh.h"
 
 namespace pt {
 
@@ -207,10 +210,79 @@ std::string names_of(const std::vector<SceneMaterial>& materials) {
                        materials.size() > most ? fmt::format(" and {} more", materials.size() - most) : "");
 }
 
-SceneObject read_object(const JsonValue& value, const std::vector<SceneMaterial>& materials) {
-    const JsonObject object(value, {"shape", "material", "translate", "rotate_degrees", "scale", "velocity"});
+// A generator's mesh: {"mesh": NAME, "size": N}.
+std::shared_ptr<const SceneMesh> read_recipe(const JsonValue& value) {
+    const JsonObject recipe(value, {"mesh", "size"});
+    std::vector<std::string> names;
+    for (const Generator& generator : generators()) {
+        names.emplace_back(generator.name);
+    }
+    const std::string name = recipe.required("mesh").one_of(names);
+    const Generator& generator = *find_generator(name);
+    const long long size = recipe.required("size").whole(
+        generator.least_size, generator.most_size,
+        fmt::format("a whole number from {} to {} ({})", generator.least_size, generator.most_size, generator.size));
+    return mesh_from_generator(name, static_cast<std::uint32_t>(size));
+}
+
+// A file's name is relative to the scene's own.
+std::shared_ptr<const SceneMesh> read_mesh_of(const JsonObject& object, const JsonValue& value) {
+    if (object.has("file") == object.has("generate")) {
+        throw InputError(value.file(), value.path(),
+                         object.has("file") ? "both \"file\" and \"generate\"" : "neither \"file\" nor \"generate\"",
+                         "one of them, for a mesh");
+    }
+    if (object.has("generate")) {
+        return read_recipe(object.at("generate"));
+    }
+    const std::filesystem::path named = object.at("file").text();
+    return mesh_from_file(named.is_absolute() ? named : std::filesystem::path(value.file()).parent_path() / named);
+}
+
+// The mesh's index among the scene's.
+std::uint32_t index_of(const std::shared_ptr<const SceneMesh>& mesh, Scene& scene) {
+    const auto known = std::find(scene.meshes.begin(), scene.meshes.end(), mesh);
+    const auto index = static_cast<std::uint32_t>(known - scene.meshes.begin());
+    if (known == scene.meshes.end()) {
+        scene.meshes.push_back(mesh);
+    }
+    return index;
+}
+
+// What a shape can be made of: a dielectric has an inside, and a walk through a body meets its surface once.
+void check_material(const JsonValue& value, const SceneMaterial& material, const SceneObject& object,
+                    const Scene& scene) {
+    const bool is_mesh = object.mesh != SceneObject::no_mesh;
+    if (is_mesh && material.type == MaterialType::subsurface) {
+        value.fail("on a mesh: diffuse, emitter, mirror, mix or dielectric (subsurface needs a convex shape)");
+    }
+    if (is_mesh && material.type == MaterialType::dielectric && !scene.meshes[object.mesh]->is_closed) {
+        value.fail(
+            fmt::format("on the mesh {}, which is not closed: diffuse, emitter, mirror or mix (dielectric needs a "
+                        "shape with an inside)",
+                        scene.meshes[object.mesh]->source));
+    }
+    const bool needs_inside = material.type == MaterialType::dielectric || material.type == MaterialType::subsurface;
+    if (!is_mesh && is_flat(object) && needs_inside) {
+        value.fail(fmt::format(
+            "on a {}: diffuse, emitter, mirror or mix (dielectric and subsurface need a shape with an inside)",
+            name_of(object.shape)));
+    }
+}
+
+SceneObject read_object(const JsonValue& value, Scene& scene) {
+    const std::vector<SceneMaterial>& materials = scene.materials;
+    std::vector<std::string> keys{"shape", "material", "translate", "rotate_degrees", "scale", "velocity"};
+    const bool is_mesh = value.json().is_object() && value.json().value("shape", Json()) == name_of(Shape::mesh);
+    if (is_mesh) {
+        keys.insert(keys.end(), {"file", "generate"});
+    }
+    const JsonObject object(value, keys);
     SceneObject result;
     result.shape = shape_named(object.required("shape").one_of(shape_names()));
+    if (is_mesh) {
+        result.mesh = index_of(read_mesh_of(object, value), scene);
+    }
     const JsonValue material_value = object.required("material");
     const std::string name = material_value.text();
     const auto material =
@@ -220,12 +292,7 @@ SceneObject read_object(const JsonValue& value, const std::vector<SceneMaterial>
         material_value.fail("a name in $.materials: " + names_of(materials));
     }
     result.material = static_cast<std::uint32_t>(material - materials.begin());
-    const bool needs_inside = material->type == MaterialType::dielectric || material->type == MaterialType::subsurface;
-    if (is_flat(result) && needs_inside) {
-        material_value.fail(fmt::format(
-            "on a {}: diffuse, emitter, mirror or mix (dielectric and subsurface need a shape with an inside)",
-            name_of(result.shape)));
-    }
+    check_material(material_value, *material, result, scene);
     result.translate = object.has("translate") ? point(object.at("translate")) : Vec3d(0.0);
     if (object.has("rotate_degrees")) {
         result.rotate_degrees = vector(object.at("rotate_degrees"), -1e6, 1e6, "an angle from -1e6 to 1e6 degrees");
@@ -261,17 +328,20 @@ Scene parse_scene(const std::string& text, const std::string& file) {
         scene.materials.push_back(std::move(material));
     }
     for (const JsonValue& object : root.required("objects").elements()) {
-        scene.objects.push_back(read_object(object, scene.materials));
+        scene.objects.push_back(read_object(object, scene));
     }
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
         check_motion(scene, i, file);
         const bool is_body = scene.materials[scene.objects[i].material].type == MaterialType::subsurface;
-        if (is_body && contains_point(scene.objects[i], scene.camera.eye)) {
+        if (is_body && contains_point(scene, scene.objects[i], scene.camera.eye)) {
             throw InputError(file, "$.camera.eye", fmt::format("a point inside $.objects[{}], a subsurface body", i),
                              "a point outside of subsurface bodies");
         }
     }
-    const std::string canonical = json.dump();
+    std::string canonical = json.dump();
+    for (const auto& mesh : scene.meshes) {
+        canonical += mesh->hash;
+    }
     scene.hash = fmt::format("{:016x}", fnv1a(canonical.data(), canonical.size()));
     return scene;
 }

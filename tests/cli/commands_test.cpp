@@ -235,7 +235,7 @@ TEST(VerifyCommandTest, QuietPrintsTheTallyOnly) {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     // 29 variants with a queue or without in 2 kernels and one in double, with 4 kinds of direct light, the first
     // bounce off and cached; 22 more in which roulette and samplers meet them.
-    EXPECT_EQ(result.out, "559 held, 0 failed, 12444 not applicable on cpu; 6x4 at 1 spp, scenes: jitter_off\n");
+    EXPECT_EQ(result.out, "551 held, 0 failed, 12444 not applicable on cpu; 6x4 at 1 spp, scenes: jitter_off\n");
 }
 
 TEST(VerifyCommandTest, NothingHeldIsNoSuccess) {

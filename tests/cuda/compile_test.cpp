@@ -153,6 +153,14 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
     for (const char* key : {"material_hit", "ray"}) {
         programs.add(five, baseline_with({{"sorting", "cub_radix"}, {"sort_key", key}}));
     }
+    const Scene room = find_scene("meshes/icosphere_room");
+    for (const std::string& accelerator : choices_of("accelerator")) {
+        add_by_turns(room, {{"accelerator", accelerator}}, 3);
+    }
+    for (const auto& [axis, choice] : Choices{{"layout", "soa"}, {"layout", "packed"}, {"specialisation", "baked"}}) {
+        add_by_turns(room, {{"accelerator", "bvh2"}, {axis, choice}}, 3);
+    }
+    add_by_turns(room, {{"specialisation", "generic"}, {"precision", "double"}, {"direct_light", "nee_mis"}}, 3);
     const Scene still = find_scene("cornell_open_unjittered");
     add_by_turns(still, {{"first_bounce", "cached"}}, 3);
     add_by_turns(still, {{"direct_light", "final_bounce"}}, 3);

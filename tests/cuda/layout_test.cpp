@@ -130,18 +130,22 @@ TEST(LayoutTest, AStoreHasRoomForTheFieldsThatAreCarried) {
             .find("layout", layout, Backend::cuda)
             ->hook.cuda.layout.bytes(64, sizeof(float), fields);
     };
-    constexpr PathFields all{}, none{.radiance = false, .time = false, .medium = false, .bsdf_pdf = false};
-    constexpr PathFields radiance{.radiance = true, .time = false, .medium = false, .bsdf_pdf = false};
-    constexpr PathFields time{.radiance = false, .time = true, .medium = false, .bsdf_pdf = false};
-    constexpr PathFields medium{.radiance = false, .time = false, .medium = true, .bsdf_pdf = false};
-    constexpr PathFields density{.radiance = true, .time = false, .medium = false, .bsdf_pdf = true};
-    EXPECT_EQ(bytes_of("soa", all), 64u * 76);
+    constexpr PathFields all{},
+        none{.radiance = false, .time = false, .medium = false, .bsdf_pdf = false, .primitive = false};
+    constexpr PathFields radiance{
+        .radiance = true, .time = false, .medium = false, .bsdf_pdf = false, .primitive = false};
+    constexpr PathFields time{.radiance = false, .time = true, .medium = false, .bsdf_pdf = false, .primitive = false};
+    constexpr PathFields medium{
+        .radiance = false, .time = false, .medium = true, .bsdf_pdf = false, .primitive = false};
+    constexpr PathFields density{
+        .radiance = true, .time = false, .medium = false, .bsdf_pdf = true, .primitive = false};
+    EXPECT_EQ(bytes_of("soa", all), 64u * 80);
     EXPECT_EQ(bytes_of("soa", density), 64u * 76);
     EXPECT_EQ(bytes_of("soa", none), 64u * 52);
     EXPECT_EQ(bytes_of("soa", radiance), 64u * 64);
     EXPECT_EQ(bytes_of("soa", time), 64u * 68);
     EXPECT_EQ(bytes_of("soa", medium), 64u * 72);
-    EXPECT_EQ(bytes_of("packed", all), 64u * 76 + 8);
+    EXPECT_EQ(bytes_of("packed", all), 64u * 80 + 8);
     EXPECT_EQ(bytes_of("packed", density), 64u * 76 + 8);
     EXPECT_EQ(bytes_of("packed", radiance), 64u * 72 + 8);
     EXPECT_EQ(bytes_of("packed", none), 64u * 56 + 8);

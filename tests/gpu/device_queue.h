@@ -260,6 +260,7 @@ private:
         std::memcpy(&path, words, sizeof path);
         path.pixel = id;
         path.bsdf_pdf = with_density ? path.bsdf_pdf : 0.0f;
+        path.primitive = with_density ? path.primitive : 0u;
         path.segment = ended ? Path<float>::ended : id % 7;
         path.origin_surface =
             id % 8 == 0 ? SurfaceId{} : SurfaceId::of(path.origin_surface.code % objects, id % 2 == 0);

@@ -60,6 +60,8 @@ TEST_P(ShippedScene, HoldsTheClaimOfEveryVariant) {
     axes["sampler"] = {"pcg4d"};
     axes["precision"] = {"float", "double"};
     axes["robustness"] = {"robust"};
+    axes["accelerator"] = {"brute_force"};
+    axes["builder"] = {"sah_binned"};
     // The kernels of a scene are those of the first with its features: all of them there, every pair of choices here.
     const bool is_first = first_with(features) == GetParam();
     for (const Variant& variant : is_first ? expand(axes, Backend::cpu, {{"jitters", {16, 2}}})

@@ -14,6 +14,7 @@
 #include "kernels/light.h"
 #include "kernels/material.h"
 #include "kernels/math.h"
+#include "kernels/mesh_view.h"
 #include "kernels/minstd.h"
 #include "kernels/mirror.h"
 #include "kernels/mix.h"
@@ -97,8 +98,8 @@ void on_host(const SceneView<typename Config::Real>& scene, const FilmView& film
     template __global__ void accumulate_paths<CONFIG>(FilmView, const Path<CONFIG::Real>*, std::uint32_t);        \
     template void on_host<CONFIG>(const SceneView<CONFIG::Real>&, const FilmView&, PathCounters&);
 
-using Everything = Config<float, all_features | samplers>;
-using EverythingDouble = Config<double, all_features | samplers>;
+using Everything = Config<float, all_features | samplers | traversals>;
+using EverythingDouble = Config<double, all_features | samplers | traversals>;
 using Small = Config<float, Feature::axis_box | Feature::diffuse | Feature::emitter | Feature::jitter>;
 
 PT_INSTANTIATE(Everything)

@@ -15,7 +15,7 @@ namespace pt::test {
 inline constexpr std::size_t queue_sizes[] = {0, 1, 2, 3, 1023, 1024, 1025, 4095, 4096, 4097, 100000};
 
 // Every scalar of a path, bit for bit. There is no padding to skip.
-using PathBits = std::array<std::uint32_t, 19>;
+using PathBits = std::array<std::uint32_t, 20>;
 static_assert(sizeof(PathBits) == sizeof(Path<float>));
 inline PathBits bits_of(const Path<float>& path) { return std::bit_cast<PathBits>(path); }
 
@@ -36,6 +36,7 @@ inline Path<float> random_path(Random& random, std::uint32_t id, bool alive) {
     path.segment = alive ? id % 7 : Path<float>::ended;
     path.origin_surface = SurfaceId{random.word()};
     path.medium = random.word();
+    path.primitive = random.word();
     return path;
 }
 

@@ -7,7 +7,7 @@ namespace pt::test {
 namespace {
 
 template <class Real>
-using Generic = Config<Real, all_features | samplers>;
+using Generic = Config<Real, all_features | samplers | traversals>;
 
 RenderSettings settings_of(const Scene& scene, const RenderOptions& options) {
     RenderSettings settings = default_settings(scene);

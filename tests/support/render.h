@@ -33,7 +33,7 @@ Film render(const Scene& scene, const RenderOptions& options);
 Film render_variant(const Scene& scene, const RenderOptions& options, const std::string& axis = "",
                     const std::string& choice = "");
 
-// The stages, one at a time, for Config<Real, all_features | samplers>.
+// The stages, one at a time, for Config<Real, all_features | samplers | traversals>.
 template <class Real>
 class Stages {
 public:

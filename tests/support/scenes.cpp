@@ -1,5 +1,9 @@
 #include "tests/support/scenes.h"
 
+#include <algorithm>
+
+#include "harness/scene/scene_mesh.h"
+
 namespace pt::test {
 
 SceneBuilder::SceneBuilder() {
@@ -121,6 +125,22 @@ SceneObject& SceneBuilder::box(std::uint32_t material, const Vec3d& centre, cons
 SceneObject& SceneBuilder::quad(std::uint32_t material, const Vec3d& centre, double scale_x, double scale_z,
                                 const Vec3d& rotate_degrees) {
     return add(Shape::quad, material, centre, {scale_x, 1, scale_z}, rotate_degrees);
+}
+
+SceneObject& SceneBuilder::mesh(std::uint32_t material, const std::shared_ptr<const SceneMesh>& mesh,
+                                const Vec3d& centre, double scale, const Vec3d& rotate_degrees) {
+    SceneObject& object = add(Shape::mesh, material, centre, Vec3d(scale), rotate_degrees);
+    const auto known = std::find(scene.meshes.begin(), scene.meshes.end(), mesh);
+    object.mesh = static_cast<std::uint32_t>(known - scene.meshes.begin());
+    if (known == scene.meshes.end()) {
+        scene.meshes.push_back(mesh);
+    }
+    return object;
+}
+
+SceneObject& SceneBuilder::mesh(std::uint32_t material, const std::string& generator, std::uint32_t size,
+                                const Vec3d& centre, double scale, const Vec3d& rotate_degrees) {
+    return mesh(material, mesh_from_generator(generator, size), centre, scale, rotate_degrees);
 }
 
 SceneBuilder& SceneBuilder::room(std::uint32_t material, const Vec3d& centre, const Vec3d& half) {

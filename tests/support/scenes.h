@@ -36,6 +36,10 @@ struct SceneBuilder {
                      const Vec3d& rotate_degrees = Vec3d(0.0));
     SceneObject& quad(std::uint32_t material, const Vec3d& centre, double scale_x, double scale_z,
                       const Vec3d& rotate_degrees = Vec3d(0.0));
+    SceneObject& mesh(std::uint32_t material, const std::shared_ptr<const SceneMesh>& mesh, const Vec3d& centre,
+                      double scale, const Vec3d& rotate_degrees = Vec3d(0.0));
+    SceneObject& mesh(std::uint32_t material, const std::string& generator, std::uint32_t size, const Vec3d& centre,
+                      double scale, const Vec3d& rotate_degrees = Vec3d(0.0));
     // The six walls of the box [centre - half, centre + half], facing inwards.
     SceneBuilder& room(std::uint32_t material, const Vec3d& centre, const Vec3d& half);
 

@@ -77,9 +77,12 @@ TEST(CoveringTest, IsTheSameEveryTime) {
 // The CPU's product is small: all of it is looked at.
 TEST(CoveringTest, OnTheCpuHasExactlyThePairsOfTheWholeProduct) {
     for (const FeatureSet scene : scenes) {
-        std::vector<Variant> all = expand(all_choices());
+        AxisChoices axes = all_choices();
+        axes.erase("accelerator");  // which multiply the product, for meshes only
+        axes.erase("builder");
+        std::vector<Variant> all = expand(axes);
         std::erase_if(all, [&](const Variant& variant) { return !applies(variant, scene, Backend::cpu); });
-        const std::vector<Variant> chosen = covering_variants(all_choices(), scene, Backend::cpu);
+        const std::vector<Variant> chosen = covering_variants(axes, scene, Backend::cpu);
         EXPECT_EQ(pairs_in(chosen), pairs_in(all));
         EXPECT_LT(chosen.size(), all.size() / 2);
     }
@@ -154,7 +157,9 @@ TEST(CoveringTest, OnCudaLeavesNoPairOutThatCanBeFound) {
 TEST(CoveringTest, NoRandomVariantHasAPairThatIsLeftOut) {
     std::mt19937 random(21);
     for (const Backend backend : test::built_backends()) {
-        const AxisChoices axes = all_choices(backend);
+        AxisChoices axes = all_choices(backend);
+        axes.erase("accelerator");  // for meshes only: few random variants would apply
+        axes.erase("builder");
         for (const FeatureSet scene : scenes) {
             const std::set<Pair> covered = pairs_in(covering_variants(axes, scene, backend));
             std::size_t found = 0;

@@ -105,6 +105,7 @@ TEST(ShippedScenes, NeedEveryListedFeatureSet) {
     for (const std::filesystem::path& file : scene_files()) {
         needed.insert(features_of(load_scene(file.string())));
     }
+    needed.insert(features_of(shipped("meshes/icosphere_room")));
     std::set<FeatureSet> listed;
     for (const FeatureSet features : listed_sets()) {
         EXPECT_TRUE(listed.insert(features).second) << "listed twice: " << names_of(features);

@@ -82,6 +82,14 @@ RenderResult render_variant(const Scene& scene, const Variant& variant) {
     return render(scene, {.variant = variant, .settings = default_settings(scene), .samples = spp});
 }
 
+// Every choice of every axis but those of meshes, which multiply the others and have nothing to do with them.
+AxisChoices choices_of_paths() {
+    AxisChoices axes = all_choices();
+    axes.erase("accelerator");
+    axes.erase("builder");
+    return axes;
+}
+
 // ---- The registry ----
 
 using AxisTable = std::vector<std::pair<std::string, std::vector<std::string>>>;
@@ -129,6 +137,8 @@ TEST(RegistryTest, HasEveryAxisAndChoice) {
             {"arithmetic", {"exact"}},
             {"precision", {"float", "double", "double_intersection"}},
             {"robustness", {"robust", "naive"}},
+            {"accelerator", {"brute_force", "bvh2"}},
+            {"builder", {"sah_binned"}},
         },
         Backend::cpu);
 }
@@ -156,6 +166,8 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
             {"arithmetic", {"precise", "exact", "fast"}},
             {"precision", {"float", "double", "double_intersection"}},
             {"robustness", {"robust", "naive"}},
+            {"accelerator", {"brute_force", "bvh2"}},
+            {"builder", {"sah_binned"}},
         },
         Backend::cuda);
 }
@@ -384,10 +396,9 @@ TEST(RegistryTest, EveryIntegratorIsCompiledForTheSameFeatureSets) {
     const auto& depth_first = registry().find("integrator", "depth_first")->hook.integrator;
     const auto& packet = registry().find("integrator", "packet")->hook.integrator;
     EXPECT_TRUE(wavefront.contains(all_features));
-    EXPECT_EQ(wavefront.size(), packet.size());
     for (const auto& [features, function] : wavefront) {
         EXPECT_TRUE(depth_first.contains(features));
-        EXPECT_TRUE(packet.contains(features));
+        EXPECT_EQ(packet.contains(features), !contains(features, Feature::mesh));
     }
     // Other formulas are compiled for a path at a time only, each alone.
     for (const auto& [features, function] : depth_first) {
@@ -438,7 +449,8 @@ TEST(VariantTest, NameSaysTheIntegratorAndWhatDiffersFromTheBaseline) {
 TEST(VariantTest, SpelledOutItSaysEveryChoiceAndTheTunablesThatAreNotAtTheirDefault) {
     Variant variant = baseline_with({{"first_bounce", "cached_jitters"}});
     const std::string choices =
-        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust";
+        "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust.brute_force."
+        "sah_binned";
     EXPECT_EQ(variant.spelled_out(), choices);
     variant.tuning["jitters"] = 4;
     variant.tuning["block"] = 256;
@@ -476,7 +488,7 @@ TEST(VariantTest, IdentityIsOfChoicesAndTunablesAndNotOfBaselines) {
 
 TEST(VariantTest, EveryVariantHasAnIdentityAndANameOfItsOwn) {
     std::set<std::string> names, identities;
-    const std::vector<Variant> variants = expand(all_choices());
+    const std::vector<Variant> variants = expand(choices_of_paths());
     for (const Variant& variant : variants) {
         names.insert(shown_name(variant, Backend::cpu));
         identities.insert(variant_id(variant, Backend::cpu));
@@ -507,7 +519,7 @@ std::string estimator_of(const Variant& variant) {
 }
 
 TEST(VariantTest, ReferenceIsThePlainestVariantOfTheSameExpectation) {
-    for (const Variant& variant : expand(all_choices())) {
+    for (const Variant& variant : expand(choices_of_paths())) {
         const Variant reference = registry().reference(variant);
         const std::string first_bounce = variant["first_bounce"] == "cached_jitters" ? "cached_jitters" : "off";
         const std::string formula = variant["specialisation"] == "matrix" ? "matrix" : "generic";
@@ -516,7 +528,8 @@ TEST(VariantTest, ReferenceIsThePlainestVariantOfTheSameExpectation) {
                                                ? variant.spelled_out()
                                                : "depth_first.none.none.material." + first_bounce + "." +
                                                      estimator_of(variant) + ".aos." + formula + ".stream.exact." +
-                                                     variant["precision"] + "." + variant["robustness"]);
+                                                     variant["precision"] + "." + variant["robustness"] +
+                                                     ".brute_force." + variant["builder"]);
         EXPECT_EQ(registry().reference(reference), reference);
         // Which do not go together.
         const bool has_formulas = variant["precision"] == "double_intersection" || variant["robustness"] == "naive";
@@ -546,14 +559,14 @@ TEST(VariantTest, ReferenceOnCudaIsThePlainestVariantOfTheSameExpectation) {
                                                : "megakernel.none.none.material." + first_bounce + "." +
                                                      estimator_of(variant) + ".aos." + formula + ".stream." +
                                                      variant["arithmetic"] + "." + variant["precision"] + "." +
-                                                     variant["robustness"]);
+                                                     variant["robustness"] + ".brute_force.sah_binned");
         EXPECT_EQ(registry().reference(reference, Backend::cuda), reference);
         EXPECT_EQ(why_not_applicable(reference, all_features, Backend::cuda), "") << reference.spelled_out();
     }
 }
 
 TEST(VariantTest, ClaimIsTheWeakestOfItsChoices) {
-    for (const Variant& variant : expand(all_choices())) {
+    for (const Variant& variant : expand(choices_of_paths())) {
         const bool is_biased = variant["first_bounce"] == "cached_jitters" ||
                                variant["sampler"] == "minstd_by_position" || variant["robustness"] == "naive";
         EXPECT_EQ(claim_of(variant), is_biased ? Claim::biased
@@ -568,7 +581,7 @@ TEST(VariantTest, ClaimIsTheWeakestOfItsChoices) {
 }
 
 TEST(VariantTest, NothingRoundsFreelyOnTheCpu) {
-    for (const Variant& variant : expand(all_choices())) {
+    for (const Variant& variant : expand(choices_of_paths())) {
         EXPECT_FALSE(fp_relaxed(variant, Backend::cpu));
         EXPECT_EQ(exact_twin(variant, Backend::cpu), variant);
     }
@@ -1097,6 +1110,7 @@ std::vector<std::filesystem::path> shipped_scene_files() {
             files.push_back(entry.path());
         }
     }
+    files.emplace_back(PTBENCH_SOURCE_DIR "/scenes/meshes/icosphere_room.json");  // the smallest of its kind
     return files;
 }
 
@@ -1132,6 +1146,8 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
     axes["sampler"] = {"pcg4d"};
     axes["precision"] = {"float", "double"};
     axes["robustness"] = {"robust"};
+    axes["accelerator"] = {"brute_force"};
+    axes["builder"] = {"sah_binned"};
     for (const Variant& variant : expand(axes, Backend::cpu, {{"jitters", {16, 2}}})) {
         if (!why_not_applicable(variant, features).empty()) {
             continue;

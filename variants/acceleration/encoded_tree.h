@@ -2,7 +2,7 @@
 // serve host and device.
 #pragma once
 
-#include "kernels/math.h"
+#include "kernels/mesh_view.h"
 
 #include <cstdint>
 
@@ -14,28 +14,6 @@
 
 namespace pt {
 
-// What a traversal reads: nodes in the accelerator's format, aligned to 16 bytes, the root first. Empty: node_count 0.
-struct TreeView {
-    const void* nodes = nullptr;
-    std::uint32_t node_count = 0;
-};
-
-// What a traversal counts of one ray, or not at all.
-struct NoTraversalCounter {
-    PT_HD void node() {}
-    PT_HD void boxes(std::uint32_t) {}
-    PT_HD void primitives(std::uint32_t) {}
-};
-struct TraversalCounter {
-    std::uint64_t nodes_visited = 0;
-    std::uint64_t boxes_tested = 0;
-    std::uint64_t primitives_tested = 0;
-
-    PT_HD void node() { ++nodes_visited; }
-    PT_HD void boxes(std::uint32_t count) { boxes_tested += count; }
-    PT_HD void primitives(std::uint32_t count) { primitives_tested += count; }
-};
-
 #if !defined(__CUDACC_RTC__)
 struct alignas(16) NodePiece {
     std::uint32_t word[4];
@@ -46,7 +24,13 @@ struct EncodedTree {
     std::uint32_t node_count = 0;
     std::vector<std::uint32_t> references;  // the primitive in each slot; leaves are ranges of slots
 
-    TreeView view() const { return {nodes.data(), node_count}; }
+    TreeView view() const {
+        return {nodes.data(), node_count, static_cast<std::uint32_t>(references.size()), node_bytes()};
+    }
+    // Of one node.
+    std::uint32_t node_bytes() const {
+        return node_count == 0 ? 0 : static_cast<std::uint32_t>(nodes.size() * sizeof(NodePiece) / node_count);
+    }
 };
 #endif
 

@@ -1,6 +1,8 @@
 #include "variants/accelerator/bvh2.h"
 
 #include "variants/acceleration/encoding.h"
+#include "variants/acceleration/reasons.h"
+#include "variants/registry.h"
 
 namespace pt::accelerator::bvh2 {
 
@@ -56,5 +58,20 @@ EncodedTree encode(const BinaryTree& tree) {
     }
     return encoded(nodes, tree.references);
 }
+
+namespace {
+
+const Registration registration(
+    {
+        .axis = "accelerator",
+        .name = "bvh2",
+        .summary = "binary tree, 64-byte nodes with both children's boxes",
+        .origin = "Aila and Laine 2009",
+        .backends = on_every_backend,
+        .unsupported_reason = needs_meshes,
+    },
+    {.accelerator = accelerator_hook<Traversal>(encode)});
+
+}  // namespace
 
 }  // namespace pt::accelerator::bvh2

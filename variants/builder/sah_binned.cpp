@@ -5,8 +5,10 @@
 
 #include "variants/acceleration/box.h"
 #include "variants/acceleration/depth.h"
+#include "variants/acceleration/reasons.h"
 #include "variants/builder/node_slots.h"
 #include "variants/builder/primitive_count.h"
+#include "variants/registry.h"
 
 namespace pt::builder::sah_binned {
 
@@ -199,5 +201,20 @@ BinaryTree build(const PrimitiveBoxes& boxes, std::uint32_t leaf_size, const Sah
     require_primitive_count(boxes.size());
     return boxes.empty() ? BinaryTree{} : Builder(boxes, leaf_size, costs).build();
 }
+
+namespace {
+
+const Registration registration(
+    {
+        .axis = "builder",
+        .name = "sah_binned",
+        .summary = "top down, the best of 16 planes an axis by the surface area heuristic",
+        .origin = "Wald 2007",
+        .baseline = on_every_backend,
+        .backends = on_every_backend,
+    },
+    {.builder = {[](const PrimitiveBoxes& boxes, std::span<const Triangle<float>>) { return build(boxes); }}});
+
+}  // namespace
 
 }  // namespace pt::builder::sah_binned

@@ -77,7 +77,7 @@ struct Paths {
         return {origin[l],   direction[l], throughput[l],
                 radiance[l], time[l],      pixel[l],
                 sample[l],   segment[l],   SurfaceId{origin_surface[l]},
-                medium[l],   bsdf_pdf[l]};
+                medium[l],   bsdf_pdf[l],  0u};
     }
     void store(std::uint32_t l, const Path<Real>& path) {
         origin.set(l, path.origin);

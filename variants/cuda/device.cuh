@@ -1,6 +1,6 @@
 // What every kernel that NVRTC compiles starts from: the types of the variant, and adding up over a block.
 // The program's text (program_text in variants/cuda/module.cpp) begins with what the host has chosen: Real,
-// kernel_config, the layout (Paths), where the scene's arrays lie; and goes on with the sort key.
+// kernel_config, the layout (Paths), the accelerator, where the scene's arrays lie; and goes on with the sort key.
 #pragma once
 
 #include "variants/cuda/kernel_config.h"
@@ -20,10 +20,11 @@
 // With blocks of any size, and as many registers as that leaves.
 #define PT_UNBOUNDED_KERNEL(...) PT_KERNEL_WITH(, __VA_ARGS__)
 
-using Configuration = pt::Config<Real, kernel_config.features>;
+using Configuration = pt::Config<Real, kernel_config.features, Accelerator>;
 using Scene = pt::SceneView<Real>;
 using Path = pt::Path<Real>;
 using Hit = pt::Hit<Real>;
+using StoredHit = pt::StoredHit<Real>;
 using HitCache = pt::cuda::HitCache<Real>;
 using pt::FilmView;
 using pt::PathCounters;
@@ -204,7 +205,7 @@ __device__ inline Hit trace(const SceneViews& scene, const Path& path) {
 
 __device__ inline Hit first_hit(const SceneViews& scene, const Path& path, const HitCache& cache) {
     if (kernel_config.keeps_first_hits) {
-        return cache.hits[static_cast<std::size_t>(path.pixel) * cache.rays + path.sample % cache.rays];
+        return cache.load<Configuration>(cache.index(path.pixel, path.sample));
     }
     return trace(scene, path);
 }

@@ -14,7 +14,7 @@ PT_UNBOUNDED_KERNEL(fill_cache, pt::cuda::FillCacheParameters<Real>,
         for (std::uint32_t i = 0; i < samples; ++i) {
             const std::uint32_t ray = (first_sample + i) % cache.rays;
             const Path path = pt::generate<Configuration>(scene.shade, pixel, ray, ray);
-            cache.hits[static_cast<std::size_t>(pixel) * cache.rays + ray] = trace(scene, path);
+            cache.store<Configuration>(cache.index(pixel, ray), trace(scene, path));
             fills += 1;
         }
     }

@@ -150,11 +150,13 @@ std::string program_text(const ModuleRequest& request) {
     text += fmt::format(
         "#include \"variants/layout/{0}.cuh\"\n"
         "using Paths = pt::layout::{0}::DevicePaths<Real>;\n"
+        "#include \"variants/accelerator/{3}.h\"\n"
+        "using Accelerator = pt::accelerator::{3}::Traversal;\n"
         "#include \"variants/cuda/scene_{2}.cuh\"\n"
         "#include \"variants/cuda/device.cuh\"\n"
         "#include \"variants/sort_key/{1}.cuh\"\n"
         "namespace sort_key = pt::sort_key::{1};\n",
-        request.layout, request.sort_key, request.scene);
+        request.layout, request.sort_key, request.scene, request.accelerator);
     if (request.config.keeps_first_hits) {
         text += "#include \"variants/cuda/fill_cache.cuh\"\n";
     }

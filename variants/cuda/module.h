@@ -18,6 +18,7 @@ struct ModuleRequest {
     std::string real = "float";
     std::string layout = "aos";
     std::string sort_key = "material";
+    std::string accelerator = "brute_force";
     std::string scene = "in_global";  // where its arrays lie: variants/cuda/scene_*.cuh
     KernelConfig config = {};
     std::vector<KernelConstant> constants = {};  // of the integrator: tuned::NAME

@@ -4,9 +4,16 @@
 
 namespace pt::cuda {
 
+// Meshes stay where the parameter says: their arrays have addresses.
+template <class T>
+__device__ inline void bake_array(View<T>& view, const unsigned* words) {
+    view.data = reinterpret_cast<const T*>(words);
+}
+__device__ inline void bake_array(View<MeshInstance<Real>>&, const unsigned*) {}
+
 template <class Scene>
 __device__ inline void bake(Scene& scene) {
-#define PT_BAKE(name, kind, word) scene.name.data = reinterpret_cast<decltype(scene.name.data)>(baked::name);
+#define PT_BAKE(name, kind, word) bake_array(scene.name, baked::name);
 #define PT_BAKE_ALL(name, kind, word) \
     scene.name = {reinterpret_cast<decltype(scene.name.data)>(baked::name), baked::word##_count};
     PT_OBJECT_ARRAYS(PT_BAKE)

@@ -16,7 +16,7 @@ namespace pt::cuda {
 struct Queue {
     PathStore paths;
     PathStore spare;                       // as large as `paths`, for choices that move the payload elsewhere
-    void* hits = nullptr;                  // Hit<Real> by slot, valid between intersect and shade
+    void* hits = nullptr;                  // StoredHit<Real> by slot, valid between intersect and shade
     std::uint32_t* order = nullptr;        // capacity entries
     std::uint32_t* order_spare = nullptr;  // capacity entries
     std::uint32_t* keys = nullptr;         // capacity entries, by position in play; written before a sort only

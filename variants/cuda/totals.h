@@ -45,8 +45,25 @@ struct SegmentNumber {
 // Kept first hits: `rays` camera rays a pixel, of which sample s uses number s % rays. Null hits: no cache.
 template <class Real>
 struct HitCache {
-    Hit<Real>* hits = nullptr;
+    StoredHit<Real>* hits = nullptr;
+    std::uint32_t* primitives = nullptr;  // null: kernels without meshes
     std::uint32_t rays = 0;
+
+    PT_HD std::size_t index(std::uint32_t pixel, std::uint32_t sample) const {
+        return static_cast<std::size_t>(pixel) * rays + sample % rays;
+    }
+    template <class Config>
+    PT_HD Hit<Real> load(std::size_t i) const {
+        const StoredHit<Real> hit = hits[i];
+        return {hit.t, hit.side, has<Config>(Feature::mesh) ? primitives[i] : 0u};
+    }
+    template <class Config>
+    PT_HD void store(std::size_t i, const Hit<Real>& hit) const {
+        hits[i] = {hit.t, hit.side};
+        if constexpr (has<Config>(Feature::mesh)) {
+            primitives[i] = hit.primitive;
+        }
+    }
 };
 
 }  // namespace pt::cuda

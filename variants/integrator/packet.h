@@ -8,12 +8,13 @@
 #include <iterator>
 #include <numeric>
 
+#include "variants/acceleration/reasons.h"
 #include "variants/cpu/lanes_shade.h"
 #include "variants/integrator/depth_first.h"
 
 namespace pt::integrator::packet {
 
-inline Reason unsupported_reason(FeatureSet, const VariantTraits& variant) {
+inline Reason unsupported_reason(FeatureSet scene, const VariantTraits& variant) {
     if (Reason reason = needs_no_queue(variant, "keeps its paths in lanes"); !reason.empty()) {
         return reason;
     }
@@ -21,7 +22,7 @@ inline Reason unsupported_reason(FeatureSet, const VariantTraits& variant) {
         return {"no_first_hits",
                 "keeps no first hits: needs first_bounce=off, not " + std::string(variant.first_bounce.name)};
     }
-    return {};
+    return meets_no_mesh(scene);
 }
 
 inline constexpr Descriptor descriptor{

@@ -21,7 +21,7 @@ template <class Real>
 class StagedWavefront final : public Wavefront {
 public:
     StagedWavefront(JobOf<Real>& job, IntegratorNeeds&& needs)
-        : Wavefront(job, std::move(needs), sizeof(Real), sizeof(Hit<Real>)), job_(job) {}
+        : Wavefront(job, std::move(needs), sizeof(Real), sizeof(StoredHit<Real>)), job_(job) {}
 
     static std::vector<KernelSignature> kernels() {
         return {kernel_of<GeneratePathsParameters<Real>>(), kernel_of<IntersectPathsParameters<Real>>(),
@@ -68,7 +68,7 @@ private:
     }
 
     const SortKeyTraits& sort_key() const { return needs().traits.sort_key; }
-    Hit<Real>* hits() const { return static_cast<Hit<Real>*>(queue_.hits); }
+    StoredHit<Real>* hits() const { return static_cast<StoredHit<Real>*>(queue_.hits); }
 
     // One material more than the scene has: "missed".
     std::uint32_t last_key() const { return (sort_key().has_material ? job_.materials + 1 : 1) << sort_key().bits; }

@@ -32,7 +32,7 @@ PT_KERNEL(generate_paths, pt::cuda::GeneratePathsParameters<Real>,
 // have the last one.
 PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
           (Scene parameter, PathStore store, const std::uint32_t* order, const std::uint32_t* count,
-           std::uint32_t bound, Hit* hits, HitCache cache, SegmentNumber segment, SegmentCounts segments,
+           std::uint32_t bound, StoredHit* hits, HitCache cache, SegmentNumber segment, SegmentCounts segments,
            std::uint32_t* keys, std::uint32_t bits, std::uint32_t last_key, pt::cuda::KeyBounds bounds)) {
     const SceneViews scene(parameter);
     const Paths paths(store);
@@ -43,15 +43,20 @@ PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
         const std::uint32_t slot = slot_at(order, i);
         if (paths.alive(slot)) {
             live = true;
-            const pt::Ray<Real> ray = paths.ray(slot);
+            pt::Ray<Real> ray = paths.ray(slot);
             Hit hit;
             if (kernel_config.keeps_first_hits && segment == 0) {
-                hit = cache.hits[static_cast<std::size_t>(paths.pixel(slot)) * cache.rays +
-                                 paths.sample(slot) % cache.rays];
+                hit = cache.load<Configuration>(cache.index(paths.pixel(slot), paths.sample(slot)));
             } else {
+                if constexpr (carried_fields.primitive) {
+                    ray.primitive = paths.primitive(slot);
+                }
                 hit = pt::closest_hit<Configuration>(scene.trace, ray);
             }
-            hits[slot] = hit;
+            hits[slot] = {hit.t, hit.side};
+            if constexpr (carried_fields.primitive) {
+                paths.primitive(slot) = hit.primitive;
+            }
             if (keys != nullptr) {
                 const std::uint32_t material =
                     hit.side.exists() ? scene.shade.object_material[hit.side.object()] : scene.shade.materials.size;
@@ -83,7 +88,7 @@ PT_KERNEL(write_ray_keys, pt::cuda::WriteRayKeysParameters,
 
 PT_KERNEL(shade_paths, pt::cuda::ShadePathsParameters<Real>,
           (Scene parameter, FilmView film, PathStore store, const std::uint32_t* order, const std::uint32_t* count,
-           const Hit* hits, Totals* totals)) {
+           const StoredHit* hits, Totals* totals)) {
     const SceneViews scene(parameter);
     const Paths paths(store);
     PathCounters counters;
@@ -97,7 +102,8 @@ PT_KERNEL(shade_paths, pt::cuda::ShadePathsParameters<Real>,
             if (contains(pt::sampler_of<Configuration>(scene.shade.seed), pt::Feature::minstd)) {
                 path.pixel = i;
             }
-            const bool alive = shade(scene, path, hits[slot], counters);
+            const StoredHit stored = hits[slot];
+            const bool alive = shade(scene, path, Hit{stored.t, stored.side, path.primitive}, counters);
             path.pixel = pixel;
             if (alive) {
                 paths.update<carried_fields>(slot, path);

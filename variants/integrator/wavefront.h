@@ -90,7 +90,11 @@ private:
                     queue_.hits[slot] = job_.cache->hits[job_.cache->index(paths_.pixel(slot), sample)];
                     continue;
                 }
-                queue_.hits[slot] = closest_hit<Config>(job_.scene, paths_.ray(slot));
+                Ray<float> ray = paths_.ray(slot);
+                if constexpr (has<Config>(Feature::mesh)) {
+                    ray.primitive = paths_.primitive(slot);
+                }
+                queue_.hits[slot] = closest_hit<Config>(job_.scene, ray);
                 if (use_cache) {
                     job_.cache->hits[job_.cache->index(paths_.pixel(slot), sample)] = queue_.hits[slot];
                 }

@@ -31,7 +31,7 @@ struct IntersectPathsParameters {
     const std::uint32_t* order;  // null: slot i at position i
     const std::uint32_t* count;
     std::uint32_t bound;
-    Hit<Real>* hits;
+    StoredHit<Real>* hits;
     HitCache<Real> cache;
     SegmentNumber segment;
     SegmentCounts segments;
@@ -61,7 +61,7 @@ struct ShadePathsParameters {
     PathStore store;
     const std::uint32_t* order;
     const std::uint32_t* count;
-    const Hit<Real>* hits;
+    const StoredHit<Real>* hits;
     Totals* totals;
 };
 

@@ -11,14 +11,14 @@ struct alignas(16) Piece {
     std::uint32_t x, y, z, w;
 };
 
-// A path padded to whole 16-byte pieces: a lane reads it in five accesses, and Thrust moves it in five.
+// A path in whole 16-byte pieces: a lane reads it in five accesses, and Thrust moves it in five.
 template <class Real>
 struct alignas(16) Record {
+    static_assert(sizeof(Path<Real>) % 16 == 0);
     Path<Real> path;
-    std::uint32_t padding[(16 - sizeof(Path<Real>) % 16) / 4];
 
     Record() = default;
-    PT_HD Record(const Path<Real>& p) : path(p), padding{} {}  // NOLINT: algorithms move either
+    PT_HD Record(const Path<Real>& p) : path(p) {}             // NOLINT: algorithms move either
     PT_HD operator const Path<Real>&() const { return path; }  // NOLINT
 };
 
@@ -55,6 +55,7 @@ struct DevicePaths {
     PT_HD bool alive(std::uint32_t slot) const { return at(slot).segment != Path<Real>::ended; }
     PT_HD std::uint32_t pixel(std::uint32_t slot) const { return at(slot).pixel; }
     PT_HD std::uint32_t sample(std::uint32_t slot) const { return at(slot).sample; }
+    PT_HD std::uint32_t& primitive(std::uint32_t slot) const { return at(slot).primitive; }
     PT_HD Ray<Real> ray(std::uint32_t slot) const { return ray_of(load(slot)); }
 
     // A record is the whole path, whatever the scene: as in cis565.

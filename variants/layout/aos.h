@@ -29,6 +29,7 @@ public:
     void store(std::size_t slot, const Path<Real>& path) { paths_[slot] = path; }
     bool alive(std::size_t slot) const { return paths_[slot].alive(); }
     std::uint32_t pixel(std::size_t slot) const { return paths_[slot].pixel; }
+    std::uint32_t primitive(std::size_t slot) const { return paths_[slot].primitive; }
     Ray<Real> ray(std::size_t slot) const { return ray_of(paths_[slot]); }
     // A random-access iterator over Path<Real> values for Thrust.
     Path<Real>* begin() { return paths_.data(); }

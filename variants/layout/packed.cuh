@@ -97,6 +97,9 @@ struct DevicePaths {
     PT_HD bool alive(std::uint32_t slot) const { return column(2)[slot].w != Path<Real>::ended; }
     PT_HD std::uint32_t pixel(std::uint32_t slot) const { return keys()[slot].pixel; }
     PT_HD std::uint32_t sample(std::uint32_t slot) const { return keys()[slot].sample; }
+    PT_HD std::uint32_t& primitive(std::uint32_t slot) const {
+        return own<PathField::primitive>(&Path<Real>::primitive)[slot];
+    }
     PT_HD Ray<Real> ray(std::uint32_t slot) const {
         const Column a = column(0)[slot], b = column(1)[slot];
         return {{a.x, a.y, a.z}, {b.x, b.y, b.z}, bits_to_float(a.w), SurfaceId{b.w}};

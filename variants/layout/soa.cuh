@@ -78,6 +78,7 @@ struct DevicePaths {
     PT_HD bool alive(std::uint32_t slot) const { return scalars<PathField::segment>()[slot] != Path<Real>::ended; }
     PT_HD std::uint32_t pixel(std::uint32_t slot) const { return scalars<PathField::pixel>()[slot]; }
     PT_HD std::uint32_t sample(std::uint32_t slot) const { return scalars<PathField::sample>()[slot]; }
+    PT_HD std::uint32_t& primitive(std::uint32_t slot) const { return scalars<PathField::primitive>()[slot]; }
     PT_HD Ray<Real> ray(std::uint32_t slot) const {
         Ray<Real> ray;
         load_vector<PathField::origin>(slot, ray.origin);

@@ -161,6 +161,7 @@ public:
     void store(std::size_t slot, const Path<Real>& path) { columns_.store(slot, path); }
     bool alive(std::size_t slot) const { return word<PathField::segment>(slot) != Path<Real>::ended; }
     std::uint32_t pixel(std::size_t slot) const { return word<PathField::pixel>(slot); }
+    std::uint32_t primitive(std::size_t slot) const { return word<PathField::primitive>(slot); }
     Ray<Real> ray(std::size_t slot) const {
         Ray<Real> ray;
         columns_.template load_vector<PathField::origin>(slot, ray.origin);

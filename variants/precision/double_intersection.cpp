@@ -1,18 +1,19 @@
 // Single precision, but for intersection and the points that it gives (kernels/widen.h). On the CPU for the plainest
 // kernel only.
+#include "variants/acceleration/reasons.h"
 #include "variants/precision/kernels_in_double.h"
 
 namespace pt {
 namespace {
 
-Reason unsupported_reason(FeatureSet, const VariantTraits& variant) {
+Reason unsupported_reason(FeatureSet scene, const VariantTraits& variant) {
     if (variant.specialisation.by_matrix) {
         return {"two_intersections", "has its own intersection: needs another specialisation than matrix"};
     }
     if (!variant.sampler.is_in_every_kernel) {
         return {"needs_plain_sampler", "is compiled with sampler=pcg4d only"};
     }
-    return {};
+    return meets_no_mesh(scene);
 }
 
 Reason does_not_apply_on_the_cpu(FeatureSet scene, const VariantTraits& variant) {

@@ -1,11 +1,12 @@
 // The textbook's forms (kernels/naive.h), to measure what the robust ones cost and what they are worth. For the
 // plainest integrators: a film that sums single precision depends on the order of the samples, and these keep it.
+#include "variants/acceleration/reasons.h"
 #include "variants/registry.h"
 
 namespace pt {
 namespace {
 
-Reason unsupported_reason(FeatureSet, const VariantTraits& variant) {
+Reason unsupported_reason(FeatureSet scene, const VariantTraits& variant) {
     if (!variant.integrator.sums_in_order) {
         return {"needs_samples_in_order",
                 "sums a pixel's samples in their order: needs integrator=depth_first, megakernel or audited, not " +
@@ -21,7 +22,7 @@ Reason unsupported_reason(FeatureSet, const VariantTraits& variant) {
     if (!variant.sampler.is_in_every_kernel) {
         return {"needs_plain_sampler", "is compiled with sampler=pcg4d only"};
     }
-    return {};
+    return meets_no_mesh(scene);
 }
 
 const Registration registration(

@@ -13,33 +13,34 @@ namespace pt::cuda {
 namespace {
 
 // What is moved. Without padding (a zip of the padded record and a hit has some): moving bytes that nobody wrote costs
-// time, and is what compute-sanitizer's initcheck looks for. So the path goes without its last word, which only
-// next-event estimation uses: five pieces of 16 bytes in all.
+// time, and is what compute-sanitizer's initcheck looks for. So the path goes without its last two words, which only
+// next-event estimation and meshes use: five pieces of 16 bytes in all.
 struct PathWords {
     std::uint32_t word[offsetof(Path<float>, bsdf_pdf) / sizeof(std::uint32_t)];
 };
 struct alignas(16) PathAndHit {
     PathWords path;
-    Hit<float> hit;
+    StoredHit<float> hit;
 };
-static_assert(sizeof(PathAndHit) == 80 && sizeof(Path<float>) == sizeof(PathWords) + sizeof(float));
+static_assert(sizeof(PathAndHit) == 80 && sizeof(Path<float>) == sizeof(PathWords) + 8);
 
 template <class Paths>
 struct PathAndHitSlots {
     Paths paths;
-    Hit<float>* hits;
+    StoredHit<float>* hits;
 
     PT_HD explicit PathAndHitSlots(const PathStore& store, void* hit_store = nullptr)
-        : paths(store), hits(static_cast<Hit<float>*>(hit_store)) {}
+        : paths(store), hits(static_cast<StoredHit<float>*>(hit_store)) {}
     struct Split {
         PathWords words;
         float bsdf_pdf;
+        std::uint32_t primitive;
     };
     PT_HD PathAndHit load(std::uint32_t slot) const {
         return {__builtin_bit_cast(Split, paths.load(slot)).words, hits[slot]};
     }
     PT_HD void store(std::uint32_t slot, const PathAndHit& value) const {
-        paths.store(slot, __builtin_bit_cast(Path<float>, Split{value.path, 0.0f}));
+        paths.store(slot, __builtin_bit_cast(Path<float>, Split{value.path, 0.0f, 0u}));
         hits[slot] = value.hit;
     }
 };
@@ -78,6 +79,10 @@ Reason unsupported_reason(FeatureSet features, const VariantTraits& variant) {
     if (variant.direct_light.connects_every_vertex) {
         return {"no_room_for_density", "moves the paths of cis565, which have no room for what direct_light=" +
                                            std::string(variant.direct_light.name) + " remembers"};
+    }
+    if (contains(features, Feature::mesh)) {
+        return {"no_room_for_primitive",
+                "moves the paths of cis565, which have no room for the triangle of a mesh that a ray starts on"};
     }
     return needs_single_precision(features, variant);
 }

@@ -1,5 +1,6 @@
 // Every object by its 4x4 matrix, one loop over all of them, every branch compiled in: what cis565 does, and the price
 // that classifying objects at load saves.
+#include "variants/acceleration/reasons.h"
 #include "variants/registry.h"
 
 namespace pt {
@@ -26,7 +27,7 @@ const Registration registration(
             if (!contains(scene, Feature::jitter)) {
                 return {"needs_jitter", "needs jitter: an unjittered camera ray may meet an edge exactly"};
             }
-            return {};
+            return meets_no_mesh(scene);
         },
     },
     {.specialisation = [](const KernelOffer&, const Variant&, Backend) { return all_features | Feature::matrix; }});

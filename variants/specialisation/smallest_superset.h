@@ -12,10 +12,10 @@ inline constexpr Tunable feature_tunables[] = {
      "1: a ray in a room of axis-aligned walls meets the planes of its sides, not every wall's slabs"},
 };
 
-// Every feature of scenes and estimators; of formulas only those that the variant asks for, and the fewest samplers
-// that serve it, since neither depends on the scene.
+// Every feature of scenes and estimators, meshes only where the scene has one; of formulas only those that the variant
+// asks for, and the fewest samplers that serve it, since neither depends on the scene.
 inline FeatureSet every_feature(const KernelOffer& offer) {
-    FeatureSet best = all_features | samplers | (offer.needed & formulas);
+    FeatureSet best = all_features | samplers | (offer.needed & (formulas | traversals));
     for (const FeatureSet candidate : offer.compiled) {
         const bool fits = is_superset(candidate, all_features | offer.needed) && is_superset(best, candidate);
         best = fits ? candidate : best;
@@ -29,8 +29,9 @@ inline FeatureSet smallest_superset(const KernelOffer& offer, const Variant& var
     FeatureSet best = every_feature(offer);
     const auto surplus = [](FeatureSet set) { return std::popcount(set & (all_features | samplers)); };
     for (const FeatureSet candidate : offer.compiled) {
-        const bool fits = is_superset(candidate, offer.needed) &&
-                          is_superset(all_features | samplers | allowed | (offer.needed & formulas), candidate);
+        const bool fits =
+            is_superset(candidate, offer.needed) &&
+            is_superset(all_features | samplers | allowed | (offer.needed & (formulas | traversals)), candidate);
         if (fits && (surplus(candidate) < surplus(best) ||
                      (surplus(candidate) == surplus(best) && std::popcount(candidate) > std::popcount(best)))) {
             best = candidate;

@@ -1,0 +1,155 @@
+#include "harness/scene/mesh_geometry.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <list>
+#include <string>
+
+#include "variants/registry.h"
+
+namespace pt {
+
+namespace {
+
+// Of everything kept together; what was used longest ago goes first.
+constexpr std::size_t most_kept_bytes = std::size_t{6} << 30;
+
+// Kept by a key that says everything that it was made from.
+template <class T>
+class Keeper {
+public:
+    template <class Make>
+    std::shared_ptr<const T> get(const std::string& key, const Make& make) {
+        for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
+            if (entry->key == key) {
+                entries_.splice(entries_.begin(), entries_, entry);
+                return entry->value;
+            }
+        }
+        auto value = std::make_shared<T>(make());
+        entries_.push_front({key, value, bytes_of(*value)});
+        bytes_ += entries_.front().bytes;
+        while (bytes_ > most_kept_bytes && entries_.size() > 1) {
+            bytes_ -= entries_.back().bytes;
+            entries_.pop_back();
+        }
+        return value;
+    }
+
+private:
+    struct Entry {
+        std::string key;
+        std::shared_ptr<const T> value;
+        std::size_t bytes;
+    };
+    static std::size_t bytes_of(const PlacedMesh& placed) {
+        return placed.triangles.size() * (sizeof(Triangle<float>) + sizeof(float));
+    }
+    static std::size_t bytes_of(const MeshTree& tree) { return tree.bytes; }
+
+    std::list<Entry> entries_;
+    std::size_t bytes_ = 0;
+};
+
+double area_of(const Triangle<float>& t) {
+    const Vec3d a(t.a);
+    const Vec3d normal = cross(Vec3d(t.b) - a, Vec3d(t.c) - a);
+    return 0.5 * std::sqrt(dot(normal, normal));
+}
+
+PlacedMesh place(const SceneMesh& mesh, const Placement* placement) {
+    PlacedMesh placed;
+    placed.triangles = placement != nullptr ? placed_triangles(mesh, *placement) : mesh.triangles;
+    placed.cumulative_area.reserve(placed.triangles.size());
+    for (const Triangle<float>& t : placed.triangles) {
+        placed.area += area_of(t);
+        placed.cumulative_area.push_back(static_cast<float>(placed.area));
+        const Box box = box_round(t);
+        for (int axis = 0; axis < 3; ++axis) {
+            placed.bounds.low[axis] = std::min(placed.bounds.low[axis], box.low[axis]);
+            placed.bounds.high[axis] = std::max(placed.bounds.high[axis], box.high[axis]);
+        }
+    }
+    return placed;
+}
+
+LeafTriangle leaf_of(const Triangle<float>& t, std::uint32_t primitive) {
+    return {{t.a.x, t.a.y, t.a.z}, primitive, {t.b.x, t.b.y, t.b.z}, 0, {t.c.x, t.c.y, t.c.z}, 0};
+}
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+MeshTree plant(const PlacedMesh& placed, const Acceleration& acceleration) {
+    MeshTree tree;
+    const std::vector<Triangle<float>>& triangles = placed.triangles;
+    if (acceleration.accelerator_hook.encode == nullptr) {
+        for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+            tree.leaves.push_back(leaf_of(triangles[i], i));
+        }
+    } else {
+        PrimitiveBoxes boxes(triangles.size());
+        std::transform(triangles.begin(), triangles.end(), boxes.begin(),
+                       [](const Triangle<float>& t) { return box_round(t); });
+        auto start = std::chrono::steady_clock::now();
+        const BinaryTree binary = acceleration.builder_hook.build(boxes, triangles);
+        tree.build_ms = milliseconds_since(start);
+        start = std::chrono::steady_clock::now();
+        tree.encoded = acceleration.accelerator_hook.encode(binary);
+        tree.encode_ms = milliseconds_since(start);
+        for (const std::uint32_t primitive : tree.encoded.references) {
+            tree.leaves.push_back(leaf_of(triangles[primitive], primitive));
+        }
+    }
+    tree.bytes = tree.leaves.size() * sizeof(LeafTriangle) + tree.encoded.nodes.size() * sizeof(NodePiece);
+    return tree;
+}
+
+std::string key_of(const SceneMesh& mesh, const Placement* placement) {
+    std::string key = mesh.hash + std::to_string(mesh.triangles.size());
+    if (placement != nullptr) {
+        for (const Vec3d& v :
+             {placement->centre, placement->column[0], placement->column[1], placement->column[2], placement->scale}) {
+            key.append(reinterpret_cast<const char*>(&v), sizeof v);
+        }
+    }
+    return key;
+}
+
+}  // namespace
+
+Acceleration Acceleration::of(const Variant& variant, Backend backend) {
+    const Registry& registry = Registry::instance();
+    return {variant["accelerator"], variant["builder"], registry.at("accelerator", variant, backend).hook.accelerator,
+            registry.at("builder", variant, backend).hook.builder};
+}
+
+Acceleration Acceleration::none() { return {"brute_force", "", pt::accelerator_hook<BruteForce>(nullptr), {}}; }
+
+MeshView MeshGeometry::view() const {
+    MeshView view;
+    view.leaves = tree->leaves.data();
+    view.triangles = placed->triangles.data();
+    view.cumulative_area = placed->cumulative_area.data();
+    view.tree = tree->encoded.view();
+    view.tree.slot_count = static_cast<std::uint32_t>(tree->leaves.size());
+    view.triangle_count = static_cast<std::uint32_t>(placed->triangles.size());
+    return view;
+}
+
+MeshGeometry geometry_of(const std::shared_ptr<const SceneMesh>& mesh, const Placement* placement,
+                         const Acceleration& acceleration) {
+    static Keeper<PlacedMesh> placed_meshes;
+    static Keeper<MeshTree> trees;
+    const std::string key = key_of(*mesh, placement);
+    MeshGeometry geometry;
+    geometry.placed = placed_meshes.get(key, [&] { return place(*mesh, placement); });
+    geometry.tree = trees.get(key + " " + acceleration.accelerator + " " + acceleration.builder,
+                              [&] { return plant(*geometry.placed, acceleration); });
+    return geometry;
+}
+
+}  // namespace pt

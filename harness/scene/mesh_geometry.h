@@ -1,0 +1,52 @@
+// What kernels read of a mesh: its triangles where they stand, and the tree of an accelerator over them. Both are made
+// once and kept, as long as there is room: a study renders the same scene many times.
+#pragma once
+
+#include <memory>
+
+#include "harness/scene/scene_mesh.h"
+#include "variants/acceleration/hooks.h"
+#include "variants/descriptor.h"
+
+namespace pt {
+
+// Which tree: the hooks of the choices, and their names for what is kept.
+struct Acceleration {
+    std::string accelerator, builder;
+    AcceleratorHook accelerator_hook;
+    BuilderHook builder_hook;
+
+    // Those of a variant, and those of none: brute force.
+    static Acceleration of(const Variant& variant, Backend backend);
+    static Acceleration none();
+};
+
+// Triangles in one space: that of the scene, relative to the eye, or the mesh's own for objects that share it.
+struct PlacedMesh {
+    std::vector<Triangle<float>> triangles;
+    std::vector<float> cumulative_area;
+    double area = 0;
+    Box bounds;
+};
+
+struct MeshTree {
+    std::vector<LeafTriangle> leaves;
+    EncodedTree encoded;
+    double build_ms = 0;      // by the builder
+    double encode_ms = 0;     // into the accelerator's format
+    double sah_cost = 0;      // of the builder's tree; 0: there is none
+    std::uint64_t bytes = 0;  // of nodes and leaves
+};
+
+struct MeshGeometry {
+    std::shared_ptr<const PlacedMesh> placed;
+    std::shared_ptr<const MeshTree> tree;
+
+    MeshView view() const;
+};
+
+// `placement` null: in the mesh's own space.
+MeshGeometry geometry_of(const std::shared_ptr<const SceneMesh>& mesh, const Placement* placement,
+                         const Acceleration& acceleration);
+
+}  // namespace pt

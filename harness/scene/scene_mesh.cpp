@@ -1,0 +1,163 @@
+#include "harness/scene/scene_mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "harness/error.h"
+#include "harness/mesh/generate.h"
+#include "harness/mesh/read_mesh.h"
+
+namespace pt {
+
+namespace {
+
+using Corner = std::array<float, 3>;
+
+// From its least corner on, going round the same way.
+Triangle<float> from_least_corner(const Mesh& mesh, const std::array<std::uint32_t, 3>& indices) {
+    const Corner corners[3] = {mesh.vertices[indices[0]], mesh.vertices[indices[1]], mesh.vertices[indices[2]]};
+    const auto first = static_cast<std::size_t>(std::min_element(corners, corners + 3) - corners);
+    const auto corner = [&](std::size_t i) {
+        const Corner& c = corners[(first + i) % 3];
+        return Vec3<float>(c[0], c[1], c[2]);
+    };
+    return {corner(0), corner(1), corner(2)};
+}
+
+auto sort_key_of(const Triangle<float>& t) {
+    return std::make_tuple(t.a.x, t.a.y, t.a.z, t.b.x, t.b.y, t.b.z, t.c.x, t.c.y, t.c.z);
+}
+
+// Corners are one where their coordinates are, whatever their numbers in the file.
+bool is_closed(const std::vector<Triangle<float>>& triangles) {
+    using Edge = std::array<float, 6>;
+    std::vector<Edge> there, back;
+    const auto add = [&](const Vec3<float>& a, const Vec3<float>& b) {
+        // Of +0 and -0 the first: they are one place.
+        const auto zero = [](float x) { return x + 0.0f; };
+        there.push_back({zero(a.x), zero(a.y), zero(a.z), zero(b.x), zero(b.y), zero(b.z)});
+        back.push_back({zero(b.x), zero(b.y), zero(b.z), zero(a.x), zero(a.y), zero(a.z)});
+    };
+    for (const Triangle<float>& t : triangles) {
+        add(t.a, t.b);
+        add(t.b, t.c);
+        add(t.c, t.a);
+    }
+    std::sort(there.begin(), there.end());
+    std::sort(back.begin(), back.end());
+    return there == back;
+}
+
+// A closed mesh may have this many triangles where its sides are asked for: who is inside takes every one in turn.
+constexpr std::size_t most_triangles_with_sides = 1u << 24;
+
+}  // namespace
+
+std::shared_ptr<const SceneMesh> make_scene_mesh(const Mesh& mesh, const std::string& source) {
+    auto made = std::make_shared<SceneMesh>();
+    made->source = source;
+    made->degenerate_left_out = mesh.degenerate_left_out;
+    made->triangles.reserve(mesh.triangles.size());
+    for (const auto& indices : mesh.triangles) {
+        made->triangles.push_back(from_least_corner(mesh, indices));
+    }
+    std::sort(made->triangles.begin(), made->triangles.end(),
+              [](const Triangle<float>& a, const Triangle<float>& b) { return sort_key_of(a) < sort_key_of(b); });
+    made->is_closed = made->triangles.size() <= most_triangles_with_sides && is_closed(made->triangles);
+    for (const Triangle<float>& t : made->triangles) {
+        const Box box = box_round(t);
+        for (int axis = 0; axis < 3; ++axis) {
+            made->bounds.low[axis] = std::min(made->bounds.low[axis], box.low[axis]);
+            made->bounds.high[axis] = std::max(made->bounds.high[axis], box.high[axis]);
+        }
+    }
+    made->hash =
+        fmt::format("{:016x}", fnv1a(made->triangles.data(), made->triangles.size() * sizeof(Triangle<float>)));
+    return made;
+}
+
+std::shared_ptr<const SceneMesh> mesh_from_file(const std::filesystem::path& file) {
+    using Stamp = std::pair<std::filesystem::file_time_type, std::uintmax_t>;
+    static std::map<std::string, std::pair<Stamp, std::shared_ptr<const SceneMesh>>> known;
+    std::error_code error;
+    const Stamp stamp{std::filesystem::last_write_time(file, error), std::filesystem::file_size(file, error)};
+    auto& [known_stamp, mesh] = known[file.string()];
+    if (mesh == nullptr || error || known_stamp != stamp) {
+        mesh = make_scene_mesh(read_mesh(file), file.filename().string());
+        known_stamp = stamp;
+    }
+    return mesh;
+}
+
+std::shared_ptr<const SceneMesh> mesh_from_generator(const std::string& name, std::uint32_t size) {
+    static std::map<std::pair<std::string, std::uint32_t>, std::shared_ptr<const SceneMesh>> known;
+    auto& mesh = known[{name, size}];
+    if (mesh == nullptr) {
+        mesh = make_scene_mesh(generate_mesh(name, size), fmt::format("{} {}", name, size));
+    }
+    return mesh;
+}
+
+std::vector<Triangle<float>> placed_triangles(const SceneMesh& mesh, const Placement& placement) {
+    const Vec3d columns[3] = {placement.column[0] * placement.scale.x, placement.column[1] * placement.scale.y,
+                              placement.column[2] * placement.scale.z};
+    const auto placed = [&](const Vec3<float>& p) {
+        return Vec3<float>(placement.centre + columns[0] * double(p.x) + columns[1] * double(p.y) +
+                           columns[2] * double(p.z));
+    };
+    std::vector<Triangle<float>> triangles(mesh.triangles.size());
+    std::transform(mesh.triangles.begin(), mesh.triangles.end(), triangles.begin(), [&](const Triangle<float>& t) {
+        return Triangle<float>{placed(t.a), placed(t.b), placed(t.c)};
+    });
+    return triangles;
+}
+
+Box box_round(const Triangle<float>& t) {
+    Box box;
+    for (int axis = 0; axis < 3; ++axis) {
+        box.low[axis] = std::min({t.a[axis], t.b[axis], t.c[axis]});
+        box.high[axis] = std::max({t.a[axis], t.b[axis], t.c[axis]});
+    }
+    return box;
+}
+
+Box box_round(const SceneMesh& mesh, const Placement& placement) {
+    const Box& own = mesh.bounds;
+    Box box;
+    for (int axis = 0; axis < 3; ++axis) {
+        double low = placement.centre[axis], high = low;
+        for (int i = 0; i < 3; ++i) {
+            const double entry = placement.column[i][axis] * placement.scale[i];
+            low += std::min(entry * own.low[i], entry * own.high[i]);
+            high += std::max(entry * own.low[i], entry * own.high[i]);
+        }
+        constexpr float infinity = std::numeric_limits<float>::infinity();
+        box.low[axis] = std::nextafter(static_cast<float>(low), -infinity);
+        box.high[axis] = std::nextafter(static_cast<float>(high), infinity);
+    }
+    return box;
+}
+
+bool is_inside(const SceneMesh& mesh, const Vec3d& point) {
+    // A direction that is along no axis, so that few meshes have an edge on it; an edge counts for both its triangles,
+    // and is told by the sides that they are met from.
+    const auto sheared = ShearedDirection<double>::of({0.5773, 0.5141, 0.6343});
+    double nearest = std::numeric_limits<double>::infinity();
+    bool from_behind = false;
+    for (const Triangle<float>& t : mesh.triangles) {
+        const auto hit = intersect(Triangle<double>{Vec3d(t.a), Vec3d(t.b), Vec3d(t.c)}, point, sheared);
+        if (hit.hits && hit.t < nearest) {
+            nearest = hit.t;
+            from_behind = hit.from_behind;
+        }
+    }
+    return from_behind;
+}
+
+}  // namespace pt

@@ -1,0 +1,31 @@
+// Meshes as scenes show them: made or read once, in canonical order, placed where an object stands.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "harness/mesh/mesh.h"
+#include "harness/scene/scene.h"
+#include "variants/acceleration/binary_tree.h"
+
+namespace pt {
+
+// Canonical order, hash, and whether it is closed. `source`: for messages and results.
+std::shared_ptr<const SceneMesh> make_scene_mesh(const Mesh& mesh, const std::string& source);
+// The same, once for the whole process: files are read again only when their time or size has changed. Throws
+// InputError for a file or a size that is none.
+std::shared_ptr<const SceneMesh> mesh_from_file(const std::filesystem::path& file);
+std::shared_ptr<const SceneMesh> mesh_from_generator(const std::string& name, std::uint32_t size);
+
+// The triangles of a mesh where an object stands, relative to the eye: transformed in double, rounded once.
+std::vector<Triangle<float>> placed_triangles(const SceneMesh& mesh, const Placement& placement);
+
+// A box round a triangle: its coordinates are numbers of single precision, so it is exact.
+Box box_round(const Triangle<float>& triangle);
+// A box round all of them, as a placement moves it: rounded outward.
+Box box_round(const SceneMesh& mesh, const Placement& placement);
+
+// Whether a point lies inside a closed mesh, in the mesh's own space: by how often a ray from it crosses the mesh.
+bool is_inside(const SceneMesh& mesh, const Vec3d& point);
+
+}  // namespace pt

@@ -1,0 +1,72 @@
+// The geometry of a triangle mesh, as every object that shows it shares it, and how a ray is taken through it: by an
+// accelerator, which kernels get as a parameter (Config::Accelerator) and hand the leaves' test to.
+#pragma once
+
+#include "kernels/triangle.h"
+
+namespace pt {
+
+// What a traversal reads: nodes in the accelerator's format, aligned to 16 bytes, the root first. Empty: no nodes.
+struct TreeView {
+    const void* nodes = nullptr;
+    std::uint32_t node_count = 0;
+    std::uint32_t slot_count = 0;  // in the leaves together
+    std::uint32_t node_bytes = 0;  // of one
+};
+
+// What a traversal counts of one ray, or not at all.
+struct NoTraversalCounter {
+    PT_HD void node() {}
+    PT_HD void boxes(std::uint32_t) {}
+    PT_HD void primitives(std::uint32_t) {}
+};
+struct TraversalCounter {
+    std::uint64_t nodes_visited = 0;
+    std::uint64_t boxes_tested = 0;
+    std::uint64_t primitives_tested = 0;
+
+    PT_HD void node() { ++nodes_visited; }
+    PT_HD void boxes(std::uint32_t count) { boxes_tested += count; }
+    PT_HD void primitives(std::uint32_t count) { primitives_tested += count; }
+};
+
+// Every primitive in turn: the reference of all accelerators, and their concept. `traverse` calls leaf(first, count)
+// for ranges of slots; the leaf's test may lower `best_t`, beyond which nothing is looked for. What is met at best_t
+// itself must still be handed over: of equal distances the least primitive wins.
+struct BruteForce {
+    static constexpr bool is_chosen_at_run_time = false;
+
+    template <class Real, class Leaf, class Counter>
+    PT_HD static void traverse(const TreeView& tree, const Vec3<Real>&, const Vec3<Real>&, const Real&, Leaf&& leaf,
+                               Counter& counter) {
+        counter.primitives(tree.slot_count);
+        leaf(0u, tree.slot_count);
+    }
+};
+
+// On the host kernels are compiled once for all accelerators: the scene has a function of the chosen one
+// (SceneView::meet_mesh).
+struct RunTimeAccelerator {
+    static constexpr bool is_chosen_at_run_time = true;
+};
+
+// A triangle where a leaf finds it, with its number in the mesh: 48 bytes, three accesses.
+struct alignas(16) LeafTriangle {
+    float a[3];
+    std::uint32_t primitive;
+    float b[3];
+    std::uint32_t unused_b;
+    float c[3];
+    std::uint32_t unused_c;
+};
+
+// Coordinates are single precision numbers in both precisions: the mesh is the same one, met more exactly in double.
+struct MeshView {
+    const LeafTriangle* leaves = nullptr;        // by slot, in the order of the tree's leaves
+    const Triangle<float>* triangles = nullptr;  // by primitive
+    const float* cumulative_area = nullptr;      // by primitive: area up to and with it; only of emissive meshes
+    TreeView tree;
+    std::uint32_t triangle_count = 0;
+};
+
+}  // namespace pt

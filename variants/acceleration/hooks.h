@@ -1,0 +1,36 @@
+// What a choice of the axes `accelerator` and `builder` brings, as functions that the harness calls.
+#pragma once
+
+#include <span>
+
+#include "kernels/intersect.h"
+#include "variants/acceleration/encoded_tree.h"
+
+namespace pt {
+
+struct BuilderHook {
+    // `triangles`: those that the boxes are round, for builders that split them. The same tree on any number of cores.
+    BinaryTree (*build)(const PrimitiveBoxes& boxes, std::span<const Triangle<float>> triangles) = nullptr;
+};
+
+struct AcceleratorHook {
+    // In the accelerator's format; null: it needs no tree, and slots are primitives.
+    EncodedTree (*encode)(const BinaryTree& tree) = nullptr;
+    MeetMesh<float> meet_single = nullptr;
+    MeetMesh<double> meet_double = nullptr;
+};
+
+// A ray through a mesh on the host, by the traversal that kernels of a device have compiled in.
+template <class Traversal, class Real>
+void meet_mesh(Hit<Real>& best, const MeshInstance<Real>& mesh, std::uint32_t object, const Vec3<Real>& origin,
+               const Ray<Real>& ray) {
+    NoTraversalCounter counter;
+    closest_in_mesh<Traversal>(best, mesh, object, origin, ray, counter);
+}
+
+template <class Traversal>
+AcceleratorHook accelerator_hook(EncodedTree (*encode)(const BinaryTree& tree)) {
+    return {encode, &meet_mesh<Traversal, float>, &meet_mesh<Traversal, double>};
+}
+
+}  // namespace pt

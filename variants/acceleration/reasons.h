@@ -1,0 +1,30 @@
+// What the choices of the axes `accelerator` and `builder` ask of the scene and of each other.
+#pragma once
+
+#include "variants/descriptor.h"
+
+namespace pt {
+
+inline Reason needs_meshes(FeatureSet scene, const VariantTraits&) {
+    return contains(scene, Feature::mesh) ? Reason{}
+                                          : Reason{"needs_meshes", "has nothing to do: the scene has no mesh"};
+}
+
+// Of a choice that changes how shapes are met, and is compiled without the way through a tree.
+inline Reason meets_no_mesh(FeatureSet scene) {
+    return contains(scene, Feature::mesh)
+               ? Reason{"meets_no_mesh", "meets shapes in a way of its own that has none for meshes"}
+               : Reason{};
+}
+
+inline Reason needs_tree(FeatureSet scene, const VariantTraits& variant) {
+    if (Reason reason = needs_meshes(scene, variant); !reason.empty()) {
+        return reason;
+    }
+    return variant.accelerator.has_tree
+               ? Reason{}
+               : Reason{"needs_tree",
+                        "has nothing to do: accelerator=" + std::string(variant.accelerator.name) + " needs no tree"};
+}
+
+}  // namespace pt

@@ -1,0 +1,21 @@
+#include "variants/accelerator/brute_force.h"
+
+#include "variants/registry.h"
+
+namespace pt::accelerator::brute_force {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "accelerator",
+        .name = "brute_force",
+        .summary = "every triangle of every mesh in turn",
+        .origin = "the reference",
+        .baseline = on_every_backend,
+        .traits = AcceleratorTraits{.has_tree = false},
+        .backends = on_every_backend,
+    },
+    {.accelerator = accelerator_hook<Traversal>(nullptr)});
+
+}  // namespace
+}  // namespace pt::accelerator::brute_force
