@@ -1,9 +1,11 @@
 """Names of variants, from files of every age, and what all rows of a table share."""
 
+import re
+
 import pytest
 from conftest import ROOT
 
-from ptbench.io.names import axes_spelled_out, shown_name, tuned_in
+from ptbench.io.names import axes_spelled_out, shown_name, tuned_in, with_shown_names
 from ptbench.io.results import load
 from ptbench.studies.variants import table_names
 
@@ -63,3 +65,28 @@ def test_what_all_rows_share_stands_above():
     assert not any("arithmetic" in name for name in named.names.values())
     one = table_names(result, result.cells[:1])
     assert (one.shared, *one.names.values()) == ("", "wavefront arithmetic=exact")
+
+
+def test_a_message_of_an_older_file_names_variants_as_they_are_shown():
+    order = ("integrator", "compaction", "layout", "arithmetic")
+    text = "film bits equal to megakernel.none.soa.precise+block=64 and to the CPU's; see a.b.c.d.e and kernels.cu"
+    assert with_shown_names(text, order, BASELINES) == (
+        "film bits equal to megakernel layout=soa block=64 and to the CPU's; see a.b.c.d.e and kernels.cu"
+    )
+    new = "film bits equal to megakernel layout=soa block=64"
+    assert with_shown_names(new, order, BASELINES) == new
+
+
+@pytest.mark.parametrize("file", ["compaction.json", "convergence.json"])
+def test_a_cells_shown_name_is_the_promised_one(file):
+    cells = load(ROOT / "results/nvidia-h200" / file).cells
+    names = [cell.shown for cell in cells]
+    form = re.compile(r"\w+(?:/\w+:\w+)*/scene:\w+/backend:cuda/\d+x\d+/depth:\d+/spp:\d+(?:/checkpoints:octaves)?")
+    assert [name for name in names if not form.fullmatch(name)] == []
+    assert len(set(names)) == len(names)
+
+
+def test_no_committed_summary_has_a_name_of_an_older_file():
+    spelled = re.compile(r"\b\w+(?:\.[a-z0-9_]+){6,}")
+    for page in sorted((ROOT / "results").glob("*/figures/*/summary.md")):
+        assert spelled.findall(page.read_text(encoding="utf-8")) == [], f"{page}: run python3 -m ptbench plots"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -39,7 +39,7 @@ def convergence_rules(result: Result) -> list[str]:
 
 def convergence_tables(result: Result, study: Study) -> Lines:
     """Everything that the study's figures show, in numbers, scene by scene."""
-    assessed = assess(result)
+    assessed, shown = assess(result), {cell.name: cell.shown for cell in result.cells}
     members = [assessed[cell.name] for cell in result.cells_of(study) if cell.name in assessed]
     lines: Lines = []
     places = by_place(members)
@@ -49,8 +49,8 @@ def convergence_tables(result: Result, study: Study) -> Lines:
         names = names_in(group, baseline)
         if baseline is not None:
             lines += [f"Baseline: `{baseline.cell.variant}` ({names[baseline.cell.name]}).", ""]
-        for table in (_verdicts, _slopes, _errors):
-            lines += [*table(group, names), ""]
+        for table in (_verdicts(group, names, shown), _slopes(group, names), _errors(group, names)):
+            lines += [*table, ""]
         lines += [*_costs(group, names, baseline), ""]
         if costs := checkpoint_costs(result, group):
             lines += ["Render wall time per spp with checkpoints over that without, 95 % bootstrap of the medians:", ""]
@@ -77,7 +77,8 @@ def _reference_line(group: Sequence[Assessment], place: Place) -> str:
     return f"Reference of {place.scene}: {'; '.join(dict.fromkeys(texts))}."
 
 
-def _verdicts(group: Sequence[Assessment], names: dict[str, str]) -> Lines:
+def _verdicts(group: Sequence[Assessment], names: dict[str, str], shown: Mapping[str, str]) -> Lines:
+    """`shown`: what every cell of the file is called, by its name in the file."""
     head = (
         "Variant",
         "Verdict",
@@ -91,14 +92,14 @@ def _verdicts(group: Sequence[Assessment], names: dict[str, str]) -> Lines:
         "Mean error RGB",
         "Remarks",
     )
-    return _table(head, [_verdict_row(one, names[one.cell.name]) for one in group], "llrrrrrrrrl")
+    return _table(head, [_verdict_row(one, names[one.cell.name], shown) for one in group], "llrrrrrrrrl")
 
 
-def _verdict_row(one: Assessment, name: str) -> list[str]:
-    fit = one.fit
+def _verdict_row(one: Assessment, name: str, shown: Mapping[str, str]) -> list[str]:
+    fit, origin = one.fit, one.cell.convergence.shared_with
     remarks = [text for text in (one.verdict.reason, *one.doubts) if text]
-    if one.cell.convergence.shared_with:
-        remarks.append(f"errors measured once, by {one.cell.convergence.shared_with}")
+    if origin:
+        remarks.append(f"errors measured once, by {shown.get(origin, origin)}")
     if fit is None:
         return [name, one.verdict.text, str(one.curve.count), *[_NONE] * 7, "; ".join(remarks)]
     crossing = one.crossing_spp

@@ -70,7 +70,7 @@ def pairs_of(result: Result, names: tuple[str, str], choice: Choice, entries: Se
     found = Found()
     for setting in common:
         a, b, others = _closest(by_setting[0][setting], by_setting[1][setting])
-        found.left_out += [f"{cell.name}: the pair with the same spp is shown" for cell in others]
+        found.left_out += [f"{cell.shown}: the pair with the same spp is shown" for cell in others]
         unmeasured = [cell for cell in (a, b) if not cell.measured]
         for cell in unmeasured:
             why = f"failed: {cell.failure}" if cell.failed else "it has no samples"

@@ -59,7 +59,7 @@ def collect(result: Result, study: Study) -> Data:
         wrong = next((k for k, (a, b) in enumerate(zip((paths, *live), live, strict=False)) if b > a), None)
         if wrong is not None:
             text = f"{scene}: live paths rise at bounce {wrong}, so the counts are wrong"
-            notes.append(Note("wrong counts", f"{text}.", f"{text} ({cell.name})"))
+            notes.append(Note("wrong counts", f"{text}.", f"{text} ({cell.shown})"))
             continue
         others = [c for c in counted if c.depth == cell.depth and c.resolution == cell.resolution and c is not cell]
         differing = [

@@ -153,6 +153,16 @@ class Cell:
     failed_repetitions: tuple[int, ...] = ()  # of `errors`, one each
 
     @property
+    def shown(self) -> str:
+        """Its name as files since version 1.0 have it, whatever its own file calls it."""
+        variant = self.variant.replace(" ", "/").replace("=", ":")
+        checkpoints = "" if self.convergence is None else "/checkpoints:octaves"
+        return (
+            f"{variant}/scene:{self.scene}/backend:{self.backend}/{self.resolution_text}/depth:{self.depth}"
+            f"/spp:{self.spp}{checkpoints}"
+        )
+
+    @property
     def failed(self) -> bool:
         """Whether the cell, or one of its samples, failed."""
         return self.status == "failed" or bool(self.errors)

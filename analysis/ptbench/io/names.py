@@ -5,11 +5,13 @@ Files since version 1.0 hold such names; older ones spell every choice, joined b
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 
 from ptbench.io.older import before, with_later_axes
 
 INTEGRATOR = "integrator"
+_SPELLED_OUT = re.compile(r"\w+(?:\.\w+){3,}(?:\+\w+=\w+)*")
 
 
 def tuned_in(name: str, axes: Mapping[str, str]) -> dict[str, str]:
@@ -39,3 +41,13 @@ def axes_spelled_out(name: str, order: Sequence[str]) -> dict[str, str]:
     """The choices of an older file's name, by the axes that the file has; empty where it is no such name."""
     choices = name.partition("+")[0].split(".")
     return with_later_axes(dict(zip(order, choices, strict=True))) if len(choices) == len(order) > 1 else {}
+
+
+def with_shown_names(text: str, order: Sequence[str], baselines: Mapping[str, str]) -> str:
+    """A message of a file with the variants that it names called as they are shown."""
+
+    def shown(match: re.Match) -> str:
+        axes = axes_spelled_out(match[0], order)
+        return shown_name(axes, tuned_in(match[0], axes), baselines) if axes else match[0]
+
+    return _SPELLED_OUT.sub(shown, text)

@@ -29,7 +29,7 @@ from ptbench.io.cells import (
 )
 from ptbench.io.consistency import Contradiction, cell_of, contradictions, is_failure, times_of
 from ptbench.io.convergence import Convergence, check_checkpoints, checkpoints_of, convergence_of
-from ptbench.io.names import axes_spelled_out, shown_name, tuned_in
+from ptbench.io.names import axes_spelled_out, shown_name, tuned_in, with_shown_names
 from ptbench.io.nodes import Node, read_json, shown
 from ptbench.io.older import SCHEMA_VERSIONS, usual_baselines, with_later_axes
 
@@ -165,7 +165,7 @@ def _cell(
 ) -> Cell:
     name = node.need("cell").name()
     in_file, axes = node.need("variant").name(), with_later_axes(node.need("axes").texts())
-    tuned = tuned_in(in_file, axes)
+    tuned, order = tuned_in(in_file, axes), tuple(node.need("axes").fields())
     resolution = [item.integer(minimum=1) for item in node.need("resolution").items()]
     if len(resolution) != 2:
         raise node.need("resolution").wrong("[width, height]")
@@ -173,7 +173,7 @@ def _cell(
     claim = node.maybe("claim")
     instrumented = node.maybe("instrumented")
     tunables, counters, cuda = node.maybe("tunables"), node.maybe("counters"), node.maybe("cuda")
-    convergence = _with_named_reference(convergence_of(node), tuple(node.need("axes").fields()), usual)
+    convergence = _with_named_reference(convergence_of(node), order, usual)
     if convergence is not None:
         check_checkpoints(node, convergence, samples[name])
     return Cell(
@@ -190,9 +190,9 @@ def _cell(
         depth=node.need("depth").integer(minimum=1),
         spp=node.need("spp").integer(minimum=1),
         status=node.need("status").one_of(CELL_STATUSES),
-        reason=node.optional_text("reason"),
+        reason=with_shown_names(node.optional_text("reason"), order, usual),
         claim="" if claim is None or claim.value == "" else claim.one_of(CLAIMS),
-        claim_check=node.optional_text("claim_check"),
+        claim_check=with_shown_names(node.optional_text("claim_check"), order, usual),
         film_hash=node.optional_text("film_hash"),
         nonfinite=node.optional_integer("nonfinite") or 0,
         negative=node.optional_integer("negative") or 0,
@@ -201,7 +201,7 @@ def _cell(
         # A cell that never got to its counting pass has none, or an empty object.
         instrumented=None if instrumented is None or instrumented.value == {} else _instrumented(instrumented),
         samples=tuple(samples[name]),
-        errors=tuple(message for _, message in errors[name]),
+        errors=tuple(with_shown_names(message, order, usual) for _, message in errors[name]),
         failed_repetitions=tuple(repetition for repetition, _ in errors[name]),
         tunables={} if tunables is None else tunables.integers(),
         counters={} if counters is None else counters.integers(),

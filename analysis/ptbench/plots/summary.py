@@ -241,4 +241,4 @@ def failed(cells: Sequence[Cell]) -> Lines:
     bad = [cell for cell in cells if cell.failed]
     if not bad:
         return ["## Failed", "", "None.", ""]
-    return ["## Failed", "", *(f"- {one_line(cell.name)}: {one_line(cell.failure)}" for cell in bad), ""]
+    return ["## Failed", "", *(f"- {one_line(cell.shown)}: {one_line(cell.failure)}" for cell in bad), ""]

@@ -241,7 +241,7 @@ def _missing_variants(result: Result) -> tuple[tuple[str, str, str], ...]:
 
 
 def _failed_cells(result: Result) -> tuple[tuple[str, str], ...]:
-    return tuple((one_line(cell.name), one_line(cell.failure)) for cell in result.cells if cell.failed)
+    return tuple((one_line(cell.shown), one_line(cell.failure)) for cell in result.cells if cell.failed)
 
 
 def _doubts(result: Result) -> list[tuple[str, int, str]]:

@@ -34,7 +34,7 @@ def notes_of(result: Result, study: Study | None, rows: Sequence[Row]) -> list[N
         if row.cell.failed:
             where = f"{row.label} in {row.cell.scene} at depth {row.cell.depth}"
             short = f"Failed: {where} ({_clipped(_gist(row.cell))})."
-            notes.append(Note("failed", short, f"{row.cell.name}: {row.cell.failure}"))
+            notes.append(Note("failed", short, f"{row.cell.shown}: {row.cell.failure}"))
     notes += withdrawn_notes(cells)
     _note_cells(notes, "interrupted", [c for c in cells if c.status == "interrupted"], "interrupted while measuring")
     without = [c for c in cells if not c.failed and not c.samples]
@@ -51,7 +51,7 @@ def notes_of(result: Result, study: Study | None, rows: Sequence[Row]) -> list[N
     if low:
         total = sum(len(cell.samples) for cell in timed)
         text = f"{low} of {total} samples at a low clock, kept"
-        where = _first([f"{cell.name} ({cell.low_clock_samples})" for cell in timed if cell.low_clock_samples])
+        where = _first([f"{cell.shown} ({cell.low_clock_samples})" for cell in timed if cell.low_clock_samples])
         notes.append(Note("low clock", f"{text}.", f"{text}: {where}"))
     contended = sum(cell.contended_samples for cell in timed)
     if contended:
@@ -59,11 +59,11 @@ def notes_of(result: Result, study: Study | None, rows: Sequence[Row]) -> list[N
         text = f"{contended} of {total} samples while other processes took over a tenth of the CPU, kept"
         if unsure := sum(row.verdict is not None and row.verdict.reason == CONTENDED for row in rows):
             text += f" ({unsure} verdict{'s' if unsure > 1 else ''} UNSURE for that)"
-        where = _first([f"{cell.name} ({cell.contended_samples})" for cell in timed if cell.contended_samples])
+        where = _first([f"{cell.shown} ({cell.contended_samples})" for cell in timed if cell.contended_samples])
         notes.append(Note("contended", f"{text}.", f"{text}: {where}"))
     if unknown := [cell for cell in timed if cell.mega_cycles_per_spp is None]:
         text = f"{len(unknown)} of {len(timed)} cells whose clock is unknown: judged in time alone, cycles not compared"
-        notes.append(Note("clock unknown", f"{text}.", f"{text}: {_first([cell.name for cell in unknown])}"))
+        notes.append(Note("clock unknown", f"{text}.", f"{text}: {_first([cell.shown for cell in unknown])}"))
     biased = list(dict.fromkeys(row.label for row in rows if row.cell.claim == "biased" and row.cell.measured))
     if biased:
         text = f"declared biased: {', '.join(biased)}"
@@ -120,7 +120,7 @@ def _not_applicable_notes(result: Result, study: Study | None, question: Questio
 def _note_cells(notes: list[Note], kind: str, cells: Sequence[Cell], text: str, detail=None) -> None:
     if cells:
         count = f"{len(cells)} cell{'s' if len(cells) > 1 else ''} {text}"
-        names = [cell.name + (f" ({detail(cell)})" if detail else "") for cell in cells]
+        names = [cell.shown + (f" ({detail(cell)})" if detail else "") for cell in cells]
         notes.append(Note(kind, f"{count}.", f"{count}: {_first(names)}"))
 
 

@@ -167,7 +167,7 @@ def _timed(one: Assessment) -> dict[Picture, float]:
     timed = {picture: float(times[picture.spp]) for picture in one.cell.convergence.pictures if picture.spp in times}
     if not timed:
         spps = ", ".join(str(picture.spp) for picture in one.cell.convergence.pictures)
-        raise NotDrawable(f"{one.cell.name}: images at {spps} spp, but no checkpoint there")
+        raise NotDrawable(f"{one.cell.shown}: images at {spps} spp, but no checkpoint there")
     return timed
 
 

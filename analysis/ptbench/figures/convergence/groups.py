@@ -92,15 +92,15 @@ def convergence_notes(result: Result, study: Study, assessed: Sequence[Assessmen
     notes += withdrawn_notes(result.cells_of(study))
     for cell in result.cells_of(study):
         if cell.convergence is None:
-            notes.append(Note("no checkpoints", f"{cell.variant} has no checkpoints.", f"{cell.name}: no checkpoints"))
+            notes.append(Note("no checkpoints", f"{cell.variant} has no checkpoints.", f"{cell.shown}: no checkpoints"))
     for one in assessed:
         if one.fit is None:
             where = f"{one.cell.variant} in {one.cell.scene}"
             text = f"{one.verdict.word} ({one.verdict.reason})"
-            notes.append(Note("not fitted", f"Left out: {where}, {text}.", f"{one.cell.name}: {text}"))
+            notes.append(Note("not fitted", f"Left out: {where}, {text}.", f"{one.cell.shown}: {text}"))
         for doubt in one.doubts:
             short = f"{one.cell.variant} in {one.cell.scene}: {doubt}."
-            notes.append(Note("doubt", short, f"{one.cell.name}: {doubt}"))
+            notes.append(Note("doubt", short, f"{one.cell.shown}: {doubt}"))
     for item in result.not_applicable:
         if item.study == study.name and not item.elsewhere:
             text = f"{item.variant} in {item.scene}: {item.reason}"
