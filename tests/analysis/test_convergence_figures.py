@@ -320,7 +320,7 @@ def test_plots_writes_all_figures_and_the_tables(tmp_path, analysis):
     (row,) = [line for line in summary.splitlines() if line.startswith("| first_bounce=cached | **plateau at 0.1")]
     assert "declared: first_bounce=cached: one sample" in row
     for said in (
-        "| baseline | **converges** | 8 |", "(Holm, family-wise 1%)", "errors measured once, by wavefront.",
+        "| baseline | **converges** | 8 |", "(Holm, family-wise 1%)", "errors measured once, by wavefront/",
         "| sampler=sobol_owen |", "at least as steep as -1", "two halves of 65536 spp each by depth_first",
         "| Variant | Wall ms/spp | Device ms/spp | CPU ms/spp | σ² × ms/spp |", "ms to RMSE 0.1", "| never |",
         "Render wall time per spp with checkpoints over that without",
