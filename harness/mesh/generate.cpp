@@ -24,7 +24,7 @@ const Generator table[] = {
     {"icosphere", "sphere of an icosahedron, with smooth bumps", "levels of division", "20 x 4^N", 0, 10,
      [](std::uint32_t n) { return 20 * power(4, n); }, nothing, true, make_icosphere},
     {"grid_sphere", "sphere of a grid in latitude and longitude, with fine bumps", "rows of latitude", "4 N^2 - 4 N", 3,
-     4096, [](std::uint32_t n) { return 4 * square(n) - 4 * n; }, [](std::uint32_t n) { return std::uint64_t{4} * n; },
+     4096, [](std::uint32_t n) { return 4 * (square(n) - n); }, [](std::uint32_t n) { return std::uint64_t{4} * n; },
      true, make_probe_sphere},
     {"menger", "Menger sponge, its outer faces", "levels of boring", "4 x 20^N + 8 x 8^N", 0, 5,
      [](std::uint32_t n) { return 2 * (2 * power(20, n) + 4 * power(8, n)); }, nothing, true, make_menger_sponge},

@@ -66,8 +66,9 @@ DividedSphere divided(const DividedSphere& old) {
     for (std::uint32_t e = 0; e < edges; ++e) {
         const auto [a, b] = old.edges[e];
         sphere.vertices.push_back(glm::normalize(old.vertices[a] + old.vertices[b]));
-        sphere.edges[2 * e] = {a, vertices + e};
-        sphere.edges[2 * e + 1] = {vertices + e, b};
+        const std::size_t halves = 2 * std::size_t{e};
+        sphere.edges[halves] = {a, vertices + e};
+        sphere.edges[halves + 1] = {vertices + e, b};
     }
     for (std::uint32_t t = 0; t < old.triangles.size(); ++t) {
         const std::uint32_t inner = 2 * edges + 3 * t;
