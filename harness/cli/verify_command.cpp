@@ -183,6 +183,17 @@ std::vector<Variant> single_steps(Backend backend) {
     return variants;
 }
 
+// Every triangle in turn is the reference, and too slow for every other choice.
+std::string plain_accelerator(const Scene& scene, Backend backend) {
+    std::string name = Registry::instance().baseline(backend)["accelerator"];
+    for (const Choice* choice : Registry::instance().choices("accelerator", backend)) {
+        if (!scene.meshes.empty() && traits_in<AcceleratorTraits>(choice->descriptor).has_tree) {
+            name = choice->descriptor.name;
+        }
+    }
+    return name;
+}
+
 // A product of all choices is small on the CPU backend but for roulette, samplers, robustness, accelerators and
 // builders, which multiply it by hundreds; on CUDA it is millions. So without --axis these meet the rest in a covering
 // set, in which every two choices of two axes meet, on CUDA all axes do, and of means each choice is tested by itself.
@@ -197,8 +208,8 @@ std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backen
         axes.erase("russian_roulette");
         axes.erase("sampler");
         axes.erase("robustness");
-        axes.erase("accelerator");
         axes.erase("builder");
+        axes["accelerator"] = {plain_accelerator(scene, backend)};
     }
     for (const auto& [axis, choices] : parse_axis_arguments(arguments.axes, backend)) {
         axes[axis] = choices;

@@ -15,7 +15,7 @@
 namespace pt::test {
 
 // Every scalar of a path. There is no padding to skip.
-static_assert(sizeof(Path<float>) == 19 * sizeof(std::uint32_t));
+static_assert(sizeof(Path<float>) == 20 * sizeof(std::uint32_t));
 inline bool same_bits(const Path<float>& a, const Path<float>& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 // Why no test can run on a GPU here; empty: one can.
