@@ -10,7 +10,12 @@
 #include "variants/acceleration/box_ray.h"
 #include "variants/acceleration/primitive_boxes.h"
 #include "variants/accelerator/bvh2.h"
+#include "variants/accelerator/bvh4.h"
+#include "variants/accelerator/bvh8.h"
+#include "variants/builder/lbvh.h"
+#include "variants/builder/ploc.h"
 #include "variants/builder/sah_binned.h"
+#include "variants/builder/sah_sweep.h"
 
 namespace pt::test {
 namespace {
@@ -34,20 +39,40 @@ PrimitiveBoxes boxes_of(const Triangles& triangles) {
     return primitive_boxes(std::span<const Triangle<float>>(triangles));
 }
 
+using BuildOfBoxes = BinaryTree (*)(const PrimitiveBoxes&, std::uint32_t);
+
+BuilderChoice of_boxes(const std::string& name, BuildOfBoxes build) {
+    return {
+        name,
+        [build](const Triangles& triangles, std::uint32_t leaf_size) { return build(boxes_of(triangles), leaf_size); },
+        true};
+}
+
 std::vector<BuilderChoice> builders() {
-    return {{"sah_binned",
-             [](const Triangles& triangles, std::uint32_t leaf_size) {
-                 return builder::sah_binned::build(boxes_of(triangles), leaf_size);
-             },
-             true}};
+    return {of_boxes("sah_binned", [](const PrimitiveBoxes& boxes,
+                                      std::uint32_t size) { return builder::sah_binned::build(boxes, size); }),
+            of_boxes("sah_sweep", [](const PrimitiveBoxes& boxes,
+                                     std::uint32_t size) { return builder::sah_sweep::build(boxes, size); }),
+            of_boxes("lbvh",
+                     [](const PrimitiveBoxes& boxes, std::uint32_t size) { return builder::lbvh::build(boxes, size); }),
+            of_boxes("ploc", [](const PrimitiveBoxes& boxes, std::uint32_t size) {
+                return builder::ploc::build(boxes, size);
+            })};
 }
 
 std::vector<AcceleratorChoice> accelerators() {
-    return {{"bvh2", &accelerator::bvh2::encode,
-             [](const EncodedTree& tree, const Triangles& triangles, const TestRay& ray, TraversalCounter& counter) {
-                 return through(
-                     tree, triangles, ray, [](auto&&... all) { accelerator::bvh2::traverse<float>(all...); }, counter);
-             }}};
+    // NOLINTNEXTLINE(cppcoreguidelines-macro-usage)
+#define ACCELERATOR(NAME)                                                                               \
+    {                                                                                                   \
+#NAME, [](const BinaryTree& tree) { return accelerator::NAME::encode(tree); },                        \
+            [](const EncodedTree& tree, const Triangles& triangles, const TestRay& ray, TraversalCounter& counter) { \
+                return through(                                                                               \
+                    tree, triangles, ray, [](auto&&... all) { accelerator::NAME::traverse<float>(all...); },  \
+                    counter);                                                                                 \
+            } \
+    }
+    return {ACCELERATOR(bvh2), ACCELERATOR(bvh4), ACCELERATOR(bvh8)};
+#undef ACCELERATOR
 }
 
 std::string text(const TestRay& ray) {

@@ -125,7 +125,7 @@ Triangles large_floor(float size) {
 Triangles geometric_progression(std::uint32_t count) {
     Triangles triangles;
     for (std::uint32_t i = 0; i < count; ++i) {
-        const float side = std::ldexp(1.0f, -static_cast<int>(i % 120));
+        const float side = std::ldexp(1.0f, -static_cast<int>(i % 40));
         triangles.push_back({{side, side, 0}, {2 * side, side, 0.5f * side}, {side, 2 * side, side}});
     }
     return triangles;
@@ -158,7 +158,7 @@ std::vector<TriangleScene> triangle_scenes() {
             {"flat", flat_triangles(600, 6)},
             {"needles", needles(600, 1e3f, 7)},
             {"floor", large_floor(1000)},
-            {"progression", geometric_progression(240)},
+            {"progression", geometric_progression(120)},
             {"sphere_far_away", moved(grid_sphere(24, 40, {0, 0, 0}, 1), {3e5f, -2e5f, 1e5f})},
             {"menger_far_away", moved(menger(2), {1 << 20, -(1 << 21), 1 << 19})},
             {"soup_tiny", scaled(random_soup(600, 0.1f, 8), -40)},

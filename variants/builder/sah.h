@@ -2,6 +2,8 @@
 // Goldsmith and Salmon, IEEE CG&A 7 (5), 1987; MacDonald and Booth, The Visual Computer 6 (3), 1990.
 #pragma once
 
+#include <cstddef>
+
 #include "variants/acceleration/binary_tree.h"
 
 namespace pt::builder {
@@ -11,6 +13,12 @@ struct SahCosts {
     double traversal = 1.2;     // a visit of an inner node
     double intersection = 1.0;  // a primitive's test
 };
+
+// Whether an inner node over children of this cost (half area times count, of both) is cheaper than a leaf.
+inline bool split_pays(const SahCosts& costs, double area, std::size_t count, double split_cost) {
+    return costs.traversal * area + costs.intersection * split_cost <
+           costs.intersection * static_cast<double>(count) * area;
+}
 
 // Expected cost of a line through the root's box: sum of area / root's area x cost over nodes. 0 for an empty tree;
 // where the root has no area, each node counts in full.

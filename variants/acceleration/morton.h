@@ -1,0 +1,30 @@
+// The order of a Z-shaped curve: ten bits of each coordinate of a box's centre, interleaved, over the primitive's
+// number. Distinct keys, so that one order exists. Lauterbach et al., "Fast BVH Construction on GPUs", CGF 28 (2),
+// 2009.
+#pragma once
+
+#include "kernels/math.h"
+
+namespace pt {
+
+// Two zero bits behind each of ten bits.
+PT_HD constexpr std::uint32_t spread_bits(std::uint32_t x) {
+    x = (x | (x << 16)) & 0x030000ffu;
+    x = (x | (x << 8)) & 0x0300f00fu;
+    x = (x | (x << 4)) & 0x030c30c3u;
+    return (x | (x << 2)) & 0x09249249u;
+}
+
+// A centre's cell among 1024 along one axis of the box of all centres; an axis without extent is one cell.
+PT_HD inline std::uint32_t morton_cell(float centre, float low, float high) {
+    const float extent = high - low;
+    const float cell = extent > 0 ? (centre - low) / extent * 1024.0f : 0.0f;
+    return cell < 1023.0f ? static_cast<std::uint32_t>(cell) : 1023u;
+}
+
+PT_HD inline std::uint64_t morton_key(std::uint32_t x, std::uint32_t y, std::uint32_t z, std::uint32_t primitive) {
+    const std::uint32_t code = spread_bits(x) << 2 | spread_bits(y) << 1 | spread_bits(z);
+    return static_cast<std::uint64_t>(code) << 32 | primitive;
+}
+
+}  // namespace pt

@@ -1,0 +1,23 @@
+// Tree of four children a node, boxes in single precision, nodes of 128 bytes; the nearest child first. Wald, Benthin,
+// Boulos, "Getting Rid of Packets", RT 2008; Ernst and Greiner, "Multi Bounding Volume Hierarchies", RT 2008.
+#pragma once
+
+#include "variants/acceleration/wide_nodes.h"
+
+namespace pt::accelerator::bvh4 {
+
+using Node = WideNode<4>;
+static_assert(sizeof(Node) == 128);
+
+#if !defined(__CUDACC_RTC__)
+// Throws std::length_error for a tree that is too deep, too large, or has too large leaves.
+inline EncodedTree encode(const BinaryTree& tree) { return encode_wide<4>(tree); }
+#endif
+
+template <class Real, class Leaf, class Counter>
+PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<Real>& direction, const Real& best_t,
+                    Leaf&& leaf, Counter& counter) {
+    traverse_wide<4>(tree, origin, direction, best_t, leaf, counter);
+}
+
+}  // namespace pt::accelerator::bvh4

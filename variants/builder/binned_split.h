@@ -1,0 +1,70 @@
+// The best plane that parts references by their centres, from bins. Wald, "On fast Construction of SAH-based Bounding
+// Volume Hierarchies", RT 2007.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <span>
+
+#include "variants/acceleration/box.h"
+
+namespace pt::builder {
+
+// A primitive's box, or a part of it, travels with its number: the passes over a node read memory in order.
+struct Reference {
+    Box box;
+    std::uint32_t primitive;
+};
+
+// Of references: what holds them, and what holds their centres.
+struct Bounds {
+    Box box, centres;
+
+    void add(const Box& other) {
+        join(box, other);
+        join(centres, centre_box(other));
+    }
+    static Bounds of(std::span<const Reference> references) {
+        Bounds all;
+        for (const Reference& reference : references) {
+            all.add(reference.box);
+        }
+        return all;
+    }
+};
+
+struct Bin {
+    Box box;
+    std::uint32_t count = 0;
+};
+
+// Which bin along an axis: monotone in the centre.
+struct Binning {
+    static constexpr int bins = 16;
+    float low, scale;
+
+    static Binning along(const Box& centres, int axis) {
+        const float extent = centres.high[axis] - centres.low[axis];
+        return {centres.low[axis], static_cast<float>(bins) * (1 - 0x1p-20f) / extent};
+    }
+    int of(const Box& box, int axis) const {
+        return std::clamp(static_cast<int>((centre(box, axis) - low) * scale), 0, bins - 1);
+    }
+    // A scale that overflows would make numbers that no bin has.
+    bool is_usable() const { return scale > 0 && scale < std::numeric_limits<float>::max(); }
+};
+
+struct ObjectSplit {
+    double cost = std::numeric_limits<double>::infinity();  // half area times count, of both children
+    int axis = -1;                                          // -1: no plane parts the centres
+    int first_right = 0;                                    // bin
+    Box left, right;
+};
+
+ObjectSplit best_object_split(std::span<const Reference> references, const Bounds& bounds);
+
+// By number, in the order of the centres along their longest axis: the first half to the front.
+void halve_by_centre(std::span<Reference> references, const Bounds& bounds);
+
+}  // namespace pt::builder

@@ -1,0 +1,12 @@
+// The radix tree of the primitives' Morton codes, all inner nodes at once. Karras, "Maximizing Parallelism in the
+// Construction of BVHs, Octrees, and k-d Trees", HPG 2012; on the host.
+#pragma once
+
+#include "variants/builder/sah.h"
+
+namespace pt::builder::lbvh {
+
+// `leaf_size`: the most references of a leaf; subtrees become leaves by the surface area heuristic.
+BinaryTree build(const PrimitiveBoxes& boxes, std::uint32_t leaf_size = 4, const SahCosts& costs = {});
+
+}  // namespace pt::builder::lbvh

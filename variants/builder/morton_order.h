@@ -1,0 +1,16 @@
+// Primitives along the Morton curve: where bottom-up builders start.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "variants/acceleration/binary_tree.h"
+
+namespace pt::builder {
+
+// Sorted keys (variants/acceleration/morton.h); a key's low half is its primitive.
+std::vector<std::uint64_t> morton_keys(const PrimitiveBoxes& boxes);
+
+inline std::uint32_t primitive_of(std::uint64_t key) { return static_cast<std::uint32_t>(key); }
+
+}  // namespace pt::builder

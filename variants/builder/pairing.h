@@ -1,0 +1,23 @@
+// What bottom-up builders find: which nodes are siblings. `assemble` makes of it the tree that accelerators take up.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "variants/builder/sah.h"
+
+namespace pt::builder {
+
+// Nodes 0..n-1 are the primitives `leaf[i]`, node n + k is the inner node k.
+struct Pairing {
+    std::vector<std::uint32_t> leaf;
+    std::vector<std::uint32_t> left, right;  // of inner nodes
+    std::uint32_t root = 0;
+};
+
+// Subtrees of at most `leaf_size` primitives become leaves where that is no dearer (Meister and Bittner 2018, section
+// 3.3); subtrees that go deeper than max_tree_depth are halved by number instead, in the order of their leaves.
+BinaryTree assemble(const Pairing& pairing, const PrimitiveBoxes& boxes, std::uint32_t leaf_size,
+                    const SahCosts& costs);
+
+}  // namespace pt::builder

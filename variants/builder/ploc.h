@@ -1,0 +1,15 @@
+// Bottom up: clusters in Morton order merge where each is the other's nearest among its neighbours. Meister and
+// Bittner, "Parallel Locally-Ordered Clustering for Bounding Volume Hierarchy Construction", IEEE TVCG 24 (3), 2018; on
+// the host.
+#pragma once
+
+#include "variants/builder/sah.h"
+
+namespace pt::builder::ploc {
+
+// `leaf_size`: the most references of a leaf; subtrees become leaves by the surface area heuristic. `radius`: how many
+// neighbours on either side are searched.
+BinaryTree build(const PrimitiveBoxes& boxes, std::uint32_t leaf_size = 4, const SahCosts& costs = {},
+                 std::uint32_t radius = 16);
+
+}  // namespace pt::builder::ploc

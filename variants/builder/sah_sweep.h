@@ -1,0 +1,12 @@
+// Top down, the best by the surface area heuristic of all partitions in the order of centres along an axis. Wald,
+// Boulos, Shirley, "Ray Tracing Deformable Scenes using Dynamic Bounding Volume Hierarchies", ACM TOG 26 (1), 2007.
+#pragma once
+
+#include "variants/builder/sah.h"
+
+namespace pt::builder::sah_sweep {
+
+// `leaf_size`: the most references of a leaf. A leaf has fewer where the heuristic wants it.
+BinaryTree build(const PrimitiveBoxes& boxes, std::uint32_t leaf_size = 4, const SahCosts& costs = {});
+
+}  // namespace pt::builder::sah_sweep
