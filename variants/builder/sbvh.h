@@ -1,0 +1,22 @@
+// Top down by the surface area heuristic, with spatial splits: where an object split's children overlap, triangles may be
+// parted by a plane, and both children refer to them. Stich, Friedrich, Dietrich, "Spatial Splits in Bounding Volume
+// Hierarchies", HPG 2009.
+#pragma once
+
+#include <span>
+
+#include "kernels/triangle.h"
+#include "variants/builder/sah.h"
+
+namespace pt::builder::sbvh {
+
+struct Settings {
+    std::uint32_t leaf_size = 4;  // the most references of a leaf
+    SahCosts costs = {};
+    double overlap = 1e-5;    // spatial splits are tried above this share of the root's area (Stich's alpha)
+    double duplicates = 0.5;  // references beyond the first of each primitive, as a share of primitives
+};
+
+BinaryTree build(std::span<const Triangle<float>> triangles, const Settings& settings = {});
+
+}  // namespace pt::builder::sbvh
