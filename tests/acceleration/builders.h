@@ -34,17 +34,17 @@ BuilderChoice of_boxes(const char* name, Build build) {
 }
 
 inline std::vector<BuilderChoice> builders() {
-    return {of_boxes("sah_binned", &builder::sah_binned::build), of_boxes("sah_sweep", &builder::sah_sweep::build),
-            of_boxes("lbvh", &builder::lbvh::build),
-            of_boxes("ploc",
-                     [](const PrimitiveBoxes& boxes, std::uint32_t leaf_size, const builder::SahCosts& costs) {
-                         return builder::ploc::build(boxes, leaf_size, costs);
-                     }),
-            {"sbvh",
-             [](const Triangles& triangles, std::uint32_t leaf_size) {
-                 return builder::sbvh::build(triangles, {.leaf_size = leaf_size});
-             },
-             false}};
+    return {
+        of_boxes("sah_binned", &builder::sah_binned::build),
+        of_boxes("sah_sweep", &builder::sah_sweep::build),
+        of_boxes("lbvh", &builder::lbvh::build),
+        of_boxes("ploc", [](const PrimitiveBoxes& boxes, std::uint32_t leaf_size,
+                            const builder::SahCosts& costs) { return builder::ploc::build(boxes, leaf_size, costs); }),
+        {"sbvh",
+         [](const Triangles& triangles, std::uint32_t leaf_size) {
+             return builder::sbvh::build(triangles, {.leaf_size = leaf_size});
+         },
+         false}};
 }
 
 }  // namespace pt::test

@@ -9,14 +9,15 @@
 namespace pt::test {
 
 struct ClosestHit {
-    TriangleHit<float> hit{std::numeric_limits<float>::infinity(), 0, 0, 0, 0, false};
+    TriangleHit<float> hit{std::numeric_limits<float>::infinity(), 0, 0, 0, 0, false, false};
     std::uint32_t primitive = ~0u;
 
     // Equal bits, an infinite t for none.
     bool operator==(const ClosestHit& other) const {
-        return primitive == other.primitive && bits_of(hit.t) == bits_of(other.hit.t) &&
-               bits_of(hit.det) == bits_of(other.hit.det) && bits_of(hit.u) == bits_of(other.hit.u) &&
-               bits_of(hit.v) == bits_of(other.hit.v) && bits_of(hit.w) == bits_of(other.hit.w);
+        return primitive == other.primitive && hit.from_behind == other.hit.from_behind &&
+               bits_of(hit.t) == bits_of(other.hit.t) && bits_of(hit.det) == bits_of(other.hit.det) &&
+               bits_of(hit.u) == bits_of(other.hit.u) && bits_of(hit.v) == bits_of(other.hit.v) &&
+               bits_of(hit.w) == bits_of(other.hit.w);
     }
     void meet(const TriangleHit<float>& candidate, std::uint32_t number) {
         if (candidate.hits && (candidate.t < hit.t || (candidate.t == hit.t && number < primitive))) {

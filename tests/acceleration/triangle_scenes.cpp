@@ -34,6 +34,16 @@ Triangles needles(std::uint32_t count, float aspect, std::uint64_t seed) {
     return triangles;
 }
 
+Triangles sticks_in_soup(std::uint32_t small, std::uint32_t sticks, std::uint64_t seed) {
+    Random random(seed);
+    Triangles triangles = random_soup(small, 0.02f, seed + 1);
+    for (std::uint32_t i = 0; i < sticks; ++i) {
+        const V middle = random_in_cube<float>(random, 1), half{1, 1, 0.2f};
+        triangles.push_back({middle - half, middle + half, middle + half + random_in_cube<float>(random, 0.01)});
+    }
+    return triangles;
+}
+
 Triangles grid_sphere(std::uint32_t rings, std::uint32_t sectors, V centre, float radius) {
     const auto vertex = [&](std::uint32_t ring, std::uint32_t sector) {
         if (ring == 0 || ring == rings) {
@@ -157,6 +167,7 @@ std::vector<TriangleScene> triangle_scenes() {
             {"equal", equal_triangles(500)},
             {"flat", flat_triangles(600, 6)},
             {"needles", needles(600, 1e3f, 7)},
+            {"sticks", sticks_in_soup(1500, 100, 10)},
             {"floor", large_floor(1000)},
             {"progression", geometric_progression(120)},
             {"sphere_far_away", moved(grid_sphere(24, 40, {0, 0, 0}, 1), {3e5f, -2e5f, 1e5f})},

@@ -22,6 +22,8 @@ struct TestRay {
 Triangles random_soup(std::uint32_t count, float size, std::uint64_t seed);
 // Long thin triangles in all directions: length 1, width 1 / aspect.
 Triangles needles(std::uint32_t count, float aspect, std::uint64_t seed);
+// Small triangles with long ones across them, aslant: what spatial splits are for.
+Triangles sticks_in_soup(std::uint32_t small, std::uint32_t sticks, std::uint64_t seed);
 // A closed sphere of rings x sectors quads, in pairs of triangles; its poles fans.
 Triangles grid_sphere(std::uint32_t rings, std::uint32_t sectors, Vec3<float> centre, float radius);
 // The cubes of a Menger sponge, side 3^level at the origin, faces between cubes kept: exact ties everywhere.

@@ -20,4 +20,14 @@ PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<R
     traverse_wide<4>(tree, origin, direction, best_t, leaf, counter);
 }
 
+struct Traversal {
+    static constexpr bool is_chosen_at_run_time = false;
+
+    template <class Real, class Leaf, class Counter>
+    PT_HD static void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<Real>& direction,
+                               const Real& best_t, Leaf&& leaf, Counter& counter) {
+        bvh4::traverse(tree, origin, direction, best_t, leaf, counter);
+    }
+};
+
 }  // namespace pt::accelerator::bvh4

@@ -1,5 +1,5 @@
-// Top down by the surface area heuristic, with spatial splits: where an object split's children overlap, triangles may be
-// parted by a plane, and both children refer to them. Stich, Friedrich, Dietrich, "Spatial Splits in Bounding Volume
+// Top down by the surface area heuristic, with spatial splits: where an object split's children overlap, triangles may
+// be parted by a plane, and both children refer to them. Stich, Friedrich, Dietrich, "Spatial Splits in Bounding Volume
 // Hierarchies", HPG 2009.
 #pragma once
 

@@ -67,8 +67,7 @@ struct Planes {
     bool is_usable() const { return step > 0 && at(1) > low && step < std::numeric_limits<float>::max(); }
 };
 
-void fill(SpatialBin (&filled)[bins], const Triangle<float>& triangle, const Box& box, int axis,
-          const Planes& planes) {
+void fill(SpatialBin (&filled)[bins], const Triangle<float>& triangle, const Box& box, int axis, const Planes& planes) {
     const int first = planes.bin_of(box.low[axis]), last = planes.bin_of(box.high[axis]);
     Box rest = box;
     for (int bin = first; bin < last; ++bin) {
