@@ -1,0 +1,265 @@
+// The least hit of each ray of a batch in a compressed wide tree: persistent warps that fetch rays as lanes fall idle
+// (Aila and Laine 2009), node and triangle steps by vote, and the stack's first entries in shared memory (Ylitie,
+// Karras, Laine 2017, section 4). The hits are those of cwbvh::traverse, bit for bit.
+#pragma once
+
+#include "harness/rays/ray_batch.h"
+#include "variants/accelerator/cwbvh.h"
+
+namespace pt::rays {
+
+namespace cwbvh = accelerator::cwbvh;
+
+// How a batch is worked off; see closest_hits.
+template <int Threads, int BlocksPerSm, int SharedEntries, int Refill, int Vote, bool Any = false>
+struct BatchPolicy {
+    static constexpr int threads = Threads;               // of a block
+    static constexpr int blocks_per_sm = BlocksPerSm;     // what registers are cut to
+    static constexpr int shared_entries = SharedEntries;  // of each thread's stack
+    static constexpr int refill = Refill;  // idle lanes of a warp at which it fetches rays; 32: when all are
+    // A node step where vote x the lanes that want one >= 4 x those that want a triangle's; 0: one node step, then all
+    // triangles it found.
+    static constexpr int vote = Vote;
+    static constexpr bool any = Any;  // whether there is a hit, not which
+};
+
+// The watertight test (kernels/triangle.h) on rows of a slot: the same operations in the same order, the vertices
+// permuted by where they are read.
+struct PermutedRay {
+    float x, y, z;  // the origin, along kx, ky, kz
+    ShearedDirection<float> shear;
+
+    __device__ static PermutedRay of(const Vec3<float>& origin, const Vec3<float>& direction) {
+        PermutedRay ray;
+        ray.shear = ShearedDirection<float>::of(direction);
+        ray.x = ray.shear.pick(origin, ray.shear.kx);
+        ray.y = ray.shear.pick(origin, ray.shear.ky);
+        ray.z = ray.shear.pick(origin, ray.shear.kz);
+        return ray;
+    }
+};
+
+__device__ inline void intersect_slot(const SlotTriangle* triangle, const PermutedRay& ray, Hit& best) {
+    const float4* rows = reinterpret_cast<const float4*>(triangle);
+    const float4 z = __ldg(rows + ray.shear.kz), x = __ldg(rows + ray.shear.kx), y = __ldg(rows + ray.shear.ky);
+    const Vec3<float>& shear = ray.shear.shear;
+    const float az = z.x - ray.z, bz = z.y - ray.z, cz = z.z - ray.z;
+    const float ax = (x.x - ray.x) - shear.x * az, ay = (y.x - ray.y) - shear.y * az;
+    const float bx = (x.y - ray.x) - shear.x * bz, by = (y.y - ray.y) - shear.y * bz;
+    const float cx = (x.z - ray.x) - shear.x * cz, cy = (y.z - ray.y) - shear.y * cz;
+    float u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
+    // Signs of numbers that are not 0 are exact, so a wider look at a 0 cannot help where two of them differ.
+    if (fminf(fminf(u, v), w) < 0.0f && fmaxf(fmaxf(u, v), w) > 0.0f) {
+        return;
+    }
+    if (u == 0.0f || v == 0.0f || w == 0.0f) {
+        u = edge_function_in_double(cx, cy, bx, by);
+        v = edge_function_in_double(ax, ay, cx, cy);
+        w = edge_function_in_double(bx, by, ax, ay);
+        if (fminf(fminf(u, v), w) < 0.0f && fmaxf(fmaxf(u, v), w) > 0.0f) {
+            return;
+        }
+    }
+    const float det = u + v + w;
+    const float scaled = u * (shear.z * az) + v * (shear.z * bz) + w * (shear.z * cz);
+    // t would be negative, or beyond the best by more than its rounding.
+    if (det == 0.0f || scaled * det < 0.0f || fabsf(scaled) > __fmaf_rn(fabsf(det), best.t * 1.000001f, 1.1754944e-38f)) {
+        return;
+    }
+    const float t = scaled / det;
+    keep_nearer({t, det, u, v, w, t > 0.0f}, __float_as_uint(z.w), best);
+}
+
+struct BatchView {
+    TreeView tree;
+    const SlotTriangle* triangles;
+    const Ray* rays;
+    Hit* hits;
+    std::uint32_t count;
+    std::uint32_t* next;  // the first ray that no warp has fetched
+};
+
+// One ray's traversal, in steps.
+template <class P>
+class RayState {
+   public:
+    // `local`: the stack beyond its shared part; outside, for an array indexed at run time keeps its neighbours in memory.
+    __device__ RayState(const BatchView& batch, uint2* shared, uint2* local)
+        : batch_(batch), shared_(shared), local_(local) {}
+
+    __device__ bool active() const { return pending_ != 0 || !group_.empty(); }
+    __device__ bool wants_triangle() const { return pending_ != 0; }
+    __device__ bool wants_node() const { return pending_ == 0 && !group_.empty(); }
+
+    __device__ void start(std::uint32_t index) {
+        const float4* words = reinterpret_cast<const float4*>(batch_.rays + index);
+        const float4 o = __ldcs(words), d = __ldcs(words + 1);
+        const Vec3<float> origin{o.x, o.y, o.z}, direction{d.x, d.y, d.z};
+        index_ = index;
+        box_ray_ = cwbvh::BoxRay::of(cwbvh::LoadedNode::of(batch_.tree.nodes, 0), origin, direction);
+        ray_ = PermutedRay::of(origin, direction);
+        best_ = {o.w, no_primitive};
+        group_ = cwbvh::NodeGroup::root();
+        depth_ = 0;
+        pending_ = 0;
+    }
+
+    // A group is empty only where nothing is left to visit.
+    __device__ void visit_node() {
+        const std::uint32_t index = group_.take_nearest(box_ray_.flip);
+        if (!group_.empty()) {
+            push();
+        }
+        const cwbvh::LoadedNode node = cwbvh::LoadedNode::of(batch_.tree.nodes, index);
+        const std::uint32_t hits = cwbvh::boxes_hit(node, box_ray_, cwbvh::limit_of(best_.t));
+        group_ = cwbvh::NodeGroup::of(node, hits, box_ray_.flip);
+        pending_ = hits & 0xffffffu;
+        contents_ = node.contents();
+        slot_base_ = node.slot_base();
+        finish_if_done();
+    }
+
+    __device__ void test_triangle() {
+        const std::uint32_t bit = pending_ & (0u - pending_);
+        pending_ ^= bit;
+        intersect_slot(batch_.triangles + (slot_base_ + cwbvh::bits_in(contents_ & (bit - 1u))), ray_, best_);
+        if (P::any && best_.primitive != no_primitive) {
+            best_ = {0.0f, 0};
+            group_.bits = 0, depth_ = 0, pending_ = 0;
+        }
+        finish_if_done();
+    }
+
+   private:
+    __device__ void finish_if_done() {
+        if (group_.empty()) {
+            if (depth_ != 0) {
+                pop();
+            } else if (pending_ == 0) {
+                __stcs(reinterpret_cast<float2*>(batch_.hits + index_),
+                       make_float2(best_.t, __uint_as_float(best_.primitive)));
+            }
+        }
+    }
+    __device__ void push() {
+        if (depth_ < P::shared_entries) {
+            shared_[depth_ * P::threads] = make_uint2(group_.base, group_.bits);
+        } else {
+            local_[depth_ - P::shared_entries] = make_uint2(group_.base, group_.bits);
+        }
+        ++depth_;
+    }
+    __device__ void pop() {
+        --depth_;
+        const uint2 entry = depth_ < P::shared_entries ? shared_[depth_ * P::threads] : local_[depth_ - P::shared_entries];
+        group_ = {entry.x, entry.y};
+    }
+
+    const BatchView& batch_;
+    uint2* shared_;
+    uint2* local_;
+    cwbvh::BoxRay box_ray_;
+    PermutedRay ray_;
+    Hit best_;
+    cwbvh::NodeGroup group_;
+    std::uint32_t index_, pending_ = 0, contents_, slot_base_;
+    int depth_ = 0;
+};
+
+// Lanes without a ray take the next ones. False when there are none left and no lane has one.
+template <class P>
+__device__ inline bool fetch(RayState<P>& state, const BatchView& batch, bool& exhausted) {
+    const std::uint32_t idle = __ballot_sync(~0u, !state.active()), lane = threadIdx.x & 31u;
+    if (!exhausted) {
+        std::uint32_t first = 0;
+        if (lane == 0) {
+            first = atomicAdd(batch.next, cwbvh::bits_in(idle));
+        }
+        first = __shfl_sync(~0u, first, 0);
+        exhausted = first + cwbvh::bits_in(idle) >= batch.count;
+        const std::uint32_t index = first + cwbvh::bits_in(idle & ((1u << lane) - 1u));
+        if (!state.active() && index < batch.count) {
+            state.start(index);
+        }
+    }
+    return __any_sync(~0u, state.active());
+}
+
+// One step of the warp: of nodes or of triangles, for the lanes that want it.
+template <class P>
+__device__ inline void step(RayState<P>& state) {
+    if constexpr (P::vote == 0) {
+        if (state.wants_node()) {
+            state.visit_node();
+        }
+        while (state.wants_triangle()) {
+            state.test_triangle();
+        }
+    } else {
+        const std::uint32_t nodes = cwbvh::bits_in(__ballot_sync(~0u, state.wants_node()));
+        const std::uint32_t triangles = cwbvh::bits_in(__ballot_sync(~0u, state.wants_triangle()));
+        if (nodes * P::vote >= 4u * triangles && nodes != 0) {
+            if (state.wants_node()) {
+                state.visit_node();
+            }
+        } else if (state.wants_triangle()) {
+            state.test_triangle();
+        }
+    }
+}
+
+template <class P>
+__global__ void __launch_bounds__(P::threads, P::blocks_per_sm) closest_hits(const __grid_constant__ BatchView batch) {
+    extern __shared__ uint2 stacks[];
+    uint2 local[cwbvh::largest_depth - P::shared_entries];
+    RayState<P> state(batch, stacks + threadIdx.x, local);
+    bool exhausted = false;
+    while (fetch(state, batch, exhausted)) {
+        std::uint32_t idle = 0;
+        do {
+            step(state);
+            idle = __ballot_sync(~0u, !state.active());
+        } while (exhausted ? idle != ~0u : cwbvh::bits_in(idle) < static_cast<std::uint32_t>(P::refill));
+    }
+}
+
+// One thread a ray, through the traversal that path kernels call.
+template <class Counter, class Finish>
+__device__ inline void trace_plain(const BatchView& batch, std::uint32_t index, Counter& counter, Finish&& finish) {
+    const Ray ray = batch.rays[index];
+    const Vec3<float> origin{ray.origin[0], ray.origin[1], ray.origin[2]};
+    const Vec3<float> direction{ray.direction[0], ray.direction[1], ray.direction[2]};
+    const PermutedRay permuted = PermutedRay::of(origin, direction);
+    Hit best{ray.t_max, no_primitive};
+    cwbvh::traverse(
+        batch.tree, origin, direction, best.t,
+        [&](std::uint32_t first, std::uint32_t count) {
+            for (std::uint32_t slot = first; slot < first + count; ++slot) {
+                intersect_slot(batch.triangles + slot, permuted, best);
+            }
+        },
+        counter);
+    finish(best);
+}
+
+__global__ void closest_hits_plain(const __grid_constant__ BatchView batch) {
+    const std::uint32_t index = blockIdx.x * blockDim.x + threadIdx.x;
+    if (index < batch.count) {
+        NoTraversalCounter none;
+        trace_plain(batch, index, none, [&](const Hit& hit) { batch.hits[index] = hit; });
+    }
+}
+
+// Sums of nodes visited, boxes and triangles tested.
+__global__ void count_work(const __grid_constant__ BatchView batch, unsigned long long* sums) {
+    const std::uint32_t index = blockIdx.x * blockDim.x + threadIdx.x;
+    if (index < batch.count) {
+        TraversalCounter counter;
+        trace_plain(batch, index, counter, [](const Hit&) {});
+        atomicAdd(sums, counter.nodes_visited);
+        atomicAdd(sums + 1, counter.boxes_tested);
+        atomicAdd(sums + 2, counter.primitives_tested);
+    }
+}
+
+}  // namespace pt::rays

@@ -1,0 +1,55 @@
+// Batches of rays without shading: what accelerators are compared by, as Aila and Laine do ("Understanding the
+// Efficiency of Ray Traversal on GPUs", HPG 2009).
+#pragma once
+
+#include "kernels/triangle.h"
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace pt::rays {
+
+struct alignas(16) Ray {
+    float origin[3];
+    float t_max;
+    float direction[3];
+    float unused = 0.0f;
+};
+
+// The least (t, primitive) with t at most t_max, or no_primitive and t_max.
+inline constexpr std::uint32_t no_primitive = ~0u;
+struct Hit {
+    float t;
+    std::uint32_t primitive;
+
+    bool operator==(const Hit&) const = default;
+};
+
+// A triangle in its slot, by axis: row k holds coordinate k of a, b and c, so that a ray's permutation of the axes
+// chooses rows and no components. Each row ends with the primitive's number.
+struct alignas(16) SlotTriangle {
+    struct Row {
+        float a, b, c;
+        std::uint32_t primitive;
+    } row[3];
+};
+static_assert(sizeof(SlotTriangle) == 48);
+
+inline SlotTriangle slot_triangle(const Triangle<float>& triangle, std::uint32_t primitive) {
+    SlotTriangle slot;
+    for (int k = 0; k < 3; ++k) {
+        slot.row[k] = {triangle.a[k], triangle.b[k], triangle.c[k], primitive};
+    }
+    return slot;
+}
+
+// Keeps a hit that comes before the one in hand.
+PT_HD inline void keep_nearer(const TriangleHit<float>& hit, std::uint32_t primitive, Hit& best) {
+    if (hit.hits && (hit.t < best.t || (hit.t == best.t && primitive < best.primitive))) {
+        best = {hit.t, primitive};
+    }
+}
+
+}  // namespace pt::rays

@@ -1,0 +1,283 @@
+// Compressed wide tree: 80-byte nodes of 8 children with boxes in 8 bits, visited by the octant of the direction.
+// Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017. What
+// differs: the slots of a child stand at fixed bits of one mask, and no box that a hit lies in is missed by rounding.
+#pragma once
+
+#include "kernels/math.h"
+#include "variants/acceleration/encoded_tree.h"
+
+#if defined(__CUDA_ARCH__)
+#define PT_UNROLL _Pragma("unroll")
+#else
+#define PT_UNROLL
+#endif
+
+namespace pt::accelerator::cwbvh {
+
+inline constexpr std::uint32_t width = 8;
+inline constexpr std::uint32_t largest_leaf = 3;
+// In steps: distances to planes are rounded as numbers near 2^15 steps are, by less than this.
+inline constexpr double plane_room = 1.0 / 128.0;
+// What a traversal can hold open: encode() refuses a deeper tree.
+inline constexpr std::uint32_t largest_depth = 64;
+
+// The bits of 2^15, whose second byte counts units: see plane_number. Nodes hold it, for read with them it costs nothing,
+// and a constant would take the place of the instruction's other one.
+inline constexpr std::uint32_t plane_splice = 0x47000000u;
+
+// Child i lies at one of the corners of its node: bit k of i is 1 at the high end of axis k. `contents` has bit 24 + i
+// for a child that is a node, and bits 3 i to 3 i + 2, the lowest first, for the slots of one that is a leaf.
+struct alignas(16) Node {
+    float origin[3];
+    std::uint8_t exponent[3];  // of the step between planes of an axis, as a float's exponent field
+    std::uint8_t unused = 0;
+    std::uint32_t child_base;  // the first child that is a node; the others follow in the order of i
+    std::uint32_t slot_base;   // the first slot of its leaves, likewise
+    std::uint32_t contents;
+    std::uint32_t splice = plane_splice;
+    // Of each axis the low ones and the high ones, in steps from the origin, at least plane_room outside of the child.
+    std::uint8_t plane[3][2][width];
+};
+static_assert(sizeof(Node) == 80);
+
+// A node as a traversal holds it: read as words, 16 bytes at once.
+struct LoadedNode {
+    std::uint32_t word[20];
+
+    PT_HD static LoadedNode of(const void* nodes, std::uint32_t index) {
+        LoadedNode node;
+#if defined(__CUDA_ARCH__)
+        const uint4* pieces = static_cast<const uint4*>(nodes) + 5 * static_cast<std::size_t>(index);
+PT_UNROLL
+        for (int i = 0; i < 5; ++i) {
+            const uint4 piece = __ldg(pieces + i);
+            node.word[4 * i] = piece.x, node.word[4 * i + 1] = piece.y;
+            node.word[4 * i + 2] = piece.z, node.word[4 * i + 3] = piece.w;
+        }
+#else
+        __builtin_memcpy(&node, static_cast<const unsigned char*>(nodes) + sizeof(Node) * index, sizeof(Node));
+#endif
+        return node;
+    }
+    PT_HD float origin(int axis) const { return number_of(static_cast<std::int32_t>(word[axis])); }
+    PT_HD float step(int axis) const {
+        return number_of(static_cast<std::int32_t>((word[3] >> (8 * axis)) & 255u) << 23);
+    }
+    PT_HD std::uint32_t child_base() const { return word[4]; }
+    PT_HD std::uint32_t slot_base() const { return word[5]; }
+    PT_HD std::uint32_t contents() const { return word[6]; }
+    // Four planes of an axis: the low ones, or the high ones, of children 0 to 3 or of 4 to 7.
+    PT_HD std::uint32_t low(int axis, int half) const { return word[8 + 4 * axis + half]; }
+    PT_HD std::uint32_t high(int axis, int half) const { return word[10 + 4 * axis + half]; }
+};
+
+PT_HD inline std::uint32_t bits_in(std::uint32_t x) {
+#if defined(__CUDA_ARCH__)
+    return static_cast<std::uint32_t>(__popc(static_cast<int>(x)));
+#else
+    return static_cast<std::uint32_t>(__builtin_popcount(x));
+#endif
+}
+PT_HD inline std::uint32_t highest_bit(std::uint32_t x) {
+#if defined(__CUDA_ARCH__)
+    return 31u - static_cast<std::uint32_t>(__clz(static_cast<int>(x)));
+#else
+    return 31u - static_cast<std::uint32_t>(__builtin_clz(x));
+#endif
+}
+PT_HD inline std::uint32_t lowest_bit(std::uint32_t x) {
+#if defined(__CUDA_ARCH__)
+    return static_cast<std::uint32_t>(__ffs(static_cast<int>(x))) - 1u;
+#else
+    return static_cast<std::uint32_t>(__builtin_ctz(x));
+#endif
+}
+PT_HD inline float multiply_add(float a, float b, float c) {
+#if defined(__CUDA_ARCH__)
+    return __fmaf_rn(a, b, c);
+#else
+    return a * b + c;
+#endif
+}
+
+// 2^15 + byte i of a word, which puts the byte in the middle of the number's fraction without a conversion.
+PT_HD inline float plane_number(std::uint32_t word, std::uint32_t i, [[maybe_unused]] std::uint32_t splice) {
+#if defined(__CUDA_ARCH__)
+    return __uint_as_float(__byte_perm(word, splice, 0x7504u | (i << 4)));
+#else
+    return 32768.0f + static_cast<float>((word >> (8u * i)) & 255u);
+#endif
+}
+
+// Distances are compared as the integers of their bits: of numbers that are not negative the order is the same, and one
+// that is counts as 0 where a ray enters and as a miss where it leaves.
+PT_HD inline std::int32_t latest_entry(float x, float y, float z) {
+#if defined(__CUDA_ARCH__)
+    return __vimax3_s32_relu(__float_as_int(x), __float_as_int(y), __float_as_int(z));
+#else
+    return max(max(bits_of(x), bits_of(y)), max(bits_of(z), 0));
+#endif
+}
+PT_HD inline std::int32_t earliest_exit(float x, float y, float z, float limit) {
+#if defined(__CUDA_ARCH__)
+    return __vimin3_s32(__float_as_int(x), __float_as_int(y),
+                        ::min(__float_as_int(z), __float_as_int(limit)));
+#else
+    return min(min(bits_of(x), bits_of(y)), min(bits_of(z), bits_of(limit)));
+#endif
+}
+
+// A ray as nodes see it: in float, with the room that rounding needs. A triangle's test moves vertices, relative to the
+// ray, by less than 8 u M along each axis, and a slab's distances are off by less than 8 u M over the direction, M being
+// the farthest coordinate from the origin of the ray to a corner of the tree: together 2^-20 M.
+struct BoxRay {
+    float origin[3];
+    float inverse[3];
+    float room[3];       // in units of t
+    std::uint32_t flip;  // bit k: the ray goes up axis k, so the low end comes first
+
+    template <class Real>
+    PT_HD static BoxRay of(const LoadedNode& root, const Vec3<Real>& from, const Vec3<Real>& direction) {
+        // The direction's least component is bounded: what it then strays from the ray is within the room too.
+        constexpr float largest_inverse = 1.15292150460684698e18f;  // 2^60
+        BoxRay ray;
+        ray.flip = 0;
+        float farthest = 0.0f;
+        PT_UNROLL
+        for (int k = 0; k < 3; ++k) {
+            ray.origin[k] = static_cast<float>(from[k]);
+            const float low = root.origin(k) - ray.origin[k];
+            farthest = max(farthest, max(absolute(low), absolute(low + 255.0f * root.step(k))));
+            if constexpr (sizeof(Real) > sizeof(float)) {
+                farthest = max(farthest, absolute(ray.origin[k]));
+            }
+        }
+        PT_UNROLL
+        for (int k = 0; k < 3; ++k) {
+            const float component = static_cast<float>(direction[k]);
+            const bool up = !(component < 0.0f);
+            ray.inverse[k] = absolute(component) < 1.0f / largest_inverse ? (up ? largest_inverse : -largest_inverse)
+                                                                        : 1.0f / component;
+            ray.room[k] = 9.5367431640625e-07f * farthest * absolute(ray.inverse[k]);
+            ray.flip |= up ? 1u << k : 0u;
+        }
+        return ray;
+    }
+};
+
+// The bits of a node's `contents` whose boxes the ray meets before the limit.
+PT_HD inline std::uint32_t boxes_hit(const LoadedNode& node, const BoxRay& ray, float limit) {
+    float step[3], near_offset[3], far_offset[3];
+    std::uint32_t near_words[3][2], far_words[3][2];
+    PT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const float inverse = ray.inverse[k], offset = (node.origin(k) - ray.origin[k]) * inverse;
+        const bool up = inverse > 0.0f;
+        step[k] = node.step(k) * inverse;
+        near_offset[k] = multiply_add(step[k], -32768.0f, offset - ray.room[k]);
+        far_offset[k] = multiply_add(step[k], -32768.0f, offset + ray.room[k]);
+        PT_UNROLL
+        for (int half = 0; half < 2; ++half) {
+            near_words[k][half] = up ? node.low(k, half) : node.high(k, half);
+            far_words[k][half] = up ? node.high(k, half) : node.low(k, half);
+        }
+    }
+    const std::uint32_t splice = node.word[7];
+    std::uint32_t hits = 0;
+    PT_UNROLL
+    for (std::uint32_t i = 0; i < width; ++i) {
+        const std::uint32_t half = i >> 2, byte = i & 3u;
+        const std::int32_t entry = latest_entry(multiply_add(plane_number(near_words[0][half], byte, splice), step[0], near_offset[0]),
+                                           multiply_add(plane_number(near_words[1][half], byte, splice), step[1], near_offset[1]),
+                                           multiply_add(plane_number(near_words[2][half], byte, splice), step[2], near_offset[2]));
+        const std::int32_t exit = earliest_exit(multiply_add(plane_number(far_words[0][half], byte, splice), step[0], far_offset[0]),
+                                           multiply_add(plane_number(far_words[1][half], byte, splice), step[1], far_offset[1]),
+                                           multiply_add(plane_number(far_words[2][half], byte, splice), step[2], far_offset[2]), limit);
+        hits |= entry <= exit ? (7u << (3u * i)) | (1u << (24u + i)) : 0u;
+    }
+    return hits & node.contents();
+}
+
+// A triangle's t is rounded too: less than 4 u away from where a box is entered.
+template <class Real>
+PT_HD inline float limit_of(const Real& best_t) {
+    return static_cast<float>(best_t) * 1.000000476837158203125f;
+}
+
+// Eight bits in slot order, into the order in which a ray of this octant visits: bit i goes to i ^ flip, and the
+// highest is the first. The map is its own inverse.
+PT_HD inline std::uint32_t by_octant(std::uint32_t bits, std::uint32_t flip) {
+    std::uint32_t swap = (bits ^ (bits >> 1)) & ((flip & 1u) != 0 ? 0x55u : 0u);
+    bits ^= swap * 3u;
+    swap = (bits ^ (bits >> 2)) & ((flip & 2u) != 0 ? 0x33u : 0u);
+    bits ^= swap * 5u;
+    swap = (bits ^ (bits >> 4)) & ((flip & 4u) != 0 ? 0x0fu : 0u);
+    return bits ^ (swap * 17u);
+}
+
+// Children of one node that are yet to be visited: bits 24 to 31 in the order of the octant; bits 0 to 7: which
+// children are nodes.
+struct NodeGroup {
+    std::uint32_t base = 0;
+    std::uint32_t bits = 0;
+
+    PT_HD static NodeGroup root() { return {0, 1u << 31}; }
+    PT_HD bool empty() const { return bits < (1u << 24); }
+    PT_HD std::uint32_t take_nearest(std::uint32_t flip) {
+        const std::uint32_t bit = highest_bit(bits), slot = (bit - 24u) ^ flip;
+        bits &= ~(1u << bit);
+        return base + bits_in(bits & 255u & ((1u << slot) - 1u));
+    }
+    PT_HD static NodeGroup of(const LoadedNode& node, std::uint32_t hits, std::uint32_t flip) {
+        return {node.child_base(), (by_octant(hits >> 24, flip) << 24) | (node.contents() >> 24)};
+    }
+};
+
+template <class Leaf, class Counter>
+PT_HD void visit_leaves(const LoadedNode& node, std::uint32_t hits, Leaf& leaf, Counter& counter) {
+    for (std::uint32_t left = hits & 0xffffffu; left != 0;) {
+        const std::uint32_t bit = lowest_bit(left), here = left & (7u << bit), count = bits_in(here);
+        left ^= here;
+        counter.primitives(count);
+        leaf(node.slot_base() + bits_in(node.contents() & ((1u << bit) - 1u)), count);
+    }
+}
+
+// leaf(first slot, count) may lower what best_t refers to.
+template <class Real, class Leaf, class Counter>
+PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<Real>& direction, const Real& best_t,
+                    Leaf&& leaf, Counter& counter) {
+    if (tree.node_count == 0) {
+        return;
+    }
+    const BoxRay ray = BoxRay::of(LoadedNode::of(tree.nodes, 0), origin, direction);
+    NodeGroup open[largest_depth];
+    std::uint32_t depth = 0;
+    for (NodeGroup group = NodeGroup::root();;) {
+        const LoadedNode node = LoadedNode::of(tree.nodes, group.take_nearest(ray.flip));
+        if (!group.empty()) {
+            open[depth++] = group;
+        }
+        counter.node();
+        counter.boxes(bits_in(node.contents() & 0xff249249u));
+        const std::uint32_t hits = boxes_hit(node, ray, limit_of(best_t));
+        visit_leaves(node, hits, leaf, counter);
+        group = NodeGroup::of(node, hits, ray.flip);
+        if (group.empty()) {
+            if (depth == 0) {
+                return;
+            }
+            group = open[--depth];
+        }
+    }
+}
+
+#if !defined(__CUDACC_RTC__)
+// Leaves of at most 3 references, cut so that the tree's SAH cost is least (the paper's section 3.1), and children put
+// where their octants visit them in order (3.2). Throws std::length_error for a tree deeper than largest_depth.
+EncodedTree encode(const BinaryTree& tree);
+#endif
+
+}  // namespace pt::accelerator::cwbvh
+
+#undef PT_UNROLL
