@@ -11,7 +11,7 @@ namespace pt::rays {
 namespace cwbvh = accelerator::cwbvh;
 
 // How a batch is worked off; see closest_hits.
-template <int Threads, int BlocksPerSm, int SharedEntries, int Refill, int Vote, bool Any = false>
+template <int Threads, int BlocksPerSm, int SharedEntries, int Refill, int Vote, int Groups, bool Any = false>
 struct BatchPolicy {
     static constexpr int threads = Threads;               // of a block
     static constexpr int blocks_per_sm = BlocksPerSm;     // what registers are cut to
@@ -20,6 +20,8 @@ struct BatchPolicy {
     // A node step where vote x the lanes that want one >= 4 x those that want a triangle's; 0: one node step, then all
     // triangles it found.
     static constexpr int vote = Vote;
+    // Groups of triangles that a lane can put off: with 2 it goes on to the next node while others test triangles.
+    static constexpr int groups = Groups;
     static constexpr bool any = Any;  // whether there is a hit, not which
 };
 
@@ -79,17 +81,28 @@ struct BatchView {
     std::uint32_t* next;  // the first ray that no warp has fetched
 };
 
+// by_octant of each byte, looked up in shared memory.
+struct OctantOrders {
+    std::uint8_t order[8][256];
+
+    __device__ void fill() {
+        for (std::uint32_t i = threadIdx.x; i < sizeof order; i += blockDim.x) {
+            order[i / 256][i % 256] = static_cast<std::uint8_t>(cwbvh::by_octant(i % 256, i / 256));
+        }
+    }
+};
+
 // One ray's traversal, in steps.
 template <class P>
 class RayState {
    public:
     // `local`: the stack beyond its shared part; outside, for an array indexed at run time keeps its neighbours in memory.
-    __device__ RayState(const BatchView& batch, uint2* shared, uint2* local)
-        : batch_(batch), shared_(shared), local_(local) {}
+    __device__ RayState(const BatchView& batch, uint2* shared, uint2* local, const OctantOrders& orders)
+        : batch_(batch), shared_(shared), local_(local), orders_(orders) {}
 
     __device__ bool active() const { return pending_ != 0 || !group_.empty(); }
     __device__ bool wants_triangle() const { return pending_ != 0; }
-    __device__ bool wants_node() const { return pending_ == 0 && !group_.empty(); }
+    __device__ bool wants_node() const { return (P::groups == 2 ? later_ : pending_) == 0 && !group_.empty(); }
 
     __device__ void start(std::uint32_t index) {
         const float4* words = reinterpret_cast<const float4*>(batch_.rays + index);
@@ -101,7 +114,7 @@ class RayState {
         best_ = {o.w, no_primitive};
         group_ = cwbvh::NodeGroup::root();
         depth_ = 0;
-        pending_ = 0;
+        pending_ = later_ = 0;
     }
 
     // A group is empty only where nothing is left to visit.
@@ -112,10 +125,16 @@ class RayState {
         }
         const cwbvh::LoadedNode node = cwbvh::LoadedNode::of(batch_.tree.nodes, index);
         const std::uint32_t hits = cwbvh::boxes_hit(node, box_ray_, cwbvh::limit_of(best_.t));
-        group_ = cwbvh::NodeGroup::of(node, hits, box_ray_.flip);
-        pending_ = hits & 0xffffffu;
-        contents_ = node.contents();
-        slot_base_ = node.slot_base();
+        group_ = {node.child_base(), (std::uint32_t{orders_.order[box_ray_.flip][hits >> 24]} << 24) | (node.contents() >> 24)};
+        if (P::groups == 2 && pending_ != 0) {
+            later_ = hits & 0xffffffu;
+            later_contents_ = node.contents();
+            later_base_ = node.slot_base();
+        } else {
+            pending_ = hits & 0xffffffu;
+            contents_ = node.contents();
+            slot_base_ = node.slot_base();
+        }
         finish_if_done();
     }
 
@@ -125,7 +144,11 @@ class RayState {
         intersect_slot(batch_.triangles + (slot_base_ + cwbvh::bits_in(contents_ & (bit - 1u))), ray_, best_);
         if (P::any && best_.primitive != no_primitive) {
             best_ = {0.0f, 0};
-            group_.bits = 0, depth_ = 0, pending_ = 0;
+            group_.bits = 0, depth_ = 0, pending_ = 0, later_ = 0;
+        }
+        if (P::groups == 2 && pending_ == 0) {
+            pending_ = later_, contents_ = later_contents_, slot_base_ = later_base_;
+            later_ = 0;
         }
         finish_if_done();
     }
@@ -158,11 +181,13 @@ class RayState {
     const BatchView& batch_;
     uint2* shared_;
     uint2* local_;
+    const OctantOrders& orders_;
     cwbvh::BoxRay box_ray_;
     PermutedRay ray_;
     Hit best_;
     cwbvh::NodeGroup group_;
     std::uint32_t index_, pending_ = 0, contents_, slot_base_;
+    std::uint32_t later_ = 0, later_contents_, later_base_;
     int depth_ = 0;
 };
 
@@ -212,7 +237,10 @@ template <class P>
 __global__ void __launch_bounds__(P::threads, P::blocks_per_sm) closest_hits(const __grid_constant__ BatchView batch) {
     extern __shared__ uint2 stacks[];
     uint2 local[cwbvh::largest_depth - P::shared_entries];
-    RayState<P> state(batch, stacks + threadIdx.x, local);
+    __shared__ OctantOrders orders;
+    orders.fill();
+    __syncthreads();
+    RayState<P> state(batch, stacks + threadIdx.x, local, orders);
     bool exhausted = false;
     while (fetch(state, batch, exhausted)) {
         std::uint32_t idle = 0;

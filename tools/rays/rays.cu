@@ -16,6 +16,7 @@
 #include "harness/rays/probe_meshes.h"
 #include "harness/rays/ray_sets.cuh"
 #include "tools/rays/device_memory.h"
+#include "variants/builder/gpu_tree.h"
 #include "variants/builder/sah.h"
 #include "variants/builder/sah_binned.h"
 
@@ -36,26 +37,27 @@ struct PolicyKernel {
     void (*any)(BatchView);
 };
 
-template <int Threads, int BlocksPerSm, int SharedEntries, int Refill, int Vote>
+template <int Threads, int BlocksPerSm, int SharedEntries, int Refill, int Vote, int Groups>
 PolicyKernel policy_kernel(const std::string& name) {
-    using Closest = BatchPolicy<Threads, BlocksPerSm, SharedEntries, Refill, Vote>;
-    using Any = BatchPolicy<Threads, BlocksPerSm, SharedEntries, Refill, Vote, true>;
+    using Closest = BatchPolicy<Threads, BlocksPerSm, SharedEntries, Refill, Vote, Groups>;
+    using Any = BatchPolicy<Threads, BlocksPerSm, SharedEntries, Refill, Vote, Groups, true>;
     return {name, Threads, BlocksPerSm, SharedEntries * Threads * sizeof(uint2), closest_hits<Closest>, closest_hits<Any>};
 }
 
 std::vector<PolicyKernel> policies() {
     return {
-        policy_kernel<128, 8, 8, 8, 4>("r8 v4 b8 s8"),
-        policy_kernel<128, 8, 8, 8, 8>("r8 v8 b8 s8"),
-        policy_kernel<128, 8, 8, 8, 2>("r8 v2 b8 s8"),
-        policy_kernel<128, 8, 8, 8, 0>("r8 v0 b8 s8"),
-        policy_kernel<128, 8, 8, 1, 4>("r1 v4 b8 s8"),
-        policy_kernel<128, 8, 8, 16, 4>("r16 v4 b8 s8"),
-        policy_kernel<128, 8, 8, 32, 4>("r32 v4 b8 s8"),
-        policy_kernel<128, 6, 8, 8, 4>("r8 v4 b6 s8"),
-        policy_kernel<128, 8, 4, 8, 4>("r8 v4 b8 s4"),
-        policy_kernel<128, 8, 12, 8, 4>("r8 v4 b8 s12"),
-        policy_kernel<64, 16, 8, 8, 4>("r8 v4 64x16 s8"),
+        policy_kernel<128, 8, 4, 8, 2, 1>("b8 r8 v2 g1"),
+        policy_kernel<128, 8, 4, 8, 1, 1>("b8 r8 v1 g1"),
+        policy_kernel<128, 8, 4, 8, 3, 1>("b8 r8 v3 g1"),
+        policy_kernel<128, 8, 4, 4, 2, 1>("b8 r4 v2 g1"),
+        policy_kernel<128, 8, 4, 12, 2, 1>("b8 r12 v2 g1"),
+        policy_kernel<128, 9, 4, 8, 2, 1>("b9 r8 v2 g1"),
+        policy_kernel<128, 10, 4, 8, 2, 1>("b10 r8 v2 g1"),
+        policy_kernel<128, 8, 4, 8, 2, 2>("b8 r8 v2 g2"),
+        policy_kernel<128, 7, 4, 8, 2, 2>("b7 r8 v2 g2"),
+        policy_kernel<128, 7, 4, 8, 4, 2>("b7 r8 v4 g2"),
+        policy_kernel<128, 6, 4, 8, 2, 2>("b6 r8 v2 g2"),
+        policy_kernel<128, 8, 4, 8, 0, 1>("b8 r8 v0 g1"),
     };
 }
 
@@ -124,7 +126,7 @@ class Batch {
         check(cudaGetLastError());
     }
     static void prepare(const PolicyKernel& kernel) {
-        const int share = static_cast<int>((kernel.shared_bytes + 1024) * kernel.blocks_per_sm * 100 / (228 * 1024)) + 1;
+        const int share = static_cast<int>((kernel.shared_bytes + sizeof(OctantOrders) + 1024) * kernel.blocks_per_sm * 100 / (228 * 1024)) + 1;
         for (const auto function : {kernel.closest, kernel.any}) {
             check(cudaFuncSetAttribute(function, cudaFuncAttributePreferredSharedMemoryCarveout, std::min(share, 100)));
         }
@@ -299,20 +301,68 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-std::string measure_mesh(const MeshCase& mesh_case, const Options& options) {
-    const ProbeMesh mesh = mesh_case.make();
-    auto start = std::chrono::steady_clock::now();
-    const BinaryTree binary = builder::sah_binned::build(boxes_of(mesh.triangles), 1);
-    const double build = seconds_since(start);
-    start = std::chrono::steady_clock::now();
-    const Scene scene(mesh.triangles, accelerator::cwbvh::encode(binary));
-    std::printf("%s: %zu triangles, build %.2f s, encode and upload %.2f s, SAH cost %.2f, %u nodes\n", mesh.name.c_str(),
-                mesh.triangles.size(), build, seconds_since(start), builder::tree_cost(binary), scene.tree.node_count);
+__global__ void box_triangles(const Triangle<float>* triangles, std::uint32_t count, Box* boxes) {
+    const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+    if (i < count) {
+        const Triangle<float> t = triangles[i];
+        float* words = boxes[i].low;
+        for (int k = 0; k < 3; ++k) {
+            words[k] = fminf(fminf(t.a[k], t.b[k]), t.c[k]);
+            words[3 + k] = fmaxf(fmaxf(t.a[k], t.b[k]), t.c[k]);
+        }
+    }
+}
+
+struct BuiltTree {
+    std::string builder;
+    BinaryTree tree;
+    double seconds;
+};
+
+// From triangles on the device to a binary tree there: the median of five builds, by events.
+BuiltTree build_on_gpu(const std::vector<Triangle<float>>& triangles, bool hploc) {
+    const auto count = static_cast<std::uint32_t>(triangles.size());
+    const DeviceArray<Triangle<float>> device_triangles(triangles);
+    const DeviceArray<float> boxes(6 * triangles.size());
+    Box* device_boxes = reinterpret_cast<Box*>(boxes.data());
+    builder::GpuTree tree(count);
+    EventPair events;
+    std::vector<float> milliseconds;
+    for (int i = 0; i < 6; ++i) {
+        events.start();
+        box_triangles<<<(count + block - 1) / block, block>>>(device_triangles.data(), count, device_boxes);
+        hploc ? tree.build_hploc(device_boxes) : tree.build_lbvh(device_boxes);
+        milliseconds.push_back(events.stop());
+    }
+    std::sort(milliseconds.begin() + 1, milliseconds.end());
+    return {hploc ? "hploc" : "lbvh", tree.download(), milliseconds[3] * 1e-3};
+}
+
+BuiltTree build_on_host(const std::vector<Triangle<float>>& triangles) {
+    const PrimitiveBoxes boxes = boxes_of(triangles);
+    const auto start = std::chrono::steady_clock::now();
+    BinaryTree tree = builder::sah_binned::build(boxes, 1);
+    return {"sah_binned", std::move(tree), seconds_since(start)};
+}
+
+std::string measure_tree(const ProbeMesh& mesh, const BuiltTree& built, const Options& options) {
+    try {
+        builder::check(built.tree, boxes_of(mesh.triangles));
+    } catch (const std::logic_error& fault) {
+        std::printf("TREE OF %s: %s\n", built.builder.c_str(), fault.what());
+    }
+    const auto start = std::chrono::steady_clock::now();
+    const Scene scene(mesh.triangles, accelerator::cwbvh::encode(built.tree));
+    const double cost = builder::tree_cost(built.tree);
+    std::printf("%s: %zu triangles, %s %.6f s, encode and upload %.2f s, SAH cost %.2f, depth %u, %u nodes\n", mesh.name.c_str(),
+                mesh.triangles.size(), built.builder.c_str(), built.seconds, seconds_since(start), cost, builder::tree_depth(built.tree),
+                scene.tree.node_count);
     Batch batch(scene, 1u << options.log2_rays);
     const std::vector<RaySet> sets = ray_sets(scene, batch, policies()[0], options.log2_rays);
     std::ostringstream json;
-    json << "{\"mesh\": \"" << mesh.name << "\", \"triangles\": " << mesh.triangles.size()
-         << ", \"nodes\": " << scene.tree.node_count << ", \"host_build_s\": " << build << ", \"ray_sets\": [\n";
+    json << "{\"mesh\": \"" << mesh.name << "\", \"triangles\": " << mesh.triangles.size() << ", \"builder\": \""
+         << built.builder << "\", \"build_s\": " << built.seconds << ", \"sah_cost\": " << cost
+         << ", \"wide_nodes\": " << scene.tree.node_count << ", \"ray_sets\": [\n";
     bool first = true;
     for (const RaySet& set : sets) {
         if (!options.profile.empty()) {
@@ -320,13 +370,24 @@ std::string measure_mesh(const MeshCase& mesh_case, const Options& options) {
                 batch.launch(policies()[0], set.any, set.rays);
                 check(cudaDeviceSynchronize());
             }
-            continue;
+        } else if (built.builder == "sah_binned" || set.name == "primary" || set.name == "diffuse 1") {
+            json << (first ? "  " : ",\n  ") << measure_set(scene, batch, set, options);
+            first = false;
         }
-        json << (first ? "  " : ",\n  ") << measure_set(scene, batch, set, options);
-        first = false;
     }
     json << "]}";
     return json.str();
+}
+
+std::string measure_mesh(const MeshCase& mesh_case, const Options& options) {
+    const ProbeMesh mesh = mesh_case.make();
+    std::string json = measure_tree(mesh, build_on_host(mesh.triangles), options);
+    if (options.profile.empty()) {
+        for (const bool hploc : {true, false}) {
+            json += ",\n" + measure_tree(mesh, build_on_gpu(mesh.triangles, hploc), options);
+        }
+    }
+    return json;
 }
 
 Options read(int argc, char** argv) {

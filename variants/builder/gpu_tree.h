@@ -1,0 +1,45 @@
+// Builders on the GPU: boxes in, a binary tree out, both in device memory; and the way of that tree to the host.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "variants/acceleration/binary_tree.h"
+
+namespace pt::builder {
+
+// Nodes 0 to n - 1 are the leaves, in the order of their Morton codes, one primitive each; inner nodes follow.
+struct alignas(32) GpuNode {
+    float low[3];
+    std::uint32_t left;  // inner: a node; leaf: the primitive
+    float high[3];
+    std::uint32_t right;  // inner: a node
+};
+
+struct GpuTreeMemory;
+
+// Holds memory for one size; a build allocates nothing. Every call is queued on the default stream.
+class GpuTree {
+   public:
+    explicit GpuTree(std::uint32_t primitives);
+    ~GpuTree();
+    GpuTree(const GpuTree&) = delete;
+    GpuTree& operator=(const GpuTree&) = delete;
+
+    // Lauterbach et al. 2009 as Apetrei 2014 builds it: in the order of the Morton codes, from the leaves up.
+    void build_lbvh(const Box* device_boxes);
+    // Benthin et al., "H-PLOC: Hierarchical Parallel Locally-Ordered Clustering", HPG 2024: on that tree's way up, warps
+    // merge the nearest of up to 32 neighbours until 16 are left.
+    void build_hploc(const Box* device_boxes);
+
+    std::uint32_t primitives() const;
+    const GpuNode* device_nodes() const;
+    const std::uint32_t* device_root() const;  // the root's number, on the device
+    BinaryTree download() const;
+
+   private:
+    std::unique_ptr<GpuTreeMemory> memory_;
+};
+
+}  // namespace pt::builder
