@@ -191,45 +191,38 @@ class RayState {
     int depth_ = 0;
 };
 
-// Lanes without a ray take the next ones. False when there are none left and no lane has one.
+// Lanes without a ray take the next ones. False when that were the last.
 template <class P>
-__device__ inline bool fetch(RayState<P>& state, const BatchView& batch, bool& exhausted) {
-    const std::uint32_t idle = __ballot_sync(~0u, !state.active()), lane = threadIdx.x & 31u;
-    if (!exhausted) {
-        std::uint32_t first = 0;
-        if (lane == 0) {
-            first = atomicAdd(batch.next, cwbvh::bits_in(idle));
-        }
-        first = __shfl_sync(~0u, first, 0);
-        exhausted = first + cwbvh::bits_in(idle) >= batch.count;
-        const std::uint32_t index = first + cwbvh::bits_in(idle & ((1u << lane) - 1u));
-        if (!state.active() && index < batch.count) {
-            state.start(index);
-        }
+__device__ inline bool fetch(RayState<P>& state, const BatchView& batch, std::uint32_t idle) {
+    const std::uint32_t lane = threadIdx.x & 31u;
+    std::uint32_t first = 0;
+    if (lane == 0) {
+        first = atomicAdd(batch.next, cwbvh::bits_in(idle));
     }
-    return __any_sync(~0u, state.active());
+    first = __shfl_sync(~0u, first, 0);
+    const std::uint32_t index = first + cwbvh::bits_in(idle & ((1u << lane) - 1u));
+    if ((idle >> lane & 1u) != 0 && index < batch.count) {
+        state.start(index);
+    }
+    return first + cwbvh::bits_in(idle) < batch.count;
 }
 
 // One step of the warp: of nodes or of triangles, for the lanes that want it.
 template <class P>
-__device__ inline void step(RayState<P>& state) {
-    if constexpr (P::vote == 0) {
+__device__ inline void step(RayState<P>& state, std::uint32_t nodes, std::uint32_t triangles) {
+    if (P::vote == 0) {
         if (state.wants_node()) {
             state.visit_node();
         }
         while (state.wants_triangle()) {
             state.test_triangle();
         }
-    } else {
-        const std::uint32_t nodes = cwbvh::bits_in(__ballot_sync(~0u, state.wants_node()));
-        const std::uint32_t triangles = cwbvh::bits_in(__ballot_sync(~0u, state.wants_triangle()));
-        if (nodes * P::vote >= 4u * triangles && nodes != 0) {
-            if (state.wants_node()) {
-                state.visit_node();
-            }
-        } else if (state.wants_triangle()) {
-            state.test_triangle();
+    } else if (nodes != 0 && cwbvh::bits_in(nodes) * P::vote >= 4u * cwbvh::bits_in(triangles)) {
+        if (state.wants_node()) {
+            state.visit_node();
         }
+    } else if (state.wants_triangle()) {
+        state.test_triangle();
     }
 }
 
@@ -241,13 +234,19 @@ __global__ void __launch_bounds__(P::threads, P::blocks_per_sm) closest_hits(con
     orders.fill();
     __syncthreads();
     RayState<P> state(batch, stacks + threadIdx.x, local, orders);
-    bool exhausted = false;
-    while (fetch(state, batch, exhausted)) {
-        std::uint32_t idle = 0;
-        do {
-            step(state);
-            idle = __ballot_sync(~0u, !state.active());
-        } while (exhausted ? idle != ~0u : cwbvh::bits_in(idle) < static_cast<std::uint32_t>(P::refill));
+    bool more = true;
+    for (std::uint32_t refill = P::refill;;) {
+        const std::uint32_t nodes = __ballot_sync(~0u, state.wants_node());
+        const std::uint32_t triangles = __ballot_sync(~0u, state.wants_triangle());
+        const std::uint32_t idle = ~(nodes | triangles);
+        if (cwbvh::bits_in(idle) < refill) {
+            step(state, nodes, triangles);
+        } else if (!more) {
+            return;
+        } else if (!fetch(state, batch, idle)) {
+            more = false;
+            refill = 32;
+        }
     }
 }
 

@@ -16,7 +16,7 @@
 #include "harness/rays/probe_meshes.h"
 #include "harness/rays/ray_sets.cuh"
 #include "tools/rays/device_memory.h"
-#include "variants/builder/gpu_tree.h"
+#include "variants/builder/hploc.h"
 #include "variants/builder/sah.h"
 #include "variants/builder/sah_binned.h"
 

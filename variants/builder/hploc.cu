@@ -1,6 +1,6 @@
 // LBVH and H-PLOC on the GPU. The trees are the same on every run: keys are sorted by (Morton code, primitive), merges
 // depend on the boxes of a range alone, and a node's number follows from the leaves that it joins.
-#include "variants/builder/gpu_tree.h"
+#include "variants/builder/hploc.h"
 
 #include <stdexcept>
 #include <string>

@@ -6,16 +6,9 @@
 #include <memory>
 
 #include "variants/acceleration/binary_tree.h"
+#include "variants/acceleration/gpu_node.h"
 
 namespace pt::builder {
-
-// Nodes 0 to n - 1 are the leaves, in the order of their Morton codes, one primitive each; inner nodes follow.
-struct alignas(32) GpuNode {
-    float low[3];
-    std::uint32_t left;  // inner: a node; leaf: the primitive
-    float high[3];
-    std::uint32_t right;  // inner: a node
-};
 
 struct GpuTreeMemory;
 
