@@ -11,6 +11,7 @@
 #include "variants/accelerator/bvh2.h"
 #include "variants/accelerator/bvh4.h"
 #include "variants/accelerator/bvh8.h"
+#include "variants/accelerator/cwbvh.h"
 
 namespace pt::test {
 namespace {
@@ -34,7 +35,9 @@ std::vector<AcceleratorChoice> accelerators() {
             accelerator("bvh4", &accelerator::bvh4::encode,
                         [](auto&&... all) { accelerator::bvh4::traverse<float>(all...); }),
             accelerator("bvh8", &accelerator::bvh8::encode,
-                        [](auto&&... all) { accelerator::bvh8::traverse<float>(all...); })};
+                        [](auto&&... all) { accelerator::bvh8::traverse<float>(all...); }),
+            accelerator("cwbvh", &accelerator::cwbvh::encode,
+                        [](auto&&... all) { accelerator::cwbvh::traverse<float>(all...); })};
 }
 
 std::string text(const TestRay& ray) {

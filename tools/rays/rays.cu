@@ -16,9 +16,11 @@
 #include "harness/rays/probe_meshes.h"
 #include "harness/rays/ray_sets.cuh"
 #include "tools/rays/device_memory.h"
+#include "variants/acceleration/primitive_boxes.h"
 #include "variants/builder/hploc.h"
 #include "variants/builder/sah.h"
 #include "variants/builder/sah_binned.h"
+#include "variants/cuda/cwbvh_encoder.h"
 
 namespace pt::rays {
 namespace {
@@ -46,18 +48,18 @@ PolicyKernel policy_kernel(const std::string& name) {
 
 std::vector<PolicyKernel> policies() {
     return {
-        policy_kernel<128, 8, 4, 8, 2, 1>("b8 r8 v2 g1"),
-        policy_kernel<128, 8, 4, 8, 1, 1>("b8 r8 v1 g1"),
-        policy_kernel<128, 8, 4, 8, 3, 1>("b8 r8 v3 g1"),
-        policy_kernel<128, 8, 4, 4, 2, 1>("b8 r4 v2 g1"),
-        policy_kernel<128, 8, 4, 12, 2, 1>("b8 r12 v2 g1"),
-        policy_kernel<128, 9, 4, 8, 2, 1>("b9 r8 v2 g1"),
-        policy_kernel<128, 10, 4, 8, 2, 1>("b10 r8 v2 g1"),
-        policy_kernel<128, 8, 4, 8, 2, 2>("b8 r8 v2 g2"),
-        policy_kernel<128, 7, 4, 8, 2, 2>("b7 r8 v2 g2"),
-        policy_kernel<128, 7, 4, 8, 4, 2>("b7 r8 v4 g2"),
-        policy_kernel<128, 6, 4, 8, 2, 2>("b6 r8 v2 g2"),
-        policy_kernel<128, 8, 4, 8, 0, 1>("b8 r8 v0 g1"),
+        policy_kernel<128, 8, 4, 8, 2, 2>("t128 b8 s4 r8 v2 g2"),
+        policy_kernel<128, 8, 4, 8, 1, 2>("t128 b8 s4 r8 v1 g2"),
+        policy_kernel<128, 8, 4, 8, 3, 2>("t128 b8 s4 r8 v3 g2"),
+        policy_kernel<128, 8, 4, 6, 2, 2>("t128 b8 s4 r6 v2 g2"),
+        policy_kernel<128, 8, 4, 10, 2, 2>("t128 b8 s4 r10 v2 g2"),
+        policy_kernel<128, 8, 4, 12, 2, 2>("t128 b8 s4 r12 v2 g2"),
+        policy_kernel<128, 9, 4, 8, 2, 2>("t128 b9 s4 r8 v2 g2"),
+        policy_kernel<128, 8, 2, 8, 2, 2>("t128 b8 s2 r8 v2 g2"),
+        policy_kernel<64, 16, 4, 8, 2, 2>("t64 b16 s4 r8 v2 g2"),
+        policy_kernel<256, 4, 4, 8, 2, 2>("t256 b4 s4 r8 v2 g2"),
+        policy_kernel<128, 7, 4, 8, 2, 2>("t128 b7 s4 r8 v2 g2"),
+        policy_kernel<128, 8, 4, 8, 0, 1>("t128 b8 s4 r8 v0 g1"),
     };
 }
 
@@ -74,15 +76,7 @@ std::vector<MeshCase> mesh_cases() {
 }
 
 PrimitiveBoxes boxes_of(const std::vector<Triangle<float>>& triangles) {
-    PrimitiveBoxes boxes(triangles.size());
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-        const Triangle<float>& t = triangles[i];
-        for (int k = 0; k < 3; ++k) {
-            boxes[i].low[k] = std::min({t.a[k], t.b[k], t.c[k]});
-            boxes[i].high[k] = std::max({t.a[k], t.b[k], t.c[k]});
-        }
-    }
-    return boxes;
+    return primitive_boxes(std::span<const Triangle<float>>(triangles));
 }
 
 // A mesh on the device, and its tree on both sides.
@@ -101,7 +95,11 @@ struct Scene {
         }
         slots = DeviceArray<SlotTriangle>(host);
     }
-    TreeView view() const { return {nodes.data(), tree.node_count}; }
+    TreeView view() const {
+        TreeView view = tree.view();
+        view.nodes = nodes.data();
+        return view;
+    }
 };
 
 struct RaySet {
@@ -316,33 +314,59 @@ __global__ void box_triangles(const Triangle<float>* triangles, std::uint32_t co
 struct BuiltTree {
     std::string builder;
     BinaryTree tree;
-    double seconds;
+    EncodedTree encoded;
+    double build_seconds, encode_seconds;
 };
 
-// From triangles on the device to a binary tree there: the median of five builds, by events.
+EncodedTree download(const accelerator::cwbvh::GpuEncoder& encoder, std::uint32_t slots) {
+    EncodedTree tree;
+    tree.node_count = encoder.node_count();
+    tree.nodes.resize(tree.node_count * (sizeof(accelerator::cwbvh::Node) / sizeof(NodePiece)));
+    tree.references.resize(slots);
+    check(cudaMemcpy(tree.nodes.data(), encoder.device_nodes(), tree.nodes.size() * sizeof(NodePiece), cudaMemcpyDeviceToHost));
+    check(cudaMemcpy(tree.references.data(), encoder.device_references(), slots * sizeof(std::uint32_t), cudaMemcpyDeviceToHost));
+    return tree;
+}
+
+double median_seconds(std::vector<float> milliseconds) {
+    std::sort(milliseconds.begin(), milliseconds.end());
+    return milliseconds[milliseconds.size() / 2] * 1e-3;
+}
+
+// From triangles on the device to a binary tree there, and from that to a wide one: medians of five, by events.
 BuiltTree build_on_gpu(const std::vector<Triangle<float>>& triangles, bool hploc) {
     const auto count = static_cast<std::uint32_t>(triangles.size());
     const DeviceArray<Triangle<float>> device_triangles(triangles);
     const DeviceArray<float> boxes(6 * triangles.size());
     Box* device_boxes = reinterpret_cast<Box*>(boxes.data());
     builder::GpuTree tree(count);
+    accelerator::cwbvh::GpuEncoder encoder(count);
     EventPair events;
-    std::vector<float> milliseconds;
+    std::vector<float> build, encode;
     for (int i = 0; i < 6; ++i) {
         events.start();
         box_triangles<<<(count + block - 1) / block, block>>>(device_triangles.data(), count, device_boxes);
         hploc ? tree.build_hploc(device_boxes) : tree.build_lbvh(device_boxes);
-        milliseconds.push_back(events.stop());
+        build.push_back(events.stop());
+        events.start();
+        encoder.encode(tree.device_nodes(), tree.device_root());
+        encode.push_back(events.stop());
+        if (i == 0) {  // warms up
+            build.clear();
+            encode.clear();
+        }
     }
-    std::sort(milliseconds.begin() + 1, milliseconds.end());
-    return {hploc ? "hploc" : "lbvh", tree.download(), milliseconds[3] * 1e-3};
+    return {hploc ? "hploc" : "lbvh", tree.download(), download(encoder, count), median_seconds(build), median_seconds(encode)};
 }
 
 BuiltTree build_on_host(const std::vector<Triangle<float>>& triangles) {
     const PrimitiveBoxes boxes = boxes_of(triangles);
-    const auto start = std::chrono::steady_clock::now();
+    auto start = std::chrono::steady_clock::now();
     BinaryTree tree = builder::sah_binned::build(boxes, 1);
-    return {"sah_binned", std::move(tree), seconds_since(start)};
+    const double build = seconds_since(start);
+    start = std::chrono::steady_clock::now();
+    EncodedTree encoded = accelerator::cwbvh::encode(tree);
+    return {"sah_binned", std::move(tree), std::move(encoded), build, seconds_since(start)};
 }
 
 std::string measure_tree(const ProbeMesh& mesh, const BuiltTree& built, const Options& options) {
@@ -351,17 +375,16 @@ std::string measure_tree(const ProbeMesh& mesh, const BuiltTree& built, const Op
     } catch (const std::logic_error& fault) {
         std::printf("TREE OF %s: %s\n", built.builder.c_str(), fault.what());
     }
-    const auto start = std::chrono::steady_clock::now();
-    const Scene scene(mesh.triangles, accelerator::cwbvh::encode(built.tree));
+    const Scene scene(mesh.triangles, built.encoded);
     const double cost = builder::tree_cost(built.tree);
-    std::printf("%s: %zu triangles, %s %.6f s, encode and upload %.2f s, SAH cost %.2f, depth %u, %u nodes\n", mesh.name.c_str(),
-                mesh.triangles.size(), built.builder.c_str(), built.seconds, seconds_since(start), cost, builder::tree_depth(built.tree),
-                scene.tree.node_count);
+    std::printf("%s: %zu triangles, %s %.3f ms, encoding %.3f ms, SAH cost %.2f, depth %u, %u nodes\n", mesh.name.c_str(),
+                mesh.triangles.size(), built.builder.c_str(), built.build_seconds * 1e3, built.encode_seconds * 1e3, cost,
+                builder::tree_depth(built.tree), scene.tree.node_count);
     Batch batch(scene, 1u << options.log2_rays);
     const std::vector<RaySet> sets = ray_sets(scene, batch, policies()[0], options.log2_rays);
     std::ostringstream json;
     json << "{\"mesh\": \"" << mesh.name << "\", \"triangles\": " << mesh.triangles.size() << ", \"builder\": \""
-         << built.builder << "\", \"build_s\": " << built.seconds << ", \"sah_cost\": " << cost
+         << built.builder << "\", \"build_s\": " << built.build_seconds << ", \"encode_s\": " << built.encode_seconds << ", \"sah_cost\": " << cost
          << ", \"wide_nodes\": " << scene.tree.node_count << ", \"ray_sets\": [\n";
     bool first = true;
     for (const RaySet& set : sets) {

@@ -47,7 +47,7 @@ struct LoadedNode {
     PT_HD static LoadedNode of(const void* nodes, std::uint32_t index) {
         LoadedNode node;
 #if defined(__CUDA_ARCH__)
-        const uint4* pieces = static_cast<const uint4*>(nodes) + 5 * static_cast<std::size_t>(index);
+        const uint4* pieces = static_cast<const uint4*>(nodes) + 5 * static_cast<std::uint64_t>(index);
 PT_UNROLL
         for (int i = 0; i < 5; ++i) {
             const uint4 piece = __ldg(pieces + i);
@@ -253,7 +253,7 @@ PT_HD void visit_leaves(const LoadedNode& node, std::uint32_t hits, Leaf& leaf, 
     }
 }
 
-// leaf(first slot, count) may lower what best_t refers to.
+// leaf(first slot, count) may lower the variable that best_t refers to; to below 0: nothing more is visited.
 template <class Real, class Leaf, class Counter>
 PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<Real>& direction, const Real& best_t,
                     Leaf&& leaf, Counter& counter) {
@@ -272,6 +272,9 @@ PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<R
         counter.boxes(bits_in(node.contents() & 0xff249249u));
         const std::uint32_t hits = boxes_hit(node, ray, limit_of(best_t));
         visit_leaves(node, hits, leaf, counter);
+        if (best_t < Real(0)) {
+            return;
+        }
         group = NodeGroup::of(node, hits, ray.flip);
         if (group.empty()) {
             if (depth == 0) {
@@ -281,6 +284,16 @@ PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<R
         }
     }
 }
+
+struct Traversal {
+    static constexpr bool is_chosen_at_run_time = false;
+
+    template <class Real, class Leaf, class Counter>
+    PT_HD static void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<Real>& direction,
+                               const Real& best_t, Leaf&& leaf, Counter& counter) {
+        cwbvh::traverse(tree, origin, direction, best_t, leaf, counter);
+    }
+};
 
 #if !defined(__CUDACC_RTC__)
 // Leaves of at most 3 references, cut so that the tree's SAH cost is least (the paper's section 3.1), and children put
