@@ -11,7 +11,8 @@ namespace pt::rays {
 namespace cwbvh = accelerator::cwbvh;
 
 // How a batch is worked off; see closest_hits.
-template <int Threads, int BlocksPerSm, int SharedEntries, int Refill, int Vote, int Groups, bool Any = false>
+template <int Threads, int BlocksPerSm, int SharedEntries, int Refill, int Vote, int Groups, bool Prefetch = false,
+          bool Any = false>
 struct BatchPolicy {
     static constexpr int threads = Threads;               // of a block
     static constexpr int blocks_per_sm = BlocksPerSm;     // what registers are cut to
@@ -22,7 +23,8 @@ struct BatchPolicy {
     static constexpr int vote = Vote;
     // Groups of triangles that a lane can put off: with 2 it goes on to the next node while others test triangles.
     static constexpr int groups = Groups;
-    static constexpr bool any = Any;  // whether there is a hit, not which
+    static constexpr bool prefetch = Prefetch;  // asks for the first triangle of a group as soon as it is known
+    static constexpr bool any = Any;            // whether there is a hit, not which
 };
 
 // The watertight test (kernels/triangle.h) on rows of a slot: the same operations in the same order, the vertices
@@ -65,7 +67,8 @@ __device__ inline void intersect_slot(const SlotTriangle* triangle, const Permut
     const float det = u + v + w;
     const float scaled = u * (shear.z * az) + v * (shear.z * bz) + w * (shear.z * cz);
     // t would be negative, or beyond the best by more than its rounding.
-    if (det == 0.0f || scaled * det < 0.0f || fabsf(scaled) > __fmaf_rn(fabsf(det), best.t * 1.000001f, 1.1754944e-38f)) {
+    if (det == 0.0f || scaled * det < 0.0f ||
+        fabsf(scaled) > __fmaf_rn(fabsf(det), best.t * 1.000001f, 1.1754944e-38f)) {
         return;
     }
     const float t = scaled / det;
@@ -95,8 +98,9 @@ struct OctantOrders {
 // One ray's traversal, in steps.
 template <class P>
 class RayState {
-   public:
-    // `local`: the stack beyond its shared part; outside, for an array indexed at run time keeps its neighbours in memory.
+public:
+    // `local`: the stack beyond its shared part; outside, for an array indexed at run time keeps its neighbours in
+    // memory.
     __device__ RayState(const BatchView& batch, uint2* shared, uint2* local, const OctantOrders& orders)
         : batch_(batch), shared_(shared), local_(local), orders_(orders) {}
 
@@ -125,7 +129,8 @@ class RayState {
         }
         const cwbvh::LoadedNode node = cwbvh::LoadedNode::of(batch_.tree.nodes, index);
         const std::uint32_t hits = cwbvh::boxes_hit(node, box_ray_, cwbvh::limit_of(best_.t));
-        group_ = {node.child_base(), (std::uint32_t{orders_.order[box_ray_.flip][hits >> 24]} << 24) | (node.contents() >> 24)};
+        group_ = {node.child_base(),
+                  (std::uint32_t{orders_.order[box_ray_.flip][hits >> 24]} << 24) | (node.contents() >> 24)};
         if (P::groups == 2 && pending_ != 0) {
             later_ = hits & 0xffffffu;
             later_contents_ = node.contents();
@@ -134,6 +139,11 @@ class RayState {
             pending_ = hits & 0xffffffu;
             contents_ = node.contents();
             slot_base_ = node.slot_base();
+        }
+        if (P::prefetch && (hits & 0xffffffu) != 0) {
+            const SlotTriangle* first =
+                batch_.triangles + node.slot_base() + cwbvh::bits_in(node.contents() & ((hits & (0u - hits)) - 1u));
+            asm volatile("prefetch.global.L1 [%0];" ::"l"(first));
         }
         finish_if_done();
     }
@@ -153,7 +163,7 @@ class RayState {
         finish_if_done();
     }
 
-   private:
+private:
     __device__ void finish_if_done() {
         if (group_.empty()) {
             if (depth_ != 0) {
@@ -174,7 +184,8 @@ class RayState {
     }
     __device__ void pop() {
         --depth_;
-        const uint2 entry = depth_ < P::shared_entries ? shared_[depth_ * P::threads] : local_[depth_ - P::shared_entries];
+        const uint2 entry =
+            depth_ < P::shared_entries ? shared_[depth_ * P::threads] : local_[depth_ - P::shared_entries];
         group_ = {entry.x, entry.y};
     }
 
@@ -191,38 +202,45 @@ class RayState {
     int depth_ = 0;
 };
 
-// Lanes without a ray take the next ones. False when that were the last.
+// Lanes without a ray take the next ones. False when there are none left and no lane has one.
 template <class P>
-__device__ inline bool fetch(RayState<P>& state, const BatchView& batch, std::uint32_t idle) {
-    const std::uint32_t lane = threadIdx.x & 31u;
-    std::uint32_t first = 0;
-    if (lane == 0) {
-        first = atomicAdd(batch.next, cwbvh::bits_in(idle));
+__device__ inline bool fetch(RayState<P>& state, const BatchView& batch, bool& exhausted) {
+    const std::uint32_t idle = __ballot_sync(~0u, !state.active()), lane = threadIdx.x & 31u;
+    if (!exhausted) {
+        std::uint32_t first = 0;
+        if (lane == 0) {
+            first = atomicAdd(batch.next, cwbvh::bits_in(idle));
+        }
+        first = __shfl_sync(~0u, first, 0);
+        exhausted = first + cwbvh::bits_in(idle) >= batch.count;
+        const std::uint32_t index = first + cwbvh::bits_in(idle & ((1u << lane) - 1u));
+        if (!state.active() && index < batch.count) {
+            state.start(index);
+        }
     }
-    first = __shfl_sync(~0u, first, 0);
-    const std::uint32_t index = first + cwbvh::bits_in(idle & ((1u << lane) - 1u));
-    if ((idle >> lane & 1u) != 0 && index < batch.count) {
-        state.start(index);
-    }
-    return first + cwbvh::bits_in(idle) < batch.count;
+    return __any_sync(~0u, state.active());
 }
 
 // One step of the warp: of nodes or of triangles, for the lanes that want it.
 template <class P>
-__device__ inline void step(RayState<P>& state, std::uint32_t nodes, std::uint32_t triangles) {
-    if (P::vote == 0) {
+__device__ inline void step(RayState<P>& state) {
+    if constexpr (P::vote == 0) {
         if (state.wants_node()) {
             state.visit_node();
         }
         while (state.wants_triangle()) {
             state.test_triangle();
         }
-    } else if (nodes != 0 && cwbvh::bits_in(nodes) * P::vote >= 4u * cwbvh::bits_in(triangles)) {
-        if (state.wants_node()) {
-            state.visit_node();
+    } else {
+        const std::uint32_t nodes = cwbvh::bits_in(__ballot_sync(~0u, state.wants_node()));
+        const std::uint32_t triangles = cwbvh::bits_in(__ballot_sync(~0u, state.wants_triangle()));
+        if (nodes != 0 && nodes * P::vote >= 4u * triangles) {
+            if (state.wants_node()) {
+                state.visit_node();
+            }
+        } else if (state.wants_triangle()) {
+            state.test_triangle();
         }
-    } else if (state.wants_triangle()) {
-        state.test_triangle();
     }
 }
 
@@ -234,19 +252,13 @@ __global__ void __launch_bounds__(P::threads, P::blocks_per_sm) closest_hits(con
     orders.fill();
     __syncthreads();
     RayState<P> state(batch, stacks + threadIdx.x, local, orders);
-    bool more = true;
-    for (std::uint32_t refill = P::refill;;) {
-        const std::uint32_t nodes = __ballot_sync(~0u, state.wants_node());
-        const std::uint32_t triangles = __ballot_sync(~0u, state.wants_triangle());
-        const std::uint32_t idle = ~(nodes | triangles);
-        if (cwbvh::bits_in(idle) < refill) {
-            step(state, nodes, triangles);
-        } else if (!more) {
-            return;
-        } else if (!fetch(state, batch, idle)) {
-            more = false;
-            refill = 32;
-        }
+    bool exhausted = false;
+    while (fetch(state, batch, exhausted)) {
+        std::uint32_t idle = 0;
+        do {
+            step(state);
+            idle = __ballot_sync(~0u, !state.active());
+        } while (exhausted ? idle != ~0u : cwbvh::bits_in(idle) < static_cast<std::uint32_t>(P::refill));
     }
 }
 

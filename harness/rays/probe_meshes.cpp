@@ -41,7 +41,8 @@ void add_torus(MeshRandom& random, std::vector<Triangle<float>>& triangles) {
     std::vector<Vec3<float>> vertices;
     for (std::uint32_t i = 0; i < n; ++i) {
         for (std::uint32_t j = 0; j < m; ++j) {
-            const SineCosine along = exact_sine_cosine(2.0 * exact_pi * i / n), round = exact_sine_cosine(2.0 * exact_pi * j / m);
+            const SineCosine along = exact_sine_cosine(2.0 * exact_pi * i / n),
+                             round = exact_sine_cosine(2.0 * exact_pi * j / m);
             const double reach = size * (1.0 + 0.3 * round.cosine);
             const Point p{reach * along.cosine, size * 0.3 * round.sine, reach * along.sine};
             Point q;
@@ -55,7 +56,7 @@ void add_torus(MeshRandom& random, std::vector<Triangle<float>>& triangles) {
         for (std::uint32_t j = 0; j < m; ++j) {
             const std::uint32_t i1 = (i + 1) % n, j1 = (j + 1) % m;
             const Vec3<float>&p = vertices[i * m + j], &q = vertices[i * m + j1], &r = vertices[i1 * m + j],
-                             &s = vertices[i1 * m + j1];
+                  &s = vertices[i1 * m + j1];
             triangles.push_back({p, q, r});
             triangles.push_back({q, s, r});
         }
@@ -84,7 +85,8 @@ ProbeMesh sphere_in_box(const std::string& name, std::uint32_t n, double waves) 
     for (const bool lower : {false, true}) {
         for (std::uint32_t i = 0; i < n; ++i) {
             for (std::uint32_t j = 0; j < columns; ++j) {
-                const std::uint32_t a = i * columns + j, b = i * columns + (j + 1) % columns, c = a + columns, d = b + columns;
+                const std::uint32_t a = i * columns + j, b = i * columns + (j + 1) % columns, c = a + columns,
+                                    d = b + columns;
                 lower ? mesh.triangles.push_back({vertices[b], vertices[c], vertices[d]})
                       : mesh.triangles.push_back({vertices[a], vertices[c], vertices[b]});
             }

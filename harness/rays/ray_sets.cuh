@@ -117,8 +117,9 @@ __global__ void brute_force(const Ray* rays, const Triangle<float>* triangles, s
 // Order-independent: a sum over rays of a hash of (ray, t, primitive).
 __global__ void checksum(const Hit* hits, unsigned long long* sum) {
     const std::uint32_t index = blockIdx.x * blockDim.x + threadIdx.x;
-    unsigned long long z = (static_cast<unsigned long long>(__float_as_uint(hits[index].t)) << 32 | hits[index].primitive) +
-                           0x9e3779b97f4a7c15ull * (index + 1ull);
+    unsigned long long z =
+        (static_cast<unsigned long long>(__float_as_uint(hits[index].t)) << 32 | hits[index].primitive) +
+        0x9e3779b97f4a7c15ull * (index + 1ull);
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
     atomicAdd(sum, z ^ (z >> 31));

@@ -73,15 +73,13 @@ Hit by_tree(const EncodedTree& tree, const Mesh& mesh, const Point& origin, cons
 EncodedTree tree_of(const Mesh& mesh) { return cwbvh::encode(builder::sah_binned::build(boxes_of(mesh), 1)); }
 
 class Random {
-   public:
+public:
     explicit Random(std::uint32_t seed) : engine_(seed) {}
-    float number(float low, float high) {
-        return low + (high - low) * (static_cast<float>(engine_() >> 8) * 0x1p-24f);
-    }
+    float number(float low, float high) { return low + (high - low) * (static_cast<float>(engine_() >> 8) * 0x1p-24f); }
     Point point(float size) { return {number(-size, size), number(-size, size), number(-size, size)}; }
     std::uint32_t below(std::uint32_t n) { return engine_() % n; }
 
-   private:
+private:
     std::mt19937 engine_;
 };
 
@@ -121,7 +119,8 @@ std::uint32_t expect_equal_hits(const Mesh& mesh, std::uint32_t rays,
     std::uint32_t hits = 0;
     for (std::uint32_t i = 0; i < rays; ++i) {
         const auto [origin, direction] = ray(i);
-        const Hit expected = by_brute_force(mesh, origin, direction), found = by_tree(tree, mesh, origin, direction, none);
+        const Hit expected = by_brute_force(mesh, origin, direction),
+                  found = by_tree(tree, mesh, origin, direction, none);
         EXPECT_EQ(expected.primitive, found.primitive) << "ray " << i;
         EXPECT_EQ(bits_of(expected.t), bits_of(found.t)) << "ray " << i;
         hits += expected.primitive != ~0u ? 1 : 0;
@@ -198,7 +197,9 @@ TEST(Cwbvh, nothing_and_one_triangle) {
     Random random(23);
     const Mesh mesh = soup(random, 1, 1.0f);
     const Point target = (mesh[0].a + mesh[0].b + mesh[0].c) / 3.0f;
-    EXPECT_EQ(1u, expect_equal_hits(mesh, 1, [&](std::uint32_t) { return std::pair(Point{0, 9, 0}, target - Point{0, 9, 0}); }));
+    EXPECT_EQ(1u, expect_equal_hits(mesh, 1, [&](std::uint32_t) {
+                  return std::pair(Point{0, 9, 0}, target - Point{0, 9, 0});
+              }));
 }
 
 cwbvh::Node node_at(const EncodedTree& tree, std::uint32_t index) {
@@ -320,7 +321,9 @@ TEST(Cwbvh, the_nearer_of_two_children_is_visited_first) {
         Hit ignored;
         cwbvh::traverse(
             tree.view(), target - direction * 3.0f, direction, std::numeric_limits<float>::infinity(),
-            [&](std::uint32_t first, std::uint32_t) { keep_nearer(mesh[tree.references[first]], 0, {}, shear, ignored); },
+            [&](std::uint32_t first, std::uint32_t) {
+                keep_nearer(mesh[tree.references[first]], 0, {}, shear, ignored);
+            },
             all);
         EXPECT_LE(one.nodes_visited, all.nodes_visited);
         through_first += hit.t < 5.0f && one.nodes_visited < all.nodes_visited ? 1 : 0;

@@ -19,9 +19,11 @@ inline void check(cudaError_t error) {
 
 template <class T>
 class DeviceArray {
-   public:
+public:
     DeviceArray() = default;
-    explicit DeviceArray(std::size_t size) : size_(size) { check(cudaMalloc(&data_, (size == 0 ? 1 : size) * sizeof(T))); }
+    explicit DeviceArray(std::size_t size) : size_(size) {
+        check(cudaMalloc(&data_, (size == 0 ? 1 : size) * sizeof(T)));
+    }
     explicit DeviceArray(const std::vector<T>& host) : DeviceArray(host.size()) {
         check(cudaMemcpy(data_, host.data(), size_ * sizeof(T), cudaMemcpyHostToDevice));
     }
@@ -43,7 +45,7 @@ class DeviceArray {
         return values;
     }
 
-   private:
+private:
     void swap(DeviceArray& other) {
         std::swap(data_, other.data_);
         std::swap(size_, other.size_);
@@ -53,7 +55,7 @@ class DeviceArray {
 };
 
 class EventPair {
-   public:
+public:
     EventPair() {
         check(cudaEventCreate(&from_));
         check(cudaEventCreate(&to_));
@@ -73,7 +75,7 @@ class EventPair {
         return milliseconds;
     }
 
-   private:
+private:
     cudaEvent_t from_{}, to_{};
 };
 

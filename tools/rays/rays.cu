@@ -39,27 +39,21 @@ struct PolicyKernel {
     void (*any)(BatchView);
 };
 
-template <int Threads, int BlocksPerSm, int SharedEntries, int Refill, int Vote, int Groups>
+template <int Threads, int BlocksPerSm, int SharedEntries, int Refill, int Vote, int Groups, bool Prefetch>
 PolicyKernel policy_kernel(const std::string& name) {
-    using Closest = BatchPolicy<Threads, BlocksPerSm, SharedEntries, Refill, Vote, Groups>;
-    using Any = BatchPolicy<Threads, BlocksPerSm, SharedEntries, Refill, Vote, Groups, true>;
-    return {name, Threads, BlocksPerSm, SharedEntries * Threads * sizeof(uint2), closest_hits<Closest>, closest_hits<Any>};
+    using Closest = BatchPolicy<Threads, BlocksPerSm, SharedEntries, Refill, Vote, Groups, Prefetch>;
+    using Any = BatchPolicy<Threads, BlocksPerSm, SharedEntries, Refill, Vote, Groups, Prefetch, true>;
+    return {
+        name, Threads, BlocksPerSm, SharedEntries * Threads * sizeof(uint2), closest_hits<Closest>, closest_hits<Any>};
 }
 
 std::vector<PolicyKernel> policies() {
     return {
-        policy_kernel<128, 8, 4, 8, 2, 2>("t128 b8 s4 r8 v2 g2"),
-        policy_kernel<128, 8, 4, 8, 1, 2>("t128 b8 s4 r8 v1 g2"),
-        policy_kernel<128, 8, 4, 8, 3, 2>("t128 b8 s4 r8 v3 g2"),
-        policy_kernel<128, 8, 4, 6, 2, 2>("t128 b8 s4 r6 v2 g2"),
-        policy_kernel<128, 8, 4, 10, 2, 2>("t128 b8 s4 r10 v2 g2"),
-        policy_kernel<128, 8, 4, 12, 2, 2>("t128 b8 s4 r12 v2 g2"),
-        policy_kernel<128, 9, 4, 8, 2, 2>("t128 b9 s4 r8 v2 g2"),
-        policy_kernel<128, 8, 2, 8, 2, 2>("t128 b8 s2 r8 v2 g2"),
-        policy_kernel<64, 16, 4, 8, 2, 2>("t64 b16 s4 r8 v2 g2"),
-        policy_kernel<256, 4, 4, 8, 2, 2>("t256 b4 s4 r8 v2 g2"),
-        policy_kernel<128, 7, 4, 8, 2, 2>("t128 b7 s4 r8 v2 g2"),
-        policy_kernel<128, 8, 4, 8, 0, 1>("t128 b8 s4 r8 v0 g1"),
+        policy_kernel<128, 8, 4, 8, 2, 2, false>("t128 b8 s4 r8 v2 g2"),
+        policy_kernel<128, 8, 4, 8, 2, 2, true>("t128 b8 s4 r8 v2 g2 p"),
+        policy_kernel<128, 8, 4, 8, 3, 2, false>("t128 b8 s4 r8 v3 g2"),
+        policy_kernel<128, 7, 4, 8, 2, 2, true>("t128 b7 s4 r8 v2 g2 p"),
+        policy_kernel<128, 8, 4, 8, 0, 1, false>("t128 b8 s4 r8 v0 g1"),
     };
 }
 
@@ -111,7 +105,7 @@ struct RaySet {
 constexpr std::uint32_t block = 128;
 
 class Batch {
-   public:
+public:
     Batch(const Scene& scene, std::uint32_t count) : scene_(scene), hits_(count), next_(1), count_(count) {}
 
     BatchView view(const DeviceArray<Ray>& rays) {
@@ -124,7 +118,9 @@ class Batch {
         check(cudaGetLastError());
     }
     static void prepare(const PolicyKernel& kernel) {
-        const int share = static_cast<int>((kernel.shared_bytes + sizeof(OctantOrders) + 1024) * kernel.blocks_per_sm * 100 / (228 * 1024)) + 1;
+        const int share = static_cast<int>((kernel.shared_bytes + sizeof(OctantOrders) + 1024) * kernel.blocks_per_sm *
+                                           100 / (228 * 1024)) +
+                          1;
         for (const auto function : {kernel.closest, kernel.any}) {
             check(cudaFuncSetAttribute(function, cudaFuncAttributePreferredSharedMemoryCarveout, std::min(share, 100)));
         }
@@ -162,7 +158,7 @@ class Batch {
     }
     const DeviceArray<Hit>& hits() const { return hits_; }
 
-   private:
+private:
     const Scene& scene_;
     DeviceArray<Hit> hits_;
     DeviceArray<std::uint32_t> next_;
@@ -181,8 +177,10 @@ std::vector<RaySet> ray_sets(const Scene& scene, Batch& batch, const PolicyKerne
     primary_rays<<<blocks, block>>>(add("primary", false), log2_rays);
     batch.launch(kernel, false, sets[0].rays);
     const Triangle<float>* mesh = scene.device_triangles.data();
-    diffuse_rays<<<blocks, block>>>(sets[0].rays.data(), batch.hits().data(), mesh, 1, INFINITY, add("diffuse 1", false));
-    diffuse_rays<<<blocks, block>>>(sets[0].rays.data(), batch.hits().data(), mesh, 9, 0.4f, add("ambient occlusion", true));
+    diffuse_rays<<<blocks, block>>>(sets[0].rays.data(), batch.hits().data(), mesh, 1, INFINITY,
+                                    add("diffuse 1", false));
+    diffuse_rays<<<blocks, block>>>(sets[0].rays.data(), batch.hits().data(), mesh, 9, 0.4f,
+                                    add("ambient occlusion", true));
     shadow_rays<<<blocks, block>>>(sets[0].rays.data(), batch.hits().data(), mesh, add("shadow", true));
     DeviceArray<Ray> second(count);
     batch.launch(kernel, false, sets[1].rays);
@@ -207,12 +205,14 @@ std::vector<T> sample(const DeviceArray<T>& all, std::uint32_t count) {
 std::vector<Hit> by_brute_force(const Scene& scene, const std::vector<Ray>& rays) {
     std::vector<unsigned long long> start;
     for (const Ray& ray : rays) {
-        start.push_back(static_cast<unsigned long long>(static_cast<std::uint32_t>(bits_of(ray.t_max))) << 32 | no_primitive);
+        start.push_back(static_cast<unsigned long long>(static_cast<std::uint32_t>(bits_of(ray.t_max))) << 32 |
+                        no_primitive);
     }
     const DeviceArray<Ray> device_rays(rays);
     const DeviceArray<unsigned long long> keys(start);
     brute_force<<<dim3(rays.size() / block, 64), block>>>(device_rays.data(), scene.device_triangles.data(),
-                                                        static_cast<std::uint32_t>(scene.triangles.size()), keys.data());
+                                                          static_cast<std::uint32_t>(scene.triangles.size()),
+                                                          keys.data());
     check(cudaGetLastError());
     std::vector<Hit> hits;
     for (const unsigned long long key : keys.host()) {
@@ -249,7 +249,8 @@ Faults compare(const Scene& scene, const RaySet& set, const DeviceArray<Hit>& hi
     Faults faults;
     for (std::uint32_t i = 0; i < count; ++i) {
         const auto differs = [&](const Hit& hit) {
-            return set.any ? (hit.primitive == no_primitive) != (found[i].primitive == no_primitive) : !(hit == found[i]);
+            return set.any ? (hit.primitive == no_primitive) != (found[i].primitive == no_primitive)
+                           : !(hit == found[i]);
         };
         const bool wrong = differs(expected[i]);
         if (wrong && faults.brute_force < 3) {
@@ -283,15 +284,15 @@ std::string measure_set(const Scene& scene, Batch& batch, const RaySet& set, con
     const double plain = count / batch.time([&] { batch.launch_plain(set.rays); }, 3) * 1e-9;
     same = same && (set.any || batch.checksum_of_hits() == sum);
     const std::vector<double> work = batch.work_per_ray(set.rays);
-    std::printf(" plain %.3f | %.2f nodes %.1f boxes %.2f triangles | faults %u %u %s\n", plain, work[0], work[1], work[2],
-                faults.brute_force, faults.host, same ? "same" : "CHECKSUMS DIFFER");
+    std::printf(" plain %.3f | %.2f nodes %.1f boxes %.2f triangles | faults %u %u %s\n", plain, work[0], work[1],
+                work[2], faults.brute_force, faults.host, same ? "same" : "CHECKSUMS DIFFER");
     std::fflush(stdout);
     json << "{\"rays\": \"" << set.name << "\", \"query\": \"" << (set.any ? "any" : "closest")
          << "\", \"best_grays_per_s\": " << best * 1e-9 << ", \"plain_grays_per_s\": " << plain << ", \"rates\": {"
          << rates.str() << "}, \"nodes_per_ray\": " << work[0] << ", \"boxes_per_ray\": " << work[1]
          << ", \"triangles_per_ray\": " << work[2] << ", \"checksum\": \"" << std::hex << sum << std::dec
-         << "\", \"checksums_agree\": " << (same ? "true" : "false") << ", \"differ_from_brute_force\": " << faults.brute_force
-         << ", \"differ_from_host\": " << faults.host << "}";
+         << "\", \"checksums_agree\": " << (same ? "true" : "false")
+         << ", \"differ_from_brute_force\": " << faults.brute_force << ", \"differ_from_host\": " << faults.host << "}";
     return json.str();
 }
 
@@ -323,8 +324,10 @@ EncodedTree download(const accelerator::cwbvh::GpuEncoder& encoder, std::uint32_
     tree.node_count = encoder.node_count();
     tree.nodes.resize(tree.node_count * (sizeof(accelerator::cwbvh::Node) / sizeof(NodePiece)));
     tree.references.resize(slots);
-    check(cudaMemcpy(tree.nodes.data(), encoder.device_nodes(), tree.nodes.size() * sizeof(NodePiece), cudaMemcpyDeviceToHost));
-    check(cudaMemcpy(tree.references.data(), encoder.device_references(), slots * sizeof(std::uint32_t), cudaMemcpyDeviceToHost));
+    check(cudaMemcpy(tree.nodes.data(), encoder.device_nodes(), tree.nodes.size() * sizeof(NodePiece),
+                     cudaMemcpyDeviceToHost));
+    check(cudaMemcpy(tree.references.data(), encoder.device_references(), slots * sizeof(std::uint32_t),
+                     cudaMemcpyDeviceToHost));
     return tree;
 }
 
@@ -356,7 +359,8 @@ BuiltTree build_on_gpu(const std::vector<Triangle<float>>& triangles, bool hploc
             encode.clear();
         }
     }
-    return {hploc ? "hploc" : "lbvh", tree.download(), download(encoder, count), median_seconds(build), median_seconds(encode)};
+    return {hploc ? "hploc" : "lbvh", tree.download(), download(encoder, count), median_seconds(build),
+            median_seconds(encode)};
 }
 
 BuiltTree build_on_host(const std::vector<Triangle<float>>& triangles) {
@@ -377,15 +381,15 @@ std::string measure_tree(const ProbeMesh& mesh, const BuiltTree& built, const Op
     }
     const Scene scene(mesh.triangles, built.encoded);
     const double cost = builder::tree_cost(built.tree);
-    std::printf("%s: %zu triangles, %s %.3f ms, encoding %.3f ms, SAH cost %.2f, depth %u, %u nodes\n", mesh.name.c_str(),
-                mesh.triangles.size(), built.builder.c_str(), built.build_seconds * 1e3, built.encode_seconds * 1e3, cost,
-                builder::tree_depth(built.tree), scene.tree.node_count);
+    std::printf("%s: %zu triangles, %s %.3f ms, encoding %.3f ms, SAH cost %.2f, depth %u, %u nodes\n",
+                mesh.name.c_str(), mesh.triangles.size(), built.builder.c_str(), built.build_seconds * 1e3,
+                built.encode_seconds * 1e3, cost, builder::tree_depth(built.tree), scene.tree.node_count);
     Batch batch(scene, 1u << options.log2_rays);
     const std::vector<RaySet> sets = ray_sets(scene, batch, policies()[0], options.log2_rays);
     std::ostringstream json;
     json << "{\"mesh\": \"" << mesh.name << "\", \"triangles\": " << mesh.triangles.size() << ", \"builder\": \""
-         << built.builder << "\", \"build_s\": " << built.build_seconds << ", \"encode_s\": " << built.encode_seconds << ", \"sah_cost\": " << cost
-         << ", \"wide_nodes\": " << scene.tree.node_count << ", \"ray_sets\": [\n";
+         << built.builder << "\", \"build_s\": " << built.build_seconds << ", \"encode_s\": " << built.encode_seconds
+         << ", \"sah_cost\": " << cost << ", \"wide_nodes\": " << scene.tree.node_count << ", \"ray_sets\": [\n";
     bool first = true;
     for (const RaySet& set : sets) {
         if (!options.profile.empty()) {

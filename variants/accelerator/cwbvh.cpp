@@ -1,4 +1,5 @@
-// Compressed wide trees from binary ones on the host. Every box is rounded outward, exactly: planes are found in double.
+// Compressed wide trees from binary ones on the host. Every box is rounded outward, exactly: planes are found in
+// double.
 #include "variants/accelerator/cwbvh.h"
 
 #include <algorithm>
@@ -28,7 +29,7 @@ std::vector<BinaryTree::Node> with_small_leaves(const BinaryTree& tree) {
 }
 
 class CutTree {
-   public:
+public:
     explicit CutTree(const BinaryTree& tree) : nodes_(with_small_leaves(tree)), cuts_(nodes_.size()) {
         std::vector<std::uint32_t> order;  // parents first
         order.reserve(nodes_.size());
@@ -61,13 +62,13 @@ class CutTree {
         }
     }
 
-   private:
+private:
     std::vector<BinaryTree::Node> nodes_;
     std::vector<Cut> cuts_;
 };
 
 class Encoder {
-   public:
+public:
     explicit Encoder(const BinaryTree& binary) : binary_(binary), tree_(binary) {}
 
     EncodedTree encode() {
@@ -88,7 +89,7 @@ class Encoder {
         return std::move(encoded_);
     }
 
-   private:
+private:
     struct Open {
         std::uint32_t node, wide, depth;
     };

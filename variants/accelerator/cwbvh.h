@@ -21,8 +21,8 @@ inline constexpr double plane_room = 1.0 / 128.0;
 // What a traversal can hold open: encode() refuses a deeper tree.
 inline constexpr std::uint32_t largest_depth = 64;
 
-// The bits of 2^15, whose second byte counts units: see plane_number. Nodes hold it, for read with them it costs nothing,
-// and a constant would take the place of the instruction's other one.
+// The bits of 2^15, whose second byte counts units: see plane_number. Nodes hold it, for read with them it costs
+// nothing, and a constant would take the place of the instruction's other one.
 inline constexpr std::uint32_t plane_splice = 0x47000000u;
 
 // Child i lies at one of the corners of its node: bit k of i is 1 at the high end of axis k. `contents` has bit 24 + i
@@ -48,7 +48,7 @@ struct LoadedNode {
         LoadedNode node;
 #if defined(__CUDA_ARCH__)
         const uint4* pieces = static_cast<const uint4*>(nodes) + 5 * static_cast<std::uint64_t>(index);
-PT_UNROLL
+        PT_UNROLL
         for (int i = 0; i < 5; ++i) {
             const uint4 piece = __ldg(pieces + i);
             node.word[4 * i] = piece.x, node.word[4 * i + 1] = piece.y;
@@ -130,16 +130,15 @@ PT_HD inline std::int32_t latest_entry(float x, float y, float z) {
 }
 PT_HD inline std::int32_t earliest_exit(float x, float y, float z, float limit) {
 #if defined(__CUDA_ARCH__)
-    return __vimin3_s32(__float_as_int(x), __float_as_int(y),
-                        ::min(__float_as_int(z), __float_as_int(limit)));
+    return __vimin3_s32(__float_as_int(x), __float_as_int(y), ::min(__float_as_int(z), __float_as_int(limit)));
 #else
     return min(min(bits_of(x), bits_of(y)), min(bits_of(z), bits_of(limit)));
 #endif
 }
 
 // A ray as nodes see it: in float, with the room that rounding needs. A triangle's test moves vertices, relative to the
-// ray, by less than 8 u M along each axis, and a slab's distances are off by less than 8 u M over the direction, M being
-// the farthest coordinate from the origin of the ray to a corner of the tree: together 2^-20 M.
+// ray, by less than 8 u M along each axis, and a slab's distances are off by less than 8 u M over the direction, M
+// being the farthest coordinate from the origin of the ray to a corner of the tree: together 2^-20 M.
 struct BoxRay {
     float origin[3];
     float inverse[3];
@@ -167,7 +166,7 @@ struct BoxRay {
             const float component = static_cast<float>(direction[k]);
             const bool up = !(component < 0.0f);
             ray.inverse[k] = absolute(component) < 1.0f / largest_inverse ? (up ? largest_inverse : -largest_inverse)
-                                                                        : reciprocal(component);
+                                                                          : reciprocal(component);
             ray.room[k] = 9.5367431640625e-07f * farthest * absolute(ray.inverse[k]);
             ray.flip |= up ? 1u << k : 0u;
         }
@@ -197,12 +196,14 @@ PT_HD inline std::uint32_t boxes_hit(const LoadedNode& node, const BoxRay& ray, 
     PT_UNROLL
     for (std::uint32_t i = 0; i < width; ++i) {
         const std::uint32_t half = i >> 2, byte = i & 3u;
-        const std::int32_t entry = latest_entry(multiply_add(plane_number(near_words[0][half], byte, splice), step[0], near_offset[0]),
-                                           multiply_add(plane_number(near_words[1][half], byte, splice), step[1], near_offset[1]),
-                                           multiply_add(plane_number(near_words[2][half], byte, splice), step[2], near_offset[2]));
-        const std::int32_t exit = earliest_exit(multiply_add(plane_number(far_words[0][half], byte, splice), step[0], far_offset[0]),
-                                           multiply_add(plane_number(far_words[1][half], byte, splice), step[1], far_offset[1]),
-                                           multiply_add(plane_number(far_words[2][half], byte, splice), step[2], far_offset[2]), limit);
+        const std::int32_t entry =
+            latest_entry(multiply_add(plane_number(near_words[0][half], byte, splice), step[0], near_offset[0]),
+                         multiply_add(plane_number(near_words[1][half], byte, splice), step[1], near_offset[1]),
+                         multiply_add(plane_number(near_words[2][half], byte, splice), step[2], near_offset[2]));
+        const std::int32_t exit =
+            earliest_exit(multiply_add(plane_number(far_words[0][half], byte, splice), step[0], far_offset[0]),
+                          multiply_add(plane_number(far_words[1][half], byte, splice), step[1], far_offset[1]),
+                          multiply_add(plane_number(far_words[2][half], byte, splice), step[2], far_offset[2]), limit);
         hits |= entry <= exit ? (7u << (3u * i)) | (1u << (24u + i)) : 0u;
     }
     return hits & node.contents();

@@ -101,41 +101,59 @@ struct Children {
     // at[corner] is the child there or no_node: the pair of child and corner that lies farthest out is placed first.
     template <class Tree>
     PT_HD void put_at_corners(const Tree& tree, const Box& box, std::uint32_t (&at)[width]) const {
-        float out[width][3];
+        Wish wishes[width];
         for (std::uint32_t c = 0; c < count; ++c) {
             const Box child = tree.box(node[c]);
             for (int k = 0; k < 3; ++k) {
-                out[c][k] = (child.low[k] + child.high[k]) - (box.low[k] + box.high[k]);
+                wishes[c].from_centre[k] = (child.low[k] + child.high[k]) - (box.low[k] + box.high[k]);
             }
+            wishes[c].choose(0xffu);
         }
         for (std::uint32_t& child : at) {
             child = no_node;
         }
-        std::uint32_t placed = 0;
+        std::uint32_t free = 0xffu, placed = 0;
         for (std::uint32_t n = 0; n < count; ++n) {
-            float farthest = 0.0f;
-            std::uint32_t child = width, corner = width;
-            for (std::uint32_t i = 0; i < count * width; ++i) {
-                const std::uint32_t c = i / width, s = i % width;
-                if ((placed >> c & 1u) != 0 || at[s] != no_node) {
-                    continue;
-                }
-                const float reach = ((s & 1u) != 0 ? out[c][0] : -out[c][0]) + ((s & 2u) != 0 ? out[c][1] : -out[c][1]) +
-                                    ((s & 4u) != 0 ? out[c][2] : -out[c][2]);
-                if (child == width || reach > farthest) {
-                    farthest = reach, child = c, corner = s;
+            std::uint32_t next = width;
+            for (std::uint32_t c = 0; c < count; ++c) {
+                if ((placed >> c & 1u) == 0 && (next == width || wishes[c].reach > wishes[next].reach)) {
+                    next = c;
                 }
             }
-            at[corner] = node[child];
-            placed |= 1u << child;
+            const std::uint32_t corner = wishes[next].corner;
+            at[corner] = node[next];
+            placed |= 1u << next;
+            free &= ~(1u << corner);
+            for (std::uint32_t c = 0; c < count; ++c) {
+                if ((placed >> c & 1u) == 0 && wishes[c].corner == corner) {
+                    wishes[c].choose(free);
+                }
+            }
         }
     }
+
+private:
+    // Of a child, the free corner towards which it lies farthest out.
+    struct Wish {
+        float from_centre[3], reach;
+        std::uint32_t corner;
+
+        PT_HD void choose(std::uint32_t free) {
+            corner = width;
+            for (std::uint32_t s = 0; s < width; ++s) {
+                const float x = (s & 1u) != 0 ? from_centre[0] : -from_centre[0];
+                const float y = (s & 2u) != 0 ? from_centre[1] : -from_centre[1];
+                const float z = (s & 4u) != 0 ? from_centre[2] : -from_centre[2];
+                if ((free >> s & 1u) != 0 && (corner == width || x + y + z > reach)) {
+                    reach = x + y + z, corner = s;
+                }
+            }
+        }
+    };
 };
 
 // 2^exponent, -126 to 127.
-PT_HD inline double power_of_two(int exponent) {
-    return number_of(static_cast<std::int64_t>(exponent + 1023) << 52);
-}
+PT_HD inline double power_of_two(int exponent) { return number_of(static_cast<std::int64_t>(exponent + 1023) << 52); }
 
 PT_HD inline float next_below(double x) {
     const float rounded = static_cast<float>(x);
@@ -144,7 +162,9 @@ PT_HD inline float next_below(double x) {
     }
     const std::int32_t bits = bits_of(rounded);
     // One step down the floats: away from zero where negative.
-    return rounded > 0.0f ? number_of(bits - 1) : rounded < 0.0f ? number_of(bits + 1) : number_of(std::int32_t(0x80000001u));
+    return rounded > 0.0f   ? number_of(bits - 1)
+           : rounded < 0.0f ? number_of(bits + 1)
+                            : number_of(std::int32_t(0x80000001u));
 }
 
 // The origin, and the least power of two as the step, with which the planes of a box stand in 0 to 255 with their room.

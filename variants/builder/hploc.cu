@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <cub/device/device_radix_sort.cuh>
 #include <cuda_runtime.h>
+#include <cub/device/device_radix_sort.cuh>
 
 namespace pt::builder {
 namespace {
@@ -25,14 +25,14 @@ void check(cudaError_t error) {
 
 template <class T>
 class Memory {
-   public:
+public:
     explicit Memory(std::size_t size) { check(cudaMalloc(&data_, (size == 0 ? 1 : size) * sizeof(T))); }
     Memory(const Memory&) = delete;
     Memory& operator=(const Memory&) = delete;
     ~Memory() { cudaFree(data_); }
     T* data() const { return data_; }
 
-   private:
+private:
     T* data_ = nullptr;
 };
 
@@ -138,7 +138,8 @@ struct BuildView {
 struct Range {
     std::uint32_t left, right, split;
 
-    // Whether the codes on both sides of i differ in a lower bit than those round j do: a pair of equal codes by number.
+    // Whether the codes on both sides of i differ in a lower bit than those round j do: a pair of equal codes by
+    // number.
     __device__ static bool is_closer(const BuildView& view, std::uint32_t i, std::uint32_t j) {
         const std::uint64_t a = view.codes[i] ^ view.codes[i + 1], b = view.codes[j] ^ view.codes[j + 1];
         return a != b ? a < b : (i ^ (i + 1)) < (j ^ (j + 1));
@@ -164,7 +165,8 @@ __device__ float half_area(const float* low, const float* high) {
 }
 
 __device__ GpuNode load_node(const GpuNode* node) {
-    const float4 a = __ldcg(reinterpret_cast<const float4*>(node)), b = __ldcg(reinterpret_cast<const float4*>(node) + 1);
+    const float4 a = __ldcg(reinterpret_cast<const float4*>(node)),
+                 b = __ldcg(reinterpret_cast<const float4*>(node) + 1);
     return {{a.x, a.y, a.z}, __float_as_uint(a.w), {b.x, b.y, b.z}, __float_as_uint(b.w)};
 }
 __device__ void store_node(GpuNode* node, const GpuNode& value) {
@@ -304,7 +306,8 @@ __global__ void __launch_bounds__(block) hploc(const __grid_constant__ BuildView
         while (to_merge != 0) {
             const int selected = __ffs(static_cast<int>(to_merge)) - 1;
             to_merge &= to_merge - 1;
-            const Range theirs{__shfl_sync(all_lanes, range.left, selected), __shfl_sync(all_lanes, range.right, selected),
+            const Range theirs{__shfl_sync(all_lanes, range.left, selected),
+                               __shfl_sync(all_lanes, range.right, selected),
                                __shfl_sync(all_lanes, range.split, selected)};
             merge_range(view, theirs, theirs.right - theirs.left + 1 == view.count, lane, source_of);
         }
@@ -359,9 +362,9 @@ struct GpuTreeMemory {
 
     static std::size_t bytes_to_sort(std::uint32_t primitives) {
         std::size_t bytes = 0;
-        check(cub::DeviceRadixSort::SortPairs(nullptr, bytes, static_cast<const std::uint64_t*>(nullptr),
-                                              static_cast<std::uint64_t*>(nullptr), static_cast<const std::uint32_t*>(nullptr),
-                                              static_cast<std::uint32_t*>(nullptr), primitives, 0, 63));
+        check(cub::DeviceRadixSort::SortPairs(
+            nullptr, bytes, static_cast<const std::uint64_t*>(nullptr), static_cast<std::uint64_t*>(nullptr),
+            static_cast<const std::uint32_t*>(nullptr), static_cast<std::uint32_t*>(nullptr), primitives, 0, 63));
         return bytes;
     }
 
@@ -371,10 +374,11 @@ struct GpuTreeMemory {
         clear_bounds<<<1, 32>>>(bounds.data());
         bound_centres<<<1056, 256>>>(boxes, count, bounds.data());
         morton_codes<<<blocks, block>>>(boxes, count, bounds.data(), codes.data(), numbers.data());
-        check(cub::DeviceRadixSort::SortPairs(sort_storage.data(), sort_bytes, codes.data(), sorted_codes.data(), numbers.data(),
-                                              sorted_numbers.data(), count, 0, 63));
+        check(cub::DeviceRadixSort::SortPairs(sort_storage.data(), sort_bytes, codes.data(), sorted_codes.data(),
+                                              numbers.data(), sorted_numbers.data(), count, 0, 63));
         check(cudaMemsetAsync(root.data(), 0, sizeof(std::uint32_t)));
-        make_leaves<<<blocks, block>>>(boxes, sorted_numbers.data(), count, nodes.data(), clusters.data(), other_end.data());
+        make_leaves<<<blocks, block>>>(boxes, sorted_numbers.data(), count, nodes.data(), clusters.data(),
+                                       other_end.data());
         check(cudaGetLastError());
         return {count, sorted_codes.data(), nodes.data(), clusters.data(), other_end.data(), root.data()};
     }

@@ -14,7 +14,7 @@ struct GpuTreeMemory;
 
 // Holds memory for one size; a build allocates nothing. Every call is queued on the default stream.
 class GpuTree {
-   public:
+public:
     explicit GpuTree(std::uint32_t primitives);
     ~GpuTree();
     GpuTree(const GpuTree&) = delete;
@@ -22,8 +22,8 @@ class GpuTree {
 
     // Lauterbach et al. 2009 as Apetrei 2014 builds it: in the order of the Morton codes, from the leaves up.
     void build_lbvh(const Box* device_boxes);
-    // Benthin et al., "H-PLOC: Hierarchical Parallel Locally-Ordered Clustering", HPG 2024: on that tree's way up, warps
-    // merge the nearest of up to 32 neighbours until 16 are left.
+    // Benthin et al., "H-PLOC: Hierarchical Parallel Locally-Ordered Clustering", HPG 2024: on that tree's way up,
+    // warps merge the nearest of up to 32 neighbours until 16 are left.
     void build_hploc(const Box* device_boxes);
 
     std::uint32_t primitives() const;
@@ -31,7 +31,7 @@ class GpuTree {
     const std::uint32_t* device_root() const;  // the root's number, on the device
     BinaryTree download() const;
 
-   private:
+private:
     std::unique_ptr<GpuTreeMemory> memory_;
 };
 

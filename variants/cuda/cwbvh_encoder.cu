@@ -1,5 +1,5 @@
-// The cut from the leaves up (the second of two children to arrive goes on), then wide nodes from the root down, a level
-// a launch.
+// The cut from the leaves up (the second of two children to arrive goes on), then wide nodes from the root down, a
+// level a launch.
 #include "variants/cuda/cwbvh_encoder.h"
 
 #include <stdexcept>
@@ -22,15 +22,17 @@ void check(cudaError_t error) {
 
 template <class T>
 class Memory {
-   public:
-    explicit Memory(std::size_t size) : bytes_((size == 0 ? 1 : size) * sizeof(T)) { check(cudaMalloc(&data_, bytes_)); }
+public:
+    explicit Memory(std::size_t size) : bytes_((size == 0 ? 1 : size) * sizeof(T)) {
+        check(cudaMalloc(&data_, bytes_));
+    }
     Memory(const Memory&) = delete;
     Memory& operator=(const Memory&) = delete;
     ~Memory() { cudaFree(data_); }
     T* data() const { return data_; }
     void clear() const { check(cudaMemsetAsync(data_, 0, bytes_)); }
 
-   private:
+private:
     T* data_ = nullptr;
     std::size_t bytes_;
 };
@@ -92,7 +94,8 @@ __global__ void __launch_bounds__(block) cut_upwards(const __grid_constant__ Enc
             return;
         }
         __threadfence();
-        view.store(node, Cut::of_inner(box_area(view.box(node)), view.cut(view.left(node)), view.cut(view.right(node))));
+        view.store(node,
+                   Cut::of_inner(box_area(view.box(node)), view.cut(view.left(node)), view.cut(view.right(node))));
     }
 }
 
@@ -195,8 +198,9 @@ GpuEncoder::~GpuEncoder() = default;
 
 void GpuEncoder::encode(const GpuNode* nodes, const std::uint32_t* root) {
     const GpuEncoderMemory& m = *memory_;
-    const EncoderView view{m.count,       nodes,         root,                m.parents.data(),      m.arrived.data(),    m.cuts.data(),
-                           m.tasks.data(), m.wide.data(), m.references.data(), m.counters.data() + 1, m.counters.data()};
+    const EncoderView view{m.count,          nodes,          root,          m.parents.data(),    m.arrived.data(),
+                           m.cuts.data(),    m.tasks.data(), m.wide.data(), m.references.data(), m.counters.data() + 1,
+                           m.counters.data()};
     m.arrived.clear();
     m.counters.clear();
     if (m.count == 0) {

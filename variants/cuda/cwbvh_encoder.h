@@ -1,5 +1,5 @@
-// Compressed wide trees made on the GPU from binary ones there: the nodes of encode(), in an order that differs from run
-// to run (children of a level are numbered as they come), and so with the same hits and the same work.
+// Compressed wide trees made on the GPU from binary ones there: the nodes of encode(), in an order that differs from
+// run to run (children of a level are numbered as they come), and so with the same hits and the same work.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ struct GpuEncoderMemory;
 
 // Holds memory for one size; encode() allocates nothing and waits for nothing.
 class GpuEncoder {
-   public:
+public:
     explicit GpuEncoder(std::uint32_t primitives);
     ~GpuEncoder();
     GpuEncoder(const GpuEncoder&) = delete;
@@ -28,7 +28,7 @@ class GpuEncoder {
     const Node* device_nodes() const;
     const std::uint32_t* device_references() const;  // the primitive in each slot
 
-   private:
+private:
     std::unique_ptr<GpuEncoderMemory> memory_;
 };
 
