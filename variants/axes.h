@@ -141,6 +141,7 @@ struct RobustnessTraits {
 
 struct AcceleratorTraits {
     bool has_tree = true;
+    bool checks_large_scenes = false;  // the reference where every triangle in turn would take too long
 };
 
 struct BuilderTraits {

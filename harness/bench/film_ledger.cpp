@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "harness/render/renderer.h"
 #include "variants/registry.h"
 #include "variants/variant_name.h"
 
@@ -24,7 +25,7 @@ std::string bitwise_group(const Cell& cell) {
 
 Variant bitwise_reference(const Cell& cell) {
     return fp_relaxed(cell.variant, cell.backend) ? cell.variant
-                                                  : Registry::instance().reference(cell.variant, cell.backend);
+                                                  : reference_on(*cell.scene, cell.variant, cell.backend);
 }
 
 FilmLedger::FilmLedger(const Plan& plan, const Journal& journal) {

@@ -1,6 +1,7 @@
 #include "harness/bench/verify.h"
 
 #include "harness/bench/suite.h"
+#include "harness/render/renderer.h"
 #include "variants/variant_name.h"
 
 #include <cmath>
@@ -173,7 +174,7 @@ std::string Verifier::against_cpu(const Variant& reference_variant) {
             return verdict;  // no such choice there
         }
     }
-    plain = Registry::instance().reference(plain, Backend::cpu);
+    plain = fast_reference_on(scene_, plain, Backend::cpu);
     if (!why_not_applicable(plain, features_of(scene_), Backend::cpu).empty()) {
         return verdict;  // matrices in double precision
     }
@@ -249,7 +250,7 @@ Verdict Verifier::check(const Variant& variant) {
 }
 
 Verdict Verifier::check_bits(const Variant& variant) {
-    const Variant reference_variant = Registry::instance().reference(variant, backend_);
+    const Variant reference_variant = reference_on(scene_, variant, backend_);
     const RenderResult result = render_part(variant, 0, spp_);
     const RenderResult& expected = reference(reference_variant);
     Verdict verdict{true, result.film.hash(), "film bits equal to " + shown_name(reference_variant, backend_)};

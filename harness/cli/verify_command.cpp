@@ -79,12 +79,12 @@ void verify_scene(const Scene& scene, Backend backend, const std::vector<Variant
 }
 
 // What there is to compare of a variant: its image, which all that differ in bitwise choices share.
-Variant image_of(const Variant& variant, Backend backend) {
-    return fp_relaxed(variant, backend) ? variant : Registry::instance().reference(variant, backend);
+Variant image_of(const Scene& scene, const Variant& variant, Backend backend) {
+    return fp_relaxed(variant, backend) ? variant : fast_reference_on(scene, variant, backend);
 }
 
 // The variant with the choices of --against, and without tunables that are none of theirs.
-Variant changed(Variant variant, const AxisChoices& against, Backend backend) {
+Variant changed(const Scene& scene, Variant variant, const AxisChoices& against, Backend backend) {
     for (const auto& [axis, choices] : against) {
         variant.set(axis, choices.front());
     }
@@ -93,7 +93,7 @@ Variant changed(Variant variant, const AxisChoices& against, Backend backend) {
         return std::none_of(known.begin(), known.end(),
                             [&](const Tunable& tunable) { return tunable.name == tuned.first; });
     });
-    return Registry::instance().reference(variant, backend);
+    return fast_reference_on(scene, variant, backend);
 }
 
 AxisChoices parse_against(const std::vector<std::string>& arguments, Backend backend) {
@@ -119,7 +119,7 @@ std::vector<MeanClaim> claims_of(const Scene& scene, const std::vector<Variant>&
     std::vector<MeanClaim> claims;
     std::set<Variant> images;
     for (const Variant& variant : variants) {
-        const Variant image = image_of(variant, backend);
+        const Variant image = image_of(scene, variant, backend);
         if (!images.insert(image).second || (against.empty() && claim_of(image, backend) == Claim::bitwise)) {
             continue;  // of bitwise claims the film's bits say more, without --statistical
         }
@@ -130,7 +130,7 @@ std::vector<MeanClaim> claims_of(const Scene& scene, const std::vector<Variant>&
         if (reason.empty()) {
             const MeanClaim claim = against.empty()
                                         ? claim_of_mean(image, depth, backend)
-                                        : claim_against(image, changed(image, against, backend), depth, backend);
+                                        : claim_against(image, changed(scene, image, against, backend), depth, backend);
             reason = why_not_applicable(claim.baseline, features_of(scene), backend);
             if (reason.empty() && !(claim.tested == claim.baseline)) {
                 claims.push_back(claim);

@@ -10,6 +10,7 @@
 #include "harness/cuda/kernel_request.h"
 #include "harness/cuda/profile.h"
 #include "harness/error.h"
+#include "harness/render/renderer.h"
 #include "variants/cuda/device.h"
 #include "variants/cuda/nvrtc.h"
 #include "variants/variant_name.h"
@@ -102,9 +103,8 @@ void collect_programs(const Scene& scene, const Variant& variant, const std::str
     }
     const std::string target = architecture.empty() ? device().architecture() : architecture;
     // The variant's own, its twin's and the references': verification needs them all.
-    const Registry& registry = Registry::instance();
     const Variant twin = exact_twin(variant, Backend::cuda);
-    for (const Variant& needed : {variant, twin, registry.reference(twin, Backend::cuda)}) {
+    for (const Variant& needed : {variant, twin, reference_on(scene, twin, Backend::cuda)}) {
         const ModuleRequest request = module_request(scene, needed, target);
         if (!is_cached(request)) {
             programs.try_emplace(request.name + " " + module_key(request), [request] { (void)build_module(request); });

@@ -11,6 +11,7 @@
 #include "harness/bench/machine.h"
 #include "harness/error/closed_form.h"
 #include "harness/error/reference_cache.h"
+#include "harness/render/renderer.h"
 #include "variants/variant_name.h"
 
 namespace pt {
@@ -137,8 +138,7 @@ Image Reference::mean() const {
 
 Variant reference_variant(const ReferenceTask& task) {
     const Backend backend = task.backend;
-    const Registry& registry = Registry::instance();
-    Variant variant = registry.reference(registry.baseline(backend), backend);
+    Variant variant = fast_reference_on(*task.scene, Registry::instance().baseline(backend), backend);
     static constexpr std::pair<std::string_view, std::string_view> wishes[] = {
         {"integrator", "depth_first"}, {"integrator", "megakernel"}, {"specialisation", "generic"},
         {"sampler", "philox"},         {"arithmetic", "exact"},      {"precision", "double"}};

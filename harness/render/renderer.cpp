@@ -102,6 +102,26 @@ std::vector<FeatureSet> feature_sets_of(const std::map<FeatureSet, Render>& kern
 
 }  // namespace
 
+Variant fast_reference_on(const Scene& scene, const Variant& variant, Backend backend) {
+    const Registry& registry = Registry::instance();
+    Variant reference = registry.reference(variant, backend);
+    for (const Choice* choice : registry.choices("accelerator", backend)) {
+        if (!scene.meshes.empty() && traits_in<AcceleratorTraits>(choice->descriptor).checks_large_scenes) {
+            reference.set("accelerator", std::string(choice->descriptor.name));
+        }
+    }
+    return reference;
+}
+
+Variant reference_on(const Scene& scene, const Variant& variant, Backend backend) {
+    std::uint64_t triangles = 0;
+    for (const SceneObject& object : scene.objects) {
+        triangles += object.mesh != SceneObject::no_mesh ? scene.meshes[object.mesh]->triangles.size() : 0;
+    }
+    return triangles > most_by_brute_force ? fast_reference_on(scene, variant, backend)
+                                           : Registry::instance().reference(variant, backend);
+}
+
 RenderSettings settings_for(const RenderRequest& request, const KernelChoice& kernel) {
     RenderSettings settings = request.settings;
     settings.final_bounce = contains(kernel.needed, Feature::final_bounce);

@@ -78,6 +78,14 @@ struct KernelChoice {
 };
 KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend backend = Backend::cpu);
 
+// Triangles of all objects together up to which every triangle in turn is the reference of meshes.
+inline constexpr std::uint64_t most_by_brute_force = 100'000;
+// The variant that this one must equal bit for bit on a scene (Registry::reference). Beyond most_by_brute_force
+// accelerators are held against one of themselves.
+Variant reference_on(const Scene& scene, const Variant& variant, Backend backend);
+// The same with an accelerator that has a tree, wherever there are meshes: for films that take long.
+Variant fast_reference_on(const Scene& scene, const Variant& variant, Backend backend);
+
 // The request's settings with what its variant asks of the kernel.
 RenderSettings settings_for(const RenderRequest& request, const KernelChoice& kernel);
 

@@ -325,7 +325,7 @@ TEST_P(CudaSortingTest, IsStableAndHitsGoWithTheirPaths) {
                     ASSERT_EQ(ids_of(in_play), expected);
                     ASSERT_TRUE(are_as_put_in(in_play, made));
                     const std::vector<Path<float>> all = made.device_paths();
-                    const std::vector<Hit<float>> hits = made.device_hits();
+                    const std::vector<StoredHit<float>> hits = made.device_hits();
                     for (std::uint32_t slot = 0; slot < made.slots(); ++slot) {
                         ASSERT_EQ(hits[slot].side.code, all[slot].pixel);
                         ASSERT_EQ(hits[slot].t, static_cast<float>(all[slot].pixel));

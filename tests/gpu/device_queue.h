@@ -153,9 +153,9 @@ public:
         wait();
         return download(queue.order, count);
     }
-    std::vector<Hit<float>> device_hits() const {
+    std::vector<StoredHit<float>> device_hits() const {
         wait();
-        return download(static_cast<const Hit<float>*>(queue.hits), slots());
+        return download(static_cast<const StoredHit<float>*>(queue.hits), slots());
     }
     std::vector<Path<float>> device_paths() const {
         wait();
@@ -214,11 +214,11 @@ private:
         if (shape.indirect) {
             order = uploaded;
         }
-        std::vector<Hit<float>> hits;
+        std::vector<StoredHit<float>> hits;
         for (std::uint32_t slot = 0; slot < queue.bound; ++slot) {
             hits.push_back({static_cast<float>(slot), SurfaceId{slot}});
         }
-        upload(static_cast<Hit<float>*>(queue.hits), hits);
+        upload(static_cast<StoredHit<float>*>(queue.hits), hits);
         upload(queue.order, uploaded);  // also where it is not valid: nothing may read it then
         upload(queue.count, {shape.count});
         upload(queue.count_spare, {0x7fffffffu});
@@ -233,7 +233,7 @@ private:
         queue.capacity = capacity;
         queue.paths = {arena.take_bytes(store_bytes), capacity};
         queue.spare = {arena.take_bytes(store_bytes), capacity};
-        queue.hits = arena.take<Hit<float>>(capacity);
+        queue.hits = arena.take<StoredHit<float>>(capacity);
         queue.order = arena.take<std::uint32_t>(capacity);
         queue.order_spare = arena.take<std::uint32_t>(capacity);
         queue.keys = arena.take<std::uint32_t>(capacity);

@@ -183,6 +183,16 @@ TEST(MeshTest, AMeshShinesAsTheShapeThatItIs) {
     }
 }
 
+TEST(MeshTest, BeyondAHundredThousandTrianglesATreeIsTheReference) {
+    for (const bool is_large : {false, true}) {
+        SceneBuilder builder;
+        builder.mesh(builder.diffuse(Vec3d(0.5)), "teapot", is_large ? 40 : 39, {0, 0, 5}, 1);
+        Variant variant = Registry::instance().baseline();
+        variant.set("accelerator", "brute_force");
+        EXPECT_EQ(reference_on(builder.scene, variant, Backend::cpu)["accelerator"], is_large ? "bvh2" : "brute_force");
+    }
+}
+
 TEST(MeshTest, SeveralObjectsShareOneMesh) {
     SceneBuilder builder;
     const std::uint32_t white = builder.diffuse(Vec3d(0.5));
