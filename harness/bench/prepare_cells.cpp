@@ -8,6 +8,7 @@
 
 #include "harness/bench/compile_ahead.h"
 #include "harness/bench/instrumented.h"
+#include "harness/bench/short_names.h"
 #include "harness/bench/verify.h"
 #include "variants/variant_name.h"
 
@@ -138,19 +139,21 @@ void prepare_cells(const Plan& plan, std::uint64_t seed, RunJournal& journal, Fi
         time_left.expect(cell->name, 1, size_of(*cell));
     }
     Progress progress("verify", cells.size(), lines);
+    const ShortNames names(plan);
     CellPreparer preparer(seed, films, errors);
     for (const Cell* const cell : cells) {
         if (interrupt.requested()) {
             return;
         }
+        progress.begin(names.of(*cell));
         const double start = seconds_now();
         const Json facts = preparer.prepare(*cell);
         if (facts.at("status") == "failed") {
-            fmt::print(stderr, "failed: {}: {}\n", cell->name, facts.at("reason").get<std::string>());
+            say_below_progress(fmt::format("failed: {}: {}", cell->name, facts.at("reason").get<std::string>()));
         }
         journal.set_cell(*cell, facts);
         time_left.took(cell->name, seconds_now() - start);
-        progress.step(cell->name, [&] { return time_left.seconds(); });
+        progress.step(names.of(*cell), [&] { return time_left.seconds(); });
     }
 }
 

@@ -17,6 +17,14 @@ std::size_t terminal_width() {
     return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col : 80;
 }
 
+constexpr const char* erase_line = "\r\033[K";
+
+std::string bar_of(std::size_t done, std::size_t total) {
+    constexpr std::size_t width = 20;
+    const std::size_t filled = total == 0 ? width : std::min(width, width * done / total);
+    return std::string(filled, '#') + std::string(width - filled, '-');
+}
+
 }  // namespace
 
 double seconds_now() {
@@ -29,7 +37,9 @@ std::string clock_text(double seconds) {
                         : fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
-void say_below_progress(const std::string& line) { fmt::print(stderr, "\n{}\n", line); }
+void say_below_progress(const std::string& line) {
+    fmt::print(stderr, "{}{}\n", ::isatty(STDERR_FILENO) != 0 ? erase_line : "", line);
+}
 
 void TimeLeft::expect(const std::string& name, std::size_t steps, double size) {
     names_[name].left += steps;
@@ -76,7 +86,13 @@ Progress::Progress(std::string what, std::size_t total, Lines lines)
       is_terminal_(::isatty(STDERR_FILENO) != 0) {}
 
 // A log of a run of days is no longer than one of hours by much.
-double Progress::pause(double elapsed) const { return is_terminal_ ? 1 : std::clamp(elapsed / 50, 10.0, 600.0); }
+double Progress::pause(double elapsed) const { return is_terminal_ ? 0.2 : std::clamp(elapsed / 50, 10.0, 600.0); }
+
+void Progress::begin(const std::string& name) {
+    if (is_terminal_ && lines_ == Lines::shown && seconds_now() - last_shown_ >= pause(0)) {
+        draw(name);
+    }
+}
 
 void Progress::step(const std::string& name) {
     step(name, [this]() -> std::optional<double> {
@@ -88,20 +104,27 @@ void Progress::step(const std::string& name) {
 void Progress::step(const std::string& name, const std::function<std::optional<double>()>& seconds_left) {
     done_ += 1;
     const double now = seconds_now();
-    const double elapsed = now - start_;
-    if (lines_ == Lines::hidden || (now - last_shown_ < pause(elapsed) && done_ != total_)) {
+    if (lines_ == Lines::hidden || (now - last_shown_ < pause(now - start_) && done_ != total_)) {
         return;
     }
-    last_shown_ = now;
-    const std::optional<double> left = seconds_left();
-    const std::string line =
-        fmt::format("[{}/{}] {}: {} elapsed, {} left  {}", done_, total_, what_, clock_text(elapsed),
-                    left ? "about " + clock_text(*left) : "unknown time", name);
+    left_ = seconds_left();
+    draw(name);
+    if (is_terminal_ && done_ == total_) {
+        fmt::print(stderr, "\n");
+        std::fflush(stderr);
+    }
+}
+
+void Progress::draw(const std::string& name) {
+    last_shown_ = seconds_now();
+    const std::string times = fmt::format("{} elapsed, {} left  {}", clock_text(last_shown_ - start_),
+                                          left_ ? "about " + clock_text(*left_) : "unknown time", name);
     if (is_terminal_) {
+        const std::string line = fmt::format("{} [{}] {}/{}  {}", what_, bar_of(done_, total_), done_, total_, times);
         // One that the terminal breaks could not be written over.
-        fmt::print(stderr, "\r\033[K{}{}", line.substr(0, terminal_width() - 1), done_ != total_ ? "" : "\n");
+        fmt::print(stderr, "{}{}", erase_line, line.substr(0, terminal_width() - 1));
     } else {
-        fmt::print(stderr, "{}\n", line);
+        fmt::print(stderr, "[{}/{}] {}: {}\n", done_, total_, what_, times);
     }
     std::fflush(stderr);
 }

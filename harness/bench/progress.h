@@ -1,4 +1,5 @@
-// "[i/N] time: 0:31 elapsed, about 2:10 left  CELL" on stderr: in place on a terminal, now and then otherwise.
+// How far a command is, on stderr: on a terminal a bar that is written over, "time [#####---] 12/40  0:31 elapsed,
+// about 2:10 left  CELL"; in a log now and then a line, "[12/40] time: 0:31 elapsed, about 2:10 left  CELL".
 #pragma once
 
 #include <cstddef>
@@ -42,13 +43,16 @@ public:
 
     // `what` names the phase; `total` steps are expected.
     Progress(std::string what, std::size_t total, Lines lines = Lines::shown);
-    // The steps so far are taken to say how long the others last.
+    // The step of that name begins: a terminal says so, a log does not.
+    void begin(const std::string& name);
+    // It is done. The steps so far are taken to say how long the others last.
     void step(const std::string& name);
     // `seconds_left` is called where a line is shown only.
     void step(const std::string& name, const std::function<std::optional<double>()>& seconds_left);
 
 private:
     double pause(double elapsed) const;
+    void draw(const std::string& name);
 
     std::string what_;
     std::size_t total_;
@@ -56,10 +60,11 @@ private:
     std::size_t done_ = 0;
     double start_;
     double last_shown_ = 0;
+    std::optional<double> left_;  // seconds, as last told
     bool is_terminal_;
 };
 
-// Prints a line on stderr, below the line of progress that may stand there.
+// Prints a line on stderr, in the place of a bar that may stand there; the bar goes on below.
 void say_below_progress(const std::string& line);
 
 // "0:07", "12:34", "3:04:05".

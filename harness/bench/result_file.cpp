@@ -305,6 +305,13 @@ Disturbance disturbance_of(const Plan& plan, const Journal& journal) {
     return found;
 }
 
+bool is_disturbed(const Json& sample, Backend backend) {
+    constexpr double most_host_share = 0.02;
+    const double wall = sample.at("pt_wall_ms").get<double>();
+    const bool was_late = 1 - sample.value("pt_device_ms", 0.0) / wall > most_host_share;
+    return is_contended(sample) && (backend != Backend::cuda || was_late);
+}
+
 std::string in_words(const Disturbance& d) {
     std::string text = fmt::format("disturbed: {} of {} samples", d.disturbed, d.samples);
     if (d.disturbed > 0) {

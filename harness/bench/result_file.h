@@ -43,6 +43,9 @@ struct Disturbance {
     std::size_t clock_unknown = 0;
 };
 Disturbance disturbance_of(const Plan& plan, const Journal& journal);
+// Whether another process took CPU time such that the sample's time may be wrong for it: on a GPU a busy host can only
+// make a render longer than the device worked.
+bool is_disturbed(const Json& sample, Backend backend);
 // "disturbed: 3 of 54 samples (other processes 2, low clock 1)".
 std::string in_words(const Disturbance& disturbance);
 

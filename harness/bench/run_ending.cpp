@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "harness/bench/comparisons.h"
 #include "harness/bench/error_book.h"
 #include "harness/bench/machine.h"
 #include "harness/interrupt.h"
@@ -56,22 +57,6 @@ void write_result(const RunEnding& ending, const Journal& journal, bool complete
     }
 }
 
-void print_table(const Plan& plan, const Journal& journal) {
-    fmt::print("{:>12} {:>7} {:>9}  cell (median of the samples)\n", "ms/spp", "cv", "Mrays/s");
-    for (const Cell& cell : plan.cells) {
-        std::vector<double> wall, rays;
-        for (const Json& sample : journal.samples(cell.name)) {
-            wall.push_back(sample.at("pt_wall_ms"));
-            rays.push_back(sample.at("pt_rays_per_second"));
-        }
-        if (!wall.empty()) {
-            const Aggregates time = aggregate(wall);
-            fmt::print("{:12.4g} {:6.1f}% {:9.2f}  {}\n", time.median / cell.spp, 100 * time.cv,
-                       1e-6 * aggregate(rays).median, cell.name);
-        }
-    }
-}
-
 void print_headline(const RunEnding& ending, const Journal& journal, const Outcome& outcome) {
     const std::string cut =
         outcome.unfinished == 0 ? "" : fmt::format("; interrupted with {} cells unfinished", outcome.unfinished);
@@ -93,7 +78,7 @@ int end_run(const RunEnding& ending, RunJournal& journal) {
         return end_without_result(ending, known);
     }
     write_result(ending, known, completed);
-    print_table(ending.plan, known);
+    fmt::print("{}", verdict_table(ending.plan, ending.suite, known));
     print_headline(ending, known, outcome);
     if (!completed) {
         return end_interrupted(ending);

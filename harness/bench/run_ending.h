@@ -1,4 +1,4 @@
-// How a run ends, complete or interrupted: the result file, the table of medians, what can be trusted of it and how to
+// How a run ends, complete or interrupted: the result file, the table of verdicts, what can be trusted of it and how to
 // go on.
 #pragma once
 

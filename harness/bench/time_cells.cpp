@@ -6,6 +6,8 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
+#include "harness/bench/short_names.h"
+
 namespace pt {
 
 namespace {
@@ -50,9 +52,10 @@ Ahead ahead_of(const std::vector<const Cell*>& cells, const Journal& journal, in
 // What Google Benchmark calls, and where its samples go.
 class CellTimer {
 public:
-    CellTimer(Ahead ahead, const TimingOptions& options, RunJournal& journal, SampleTaker& taker,
+    CellTimer(Ahead ahead, ShortNames names, const TimingOptions& options, RunJournal& journal, SampleTaker& taker,
               const ErrorBook& errors, const Interrupt& interrupt)
         : time_left_(std::move(ahead.time)),
+          names_(names),
           progress_("time", std::max<std::size_t>(1, ahead.samples), options.lines),
           images_folder_(options.images_folder),
           journal_(journal),
@@ -82,6 +85,7 @@ public:
 private:
     // Returns what went wrong, or nothing.
     std::string take_sample(const Cell& cell, std::size_t index) {
+        progress_.begin(names_.of(cell));
         const double start = seconds_now();
         const TakenSample sample = taker_.take(cell, index);
         if (!sample.error.empty()) {
@@ -95,7 +99,7 @@ private:
             journal_.add_sample(cell, sample.facts);
             time_left_.took(cell.name, seconds_now() - start);
         }
-        progress_.step(cell.name, [this] { return time_left_.seconds(); });
+        progress_.step(names_.of(cell), [this] { return time_left_.seconds(); });
         return sample.error;
     }
 
@@ -106,6 +110,7 @@ private:
     }
 
     TimeLeft time_left_;
+    ShortNames names_;
     Progress progress_;
     const std::string& images_folder_;
     RunJournal& journal_;
@@ -156,7 +161,8 @@ void time_cells(const Plan& plan, const TimingOptions& options, RunJournal& jour
             cells.push_back(&cell);
         }
     }
-    CellTimer timer(ahead_of(cells, journal.known(), options.repetitions), options, journal, taker, errors, interrupt);
+    CellTimer timer(ahead_of(cells, journal.known(), options.repetitions), ShortNames(plan), options, journal, taker,
+                    errors, interrupt);
     benchmark::ClearRegisteredBenchmarks();
     for (const Cell* const cell : cells) {
         register_cell(*cell, timer);

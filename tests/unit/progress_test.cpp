@@ -2,8 +2,12 @@
 #include "harness/bench/progress.h"
 
 #include <algorithm>
+#include <cstdlib>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 namespace pt {
 namespace {
@@ -82,6 +86,62 @@ TEST(ProgressTest, HiddenItSaysNothing) {
     testing::internal::CaptureStderr();
     Progress progress("time", 1, Progress::Lines::hidden);
     progress.step("name");
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+// What a terminal of so many columns would be sent.
+template <class Write>
+std::string written_to_terminal(unsigned short columns, const Write& write) {
+    const int master = ::posix_openpt(O_RDWR | O_NOCTTY);
+    EXPECT_TRUE(master >= 0 && ::grantpt(master) == 0 && ::unlockpt(master) == 0);
+    const int terminal = ::open(::ptsname(master), O_RDWR | O_NOCTTY);
+    const winsize size{.ws_row = 24, .ws_col = columns, .ws_xpixel = 0, .ws_ypixel = 0};
+    ::ioctl(terminal, TIOCSWINSZ, &size);
+    const int kept = ::dup(STDERR_FILENO);
+    ::dup2(terminal, STDERR_FILENO);
+    write();
+    std::fflush(stderr);
+    ::dup2(kept, STDERR_FILENO);
+    ::close(kept);
+    ::close(terminal);
+    std::string text;
+    char buffer[4096];
+    for (ssize_t read = 1; (read = ::read(master, buffer, sizeof buffer)) > 0;) {
+        text.append(buffer, static_cast<std::size_t>(read));
+    }
+    ::close(master);
+    return text;
+}
+
+TEST(ProgressTest, OnATerminalItIsOneLineThatIsWrittenOver) {
+    const auto nothing = [] { return std::optional<double>(); };
+    const std::string text = written_to_terminal(100, [&] {
+        Progress progress("time", 2);
+        progress.begin("first");
+        progress.step("first", nothing);  // too soon after the last to be seen
+        progress.step("second", [] { return std::optional<double>(0); });
+    });
+    EXPECT_EQ(text,
+              "\r\033[Ktime [--------------------] 0/2  0:00 elapsed, unknown time left  first"
+              "\r\033[Ktime [####################] 2/2  0:00 elapsed, about 0:00 left  second\r\n");
+}
+
+TEST(ProgressTest, OnANarrowTerminalTheLineIsCut) {
+    const std::string text = written_to_terminal(40, [] { Progress("time", 3).begin("a name"); });
+    EXPECT_EQ(text, "\r\033[Ktime [--------------------] 0/3  0:00 e");
+}
+
+TEST(ProgressTest, WhatIsSaidMeanwhileTakesTheBarsPlace) {
+    EXPECT_EQ(written_to_terminal(80, [] { say_below_progress("failed: a"); }), "\r\033[Kfailed: a\r\n");
+    testing::internal::CaptureStderr();
+    say_below_progress("failed: a");
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "failed: a\n");
+}
+
+TEST(ProgressTest, ALogIsNotToldWhatBegins) {
+    testing::internal::CaptureStderr();
+    Progress progress("time", 2);
+    progress.begin("first");
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 

@@ -1,0 +1,298 @@
+#include "harness/bench/comparisons.h"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "harness/bench/convergence_study.h"
+#include "harness/bench/result_file.h"
+#include "variants/registry.h"
+#include "variants/variant_name.h"
+
+namespace pt {
+
+namespace {
+
+using Tunables = std::map<std::string, std::uint32_t>;
+
+bool is_axis(const std::string& name) {
+    return std::find(std::begin(axis_names), std::end(axis_names), name) != std::end(axis_names);
+}
+
+// The axis of figures that are named for what lies along them.
+std::string axis_of_figure(const std::string& figure) {
+    for (const char* axis : {"sorting", "first_bounce"}) {
+        if (figure == std::string(axis) + "_by_depth") {
+            return axis;
+        }
+    }
+    return is_axis(figure) ? figure : "";
+}
+
+std::string first_varying_axis(const Cells& cells) {
+    for (const std::string_view axis : axis_names) {
+        const auto differs = [&](const Cell* cell) { return cell->variant[axis] != cells.front()->variant[axis]; };
+        if (std::any_of(cells.begin(), cells.end(), differs)) {
+            return std::string(axis);
+        }
+    }
+    return "";
+}
+
+// At whatever value, standards included.
+Tunables tunables_of(const Cell& cell) {
+    Tunables values;
+    for (const Tunable& t : pt::tunables_of(cell.variant, cell.backend)) {
+        values[std::string(t.name)] = tunable(cell.variant, t.name, cell.backend);
+    }
+    return values;
+}
+
+bool is_tuned(const Cell& cell, const std::string& name) { return cell.variant.tuning.contains(name); }
+
+std::optional<Question> question_of_tunable(const std::string& name, const Cells& cells) {
+    Cells having;
+    std::copy_if(cells.begin(), cells.end(), std::back_inserter(having),
+                 [&](const Cell* cell) { return tunables_of(*cell).contains(name); });
+    if (having.empty()) {
+        return std::nullopt;
+    }
+    const auto standard =
+        std::find_if(having.begin(), having.end(), [&](const Cell* cell) { return !is_tuned(*cell, name); });
+    const Cell& first = standard == having.end() ? *having.front() : **standard;
+    return Question{name, std::to_string(tunables_of(first).at(name)), true};
+}
+
+// What the cell has of the question's axis or tunable; empty: it has no such tunable.
+std::string value_of(const Cell& cell, const Question& question) {
+    if (!question.is_tunable) {
+        return cell.variant[question.axis];
+    }
+    const Tunables values = tunables_of(cell);
+    const auto value = values.find(question.axis);
+    return value == values.end() ? "" : std::to_string(value->second);
+}
+
+// A sort key says how a sort works: against a variant without a sort it may be any.
+bool says_nothing(std::string_view axis, const Question& question) {
+    return axis == "sort_key" && question.axis == "sorting" && question.baseline == "none";
+}
+
+bool is_same_setting(const Cell& cell, const Cell& other, const Question& question) {
+    const auto of = [](const Cell& c) {
+        return std::tuple(c.scene->name, c.backend, c.settings.depth, c.settings.width, c.settings.height);
+    };
+    return of(cell) == of(other) && std::all_of(axis_names.begin(), axis_names.end(), [&](std::string_view axis) {
+               return axis == question.axis || says_nothing(axis, question) ||
+                      cell.variant[axis] == other.variant[axis];
+           });
+}
+
+// How the two are tuned differently, in what both have and the question is not about.
+struct TuningDifference {
+    bool is_comparable = true;  // values are equal, or both cells are at their choices' standards
+    int differences = 0;
+    int others_alone = 0;  // values of the other's that are not standard and that this cell does not have
+};
+
+TuningDifference compare_tuning(const Cell& cell, const Cell& other, const Question& question) {
+    const Tunables ours = tunables_of(cell), theirs = tunables_of(other);
+    TuningDifference found;
+    for (const auto& [name, value] : ours) {
+        const auto there = theirs.find(name);
+        if (there == theirs.end() || name == question.axis || there->second == value) {
+            continue;
+        }
+        found.differences += 1;
+        found.is_comparable = found.is_comparable && !is_tuned(cell, name) && !is_tuned(other, name);
+    }
+    for (const auto& [name, value] : other.variant.tuning) {
+        found.others_alone += ours.contains(name) ? 0 : 1;
+    }
+    return found;
+}
+
+}  // namespace
+
+std::optional<Question> question_of(const Study& study, const Cells& cells) {
+    if (cells.empty() || study.convergence) {
+        return std::nullopt;
+    }
+    const bool is_sweep = study.figure.starts_with("scaling_by_");
+    const std::string axis = is_sweep ? first_varying_axis(cells) : axis_of_figure(study.figure);
+    if (axis.empty()) {
+        return is_sweep ? std::nullopt : question_of_tunable(study.figure, cells);
+    }
+    const std::string usual = Registry::instance().baseline(cells.front()->backend)[axis];
+    const bool was_run =
+        std::any_of(cells.begin(), cells.end(), [&](const Cell* cell) { return cell->variant[axis] == usual; });
+    return Question{axis, was_run ? usual : cells.front()->variant[axis]};
+}
+
+const Cell* baseline_of(const Cell& cell, const Cells& cells, const Question& question) {
+    const Cell* best = nullptr;
+    std::tuple<int, int, bool, int> least;
+    for (const Cell* const other : cells) {
+        const TuningDifference tuning = compare_tuning(cell, *other, question);
+        if (!is_baseline(*other, question) || !is_same_setting(cell, *other, question) || !tuning.is_comparable) {
+            continue;
+        }
+        const int keys = says_nothing("sort_key", question) && cell.variant["sort_key"] != other->variant["sort_key"];
+        const std::tuple unlikeness{keys, tuning.differences, other->spp != cell.spp, tuning.others_alone};
+        if (best == nullptr || unlikeness < least) {
+            best = other;
+            least = unlikeness;
+        }
+    }
+    return best;
+}
+
+bool is_baseline(const Cell& cell, const Question& question) { return value_of(cell, question) == question.baseline; }
+
+Times times_of(const Cell& cell, const Journal& journal) {
+    Times times;
+    const std::vector<Json>& samples = journal.samples(cell.name);
+    std::size_t disturbed = 0;
+    bool has_clock = true;
+    for (const Json& sample : samples) {
+        const double wall = sample.at("pt_wall_ms").get<double>();
+        times.ms_per_spp.push_back(wall / cell.spp);
+        const double before = sample.value("pt_clock_mhz_before", 0.0), after = sample.value("pt_clock_mhz_after", 0.0);
+        has_clock = has_clock && before != 0 && after != 0 && sample.value("pt_clock_unknown", 0) == 0;
+        times.cycles.push_back(times.ms_per_spp.back() * (0.5 * (before + after)) / 1e3);
+        disturbed += is_disturbed(sample, cell.backend) ? 1u : 0u;
+    }
+    if (!has_clock) {
+        times.cycles.clear();
+    }
+    times.is_contended = static_cast<double>(disturbed) > most_disturbed_share * static_cast<double>(samples.size());
+    return times;
+}
+
+namespace {
+
+std::string ratio_text(double ratio) { return fmt::format("{:.{}f}", ratio, ratio < 10 ? 3 : 2); }
+
+struct Row {
+    std::string time, ratio, interval, verdict;
+};
+
+class Table {
+public:
+    explicit Table(const Journal& journal) : journal_(journal) {}
+
+    void add_study(const std::string& title, const Cells& cells, const std::optional<Question>& question) {
+        if (!title.empty()) {
+            text_ += title + "\n";
+        }
+        std::string group;
+        for (const Cell* const cell : ordered(cells)) {
+            const std::optional<Row> row = row_of(*cell, cells, question);
+            if (!row) {
+                continue;
+            }
+            if (group != group_of(*cell)) {
+                group = group_of(*cell);
+                text_ += group +
+                         (question ? fmt::format(": ratio to {}={}, all else equal", question->axis, question->baseline)
+                                   : "") +
+                         "\n" + line({"ms/spp", "ratio", "95 % interval", "verdict"}, "variant");
+            }
+            text_ += line(*row, shown_name(cell->variant, cell->backend));
+        }
+    }
+
+    std::string text() const {
+        std::string text = text_;
+        for (const auto& [reason, count] : reasons_) {
+            text += fmt::format("UNSURE ({}): {}\n", count, reason);
+        }
+        return text;
+    }
+
+private:
+    static std::string line(const Row& row, const std::string& name) {
+        return fmt::format("{:>10}  {:>6}  {:<16}  {:<8}  {}\n", row.time, row.ratio, row.interval, row.verdict, name);
+    }
+    static std::string group_of(const Cell& cell) {
+        return fmt::format("{} {}x{}, depth {}, {} spp on {}", cell.scene->name, cell.settings.width,
+                           cell.settings.height, cell.settings.depth, cell.spp, to_string(cell.backend));
+    }
+    // Those of a group together, groups in the order of their first cells.
+    static Cells ordered(const Cells& cells) {
+        std::map<std::string, std::size_t> ranks;
+        for (const Cell* const cell : cells) {
+            ranks.try_emplace(group_of(*cell), ranks.size());
+        }
+        Cells sorted = cells;
+        std::stable_sort(sorted.begin(), sorted.end(),
+                         [&](const Cell* a, const Cell* b) { return ranks[group_of(*a)] < ranks[group_of(*b)]; });
+        return sorted;
+    }
+    // Nobody knows what a cell that failed timed.
+    bool has_failed(const Cell& cell) const {
+        const Json* const facts = journal_.cell(cell.name);
+        return facts != nullptr && facts->value("status", "") == "failed";
+    }
+    bool is_measured(const Cell& cell) const { return !has_failed(cell) && !journal_.samples(cell.name).empty(); }
+
+    std::optional<Row> row_of(const Cell& cell, const Cells& cells, const std::optional<Question>& question) {
+        if (has_failed(cell)) {
+            return Row{"", "", "", "FAILED"};
+        }
+        if (!is_measured(cell)) {
+            return std::nullopt;
+        }
+        const Times times = times_of(cell, journal_);
+        Row row{fmt::format("{:.4g}", median_of(times.ms_per_spp)), "", "", ""};
+        if (question && is_baseline(cell, *question)) {
+            row.verdict = "baseline";
+        } else if (const Cell* const baseline = question ? baseline_of(cell, cells, *question) : nullptr;
+                   baseline != nullptr && is_measured(*baseline)) {
+            add_verdict(row, times, times_of(*baseline, journal_));
+        }
+        return row;
+    }
+
+    void add_verdict(Row& row, const Times& times, const Times& baseline) {
+        const RatioEstimate ratio = ratio_estimate(times.ms_per_spp, baseline.ms_per_spp);
+        const TimeVerdict verdict = verdict_of(ratio, times, baseline);
+        row.ratio = ratio_text(ratio.value);
+        row.interval = ratio.interval ? interval_text(*ratio.interval) : "";
+        row.verdict = to_text(verdict.word);
+        if (verdict.word == Word::unsure) {
+            reasons_[verdict.reason] += 1;
+        }
+    }
+
+    const Journal& journal_;
+    std::string text_;
+    std::map<std::string, int> reasons_;
+};
+
+}  // namespace
+
+std::string verdict_table(const Plan& plan, const Suite& suite, const Journal& journal) {
+    const auto cells_of = [&](const std::string& study) {
+        Cells cells;
+        for (const Cell& cell : plan.cells) {
+            if (std::find(cell.studies.begin(), cell.studies.end(), study) != cell.studies.end()) {
+                cells.push_back(&cell);
+            }
+        }
+        return cells;
+    };
+    Table table(journal);
+    for (const Study& study : suite.studies) {
+        const Cells cells = cells_of(study.name);
+        const bool is_named = suite.studies.size() > 1 && !cells.empty();
+        table.add_study(is_named ? fmt::format("{}: {}", study.name, study.title) : "", cells,
+                        question_of(study, cells));
+        table.add_study("", cells_of(study.name + std::string(without_checkpoints_suffix)), std::nullopt);
+    }
+    return table.text();
+}
+
+}  // namespace pt

@@ -1,0 +1,38 @@
+// Which cells of a run are held against which, and the table of verdicts that stands at its end. The pairs are those of
+// analysis/ptbench/studies (questions.py, rows.py), so the table says what the pages drawn from the file will say.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "harness/bench/bootstrap.h"
+#include "harness/bench/journal.h"
+#include "harness/bench/suite.h"
+
+namespace pt {
+
+// What a study varies, and the choice that all others are held against.
+struct Question {
+    std::string axis;  // or a tunable
+    std::string baseline;
+    bool is_tunable = false;
+};
+
+using Cells = std::vector<const Cell*>;
+
+// Nothing where the study compares no choices. `cells` are the study's.
+std::optional<Question> question_of(const Study& study, const Cells& cells);
+// The cell that differs in what the question is about only: equal samples per pixel are preferred, and tunables that
+// both cells have are equal, or both at their standards. Null if there is none.
+const Cell* baseline_of(const Cell& cell, const Cells& cells, const Question& question);
+bool is_baseline(const Cell& cell, const Question& question);
+
+// Of a cell that has samples.
+Times times_of(const Cell& cell, const Journal& journal);
+
+// A line a cell, by study and scene: median, ratio to the baseline, interval and verdict; below it why verdicts are
+// unsure. Cells without samples are left out, but for those that failed.
+std::string verdict_table(const Plan& plan, const Suite& suite, const Journal& journal);
+
+}  // namespace pt

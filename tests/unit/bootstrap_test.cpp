@@ -1,0 +1,111 @@
+// Ratios, intervals and verdicts against numbers worked out by hand, and NumPy's random numbers.
+#include "harness/bench/bootstrap.h"
+
+#include <gtest/gtest.h>
+
+namespace pt {
+namespace {
+
+TEST(BootstrapRandomTest, IsNumPysGeneratorOfThatSeed) {
+    // np.random.default_rng(1986).integers(0, COUNT, size=..)
+    BootstrapRandom nine, thousand, one;
+    for (const std::uint32_t expected : {7u, 1u, 2u, 5u, 3u, 0u, 7u, 5u, 5u, 7u, 5u, 3u, 7u, 6u, 0u, 2u, 6u, 0u}) {
+        EXPECT_EQ(nine.below(9), expected);
+    }
+    for (const std::uint32_t expected : {835u, 170u, 280u, 559u, 382u, 80u, 797u, 665u, 657u, 833u, 599u, 364u}) {
+        EXPECT_EQ(thousand.below(1000), expected);
+    }
+    EXPECT_EQ(one.below(1), 0u);
+    EXPECT_EQ(one.below(9), 7u);  // nothing was drawn for a choice of one
+}
+
+TEST(BootstrapTest, MediansByHand) {
+    EXPECT_EQ(median_of({5}), 5);
+    EXPECT_EQ(median_of({6, 1, 2}), 2);
+    EXPECT_EQ(median_of({4, 1, 2, 9}), 3);
+    EXPECT_EQ(median_of({2, 2, 2, 2}), 2);
+}
+
+TEST(BootstrapTest, ARatioOfConstantsHasAnIntervalOfNoWidth) {
+    const RatioEstimate ratio = ratio_estimate(std::vector<double>(9, 3.0), std::vector<double>(12, 2.0));
+    EXPECT_EQ(ratio.value, 1.5);
+    EXPECT_EQ(ratio.interval->low, 1.5);
+    EXPECT_EQ(ratio.interval->high, 1.5);
+    EXPECT_EQ(ratio.samples, 9u);
+}
+
+TEST(BootstrapTest, OneSampleHasNoInterval) {
+    const RatioEstimate ratio = ratio_estimate({3}, {2, 4, 6});
+    EXPECT_EQ(ratio.value, 0.75);
+    EXPECT_FALSE(ratio.interval);
+    EXPECT_EQ(ratio.samples, 1u);
+}
+
+// Of two samples 1 and 3 a quarter of the medians are 1, a half 2 and a quarter 3: 2.5 % lies at the ends.
+TEST(BootstrapTest, TheIntervalOfTwoValuesReachesBothOfThem) {
+    const RatioEstimate ratio = ratio_estimate({1, 3}, {2, 2});
+    EXPECT_EQ(ratio.value, 1);
+    EXPECT_EQ(ratio.interval->low, 0.5);
+    EXPECT_EQ(ratio.interval->high, 1.5);
+}
+
+TEST(VerdictTest, TheWholeIntervalLiesOnOneSideOfALimit) {
+    EXPECT_EQ(word_of({0.9, 0.98}), Word::faster);
+    EXPECT_EQ(word_of({0.9, 1 - 0.01}), Word::unsure);  // on the limit
+    EXPECT_EQ(word_of({1.011, 1.2}), Word::slower);
+    EXPECT_EQ(word_of({1 + 0.01, 1.2}), Word::unsure);
+    EXPECT_EQ(word_of({0.995, 1.005}), Word::same);
+    EXPECT_EQ(word_of({1 - 0.01, 1 + 0.01}), Word::same);
+    EXPECT_EQ(word_of({0.98, 1.005}), Word::unsure);
+    EXPECT_EQ(word_of({0.5, 2}), Word::unsure);
+    EXPECT_EQ(to_text(Word::faster) + to_text(Word::slower) + to_text(Word::same) + to_text(Word::unsure),
+              "FASTERSLOWERSAMEUNSURE");
+}
+
+TEST(VerdictTest, AnIntervalHasAsManyDigitsAsShowTheVerdict) {
+    EXPECT_EQ(interval_text({0.95, 1.25}), "[0.950, 1.250]");
+    EXPECT_EQ(interval_text({0.98996, 1.0102}), "[0.98996, 1.01020]");
+    EXPECT_EQ(interval_text({11.5, 12.34}), "[11.50, 12.34]");
+}
+
+Times times(double ms, std::size_t count, double clock = 0) {
+    Times made{.ms_per_spp = std::vector<double>(count, ms), .cycles = {}};
+    if (clock > 0) {
+        made.cycles.assign(count, ms * clock);
+    }
+    return made;
+}
+
+TimeVerdict verdict(const Times& of, const Times& baseline) {
+    return verdict_of(ratio_estimate(of.ms_per_spp, baseline.ms_per_spp), of, baseline);
+}
+
+TEST(VerdictTest, NeedsNineSamplesOnBothSides) {
+    EXPECT_EQ(verdict(times(1, 9), times(2, 9)).word, Word::faster);
+    EXPECT_EQ(verdict(times(3, 9), times(2, 9)).word, Word::slower);
+    EXPECT_EQ(verdict(times(2, 9), times(2, 9)).word, Word::same);
+    const TimeVerdict few = verdict(times(1, 9), times(2, 8));
+    EXPECT_EQ(few.word, Word::unsure);
+    EXPECT_EQ(few.reason, "n = 8, a verdict needs 9");
+}
+
+TEST(VerdictTest, CyclesMustNotContradictIt) {
+    // A clock that was half as high on one side: the same work.
+    const TimeVerdict clocks = verdict(times(2, 9, 1500), times(1, 9, 3000));
+    EXPECT_EQ(clocks.word, Word::unsure);
+    EXPECT_EQ(clocks.reason, "SLOWER in time but SAME in cycles: the clocks differed");
+    EXPECT_EQ(verdict(times(2, 9, 3000), times(1, 9, 3000)).word, Word::slower);
+    EXPECT_EQ(verdict(times(2, 9, 1500), times(1, 9)).word, Word::slower);  // one side's clock is unknown
+}
+
+TEST(VerdictTest, ContendedSamplesSayNothing) {
+    Times busy = times(2, 9);
+    busy.is_contended = true;
+    for (const TimeVerdict& found : {verdict(busy, times(1, 9)), verdict(times(1, 9), busy)}) {
+        EXPECT_EQ(found.word, Word::unsure);
+        EXPECT_EQ(found.reason, "other processes took CPU time during more than a tenth of the samples");
+    }
+}
+
+}  // namespace
+}  // namespace pt

@@ -1,0 +1,290 @@
+// The pairs and verdicts of a run: those of the pages drawn from its file, row by row, and the table that shows them.
+#include "harness/bench/comparisons.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "harness/bench/result_file.h"
+#include "harness/bench/short_names.h"
+#include "tests/support/backends.h"
+#include "tests/support/command.h"
+#include "tests/support/scenes.h"
+
+namespace pt {
+namespace {
+
+Json sample(double wall, double foreign = 0) {
+    return {{"pt_wall_ms", wall}, {"cpu_ms", wall}, {"pt_foreign_cpu_ms", foreign}};
+}
+
+Study study_of(const std::string& name, const std::string& figure) {
+    Study study;
+    study.name = name;
+    study.title = "The " + name;
+    study.figure = figure;
+    return study;
+}
+
+std::shared_ptr<const Scene> scene_called(const std::string& name) {
+    Scene scene = test::SceneBuilder().scene;
+    scene.name = name;
+    return std::make_shared<Scene>(scene);
+}
+
+// ---- A committed result file as the run that wrote it ----
+
+struct CommittedRun {
+    test::TemporaryFolder folder;
+    Journal journal{folder.file("journal"), Json::object(), false};
+    Suite suite{.name = "", .description = "", .studies = {}};
+    Plan plan;
+
+    explicit CommittedRun(const Json& file) {
+        for (const Json& study : file.at("ptbench").at("studies")) {
+            suite.studies.push_back(study_of(study.at("name"), study.at("figure")));
+        }
+        for (const Json& facts : file.at("ptbench").at("cells")) {
+            plan.cells.push_back(cell_of(facts));
+        }
+        std::vector<Json> rows;
+        for (const Json& row : file.at("benchmarks")) {
+            if (row.at("run_type") == "iteration") {
+                rows.push_back(row);
+                rows.back()["cpu_ms"] = row.at("cpu_time");
+            }
+        }
+        std::stable_sort(rows.begin(), rows.end(), [](const Json& a, const Json& b) {
+            return a.at("repetition_index").get<int>() < b.at("repetition_index").get<int>();
+        });
+        for (const Json& row : rows) {
+            journal.add_sample(row.at("run_name"), row);
+        }
+    }
+
+    static Cell cell_of(const Json& facts) {
+        Variant variant = Registry::instance().baseline();  // of axes that came after the file
+        for (const auto& [axis, choice] : facts.at("axes").items()) {
+            variant.set(axis, choice);
+        }
+        for (const Tunable& t : tunables_of(variant, Backend::cpu)) {
+            const std::string name(t.name);
+            const std::uint32_t value = facts.value("tunables", Json::object()).value(name, t.default_value);
+            if (value != t.default_value) {
+                variant.tuning[name] = value;
+            }
+        }
+        return {.name = facts.at("cell"),
+                .studies = facts.at("studies"),
+                .scene = scene_called(facts.at("scene")),
+                .variant = variant,
+                .settings = {.width = facts.at("resolution").at(0),
+                             .height = facts.at("resolution").at(1),
+                             .depth = facts.at("depth")},
+                .spp = facts.at("spp")};
+    }
+
+    Cells cells_of(const Study& study) const {
+        Cells cells;
+        for (const Cell& cell : plan.cells) {
+            if (std::find(cell.studies.begin(), cell.studies.end(), study.name) != cell.studies.end()) {
+                cells.push_back(&cell);
+            }
+        }
+        return cells;
+    }
+
+    // As tests/analysis/test_run_verdicts.py writes them.
+    Json pairs() const {
+        Json pairs = Json::array();
+        for (const Study& study : suite.studies) {
+            const Cells cells = cells_of(study);
+            const std::optional<Question> question = question_of(study, cells);
+            for (const Cell* const cell : question ? cells : Cells()) {
+                const Cell* const baseline = baseline_of(*cell, cells, *question);
+                if (!is_baseline(*cell, *question) && baseline != nullptr) {
+                    pairs.push_back(pair(study.name, *cell, *baseline));
+                }
+            }
+        }
+        return pairs;
+    }
+
+    Json pair(const std::string& study, const Cell& cell, const Cell& baseline) const {
+        const Times times = times_of(cell, journal), others = times_of(baseline, journal);
+        const RatioEstimate ratio = ratio_estimate(times.ms_per_spp, others.ms_per_spp);
+        return {study,
+                &cell - plan.cells.data(),
+                &baseline - plan.cells.data(),
+                ratio.value,
+                ratio.interval->low,
+                ratio.interval->high,
+                to_text(verdict_of(ratio, times, others).word)};
+    }
+};
+
+// Bit for bit: one generator of random numbers, one order of operations.
+TEST(ComparisonsTest, CommittedResultsHaveTheVerdictsThatPythonGivesThem) {
+    const Json expected = Json::parse(test::content_of(PTBENCH_SOURCE_DIR "/tests/support/run_verdicts.json"));
+    ASSERT_GE(expected.size(), 4u);
+    for (const auto& [file, pairs] : expected.items()) {
+        const CommittedRun run(Json::parse(test::content_of(PTBENCH_SOURCE_DIR "/" + file)));
+        const Json found = run.pairs();
+        ASSERT_EQ(found.size(), pairs.size()) << file;
+        for (std::size_t i = 0; i < pairs.size(); ++i) {
+            EXPECT_EQ(found[i], pairs[i]) << file;
+        }
+    }
+}
+
+// ---- Runs made by hand ----
+
+class TableTest : public testing::Test {
+protected:
+    test::TemporaryFolder folder;
+    Journal journal{folder.file("journal"), Json::object(), false};
+    Suite suite{.name = "hand", .description = "", .studies = {study_of("a", "layout")}};
+    Plan plan;
+    Backend backend = Backend::cpu;
+
+    Cell& add(const std::map<std::string, std::string>& axes, double ms, int samples = 9) {
+        Variant variant = Registry::instance().baseline(backend);
+        for (const auto& [axis, choice] : axes) {
+            variant.set(axis, choice);
+        }
+        plan.cells.push_back({.name = std::to_string(plan.cells.size()),
+                              .studies = {"a"},
+                              .scene = scene_called("box"),
+                              .backend = backend,
+                              .variant = variant,
+                              .settings = {.width = 20, .height = 10, .depth = 4},
+                              .spp = 2});
+        for (int i = 0; i < samples; ++i) {
+            journal.add_sample(plan.cells.back().name, sample(ms));
+        }
+        return plan.cells.back();
+    }
+    std::string table() const { return verdict_table(plan, suite, journal); }
+};
+
+TEST_F(TableTest, HasALineACellWithItsVerdict) {
+    suite.studies[0].figure = "compaction";
+    add({}, 10);
+    add({{"compaction", "thrust_remove_if"}}, 30);
+    add({{"compaction", "thrust_partition"}}, 10);
+    add({{"layout", "soa"}}, 20, 3);
+    add({{"layout", "soa"}, {"compaction", "thrust_remove_if"}}, 18, 3);
+    add({{"sorting", "bucket"}, {"compaction", "thrust_remove_if"}}, 18);    // its baseline was not run
+    add({{"sorting", "bucket"}, {"compaction", "thrust_partition"}}, 1, 0);  // interrupted before it
+    journal.set_cell(add({{"compaction", "thrust_copy_if_index"}}, 1).name, {{"status", "failed"}});
+    EXPECT_EQ(table(),
+              "box 20x10, depth 4, 2 spp on cpu: ratio to compaction=none, all else equal\n"
+              "    ms/spp   ratio  95 % interval     verdict   variant\n"
+              "         5                            baseline  wavefront\n"
+              "        15   3.000  [3.000, 3.000]    SLOWER    wavefront compaction=thrust_remove_if\n"
+              "         5   1.000  [1.000, 1.000]    SAME      wavefront compaction=thrust_partition\n"
+              "        10                            baseline  wavefront layout=soa\n"
+              "         9   0.900  [0.900, 0.900]    UNSURE    wavefront compaction=thrust_remove_if layout=soa\n"
+              "         9                                      wavefront compaction=thrust_remove_if sorting=bucket\n"
+              "                                      FAILED    wavefront compaction=thrust_copy_if_index\n"
+              "UNSURE (1): n = 3, a verdict needs 9\n");
+}
+
+TEST_F(TableTest, ScenesAndSettingsStandTogetherAndStudiesHaveTheirTitles) {
+    suite.studies.push_back(study_of("b", "remaining_paths"));
+    add({}, 1).settings.depth = 8;
+    add({}, 2).studies = {"a", "b"};
+    add({{"layout", "soa"}}, 2).settings.depth = 8;
+    EXPECT_EQ(table(),
+              "a: The a\n"
+              "box 20x10, depth 8, 2 spp on cpu: ratio to layout=aos, all else equal\n"
+              "    ms/spp   ratio  95 % interval     verdict   variant\n"
+              "       0.5                            baseline  wavefront\n"
+              "         1   2.000  [2.000, 2.000]    SLOWER    wavefront layout=soa\n"
+              "box 20x10, depth 4, 2 spp on cpu: ratio to layout=aos, all else equal\n"
+              "    ms/spp   ratio  95 % interval     verdict   variant\n"
+              "         1                            baseline  wavefront\n"
+              "b: The b\n"
+              "box 20x10, depth 4, 2 spp on cpu\n"
+              "    ms/spp   ratio  95 % interval     verdict   variant\n"
+              "         1                                      wavefront\n");
+}
+
+TEST_F(TableTest, ATunableIsHeldAgainstItsStandard) {
+    suite.studies[0].figure = "jitters";
+    add({{"first_bounce", "cached_jitters"}}, 2).variant.tuning["jitters"] = 2;
+    add({{"first_bounce", "cached_jitters"}}, 1);
+    EXPECT_NE(table().find(": ratio to jitters=16, all else equal\n"), std::string::npos) << table();
+    EXPECT_NE(table().find("SLOWER    wavefront first_bounce=cached_jitters jitters=2\n"), std::string::npos)
+        << table();
+    EXPECT_NE(table().find("baseline  wavefront first_bounce=cached_jitters\n"), std::string::npos) << table();
+}
+
+TEST_F(TableTest, AStudyWithoutTheUsualBaselineIsHeldAgainstItsFirstChoice) {
+    suite.studies[0].figure = "scaling_by_depth";
+    add({{"compaction", "thrust_remove_if"}}, 2);
+    add({{"compaction", "thrust_partition"}}, 1);
+    EXPECT_NE(table().find(": ratio to compaction=thrust_remove_if, all else equal\n"), std::string::npos) << table();
+    EXPECT_NE(table().find("FASTER    wavefront compaction=thrust_partition\n"), std::string::npos) << table();
+}
+
+// Where nothing is sorted the key says nothing.
+TEST_F(TableTest, ASortKeyNeedsNoBaselineOfItsOwn) {
+    if (!test::cuda_is_built()) {
+        GTEST_SKIP() << "there is one key on the CPU";
+    }
+    suite.studies[0].figure = "sorting";
+    backend = Backend::cuda;
+    add({}, 1);
+    add({{"sorting", "bucket"}, {"sort_key", "ray"}}, 2);
+    EXPECT_NE(table().find("SLOWER    wavefront sorting=bucket sort_key=ray\n"), std::string::npos) << table();
+}
+
+TEST_F(TableTest, EqualSamplesPerPixelArePreferredNotRequired) {
+    add({}, 4).spp = 4;  // 1 ms/spp
+    const Cell soa = add({{"layout", "soa"}}, 4);
+    const auto baseline = [&] {
+        Cells cells;
+        for (const Cell& cell : plan.cells) {
+            cells.push_back(&cell);
+        }
+        return baseline_of(soa, cells, *question_of(suite.studies[0], cells))->name;
+    };
+    EXPECT_EQ(baseline(), "0");
+    add({}, 4);
+    EXPECT_EQ(baseline(), "2");
+}
+
+TEST_F(TableTest, MoreThanATenthOfTheSamplesDisturbedIsNoVerdict) {
+    add({}, 100, 10);
+    add({{"layout", "soa"}}, 200, 9);
+    journal.add_sample("1", sample(200, 190));
+    EXPECT_NE(table().find("SLOWER "), std::string::npos) << table();
+    journal.add_sample("1", sample(200, 190));
+    EXPECT_NE(table().find("UNSURE (1): other processes took CPU time"), std::string::npos) << table();
+}
+
+// A busy host can only make a render longer than the device worked.
+TEST(DisturbedTest, OnAGpuTheDevicesClockTells) {
+    Json late = sample(200, 190), in_time = sample(200, 190);
+    late["pt_device_ms"] = 195;
+    in_time["pt_device_ms"] = 197;
+    EXPECT_TRUE(is_disturbed(late, Backend::cuda));
+    EXPECT_FALSE(is_disturbed(in_time, Backend::cuda));
+    EXPECT_TRUE(is_disturbed(in_time, Backend::cpu));
+    EXPECT_FALSE(is_disturbed(sample(200, 10), Backend::cpu));
+}
+
+TEST_F(TableTest, ShortNamesSayWhatDiffers) {
+    add({}, 1);
+    add({{"layout", "soa"}}, 1);
+    EXPECT_EQ(ShortNames(plan).of(plan.cells[1]), "wavefront layout=soa, box");
+    plan.cells[0].settings.depth = 8;
+    EXPECT_EQ(ShortNames(plan).of(plan.cells[1]), "wavefront layout=soa, box, depth 4");
+    plan.cells[0].settings.width = 8;
+    plan.cells[0].spp = 1;
+    EXPECT_EQ(ShortNames(plan).of(plan.cells[1]), "wavefront layout=soa, box, 20x10, depth 4, 2 spp");
+}
+
+}  // namespace
+}  // namespace pt
