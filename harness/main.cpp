@@ -12,6 +12,7 @@
 
 #include "harness/bench/machine.h"
 #include "harness/cli/commands.h"
+#include "harness/cli/known_names.h"
 #include "harness/cli/short_waits.h"
 #include "harness/error.h"
 #include "harness/nearest_name.h"
@@ -39,17 +40,9 @@ std::string join_arguments(int argc, char** argv) {
     return joined;
 }
 
-std::vector<std::string> names_of_subcommands(const CLI::App& app) {
-    std::vector<std::string> names;
-    for (const CLI::App* subcommand : app.get_subcommands([](const CLI::App*) { return true; })) {
-        names.push_back(subcommand->get_name());
-    }
-    return names;
-}
-
 // What the first argument that nothing knows may have been meant to be; empty where nothing is near.
 std::string suggestion(const CLI::App& app, const std::vector<std::string>& arguments) {
-    const std::vector<std::string> subcommands = names_of_subcommands(app);
+    const std::vector<std::string> subcommands = pt::names_of_commands(app);
     if (arguments.empty()) {
         return "";
     }
@@ -93,6 +86,7 @@ int run(int argc, char** argv) {
         {"machine", pt::add_machine_command(app)},
         {"new", pt::add_new_command(app)},
         {"replay", pt::add_replay_command(app)},
+        {"completion", pt::add_completion_command(app)},
         {"stability", pt::add_stability_command(app, join_arguments(argc, argv))},
     };
     try {
@@ -110,7 +104,7 @@ int run(int argc, char** argv) {
         }
     }
     throw pt::InputError("command line", "subcommand", "none",
-                         fmt::format("{} (see ptbench --help)", fmt::join(names_of_subcommands(app), ", ")));
+                         fmt::format("{} (see ptbench --help)", fmt::join(pt::names_of_commands(app), ", ")));
 }
 
 // What was printed may be a result: it is lost if standard output goes to a full disk.

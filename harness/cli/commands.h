@@ -26,9 +26,12 @@ Command add_import_command(CLI::App& app);
 Command add_generate_command(CLI::App& app);
 Command add_machine_command(CLI::App& app);
 Command add_new_command(CLI::App& app);
+Command add_completion_command(CLI::App& app);
 Command add_replay_command(CLI::App& app);
 Command add_stability_command(CLI::App& app, const std::string& command_line);
 
+// What `new` makes: "compaction", ..
+std::vector<std::string> kinds_of_new();
 // "--axis", "--backend", ..: a command's options, for suggestions.
 std::vector<std::string> option_names(const CLI::App& command);
 // "WxH" -> {W, H}; throws InputError.

@@ -273,6 +273,14 @@ int run(const std::string& kind_name, const std::string& name) {
 
 }  // namespace
 
+std::vector<std::string> kinds_of_new() {
+    std::vector<std::string> names;
+    for (const Kind& kind : kinds) {
+        names.emplace_back(kind.name);
+    }
+    return names;
+}
+
 Command add_new_command(CLI::App& app) {
     struct NewArguments {
         std::string kind;

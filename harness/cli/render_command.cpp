@@ -1,10 +1,14 @@
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <optional>
+
+#include <unistd.h>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "harness/bench/fastest.h"
 #include "harness/bench/progress.h"
 #include "harness/bench/suite.h"
 #include "harness/cli/commands.h"
@@ -88,33 +92,60 @@ RenderResult render_aloud(const Scene& scene, RenderRequest request) {
     return render(scene, request);
 }
 
+// What the call names; the fastest integrator that goes with it, where it names none.
+Variant variant_of(const RenderArguments& arguments, const Scene& scene, Backend backend) {
+    const AxisChoices axes = parse_axis_arguments(arguments.axes, backend);
+    const TunableValues tunables = parse_tunable_arguments(arguments.tunables);
+    const std::vector<Variant> named = expand(axes, backend, tunables);
+    if (named.size() != 1) {
+        throw InputError("--axis", "argument", fmt::format("{} variants", named.size()),
+                         "one choice an axis and one value a tunable for render");
+    }
+    const FeatureSet features = features_of(scene);
+    const bool is_named = axes.contains(std::string(integrator_axis));
+    Variant variant = is_named ? named[0] : fastest_variant(axes, tunables, features, backend);
+    const std::string reason = why_not_applicable(variant, features, backend);
+    if (!reason.empty()) {
+        throw InputError(fmt::format("n/a: {} on {}: {}", shown_name(variant, backend), scene.name, reason));
+    }
+    require_backend(backend);
+    if (arguments.untuned) {
+        return variant;
+    }
+    std::set<std::string> kept;
+    for (const auto& [tunable, values] : tunables) {
+        kept.insert(tunable);
+    }
+    return Tuning::load(tuning_file(backend), backend).applied(variant, kept);
+}
+
+std::string chosen_by(const RenderArguments& arguments) {
+    const bool is_named = std::any_of(arguments.axes.begin(), arguments.axes.end(),
+                                      [](const std::string& axis) { return axis.starts_with("integrator="); });
+    return is_named ? "the call" : "ptbench: the fastest integrator known that goes with the scene and the call";
+}
+
+// For people: a program reads the summary.
+void say_where(const RenderArguments& arguments, const RenderRequest& request) {
+    if (::isatty(STDERR_FILENO) == 0) {
+        return;
+    }
+    const std::string file = std::filesystem::absolute(arguments.out).lexically_normal().string();
+    fmt::print(stderr, "rendered with {} on {}, chosen by {}\nwritten: {}\nopen it: {} '{}'\n",
+               shown_name(request.variant, request.backend), to_string(request.backend), chosen_by(arguments), file,
+               file.ends_with(".pfm") ? "tev" : "xdg-open", file);
+}
+
 int run(const RenderArguments& arguments) {
     check_image_name(arguments.out);
     check_output_file(arguments.out);
     const auto start = std::chrono::steady_clock::now();
     const Scene scene = find_scene(arguments.scene);
     const Backend backend = parse_backend(arguments.backend);
-    const AxisChoices axes = parse_axis_arguments(arguments.axes, backend);
-    const TunableValues tunables = parse_tunable_arguments(arguments.tunables);
-    std::vector<Variant> variants = expand(axes, backend, tunables);
-    if (variants.size() != 1) {
-        throw InputError("--axis", "argument", fmt::format("{} variants", variants.size()),
-                         "one choice an axis and one value a tunable for render");
-    }
-    const std::string reason = why_not_applicable(variants[0], features_of(scene), backend);
-    if (!reason.empty()) {
-        throw InputError(fmt::format("n/a: {} on {}: {}", shown_name(variants[0], backend), scene.name, reason));
-    }
-    require_backend(backend);
-    if (!arguments.untuned) {
-        std::set<std::string> named;
-        for (const auto& [tunable, values] : tunables) {
-            named.insert(tunable);
-        }
-        variants[0] = Tuning::load(tuning_file(backend), backend).applied(variants[0], named);
-    }
-    RenderRequest request{
-        .variant = variants[0], .backend = backend, .settings = default_settings(scene), .samples = arguments.spp};
+    RenderRequest request{.variant = variant_of(arguments, scene, backend),
+                          .backend = backend,
+                          .settings = default_settings(scene),
+                          .samples = arguments.spp};
     request.settings.seed = arguments.seed;
     if (!arguments.resolution.empty()) {
         std::tie(request.settings.width, request.settings.height) = parse_resolution(arguments.resolution);
@@ -130,6 +161,7 @@ int run(const RenderArguments& arguments) {
         {"scene_hash", scene.hash},
         {"variant", shown_name(request.variant, backend)},
         {"variant_id", variant_id(request.variant, backend)},
+        {"chosen_by", chosen_by(arguments)},
         {"axes", axes_json(request.variant)},
         {"backend", to_string(backend)},
         {"resolution", {request.settings.width, request.settings.height}},
@@ -153,6 +185,8 @@ int run(const RenderArguments& arguments) {
         {"out", arguments.out},
     };
     fmt::print("{}\n", summary.dump(1));
+    std::fflush(stdout);
+    say_where(arguments, request);
     return exit_good;
 }
 
@@ -162,7 +196,10 @@ Command add_render_command(CLI::App& app) {
     auto arguments = std::make_shared<RenderArguments>();
     CLI::App* command = app.add_subcommand("render", "Render one image; a JSON summary goes to stdout");
     command->add_option("--scene", arguments->scene, "Scene by name or .json file")->required();
-    command->add_option("--axis", arguments->axes, "AXIS=CHOICE, repeatable")->allow_extra_args(false);
+    command
+        ->add_option("--axis", arguments->axes,
+                     "AXIS=CHOICE, repeatable (default: the fastest integrator known, all else at its baseline)")
+        ->allow_extra_args(false);
     command->add_option("--tune", arguments->tunables, "TUNABLE=VALUE, repeatable")->allow_extra_args(false);
     command->add_option("--backend", arguments->backend, "cpu or cuda (default: cuda where it is available)");
     command->add_option("--resolution", arguments->resolution, "WxH (default: the scene's)");

@@ -6,6 +6,7 @@
 #include "harness/bench/machine.h"
 #include "harness/bench/runner.h"
 #include "harness/cli/commands.h"
+#include "harness/cli/run_preview.h"
 #include "harness/cuda/backend.h"
 #include "harness/nearest_name.h"
 #include "harness/places.h"
@@ -149,6 +150,10 @@ RunOptions make_options(const RunArguments& arguments, const CLI::App& command, 
 
 int run(const RunArguments& arguments, const CLI::App& command, const std::string& command_line) {
     RunOptions options = make_options(arguments, command, command_line);
+    if (arguments.suite.empty() && arguments.scenes.empty() && arguments.axes.empty()) {
+        fmt::print("{}", what_run_compares(parse_backend(arguments.backend)));
+        return exit_good;
+    }
     if (arguments.suite.empty() == arguments.scenes.empty()) {
         throw InputError("command line", "options",
                          arguments.suite.empty() ? "neither --suite nor --scene" : "both --suite and --scene",
@@ -180,7 +185,11 @@ int run(const RunArguments& arguments, const CLI::App& command, const std::strin
             fmt::format("results/{}/{}{}.json", backend == Backend::cuda ? cuda::machine_name() : machine_name(),
                         suite.name, shard.is_whole() ? "" : fmt::format(".shard-{}-of-{}", shard.index, shard.count));
     }
-    return run_suite(suite, options);
+    const int exit_code = run_suite(suite, options);
+    if (exit_code == exit_good && arguments.suite.empty() && arguments.axes.empty() && !arguments.quiet) {
+        fmt::print(stderr, "{}", nothing_to_compare(plan_run(suite, options)));
+    }
+    return exit_code;
 }
 
 }  // namespace

@@ -4,9 +4,9 @@
 
 namespace pt {
 
-// Starts the program anew, in this process, with threads that spin for less than a millisecond before they sleep:
-// libgomp reads its environment before main. Returns where the environment says already how threads wait (so after the
-// new start too), and where there can be no new start.
+// Starts the program anew, in this process, with threads that spin for less than a millisecond before they sleep, or in
+// commands that measure nothing not at all: libgomp reads its environment before main. Returns where the environment
+// says already how threads wait (so after the new start too), and where there can be no new start.
 void shorten_waits(char** argv);
 
 }  // namespace pt

@@ -55,7 +55,11 @@ TEST(BadCallsTest, Subcommands) {
     expect_refusal({"frob"}, 2, "The following argument was not expected: frob (see ptbench --help)\n");
     expect_refusal({"--frob"}, 2, "The following argument was not expected: --frob (see ptbench --help)\n");
     expect_refusal({"list", "--frob"}, 2, "The following argument was not expected: --frob");
-    expect_refusal({"list", "extra"}, 2, "The following argument was not expected: extra");
+    expect_refusal({"list", "extra"}, 2, "list: argument: found \"extra\", allowed: an axis (integrator, ");
+    expect_refusal({"list", "layout", "extra"}, 2, "The following argument was not expected: extra");
+    expect_refusal({"list", "--names", "extra"}, 2, "--names: argument: found \"extra\", allowed: axes, scenes, ");
+    expect_refusal({"list", "--names", "axes", "--json"}, 2, "--json excludes --names");
+    expect_refusal({"completion", "fish"}, 2, "completion: argument: found \"fish\", allowed: bash (for zsh too), ");
     expect_refusal(render_with({"--frob"}), 2, "The following argument was not expected: --frob");
     expect_refusal(render_with({"extra"}), 2, "The following argument was not expected: extra");
     expect_refusal({"verify", "--scene", "cornell_open", "--frob=1"}, 2,
@@ -81,7 +85,8 @@ TEST(BadCallsTest, MissingValues) {
 }
 
 TEST(BadCallsTest, SceneOrSuite) {
-    expect_refusal({"run"}, 2, "command line: options: found neither --suite nor --scene, allowed: one of them\n");
+    expect_refusal({"run", "--axis", "layout=all"}, 2,
+                   "command line: options: found neither --suite nor --scene, allowed: one of them\n");
     expect_refusal({"run", "--suite", "quick", "--scene", "cornell_open"}, 2,
                    "command line: options: found both --suite and --scene, allowed: one of them\n");
 }

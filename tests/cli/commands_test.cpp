@@ -55,7 +55,48 @@ TEST(RenderTest, TheSummaryHasTheFixedKeys) {
     EXPECT_EQ(summary.at("kernel"), "exact");
     EXPECT_EQ(summary.at("device_seconds"), summary.at("render_seconds"));
     EXPECT_EQ(summary.at("compile_seconds"), 0);  // of kernels at run time: there are none on the CPU
-    EXPECT_EQ(summary.at("variant"), "wavefront");
+    EXPECT_EQ(summary.at("variant"), "packet");
+}
+
+// The fastest integrator that goes with the scene and with what the call names; never another film.
+TEST(RenderTest, TakesTheFastestIntegratorThatApplies) {
+    const auto rendered = [](const std::vector<std::string>& axes) {
+        std::vector<std::string> added{"--spp", "2", "--backend", "cpu"};
+        for (const std::string& axis : axes) {
+            added.insert(added.end(), {"--axis", axis});
+        }
+        return render_image(added).summary;
+    };
+    const json fastest = rendered({});
+    EXPECT_EQ(fastest.at("variant"), "packet");
+    EXPECT_EQ(fastest.at("chosen_by"), "ptbench: the fastest integrator known that goes with the scene and the call");
+    const json named = rendered({"integrator=wavefront"});
+    EXPECT_EQ(named.at("variant"), "wavefront");
+    EXPECT_EQ(named.at("chosen_by"), "the call");
+    EXPECT_EQ(rendered({"compaction=thrust_remove_if"}).at("variant"), "wavefront compaction=thrust_remove_if");
+    EXPECT_EQ(rendered({"specialisation=generic", "precision=double"}).at("variant"),
+              "depth_first specialisation=generic precision=double");
+    EXPECT_EQ(rendered({"direct_light=nee"}).at("variant"), "packet direct_light=nee");
+    EXPECT_EQ(fastest.at("film_hash"), named.at("film_hash"));
+}
+
+// Where people look on: which variant it was, where the file is, how to open it. (A log has the summary: no test here
+// has a word on standard error.)
+TEST(RenderTest, OnATerminalItSaysWhereTheFileIs) {
+    const TemporaryFolder folder;
+    const CommandResult shown =
+        run_command({"/usr/bin/script", "-qec",
+                     std::string(PTBENCH_BINARY) +
+                         " render --scene cornell_open --backend cpu --resolution 4x3 --spp 1 --out image.png",
+                     "/dev/null"},
+                    in_repository({.folder = folder.path()}));
+    EXPECT_EQ(shown.exit_code, 0);
+    const std::string file = std::filesystem::canonical(folder.path() / "image.png").string();
+    EXPECT_NE(shown.out.find("rendered with packet on cpu, chosen by ptbench: the fastest integrator known that goes "
+                             "with the scene and the call\r\nwritten: " +
+                             file + "\r\nopen it: xdg-open '" + file + "'\r\n"),
+              std::string::npos)
+        << shown.out;
 }
 
 TEST(RenderTest, PngHasTheSizeThatWasAskedFor) {
@@ -106,7 +147,7 @@ TEST(RenderTest, HonoursItsTunables) {
     const json off = rendered({});
     const json standard = rendered({"--axis", "first_bounce=cached_jitters"});
     const json one = rendered({"--axis", "first_bounce=cached_jitters", "--tune", "jitters=1"});
-    const std::string kept = "wavefront first_bounce=cached_jitters";
+    const std::string kept = "depth_first first_bounce=cached_jitters";
     EXPECT_EQ(standard.at("variant"), kept);
     EXPECT_EQ(one.at("variant"), kept + " jitters=1");
     EXPECT_EQ(rendered({"--axis", "first_bounce=cached_jitters", "--tune", "jitters=16"}).at("variant"), kept);
@@ -125,8 +166,19 @@ TEST(RenderTest, HonoursItsSettings) {
     EXPECT_GT(deep.at("rays").get<int>(), shallow.at("rays").get<int>());
     EXPECT_LE(deep.at("rays").get<int>(), 3 * shallow.at("rays").get<int>());
     const json lit = render_image({"--spp", "4", "--axis", "direct_light=final_bounce"}).summary;
-    EXPECT_EQ(lit.at("variant"), "wavefront direct_light=final_bounce");
+    EXPECT_EQ(lit.at("variant"), "packet direct_light=final_bounce");
     EXPECT_EQ(render_image({}).summary.at("spp"), 16);
+}
+
+// Times are not what a render is for: beside other jobs its threads must not spin (results/*/waiting.txt).
+TEST(RenderTest, ThreadsThatWaitDoNotSpin) {
+    const TemporaryFolder folder;
+    const std::string script = R"(
+        env -u OMP_WAIT_POLICY -u GOMP_SPINCOUNT "$0" render --scene cornell_open --backend cpu --spp 100000 --out "$1" &
+        until tr '\0' '\n' </proc/$!/environ | grep GOMP_SPINCOUNT; do kill -0 $! || exit 1; sleep 0.01; done
+        kill $!)";
+    EXPECT_EQ(run_command({"/bin/bash", "-c", script, PTBENCH_BINARY, folder.file("image.png")}, in_repository()).out,
+              "GOMP_SPINCOUNT=0\n");
 }
 
 TEST(RenderTest, ReplacesAnImageAndLeavesItWhereItFails) {

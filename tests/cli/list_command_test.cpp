@@ -1,6 +1,7 @@
 // `list` as a user calls it: what there is, what applies where, and what a kernel leaves out.
 #include <algorithm>
 #include <set>
+#include <sstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -130,21 +131,104 @@ TEST(ListTest, JsonSaysWhatAKernelOfASceneLeavesOut) {
     }
 }
 
-TEST(ListTest, TextSaysTheSame) {
+std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines;
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);) {
+        lines.push_back(line);
+    }
+    return lines;
+}
+
+// Names as words: each stands there, on a line of its axis's own.
+TEST(ListTest, IsOneScreen) {
+    const CommandResult result = ptbench({"list"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const std::vector<std::string> lines = lines_of(result.out);
+    EXPECT_LE(lines.size(), 40u) << result.out;
+    const json all = json::parse(ptbench({"list", "--json"}).out);
+    for (std::size_t i = 0; i < all.at("axes").size(); ++i) {
+        std::istringstream words(lines.at(1 + i));
+        std::vector<std::string> found;
+        for (std::string word; words >> word;) {
+            found.push_back(word.substr(0, word.find_first_of("*'")));
+        }
+        std::vector<std::string> expected{all.at("axes")[i].at("name")};
+        for (const std::string& name : names_in(all.at("axes")[i].at("choices"))) {
+            expected.push_back(name);
+        }
+        EXPECT_EQ(found, expected);
+    }
+    for (const char* kind : {"scenes", "suites", "backends"}) {
+        for (const std::string& name : names_in(all.at(kind))) {
+            EXPECT_NE((result.out + " ").find(" " + name), std::string::npos) << name;
+        }
+    }
+    EXPECT_NE(result.out.find(" packet' "), std::string::npos) << result.out;
+    EXPECT_EQ(result.out.find(" megakernel* ") != std::string::npos, cuda_is_built());
+}
+
+TEST(ListTest, AnAxisInFull) {
+    const CommandResult result = ptbench({"list", "first_bounce"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const std::string backends = cuda_is_built() ? "cpu, cuda" : "cpu";
+    for (const std::string& text :
+         {std::string("first_bounce: whether first hits are kept and used again\n"),
+          "  off  (" + backends +
+              ")  the baseline\n    every sample traces its camera ray\n    origin: cis565, cache off\n",
+          std::string("    claim: bitwise\n"), "  cached_jitters  (" + backends + ")\n",
+          std::string(
+              "    claim: biased: pixel, lens and shutter are sampled at K points, however many samples are taken\n"
+              "    tunable jitters=16 (1 to 4096): camera rays of a pixel that are kept (K)\n")}) {
+        EXPECT_NE(result.out.find(text), std::string::npos) << text << result.out;
+    }
+    EXPECT_EQ(json::parse(ptbench({"list", "first_bounce", "--json"}).out),
+              json::parse(ptbench({"list", "--json"}).out).at("axes").at(Variant::index("first_bounce")));
+}
+
+// A choice that is a baseline on one backend alone says on which.
+TEST(ListTest, ABaselineOfOneBackendSaysSo) {
+    const std::string precise = "  precise  (cuda)  the baseline\n",
+                      exact = "  exact  (cpu, cuda)  the baseline on cpu\n";
+    const std::string listed = ptbench({"list", "arithmetic"}).out;
+    EXPECT_EQ(listed.find(precise) != std::string::npos && listed.find(exact) != std::string::npos, cuda_is_built())
+        << listed;
+}
+
+TEST(ListTest, ScenesAndSuitesInFull) {
+    EXPECT_NE(ptbench({"list", "scenes"}).out.find("\n  cornell_open  "), std::string::npos);
+    EXPECT_NE(ptbench({"list", "suites"}).out.find("\n  quick            Under 3 minutes"), std::string::npos);
+    EXPECT_EQ(names_in(json::parse(ptbench({"list", "suites", "--json"}).out)),
+              lines_of(ptbench({"list", "--names", "suites"}).out));
+}
+
+TEST(ListTest, ASceneSaysWhatAppliesToIt) {
     const CommandResult result = ptbench({"list", "--scene", "cornell_open"});
     ASSERT_EQ(result.exit_code, 0) << result.err;
     for (const char* text :
-         {"Axes (the first choice of each is the baseline)\n", "  compaction\n", "    thrust_remove_if ", "Scenes\n",
-          "  cornell_open ", "   needs sphere axis_box diffuse emitter mirror jitter\n",
+         {"Scenes\n", "  cornell_open ", "   needs sphere axis_box diffuse emitter mirror jitter\n",
           "   leaves out ellipsoid oriented_box quad motion mix dielectric subsurface emission absorption "
           "subsurface_boundary environment lens final_bounce next_event multiple_importance russian_roulette "
           "near_sphere\n",
-          "   n/a: first_bounce=cached needs jitter off (camera.jitter is true in the scene)\n", "Suites\n", "  quick ",
-          "Backends\n", "  cpu ", "  cuda                       not available (",
-          "   tunable jitters=16 (1 to 4096): camera rays of a pixel that are kept (K)\n"}) {
+          "   n/a: first_bounce=cached needs jitter off (camera.jitter is true in the scene)\n", "Backends\n", "  cpu ",
+          "  cuda                       not available ("}) {
         EXPECT_NE(result.out.find(text), std::string::npos) << text;
     }
     EXPECT_EQ(result.out.find("cornell_closed"), std::string::npos);
+}
+
+TEST(ListTest, NamesStandAloneOneALine) {
+    const json all = json::parse(ptbench({"list", "--json"}).out);
+    const auto names = [](const std::string& what) { return lines_of(ptbench({"list", "--names", what}).out); };
+    for (const char* kind : {"axes", "scenes", "suites", "backends"}) {
+        EXPECT_EQ(names(kind), names_in(all.at(kind)));
+    }
+    for (const json& axis : all.at("axes")) {
+        EXPECT_EQ(names(axis.at("name")), names_in(axis.at("choices")));
+    }
+    const std::vector<std::string> tunables = names("tunables"), commands = names("commands");
+    EXPECT_NE(std::find(tunables.begin(), tunables.end(), "jitters"), tunables.end());
+    EXPECT_NE(std::find(commands.begin(), commands.end(), "render"), commands.end());
 }
 
 }  // namespace

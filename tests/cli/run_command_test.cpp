@@ -1,6 +1,7 @@
 // ptbench run as a user calls it: dry, whole, killed, interrupted, resumed.
 #include <set>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -97,6 +98,52 @@ TEST_F(RunCommandTest, DryRunListsTheCellsAndRunsNothing) {
         EXPECT_NE(planned.out.find(" cells, "), std::string::npos);
     }
     EXPECT_EQ(folder.content(), Arguments());
+}
+
+// Alone it says what there is to compare, and runs nothing.
+TEST_F(RunCommandTest, WithoutSuiteSceneAndAxisItSaysWhatItWouldCompare) {
+    const CommandResult said = ptbench({"run", "--backend", "cpu"}, {.folder = folder.path()});
+    EXPECT_EQ(said.exit_code, 0) << said.err;
+    EXPECT_EQ(said.err, "");
+    for (const char* text : {"On cpu, --scene S --axis AXIS=all compares\n", "  layout            aos soa\n",
+                             "and --suite NAME\n", "  ptbench run --suite quick\n"}) {
+        EXPECT_NE(said.out.find(text), std::string::npos) << text << said.out;
+    }
+    EXPECT_EQ(said.out.find("  launch "), std::string::npos) << said.out;  // one choice: nothing to compare
+    const std::string planned = ptbench({"run", "--suite", "quick", "--backend", "cpu", "--dry-run"}).out;
+    const int cells = std::stoi(planned.substr(planned.rfind('\n', planned.size() - 2) + 1));  // "58 cells, .."
+    EXPECT_NE(said.out.find(fmt::format("  {:<17} {:>3} cells, {:>4} samples\n", "quick", cells, 9 * cells)),
+              std::string::npos)
+        << said.out << planned;
+    EXPECT_EQ(folder.content(), Arguments());
+}
+
+TEST_F(RunCommandTest, OneVariantAloneIsComparedWithNothingAndARunSaysSo) {
+    const Arguments alone{"run",       "--scene", "cornell_open",
+                          "--backend", "cpu",     "--resolution",
+                          "8x6",       "--spp",   "1",
+                          "--depth",   "2",       "--repetitions",
+                          "1",         "--out",   out};
+    const CommandResult run = ptbench(alone);
+    EXPECT_EQ(run.exit_code, 0);
+    EXPECT_NE(run.err.find("\none variant, wavefront, compared with nothing; --axis AXIS=all compares choices "),
+              std::string::npos)
+        << run.err;
+    EXPECT_EQ(ptbench(call(1, {"--overwrite"})).err.find("one variant"), std::string::npos);
+}
+
+// The table of verdicts, with short names, and the same in the file.
+TEST_F(RunCommandTest, ARunEndsWithATableOfVerdicts) {
+    const CommandResult run = ptbench(call(9));
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(run.out.find("cornell_open 8x6, depth 8, 1 spp on cpu: ratio to layout=aos, all else equal\n"
+                           "    ms/spp   ratio  95 % interval     verdict   variant\n"),
+              0u)
+        << run.out;
+    EXPECT_NE(run.out.find("  baseline  wavefront\n"), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find("  wavefront layout=soa\n"), std::string::npos) << run.out;
+    EXPECT_NE(run.err.find("[18/18] time: "), std::string::npos) << run.err;
+    EXPECT_NE(run.err.find(" left  wavefront layout=soa, cornell_open\n"), std::string::npos) << run.err;
 }
 
 // Its users' scripts go on, and learn the name that results have now.

@@ -1,0 +1,21 @@
+// What there is, as `ptbench list --json` prints it: axes with their choices, scenes, suites, backends.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+namespace pt {
+
+nlohmann::ordered_json list_axis(std::string_view axis);
+nlohmann::ordered_json list_axes();
+// Throws InputError for a scene that is not there.
+nlohmann::ordered_json list_scene(const std::string& name_or_file);
+// What leaving out saves: the same kernel of the scene with everything and with less, compiled for a GPU that need not
+// be there.
+nlohmann::ordered_json list_kernels(const std::string& scene, const std::string& architecture);
+nlohmann::ordered_json list_suite(const std::string& name);
+nlohmann::ordered_json list_backends();
+
+}  // namespace pt

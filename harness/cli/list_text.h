@@ -1,0 +1,18 @@
+// The same as text: in one screen, and an axis, scenes or suites in full.
+#pragma once
+
+#include <string>
+
+#include "harness/cli/list_json.h"
+
+namespace pt {
+
+// A line an axis with its choices, the names of scenes and suites, and the backends.
+std::string overview_text();
+// The choices of an axis, with origins, claims and tunables.
+std::string axis_text(const nlohmann::ordered_json& axis);
+std::string scenes_text(const nlohmann::ordered_json& scenes);
+std::string suites_text();
+std::string backends_text();
+
+}  // namespace pt
