@@ -219,6 +219,17 @@ def test_axes_that_an_older_file_lacks_are_what_they_were(base, compared):
     assert (False, "axis not there", "that file does not know robustness=naive") in left_out(one)
 
 
+def test_a_file_of_before_the_accelerators_is_held_to_one_that_names_them(base, compared):
+    newer = other_program(run_again(base))
+    for index, cell in enumerate(newer["ptbench"]["cells"]):
+        tree = "bvh2" if index == 0 else "brute_force"
+        cell["axes"] |= {"robustness": "robust", "accelerator": tree, "builder": "sah_binned"}
+    (one,) = compared(base, newer).comparisons
+    assert len(one.rows) == 7
+    assert one.matching.assumed[0].endswith("robustness=robust, accelerator=brute_force, builder=sah_binned")
+    assert (False, "axis not there", "that file does not know accelerator=bvh2") in left_out(one)
+
+
 def test_a_standard_that_moved_is_part_of_what_is_compared_and_told(base, compared):
     newer = other_program(run_again(base))
     cell_of(newer, *UNCACHED_2)["tunables"]["block"] = 128

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -425,6 +426,24 @@ def test_counters_of_inspect_multiply_to_the_time_a_ray():
         c for c in result.cells if c.variant == cells["megakernel"].variant and c.scene == "cornell_closed"
     )
     assert inspected_of(elsewhere, entries) is None
+
+
+@pytest.mark.parametrize("age", ["", ".robust", ".robust.brute_force.sah_binned"])
+def test_counters_are_found_whichever_of_the_last_axes_a_file_is_too_old_to_name(age):
+    result = load(H200 / "schedulers.json")
+    (cell,) = (
+        c for c in result.cells if c.variant == find_variant(result, "megakernel") and c.scene == "cornell_open_45"
+    )
+    entries = load_inspected(H200 / "inspect_cornell_open_45_schedulers.json")
+    entry = next(e for e in entries if e.choices[0] == "megakernel")
+    without = tuple(choice for choice in entry.choices if choice not in {"robust", "brute_force", "sah_binned"})
+    aged = replace(entry, choices=(*without, *filter(None, age.split("."))))
+    plain = {axis: c for axis, c in cell.axes.items() if axis not in {"robustness", "accelerator", "builder"}}
+    named = plain | {"robustness": "robust", "accelerator": "brute_force", "builder": "sah_binned"}
+    for axes in (plain, named):
+        assert inspected_of(replace(cell, axes=axes), [aged]) is aged
+    other = replace(cell, axes=named | {"accelerator": "bvh2"})
+    assert inspected_of(other, [aged]) is None
 
 
 def test_counters_stand_in_the_page_or_are_said_to_be_missing():

@@ -18,7 +18,8 @@ from ptbench.io.names import tuned_in
 from ptbench.io.nodes import Node, read_json, shown
 from ptbench.io.older import before, filled_in
 
-_ROBUST = f".{before('robustness')}"  # the last axis, which older files lack
+# What older files lack at the end of their choices, the last axis first.
+_LAST = tuple(before(axis) for axis in ("builder", "accelerator", "robustness"))
 # A field that is so much a ray or the like: X_per_Y, in files of commit ede9627 and before X_a_Y.
 _RATE = re.compile(r"_(a|per)_(?:ray|block|multiprocessor|second)$")
 _MEASURED = (
@@ -123,7 +124,7 @@ def _kernel(node: Node, word: str) -> KernelCounters:
 
 def inspected_of(cell: Cell, entries: list[Inspected]) -> Inspected | None:
     """The entry of the cell's scene and variant, whichever axes the two files are too old to name."""
-    # The axes that a file lacks stand after the same one in every name, but for the last, which older files lack too.
+    # The axes that a file lacks stand after the same one in every name, but for the last ones.
     later, choices = filled_in(), tuple(cell.axes.values())
     without = tuple(choice for name, choice in cell.axes.items() if later.get(name) != choice)
     known = {_plain(choices), _plain(without)}
@@ -133,7 +134,11 @@ def inspected_of(cell: Cell, entries: list[Inspected]) -> Inspected | None:
 
 
 def _plain(choices: tuple[str, ...]) -> tuple[str, ...]:
-    return choices[:-1] if choices[-1:] == (_ROBUST,) else choices
+    """Without the last choices that are what every variant was before there were their axes."""
+    for before_it in _LAST:
+        if choices[-1:] == (before_it,):
+            choices = choices[:-1]
+    return choices
 
 
 @dataclass(frozen=True)

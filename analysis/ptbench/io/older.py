@@ -39,6 +39,8 @@ _AXES: dict[str, dict[str, OlderAxis]] = {
         "arithmetic": OlderAxis("precise", before="exact"),
         "precision": OlderAxis("float", before="float"),
         "robustness": OlderAxis(before="robust"),
+        "accelerator": OlderAxis(before="brute_force"),
+        "builder": OlderAxis(before="sah_binned"),
     },
 }
 # The same for files of `ptbench stability`, which name no baselines: the plainest formulas, by their schema.
