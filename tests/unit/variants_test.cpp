@@ -137,8 +137,8 @@ TEST(RegistryTest, HasEveryAxisAndChoice) {
             {"arithmetic", {"exact"}},
             {"precision", {"float", "double", "double_intersection"}},
             {"robustness", {"robust", "naive"}},
-            {"accelerator", {"brute_force", "bvh2"}},
-            {"builder", {"sah_binned"}},
+            {"accelerator", {"brute_force", "bvh2", "bvh4", "bvh8", "cwbvh"}},
+            {"builder", {"sah_binned", "lbvh", "ploc", "sah_sweep", "sbvh"}},
         },
         Backend::cpu);
 }
@@ -166,8 +166,8 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
             {"arithmetic", {"precise", "exact", "fast"}},
             {"precision", {"float", "double", "double_intersection"}},
             {"robustness", {"robust", "naive"}},
-            {"accelerator", {"brute_force", "bvh2"}},
-            {"builder", {"sah_binned"}},
+            {"accelerator", {"brute_force", "bvh2", "bvh4", "bvh8", "cwbvh"}},
+            {"builder", {"sah_binned", "hploc", "lbvh", "ploc", "sah_sweep", "sbvh"}},
         },
         Backend::cuda);
 }

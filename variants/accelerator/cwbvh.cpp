@@ -7,7 +7,9 @@
 #include <stdexcept>
 #include <vector>
 
+#include "variants/acceleration/reasons.h"
 #include "variants/accelerator/cwbvh_encode.h"
+#include "variants/registry.h"
 
 namespace pt::accelerator::cwbvh {
 namespace {
@@ -130,5 +132,20 @@ private:
 }  // namespace
 
 EncodedTree encode(const BinaryTree& tree) { return tree.nodes.empty() ? EncodedTree{} : Encoder(tree).encode(); }
+
+namespace {
+
+const Registration registration(
+    {
+        .axis = "accelerator",
+        .name = "cwbvh",
+        .summary = "compressed tree of eight children a node, 80-byte nodes, visited by octant",
+        .origin = "Ylitie, Karras and Laine 2017",
+        .backends = on_every_backend,
+        .unsupported_reason = needs_meshes,
+    },
+    {.accelerator = accelerator_hook<Traversal>(encode)});
+
+}  // namespace
 
 }  // namespace pt::accelerator::cwbvh

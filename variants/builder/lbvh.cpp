@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <bit>
 
+#include "variants/acceleration/reasons.h"
 #include "variants/builder/morton_order.h"
 #include "variants/builder/pairing.h"
 #include "variants/builder/primitive_count.h"
+#include "variants/registry.h"
 
 namespace pt::builder::lbvh {
 
@@ -83,5 +85,20 @@ BinaryTree build(const PrimitiveBoxes& boxes, std::uint32_t leaf_size, const Sah
     }
     return assemble(pairing, boxes, leaf_size, costs);
 }
+
+namespace {
+
+const Registration registration(
+    {
+        .axis = "builder",
+        .name = "lbvh",
+        .summary = "the radix tree of Morton codes",
+        .origin = "Karras 2012",
+        .backends = on_every_backend,
+        .unsupported_reason = needs_tree,
+    },
+    {.builder = {[](const PrimitiveBoxes& boxes, std::span<const Triangle<float>>) { return build(boxes); }}});
+
+}  // namespace
 
 }  // namespace pt::builder::lbvh

@@ -3,9 +3,11 @@
 #include <algorithm>
 
 #include "variants/acceleration/box.h"
+#include "variants/acceleration/reasons.h"
 #include "variants/builder/morton_order.h"
 #include "variants/builder/pairing.h"
 #include "variants/builder/primitive_count.h"
+#include "variants/registry.h"
 
 namespace pt::builder::ploc {
 
@@ -76,5 +78,20 @@ BinaryTree build(const PrimitiveBoxes& boxes, std::uint32_t leaf_size, const Sah
     pairing.root = clusters.empty() ? 0 : clusters[0].node;
     return assemble(pairing, boxes, leaf_size, costs);
 }
+
+namespace {
+
+const Registration registration(
+    {
+        .axis = "builder",
+        .name = "ploc",
+        .summary = "bottom up: clusters that are each other's nearest among their neighbours in Morton order merge",
+        .origin = "Meister and Bittner 2018",
+        .backends = on_every_backend,
+        .unsupported_reason = needs_tree,
+    },
+    {.builder = {[](const PrimitiveBoxes& boxes, std::span<const Triangle<float>>) { return build(boxes); }}});
+
+}  // namespace
 
 }  // namespace pt::builder::ploc

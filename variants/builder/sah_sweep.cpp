@@ -6,8 +6,10 @@
 
 #include "variants/acceleration/box.h"
 #include "variants/acceleration/depth.h"
+#include "variants/acceleration/reasons.h"
 #include "variants/builder/node_slots.h"
 #include "variants/builder/primitive_count.h"
+#include "variants/registry.h"
 
 namespace pt::builder::sah_sweep {
 
@@ -137,5 +139,20 @@ BinaryTree build(const PrimitiveBoxes& boxes, std::uint32_t leaf_size, const Sah
     require_primitive_count(boxes.size());
     return boxes.empty() ? BinaryTree{} : Builder(boxes, leaf_size, costs).build();
 }
+
+namespace {
+
+const Registration registration(
+    {
+        .axis = "builder",
+        .name = "sah_sweep",
+        .summary = "top down, the best by the surface area heuristic of all partitions in the order of centres",
+        .origin = "Wald, Boulos and Shirley 2007",
+        .backends = on_every_backend,
+        .unsupported_reason = needs_tree,
+    },
+    {.builder = {[](const PrimitiveBoxes& boxes, std::span<const Triangle<float>>) { return build(boxes); }}});
+
+}  // namespace
 
 }  // namespace pt::builder::sah_sweep

@@ -5,8 +5,10 @@
 
 #include "variants/acceleration/depth.h"
 #include "variants/acceleration/primitive_boxes.h"
+#include "variants/acceleration/reasons.h"
 #include "variants/builder/primitive_count.h"
 #include "variants/builder/spatial_split.h"
+#include "variants/registry.h"
 
 namespace pt::builder::sbvh {
 
@@ -181,5 +183,21 @@ private:
 BinaryTree build(std::span<const Triangle<float>> triangles, const Settings& settings) {
     return triangles.empty() ? BinaryTree{} : Builder(triangles, settings).build();
 }
+
+namespace {
+
+const Registration registration(
+    {
+        .axis = "builder",
+        .name = "sbvh",
+        .summary = "top down by the surface area heuristic, with spatial splits of triangles",
+        .origin = "Stich, Friedrich and Dietrich 2009",
+        .traits = BuilderTraits{.splits_primitives = true},
+        .backends = on_every_backend,
+        .unsupported_reason = needs_tree,
+    },
+    {.builder = {[](const PrimitiveBoxes&, std::span<const Triangle<float>> triangles) { return build(triangles); }}});
+
+}  // namespace
 
 }  // namespace pt::builder::sbvh

@@ -1,0 +1,21 @@
+#include "variants/accelerator/bvh4.h"
+
+#include "variants/acceleration/reasons.h"
+#include "variants/registry.h"
+
+namespace pt::accelerator::bvh4 {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "accelerator",
+        .name = "bvh4",
+        .summary = "tree of four children a node, 128-byte nodes, the nearest child first",
+        .origin = "Wald, Boulos and Benthin 2008",
+        .backends = on_every_backend,
+        .unsupported_reason = needs_meshes,
+    },
+    {.accelerator = accelerator_hook<Traversal>(encode)});
+
+}  // namespace
+}  // namespace pt::accelerator::bvh4

@@ -1,0 +1,21 @@
+#include "variants/accelerator/bvh8.h"
+
+#include "variants/acceleration/reasons.h"
+#include "variants/registry.h"
+
+namespace pt::accelerator::bvh8 {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "accelerator",
+        .name = "bvh8",
+        .summary = "tree of eight children a node, 256-byte nodes, the nearest child first",
+        .origin = "Wald, Boulos and Benthin 2008",
+        .backends = on_every_backend,
+        .unsupported_reason = needs_meshes,
+    },
+    {.accelerator = accelerator_hook<Traversal>(encode)});
+
+}  // namespace
+}  // namespace pt::accelerator::bvh8
