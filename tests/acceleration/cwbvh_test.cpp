@@ -333,11 +333,11 @@ TEST(Cwbvh, the_nearer_of_two_children_is_visited_first) {
 
 TEST(Cwbvh, large_leaves_are_cut_and_a_tree_too_deep_is_refused) {
     Random random(37);
-    const Mesh mesh = soup(random, 100, 0.3f);
+    const Mesh mesh = soup(random, 16, 0.3f);
     BinaryTree one_leaf;
     const PrimitiveBoxes boxes = boxes_of(mesh);
-    one_leaf.nodes.push_back({{{-2, -2, -2}, {2, 2, 2}}, 0, 100});
-    for (std::uint32_t i = 0; i < 100; ++i) {
+    one_leaf.nodes.push_back({{{-2, -2, -2}, {2, 2, 2}}, 0, 16});
+    for (std::uint32_t i = 0; i < 16; ++i) {
         one_leaf.references.push_back(i);
     }
     const EncodedTree tree = cwbvh::encode(one_leaf);

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "variants/acceleration/encoding.h"
 #include "variants/acceleration/reasons.h"
 #include "variants/accelerator/cwbvh_encode.h"
 #include "variants/registry.h"
@@ -131,7 +132,10 @@ private:
 
 }  // namespace
 
-EncodedTree encode(const BinaryTree& tree) { return tree.nodes.empty() ? EncodedTree{} : Encoder(tree).encode(); }
+EncodedTree encode(const BinaryTree& tree) {
+    require_encodable(tree);
+    return tree.nodes.empty() ? EncodedTree{} : Encoder(tree).encode();
+}
 
 namespace {
 

@@ -298,7 +298,8 @@ struct Traversal {
 
 #if !defined(__CUDACC_RTC__)
 // Leaves of at most 3 references, cut so that the tree's SAH cost is least (the paper's section 3.1), and children put
-// where their octants visit them in order (3.2). Throws std::length_error for a tree deeper than largest_depth.
+// where their octants visit them in order (3.2). Throws std::length_error for a tree that is too deep, too large, or
+// has too large leaves.
 EncodedTree encode(const BinaryTree& tree);
 #endif
 
