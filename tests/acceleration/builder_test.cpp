@@ -56,13 +56,13 @@ TEST_P(BuilderTest, DepthIsBoundedWhereNoSplitHelps) {
 }
 
 TEST_P(BuilderTest, AnyNumberOfThreadsLeavesTheSameTree) {
-    Triangles triangles = random_soup(30000, 0.05f, 12);
-    const Triangles sphere = grid_sphere(60, 80, {0, 0, 0}, 1);
+    Triangles triangles = random_soup(12000, 0.07f, 12);
+    const Triangles sphere = grid_sphere(40, 60, {0, 0, 0}, 1);
     triangles.insert(triangles.end(), sphere.begin(), sphere.end());
     const int threads = omp_get_max_threads();
     omp_set_num_threads(1);
     const BinaryTree alone = checked(triangles, 2);
-    for (const int number : {2, 3, 8}) {
+    for (const int number : {2, 3}) {
         omp_set_num_threads(number);
         EXPECT_TRUE(are_equal(alone, GetParam().build(triangles, 2))) << number;
     }

@@ -105,7 +105,8 @@ private:
             right.assign(middle, references.end());
         }
         References().swap(references);
-        descend(subtree, std::move(left), std::move(right), spare - (left.size() + right.size() - count), depth);
+        const std::size_t spare_below = spare - (left.size() + right.size() - count);
+        descend(subtree, std::move(left), std::move(right), spare_below, depth);
     }
 
     void descend(Subtree& subtree, References left, References right, std::size_t spare, std::uint32_t depth) {

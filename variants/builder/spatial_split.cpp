@@ -21,16 +21,18 @@ void join_point(Box& box, const Vec3<float>& point) {
 }
 
 // Where an edge crosses the plane, rounded outward: in double, whose own error is far below the nudge.
-void join_crossing(Box& box, const Vec3<float>& from, const Vec3<float>& to, int axis, float plane) {
+Box crossing(const Vec3<float>& from, const Vec3<float>& to, int axis, float plane) {
+    constexpr float infinity = std::numeric_limits<float>::infinity();
     const double t = (static_cast<double>(plane) - from[axis]) / (static_cast<double>(to[axis]) - from[axis]);
+    Box box;
     for (int other = 0; other < 3; ++other) {
         const double a = from[other], b = to[other];
         const double at = a + t * (b - a), nudge = 0x1p-48 * (std::fabs(a) + std::fabs(b));
         const auto low = static_cast<float>(at - nudge), high = static_cast<float>(at + nudge);
-        constexpr float infinity = std::numeric_limits<float>::infinity();
-        box.low[other] = min(box.low[other], low > at - nudge ? std::nextafter(low, -infinity) : low);
-        box.high[other] = max(box.high[other], high < at + nudge ? std::nextafter(high, infinity) : high);
+        box.low[other] = low > at - nudge ? std::nextafter(low, -infinity) : low;
+        box.high[other] = high < at + nudge ? std::nextafter(high, infinity) : high;
     }
+    return box;
 }
 
 Box overlap(const Box& a, const Box& b) {
@@ -113,8 +115,9 @@ std::pair<Box, Box> part(const Triangle<float>& triangle, const Box& box, int ax
             join_point(right, from);
         }
         if ((from[axis] < plane && to[axis] > plane) || (from[axis] > plane && to[axis] < plane)) {
-            join_crossing(left, from, to, axis, plane);
-            join_crossing(right, from, to, axis, plane);
+            const Box point = crossing(from, to, axis, plane);
+            join(left, point);
+            join(right, point);
         }
     }
     left.high[axis] = min(left.high[axis], plane);
