@@ -11,8 +11,7 @@ namespace pt::rays {
 namespace cwbvh = accelerator::cwbvh;
 
 // How a batch is worked off; see closest_hits.
-template <int Threads, int BlocksPerSm, int SharedEntries, int Refill, int Vote, int Groups, bool Prefetch = false,
-          bool Any = false>
+template <int Threads, int BlocksPerSm, int SharedEntries, int Refill, int Vote, int Groups, bool Any = false>
 struct BatchPolicy {
     static constexpr int threads = Threads;               // of a block
     static constexpr int blocks_per_sm = BlocksPerSm;     // what registers are cut to
@@ -23,8 +22,7 @@ struct BatchPolicy {
     static constexpr int vote = Vote;
     // Groups of triangles that a lane can put off: with 2 it goes on to the next node while others test triangles.
     static constexpr int groups = Groups;
-    static constexpr bool prefetch = Prefetch;  // asks for the first triangle of a group as soon as it is known
-    static constexpr bool any = Any;            // whether there is a hit, not which
+    static constexpr bool any = Any;  // whether there is a hit, not which
 };
 
 // The watertight test (kernels/triangle.h) on rows of a slot: the same operations in the same order, the vertices
@@ -139,11 +137,6 @@ public:
             pending_ = hits & 0xffffffu;
             contents_ = node.contents();
             slot_base_ = node.slot_base();
-        }
-        if (P::prefetch && (hits & 0xffffffu) != 0) {
-            const SlotTriangle* first =
-                batch_.triangles + node.slot_base() + cwbvh::bits_in(node.contents() & ((hits & (0u - hits)) - 1u));
-            asm volatile("prefetch.global.L1 [%0];" ::"l"(first));
         }
         finish_if_done();
     }

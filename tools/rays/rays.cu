@@ -39,21 +39,19 @@ struct PolicyKernel {
     void (*any)(BatchView);
 };
 
-template <int Threads, int BlocksPerSm, int SharedEntries, int Refill, int Vote, int Groups, bool Prefetch>
+template <int Threads, int BlocksPerSm, int SharedEntries, int Refill, int Vote, int Groups>
 PolicyKernel policy_kernel(const std::string& name) {
-    using Closest = BatchPolicy<Threads, BlocksPerSm, SharedEntries, Refill, Vote, Groups, Prefetch>;
-    using Any = BatchPolicy<Threads, BlocksPerSm, SharedEntries, Refill, Vote, Groups, Prefetch, true>;
+    using Closest = BatchPolicy<Threads, BlocksPerSm, SharedEntries, Refill, Vote, Groups>;
+    using Any = BatchPolicy<Threads, BlocksPerSm, SharedEntries, Refill, Vote, Groups, true>;
     return {
         name, Threads, BlocksPerSm, SharedEntries * Threads * sizeof(uint2), closest_hits<Closest>, closest_hits<Any>};
 }
 
 std::vector<PolicyKernel> policies() {
     return {
-        policy_kernel<128, 8, 4, 8, 2, 2, false>("t128 b8 s4 r8 v2 g2"),
-        policy_kernel<128, 8, 4, 8, 2, 2, true>("t128 b8 s4 r8 v2 g2 p"),
-        policy_kernel<128, 8, 4, 8, 3, 2, false>("t128 b8 s4 r8 v3 g2"),
-        policy_kernel<128, 7, 4, 8, 2, 2, true>("t128 b7 s4 r8 v2 g2 p"),
-        policy_kernel<128, 8, 4, 8, 0, 1, false>("t128 b8 s4 r8 v0 g1"),
+        policy_kernel<128, 8, 4, 8, 2, 2>("t128 b8 s4 r8 v2 g2"),
+        policy_kernel<128, 8, 4, 8, 3, 2>("t128 b8 s4 r8 v3 g2"),
+        policy_kernel<128, 8, 4, 8, 0, 1>("t128 b8 s4 r8 v0 g1"),
     };
 }
 
@@ -317,6 +315,7 @@ struct BuiltTree {
     BinaryTree tree;
     EncodedTree encoded;
     double build_seconds, encode_seconds;
+    bool same_every_time;  // the tree of each build
 };
 
 EncodedTree download(const accelerator::cwbvh::GpuEncoder& encoder, std::uint32_t slots) {
@@ -346,6 +345,7 @@ BuiltTree build_on_gpu(const std::vector<Triangle<float>>& triangles, bool hploc
     accelerator::cwbvh::GpuEncoder encoder(count);
     EventPair events;
     std::vector<float> build, encode;
+    BinaryTree first;
     for (int i = 0; i < 6; ++i) {
         events.start();
         box_triangles<<<(count + block - 1) / block, block>>>(device_triangles.data(), count, device_boxes);
@@ -357,10 +357,14 @@ BuiltTree build_on_gpu(const std::vector<Triangle<float>>& triangles, bool hploc
         if (i == 0) {  // warms up
             build.clear();
             encode.clear();
+            first = tree.download();
         }
     }
-    return {hploc ? "hploc" : "lbvh", tree.download(), download(encoder, count), median_seconds(build),
-            median_seconds(encode)};
+    BinaryTree last = tree.download();
+    const bool same = first.references == last.references && first.nodes.size() == last.nodes.size() &&
+                      std::memcmp(first.nodes.data(), last.nodes.data(), last.nodes.size() * sizeof last.nodes[0]) == 0;
+    return {hploc ? "hploc" : "lbvh", std::move(last),        download(encoder, count),
+            median_seconds(build),    median_seconds(encode), same};
 }
 
 BuiltTree build_on_host(const std::vector<Triangle<float>>& triangles) {
@@ -370,7 +374,7 @@ BuiltTree build_on_host(const std::vector<Triangle<float>>& triangles) {
     const double build = seconds_since(start);
     start = std::chrono::steady_clock::now();
     EncodedTree encoded = accelerator::cwbvh::encode(tree);
-    return {"sah_binned", std::move(tree), std::move(encoded), build, seconds_since(start)};
+    return {"sah_binned", std::move(tree), std::move(encoded), build, seconds_since(start), true};
 }
 
 std::string measure_tree(const ProbeMesh& mesh, const BuiltTree& built, const Options& options) {
@@ -381,15 +385,17 @@ std::string measure_tree(const ProbeMesh& mesh, const BuiltTree& built, const Op
     }
     const Scene scene(mesh.triangles, built.encoded);
     const double cost = builder::tree_cost(built.tree);
-    std::printf("%s: %zu triangles, %s %.3f ms, encoding %.3f ms, SAH cost %.2f, depth %u, %u nodes\n",
+    std::printf("%s: %zu triangles, %s %.3f ms, encoding %.3f ms, SAH cost %.2f, depth %u, %u nodes%s\n",
                 mesh.name.c_str(), mesh.triangles.size(), built.builder.c_str(), built.build_seconds * 1e3,
-                built.encode_seconds * 1e3, cost, builder::tree_depth(built.tree), scene.tree.node_count);
+                built.encode_seconds * 1e3, cost, builder::tree_depth(built.tree), scene.tree.node_count,
+                built.same_every_time ? "" : ", ANOTHER TREE EACH TIME");
     Batch batch(scene, 1u << options.log2_rays);
     const std::vector<RaySet> sets = ray_sets(scene, batch, policies()[0], options.log2_rays);
     std::ostringstream json;
     json << "{\"mesh\": \"" << mesh.name << "\", \"triangles\": " << mesh.triangles.size() << ", \"builder\": \""
          << built.builder << "\", \"build_s\": " << built.build_seconds << ", \"encode_s\": " << built.encode_seconds
-         << ", \"sah_cost\": " << cost << ", \"wide_nodes\": " << scene.tree.node_count << ", \"ray_sets\": [\n";
+         << ", \"sah_cost\": " << cost << ", \"wide_nodes\": " << scene.tree.node_count
+         << ", \"same_tree_every_time\": " << (built.same_every_time ? "true" : "false") << ", \"ray_sets\": [\n";
     bool first = true;
     for (const RaySet& set : sets) {
         if (!options.profile.empty()) {

@@ -244,13 +244,14 @@ struct NodeGroup {
     }
 };
 
+// Slot by slot, though leaves hold up to three: one loop for all of a node's, in which lanes of a warp stay together.
 template <class Leaf, class Counter>
 PT_HD void visit_leaves(const LoadedNode& node, std::uint32_t hits, Leaf& leaf, Counter& counter) {
     for (std::uint32_t left = hits & 0xffffffu; left != 0;) {
-        const std::uint32_t bit = lowest_bit(left), here = left & (7u << bit), count = bits_in(here);
-        left ^= here;
-        counter.primitives(count);
-        leaf(node.slot_base() + bits_in(node.contents() & ((1u << bit) - 1u)), count);
+        const std::uint32_t lower = (left & (0u - left)) - 1u;
+        left &= left - 1u;
+        counter.primitives(1);
+        leaf(node.slot_base() + bits_in(node.contents() & lower), 1u);
     }
 }
 
