@@ -9,11 +9,13 @@ namespace pt {
 
 PT_HD constexpr bool is_last(ShapeKind kind) { return static_cast<std::uint32_t>(kind) + 1 == shape_count; }
 
-// Whether a kernel has no kind after this one. Kernels without meshes end with the kind before.
+// Whether a kernel has no kind after this one. Where meshes are the last kind, kernels without them end with the one
+// before.
 PT_HD constexpr bool is_last(ShapeKind kind, FeatureSet features) {
-    return is_last(kind) || (static_cast<std::uint32_t>(kind) + 2 == shape_count && !contains(features, Feature::mesh));
+    constexpr bool ends_with_meshes = is_last(ShapeKind::mesh);
+    return is_last(kind) || (ends_with_meshes && static_cast<std::uint32_t>(kind) + 2 == shape_count &&
+                             !contains(features, Feature::mesh));
 }
-static_assert(is_last(ShapeKind::mesh));
 
 // Calls visit(shape) with the object's shape: a Sphere, Ellipsoid, and so on. Kinds that the kernel has not leave
 // nothing behind; an object of such a kind is not visited. The last kind takes what is left, with no comparison.

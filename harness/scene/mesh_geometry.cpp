@@ -7,14 +7,13 @@
 #include <list>
 #include <string>
 
-#include "variants/registry.h"
-
 namespace pt {
 
 namespace {
 
 // Of everything kept together; what was used longest ago goes first.
 constexpr std::size_t most_kept_bytes = std::size_t{6} << 30;
+constexpr std::size_t most_kept = 4096;
 
 // Kept by a key that says everything that it was made from.
 template <class T>
@@ -31,7 +30,7 @@ public:
         auto value = std::make_shared<T>(make());
         entries_.push_front({key, value, bytes_of(*value)});
         bytes_ += entries_.front().bytes;
-        while (bytes_ > most_kept_bytes && entries_.size() > 1) {
+        while ((bytes_ > most_kept_bytes || entries_.size() > most_kept) && entries_.size() > 1) {
             bytes_ -= entries_.back().bytes;
             entries_.pop_back();
         }
@@ -120,12 +119,6 @@ std::string key_of(const SceneMesh& mesh, const Placement* placement) {
 }
 
 }  // namespace
-
-Acceleration Acceleration::of(const Variant& variant, Backend backend) {
-    const Registry& registry = Registry::instance();
-    return {variant["accelerator"], variant["builder"], registry.at("accelerator", variant, backend).hook.accelerator,
-            registry.at("builder", variant, backend).hook.builder};
-}
 
 Acceleration Acceleration::none() { return {"brute_force", "", pt::accelerator_hook<BruteForce>(nullptr), {}}; }
 

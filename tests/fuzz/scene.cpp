@@ -2,6 +2,8 @@
 // every sample of an accepted scene is a finite number, 0 or more.
 #include <algorithm>
 
+#include "harness/json_reader.h"
+#include "harness/mesh/generate.h"
 #include "harness/render/film.h"
 #include "harness/scene/scene_buffers.h"
 #include "tests/fuzz/findings.h"
@@ -14,10 +16,33 @@ namespace {
 constexpr std::uint32_t most_scatterings = 64;
 constexpr std::size_t most_objects = 64;
 constexpr std::uint32_t most_depth = 4;
+constexpr std::uint64_t most_triangles_made = 256;
+
+// Whether the text asks for a mesh that takes long to make, or for a file, which may be any on this machine.
+bool needs_much(const Json& object) {
+    if (!object.is_object() || object.contains("file")) {
+        return object.is_object();
+    }
+    const Json recipe = object.value("generate", Json());
+    if (!recipe.is_object() || !recipe.value("mesh", Json()).is_string() || !recipe.value("size", Json()).is_number()) {
+        return false;
+    }
+    const Generator* generator = find_generator(recipe["mesh"].get<std::string>());
+    const auto size = recipe["size"].get<double>();
+    return generator != nullptr && size >= generator->least_size && size <= generator->most_size &&
+           generator->triangles(static_cast<std::uint32_t>(size)) > most_triangles_made;
+}
+
+bool needs_much(const std::string& text) {
+    const Json scene = parse_json(text, "scene.json");
+    const Json objects = scene.is_object() ? scene.value("objects", Json()) : Json();
+    return objects.is_array() &&
+           std::any_of(objects.begin(), objects.end(), [](const Json& object) { return needs_much(object); });
+}
 
 template <class Real>
 void render(const Scene& scene, const RenderSettings& settings) {
-    using Generic = Config<Real, all_features | samplers>;
+    using Generic = Config<Real, all_features | samplers | traversals>;
     const SceneBuffers<Real> buffers(scene, settings);
     Film film(settings.width, settings.height, radiance_bound(scene, settings), 1);
     PathCounters counters;
@@ -52,7 +77,11 @@ void render_small(Scene scene) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     pt::fuzz::accept_or_refuse([&] {
-        const pt::Scene scene = pt::parse_scene(pt::fuzz::text_of(data, size), "scene.json");
+        const std::string text = pt::fuzz::text_of(data, size);
+        if (pt::fuzz::needs_much(text)) {
+            return;
+        }
+        const pt::Scene scene = pt::parse_scene(text, "scene.json");
         (void)pt::features_of(scene);
         (void)pt::shortcuts_of(scene);
         if (scene.objects.size() <= pt::fuzz::most_objects) {

@@ -1,0 +1,13 @@
+// The only part of a mesh's geometry that knows the choices there are: a program without them has brute force.
+#include "harness/scene/mesh_geometry.h"
+#include "variants/registry.h"
+
+namespace pt {
+
+Acceleration Acceleration::of(const Variant& variant, Backend backend) {
+    const Registry& registry = Registry::instance();
+    return {variant["accelerator"], variant["builder"], registry.at("accelerator", variant, backend).hook.accelerator,
+            registry.at("builder", variant, backend).hook.builder};
+}
+
+}  // namespace pt
