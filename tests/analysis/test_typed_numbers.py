@@ -43,6 +43,7 @@ LAYOUT = "what a field of the result files means"
 # Page, words, why: the words must stand there, and no measured number may stand elsewhere.
 DECLARED = [
     ("add_an_estimator", "what is 1024 times as bright", "the film's range"),
+    ("commands", f"the ratio's {SURE} interval", STATISTIC),
     ("faq", f"render that took over {HOST} longer", STATISTIC),
     ("faq", f"differs from its twin by more than {FLOOR}", STATISTIC),
     ("faq", f"differs from its twin by over {FLOOR}", STATISTIC),
