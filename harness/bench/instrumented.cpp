@@ -22,6 +22,12 @@ Json cuda_json(const CudaFacts& facts) {
             {"kernels", kernels}};
 }
 
+Json meshes_json(const MeshFacts& facts) {
+    return {{"triangles", facts.triangles},   {"nodes", facts.nodes},       {"node_bytes", facts.node_bytes},
+            {"leaf_bytes", facts.leaf_bytes}, {"build_ms", facts.build_ms}, {"encode_ms", facts.encode_ms},
+            {"sah_cost", facts.sah_cost}};
+}
+
 }  // namespace
 
 Json facts_of(const Cell& cell, const RenderResult& result) {
@@ -47,6 +53,9 @@ Json facts_of(const Cell& cell, const RenderResult& result) {
                          {"host_waits", result.work.host_waits}};
     if (cell.backend == Backend::cuda) {
         facts["cuda"] = cuda_json(result.cuda);
+    }
+    if (result.meshes.triangles != 0) {
+        facts["meshes"] = meshes_json(result.meshes);
     }
     Json stages = Json::object();
     double staged = 0;

@@ -249,6 +249,7 @@ void RenderCell<Real>::collect(RenderResult& result) {
     }
     facts_.kernels = kernel_facts(*job_.module, integrator_hook_.kernels(sizeof(Real)));
     result.cuda = facts_;
+    result.meshes = facts_of(buffers_.meshes());
 }
 
 template class RenderCell<float>;

@@ -82,6 +82,7 @@ RenderResult render_in(const Scene& scene, const RenderRequest& request, const K
         report_checkpoint(request, part, result);
     }
     result.work = job.work;
+    result.meshes = facts_of(buffers.meshes());
     return result;
 }
 

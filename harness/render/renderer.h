@@ -65,6 +65,7 @@ struct RenderResult {
     double device_ms = 0;               // on the CPU backend the same
     double cpu_ms = 0;                  // CPU time of all threads over the same span
     CudaFacts cuda = {};                // of a render on CUDA
+    MeshFacts meshes = {};              // of a scene that has some; else no triangles
     HealthCounters health = {};         // of an integrator that inspects its paths; else no paths
 };
 

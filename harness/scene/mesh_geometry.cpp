@@ -5,7 +5,10 @@
 #include <cmath>
 #include <cstring>
 #include <list>
+#include <set>
 #include <string>
+
+#include "variants/builder/sah.h"
 
 namespace pt {
 
@@ -96,6 +99,7 @@ MeshTree plant(const PlacedMesh& placed, const Acceleration& acceleration) {
         auto start = std::chrono::steady_clock::now();
         const BinaryTree binary = acceleration.builder_hook.build(boxes, triangles);
         tree.build_ms = milliseconds_since(start);
+        tree.sah_cost = builder::tree_cost(binary);
         start = std::chrono::steady_clock::now();
         tree.encoded = acceleration.accelerator_hook.encode(binary);
         tree.encode_ms = milliseconds_since(start);
@@ -143,6 +147,29 @@ MeshGeometry geometry_of(const std::shared_ptr<const SceneMesh>& mesh, const Pla
     geometry.tree = trees.get(key + " " + acceleration.accelerator + " " + acceleration.builder,
                               [&] { return plant(*geometry.placed, acceleration); });
     return geometry;
+}
+
+MeshFacts facts_of(const std::vector<MeshGeometry>& meshes) {
+    MeshFacts facts;
+    std::set<const MeshTree*> counted;
+    std::size_t largest = 0;
+    for (const MeshGeometry& mesh : meshes) {
+        const MeshTree& tree = *mesh.tree;
+        if (!counted.insert(&tree).second) {
+            continue;
+        }
+        facts.triangles += mesh.placed->triangles.size();
+        facts.nodes += tree.encoded.node_count;
+        facts.node_bytes += tree.encoded.nodes.size() * sizeof(NodePiece);
+        facts.leaf_bytes += tree.leaves.size() * sizeof(LeafTriangle);
+        facts.build_ms += tree.build_ms;
+        facts.encode_ms += tree.encode_ms;
+        if (mesh.placed->triangles.size() > largest) {
+            largest = mesh.placed->triangles.size();
+            facts.sah_cost = tree.sah_cost;
+        }
+    }
+    return facts;
 }
 
 }  // namespace pt

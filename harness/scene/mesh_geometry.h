@@ -45,6 +45,18 @@ struct MeshGeometry {
     MeshView view() const;
 };
 
+// What a scene's meshes are to a kernel, all objects together; those that share a mesh count it once.
+struct MeshFacts {
+    std::uint64_t triangles = 0;
+    std::uint64_t nodes = 0;
+    std::uint64_t node_bytes = 0;
+    std::uint64_t leaf_bytes = 0;  // of the triangles as leaves hold them, duplicates included
+    double build_ms = 0;           // on the clock of the host; 0: there is no tree
+    double encode_ms = 0;
+    double sah_cost = 0;  // of the largest tree
+};
+MeshFacts facts_of(const std::vector<MeshGeometry>& meshes);
+
 // `placement` null: in the mesh's own space.
 MeshGeometry geometry_of(const std::shared_ptr<const SceneMesh>& mesh, const Placement* placement,
                          const Acceleration& acceleration);

@@ -193,6 +193,22 @@ TEST(MeshTest, BeyondAHundredThousandTrianglesATreeIsTheReference) {
     }
 }
 
+TEST(MeshTest, ARenderSaysWhatItsMeshesAre) {
+    for (const std::string& accelerator : accelerators()) {
+        RenderRequest request;
+        request.variant = Registry::instance().baseline();
+        request.variant.set("accelerator", accelerator);
+        request.settings = default_settings(mixed_scene());
+        const MeshFacts facts = render(mixed_scene(), request).meshes;
+        // A sponge, a knot, one sphere for two objects, a box of 30.
+        EXPECT_EQ(facts.triangles, 2u * (2 * 20 + 4 * 8) + 16 * 16 + 20 * 16 + 30);
+        EXPECT_EQ(facts.leaf_bytes, facts.triangles * sizeof(LeafTriangle));
+        EXPECT_EQ(facts.nodes == 0, accelerator == "brute_force");
+        EXPECT_EQ(facts.sah_cost > 1, accelerator != "brute_force");
+        EXPECT_EQ(facts.node_bytes > 80 * 10, accelerator != "brute_force");
+    }
+}
+
 TEST(MeshTest, SeveralObjectsShareOneMesh) {
     SceneBuilder builder;
     const std::uint32_t white = builder.diffuse(Vec3d(0.5));
