@@ -42,11 +42,10 @@ struct TriangleHit {
     bool from_behind;  // on the side where a, b, c go round clockwise
 };
 
-// u = cx by - cy bx in twice the precision: exact for float, whose products fit a double.
+// u = cx by - cy bx in double: of the exact sign for float, whose products fit a double.
 template <class Real>
-PT_HD inline Real edge_function_in_double(Real ax, Real ay, Real bx, Real by) {
-    return static_cast<Real>(static_cast<double>(ax) * static_cast<double>(by) -
-                             static_cast<double>(ay) * static_cast<double>(bx));
+PT_HD inline double edge_function_in_double(Real ax, Real ay, Real bx, Real by) {
+    return static_cast<double>(ax) * static_cast<double>(by) - static_cast<double>(ay) * static_cast<double>(bx);
 }
 
 // Hits where t > 0 and, on an edge, both triangles that share it: a closed mesh has no gap, and of equal distances the
@@ -61,21 +60,25 @@ PT_HD inline TriangleHit<Real> intersect(const Triangle<Real>& triangle, const V
     const Real cx = s.pick(c, s.kx) - s.shear.x * cz, cy = s.pick(c, s.ky) - s.shear.y * cz;
     TriangleHit<Real> hit{Real(0), Real(0), cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax, false, false};
     // A rounded zero says neither side; the exact sign does. In double there is nothing wider to ask, and zero is in.
-    if constexpr (sizeof(Real) == 4) {
-        if (hit.u == Real(0) || hit.v == Real(0) || hit.w == Real(0)) {
-            hit.u = edge_function_in_double(cx, cy, bx, by);
-            hit.v = edge_function_in_double(ax, ay, cx, cy);
-            hit.w = edge_function_in_double(bx, by, ax, ay);
-        }
+    if (hit.u != Real(0) && hit.v != Real(0) && hit.w != Real(0) &&
+        ((hit.u < Real(0)) != (hit.v < Real(0)) || (hit.u < Real(0)) != (hit.w < Real(0)))) {
+        return hit;
     }
-    const bool below = hit.u < Real(0) || hit.v < Real(0) || hit.w < Real(0);
-    const bool above = hit.u > Real(0) || hit.v > Real(0) || hit.w > Real(0);
-    hit.det = hit.u + hit.v + hit.w;
+    // In twice the precision also where it is hit: a needle's weights are differences of products that are almost
+    // equal, and boxes can only be trusted to be entered by t where t is that of a point of the triangle.
+    const double u = edge_function_in_double(cx, cy, bx, by), v = edge_function_in_double(ax, ay, cx, cy),
+                 w = edge_function_in_double(bx, by, ax, ay), det = u + v + w;
+    hit.u = static_cast<Real>(u);
+    hit.v = static_cast<Real>(v);
+    hit.w = static_cast<Real>(w);
+    hit.det = static_cast<Real>(det);
+    const bool below = u < 0 || v < 0 || w<0, above = u> 0 || v > 0 || w > 0;
     if ((below && above) || hit.det == Real(0)) {
         return hit;
     }
-    const Real scaled = hit.u * (s.shear.z * az) + hit.v * (s.shear.z * bz) + hit.w * (s.shear.z * cz);
-    hit.t = scaled / hit.det;
+    hit.t =
+        static_cast<Real>((u * static_cast<double>(az) + v * static_cast<double>(bz) + w * static_cast<double>(cz)) /
+                          det * static_cast<double>(s.shear.z));
     hit.hits = hit.t > Real(0);
     hit.from_behind = (hit.det < Real(0)) == (s.shear.z > Real(0));
     return hit;

@@ -34,6 +34,17 @@ Triangles needles(std::uint32_t count, float aspect, std::uint64_t seed) {
     return triangles;
 }
 
+Triangles needle_bundle(std::uint32_t count, float width, std::uint64_t seed) {
+    Random random(seed);
+    Triangles triangles(count);
+    for (Triangle<float>& triangle : triangles) {
+        const V a = random_in_cube<float>(random, 1) * V{1e-3f, 1e-3f, 1};
+        const V b{a.x + static_cast<float>(random.uniform(-1e-5, 1e-5)), a.y, static_cast<float>(random.uniform(-1, 1))};
+        triangle = {a, b, b + random_in_cube<float>(random, width)};
+    }
+    return triangles;
+}
+
 Triangles sticks_in_soup(std::uint32_t small, std::uint32_t sticks, std::uint64_t seed) {
     Random random(seed);
     Triangles triangles = random_soup(small, 0.02f, seed + 1);
@@ -135,7 +146,7 @@ Triangles large_floor(float size) {
 Triangles geometric_progression(std::uint32_t count) {
     Triangles triangles;
     for (std::uint32_t i = 0; i < count; ++i) {
-        const float side = std::ldexp(1.0f, -static_cast<int>(i % 40));
+        const float side = std::ldexp(1.0f, -static_cast<int>(i % 120));
         triangles.push_back({{side, side, 0}, {2 * side, side, 0.5f * side}, {side, 2 * side, side}});
     }
     return triangles;
@@ -167,9 +178,11 @@ std::vector<TriangleScene> triangle_scenes() {
             {"equal", equal_triangles(500)},
             {"flat", flat_triangles(600, 6)},
             {"needles", needles(600, 1e3f, 7)},
+            {"bundle", needle_bundle(300, 1e-5f, 11)},
+            {"thick_bundle", needle_bundle(300, 1e-3f, 12)},
             {"sticks", sticks_in_soup(1500, 100, 10)},
             {"floor", large_floor(1000)},
-            {"progression", geometric_progression(120)},
+            {"progression", geometric_progression(240)},
             {"sphere_far_away", moved(grid_sphere(24, 40, {0, 0, 0}, 1), {3e5f, -2e5f, 1e5f})},
             {"menger_far_away", moved(menger(2), {1 << 20, -(1 << 21), 1 << 19})},
             {"soup_tiny", scaled(random_soup(600, 0.1f, 8), -40)},
@@ -209,7 +222,7 @@ std::vector<TestRay> rays_for(const Triangles& triangles, std::uint32_t count, s
         V flat = random_in_cube<float>(random, 1);
         flat[static_cast<int>(random.word() % 3)] = (random.word() & 1) != 0 ? 0.0f : -0.0f;
         TestRay ray{somewhere, random_in_cube<float>(random, 1)};
-        switch (turn % 12) {
+        switch (turn % 13) {
             case 0:
                 break;
             case 1:
@@ -239,7 +252,14 @@ std::vector<TestRay> rays_for(const Triangles& triangles, std::uint32_t count, s
             case 9:  // along an edge
                 ray = {t.a, t.b - t.a};
                 break;
-            case 10:
+            case 10: {  // from afar, at a small angle to what is long
+                V from = low + 0.5f * extent;
+                from[longest_axis(box)] += 3 * extent[longest_axis(box)];
+                ray = {from + 0.1f * extent[longest_axis(box)] * random_in_cube<float>(random, 1), {0, 0, 0}};
+                ray.direction = point_on(t, u, v) - ray.origin;
+                break;
+            }
+            case 11:
                 ray = {t.a - 0.5f * (t.c - t.a), t.c - t.a};
                 break;
             default:

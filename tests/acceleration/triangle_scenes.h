@@ -22,6 +22,8 @@ struct TestRay {
 Triangles random_soup(std::uint32_t count, float size, std::uint64_t seed);
 // Long thin triangles in all directions: length 1, width 1 / aspect.
 Triangles needles(std::uint32_t count, float aspect, std::uint64_t seed);
+// Needles side by side along the z axis: their weights are differences of almost equal products, their boxes thin.
+Triangles needle_bundle(std::uint32_t count, float width, std::uint64_t seed);
 // Small triangles with long ones across them, aslant: what spatial splits are for.
 Triangles sticks_in_soup(std::uint32_t small, std::uint32_t sticks, std::uint64_t seed);
 // A closed sphere of rings x sectors quads, in pairs of triangles; its poles fans.
