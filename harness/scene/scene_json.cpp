@@ -270,6 +270,21 @@ void check_material(const JsonValue& value, const SceneMaterial& material, const
     }
 }
 
+// A mesh has coordinates of its own, so a scale within its range may still carry it to where nothing can be computed.
+void check_reach(const JsonValue& value, const SceneObject& object, const Scene& scene) {
+    if (object.mesh == SceneObject::no_mesh) {
+        return;
+    }
+    const SceneMesh& mesh = *scene.meshes[object.mesh];
+    const Box box = box_round(mesh, placement_of(object, Vec3d(0.0)));
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!(box.low[axis] >= -largest_length && box.high[axis] <= largest_length)) {
+            throw InputError(value.file(), value.path(), fmt::format("the mesh {} reaching beyond 1e18", mesh.source),
+                             "a mesh, a place and a scale that keep it within -1e18 to 1e18");
+        }
+    }
+}
+
 SceneObject read_object(const JsonValue& value, Scene& scene) {
     const std::vector<SceneMaterial>& materials = scene.materials;
     std::vector<std::string> keys{"shape", "material", "translate", "rotate_degrees", "scale", "velocity"};
@@ -302,6 +317,7 @@ SceneObject read_object(const JsonValue& value, Scene& scene) {
         check_ellipsoid(result, object.at("scale"));
     }
     result.velocity = object.has("velocity") ? point(object.at("velocity")) : Vec3d(0.0);
+    check_reach(value, result, scene);
     return result;
 }
 
