@@ -72,7 +72,8 @@ PT_HD inline TriangleHit<Real> intersect(const Triangle<Real>& triangle, const V
     hit.v = static_cast<Real>(v);
     hit.w = static_cast<Real>(w);
     hit.det = static_cast<Real>(det);
-    const bool below = u < 0 || v < 0 || w<0, above = u> 0 || v > 0 || w > 0;
+    const bool below = u < 0.0 || v < 0.0 || w < 0.0;
+    const bool above = u > 0.0 || v > 0.0 || w > 0.0;
     if ((below && above) || hit.det == Real(0)) {
         return hit;
     }

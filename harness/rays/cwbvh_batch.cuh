@@ -49,28 +49,21 @@ __device__ inline void intersect_slot(const SlotTriangle* triangle, const Permut
     const float ax = (x.x - ray.x) - shear.x * az, ay = (y.x - ray.y) - shear.y * az;
     const float bx = (x.y - ray.x) - shear.x * bz, by = (y.y - ray.y) - shear.y * bz;
     const float cx = (x.z - ray.x) - shear.x * cz, cy = (y.z - ray.y) - shear.y * cz;
-    float u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
+    const float u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
     // Signs of numbers that are not 0 are exact, so a wider look at a 0 cannot help where two of them differ.
     if (fminf(fminf(u, v), w) < 0.0f && fmaxf(fmaxf(u, v), w) > 0.0f) {
         return;
     }
-    if (u == 0.0f || v == 0.0f || w == 0.0f) {
-        u = edge_function_in_double(cx, cy, bx, by);
-        v = edge_function_in_double(ax, ay, cx, cy);
-        w = edge_function_in_double(bx, by, ax, ay);
-        if (fminf(fminf(u, v), w) < 0.0f && fmaxf(fmaxf(u, v), w) > 0.0f) {
-            return;
-        }
-    }
-    const float det = u + v + w;
-    const float scaled = u * (shear.z * az) + v * (shear.z * bz) + w * (shear.z * cz);
-    // t would be negative, or beyond the best by more than its rounding.
-    if (det == 0.0f || scaled * det < 0.0f ||
-        fabsf(scaled) > __fmaf_rn(fabsf(det), best.t * 1.000001f, 1.1754944e-38f)) {
+    const double wide_u = edge_function_in_double(cx, cy, bx, by), wide_v = edge_function_in_double(ax, ay, cx, cy),
+                 wide_w = edge_function_in_double(bx, by, ax, ay), det = wide_u + wide_v + wide_w;
+    if ((fmin(fmin(wide_u, wide_v), wide_w) < 0.0 && fmax(fmax(wide_u, wide_v), wide_w) > 0.0) ||
+        static_cast<float>(det) == 0.0f) {
         return;
     }
-    const float t = scaled / det;
-    keep_nearer({t, det, u, v, w, t > 0.0f}, __float_as_uint(z.w), best);
+    const float t = static_cast<float>(
+        (wide_u * static_cast<double>(az) + wide_v * static_cast<double>(bz) + wide_w * static_cast<double>(cz)) / det *
+        static_cast<double>(shear.z));
+    keep_nearer({t, static_cast<float>(det), u, v, w, t > 0.0f, false}, __float_as_uint(z.w), best);
 }
 
 struct BatchView {
