@@ -37,6 +37,7 @@ HOST = percent(MOST_HOST_SHARE)
 ALLOWED = percent(constant("harness/bench/error_book.h", r"allowed_reference_error = ([\d.]+)"))
 CONTENDED = f"{constant('harness/bench/result_file.cpp', r'max.([0-9.]+), 0.1 . sample'):.0f} ms"
 LOW_CLOCK = f"below {constant('harness/bench/result_file.cpp', r'< ([0-9.]+) . highest'):g} of the highest"
+NODE_COST = constant("variants/builder/sah.h", r"traversal = ([\d.]+)")
 STATISTIC = "a rule of the statistics or of the harness"
 LAYOUT = "what a field of the result files means"
 
@@ -81,6 +82,7 @@ DECLARED = [
     ("result-fields", "fractions (0.05 is 5 %)", LAYOUT),
     ("result-fields", "+0.01)", LAYOUT),
     ("result-fields", "at most 5 % of", LAYOUT),
+    ("result-fields", f"{NODE_COST:g} an inner node", LAYOUT),
 ]
 # Whole pages: their numbers come of formulas and of the sources that they name, none of a run of ptbench.
 DERIVED = {"numerics": "exact answers of cases and bounds of rounding, each with its source"}
