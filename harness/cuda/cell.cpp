@@ -77,7 +77,8 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
       features_(kernel.compiled),
       layout_(hooks("layout", request.variant).layout),
       buffers_(scene, settings, Acceleration::of(request.variant, Backend::cuda)),
-      device_scene_(buffers_.view(), kernel.compiled, hooks("specialisation", request.variant).bakes_scene),
+      device_scene_(buffers_.view(), buffers_.meshes(), kernel.compiled,
+                    hooks("specialisation", request.variant).bakes_scene),
       host_film_(film) {
     facts_.from_cache = true;
     job_.module = &loaded_module(module_request(scene, request.variant, device().architecture()), facts_);
@@ -90,7 +91,7 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
     arena_ = std::make_unique<Arena>(measuring.used());
     reserve(*arena_);
     upload();
-    facts_.device_bytes = measuring.used();
+    facts_.device_bytes = measuring.used() + device_scene_.mesh_bytes();
     facts_.path_state_bytes = integrator_->path_bytes().state;
     facts_.path_bytes = integrator_->path_bytes().everything;
     facts_.threads = job_.block;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <set>
 #include <type_traits>
 
 #include <fmt/format.h>
@@ -69,16 +70,6 @@ inline constexpr bool is_baked = true;
 template <class Real>
 inline constexpr bool is_baked<MeshInstance<Real>> = false;
 
-// Bytes of a mesh's arrays, and where each lies in it: on the host and, by the same steps, on the device.
-template <class Visit>
-void for_each_array_of(const MeshView& host, MeshView& device, const Visit& visit) {
-    visit(host.leaves, device.leaves, host.tree.slot_count * sizeof(LeafTriangle));
-    visit(host.triangles, device.triangles, host.triangle_count * sizeof(Triangle<float>));
-    visit(host.cumulative_area, device.cumulative_area,
-          host.cumulative_area != nullptr ? host.triangle_count * sizeof(float) : 0);
-    visit(host.tree.nodes, device.tree.nodes, std::size_t{host.tree.node_count} * host.tree.node_bytes);
-}
-
 template <class T>
 View<T> placed(Arena& arena, const View<T>& host) {
     return {arena.take<T>(host.size), host.size};
@@ -137,6 +128,25 @@ std::string baked_text(const SceneView<Real>& scene) {
 }
 
 template <class Real>
+DeviceScene<Real>::DeviceScene(const SceneView<Real>& host, const std::vector<MeshGeometry>& meshes,
+                               FeatureSet features, bool is_baked)
+    : host_(host), features_(features), is_baked_(is_baked) {
+    for (const MeshGeometry& mesh : meshes) {
+        device_meshes_.push_back(device_mesh(mesh));
+    }
+}
+
+template <class Real>
+std::size_t DeviceScene<Real>::mesh_bytes() const {
+    const std::set<std::shared_ptr<const DeviceMesh>> each(device_meshes_.begin(), device_meshes_.end());
+    std::size_t bytes = 0;
+    for (const std::shared_ptr<const DeviceMesh>& mesh : each) {
+        bytes += mesh->bytes();
+    }
+    return bytes;
+}
+
+template <class Real>
 void DeviceScene<Real>::reserve(Arena& arena) {
     view_ = host_;
     for_each_array(view_, host_, [&](const SceneArray& array, auto& device, const auto& host) {
@@ -144,17 +154,13 @@ void DeviceScene<Real>::reserve(Arena& arena) {
             device = placed(arena, host);
         }
     });
-    meshes_.assign(host_.meshes.data, host_.meshes.data + host_.meshes.size);
-    for (std::size_t i = 0; i < meshes_.size(); ++i) {
-        const MeshView& geometry = host_.meshes[static_cast<std::uint32_t>(i)].geometry;
-        if (i > 0 && geometry.triangles == host_.meshes[static_cast<std::uint32_t>(i) - 1].geometry.triangles) {
-            meshes_[i].geometry = meshes_[i - 1].geometry;
-            continue;
+    instances_.assign(host_.meshes.data, host_.meshes.data + host_.meshes.size);
+    for (std::size_t i = 0; i < instances_.size(); ++i) {
+        const float* const light_areas = instances_[i].geometry.cumulative_area;
+        instances_[i].geometry = device_meshes_.at(i)->view();
+        if (light_areas == nullptr) {
+            instances_[i].geometry.cumulative_area = nullptr;
         }
-        for_each_array_of(geometry, meshes_[i].geometry, [&](const auto*, const auto*& device, std::size_t bytes) {
-            using Element = std::remove_cvref_t<decltype(device)>;
-            device = bytes == 0 ? nullptr : reinterpret_cast<Element>(arena.take_bytes(bytes));
-        });
     }
 }
 
@@ -166,18 +172,8 @@ void DeviceScene<Real>::upload(const Module& module, cudaStream_t stream) const 
         }
     });
     SceneView<Real> host = host_;
-    host.meshes = {meshes_.data(), static_cast<std::uint32_t>(meshes_.size())};
+    host.meshes = {instances_.data(), static_cast<std::uint32_t>(instances_.size())};
     copy_to_device(view_.meshes, host.meshes, stream);
-    for (std::size_t i = 0; i < meshes_.size(); ++i) {
-        MeshView device = meshes_[i].geometry;
-        for_each_array_of(
-            host_.meshes[static_cast<std::uint32_t>(i)].geometry, device,
-            [&](const void* from, const void* to, std::size_t bytes) {
-                if (bytes != 0) {
-                    PT_CUDA_CHECK(cudaMemcpyAsync(const_cast<void*>(to), from, bytes, cudaMemcpyHostToDevice, stream));
-                }
-            });
-    }
     const std::vector<unsigned char> constant = constant_scene(host, features_);
     if (!is_baked_ && !constant.empty() && constant.size() <= constant_bytes) {
         PT_CUDA_CHECK(cudaMemcpyAsync(module.global("pt_scene"), constant.data(), constant.size(),

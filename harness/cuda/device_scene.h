@@ -2,6 +2,7 @@
 // the text of its kernels holds of it.
 #pragma once
 
+#include "harness/cuda/device_meshes.h"
 #include "kernels/scene_arrays.h"
 #include "variants/cuda/arena.h"
 #include "variants/cuda/module.h"
@@ -26,21 +27,25 @@ std::string baked_text(const SceneView<Real>& scene);
 template <class Real>
 class DeviceScene {
 public:
-    // `host` lives as long as this; `features`: of the kernels.
-    DeviceScene(const SceneView<Real>& host, FeatureSet features, bool is_baked)
-        : host_(host), features_(features), is_baked_(is_baked) {}
+    // `host` lives as long as this; `meshes`: of its objects, by number of the objects that show one; `features`: of
+    // the kernels.
+    DeviceScene(const SceneView<Real>& host, const std::vector<MeshGeometry>& meshes, FeatureSet features,
+                bool is_baked);
     void reserve(Arena& arena);
     // Waits for the device.
     void upload(const Module& module, cudaStream_t stream) const;
     // With pointers of the device.
     const SceneView<Real>& view() const { return view_; }
+    // Of meshes, outside of the arena.
+    std::size_t mesh_bytes() const;
 
 private:
     const SceneView<Real>& host_;
     FeatureSet features_;
     bool is_baked_;
     SceneView<Real> view_ = {};
-    std::vector<MeshInstance<Real>> meshes_;  // with pointers of the device
+    std::vector<std::shared_ptr<const DeviceMesh>> device_meshes_;
+    std::vector<MeshInstance<Real>> instances_;  // with pointers of the device
 };
 
 }  // namespace pt::cuda

@@ -145,6 +145,11 @@ Box box_round(const SceneMesh& mesh, const Placement& placement) {
 }
 
 bool is_inside(const SceneMesh& mesh, const Vec3d& point) {
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!(point[axis] >= mesh.bounds.low[axis] && point[axis] <= mesh.bounds.high[axis])) {
+            return false;
+        }
+    }
     // A direction that is along no axis, so that few meshes have an edge on it; an edge counts for both its triangles,
     // and is told by the sides that they are met from.
     const auto sheared = ShearedDirection<double>::of({0.5773, 0.5141, 0.6343});

@@ -1,0 +1,34 @@
+// The geometry of meshes on the device, kept from render to render: a study renders one scene hundreds of times, and
+// copying a mesh takes longer than rendering it.
+#pragma once
+
+#include <memory>
+
+#include "harness/scene/mesh_geometry.h"
+
+namespace pt::cuda {
+
+// One mesh's arrays in device memory, freed with the last who holds it.
+class DeviceMesh {
+public:
+    explicit DeviceMesh(const MeshGeometry& host);
+    ~DeviceMesh();
+    DeviceMesh(const DeviceMesh&) = delete;
+    DeviceMesh& operator=(const DeviceMesh&) = delete;
+
+    // With pointers of the device.
+    const MeshView& view() const { return view_; }
+    std::size_t bytes() const { return bytes_; }
+
+private:
+    MeshGeometry host_;  // kept, so that its address means this mesh as long as the copy lives
+    MeshView view_;
+    unsigned char* memory_ = nullptr;
+    std::size_t bytes_ = 0;
+};
+
+// The copy that there is, or a new one. What was used longest ago is let go where all together pass a quarter of the
+// device's memory. Returns after the copy has been made.
+std::shared_ptr<const DeviceMesh> device_mesh(const MeshGeometry& host);
+
+}  // namespace pt::cuda
