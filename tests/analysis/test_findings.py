@@ -9,6 +9,7 @@ import pytest
 from ptbench.findings import page as pages
 from ptbench.findings.command import House, findings
 from ptbench.findings.errors import FindingError
+from ptbench.findings.overview import overview_of
 from ptbench.findings.page import read_page, render, too_old, typed_by_hand
 from ptbench.findings.selection import parsed
 from ptbench.findings.source import Source
@@ -60,6 +61,31 @@ def test_a_verdict_that_the_data_contradict_is_no_page(tmp_path, word):
         rendered(tmp_path, f"{{{{ compaction.ratio({CELL}, over='compaction=none').must_be('{word}', 'pays') }}}}")
     said = rendered(tmp_path, f"{{{{ compaction.ratio({CELL}, over='compaction=none').must_be('SLOWER', 'costs') }}}}")
     assert said == "costs"
+
+
+def test_a_baseline_that_the_page_describes_wrongly_is_no_page(tmp_path):
+    ratio = "compaction.ratio('wavefront_fused study=fused_layout scene=cornell_open layout=packed', over='layout=aos')"
+    assert rendered(tmp_path, f"{{{{ {ratio}.must_be_over('wavefront_fused') }}}}") == ""
+    with pytest.raises(FindingError, match="its baseline is not layout=packed"):
+        rendered(tmp_path, f"{{{{ {ratio}.must_be_over('wavefront_fused', 'layout=packed') }}}}")
+
+
+def test_what_a_command_printed_is_shown_as_it_was(tmp_path):
+    file = "intel-r-xeon-r-processor-2-threads/readme_run.txt"
+    shown = rendered(tmp_path, "{{ run }}", sources={"run": {"file": file}})
+    assert shown == (HOUSE.results / file).read_text(encoding="utf-8").rstrip("\n")
+
+
+def test_ratios_between_unlike_films_are_marked():
+    overview = overview_of(HOUSE.templates / "overview.json", HOUSE.results)
+    marked = [line.label for area in overview.areas for line in area.lines if not all(line.same_films)]
+    source = Source(HOUSE.results, "nvidia-h200/specialisation.json", "depth=8 resolution=800x800")
+    cell = "megakernel study=megakernel scene=cornell_open_five specialisation=features"
+    films = {source.cell(cell).film_hash, source.cell(cell.replace("features", "generic")).film_hash}
+    assert marked == ["the same, six kinds of material"]
+    assert len(films) == 2
+    drawn = HOUSE.target(HOUSE.templates / "overview.md").with_suffix(".svg").read_text(encoding="utf-8")
+    assert "pays *" in drawn
 
 
 def test_a_cell_that_is_not_there_or_not_one_is_told(tmp_path):

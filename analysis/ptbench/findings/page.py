@@ -25,11 +25,11 @@ from jinja2 import Environment, StrictUndefined, TemplateError
 
 from ptbench.findings.errors import FindingError
 from ptbench.findings.quantities import span
-from ptbench.findings.records import Inspection, Record, StabilitySource
+from ptbench.findings.records import Inspection, Record, StabilitySource, Transcript
 from ptbench.findings.source import Source
 from ptbench.io.nodes import read_json
 from ptbench.io.stability import is_stability
-from ptbench.stats.estimates import CONFIDENCE, FASTER, SAME, SLOWER, UNSURE
+from ptbench.stats.estimates import CONFIDENCE, FASTER, SAME, SLOWER, THRESHOLD, UNSURE
 
 _HEAD = re.compile(r"\A---\n(\{.*?\n\})\n---\n", re.DOTALL)
 _EXPRESSION = re.compile(r"\{\{.*?\}\}|\{%.*?%\}|\{#.*?#\}", re.DOTALL)
@@ -44,7 +44,7 @@ _CODE = re.compile(r"^```.*?^```|`[^`\n]*`", re.DOTALL | re.MULTILINE)
 _TARGET = re.compile(r"\]\([^)]*\)")
 
 
-AnySource = Source | Inspection | StabilitySource | Record
+AnySource = Source | Inspection | StabilitySource | Record | Transcript
 
 
 @dataclass(frozen=True)
@@ -76,6 +76,8 @@ def read_page(template: Path) -> Page:
 
 @cache
 def _opened(results: Path, file: str, where: str) -> AnySource:
+    if file.endswith(".txt"):
+        return Transcript(results, file)
     root = read_json(results / file)
     if isinstance(root.value, list):
         return Inspection(results, file)
@@ -102,6 +104,7 @@ def render(page: Page, results: Path) -> str:
             span=span,
             root=math.sqrt,
             confidence=f"{CONFIDENCE:.0%}".replace("%", " %"),
+            margin=f"{THRESHOLD:.0%}".replace("%", " %"),
         )
     except (TemplateError, FindingError) as error:
         raise FindingError(f"{page.template}: {error}") from error

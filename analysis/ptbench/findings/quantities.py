@@ -90,6 +90,13 @@ class Ratio:
             raise FindingError(f"{self.of}: {self}, so {self.word}, where the page says {word} ({said or 'in words'})")
         return said
 
+    def must_be_over(self, *words: str) -> str:
+        """Nothing, if the baseline has all these words; FindingError where the page describes another one."""
+        base = self.of.partition(" over ")[2].split()
+        if missing := [word for word in words if word not in base]:
+            raise FindingError(f"{self.of}: its baseline is not {' '.join(missing)}, as the page says")
+        return ""
+
     def said(self, **words: str) -> str:
         """The words that the verdict allows: said(FASTER="pays", SLOWER="costs", ...)."""
         if self.word not in words:

@@ -85,6 +85,18 @@ class Record:
         return f"- {link_to(self._results, self._shown)}: a record made by hand, which says what it leaves out."
 
 
+class Transcript:
+    """What a command printed, committed as it was: a page shows it as a block."""
+
+    commit = ""
+
+    def __init__(self, results: Path, file: str) -> None:
+        self._text = (results / file).read_text(encoding="utf-8").rstrip("\n")
+
+    def __str__(self) -> str:
+        return self._text
+
+
 class StabilitySource:
     """A file of `ptbench stability`."""
 

@@ -78,6 +78,11 @@ class Source:
             raise FindingError(f"{self.result.path}: nothing to hold against {over}: {selection}")
         return Ratios(tuple(found))
 
+    def same_film(self, selection: str, over: str) -> bool:
+        """Whether both sides of that ratio left the same film, bit for bit."""
+        base = cell_of(self.result, {**self._chosen(selection), **parsed(over)})
+        return self.cell(selection).film_hash == base.film_hash
+
     def registers(self, selection: str, kernel: str) -> int:
         """Registers a thread of a kernel."""
         return self._kernel(selection, kernel).registers
@@ -175,6 +180,12 @@ class Source:
     def failed(self) -> int:
         """Cells that failed."""
         return sum(cell.failed for cell in self.result.cells)
+
+    @property
+    def timed_seconds(self) -> Quantity:
+        """What its timed samples took, each from end to end, s."""
+        total = sum(sample.end_to_end_ms or sample.wall_ms for cell in self.result.cells for sample in cell.samples)
+        return Quantity(Estimate(total / 1e3, None, None, 1), str(self.result.path))
 
     @property
     def disturbed(self) -> int:
