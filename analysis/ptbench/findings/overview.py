@@ -78,8 +78,8 @@ def draw(overview: Overview) -> Figure:
     caption = (
         f"{overview.device}, 800x800, depth 8. Time with the optimisation over that of what heading or row name, "
         f"medians of nine, and {CONFIDENCE:.0%} intervals (narrower than most markers): left of 1 it pays. Grey band: within "
-        f"{THRESHOLD:.0%}, the same. Hollow, first number: open box (scene cornell_open or its sibling), where paths "
-        "escape; filled: closed box, where they live to the last bounce. aos: a path is a structure; soa: an array a "
+        f"{THRESHOLD:.0%}, the same. Hollow, first number: open box (scene cornell_open or its sibling), where "
+        "paths escape; filled: closed box, where they live to the last bounce. aos: a path is a structure; soa: an array a "
         "number; packed: arrays of 16-byte pieces. Both sides of a ratio left the same film, bit for bit"
         + _but(lines)
         + "."
