@@ -77,12 +77,11 @@ def draw(overview: Overview) -> Figure:
     body = sum(_HEAD + _ROW * len(area.lines) + _GAP for area in overview.areas) + 0.75
     caption = (
         f"{overview.device}, 800x800, depth 8. Time with the optimisation over that of what heading or row name, "
-        f"medians of nine, and {CONFIDENCE:.0%} intervals (narrower than most markers): left of 1 it pays. Grey band: within "
-        f"{THRESHOLD:.0%}, the same. Hollow, first number: open box (scene cornell_open or its sibling), where "
-        "paths escape; filled: closed box, where they live to the last bounce. aos: a path is a structure; soa: an array a "
-        "number; packed: arrays of 16-byte pieces. Both sides of a ratio left the same film, bit for bit"
-        + _but(lines)
-        + "."
+        f"medians of nine, and {CONFIDENCE:.0%} intervals (narrower than most markers): left of 1 it pays. Grey band: "
+        f"within {THRESHOLD:.0%}, the same. Hollow, first number: open box (scene cornell_open or its sibling), where "
+        "paths escape; filled: closed box, where they live to the last bounce. aos: a path is a structure; "
+        "soa: an array a number; packed: arrays of 16-byte pieces. Both sides of a ratio left the same film, "
+        "bit for bit" + _but(lines) + "."
     )
     page = style.Page(left + _PLOT + 0.2 + text_width + style.MARGIN, body, overview.title, caption)
     axes = page.axes(left, 0.45, _PLOT, body - 0.75)
