@@ -69,7 +69,10 @@ enable_language(CUDA)
 set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION "-std=c++20")
 set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION "-std=c++20")
 set(CMAKE_CUDA_FLAGS_RELEASE "-O3 -DNDEBUG")
-file(GLOB nvcc_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/*/*.cu ${PROJECT_SOURCE_DIR}/harness/cuda/*.cu)
+file(GLOB nvcc_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/*/*.cu ${PROJECT_SOURCE_DIR}/harness/cuda/*.cu
+     ${PROJECT_SOURCE_DIR}/harness/rays/*.cu)
+# Hits have the bits of the host's.
+set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/rays/gpu_batch.cu PROPERTIES COMPILE_OPTIONS --fmad=false)
 add_library(ptbench_nvcc_options INTERFACE)
 target_include_directories(ptbench_nvcc_options INTERFACE ${PROJECT_SOURCE_DIR})
 target_include_directories(ptbench_nvcc_options SYSTEM INTERFACE ${glm_include})

@@ -48,7 +48,7 @@ endfunction()
 # statistics. (A sine of a constant is rounded by the compiler where it can be evaluated, else by the C library, and they
 # differ in the last bit.) The rest of harness/ reads, writes and counts, and there the compiler's time counts more.
 set(rendering_sources ${harness_sources})
-list(FILTER rendering_sources INCLUDE REGEX "/harness/(render|cuda|scene|mesh|stability|error)/|/harness/bench/cpu_clock\\.cpp$")
+list(FILTER rendering_sources INCLUDE REGEX "/harness/(render|cuda|scene|mesh|rays|stability|error)/|/harness/bench/cpu_clock\\.cpp$")
 list(REMOVE_ITEM harness_sources ${rendering_sources})
 add_library(ptbench_rendering OBJECT ${rendering_sources})
 add_library(ptbench_harness OBJECT ${harness_sources})

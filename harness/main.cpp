@@ -88,6 +88,7 @@ int run(int argc, char** argv) {
         {"replay", pt::add_replay_command(app)},
         {"completion", pt::add_completion_command(app)},
         {"stability", pt::add_stability_command(app, join_arguments(argc, argv))},
+        {"rays", pt::add_rays_command(app, join_arguments(argc, argv))},
     };
     try {
         app.parse(argc, argv);

@@ -29,6 +29,7 @@ Command add_new_command(CLI::App& app);
 Command add_completion_command(CLI::App& app);
 Command add_replay_command(CLI::App& app);
 Command add_stability_command(CLI::App& app, const std::string& command_line);
+Command add_rays_command(CLI::App& app, const std::string& command_line);
 
 // What `new` makes: "compaction", ..
 std::vector<std::string> kinds_of_new();

@@ -3,6 +3,7 @@
 
 #include "harness/cuda/backend.h"
 #include "harness/error.h"
+#include "harness/rays/gpu_batch.h"
 
 namespace pt::cuda {
 
@@ -25,3 +26,16 @@ std::vector<std::pair<std::string, std::string>> context() { return {}; }
 double measure_clock_mhz() { return 0; }
 
 }  // namespace pt::cuda
+
+namespace pt::rays {
+
+std::vector<std::string> gpu_accelerators() { return {}; }
+std::unique_ptr<BatchTracer> make_gpu_tracer(const MeshView&, const std::string&) {
+    throw MachineError(cuda::not_available());
+}
+std::vector<Hit> brute_force_on_gpu(std::span<const Triangle<float>>, const std::vector<Ray>&) {
+    throw MachineError(cuda::not_available());
+}
+DeviceBuild time_device_build(std::span<const Triangle<float>>, const std::string&, int) { return {}; }
+
+}  // namespace pt::rays

@@ -248,43 +248,4 @@ __global__ void __launch_bounds__(P::threads, P::blocks_per_sm) closest_hits(con
     }
 }
 
-// One thread a ray, through the traversal that path kernels call.
-template <class Counter, class Finish>
-__device__ inline void trace_plain(const BatchView& batch, std::uint32_t index, Counter& counter, Finish&& finish) {
-    const Ray ray = batch.rays[index];
-    const Vec3<float> origin{ray.origin[0], ray.origin[1], ray.origin[2]};
-    const Vec3<float> direction{ray.direction[0], ray.direction[1], ray.direction[2]};
-    const PermutedRay permuted = PermutedRay::of(origin, direction);
-    Hit best{ray.t_max, no_primitive};
-    cwbvh::traverse(
-        batch.tree, origin, direction, best.t,
-        [&](std::uint32_t first, std::uint32_t count) {
-            for (std::uint32_t slot = first; slot < first + count; ++slot) {
-                intersect_slot(batch.triangles + slot, permuted, best);
-            }
-        },
-        counter);
-    finish(best);
-}
-
-__global__ void closest_hits_plain(const __grid_constant__ BatchView batch) {
-    const std::uint32_t index = blockIdx.x * blockDim.x + threadIdx.x;
-    if (index < batch.count) {
-        NoTraversalCounter none;
-        trace_plain(batch, index, none, [&](const Hit& hit) { batch.hits[index] = hit; });
-    }
-}
-
-// Sums of nodes visited, boxes and triangles tested.
-__global__ void count_work(const __grid_constant__ BatchView batch, unsigned long long* sums) {
-    const std::uint32_t index = blockIdx.x * blockDim.x + threadIdx.x;
-    if (index < batch.count) {
-        TraversalCounter counter;
-        trace_plain(batch, index, counter, [](const Hit&) {});
-        atomicAdd(sums, counter.nodes_visited);
-        atomicAdd(sums + 1, counter.boxes_tested);
-        atomicAdd(sums + 2, counter.primitives_tested);
-    }
-}
-
 }  // namespace pt::rays

@@ -6,7 +6,8 @@
 
 #include <cstdint>
 #include <limits>
-#include <span>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace pt::rays {
@@ -25,6 +26,35 @@ struct Hit {
     std::uint32_t primitive;
 
     bool operator==(const Hit&) const = default;
+};
+
+// What rays are about: a class by its name, and whether any hit will do.
+struct RaySet {
+    std::string name;
+    bool any = false;
+    std::vector<Ray> rays;
+};
+
+// A ray's, the mean over a batch.
+struct Work {
+    double nodes = 0, boxes = 0, triangles = 0;
+};
+
+// Traces batches through one tree. Of a set where any hit will do, the hits say {0, 0} or {t_max, no_primitive}.
+class BatchTracer {
+public:
+    BatchTracer() = default;
+    BatchTracer(const BatchTracer&) = delete;
+    BatchTracer& operator=(const BatchTracer&) = delete;
+    virtual ~BatchTracer() = default;
+
+    // The ways there are to trace a set, the fastest as a rule first.
+    virtual std::vector<std::string> kernels(const RaySet& set) const = 0;
+    // The set that the calls after it are about; it must outlive them.
+    virtual void load(const RaySet& set) = 0;
+    virtual double trace(const std::string& kernel) = 0;  // milliseconds
+    virtual std::vector<Hit> hits() = 0;                  // of the last trace
+    virtual std::optional<Work> count() = 0;              // nothing: the accelerator counts nothing
 };
 
 // A triangle in its slot, by axis: row k holds coordinate k of a, b and c, so that a ray's permutation of the axes

@@ -2,30 +2,24 @@
 #pragma once
 
 #include <cstddef>
-#include <stdexcept>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include <cuda_runtime.h>
 
-namespace pt::rays {
+#include "variants/cuda/check.h"
 
-inline void check(cudaError_t error) {
-    if (error != cudaSuccess) {
-        throw std::runtime_error(std::string("CUDA: ") + cudaGetErrorString(error));
-    }
-}
+namespace pt::rays {
 
 template <class T>
 class DeviceArray {
 public:
     DeviceArray() = default;
     explicit DeviceArray(std::size_t size) : size_(size) {
-        check(cudaMalloc(&data_, (size == 0 ? 1 : size) * sizeof(T)));
+        PT_CUDA_CHECK(cudaMalloc(&data_, (size == 0 ? 1 : size) * sizeof(T)));
     }
     explicit DeviceArray(const std::vector<T>& host) : DeviceArray(host.size()) {
-        check(cudaMemcpy(data_, host.data(), size_ * sizeof(T), cudaMemcpyHostToDevice));
+        PT_CUDA_CHECK(cudaMemcpy(data_, host.data(), size_ * sizeof(T), cudaMemcpyHostToDevice));
     }
     DeviceArray(DeviceArray&& other) noexcept { swap(other); }
     DeviceArray& operator=(DeviceArray&& other) noexcept {
@@ -38,10 +32,10 @@ public:
 
     T* data() const { return data_; }
     std::size_t size() const { return size_; }
-    void clear() const { check(cudaMemsetAsync(data_, 0, size_ * sizeof(T))); }
+    void clear() const { PT_CUDA_CHECK(cudaMemsetAsync(data_, 0, size_ * sizeof(T))); }
     std::vector<T> host() const {
         std::vector<T> values(size_);
-        check(cudaMemcpy(values.data(), data_, size_ * sizeof(T), cudaMemcpyDeviceToHost));
+        PT_CUDA_CHECK(cudaMemcpy(values.data(), data_, size_ * sizeof(T), cudaMemcpyDeviceToHost));
         return values;
     }
 
@@ -57,8 +51,8 @@ private:
 class EventPair {
 public:
     EventPair() {
-        check(cudaEventCreate(&from_));
-        check(cudaEventCreate(&to_));
+        PT_CUDA_CHECK(cudaEventCreate(&from_));
+        PT_CUDA_CHECK(cudaEventCreate(&to_));
     }
     EventPair(const EventPair&) = delete;
     EventPair& operator=(const EventPair&) = delete;
@@ -66,12 +60,12 @@ public:
         cudaEventDestroy(from_);
         cudaEventDestroy(to_);
     }
-    void start() const { check(cudaEventRecord(from_)); }
+    void start() const { PT_CUDA_CHECK(cudaEventRecord(from_)); }
     float stop() const {  // milliseconds
-        check(cudaEventRecord(to_));
-        check(cudaEventSynchronize(to_));
+        PT_CUDA_CHECK(cudaEventRecord(to_));
+        PT_CUDA_CHECK(cudaEventSynchronize(to_));
         float milliseconds = 0;
-        check(cudaEventElapsedTime(&milliseconds, from_, to_));
+        PT_CUDA_CHECK(cudaEventElapsedTime(&milliseconds, from_, to_));
         return milliseconds;
     }
 
@@ -81,13 +75,8 @@ private:
 
 inline int processor_count() {
     int count = 0;
-    check(cudaDeviceGetAttribute(&count, cudaDevAttrMultiProcessorCount, 0));
+    PT_CUDA_CHECK(cudaDeviceGetAttribute(&count, cudaDevAttrMultiProcessorCount, 0));
     return count;
-}
-inline std::string device_name() {
-    cudaDeviceProp properties;
-    check(cudaGetDeviceProperties(&properties, 0));
-    return properties.name;
 }
 
 }  // namespace pt::rays

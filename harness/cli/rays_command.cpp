@@ -1,0 +1,253 @@
+// ptbench rays: rates of ray batches without shading.
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <omp.h>
+
+#include "harness/bench/machine.h"
+#include "harness/cli/commands.h"
+#include "harness/cli/known_names.h"
+#include "harness/cuda/backend.h"
+#include "harness/json_reader.h"
+#include "harness/mesh/write_mesh.h"
+#include "harness/nearest_name.h"
+#include "harness/rays/gpu_batch.h"
+#include "harness/rays/ray_file.h"
+#include "harness/rays/ray_sets.h"
+#include "harness/rays/ray_study.h"
+#include "harness/write_file.h"
+#include "variants/registry.h"
+
+namespace pt {
+
+namespace {
+
+struct RaysArguments {
+    std::string meshes, scenes, classes, accelerators, builders, backend, out, write_rays, read_rays, write_mesh;
+    std::uint32_t log2_rays = 20, checked = 1024;
+    int repetitions = 9, threads = 0;
+    bool overwrite = false;
+    std::string command_line;
+};
+
+// The names of an option; each must be among `known`.
+std::vector<std::string> chosen(const std::string& text, const std::string& flag,
+                                const std::vector<std::string>& known) {
+    const std::vector<std::string> names = split_names(text, flag);
+    for (const std::string& name : names) {
+        if (std::find(known.begin(), known.end(), name) == known.end()) {
+            throw InputError(flag, "name", "\"" + name + "\"",
+                             fmt::format("{}{}", fmt::join(known, ", "), did_you_mean(name, known)));
+        }
+    }
+    return names;
+}
+
+std::vector<std::string> accelerators_on(Backend backend) {
+    std::vector<std::string> names;
+    const std::vector<std::string> compiled =
+        backend == Backend::cuda ? rays::gpu_accelerators() : std::vector<std::string>();
+    for (const Choice* choice : Registry::instance().choices("accelerator", backend)) {
+        const std::string name(choice->descriptor.name);
+        if (backend == Backend::cpu || std::find(compiled.begin(), compiled.end(), name) != compiled.end()) {
+            names.push_back(name);
+        }
+    }
+    return names;
+}
+
+std::vector<std::string> builders_on(Backend backend) {
+    std::vector<std::string> names;
+    for (const Choice* choice : Registry::instance().choices("builder", backend)) {
+        names.emplace_back(choice->descriptor.name);
+    }
+    return names;
+}
+
+void check_given(const std::vector<rays::RaySet>& sets, const std::vector<std::string>& classes,
+                 const std::string& file) {
+    std::vector<std::string> names;
+    for (const rays::RaySet& set : sets) {
+        names.push_back(set.name);
+    }
+    for (const std::string& name : classes) {
+        if (std::find(names.begin(), names.end(), name) == names.end()) {
+            throw InputError(file, "class", "no set of \"" + name + "\"", fmt::format("{}", fmt::join(names, ", ")));
+        }
+    }
+}
+
+rays::RayStudy study_of(const RaysArguments& arguments) {
+    rays::RayStudy study;
+    study.backend = parse_backend(arguments.backend);
+    require_backend(study.backend);
+    const std::string trees = "bvh2,bvh4,bvh8,cwbvh";
+    study.accelerators = chosen(arguments.accelerators.empty() ? trees : arguments.accelerators, "--accelerator",
+                                accelerators_on(study.backend));
+    study.builders =
+        chosen(arguments.builders.empty() ? "sah_binned" : arguments.builders, "--builder", builders_on(study.backend));
+    if (!arguments.read_rays.empty()) {
+        study.given = rays::read_rays(arguments.read_rays);
+    }
+    std::vector<std::string> known = rays::ray_classes();
+    if (!study.given.empty()) {
+        known.clear();
+        for (const rays::RaySet& set : study.given) {
+            known.push_back(set.name);
+        }
+    }
+    study.classes = arguments.classes.empty() ? known : chosen(arguments.classes, "--class", known);
+    check_given(study.given, study.given.empty() ? std::vector<std::string>() : study.classes, arguments.read_rays);
+    study.log2_rays = arguments.log2_rays;
+    study.repetitions = arguments.repetitions;
+    study.checked = arguments.checked;
+    return study;
+}
+
+std::vector<std::string> names_or_none(const std::string& text, const std::string& flag) {
+    return text.empty() ? std::vector<std::string>() : split_names(text, flag);
+}
+
+// Every fault of the call before anything is made.
+void check_arguments(const RaysArguments& arguments, std::size_t meshes) {
+    if (meshes == 0) {
+        throw InputError("rays", "--mesh", "none", "--mesh NAME:SIZE|FILE,.. or --scene S,..");
+    }
+    for (const auto& [flag, file] : {std::pair<const char*, const std::string&>{"--read-rays", arguments.read_rays},
+                                     {"--write-rays", arguments.write_rays},
+                                     {"--write-mesh", arguments.write_mesh}}) {
+        if (!file.empty() && meshes != 1) {
+            throw InputError("rays", flag, fmt::format("{} meshes", meshes), "one mesh");
+        }
+    }
+    if (!arguments.write_mesh.empty()) {
+        check_mesh_name(arguments.write_mesh, "--write-mesh");
+        check_output_file(arguments.write_mesh, "--write-mesh");
+    }
+    if (!arguments.write_rays.empty()) {
+        check_output_file(arguments.write_rays, "--write-rays");
+    }
+    if (!arguments.out.empty()) {
+        check_output_file(arguments.out);
+        if (stamp_of(arguments.out).exists && !arguments.overwrite) {
+            throw InputError("--out", "file", "\"" + arguments.out + "\", which is there",
+                             "another name, or --overwrite");
+        }
+    }
+}
+
+nlohmann::ordered_json context_of(const RaysArguments& arguments, const rays::RayStudy& study) {
+    nlohmann::ordered_json context;
+    for (const auto& [key, value] : machine_context()) {
+        context[key] = value;
+    }
+    if (study.backend == Backend::cuda) {
+        for (const auto& [key, value] : cuda::context()) {
+            context[key] = value;
+        }
+    }
+    context["ptbench.command_line"] = arguments.command_line;
+    context["date"] = iso_date();
+    return context;
+}
+
+int measure_rays(const RaysArguments& arguments) {
+    const std::vector<std::string> meshes = names_or_none(arguments.meshes, "--mesh"),
+                                   scenes = names_or_none(arguments.scenes, "--scene");
+    check_arguments(arguments, meshes.size() + scenes.size());
+    if (arguments.threads > 0) {
+        omp_set_num_threads(arguments.threads);
+    }
+    const rays::RayStudy study = study_of(arguments);
+    nlohmann::ordered_json context = context_of(arguments, study), measured = nlohmann::ordered_json::array();
+    bool agrees = true;
+    const auto measure = [&](const rays::RayMesh& mesh) {
+        fmt::print("{}: {} triangles{}\n", one_line(mesh.name), mesh.triangles.size(),
+                   mesh.said.empty() ? "" : ", " + mesh.said);
+        std::fflush(stdout);
+        if (!arguments.write_mesh.empty()) {
+            write_mesh(mesh.mesh, arguments.write_mesh);
+        }
+        rays::MeshResult result = rays::measure(mesh, study);
+        fmt::print("{}", rays::table_of(result.json));
+        for (const auto& set : result.json["ray_sets"]) {
+            if (!set["agree"].get<bool>()) {
+                fmt::print("{}: {}: HITS DIFFER between accelerators or from brute force\n", one_line(mesh.name),
+                           set["class"].get<std::string>());
+            }
+        }
+        if (!arguments.write_rays.empty()) {
+            rays::write_rays(arguments.write_rays, result.sets, result.hits);
+        }
+        agrees = agrees && result.agrees;
+        measured.push_back(std::move(result.json));
+    };
+    for (const std::string& name : meshes) {
+        measure(rays::mesh_for_rays(name));
+    }
+    for (const std::string& name : scenes) {
+        measure(rays::scene_for_rays(name));
+    }
+    if (!arguments.out.empty()) {
+        const nlohmann::ordered_json result{{"schema", "ptbench-rays-1"},
+                                            {"context", std::move(context)},
+                                            {"backend", study.backend == Backend::cuda ? "cuda" : "cpu"},
+                                            {"threads", omp_get_max_threads()},
+                                            {"repetitions", study.repetitions},
+                                            {"meshes", std::move(measured)}};
+        write_file(arguments.out, result.dump(1) + "\n");
+    }
+    return agrees ? exit_good : exit_check_failed;
+}
+
+// Faults of the device are the machine's.
+int run_rays(const RaysArguments& arguments) {
+    try {
+        return measure_rays(arguments);
+    } catch (const InputError&) {
+        throw;
+    } catch (const MachineError&) {
+        throw;
+    } catch (const std::runtime_error& error) {
+        throw MachineError(error.what());
+    }
+}
+
+}  // namespace
+
+Command add_rays_command(CLI::App& app, const std::string& command_line) {
+    auto arguments = std::make_shared<RaysArguments>();
+    arguments->command_line = command_line;
+    CLI::App* command = app.add_subcommand("rays", "Rates of ray batches without shading, by accelerator and builder");
+    const auto add_text = [&](const char* name, std::string& value, const char* what) {
+        return command->add_option(name, value, what)->check(check_not_empty);
+    };
+    add_text("--mesh", arguments->meshes,
+             "Meshes, comma-separated: NAME:SIZE of `ptbench generate` (in a box), a file (.ply, .obj, .glb), or "
+             "sphere_262k, sphere_2M, sphere_8M, tori_262k, tori_4M");
+    add_text("--scene", arguments->scenes, "Scenes, comma-separated: their meshes, seen by their cameras");
+    add_text("--class", arguments->classes,
+             "primary, ambient_occlusion, shadow, diffuse_1, diffuse_3, random, comma-separated (default: all)");
+    add_text("--accelerator", arguments->accelerators,
+             "Choices of the axis, comma-separated (default: bvh2,bvh4,bvh8,cwbvh)");
+    add_text("--builder", arguments->builders, "Choices of the axis, comma-separated (default: sah_binned)");
+    command->add_option("--backend", arguments->backend, "cpu or cuda (default: cuda where it is available)");
+    command->add_option("--log2-rays", arguments->log2_rays, "2^N rays a class (default 20)")
+        ->check(CLI::Range(std::uint32_t{4}, std::uint32_t{26}));
+    command
+        ->add_option("--repetitions", arguments->repetitions, "Times that each batch is traced and timed (default 9)")
+        ->check(CLI::Range(1, 1000));
+    command->add_option("--check", arguments->checked, "Rays of each class that are held to brute force (default 1024)")
+        ->check(CLI::Range(std::uint32_t{0}, std::uint32_t{1} << 20));
+    command->add_option("--threads", arguments->threads, "Threads of the CPU (default: all)")
+        ->check(CLI::Range(1, 4096));
+    add_text("--write-rays", arguments->write_rays, "Write the rays of the one mesh into this file");
+    add_text("--read-rays", arguments->read_rays, "Trace the rays of this file instead");
+    add_text("--write-mesh", arguments->write_mesh, "Write the one mesh as it is traced (.ply or .obj)");
+    add_text("--out", arguments->out, "Result file (JSON); none: print only");
+    command->add_flag("--overwrite", arguments->overwrite, "Replace a result that is there");
+    return [arguments] { return run_rays(*arguments); };
+}
+
+}  // namespace pt

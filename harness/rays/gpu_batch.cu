@@ -1,0 +1,245 @@
+// Batches on the device: the persistent kernel of cwbvh, the plain kernels of every accelerator, builds by events.
+#include "harness/rays/gpu_batch.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "harness/rays/cwbvh_batch.cuh"
+#include "harness/rays/device_memory.h"
+#include "harness/rays/plain_batch.cuh"
+#include "variants/accelerator/bvh2.h"
+#include "variants/accelerator/bvh4.h"
+#include "variants/accelerator/bvh8.h"
+#include "variants/builder/hploc.h"
+#include "variants/cuda/cwbvh_encoder.h"
+
+namespace pt::rays {
+namespace {
+
+constexpr std::uint32_t block = 128;
+std::uint32_t blocks_for(std::size_t count) { return static_cast<std::uint32_t>((count + block - 1) / block); }
+
+struct PlainKernels {
+    const char* accelerator;
+    void (*trace)(PlainView);
+    void (*count)(PlainView, unsigned long long*);
+};
+template <class Traversal>
+constexpr PlainKernels plain_kernels(const char* accelerator) {
+    return {accelerator, trace_plain<Traversal>, count_work<Traversal>};
+}
+const PlainKernels all_plain_kernels[] = {
+    plain_kernels<BruteForce>("brute_force"),
+    plain_kernels<accelerator::bvh2::Traversal>("bvh2"),
+    plain_kernels<accelerator::bvh4::Traversal>("bvh4"),
+    plain_kernels<accelerator::bvh8::Traversal>("bvh8"),
+    plain_kernels<accelerator::cwbvh::Traversal>("cwbvh"),
+};
+
+struct PersistentKernel {
+    const char* name;
+    std::size_t threads, blocks_per_sm, shared_bytes;
+    void (*closest)(BatchView);
+    void (*any)(BatchView);
+
+    // As much of the first cache as the blocks of a multiprocessor want, in percent of its 228 KiB.
+    void prepare() const {
+        const std::size_t bytes = (shared_bytes + sizeof(OctantOrders) + 1024) * blocks_per_sm;
+        const int share = std::min<int>(static_cast<int>(bytes * 100 / (228 * 1024)) + 1, 100);
+        for (const auto function : {closest, any}) {
+            PT_CUDA_CHECK(cudaFuncSetAttribute(function, cudaFuncAttributePreferredSharedMemoryCarveout, share));
+        }
+    }
+};
+template <int Threads, int BlocksPerSm, int SharedEntries, int Refill, int Vote, int Groups>
+PersistentKernel persistent_kernel(const char* name) {
+    using Closest = BatchPolicy<Threads, BlocksPerSm, SharedEntries, Refill, Vote, Groups>;
+    using Any = BatchPolicy<Threads, BlocksPerSm, SharedEntries, Refill, Vote, Groups, true>;
+    return {
+        name, Threads, BlocksPerSm, SharedEntries * Threads * sizeof(uint2), closest_hits<Closest>, closest_hits<Any>};
+}
+// The second is ahead on rays that keep together.
+const PersistentKernel persistent_kernels[] = {
+    persistent_kernel<128, 8, 4, 8, 2, 2>("persistent"),
+    persistent_kernel<128, 8, 4, 8, 0, 1>("persistent_no_vote"),
+};
+
+class GpuTracer final : public BatchTracer {
+public:
+    GpuTracer(const MeshView& mesh, const PlainKernels& plain)
+        : plain_(plain),
+          tree_(mesh.tree),
+          nodes_(std::size_t{mesh.tree.node_count} * mesh.tree.node_bytes),
+          leaves_(mesh.tree.slot_count),
+          next_(1) {
+        PT_CUDA_CHECK(cudaMemcpy(nodes_.data(), mesh.tree.nodes, nodes_.size(), cudaMemcpyHostToDevice));
+        PT_CUDA_CHECK(
+            cudaMemcpy(leaves_.data(), mesh.leaves, leaves_.size() * sizeof(LeafTriangle), cudaMemcpyHostToDevice));
+        tree_.nodes = nodes_.data();
+        if (std::string(plain.accelerator) == "cwbvh") {
+            std::vector<SlotTriangle> slots;
+            slots.reserve(mesh.tree.slot_count);
+            for (std::uint32_t slot = 0; slot < mesh.tree.slot_count; ++slot) {
+                const std::uint32_t primitive = mesh.leaves[slot].primitive;
+                slots.push_back(slot_triangle(mesh.triangles[primitive], primitive));
+            }
+            slots_ = DeviceArray<SlotTriangle>(slots);
+            for (const PersistentKernel& kernel : persistent_kernels) {
+                kernel.prepare();
+            }
+        }
+    }
+
+    std::vector<std::string> kernels(const RaySet&) const override {
+        std::vector<std::string> names;
+        if (slots_.size() != 0) {
+            for (const PersistentKernel& kernel : persistent_kernels) {
+                names.emplace_back(kernel.name);
+            }
+        }
+        names.emplace_back("plain");
+        return names;
+    }
+    void load(const RaySet& set) override {
+        any_ = set.any;
+        rays_ = DeviceArray<Ray>();  // before the next one is asked for
+        rays_ = DeviceArray<Ray>(set.rays);
+        if (hits_.size() != set.rays.size()) {
+            hits_ = DeviceArray<Hit>(set.rays.size());
+        }
+    }
+    double trace(const std::string& name) override {
+        events_.start();
+        if (name == "plain") {
+            plain_.trace<<<blocks_for(rays_.size()), block>>>(plain_view());
+        } else {
+            const auto kernel = std::find_if(std::begin(persistent_kernels), std::end(persistent_kernels),
+                                             [&](const PersistentKernel& candidate) { return candidate.name == name; });
+            next_.clear();
+            const BatchView view{tree_, slots_.data(), rays_.data(), hits_.data(), size(), next_.data()};
+            const auto function = any_ ? kernel->any : kernel->closest;
+            function<<<processors_ * kernel->blocks_per_sm, kernel->threads, kernel->shared_bytes>>>(view);
+        }
+        PT_CUDA_CHECK(cudaGetLastError());
+        return static_cast<double>(events_.stop());
+    }
+    std::vector<Hit> hits() override { return hits_.host(); }
+    std::optional<Work> count() override {
+        const DeviceArray<unsigned long long> sums(3);
+        sums.clear();
+        plain_.count<<<blocks_for(rays_.size()), block>>>(plain_view(), sums.data());
+        PT_CUDA_CHECK(cudaGetLastError());
+        const std::vector<unsigned long long> total = sums.host();
+        const double rays = static_cast<double>(rays_.size());
+        return Work{static_cast<double>(total[0]) / rays, static_cast<double>(total[1]) / rays,
+                    static_cast<double>(total[2]) / rays};
+    }
+
+private:
+    std::uint32_t size() const { return static_cast<std::uint32_t>(rays_.size()); }
+    PlainView plain_view() const { return {tree_, leaves_.data(), rays_.data(), hits_.data(), size(), any_}; }
+
+    const PlainKernels& plain_;
+    TreeView tree_;
+    DeviceArray<unsigned char> nodes_;
+    DeviceArray<LeafTriangle> leaves_;
+    DeviceArray<SlotTriangle> slots_;
+    DeviceArray<Ray> rays_;
+    DeviceArray<Hit> hits_;
+    DeviceArray<std::uint32_t> next_;
+    bool any_ = false;
+    int processors_ = processor_count();
+    EventPair events_;
+};
+
+__global__ void box_triangles(const Triangle<float>* triangles, std::uint32_t count, Box* boxes) {
+    const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+    if (i < count) {
+        const Triangle<float> t = triangles[i];
+        float* words = boxes[i].low;
+        for (int k = 0; k < 3; ++k) {
+            words[k] = fminf(fminf(t.a[k], t.b[k]), t.c[k]);
+            words[3 + k] = fmaxf(fmaxf(t.a[k], t.b[k]), t.c[k]);
+        }
+    }
+}
+
+bool equal(const BinaryTree& a, const BinaryTree& b) {
+    return a.references == b.references && a.nodes.size() == b.nodes.size() &&
+           std::memcmp(a.nodes.data(), b.nodes.data(), b.nodes.size() * sizeof b.nodes[0]) == 0;
+}
+
+}  // namespace
+
+std::vector<std::string> gpu_accelerators() {
+    std::vector<std::string> names;
+    for (const PlainKernels& kernels : all_plain_kernels) {
+        names.emplace_back(kernels.accelerator);
+    }
+    return names;
+}
+
+std::unique_ptr<BatchTracer> make_gpu_tracer(const MeshView& mesh, const std::string& accelerator) {
+    for (const PlainKernels& kernels : all_plain_kernels) {
+        if (kernels.accelerator == accelerator) {
+            return std::make_unique<GpuTracer>(mesh, kernels);
+        }
+    }
+    throw cuda::Error("no batch kernel of " + accelerator);
+}
+
+std::vector<Hit> brute_force_on_gpu(std::span<const Triangle<float>> triangles, const std::vector<Ray>& rays) {
+    std::vector<unsigned long long> start;
+    for (const Ray& ray : rays) {
+        start.push_back(static_cast<unsigned long long>(static_cast<std::uint32_t>(bits_of(ray.t_max))) << 32 |
+                        no_primitive);
+    }
+    const DeviceArray<Ray> device_rays(rays);
+    const DeviceArray<Triangle<float>> device_triangles(
+        std::vector<Triangle<float>>(triangles.begin(), triangles.end()));
+    const DeviceArray<unsigned long long> keys(start);
+    brute_force<<<dim3(blocks_for(rays.size()), 256), block>>>(
+        device_rays.data(), static_cast<std::uint32_t>(rays.size()), device_triangles.data(),
+        static_cast<std::uint32_t>(triangles.size()), keys.data());
+    PT_CUDA_CHECK(cudaGetLastError());
+    std::vector<Hit> hits;
+    for (const unsigned long long key : keys.host()) {
+        hits.push_back({number_of(static_cast<std::int32_t>(key >> 32)), static_cast<std::uint32_t>(key)});
+    }
+    return hits;
+}
+
+DeviceBuild time_device_build(std::span<const Triangle<float>> triangles, const std::string& builder, int repetitions) {
+    DeviceBuild times;
+    if (builder != "hploc" || triangles.empty()) {
+        return times;
+    }
+    const auto count = static_cast<std::uint32_t>(triangles.size());
+    const DeviceArray<Triangle<float>> device_triangles(
+        std::vector<Triangle<float>>(triangles.begin(), triangles.end()));
+    const DeviceArray<float> boxes(6 * triangles.size());
+    Box* device_boxes = reinterpret_cast<Box*>(boxes.data());
+    builder::GpuTree tree(count);
+    accelerator::cwbvh::GpuEncoder encoder(count);
+    const EventPair events;
+    BinaryTree first;
+    for (int i = 0; i <= repetitions; ++i) {
+        events.start();
+        box_triangles<<<blocks_for(count), block>>>(device_triangles.data(), count, device_boxes);
+        tree.build_hploc(device_boxes);
+        const float build = events.stop();
+        events.start();
+        encoder.encode(tree.device_nodes(), tree.device_root());
+        const float encode = events.stop();
+        if (i == 0) {  // warms up
+            first = tree.download();
+        } else {
+            times.build_ms.push_back(static_cast<double>(build));
+            times.encode_ms.push_back(static_cast<double>(encode));
+        }
+    }
+    times.same_every_time = equal(first, tree.download());
+    return times;
+}
+
+}  // namespace pt::rays

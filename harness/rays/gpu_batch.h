@@ -1,0 +1,30 @@
+// Ray batches on a GPU as the harness sees them; kernels in gpu_batch.cu. A build without a CUDA toolkit has these
+// functions too (harness/cuda/without_cuda.cpp).
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "harness/rays/ray_batch.h"
+#include "kernels/mesh_view.h"
+
+namespace pt::rays {
+
+// The accelerators that a GPU's batch kernels are compiled for.
+std::vector<std::string> gpu_accelerators();
+
+// Copies the mesh and its tree. Throws what PT_CUDA_CHECK does.
+std::unique_ptr<BatchTracer> make_gpu_tracer(const MeshView& mesh, const std::string& accelerator);
+
+// The closest hits.
+std::vector<Hit> brute_force_on_gpu(std::span<const Triangle<float>> triangles, const std::vector<Ray>& rays);
+
+// Milliseconds by the GPU's events: from triangles in its memory to a binary tree there, and from that to a compressed
+// wide one. Empty for a builder that has no such way.
+struct DeviceBuild {
+    std::vector<double> build_ms, encode_ms;
+    bool same_every_time = true;  // the tree of the first and of the last build
+};
+DeviceBuild time_device_build(std::span<const Triangle<float>> triangles, const std::string& builder, int repetitions);
+
+}  // namespace pt::rays

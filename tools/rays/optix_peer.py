@@ -1,0 +1,134 @@
+#!/usr/bin/env python3
+"""Traces the rays and the mesh that `ptbench rays --write-rays F --write-mesh M.ply` wrote through Mitsuba 3.
+
+cuda_ad_rgb is OptiX, llvm_ad_rgb Embree. Prints JSON: rates by class of rays, and whether as many rays hit as ours.
+Format of the rays: harness/rays/ray_file.h. Mitsuba is optional; NumPy is not needed.
+"""
+
+import argparse
+import json
+import math
+import struct
+import sys
+import time
+from array import array
+from pathlib import Path
+from statistics import median
+
+HEAD = struct.Struct("<24sIIQQ")
+RAY_FLOATS = 8
+
+
+def ray_sets(path):
+    """(class, any, rays as an array of floats, how many hit) of each set."""
+    with path.open("rb") as file:
+        magic, count, _ = struct.unpack("<8sII", file.read(16))
+        if magic != b"PTBRAYS1":
+            raise ValueError(f"{path}: found another kind of file, allowed: PTBRAYS1")
+        for _ in range(count):
+            name, any_hit, _, rays, hits = HEAD.unpack(file.read(HEAD.size))
+            values = array("f")
+            values.fromfile(file, rays * RAY_FLOATS)
+            yield name.rstrip(b"\0").decode(), bool(any_hit), values, hits
+
+
+def device_rays(mi, values):
+    """The rays where Mitsuba traces them."""
+    column = [mi.Float(values[k::RAY_FLOATS]) for k in range(7)]
+    # t_max is the largest float where ours is infinite.
+    largest = 3.4028234663852886e38
+    t_max = mi.Float(array("f", (t if math.isfinite(t) else largest for t in values[3::RAY_FLOATS])))
+    return mi.Ray3f(mi.Point3f(*column[:3]), mi.Vector3f(*column[4:7]), t_max, 0.0, [])
+
+
+def traced(mi, dr, scene, ray, any_hit):
+    """One batch: milliseconds of its kernels, of the wall, and how many rays hit."""
+    dr.eval(ray)
+    dr.sync_thread()
+    dr.kernel_history_clear()
+    start = time.perf_counter()
+    if any_hit:
+        met = scene.ray_test(ray, coherent=False)
+        dr.eval(met)
+    else:
+        hit = scene.ray_intersect_preliminary(ray, coherent=False)
+        dr.eval(hit.t, hit.prim_index)
+        met = hit.is_valid()
+    dr.sync_thread()
+    wall = (time.perf_counter() - start) * 1e3
+    kernels = sum(entry["execution_time"] for entry in dr.kernel_history([dr.KernelType.JIT]))
+    return kernels or wall, wall, int(dr.count(met)[0])
+
+
+def measured(mi, dr, scene, path, repetitions):
+    """A row for each set of the file."""
+    for name, any_hit, values, hits in ray_sets(path):
+        rays = len(values) // RAY_FLOATS
+        ray = device_rays(mi, values)
+        runs = [traced(mi, dr, scene, ray, any_hit) for _ in range(repetitions + 1)][1:]
+        milliseconds = [kernel for kernel, _, _ in runs]
+        yield {
+            "class": name,
+            "query": "any" if any_hit else "closest",
+            "rays": rays,
+            "ms": milliseconds,
+            "median_ms": median(milliseconds),
+            "wall_median_ms": median(wall for _, wall, _ in runs),
+            "grays_per_s": rays / median(milliseconds) * 1e-6,
+            "hits": runs[0][2],
+            "ptbench_hits": hits,
+            "hits_differ": abs(runs[0][2] - hits),
+        }
+
+
+def arguments():
+    """The call."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("mesh", type=Path, help="what --write-mesh wrote (.ply)")
+    parser.add_argument("rays", type=Path, help="what --write-rays wrote")
+    parser.add_argument("--variant", default="cuda_ad_rgb", help="cuda_ad_rgb (OptiX) or llvm_ad_rgb (Embree)")
+    parser.add_argument("--repetitions", type=int, default=9)
+    call = parser.parse_args()
+    for path in (call.mesh, call.rays):
+        if not path.is_file():
+            parser.error(f"{path}: found no such file")
+    return call
+
+
+def main():
+    """Prints the rates; exit code 3 without Mitsuba."""
+    call = arguments()
+    try:
+        import drjit as dr
+        import mitsuba as mi
+    except ImportError as error:
+        print(f"optix_peer: Mitsuba 3 is not installed ({error}); pip install mitsuba", file=sys.stderr)
+        return 3
+    try:
+        mi.set_variant(call.variant)
+        dr.set_flag(dr.JitFlag.KernelHistory, True)
+        start = time.perf_counter()
+        scene = mi.load_dict(
+            {"type": "scene", "mesh": {"type": "ply", "filename": str(call.mesh), "face_normals": True}}
+        )
+        dr.sync_thread()
+        load_ms = (time.perf_counter() - start) * 1e3
+        rows = list(measured(mi, dr, scene, call.rays, call.repetitions))
+    except (ImportError, RuntimeError, ValueError, EOFError, struct.error) as error:
+        print(f"optix_peer: {' '.join(str(error).split())}", file=sys.stderr)
+        return 3
+    result = {
+        "mesh": str(call.mesh),
+        "variant": call.variant,
+        "mitsuba": mi.__version__,
+        "repetitions": call.repetitions,
+        "statistic": "median of the kernels' execution times",
+        "load_and_build_ms": load_ms,
+        "batches": rows,
+    }
+    print(json.dumps(result, indent=1))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
