@@ -78,7 +78,7 @@ TEST(RaysCommandTest, AFileOfRaysAndItsMeshGiveTheSameHits) {
 TEST(RaysCommandTest, AScenesMeshesAreSeenByItsCamera) {
     const TemporaryFolder folder;
     const CommandResult result = rays_in(folder, {"--scene", PTBENCH_SOURCE_DIR "/scenes/meshes/teapot_room.json",
-                                                  "--class", "primary", "--out", "s.json"});
+                                                  "--check", "2", "--class", "primary", "--out", "s.json"});
     ASSERT_EQ(result.exit_code, 0) << result.err;
     const Json json = Json::parse(content_of(folder.file("s.json")));
     EXPECT_GT(json["meshes"][0]["ray_sets"][0]["hits"], 0);
