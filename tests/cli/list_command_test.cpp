@@ -164,14 +164,15 @@ TEST(ListTest, IsOneScreen) {
             EXPECT_NE((result.out + " ").find(" " + name), std::string::npos) << name;
         }
     }
-    EXPECT_NE(result.out.find(" packet' "), std::string::npos) << result.out;
+    // Without a toolkit a choice of CUDA's is known by the name of its file, so what both have is marked only with one.
+    EXPECT_EQ(result.out.find(" packet' ") != std::string::npos, cuda_is_built()) << result.out;
     EXPECT_EQ(result.out.find(" megakernel* ") != std::string::npos, cuda_is_built());
 }
 
 TEST(ListTest, AnAxisInFull) {
     const CommandResult result = ptbench({"list", "first_bounce"});
     ASSERT_EQ(result.exit_code, 0) << result.err;
-    const std::string backends = cuda_is_built() ? "cpu, cuda" : "cpu";
+    const std::string backends = "cpu, cuda";  // also of a program that was built without a toolkit
     for (const std::string& text :
          {std::string("first_bounce: whether first hits are kept and used again\n"),
           "  off  (" + backends +
@@ -191,8 +192,7 @@ TEST(ListTest, ABaselineOfOneBackendSaysSo) {
     const std::string precise = "  precise  (cuda)  the baseline\n",
                       exact = "  exact  (cpu, cuda)  the baseline on cpu\n";
     const std::string listed = ptbench({"list", "arithmetic"}).out;
-    EXPECT_EQ(listed.find(precise) != std::string::npos && listed.find(exact) != std::string::npos, cuda_is_built())
-        << listed;
+    EXPECT_TRUE(listed.find(precise) != std::string::npos && listed.find(exact) != std::string::npos) << listed;
 }
 
 TEST(ListTest, ScenesAndSuitesInFull) {

@@ -190,7 +190,8 @@ TEST_F(ResultFileTest, CellsSayWhatTheyAreAndHowTheyEnded) {
     EXPECT_EQ(ok.at("axes"), Json::parse(R"({"integrator": "wavefront", "compaction": "none", "sorting": "none",
         "sort_key": "material", "first_bounce": "off", "direct_light": "off", "russian_roulette": "off",
         "sampler": "pcg4d", "layout": "aos",
-        "specialisation": "features", "launch": "stream", "arithmetic": "exact", "precision": "float", "robustness": "robust"})"));
+        "specialisation": "features", "launch": "stream", "arithmetic": "exact", "precision": "float", "robustness": "robust",
+        "accelerator": "brute_force", "builder": "sah_binned"})"));
     EXPECT_EQ(ok.at("resolution"), Json({20, 10}));
     EXPECT_EQ(ok.at("depth"), 4);
     EXPECT_EQ(ok.at("spp"), 2);

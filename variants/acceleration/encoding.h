@@ -35,7 +35,9 @@ EncodedTree encoded(const std::vector<Node>& nodes, const std::vector<std::uint3
     static_assert(sizeof(Node) % sizeof(NodePiece) == 0 && std::is_trivially_copyable_v<Node>);
     EncodedTree tree;
     tree.nodes.resize(nodes.size() * sizeof(Node) / sizeof(NodePiece));
-    std::memcpy(tree.nodes.data(), nodes.data(), nodes.size() * sizeof(Node));
+    if (!nodes.empty()) {
+        std::memcpy(tree.nodes.data(), nodes.data(), nodes.size() * sizeof(Node));
+    }
     tree.node_count = static_cast<std::uint32_t>(nodes.size());
     tree.references = references;
     return tree;
