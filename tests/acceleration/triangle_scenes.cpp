@@ -39,7 +39,8 @@ Triangles needle_bundle(std::uint32_t count, float width, std::uint64_t seed) {
     Triangles triangles(count);
     for (Triangle<float>& triangle : triangles) {
         const V a = random_in_cube<float>(random, 1) * V{1e-3f, 1e-3f, 1};
-        const V b{a.x + static_cast<float>(random.uniform(-1e-5, 1e-5)), a.y, static_cast<float>(random.uniform(-1, 1))};
+        const V b{a.x + static_cast<float>(random.uniform(-1e-5, 1e-5)), a.y,
+                  static_cast<float>(random.uniform(-1, 1))};
         triangle = {a, b, b + random_in_cube<float>(random, width)};
     }
     return triangles;
