@@ -81,7 +81,7 @@ TYPED_TEST(ShapesTest, BoundsAreTightAroundItsPoints) {
         ASSERT_LE(size_of(shape), widest * Real(0.87));
         ASSERT_GE(size_of(shape), widest * Real(0.25));
     });
-    EXPECT_EQ(seen.size(), shape_count - 1);  // all but meshes  // or the test would say nothing of some
+    EXPECT_EQ(seen.size(), shape_count - 1);  // all but meshes, or the test would say nothing of some
 }
 
 // Where a shape names its area, its points are uniform: one density, one over the area.
