@@ -36,6 +36,7 @@ std::unique_ptr<BatchTracer> make_gpu_tracer(const MeshView&, const std::string&
 std::vector<Hit> brute_force_on_gpu(std::span<const Triangle<float>>, const std::vector<Ray>&) {
     throw MachineError(cuda::not_available());
 }
-DeviceBuild time_device_build(std::span<const Triangle<float>>, const std::string&, int) { return {}; }
+bool has_encoder_on_gpu(const std::string&) { return false; }
+DeviceBuild time_device_build(std::span<const Triangle<float>>, int) { return {}; }
 
 }  // namespace pt::rays

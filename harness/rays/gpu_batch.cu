@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
+#include <type_traits>
 
 #include "harness/rays/cwbvh_batch.cuh"
 #include "harness/rays/device_memory.h"
@@ -21,12 +23,14 @@ std::uint32_t blocks_for(std::size_t count) { return static_cast<std::uint32_t>(
 
 struct PlainKernels {
     const char* accelerator;
+    bool has_persistent;  // persistent_kernels trace its nodes too, and the GPU can encode them
     void (*trace)(PlainView);
     void (*count)(PlainView, unsigned long long*);
 };
 template <class Traversal>
-constexpr PlainKernels plain_kernels(const char* accelerator) {
-    return {accelerator, trace_plain<Traversal>, count_work<Traversal>};
+constexpr PlainKernels plain_kernels(const char* name) {
+    return {name, std::is_same_v<Traversal, accelerator::cwbvh::Traversal>, trace_plain<Traversal>,
+            count_work<Traversal>};
 }
 const PlainKernels all_plain_kernels[] = {
     plain_kernels<BruteForce>("brute_force"),
@@ -76,7 +80,7 @@ public:
         PT_CUDA_CHECK(
             cudaMemcpy(leaves_.data(), mesh.leaves, leaves_.size() * sizeof(LeafTriangle), cudaMemcpyHostToDevice));
         tree_.nodes = nodes_.data();
-        if (std::string(plain.accelerator) == "cwbvh") {
+        if (plain.has_persistent) {
             std::vector<SlotTriangle> slots;
             slots.reserve(mesh.tree.slot_count);
             for (std::uint32_t slot = 0; slot < mesh.tree.slot_count; ++slot) {
@@ -179,6 +183,12 @@ std::vector<std::string> gpu_accelerators() {
     return names;
 }
 
+bool has_encoder_on_gpu(const std::string& accelerator) {
+    return std::any_of(std::begin(all_plain_kernels), std::end(all_plain_kernels), [&](const PlainKernels& kernels) {
+        return kernels.accelerator == accelerator && kernels.has_persistent;
+    });
+}
+
 std::unique_ptr<BatchTracer> make_gpu_tracer(const MeshView& mesh, const std::string& accelerator) {
     for (const PlainKernels& kernels : all_plain_kernels) {
         if (kernels.accelerator == accelerator) {
@@ -209,9 +219,9 @@ std::vector<Hit> brute_force_on_gpu(std::span<const Triangle<float>> triangles, 
     return hits;
 }
 
-DeviceBuild time_device_build(std::span<const Triangle<float>> triangles, const std::string& builder, int repetitions) {
+DeviceBuild time_device_build(std::span<const Triangle<float>> triangles, int repetitions) {
     DeviceBuild times;
-    if (builder != "hploc" || triangles.empty()) {
+    if (triangles.empty()) {
         return times;
     }
     const auto count = static_cast<std::uint32_t>(triangles.size());

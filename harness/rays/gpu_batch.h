@@ -12,6 +12,8 @@ namespace pt::rays {
 
 // The accelerators that a GPU's batch kernels are compiled for.
 std::vector<std::string> gpu_accelerators();
+// Whether the GPU can bring a tree that it has built into this accelerator's format.
+bool has_encoder_on_gpu(const std::string& accelerator);
 
 // Copies the mesh and its tree. Throws what PT_CUDA_CHECK does.
 std::unique_ptr<BatchTracer> make_gpu_tracer(const MeshView& mesh, const std::string& accelerator);
@@ -20,11 +22,11 @@ std::unique_ptr<BatchTracer> make_gpu_tracer(const MeshView& mesh, const std::st
 std::vector<Hit> brute_force_on_gpu(std::span<const Triangle<float>> triangles, const std::vector<Ray>& rays);
 
 // Milliseconds by the GPU's events: from triangles in its memory to a binary tree there, and from that to a compressed
-// wide one. Empty for a builder that has no such way.
+// wide one. Empty without triangles.
 struct DeviceBuild {
     std::vector<double> build_ms, encode_ms;
     bool same_every_time = true;  // the tree of the first and of the last build
 };
-DeviceBuild time_device_build(std::span<const Triangle<float>> triangles, const std::string& builder, int repetitions);
+DeviceBuild time_device_build(std::span<const Triangle<float>> triangles, int repetitions);
 
 }  // namespace pt::rays
