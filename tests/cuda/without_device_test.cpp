@@ -253,8 +253,8 @@ TEST(ModuleRequestTest, AProgramReadsTheConfigurationThatTheHostWrote) {
     EXPECT_EQ(cuda::text_of(config),
               "{.features = 9223372036854775809ull, .block = 96u, .min_blocks = 3u, .keeps_first_hits = true, "
               ".shading_fmas = 7u, .constant_scene_bytes = 64u, .has_fixed_counts = true, .counts = {.spheres = 2u, "
-              ".ellipsoids = 0u, .axis_boxes = 0u, .oriented_boxes = 0u, .quads = 5u, .walls = 9u, .lamps = 0u, "
-              ".open_sides = 0u, .low_sides = {0u, 0u, 0u}, .high_sides = {0u, 0u, 4294967295u}}}");
+              ".ellipsoids = 0u, .axis_boxes = 0u, .oriented_boxes = 0u, .quads = 5u, .meshes = 0u, .walls = 9u, "
+              ".lamps = 0u, .open_sides = 0u, .low_sides = {0u, 0u, 0u}, .high_sides = {0u, 0u, 4294967295u}}}");
 }
 
 // What a kernel's parameters are is held by their struct's members (kernel_parameters.h).
