@@ -73,6 +73,22 @@ file(GLOB nvcc_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/*/*.cu $
      ${PROJECT_SOURCE_DIR}/harness/rays/*.cu)
 # Hits have the bits of the host's.
 set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/rays/gpu_batch.cu PROPERTIES COMPILE_OPTIONS --fmad=false)
+# Thrust and CUB cost four seconds to parse, and kernels that several files instantiate are compiled in each: the files of
+# a library are one unit. Each file has a namespace of its own.
+function(group_nvcc_sources library files)
+  list(FILTER nvcc_sources INCLUDE REGEX "${files}")
+  list(TRANSFORM nvcc_sources REPLACE "(.+)" "#include \"\\1\"\n" OUTPUT_VARIABLE includes)
+  list(JOIN includes "" includes)
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/${library}_choices.cu CONTENT "${includes}" @ONLY)
+endfunction()
+if(PTBENCH_GROUP_SOURCES)
+  set(uses_thrust "/variants/.*/thrust_[a-z_]+\\.cu$")
+  set(uses_cub "/variants/(.*/cub_[a-z_]+|cuda/radix_sort|builder/hploc)\\.cu$")
+  group_nvcc_sources(thrust "${uses_thrust}")
+  group_nvcc_sources(cub "${uses_cub}")
+  list(FILTER nvcc_sources EXCLUDE REGEX "${uses_thrust}|${uses_cub}")
+  list(APPEND nvcc_sources ${PROJECT_BINARY_DIR}/generated/thrust_choices.cu ${PROJECT_BINARY_DIR}/generated/cub_choices.cu)
+endif()
 add_library(ptbench_nvcc_options INTERFACE)
 target_include_directories(ptbench_nvcc_options INTERFACE ${PROJECT_SOURCE_DIR})
 target_include_directories(ptbench_nvcc_options SYSTEM INTERFACE ${glm_include})

@@ -10,9 +10,7 @@ endif()
 
 # Compiled together, what their headers instantiate (JSON above all) is compiled once and not in every file: a group of
 # files costs little more than one. So a name in an anonymous namespace is one for the whole folder, and each file of
-# harness/stability/cases/ has a namespace of its own. harness/cuda/ is few files: they stay single.
-set(PTBENCH_UNGROUPED harness_cuda)
-option(PTBENCH_GROUP_SOURCES "Compile harness/ in groups of files (off: file by file)" ON)
+# harness/stability/cases/ has a namespace of its own.
 function(ptbench_group_sources target)
   if(NOT PTBENCH_GROUP_SOURCES)
     return()
@@ -28,7 +26,6 @@ function(ptbench_group_sources target)
     list(APPEND sources_of_${folder} ${source})
   endforeach()
   list(REMOVE_DUPLICATES folders)
-  list(REMOVE_ITEM folders ${PTBENCH_UNGROUPED})
   # g++ takes the files of a group for headers, where a type of an anonymous namespace would be a mistake.
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   foreach(folder ${folders})
@@ -80,6 +77,8 @@ if(harness_optimisation STREQUAL "" AND CMAKE_BUILD_TYPE STREQUAL "Release")
   set(harness_optimisation "-O1")
 endif()
 target_compile_options(ptbench_harness PRIVATE ${harness_optimisation})
+# It reads: what it computes is the same at every level.
+set_property(SOURCE ${glb_reader} APPEND PROPERTY COMPILE_OPTIONS ${harness_optimisation})
 # The commit is in machine.cpp: it alone is compiled anew at every commit.
 set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/bench/machine.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 ptbench_precompile_headers(ptbench_harness ${PTBENCH_PRECOMPILED_JSON})

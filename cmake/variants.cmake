@@ -134,12 +134,25 @@ ${choices_not_built}};
 add_library(ptbench_variants OBJECT ${variant_sources} ${integrator_sources})
 target_link_libraries(ptbench_variants PUBLIC ptbench_options)
 ptbench_precompile_headers(ptbench_variants)
-if(PTBENCH_CUDA)
-  # In one unit: most of what a unit with a registration costs to compile is the registry's header. Each file has a
-  # namespace of its own.
+# In groups: most of what a unit with a registration costs to compile is the registry's header. Each file has a
+# namespace of its own. What renders on the CPU stays single: its machine code is that of its file alone.
+if(PTBENCH_GROUP_SOURCES)
   set_target_properties(ptbench_variants PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  set(registering_axes arithmetic direct_light first_bounce launch precision robustness russian_roulette sampler sort_key specialisation)
+  list(JOIN registering_axes "|" registering_axes)
+  foreach(source ${variant_sources})
+    if(source MATCHES "/variants/((${registering_axes})/[a-z0-9_]+|[a-z_]+/none)\\.cpp$")
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP choices)
+    elseif(source MATCHES "/variants/(builder|acceleration|accelerator)/")
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP accelerators)
+    endif()
+  endforeach()
+endif()
+if(PTBENCH_CUDA)
   file(GLOB cuda_choices CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/*/*.cuda.cpp)
   set_source_files_properties(${cuda_choices} PROPERTIES UNITY_GROUP cuda_choices)
+  file(GLOB cuda_host_side CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/cuda/*.cpp)
+  set_source_files_properties(${cuda_host_side} PROPERTIES UNITY_GROUP cuda_host_side)
   target_link_libraries(ptbench_variants PUBLIC ptbench_cudart)
   target_include_directories(ptbench_variants SYSTEM PRIVATE ${PTBENCH_NVRTC_INCLUDE})
 endif()

@@ -12,6 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "harness/cuda/is_program.h"
 #include "harness/error.h"
 
 namespace pt::cuda {
@@ -60,8 +61,6 @@ double number(std::string text, const std::string& unit) {
     const auto factor = factors.find(unit);
     return std::strtod(text.c_str(), nullptr) * (factor != factors.end() ? factor->second : 1.0);
 }
-
-bool is_program(const fs::path& path) { return ::access(path.c_str(), X_OK) == 0 && fs::is_regular_file(path); }
 
 struct Finished {
     int status = 0;

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "harness/cuda/is_program.h"
 #include "harness/error.h"
 #include "harness/places.h"
 
@@ -84,8 +85,6 @@ public:
 private:
     std::string path_;
 };
-
-bool is_program(const fs::path& path) { return ::access(path.c_str(), X_OK) == 0 && fs::is_regular_file(path); }
 
 }  // namespace
 

@@ -2,7 +2,7 @@
 // agree bit for bit, on a GPU and on a CPU.
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::arithmetic::exact {
 namespace {
 
 const Registration registration(
@@ -18,4 +18,4 @@ const Registration registration(
     {.cuda = {.options = {"--fmad=false"}}});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::arithmetic::exact

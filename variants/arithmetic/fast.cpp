@@ -1,7 +1,7 @@
 // Approximate division, square root and reciprocal, denormals flushed to zero, contraction.
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::arithmetic::fast {
 namespace {
 
 const Registration registration(
@@ -20,4 +20,4 @@ const Registration registration(
     {.cuda = {.options = {"--use_fast_math", "-DPT_FAST_MATH=1"}}});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::arithmetic::fast

@@ -2,7 +2,7 @@
 // likes, so two kernels of one formula may differ in the last bit, and a path that grazes an edge may go elsewhere.
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::arithmetic::precise {
 namespace {
 
 const Registration registration(
@@ -21,4 +21,4 @@ const Registration registration(
     {});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::arithmetic::precise

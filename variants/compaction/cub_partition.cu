@@ -4,7 +4,7 @@
 
 #include "variants/cuda/cub_compaction.h"
 
-namespace pt::cuda {
+namespace pt::cuda::compaction::cub_partition {
 namespace {
 
 struct Algorithm {
@@ -29,4 +29,4 @@ const Registration registration(
     }});
 
 }  // namespace
-}  // namespace pt::cuda
+}  // namespace pt::cuda::compaction::cub_partition

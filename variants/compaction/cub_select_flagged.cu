@@ -3,7 +3,7 @@
 
 #include "variants/cuda/cub_compaction.h"
 
-namespace pt::cuda {
+namespace pt::cuda::compaction::cub_select_flagged {
 namespace {
 
 struct Algorithm {
@@ -37,4 +37,4 @@ const Registration registration(
     {.compaction = &make_cub_compaction<Algorithm>});
 
 }  // namespace
-}  // namespace pt::cuda
+}  // namespace pt::cuda::compaction::cub_select_flagged

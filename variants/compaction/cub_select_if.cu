@@ -4,7 +4,7 @@
 
 #include "variants/cuda/cub_compaction.h"
 
-namespace pt::cuda {
+namespace pt::cuda::compaction::cub_select_if {
 namespace {
 
 struct Algorithm {
@@ -36,4 +36,4 @@ const Registration registration(
     {.compaction = &make_cub_compaction<Algorithm>});
 
 }  // namespace
-}  // namespace pt::cuda
+}  // namespace pt::cuda::compaction::cub_select_if

@@ -7,7 +7,7 @@
 
 #include "variants/cuda/cub_compaction.h"
 
-namespace pt::cuda {
+namespace pt::cuda::compaction::cub_three_way {
 namespace {
 
 // Whether a live path leaves a surface of one class. A camera ray leaves none, and goes with the diffuse-like.
@@ -106,4 +106,4 @@ const Registration registration(
     }});
 
 }  // namespace
-}  // namespace pt::cuda
+}  // namespace pt::cuda::compaction::cub_three_way

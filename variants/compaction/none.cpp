@@ -1,7 +1,7 @@
 // No compaction: ended paths stay in the queue, and every stage passes over them.
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::compaction::none {
 namespace {
 
 class None final : public Compaction {
@@ -26,4 +26,4 @@ const Registration registration(
     {.compaction = [] { return std::make_unique<None>(); }});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::compaction::none

@@ -5,7 +5,7 @@
 #include "variants/cuda/live_slots.h"
 #include "variants/cuda/thrust_compaction.h"
 
-namespace pt::cuda {
+namespace pt::cuda::compaction::thrust_copy_if_index {
 namespace {
 
 class CopyIfIndex final : public Compaction {
@@ -37,10 +37,10 @@ private:
     ThrustCalls thrust_;
 };
 
-const Registration registration(on_device(thrust_copy_if_index),
+const Registration registration(on_device(pt::thrust_copy_if_index),
                                 {.compaction = [](const CellContext& cell) -> std::unique_ptr<Compaction> {
                                     return std::make_unique<CopyIfIndex>(cell);
                                 }});
 
 }  // namespace
-}  // namespace pt::cuda
+}  // namespace pt::cuda::compaction::thrust_copy_if_index

@@ -4,7 +4,7 @@
 #include "variants/compaction/thrust_partition.h"
 #include "variants/cuda/thrust_compaction.h"
 
-namespace pt::cuda {
+namespace pt::cuda::compaction::thrust_partition {
 namespace {
 
 struct Algorithm {
@@ -14,8 +14,8 @@ struct Algorithm {
     }
 };
 
-const Registration registration(on_device(thrust_partition, needs_single_precision),
+const Registration registration(on_device(pt::thrust_partition, needs_single_precision),
                                 {.compaction = &ThrustPayloadCompaction<Algorithm>::make});
 
 }  // namespace
-}  // namespace pt::cuda
+}  // namespace pt::cuda::compaction::thrust_partition

@@ -4,7 +4,7 @@
 // its BSDF.
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::direct_light::final_bounce {
 namespace {
 
 const Registration registration(
@@ -26,4 +26,4 @@ const Registration registration(
     {.features = [] { return no_features | Feature::final_bounce; }});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::direct_light::final_bounce

@@ -3,7 +3,7 @@
 // before.
 #include "variants/direct_light/next_event.h"
 
-namespace pt {
+namespace pt::direct_light::nee {
 namespace {
 
 const Registration registration(
@@ -23,4 +23,4 @@ const Registration registration(
     {.features = [] { return no_features | Feature::next_event; }});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::direct_light::nee

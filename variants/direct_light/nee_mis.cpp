@@ -2,7 +2,7 @@
 // counts by its share of the two densities (kernels/next_event.h).
 #include "variants/direct_light/next_event.h"
 
-namespace pt {
+namespace pt::direct_light::nee_mis {
 namespace {
 
 constexpr Tunable tunables[] = {
@@ -26,4 +26,4 @@ const Registration registration(
     {.features = [] { return Feature::next_event | Feature::multiple_importance; }});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::direct_light::nee_mis

@@ -1,7 +1,7 @@
 // Light is found by chance only: what a path meets it counts.
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::direct_light::off {
 namespace {
 
 const Registration registration(
@@ -20,4 +20,4 @@ const Registration registration(
     {});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::direct_light::off

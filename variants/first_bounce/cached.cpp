@@ -3,7 +3,7 @@
 // apply there; jitter is a setting of the scene and is never switched off on its behalf.
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::first_bounce::cached {
 namespace {
 
 const Registration registration(
@@ -35,4 +35,4 @@ const Registration registration(
     {.first_bounce = [](const Variant&, Backend) { return 1u; }});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::first_bounce::cached

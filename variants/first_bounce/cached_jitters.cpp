@@ -3,7 +3,7 @@
 // the shutter are sampled at K points only, so the image converges to another one.
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::first_bounce::cached_jitters {
 namespace {
 
 constexpr Tunable tunables[] = {{"jitters", 16, 1, 4096, 1, "camera rays of a pixel that are kept (K)", true}};
@@ -36,4 +36,4 @@ const Registration registration(
     {.first_bounce = [](const Variant& variant, Backend backend) { return tunable(variant, "jitters", backend); }});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::first_bounce::cached_jitters

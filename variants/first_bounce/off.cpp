@@ -1,7 +1,7 @@
 // Every sample traces its camera ray.
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::first_bounce::off {
 namespace {
 
 const Registration registration(
@@ -20,4 +20,4 @@ const Registration registration(
     {.first_bounce = [](const Variant&, Backend) { return 0u; }});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::first_bounce::off

@@ -2,7 +2,7 @@
 // dozens. Only what never waits for the device can be captured. A last batch that is not full is launched by stream.
 #include "variants/launch/captured.h"
 
-namespace pt {
+namespace pt::launch::graph {
 namespace {
 
 const Registration registration(
@@ -21,4 +21,4 @@ const Registration registration(
     {});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::launch::graph

@@ -3,7 +3,7 @@
 // number of live paths on the device.
 #include "variants/launch/captured.h"
 
-namespace pt {
+namespace pt::launch::graph_while {
 namespace {
 
 // The segments 0 to depth that need no loop: the first one, a round, and the last one.
@@ -43,4 +43,4 @@ const Registration registration(
     {});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::launch::graph_while

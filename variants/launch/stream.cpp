@@ -1,7 +1,7 @@
 // Each stage is launched by the host as its turn comes (on the CPU backend: called).
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::launch::stream {
 namespace {
 
 const Registration registration(
@@ -19,4 +19,4 @@ const Registration registration(
     {});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::launch::stream

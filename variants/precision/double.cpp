@@ -2,7 +2,7 @@
 // is there for references, not for speed.
 #include "variants/precision/kernels_in_double.h"
 
-namespace pt {
+namespace pt::precision::double_ {
 namespace {
 
 constexpr Descriptor descriptor{
@@ -40,4 +40,4 @@ constexpr Descriptor cpu_descriptor() {
 const Registration on_the_cpu(cpu_descriptor(), {});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::precision::double_

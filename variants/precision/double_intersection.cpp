@@ -3,7 +3,7 @@
 #include "variants/acceleration/reasons.h"
 #include "variants/precision/kernels_in_double.h"
 
-namespace pt {
+namespace pt::precision::double_intersection {
 namespace {
 
 Reason unsupported_reason(FeatureSet scene, const VariantTraits& variant) {
@@ -43,4 +43,4 @@ const Registration on_the_gpu(descriptor_on(on_cuda, unsupported_reason),
                               {.features = features, .cuda = {.real = "float"}});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::precision::double_intersection

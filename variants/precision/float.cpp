@@ -1,7 +1,7 @@
 // Single precision throughout, but for the film's sums.
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::precision::float_ {
 namespace {
 
 const Registration registration(
@@ -17,4 +17,4 @@ const Registration registration(
     {.cuda = {.real = "float"}});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::precision::float_

@@ -3,7 +3,7 @@
 #include "variants/acceleration/reasons.h"
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::robustness::naive {
 namespace {
 
 Reason unsupported_reason(FeatureSet scene, const VariantTraits& variant) {
@@ -41,4 +41,4 @@ const Registration registration(
     {.features = [] { return no_features | Feature::naive; }});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::robustness::naive

@@ -2,7 +2,7 @@
 // slabs reach by their rounding, cones and Fresnel factors do not cancel, the film sums integers.
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::robustness::robust {
 namespace {
 
 const Registration registration(
@@ -17,4 +17,4 @@ const Registration registration(
     {});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::robustness::robust

@@ -1,7 +1,7 @@
 // Paths go on until they leave the scene, meet a light or have their full length.
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::russian_roulette::off {
 namespace {
 
 const Registration registration(
@@ -17,4 +17,4 @@ const Registration registration(
     {});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::russian_roulette::off

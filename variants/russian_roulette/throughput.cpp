@@ -1,7 +1,7 @@
 // A path that carries little is likely to be ended; one that goes on carries more instead (kernels/russian_roulette.h).
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::russian_roulette::throughput {
 namespace {
 
 constexpr Tunable tunables[] = {
@@ -23,4 +23,4 @@ const Registration registration(
     {.features = [] { return no_features | Feature::russian_roulette; }});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::russian_roulette::throughput

@@ -3,7 +3,7 @@
 // which numbers.
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::sampler::minstd_by_position {
 namespace {
 
 // Only where positions are what they are in every run: not where threads race for them.
@@ -40,4 +40,4 @@ const Registration registration(
     {.features = [] { return no_features | Feature::minstd; }});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::sampler::minstd_by_position

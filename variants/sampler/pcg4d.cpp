@@ -1,7 +1,7 @@
 // One hash of pixel, sample, bounce and dimension a four numbers: cheap, and good enough for every test here.
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::sampler::pcg4d {
 namespace {
 
 const Registration registration(
@@ -17,4 +17,4 @@ const Registration registration(
     {});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::sampler::pcg4d

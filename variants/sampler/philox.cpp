@@ -1,7 +1,7 @@
 // Ten rounds of a block cipher without secrets: the generator that references are made with (kernels/philox.h).
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::sampler::philox {
 namespace {
 
 const Registration registration(
@@ -18,4 +18,4 @@ const Registration registration(
     {.features = [] { return no_features | Feature::philox; }});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::sampler::philox

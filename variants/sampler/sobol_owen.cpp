@@ -1,7 +1,7 @@
 // Samples of a pixel that fill the unit cube evenly, four dimensions at a time (kernels/sobol_owen.h).
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::sampler::sobol_owen {
 namespace {
 
 const Registration registration(
@@ -19,4 +19,4 @@ const Registration registration(
     {.features = [] { return no_features | Feature::sobol_owen; }});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::sampler::sobol_owen

@@ -1,7 +1,7 @@
 // The key that cis565 sorts by: the material of the surface that was hit.
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::sort_key::material {
 namespace {
 
 const Registration registration(
@@ -17,4 +17,4 @@ const Registration registration(
     {});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::sort_key::material

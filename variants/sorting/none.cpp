@@ -1,7 +1,7 @@
 // No sorting: paths are shaded in the order in which they lie.
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::sorting::none {
 namespace {
 
 class None final : public Sorting {
@@ -26,4 +26,4 @@ const Registration registration(
     {.sorting = [] { return std::make_unique<None>(); }});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::sorting::none

@@ -9,7 +9,7 @@
 #include "variants/sorting/contiguous_payload.h"
 #include "variants/work_checks.h"
 
-namespace pt::cuda {
+namespace pt::cuda::sorting::thrust_sort_by_key {
 namespace {
 
 // What is moved. Without padding (a zip of the padded record and a hit has some): moving bytes that nobody wrote costs
@@ -102,4 +102,4 @@ const Registration registration(
     {.sorting = [](const CellContext& cell) -> std::unique_ptr<Sorting> { return std::make_unique<SortByKey>(cell); }});
 
 }  // namespace
-}  // namespace pt::cuda
+}  // namespace pt::cuda::sorting::thrust_sort_by_key

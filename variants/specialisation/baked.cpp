@@ -3,7 +3,7 @@
 #include "variants/registry.h"
 #include "variants/specialisation/smallest_superset.h"
 
-namespace pt {
+namespace pt::specialisation::baked {
 namespace {
 
 const Registration registration(
@@ -18,4 +18,4 @@ const Registration registration(
     {.specialisation = smallest_superset, .cuda = {.bakes_scene = true}});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::specialisation::baked

@@ -3,7 +3,7 @@
 // and the output names what was compiled in for nothing.
 #include "variants/specialisation/smallest_superset.h"
 
-namespace pt {
+namespace pt::specialisation::features {
 namespace {
 
 const Registration registration(
@@ -19,4 +19,4 @@ const Registration registration(
     {.specialisation = smallest_superset});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::specialisation::features

@@ -1,7 +1,7 @@
 // One kernel for every scene: all primitive kinds, materials and features compiled in and chosen at run time.
 #include "variants/specialisation/smallest_superset.h"
 
-namespace pt {
+namespace pt::specialisation::generic {
 namespace {
 
 const Registration registration(
@@ -17,4 +17,4 @@ const Registration registration(
     {.specialisation = [](const KernelOffer& offer, const Variant&, Backend) { return every_feature(offer); }});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::specialisation::generic

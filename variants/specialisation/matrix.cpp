@@ -3,7 +3,7 @@
 #include "variants/acceleration/reasons.h"
 #include "variants/registry.h"
 
-namespace pt {
+namespace pt::specialisation::matrix {
 namespace {
 
 const Registration registration(
@@ -33,4 +33,4 @@ const Registration registration(
     {.specialisation = [](const KernelOffer&, const Variant&, Backend) { return all_features | Feature::matrix; }});
 
 }  // namespace
-}  // namespace pt
+}  // namespace pt::specialisation::matrix

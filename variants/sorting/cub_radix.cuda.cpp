@@ -1,9 +1,9 @@
 // cub::DeviceRadixSort of slot numbers that looks only at the bits that the scene's keys have: one material, none.
 #include "variants/cuda/radix_sort.h"
-#include "variants/cuda/register.h"
+#include "variants/registry.h"
 #include "variants/work_checks.h"
 
-namespace pt::cuda {
+namespace pt::cuda::sorting::cub_radix {
 namespace {
 
 const Registration registration(
@@ -15,9 +15,9 @@ const Registration registration(
         .backends = on_cuda,
         .check_counters = sorted_every_bounce,
     },
-    {.sorting = [](const CellContext& cell) -> std::unique_ptr<Sorting> {
-        return std::make_unique<RadixSort>(cell, KeyBits::needed);
-    }});
+    {.cuda = {.sorting = [](const CellContext& cell) -> std::unique_ptr<Sorting> {
+         return std::make_unique<RadixSort>(cell, KeyBits::needed);
+     }}});
 
 }  // namespace
-}  // namespace pt::cuda
+}  // namespace pt::cuda::sorting::cub_radix

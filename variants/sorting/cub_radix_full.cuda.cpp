@@ -1,9 +1,9 @@
 // cub_radix with all 32 bits of a key, as who calls the library without a range of bits has it: what the bits cost.
 #include "variants/cuda/radix_sort.h"
-#include "variants/cuda/register.h"
+#include "variants/registry.h"
 #include "variants/work_checks.h"
 
-namespace pt::cuda {
+namespace pt::cuda::sorting::cub_radix_full {
 namespace {
 
 const Registration registration(
@@ -15,9 +15,9 @@ const Registration registration(
         .backends = on_cuda,
         .check_counters = sorted_every_bounce,
     },
-    {.sorting = [](const CellContext& cell) -> std::unique_ptr<Sorting> {
-        return std::make_unique<RadixSort>(cell, KeyBits::all);
-    }});
+    {.cuda = {.sorting = [](const CellContext& cell) -> std::unique_ptr<Sorting> {
+         return std::make_unique<RadixSort>(cell, KeyBits::all);
+     }}});
 
 }  // namespace
-}  // namespace pt::cuda
+}  // namespace pt::cuda::sorting::cub_radix_full
