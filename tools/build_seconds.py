@@ -5,6 +5,7 @@ The sum over the cores is the least time of a build from a clean clone. Judged b
 other work on the machine changes them little. The commands are ninja's, in its order, so the build folder is complete
 afterwards. With --repeat, the least of several runs of each.
 """
+
 import argparse
 import json
 import os
@@ -48,8 +49,12 @@ def main() -> None:
     parser.add_argument("--repeat", type=int, default=1)
     parser.add_argument("--out", type=Path, help="write the seconds of each step here, as JSON")
     arguments = parser.parse_args()
-    commands = subprocess.run(["ninja", "-C", str(arguments.folder), "-t", "commands", *arguments.target],
-                              check=True, capture_output=True, text=True).stdout.splitlines()
+    commands = subprocess.run(
+        ["ninja", "-C", str(arguments.folder), "-t", "commands", *arguments.target],
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout.splitlines()
     steps = {}
     for command in (c for c in commands if c.strip() and re.search(arguments.only, output_of(c))):
         name = output_of(command)
