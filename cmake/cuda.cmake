@@ -73,7 +73,7 @@ file(GLOB nvcc_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/*/*.cu $
      ${PROJECT_SOURCE_DIR}/harness/rays/*.cu)
 # Hits have the bits of the host's.
 set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/rays/gpu_batch.cu PROPERTIES COMPILE_OPTIONS --fmad=false)
-# Thrust and CUB cost four seconds to parse, and kernels that several files instantiate are compiled in each: the files of
+# Each unit would parse the library anew, and compile what several files instantiate (results/build_times.md): the files of
 # a library are one unit. Each file has a namespace of its own.
 function(group_nvcc_sources library files)
   list(FILTER nvcc_sources INCLUDE REGEX "${files}")
