@@ -146,7 +146,9 @@ nlohmann::ordered_json context_of(const RaysArguments& arguments, const rays::Ra
         for (const auto& [key, value] : cuda::context()) {
             context[key] = value;
         }
+        context["ptbench.machine"] = cuda::machine_name();
     }
+    context["ptbench.backend"] = to_string(study.backend);
     context["ptbench.command_line"] = arguments.command_line;
     context["date"] = iso_date();
     return context;
@@ -192,7 +194,7 @@ int measure_rays(const RaysArguments& arguments) {
     if (!arguments.out.empty()) {
         const nlohmann::ordered_json result{{"schema", "ptbench-rays-1"},
                                             {"context", std::move(context)},
-                                            {"backend", study.backend == Backend::cuda ? "cuda" : "cpu"},
+                                            {"backend", to_string(study.backend)},
                                             {"threads", omp_get_max_threads()},
                                             {"repetitions", study.repetitions},
                                             {"meshes", std::move(measured)}};

@@ -24,8 +24,8 @@ from ptbench.io.nodes import Node, parse, read_json, shown
 from ptbench.terminal import say, visible
 
 SCHEMAS = package_file("schema")
-KINDS = ("result", "stability", "inspect", "tuning", "journal")
-_WRITTEN_BY_US = "a file of ptbench run, merge, stability, inspect or autotune, or a run's .journal.jsonl"
+KINDS = ("result", "stability", "rays", "inspect", "tuning", "journal")
+_WRITTEN_BY_US = "a file of ptbench run, merge, stability, rays, inspect or autotune, or a run's .journal.jsonl"
 
 
 @cache
@@ -55,6 +55,8 @@ def kind_of(path: Path, value: object) -> str:
     if isinstance(value, list):
         return "inspect"
     if isinstance(value, dict):
+        if {"schema", "meshes"} <= value.keys():
+            return "rays"
         for kind, keys in (("result", {"benchmarks", "ptbench"}), ("stability", {"schema", "rows"})):
             if keys & value.keys():
                 return kind
