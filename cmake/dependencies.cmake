@@ -15,6 +15,13 @@ if(NOT PTBENCH_TINYGLTF_INCLUDE)
   message(STATUS "tinygltf: not found: no reader for .glb meshes (libtinygltf-dev)")
 endif()
 
+# By hand: Debian's package configuration asks for TBB's headers, which nothing here needs.
+find_path(PTBENCH_EMBREE_INCLUDE embree3/rtcore.h)
+find_library(PTBENCH_EMBREE_LIBRARY embree3)
+if(NOT PTBENCH_EMBREE_INCLUDE OR NOT PTBENCH_EMBREE_LIBRARY)
+  message(STATUS "Embree 3: not found: no accelerators embree and embree_native (libembree-dev)")
+endif()
+
 # Thrust: the CUDA toolkit's where there is one, the distribution's (libthrust-dev) where not.
 find_program(PTBENCH_NVCC nvcc HINTS $ENV{CUDA_HOME}/bin /usr/local/cuda/bin)
 if(PTBENCH_NVCC)

@@ -106,8 +106,12 @@ if(PTBENCH_CUDA)
 endif()
 
 # choices_not_built.h: without a toolkit a choice of CUDA's is still known by the name of its file, so that a suite may
-# name it.
+# name it, and so is one that needs Embree.
 set(choices_not_built "")
+if(NOT PTBENCH_EMBREE_INCLUDE OR NOT PTBENCH_EMBREE_LIBRARY)
+  list(FILTER variant_sources EXCLUDE REGEX "/variants/accelerator/embree[^/]*$")
+  string(APPEND choices_not_built "    {\"accelerator\", \"embree\"},\n    {\"accelerator\", \"embree_native\"},\n")
+endif()
 if(NOT PTBENCH_CUDA)
   file(GLOB device_sides CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/*/*.cu ${PROJECT_SOURCE_DIR}/variants/*/*.cuda.cpp)
   list(FILTER device_sides EXCLUDE REGEX "/variants/cuda/")
@@ -124,7 +128,7 @@ file(CONFIGURE OUTPUT ${generated}/choices_not_built.h CONTENT
 #include <utility>
 #include <vector>
 namespace pt {
-// Axis and name of each choice that only a build with a CUDA toolkit has; none in such a build.
+// Axis and name of each choice that only a build with a CUDA toolkit, or with Embree, has; none in one with both.
 inline const std::vector<std::pair<std::string_view, std::string_view>> choices_not_built{
 ${choices_not_built}};
 }
@@ -133,6 +137,10 @@ ${choices_not_built}};
 # An object library: from an archive the linker would drop the registrations that nobody names.
 add_library(ptbench_variants OBJECT ${variant_sources} ${integrator_sources})
 target_link_libraries(ptbench_variants PUBLIC ptbench_options)
+if(PTBENCH_EMBREE_INCLUDE AND PTBENCH_EMBREE_LIBRARY)
+  target_include_directories(ptbench_variants SYSTEM PRIVATE ${PTBENCH_EMBREE_INCLUDE})
+  target_link_libraries(ptbench_variants PUBLIC ${PTBENCH_EMBREE_LIBRARY})
+endif()
 ptbench_precompile_headers(ptbench_variants)
 # In groups: most of what a unit with a registration costs to compile is the registry's header. Each file has a
 # namespace of its own. What renders on the CPU stays single: its machine code is that of its file alone.

@@ -241,32 +241,54 @@ PT_HD inline void closest_flat(Hit<typename Config::Real>& best, const Scene& sc
     }
 }
 
-// Keeps the least (t, object, primitive) of `best` and the triangles of a mesh.
+// A ray as the triangles of one mesh see it.
+template <class Real>
+struct MeshRay {
+    Vec3<Real> origin, direction;
+    ShearedDirection<Real> sheared;
+    std::uint32_t object;
+    bool starts_here;  // on `primitive`, which it does not meet
+    std::uint32_t primitive;
+
+    PT_HD static MeshRay of(const MeshInstance<Real>& mesh, std::uint32_t object, const Vec3<Real>& origin,
+                            const Ray<Real>& ray) {
+        const Vec3<Real> direction = mesh.direction_in(ray.direction);
+        return {mesh.point_in(origin),
+                direction,
+                ShearedDirection<Real>::of(direction),
+                object,
+                ray.origin_surface.is_of(object),
+                ray.primitive};
+    }
+};
+
+// Keeps the least (t, object, primitive) of `best` and a triangle.
+template <class Real>
+PT_HD inline void meet_triangle(Hit<Real>& best, const LeafTriangle& leaf, const MeshRay<Real>& ray) {
+    const Triangle<Real> triangle{vector_of<Real>(leaf.a), vector_of<Real>(leaf.b), vector_of<Real>(leaf.c)};
+    const TriangleHit<Real> hit = intersect(triangle, ray.origin, ray.sheared);
+    if (!hit.hits || (ray.starts_here && leaf.primitive == ray.primitive)) {
+        return;
+    }
+    const bool same = best.side.is_of(ray.object) && leaf.primitive < best.primitive;
+    if (hit.t < best.t || (hit.t == best.t && best.side.exists() && (ray.object < best.side.object() || same))) {
+        best.t = hit.t;
+        best.side = SurfaceId::of(ray.object, hit.from_behind);
+        best.primitive = leaf.primitive;
+    }
+}
+
+// The same of all triangles of a mesh.
 template <class Accelerator, class Real, class Counter>
 PT_HD inline void closest_in_mesh(Hit<Real>& best, const MeshInstance<Real>& mesh, std::uint32_t object,
                                   const Vec3<Real>& origin, const Ray<Real>& ray, Counter& counter) {
-    const Vec3<Real> start = mesh.point_in(origin);
-    const Vec3<Real> direction = mesh.direction_in(ray.direction);
-    const ShearedDirection<Real> sheared = ShearedDirection<Real>::of(direction);
-    const bool starts_here = ray.origin_surface.is_of(object);
+    const MeshRay<Real> in_mesh = MeshRay<Real>::of(mesh, object, origin, ray);
     Accelerator::traverse(
-        mesh.geometry.tree, start, direction, best.t,
+        mesh.geometry.tree, in_mesh.origin, in_mesh.direction, best.t,
         [&](std::uint32_t first, std::uint32_t count) {
             for (std::uint32_t slot = first; slot < first + count; ++slot) {
                 const LeafTriangle leaf = mesh.geometry.leaves[slot];
-                const Triangle<Real> triangle{vector_of<Real>(leaf.a), vector_of<Real>(leaf.b),
-                                              vector_of<Real>(leaf.c)};
-                const TriangleHit<Real> hit = intersect(triangle, start, sheared);
-                if (!hit.hits || (starts_here && leaf.primitive == ray.primitive)) {
-                    continue;
-                }
-                const bool same = best.side.is_of(object) && leaf.primitive < best.primitive;
-                if (hit.t < best.t ||
-                    (hit.t == best.t && best.side.exists() && (object < best.side.object() || same))) {
-                    best.t = hit.t;
-                    best.side = SurfaceId::of(object, hit.from_behind);
-                    best.primitive = leaf.primitive;
-                }
+                meet_triangle(best, leaf, in_mesh);
             }
         },
         counter);

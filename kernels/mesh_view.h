@@ -66,6 +66,7 @@ struct MeshView {
     const Triangle<float>* triangles = nullptr;  // by primitive
     const float* cumulative_area = nullptr;      // by primitive: area up to and with it; only of emissive meshes
     TreeView tree;
+    const void* native = nullptr;  // what an accelerator of the host made of the mesh for itself
     std::uint32_t triangle_count = 0;
 };
 

@@ -117,6 +117,16 @@ setup_mesh_readers() {
     }
 }
 
+setup_embree() {
+    local stamp=$build_dir/without-libembree-dev
+    [[ ${PTBENCH_PACKAGES:-} != skip && ! -e $stamp ]] || return 0
+    is_installed libembree-dev || try_to_install libembree-dev || {
+        say "no libembree-dev: this build has no accelerators embree and embree_native"
+        mkdir -p -- "$build_dir"
+        touch -- "$stamp"
+    }
+}
+
 # The report's tests look at its page in a browser. Not every system has one as a package: without it they are skipped.
 setup_browser() {
     command -v chromium >/dev/null || try_to_install chromium ||
@@ -159,6 +169,7 @@ setup_compilers() {
     cuda_thrust=$(find_cuda_thrust)
     setup_packages
     setup_mesh_readers
+    setup_embree
     [[ -n $nvcc ]] || say "no nvcc found: CPU backend only"
 }
 

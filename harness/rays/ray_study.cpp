@@ -43,6 +43,9 @@ Tree make_tree(const std::shared_ptr<const SceneMesh>& mesh, const std::string& 
     Acceleration acceleration = Acceleration::none();
     acceleration.accelerator = accelerator;
     acceleration.accelerator_hook = Registry::instance().find("accelerator", accelerator, backend)->hook.accelerator;
+    if (backend != Backend::cpu) {
+        acceleration.accelerator_hook.prepare = nullptr;
+    }
     if (!builder.empty()) {
         acceleration.builder = builder;
         acceleration.builder_hook = Registry::instance().find("builder", builder, backend)->hook.builder;

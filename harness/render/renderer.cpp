@@ -106,6 +106,9 @@ std::vector<FeatureSet> feature_sets_of(const std::map<FeatureSet, Render>& kern
 Variant fast_reference_on(const Scene& scene, const Variant& variant, Backend backend) {
     const Registry& registry = Registry::instance();
     Variant reference = registry.reference(variant, backend);
+    if (registry.at("accelerator", reference, backend).descriptor.claim != Claim::bitwise) {
+        return reference;
+    }
     for (const Choice* choice : registry.choices("accelerator", backend)) {
         if (!scene.meshes.empty() && traits_in<AcceleratorTraits>(choice->descriptor).checks_large_scenes) {
             reference.set("accelerator", std::string(choice->descriptor.name));

@@ -6,8 +6,13 @@ namespace pt {
 
 Acceleration Acceleration::of(const Variant& variant, Backend backend) {
     const Registry& registry = Registry::instance();
-    return {variant["accelerator"], variant["builder"], registry.at("accelerator", variant, backend).hook.accelerator,
-            registry.at("builder", variant, backend).hook.builder};
+    Acceleration acceleration{variant["accelerator"], variant["builder"],
+                              registry.at("accelerator", variant, backend).hook.accelerator,
+                              registry.at("builder", variant, backend).hook.builder};
+    if (backend != Backend::cpu) {
+        acceleration.accelerator_hook.prepare = nullptr;
+    }
+    return acceleration;
 }
 
 }  // namespace pt

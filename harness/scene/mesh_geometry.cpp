@@ -107,7 +107,13 @@ MeshTree plant(const PlacedMesh& placed, const Acceleration& acceleration) {
             tree.leaves.push_back(leaf_of(triangles[primitive], primitive));
         }
     }
-    tree.bytes = tree.leaves.size() * sizeof(LeafTriangle) + tree.encoded.nodes.size() * sizeof(NodePiece);
+    if (acceleration.accelerator_hook.prepare != nullptr) {
+        const auto start = std::chrono::steady_clock::now();
+        tree.native = acceleration.accelerator_hook.prepare(tree.encoded, tree.leaves);
+        tree.encode_ms += milliseconds_since(start);
+    }
+    tree.bytes =
+        tree.leaves.size() * sizeof(LeafTriangle) + tree.encoded.nodes.size() * sizeof(NodePiece) + tree.native.bytes;
     return tree;
 }
 
@@ -133,6 +139,7 @@ MeshView MeshGeometry::view() const {
     view.cumulative_area = placed->cumulative_area.data();
     view.tree = tree->encoded.view();
     view.tree.slot_count = static_cast<std::uint32_t>(tree->leaves.size());
+    view.native = tree->native.data.get();
     view.triangle_count = static_cast<std::uint32_t>(placed->triangles.size());
     return view;
 }
@@ -144,7 +151,8 @@ MeshGeometry geometry_of(const std::shared_ptr<const SceneMesh>& mesh, const Pla
     const std::string key = key_of(*mesh, placement);
     MeshGeometry geometry;
     geometry.placed = placed_meshes.get(key, [&] { return place(*mesh, placement); });
-    geometry.tree = trees.get(key + " " + acceleration.accelerator + " " + acceleration.builder,
+    const char* native = acceleration.accelerator_hook.prepare != nullptr ? " native" : "";
+    geometry.tree = trees.get(key + " " + acceleration.accelerator + " " + acceleration.builder + native,
                               [&] { return plant(*geometry.placed, acceleration); });
     return geometry;
 }

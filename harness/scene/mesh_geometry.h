@@ -32,10 +32,11 @@ struct PlacedMesh {
 struct MeshTree {
     std::vector<LeafTriangle> leaves;
     EncodedTree encoded;
+    NativeMesh native;
     double build_ms = 0;      // by the builder
-    double encode_ms = 0;     // into the accelerator's format
+    double encode_ms = 0;     // into the accelerator's format, and what the accelerator makes for itself
     double sah_cost = 0;      // of the builder's tree; 0: there is none
-    std::uint64_t bytes = 0;  // of nodes and leaves
+    std::uint64_t bytes = 0;  // of nodes and leaves, and of what is native
 };
 
 struct MeshGeometry {

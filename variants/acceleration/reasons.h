@@ -21,6 +21,10 @@ inline Reason needs_tree(FeatureSet scene, const VariantTraits& variant) {
     if (Reason reason = needs_meshes(scene, variant); !reason.empty()) {
         return reason;
     }
+    if (variant.accelerator.builds_itself) {
+        return {"needs_tree",
+                "has nothing to do: accelerator=" + std::string(variant.accelerator.name) + " builds its own tree"};
+    }
     return variant.accelerator.has_tree
                ? Reason{}
                : Reason{"needs_tree",

@@ -1,6 +1,7 @@
 #include "variants/accelerator/bvh8.h"
 
 #include "variants/acceleration/reasons.h"
+#include "variants/acceleration/wide_lanes.h"
 #include "variants/registry.h"
 
 namespace pt::accelerator::bvh8 {
@@ -15,7 +16,7 @@ const Registration registration(
         .backends = on_every_backend,
         .unsupported_reason = needs_meshes,
     },
-    {.accelerator = accelerator_hook<Traversal>(encode)});
+    {.accelerator = lanes::accelerator_hook<8, Traversal>(encode)});
 
 }  // namespace
 }  // namespace pt::accelerator::bvh8

@@ -1,0 +1,171 @@
+// The accelerators of the host that bring a form of their own (AcceleratorHook::prepare), as kernels call them: those
+// that claim bits leave brute force's hit, Embree's own test almost always the same one.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/acceleration/builders.h"
+#include "variants/registry.h"
+
+namespace pt::test {
+namespace {
+
+LeafTriangle leaf_of(const Triangle<float>& t, std::uint32_t primitive) {
+    return {{t.a.x, t.a.y, t.a.z}, primitive, {t.b.x, t.b.y, t.b.z}, 0, {t.c.x, t.c.y, t.c.z}, 0};
+}
+
+// One mesh under one accelerator.
+class Planted {
+public:
+    Planted(const Triangles& triangles, const AcceleratorHook& hook) : hook_(hook) {
+        if (hook.encode != nullptr) {
+            tree_ = hook.encode(builders()[0].build(triangles, 4));
+            for (const std::uint32_t primitive : tree_.references) {
+                leaves_.push_back(leaf_of(triangles[primitive], primitive));
+            }
+        } else {
+            for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+                leaves_.push_back(leaf_of(triangles[i], i));
+            }
+        }
+        if (hook.prepare != nullptr) {
+            native_ = hook.prepare(tree_, leaves_);
+        }
+        mesh_.geometry.leaves = leaves_.data();
+        mesh_.geometry.tree = tree_.view();
+        mesh_.geometry.tree.slot_count = static_cast<std::uint32_t>(leaves_.size());
+        mesh_.geometry.native = native_.data.get();
+        mesh_.is_placed = 1;
+    }
+    Planted(const Planted&) = delete;
+    Planted& operator=(const Planted&) = delete;
+
+    Hit<float> closest(const Ray<float>& ray) const {
+        Hit<float> best;
+        best.t = std::numeric_limits<float>::infinity();
+        hook_.meet_single(best, mesh_, 7, ray.origin, ray);
+        return best;
+    }
+
+private:
+    AcceleratorHook hook_;
+    EncodedTree tree_;
+    std::vector<LeafTriangle> leaves_;
+    NativeMesh native_;
+    MeshInstance<float> mesh_{};
+};
+
+Ray<float> ray_of(const TestRay& ray) {
+    Ray<float> all{};
+    all.origin = ray.origin;
+    all.direction = ray.direction;
+    return all;
+}
+
+bool same_place(const Hit<float>& a, const Hit<float>& b) {
+    return !a.side.exists() ? !b.side.exists()
+                            : b.side.exists() && a.side.object() == b.side.object() &&
+                                  a.side.inside() == b.side.inside() && a.primitive == b.primitive;
+}
+bool same_hit(const Hit<float>& a, const Hit<float>& b) { return a.t == b.t && same_place(a, b); }
+
+const AcceleratorHook& hook_of(const char* name) {
+    return Registry::instance().find("accelerator", name)->hook.accelerator;
+}
+
+class NativeTest : public testing::TestWithParam<const char*> {
+protected:
+    void SetUp() override {
+        if (Registry::instance().find("accelerator", GetParam()) == nullptr) {
+            GTEST_SKIP() << "this build has no accelerator=" << GetParam();
+        }
+    }
+};
+
+// Once from anywhere, and once more on from what was met: the triangle that a ray starts on is not met.
+TEST_P(NativeTest, LeavesBruteForcesHit) {
+    for (const TriangleScene& scene : triangle_scenes()) {
+        const Planted expected(scene.triangles, hook_of("brute_force")), planted(scene.triangles, hook_of(GetParam()));
+        std::size_t wrong = 0, hits = 0;
+        for (const TestRay& test_ray : rays_for(scene.triangles, 4000, 5)) {
+            Ray<float> ray = ray_of(test_ray);
+            for (int turn = 0; turn < 2; ++turn) {
+                const Hit<float> wanted = expected.closest(ray), found = planted.closest(ray);
+                if (!same_hit(wanted, found) && wrong++ < 2) {
+                    ADD_FAILURE() << scene.name << " turn " << turn << ": primitive " << found.primitive << " at "
+                                  << found.t << ", brute force " << wanted.primitive << " at " << wanted.t;
+                }
+                if (!wanted.side.exists()) {
+                    break;
+                }
+                ++hits;
+                ray.origin_surface = wanted.side;
+                ray.primitive = wanted.primitive;
+            }
+        }
+        EXPECT_EQ(wrong, 0u) << scene.name;
+        EXPECT_GT(hits, 50u) << scene.name;
+    }
+}
+
+// Rays whose rounding is larger than any triangle's box.
+TEST_P(NativeTest, LeavesBruteForcesHitFromAfar) {
+    const Triangles triangles = grid_sphere(12, 16, {0, 0, 0}, 1);
+    const Planted expected(triangles, hook_of("brute_force")), planted(triangles, hook_of(GetParam()));
+    for (const float distance : {1e1f, 1e2f, 1e3f, 1e5f, 1e7f}) {
+        std::size_t hits = 0;
+        for (TestRay ray : rays_for(triangles, 2000, 6)) {
+            const Vec3<float> d = ray.direction / std::sqrt(dot(ray.direction, ray.direction));
+            ray.origin = ray.origin - d * distance;
+            const Hit<float> wanted = expected.closest(ray_of(ray)), found = planted.closest(ray_of(ray));
+            ASSERT_TRUE(same_hit(wanted, found)) << distance;
+            hits += wanted.side.exists() ? 1 : 0;
+        }
+        EXPECT_GT(hits, 20u) << distance;
+    }
+}
+
+TEST_P(NativeTest, ATieGoesToTheFirstPrimitive) {
+    const Planted planted(equal_triangles(1000), hook_of(GetParam()));
+    Ray<float> ray = ray_of({{0.25f, 0.25f, -1}, {0, 0, 1}});
+    const Hit<float> first = planted.closest(ray);
+    EXPECT_EQ(first.primitive, 0u);
+    ray.origin_surface = first.side;
+    EXPECT_EQ(planted.closest(ray).primitive, 1u);
+}
+
+TEST_P(NativeTest, AMeshOfNothingIsNotMet) {
+    EXPECT_FALSE(Planted({}, hook_of(GetParam())).closest(ray_of({{0, 0, 0}, {0, 0, 1}})).side.exists());
+}
+
+INSTANTIATE_TEST_SUITE_P(Accelerators, NativeTest, testing::Values("bvh4", "bvh8", "embree"),
+                         [](const auto& choice) { return std::string(choice.param); });
+
+TEST(EmbreeNativeTest, MeetsWhatBruteForceMeets) {
+    if (Registry::instance().find("accelerator", "embree_native") == nullptr) {
+        GTEST_SKIP() << "this build has no accelerator=embree_native";
+    }
+    const Triangles triangles = random_soup(4000, 0.2f, 3);
+    const Planted expected(triangles, hook_of("brute_force")), planted(triangles, hook_of("embree_native"));
+    // Directions at random from points at random: rays_for's aim at edges and vertices, where the tests may differ.
+    const std::vector<TestRay> starts = rays_for(triangles, 20000, 8), turns = rays_for(triangles, 20000, 9);
+    std::size_t hits = 0, same = 0;
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+        const Vec3<float> d = starts[i].direction + turns[i].direction * 0.37f;
+        const Ray<float> ray = ray_of({starts[i].origin * 0.9f + turns[i].origin * 0.1f, d});
+        const Hit<float> wanted = expected.closest(ray), found = planted.closest(ray);
+        hits += wanted.side.exists() ? 1 : 0;
+        if (same_place(wanted, found)) {
+            ++same;
+            if (wanted.side.exists()) {
+                // Of the distance, or of the coordinates (about 1), whose rounding a short distance has too.
+                EXPECT_NEAR(found.t, wanted.t, 1e-5f * std::max(wanted.t, 1.0f));
+            }
+        }
+    }
+    EXPECT_GT(hits, starts.size() / 10);
+    EXPECT_GT(same, starts.size() - starts.size() / 1000);
+}
+
+}  // namespace
+}  // namespace pt::test

@@ -1,0 +1,92 @@
+// Embree's tree and triangle test: what a renderer gets that leaves rays to a library. Its distances differ from this
+// program's in the last bits, and at edges its triangles do; a point on a surface is still formed by this program's
+// test, which has to agree that the triangle is met.
+#include <cstring>
+
+#include "kernels/intersect.h"
+#include "variants/acceleration/reasons.h"
+#include "variants/accelerator/embree_scene.h"
+#include "variants/registry.h"
+
+namespace pt::accelerator::embree_native {
+namespace {
+
+namespace embree = accelerator::embree;
+
+struct Query {
+    RTCIntersectContext context;  // first: the filter is given its address
+    std::uint32_t origin_primitive;
+};
+static_assert(offsetof(Query, context) == 0);
+
+void pass_over_origin(const RTCFilterFunctionNArguments* arguments) {
+    const auto& query = *reinterpret_cast<const Query*>(arguments->context);
+    if (RTCHitN_primID(arguments->hit, arguments->N, 0) == query.origin_primitive) {
+        arguments->valid[0] = 0;
+    }
+}
+
+NativeMesh prepare(const EncodedTree&, std::span<const LeafTriangle> leaves) {
+    RTCGeometry geometry = rtcNewGeometry(embree::device(), RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* corners = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                                3 * sizeof(float), 3 * leaves.size()));
+    auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), leaves.size()));
+    embree::require_no_error("take triangles over");
+    for (std::uint32_t i = 0; i < leaves.size(); ++i) {
+        std::memcpy(corners + 9 * i, leaves[i].a, sizeof leaves[i].a);
+        std::memcpy(corners + 9 * i + 3, leaves[i].b, sizeof leaves[i].b);
+        std::memcpy(corners + 9 * i + 6, leaves[i].c, sizeof leaves[i].c);
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            indices[3 * i + k] = 3 * i + k;
+        }
+    }
+    embree::Scene scene = embree::scene_of(
+        geometry, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
+    const std::uint64_t bytes = leaves.size() * (9 * sizeof(float) + 3 * sizeof(std::uint32_t));
+    return {std::shared_ptr<const void>(scene.release(), [](RTCScene made) { rtcReleaseScene(made); }), bytes};
+}
+
+void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint32_t object, const Vec3<float>& origin,
+               const Ray<float>& ray) {
+    const MeshRay<float> in_mesh = MeshRay<float>::of(instance, object, origin, ray);
+    Query query{{}, in_mesh.primitive};
+    rtcInitIntersectContext(&query.context);
+    query.context.filter = in_mesh.starts_here ? &pass_over_origin : nullptr;
+    const Vec3<float>&o = in_mesh.origin, &d = in_mesh.direction;
+    RTCRayHit met{};
+    met.ray = {o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, best.t, ~0u, 0, 0};
+    met.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(static_cast<RTCScene>(const_cast<void*>(instance.geometry.native)), &query.context, &met);
+    if (met.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+        return;
+    }
+    const LeafTriangle& leaf = instance.geometry.leaves[met.hit.primID];
+    const Triangle<float> triangle{vector_of<float>(leaf.a), vector_of<float>(leaf.b), vector_of<float>(leaf.c)};
+    const TriangleHit<float> hit = intersect(triangle, in_mesh.origin, in_mesh.sheared);
+    if (!hit.hits) {  // at an edge the two tests may round to different sides: a few rays in a million
+        pt::meet_mesh<BruteForce>(best, instance, object, origin, ray);
+        return;
+    }
+    best.t = met.ray.tfar;
+    best.side = SurfaceId::of(object, hit.from_behind);
+    best.primitive = leaf.primitive;
+}
+
+const Registration registration(
+    {
+        .axis = "accelerator",
+        .name = "embree_native",
+        .summary = "Embree's tree and Embree's triangle test",
+        .origin = "Wald et al. 2014",
+        .claim = Claim::statistical,
+        .claim_note = "same expectation as accelerator=bvh2, up to the rounding of Embree's distances",
+        .mean_of = "bvh2",
+        .traits = AcceleratorTraits{.has_tree = false, .builds_itself = true},
+        .backends = on_cpu,
+        .unsupported_reason = embree::needs_embree_rays,
+    },
+    {.accelerator = {nullptr, &prepare, &meet_mesh, &pt::meet_mesh<BruteForce, double>}});
+
+}  // namespace
+}  // namespace pt::accelerator::embree_native

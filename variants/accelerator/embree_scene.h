@@ -1,0 +1,37 @@
+// Embree's device and scenes as values, and its errors as exceptions. Wald, Woop, Benthin, Johnson, Ernst, "Embree: A
+// Kernel Framework for Efficient CPU Ray Tracing", SIGGRAPH 2014.
+#pragma once
+
+#include <memory>
+#include <type_traits>
+
+#include <embree3/rtcore.h>
+
+#include "variants/acceleration/reasons.h"
+
+namespace pt::accelerator::embree {
+
+// One for the whole program, made when it is first asked for.
+RTCDevice device();
+// Throws std::runtime_error for what Embree has found wrong on this thread.
+void require_no_error(const char* doing);
+
+struct ReleaseScene {
+    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+using Scene = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
+
+// A committed scene with this one geometry, whose number is 0; takes the geometry over.
+Scene scene_of(RTCGeometry geometry, RTCSceneFlags flags);
+
+inline Reason needs_embree_rays(FeatureSet scene, const VariantTraits& variant) {
+    if (Reason reason = needs_meshes(scene, variant); !reason.empty()) {
+        return reason;
+    }
+    return variant.precision.is_single()
+               ? Reason{}
+               : Reason{"needs_single_precision", "has rays in single precision only, and precision=" +
+                                                      std::string(variant.precision.name) + " wants others"};
+}
+
+}  // namespace pt::accelerator::embree
