@@ -140,8 +140,8 @@ struct RobustnessTraits {
 };
 
 struct AcceleratorTraits {
-    bool has_tree = true;        // made by a choice of the axis builder
-    bool builds_itself = false;  // it has none of those, but one of its own
+    bool has_tree = true;              // made by a choice of the axis builder
+    bool builds_itself = false;        // it has none of those, but one of its own
     bool checks_large_scenes = false;  // the reference where every triangle in turn would take too long
 };
 

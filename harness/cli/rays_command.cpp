@@ -192,12 +192,9 @@ int measure_rays(const RaysArguments& arguments) {
         measure(rays::scene_for_rays(name));
     }
     if (!arguments.out.empty()) {
-        const nlohmann::ordered_json result{{"schema", "ptbench-rays-1"},
-                                            {"context", std::move(context)},
-                                            {"backend", to_string(study.backend)},
-                                            {"threads", omp_get_max_threads()},
-                                            {"repetitions", study.repetitions},
-                                            {"meshes", std::move(measured)}};
+        const nlohmann::ordered_json result{{"schema", "ptbench-rays-1"},          {"context", std::move(context)},
+                                            {"backend", to_string(study.backend)}, {"threads", omp_get_max_threads()},
+                                            {"repetitions", study.repetitions},    {"meshes", std::move(measured)}};
         write_file(arguments.out, result.dump(1) + "\n");
     }
     return agrees ? exit_good : exit_check_failed;
