@@ -5,7 +5,7 @@
 #include "kernels/math.h"
 #include "variants/acceleration/box_ray.h"
 #include "variants/acceleration/encoded_tree.h"
-#include "variants/acceleration/link.h"
+#include "variants/acceleration/walk.h"
 
 #if !defined(__CUDACC_RTC__)
 #include "variants/acceleration/collapse.h"
@@ -120,5 +120,46 @@ PT_HD void traverse_wide(const TreeView& tree, const Vec3<Real>& origin, const V
         } while (entry_stack[waiting] > best_t);
     }
 }
+
+// The same in steps; needs a stack that holds all that waits.
+template <int width, class Real>
+class WideWalk : public LinkWalk<Real> {
+public:
+    static constexpr std::uint32_t most_open = wide_stack_size<width>;
+
+    WideWalk() = default;
+    PT_HD WideWalk(const TreeView& tree, const Vec3<Real>& origin, const Vec3<Real>& direction)
+        : nodes_(static_cast<const WideNode<width>*>(tree.nodes)) {
+        const BoxSpan spans[3] = {nodes_[0].span(0), nodes_[0].span(1), nodes_[0].span(2)};
+        ray_ = BoxRay<Real>::of(origin, direction, spans);
+        this->link_ = 0;
+    }
+
+    template <class Stack, class Counter>
+    PT_HD void visit_node(const Real& best_t, Stack& stack, Counter& counter) {
+        const WideNode<width>& node = nodes_[this->link_];
+        counter.node();
+        counter.boxes(width);
+        Real entries[width];
+        child_entries<Real, width>(node, ray_, best_t, entries);
+        const std::uint32_t bottom = stack.size();
+        for (int child = 0; child < width; ++child) {
+            if (entries[child] < Real(0)) {
+                continue;
+            }
+            std::uint32_t at = stack.size();  // the nearest on top
+            for (; at > bottom && stack.get(at - 1).entry < entries[child]; --at) {
+                stack.set(at, stack.get(at - 1));
+            }
+            stack.set(at, {entries[child], node.link[child]});
+            stack.grow();
+        }
+        this->take_open(best_t, stack);
+    }
+
+private:
+    const WideNode<width>* nodes_;
+    BoxRay<Real> ray_;
+};
 
 }  // namespace pt

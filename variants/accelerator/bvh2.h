@@ -5,7 +5,7 @@
 #include "kernels/math.h"
 #include "variants/acceleration/box_ray.h"
 #include "variants/acceleration/encoded_tree.h"
-#include "variants/acceleration/link.h"
+#include "variants/acceleration/walk.h"
 
 namespace pt::accelerator::bvh2 {
 
@@ -84,8 +84,44 @@ PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<R
     }
 }
 
+template <class Real>
+class Walk : public LinkWalk<Real> {
+public:
+    static constexpr std::uint32_t most_open = stack_size;
+
+    Walk() = default;
+    PT_HD Walk(const TreeView& tree, const Vec3<Real>& origin, const Vec3<Real>& direction)
+        : nodes_(static_cast<const Node*>(tree.nodes)), ray_(box_ray(nodes_[0], origin, direction)) {
+        this->link_ = 0;
+    }
+
+    template <class Stack, class Counter>
+    PT_HD void visit_node(const Real& best_t, Stack& stack, Counter& counter) {
+        const Node& node = nodes_[this->link_];
+        counter.node();
+        counter.boxes(2);
+        const Real left = child_entry(node, 0, ray_, best_t), right = child_entry(node, 1, ray_, best_t);
+        const bool meets_left = left >= Real(0), meets_right = right >= Real(0);
+        if (meets_left && meets_right) {
+            const std::uint32_t nearer = right < left ? 1u : 0u;
+            const OpenLink<Real> further{nearer == 0 ? right : left, node.link[1u - nearer]};
+            this->link_ = stack.enters_nearer(further) ? node.link[nearer] : further.link;
+        } else if ((meets_left || meets_right) && stack.enters_only_child()) {
+            this->link_ = node.link[meets_left ? 0 : 1];
+        } else {
+            this->take_open(best_t, stack);
+        }
+    }
+
+private:
+    const Node* nodes_;
+    BoxRay<Real> ray_;
+};
+
 struct Traversal {
     static constexpr bool is_chosen_at_run_time = false;
+    template <class Real>
+    using Walk = bvh2::Walk<Real>;
 
     template <class Real, class Leaf, class Counter>
     PT_HD static void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<Real>& direction,

@@ -22,6 +22,8 @@ PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<R
 
 struct Traversal {
     static constexpr bool is_chosen_at_run_time = false;
+    template <class Real>
+    using Walk = WideWalk<8, Real>;
 
     template <class Real, class Leaf, class Counter>
     PT_HD static void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<Real>& direction,

@@ -287,8 +287,70 @@ PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<R
     }
 }
 
+// Triangles of one node that are yet to be tested, of all its leaves.
+struct SlotGroup {
+    std::uint32_t bits = 0;  // as in boxes_hit
+    std::uint32_t contents, base;
+
+    PT_HD bool empty() const { return bits == 0; }
+    PT_HD std::uint32_t take() {
+        const std::uint32_t lower = (bits & (0u - bits)) - 1u;
+        bits &= bits - 1u;
+        return base + bits_in(contents & lower);
+    }
+};
+
+// The traversal in steps (variants/acceleration/walk.h). A group of nodes is empty only where none is left.
+template <class Real>
+class Walk {
+public:
+    using Open = NodeGroup;
+    using Leaf = SlotGroup;
+    static constexpr std::uint32_t most_open = largest_depth;
+
+    Walk() = default;
+    PT_HD Walk(const TreeView& tree, const Vec3<Real>& origin, const Vec3<Real>& direction)
+        : nodes_(tree.nodes),
+          ray_(BoxRay::of(LoadedNode::of(tree.nodes, 0), origin, direction)),
+          group_(NodeGroup::root()) {}
+
+    PT_HD bool wants_node() const { return leaf_.empty() && !group_.empty(); }
+    PT_HD bool has_leaf() const { return !leaf_.empty(); }
+    PT_HD Leaf leaf() const { return leaf_; }
+    template <class Stack>
+    PT_HD void pass_leaf(const Real& best_t, Stack&) {
+        leaf_.bits = 0;
+        if (best_t < Real(0)) {
+            group_ = {};
+        }
+    }
+    template <class Stack, class Counter>
+    PT_HD void visit_node(const Real& best_t, Stack& stack, Counter& counter) {
+        const LoadedNode node = LoadedNode::of(nodes_, group_.take_nearest(ray_.flip));
+        if (!group_.empty()) {
+            stack.push(group_);
+        }
+        counter.node();
+        counter.boxes(bits_in(node.contents() & 0xff249249u));
+        const std::uint32_t hits = boxes_hit(node, ray_, limit_of(best_t));
+        leaf_ = {hits & 0xffffffu, node.contents(), node.slot_base()};
+        group_ = NodeGroup::of(node, hits, ray_.flip);
+        if (group_.empty() && !stack.pop(group_)) {
+            group_ = {};
+        }
+    }
+
+private:
+    const void* nodes_;
+    BoxRay ray_;
+    NodeGroup group_;
+    SlotGroup leaf_;
+};
+
 struct Traversal {
     static constexpr bool is_chosen_at_run_time = false;
+    template <class Real>
+    using Walk = cwbvh::Walk<Real>;
 
     template <class Real, class Leaf, class Counter>
     PT_HD static void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<Real>& direction,

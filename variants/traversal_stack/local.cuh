@@ -1,0 +1,11 @@
+// The whole stack in the thread's local memory.
+#pragma once
+
+#include "variants/acceleration/stacks.h"
+
+namespace pt::traversal_stack::local {
+
+template <class Open, std::uint32_t most>
+using Stack = FullStack<Open, LocalMemory<Open, most>>;
+
+}  // namespace pt::traversal_stack::local
