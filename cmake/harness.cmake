@@ -41,11 +41,12 @@ function(ptbench_group_sources target)
   endforeach()
 endfunction()
 
-# At the build type's optimisation: what runs while a time is taken, and what makes the numbers of scenes, oracles and
+# At the build type's optimisation: what computes while a time is taken, and what makes the numbers of scenes, oracles and
 # statistics. (A sine of a constant is rounded by the compiler where it can be evaluated, else by the C library, and they
-# differ in the last bit.) The rest of harness/ reads, writes and counts, and there the compiler's time counts more.
+# differ in the last bit.) The rest of harness/ reads, writes, counts, or waits for a device: there the compiler's time
+# counts more.
 set(rendering_sources ${harness_sources})
-list(FILTER rendering_sources INCLUDE REGEX "/harness/(render|cuda|scene|mesh|rays|stability|error)/|/harness/bench/cpu_clock\\.cpp$")
+list(FILTER rendering_sources INCLUDE REGEX "/harness/(render|scene|mesh|rays|error|stability/oracles)/|/harness/bench/cpu_clock\\.cpp$")
 list(REMOVE_ITEM harness_sources ${rendering_sources})
 add_library(ptbench_rendering OBJECT ${rendering_sources})
 add_library(ptbench_harness OBJECT ${harness_sources})
@@ -58,7 +59,7 @@ foreach(target ptbench_rendering ptbench_harness)
   ptbench_group_sources(${target})
 endforeach()
 if(PTBENCH_CUDA)
-  target_compile_definitions(ptbench_rendering PRIVATE PTBENCH_CCCL_VERSION="${PTBENCH_CCCL_VERSION}")
+  target_compile_definitions(ptbench_harness PRIVATE PTBENCH_CCCL_VERSION="${PTBENCH_CCCL_VERSION}")
 endif()
 # As the double_intersection kernels in variants.cmake.
 set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/stability/replay.cpp PROPERTIES COMPILE_OPTIONS
