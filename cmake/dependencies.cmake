@@ -15,11 +15,14 @@ if(NOT PTBENCH_TINYGLTF_INCLUDE)
   message(STATUS "tinygltf: not found: no reader for .glb meshes (libtinygltf-dev)")
 endif()
 
-# By hand: Debian's package configuration asks for TBB's headers, which nothing here needs.
-find_path(PTBENCH_EMBREE_INCLUDE embree3/rtcore.h)
-find_library(PTBENCH_EMBREE_LIBRARY embree3)
-if(NOT PTBENCH_EMBREE_INCLUDE OR NOT PTBENCH_EMBREE_LIBRARY)
-  message(STATUS "Embree 3: not found: no accelerators embree and embree_native (libembree-dev)")
+option(PTBENCH_EMBREE "Use Embree 3 where it is found (off in packages: its library would be most of their bytes)" ON)
+if(PTBENCH_EMBREE)
+  # By hand: Debian's package configuration asks for TBB's headers, which nothing here needs.
+  find_path(PTBENCH_EMBREE_INCLUDE embree3/rtcore.h)
+  find_library(PTBENCH_EMBREE_LIBRARY embree3)
+  if(NOT PTBENCH_EMBREE_INCLUDE OR NOT PTBENCH_EMBREE_LIBRARY)
+    message(STATUS "Embree 3: not found: no accelerators embree and embree_native (libembree-dev)")
+  endif()
 endif()
 
 # Thrust: the CUDA toolkit's where there is one, the distribution's (libthrust-dev) where not.
