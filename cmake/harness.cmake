@@ -58,9 +58,10 @@ foreach(target ptbench_rendering ptbench_harness)
   endif()
   ptbench_group_sources(${target})
 endforeach()
-if(PTBENCH_CUDA)
-  target_compile_definitions(ptbench_harness PRIVATE PTBENCH_CCCL_VERSION="${PTBENCH_CCCL_VERSION}")
-endif()
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/cccl_version.h CONTENT
+"#pragma once
+#define PTBENCH_CCCL_VERSION \"${PTBENCH_CCCL_VERSION}\"
+")
 # As the double_intersection kernels in variants.cmake.
 set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/stability/replay.cpp PROPERTIES COMPILE_OPTIONS
                             "$<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>")

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "cccl_version.h"
 #include "harness/cuda/cell.h"
 #include "harness/cuda/inspect.h"
 #include "harness/cuda/kernel_request.h"
