@@ -86,30 +86,111 @@ inline LeafTriangle triangle_in(const TriangleBlock& block, std::uint32_t lane) 
             {corner(2, 0), corner(2, 1), corner(2, 2)}, 0};
 }
 
-template <int width>
-NativeMesh prepare(const EncodedTree& tree, std::span<const LeafTriangle> leaves) {
-    auto mesh = std::make_shared<Mesh<width>>();
-    const auto* nodes = reinterpret_cast<const WideNode<width>*>(tree.nodes.data());
-    for (std::uint32_t i = 0; i < tree.node_count; ++i) {
-        mesh->nodes.push_back({nodes[i]});
+// The slots that one block takes: of a leaf's, or of a whole subtree's that has no more than a block holds.
+struct BlockSlots {
+    std::uint32_t count = 0;  // 0: more than a block's
+    std::uint32_t slot[block_width];
+
+    // False if they would be more than a block's.
+    bool take(std::uint32_t first, std::uint32_t slots) {
+        if (count + slots > block_width) {
+            return false;
+        }
+        for (std::uint32_t i = 0; i < slots; ++i) {
+            slot[count++] = first + i;
+        }
+        return true;
     }
-    for (Node<width>& node : mesh->nodes) {
-        for (std::uint32_t& link : node.link) {
-            if (!is_leaf_link(link)) {
-                continue;
-            }
-            const std::uint32_t first = first_slot(link), count = slot_count(link);
-            link = leaf_link(static_cast<std::uint32_t>(mesh->blocks.size()), count);
-            for (std::uint32_t i = 0; i < count; ++i) {
-                if (i % block_width == 0) {
-                    mesh->blocks.emplace_back();
+};
+
+// Of each node, where its subtree fits one block: then the block's test costs less than the visit of the node. Never of
+// the root. A child that is not there has the root's number.
+template <int width>
+std::vector<BlockSlots> subtrees_of_a_block(std::span<const WideNode<width>> nodes) {
+    std::vector<BlockSlots> fits(nodes.size());
+    const auto gather = [&](const WideNode<width>& node) {
+        BlockSlots all;
+        for (const std::uint32_t link : node.link) {
+            if (is_leaf_link(link)) {
+                if (!all.take(first_slot(link), slot_count(link))) {
+                    return BlockSlots{};
                 }
-                set_lane(mesh->blocks.back(), i % block_width, leaves[first + i]);
+            } else if (link != 0) {
+                const BlockSlots& below = fits[link];
+                if (below.count == 0 || all.count + below.count > block_width) {
+                    return BlockSlots{};
+                }
+                for (std::uint32_t i = 0; i < below.count; ++i) {
+                    all.slot[all.count++] = below.slot[i];
+                }
             }
         }
+        return all;
+    };
+    for (std::size_t i = nodes.size(); i-- > 1;) {  // an inner child has a larger number than its parent
+        fits[i] = gather(nodes[i]);
     }
+    return fits;
+}
+
+// From the tree that the device gets: leaves as blocks, and small subtrees as leaves.
+template <int width>
+class MeshBuilder {
+public:
+    MeshBuilder(std::span<const WideNode<width>> nodes, std::span<const LeafTriangle> leaves)
+        : nodes_(nodes), leaves_(leaves), fits_(subtrees_of_a_block<width>(nodes)), number_(nodes.size()) {}
+
+    Mesh<width> build() {
+        std::uint32_t kept = 0;
+        for (std::size_t i = 0; i < nodes_.size(); ++i) {
+            number_[i] = fits_[i].count == 0 ? kept++ : 0;
+        }
+        for (std::size_t i = 0; i < nodes_.size(); ++i) {
+            if (fits_[i].count == 0) {
+                mesh_.nodes.push_back({nodes_[i]});
+                for (std::uint32_t& link : mesh_.nodes.back().link) {
+                    link = new_link(link);
+                }
+            }
+        }
+        return std::move(mesh_);
+    }
+
+private:
+    std::uint32_t new_link(std::uint32_t link) {
+        const auto first_block = static_cast<std::uint32_t>(mesh_.blocks.size());
+        if (is_leaf_link(link)) {
+            for (std::uint32_t i = 0; i < slot_count(link); ++i) {
+                add(i, first_slot(link) + i);
+            }
+            return leaf_link(first_block, slot_count(link));
+        }
+        const BlockSlots& whole = fits_[link];
+        for (std::uint32_t i = 0; i < whole.count; ++i) {
+            add(i, whole.slot[i]);
+        }
+        return whole.count != 0 ? leaf_link(first_block, whole.count) : number_[link];
+    }
+    void add(std::uint32_t i, std::uint32_t slot) {
+        if (i % block_width == 0) {
+            mesh_.blocks.emplace_back();
+        }
+        set_lane(mesh_.blocks.back(), i % block_width, leaves_[slot]);
+    }
+
+    std::span<const WideNode<width>> nodes_;
+    std::span<const LeafTriangle> leaves_;
+    std::vector<BlockSlots> fits_;
+    std::vector<std::uint32_t> number_;
+    Mesh<width> mesh_;
+};
+
+template <int width>
+NativeMesh prepare(const EncodedTree& tree, std::span<const LeafTriangle> leaves) {
+    const std::span nodes{reinterpret_cast<const WideNode<width>*>(tree.nodes.data()), tree.node_count};
+    const auto mesh = std::make_shared<const Mesh<width>>(MeshBuilder<width>(nodes, leaves).build());
     const std::uint64_t bytes = mesh->nodes.size() * sizeof(Node<width>) + mesh->blocks.size() * sizeof(TriangleBlock);
-    return {std::move(mesh), bytes};
+    return {mesh, bytes};
 }
 
 // The boxes' side of a ray, as BoxRay has it.
