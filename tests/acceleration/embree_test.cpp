@@ -167,5 +167,28 @@ TEST(EmbreeNativeTest, MeetsWhatBruteForceMeets) {
     EXPECT_GT(same, starts.size() - starts.size() / 1000);
 }
 
+TEST(EmbreeBuilderTest, BuildsAWholeTreeOfAnyTriangles) {
+    const Choice* choice = Registry::instance().find("builder", "embree");
+    if (choice == nullptr) {
+        GTEST_SKIP() << "this build has no builder=embree";
+    }
+    const Triangles all[] = {{},
+                             equal_triangles(1),
+                             equal_triangles(300),
+                             flat_triangles(300, 5),
+                             geometric_progression(120),
+                             needles(2000, 1e6f, 3),
+                             grid_sphere(60, 90, {0, 0, 0}, 1)};
+    for (const Triangles& triangles : all) {
+        const PrimitiveBoxes boxes = boxes_of(triangles);
+        const BinaryTree tree = choice->hook.builder.build(boxes, triangles);
+        EXPECT_NO_THROW(builder::check(tree, boxes)) << triangles.size();
+        EXPECT_EQ(choice->hook.builder.build(boxes, triangles).references, tree.references) << triangles.size();
+    }
+    // Its planes are chosen by the same heuristic as those of sah_binned, from more bins.
+    EXPECT_LT(builder::tree_cost(choice->hook.builder.build(boxes_of(all[6]), all[6])),
+              1.1 * builder::tree_cost(builder::sah_binned::build(boxes_of(all[6]))));
+}
+
 }  // namespace
 }  // namespace pt::test
