@@ -11,6 +11,7 @@
     frames.curves(paths)          one row a sample and checkpoint of convergence cells
     frames.not_applicable(paths)  one row a variant that was left out, with the reason
     frames.stability(paths)       one row a check of `ptbench stability`
+    frames.rays(paths)            one row a batch of `ptbench rays`
 
 `paths` is one path or several, or files that are loaded; they are checked as every command checks them, and InputError
 says what is wrong in one. Units are in the columns' names: _ms milliseconds, _mhz megahertz, _bytes. Names, choices and
@@ -89,6 +90,11 @@ def stability(paths: Files) -> pd.DataFrame:
     A check that measured nothing (n/a, broken) has no `quantity`: that tells it from one that measured NaN.
     """
     return frame_of(rows.stability(paths))
+
+
+def rays(paths: Files) -> pd.DataFrame:
+    """One row a batch of `ptbench rays`: a mesh, a tree, a class of rays and a kernel, with its rate."""
+    return frame_of(rows.rays(paths))
 
 
 def frame_of(table: Rows) -> pd.DataFrame:

@@ -10,21 +10,22 @@ from typing import Any
 import numpy as np
 
 from ptbench.errors import InputError
-from ptbench.io.cells import Result
+from ptbench.io.rays import Rays
 from ptbench.io.stability import Stability
-from ptbench.tidy.rows import TABLES, Rows, load_files
+from ptbench.tidy.rows import TABLES, Loaded, Rows, load_files
 
 
 @dataclass(frozen=True)
 class Measured:
-    """One or several files of one kind, `ptbench run`'s or `ptbench stability`'s.
+    """One or several files of one kind, `ptbench run`'s, `ptbench stability`'s or `ptbench rays`'.
 
     The tables by name: "samples" (one row a timed sample), "cells", "verdicts" (one row a study and cell, with its
-    ratio over the study's baseline), "stages", "live_paths", "kernels", "curves", "not_applicable", and "stability"
-    (one row a check). Without a name: "samples", or "stability" of stability files. Units are in the columns' names.
+    ratio over the study's baseline), "stages", "live_paths", "kernels", "curves", "not_applicable", "stability"
+    (one row a check), and "rays" (one row a batch). Without a name: "samples", or "stability" or "rays" of such files.
+    Units are in the columns' names.
     """
 
-    files: tuple[Result | Stability, ...]
+    files: tuple[Loaded, ...]
 
     def rows(self, table: str = "") -> list[dict[str, Any]]:
         """The rows, each with the columns that it has a value of; raises InputError for another kind of file."""
@@ -42,8 +43,8 @@ class Measured:
         return frame_of(self._table(table))
 
     def _table(self, name: str) -> Rows:
-        has_checks = any(isinstance(file, Stability) for file in self.files)
-        name = name or ("stability" if has_checks else "samples")
+        kinds = {type(file) for file in self.files}
+        name = name or ("stability" if Stability in kinds else "rays" if Rays in kinds else "samples")
         if name not in TABLES:
             raise InputError(f'found the table "{name}", allowed: {", ".join(TABLES)}')
         return TABLES[name](self.files)

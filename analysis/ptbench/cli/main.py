@@ -47,7 +47,7 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
         dest="command", required=True, metavar="plots|report|compare|explain|findings|gallery|validate"
     )
     plots = commands.add_parser("plots", help="every study's figure and summary.md, from a result file alone")
-    plots.add_argument("result", type=Path, metavar="RESULT.json")
+    plots.add_argument("result", type=Path, metavar="RESULT.json", help="or a folder of files of `ptbench rays`")
     plots.add_argument("--out", type=Path, metavar="DIR", help="default: figures/SUITE beside the result file")
     add_compare(commands)
     explain = commands.add_parser("explain", help="where the time of two variants differs, and what goes with that")

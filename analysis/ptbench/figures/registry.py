@@ -9,7 +9,14 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from ptbench.errors import NotDrawable
-from ptbench.figures import first_bounce_by_depth, remaining_paths, sorting_by_depth, style
+from ptbench.figures import (
+    first_bounce_by_depth,
+    integrator_by_cost,
+    remaining_paths,
+    sorting_by_depth,
+    style,
+    time_to_image,
+)
 from ptbench.figures.choices import Choices
 from ptbench.figures.convergence import bias_variance, equal_time, error_against_time
 from ptbench.figures.convergence.bars import CheckpointCost, Efficiency, TimeToError
@@ -36,13 +43,15 @@ CONVERGENCE_FIGURES = {
     "checkpoint_cost": CheckpointCost(),
 }
 CONVERGENCE = "convergence"
+# What a study of these figures is drawn as too, where its scenes have meshes.
+MESH_FIGURES = {"builder": {"time_to_image": time_to_image}, "shading_fmas": {"by_integrator": integrator_by_cost}}
 # Photographs keep their colours.
 PICTURES = ("equal_time",)
 
 
 def parts_of_study(study: Study) -> tuple[str, ...]:
     """The figures of a study, by what each adds to the study's name."""
-    return tuple(CONVERGENCE_FIGURES) if study.figure == CONVERGENCE else ("",)
+    return tuple(CONVERGENCE_FIGURES) if study.figure == CONVERGENCE else ("", *MESH_FIGURES.get(study.figure, ()))
 
 
 def collect_study(result: Result, study: Study, part: str = ""):
@@ -72,4 +81,6 @@ def _figure(study: Study, part: str):
     """The figure of that name; any other name is an axis's or a tunable's."""
     if study.figure == CONVERGENCE:
         return CONVERGENCE_FIGURES[part]
+    if part:
+        return MESH_FIGURES[study.figure][part]
     return (FIGURES | AXIS_FIGURES).get(study.figure) or Choices(study.figure)

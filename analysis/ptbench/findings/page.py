@@ -5,7 +5,8 @@ A template begins with a JSON object between two lines of `---`:
     {"title": "...", "sources": {"compaction": {"file": "nvidia-h200/compaction.json", "where": "arithmetic=exact",
      "kernels_behind": 250}}, "constants": {"aim": "0.05"}}
 
-Every source is a variable of the page (findings/source.py), and so is every constant: a number that nobody measured, an
+A source with "optional": true that is not there is None: the page says by itself what waits for it. A folder is one of
+`ptbench rays`. Every source is a variable of the page (findings/source.py), and so is every constant: a number that nobody measured, an
 aim or a version, which a page may not hold in any other way. `kernels_behind` is how many commits to kernels/ and
 variants/ there may be since the result's; more, and the page must be looked at again.
 """
@@ -25,6 +26,7 @@ from jinja2 import Environment, StrictUndefined, TemplateError
 
 from ptbench.findings.errors import FindingError
 from ptbench.findings.quantities import span
+from ptbench.findings.rays import RaysFolder
 from ptbench.findings.records import Inspection, Record, StabilitySource, Transcript
 from ptbench.findings.source import Source
 from ptbench.io.nodes import read_json
@@ -44,7 +46,7 @@ _CODE = re.compile(r"^```.*?^```|`[^`\n]*`", re.DOTALL | re.MULTILINE)
 _TARGET = re.compile(r"\]\([^)]*\)")
 
 
-AnySource = Source | Inspection | StabilitySource | Record | Transcript
+AnySource = Source | RaysFolder | Inspection | StabilitySource | Record | Transcript
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,8 @@ def read_page(template: Path) -> Page:
 def _opened(results: Path, file: str, where: str) -> AnySource:
     if file.endswith(".txt"):
         return Transcript(results, file)
+    if (results / file).is_dir():
+        return RaysFolder(results, file)
     root = read_json(results / file)
     if isinstance(root.value, list):
         return Inspection(results, file)
@@ -86,8 +90,11 @@ def _opened(results: Path, file: str, where: str) -> AnySource:
     return Source(results, file, where) if "ptbench" in root.fields() else Record(results, file)
 
 
-def source_of(results: Path, about: Mapping) -> AnySource:
-    """What a source of the head stands for, by what its file holds."""
+def source_of(results: Path, about: Mapping) -> AnySource | None:
+    """What a source of the head stands for, by what its file holds; None for one that may be missing and is."""
+    file = results / about["file"]
+    if about.get("optional") and not file.exists() and not Path(f"{file}.gz").exists():
+        return None
     return _opened(results, about["file"], about.get("where", ""))
 
 
@@ -132,7 +139,8 @@ def too_old(page: Page, results: Path, repository: Path) -> list[str]:
     """What the page shows although more commits than it allows have changed the kernels since."""
     found = []
     for name, about in page.sources.items():
-        commit = source_of(results, about).commit
+        source = source_of(results, about)
+        commit = "" if source is None else source.commit
         behind = commits_since(repository, commit) if commit else None
         if behind is not None and behind > about["kernels_behind"]:
             found.append(

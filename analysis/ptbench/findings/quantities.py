@@ -90,6 +90,10 @@ class Ratio:
             raise FindingError(f"{self.of}: {self}, so {self.word}, where the page says {word} ({said or 'in words'})")
         return said
 
+    def is_times(self, least: float) -> bool:
+        """Whether all of the interval is at least so many times as fast; one without an interval is not."""
+        return self.estimate.high is not None and 1 / self.estimate.high >= least
+
     def must_be_over(self, *words: str) -> str:
         """Nothing, if the baseline has all these words; FindingError where the page describes another one."""
         base = self.of.partition(" over ")[2].split()
@@ -141,6 +145,20 @@ class Ratios:
         for one in self.ratios:
             if one.word not in words.split():
                 raise FindingError(f"{one.of}: {one}, so {one.word}, where the page says {words} of all ({said})")
+        return said
+
+    def all_are_times(self, least: float, said: str = "") -> str:
+        """`said`, if each is at least so many times as fast, by all of its interval."""
+        for one in self.ratios:
+            if not one.is_times(least):
+                raise FindingError(f"{one.of}: {one.times} times as fast, where the page says {least} of all ({said})")
+        return said
+
+    def most_are(self, words: str, said: str = "") -> str:
+        """`said`, if more than half of the verdicts are one of `words`."""
+        count = sum(one.word in words.split() for one in self.ratios)
+        if 2 * count <= len(self.ratios):
+            raise FindingError(f"{count} of {len(self.ratios)} are {words}, where the page says most ({said})")
         return said
 
     def none_is(self, words: str, said: str = "") -> str:

@@ -15,11 +15,18 @@ from ptbench.convergence.fit import Fit
 from ptbench.findings.errors import FindingError
 from ptbench.findings.quantities import Quantity, Ratio, Ratios, link_to
 from ptbench.findings.selection import cell_of, cells_of, parsed
-from ptbench.io.cells import Cell, Result
+from ptbench.io.cells import Cell, MeshFacts, Result
 from ptbench.io.results import load
-from ptbench.stats.estimates import UNSURE, Estimate, Verdict, median_estimate, word_of
+from ptbench.stats.estimates import (
+    UNSURE,
+    Estimate,
+    Verdict,
+    geometric_mean_of_ratios,
+    median_estimate,
+    word_of,
+)
 from ptbench.studies.questions import dimension
-from ptbench.studies.rows import time_ratio
+from ptbench.studies.rows import Row, measure, time_ratio
 from ptbench.studies.withdrawn import between
 
 
@@ -77,6 +84,39 @@ class Source:
         if not found:
             raise FindingError(f"{self.result.path}: nothing to hold against {over}: {selection}")
         return Ratios(tuple(found))
+
+    def rows(self, study: str) -> list[Row]:
+        """Every measured cell of a study with its ratio to the study's baseline; none, where the file lacks it."""
+        found = [one for one in self.result.studies if one.name == study]
+        return [
+            row
+            for one in found
+            for row in measure(self.result, one)
+            if row.estimate is not None and (row.ratio is None or not row.verdict.note)
+        ]
+
+    def meshes(self, selection: str) -> MeshFacts:
+        """What the cell's meshes and trees are made of."""
+        facts = self.cell(selection).meshes
+        if facts is None:
+            raise FindingError(f"{self.result.path}: {selection} has no mesh")
+        return facts
+
+    def common(self, other: Source, selection: str = "") -> Ratios:
+        """Time of every cell of a selection here over that of the same cell in another file, of another machine."""
+        theirs = {cell.name: cell for cell in other.result.cells if cell.measured}
+        found = [(cell, theirs[cell.name]) for cell in self._any(selection) if cell.name in theirs]
+        if not found:
+            raise FindingError(f"{self.result.path}: no cell in common with {other.result.path}")
+        return Ratios(tuple(_ratio(cell, base, one_clock=False) for cell, base in found))
+
+    def mean_over(self, other: Source, selection: str = "") -> Quantity:
+        """The geometric mean of the same ratios, with its interval."""
+        theirs = {cell.name: cell for cell in other.result.cells if cell.measured}
+        sides = [
+            (cell.ms_per_spp, theirs[cell.name].ms_per_spp) for cell in self._any(selection) if cell.name in theirs
+        ]
+        return Quantity(geometric_mean_of_ratios(sides), f"{self.result.path} over {other.result.path}")
 
     def same_film(self, selection: str, over: str) -> bool:
         """Whether both sides of that ratio left the same film, bit for bit."""
@@ -204,6 +244,15 @@ class Source:
             f"{disturbed}; commit {self.commit}, {self.date}.{every_row}"
         )
 
+    def _any(self, selection: str) -> list[Cell]:
+        """Every measured cell; of a selection, those with these words, whatever the rest is."""
+        chosen = parsed(selection)
+        return [
+            cell
+            for cell in self.result.cells
+            if cell.measured and all(dimension(cell, name) == value for name, value in chosen.items())
+        ]
+
     def _fitted(self, selection: str, value: Callable[[Fit], Estimate]) -> Quantity:
         one = self.assessment(selection)
         if one.fit is None:
@@ -224,8 +273,8 @@ class Source:
         return Quantity(median_estimate(values(cell)), cell.name)
 
 
-def _ratio(cell: Cell, base: Cell) -> Ratio:
+def _ratio(cell: Cell, base: Cell, *, one_clock: bool = True) -> Ratio:
     if withdrawn := between(cell, base):
         raise FindingError(f"{cell.name}: {withdrawn[0].mark}; no page may give this ratio as a verdict")
-    estimate, verdict = time_ratio(cell, base)
+    estimate, verdict = time_ratio(cell, base, one_clock=one_clock)
     return Ratio(estimate, verdict, f"{cell.name} over {base.variant}")

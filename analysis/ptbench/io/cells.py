@@ -119,6 +119,19 @@ class Cuda:
 
 
 @dataclass(frozen=True)
+class MeshFacts:
+    """A cell's meshes and their trees, built once before any clock of a sample; bytes and triangles are of all."""
+
+    triangles: int
+    nodes: int
+    node_bytes: int
+    leaf_bytes: int
+    sah_cost: float
+    build_ms: float  # on the host's clock, with all copies where the GPU builds
+    encode_ms: float  # on the host
+
+
+@dataclass(frozen=True)
 class Cell:
     """Scene x backend x variant x settings, with its samples."""
 
@@ -147,6 +160,7 @@ class Cell:
     tunables: dict[str, int] = field(default_factory=dict)  # all that its choices have, at the values that they had
     counters: dict[str, int] = field(default_factory=dict)  # of the instrumented pass, `spp` samples a pixel
     cuda: Cuda | None = None
+    meshes: MeshFacts | None = None  # of a scene with meshes
     convergence: Convergence | None = None
     tuned: dict[str, str] = field(default_factory=dict)  # the tunables that are not at their choice's default
     variant_in_file: str = ""  # older files spell every choice

@@ -22,6 +22,7 @@ from ptbench.io.cells import (
     Cuda,
     Instrumented,
     Kernel,
+    MeshFacts,
     NotApplicable,
     Result,
     Sample,
@@ -173,6 +174,7 @@ def _cell(
     claim = node.maybe("claim")
     instrumented = node.maybe("instrumented")
     tunables, counters, cuda = node.maybe("tunables"), node.maybe("counters"), node.maybe("cuda")
+    meshes = node.maybe("meshes")
     convergence = _with_named_reference(convergence_of(node), order, usual)
     if convergence is not None:
         check_checkpoints(node, convergence, samples[name])
@@ -206,6 +208,7 @@ def _cell(
         tunables={} if tunables is None else tunables.integers(),
         counters={} if counters is None else counters.integers(),
         cuda=None if cuda is None or cuda.value == {} else _cuda(cuda),
+        meshes=None if meshes is None or meshes.value == {} else _meshes(meshes),
         convergence=convergence,
     )
 
@@ -220,6 +223,11 @@ def _with_named_reference(
     tuned = tuned_in(convergence.reference.variant, axes)
     variant = shown_name(axes, tuned, usual) if axes else convergence.reference.variant
     return replace(convergence, reference=replace(convergence.reference, variant=variant))
+
+
+def _meshes(node: Node) -> MeshFacts:
+    counts = {name: node.need(name).integer() for name in ("triangles", "nodes", "node_bytes", "leaf_bytes")}
+    return MeshFacts(**counts, **{name: node.need(name).number() for name in ("sah_cost", "build_ms", "encode_ms")})
 
 
 def _cuda(node: Node) -> Cuda:

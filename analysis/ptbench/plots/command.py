@@ -14,8 +14,10 @@ from ptbench.figures.saving import DPI, save_figure, save_pictures
 from ptbench.io.cells import Result
 from ptbench.io.files import make_folder, one_line, safe_name, write_text
 from ptbench.io.nodes import read_json
+from ptbench.io.rays import is_rays, load_rays_folder, rays_of
 from ptbench.io.results import result_of
 from ptbench.io.stability import Stability, is_stability, stability_of
+from ptbench.plots.rays import rays_plots
 from ptbench.plots.stability import stability_plots
 from ptbench.plots.summary import summary
 from ptbench.studies.disturbed import disturbance_of
@@ -46,8 +48,13 @@ def _save(figure: Figure, folder: Path, name: str, part: str) -> list[Path]:
 
 
 def plots(path: Path, out: Path | None) -> int:
-    """Draws and writes into `out` or the folder beside the file; the exit code. Raises InputError."""
+    """Draws and writes into `out` or the folder beside the file; the exit code. A folder is one of `ptbench rays`. Raises InputError."""
+    if path.is_dir():
+        return rays_plots(*load_rays_folder(path), out if out is not None else path.parent / "figures" / path.name)
     root = read_json(path)
+    if is_rays(root):
+        rays = rays_of(root)
+        return rays_plots([rays], [], out if out is not None else path.parent / "figures" / path.stem)
     if is_stability(root):
         stability = stability_of(root)
         return stability_plots(stability, out if out is not None else default_folder(stability))

@@ -83,7 +83,42 @@ CELL = {
     "path_bytes": INTEGER,
     "path_state_bytes": INTEGER,
     "prepare_ms": NUMBER,
+    # Of scenes with meshes; builds and encodings are outside every sample's clock.
+    "mesh_triangles": INTEGER,
+    "mesh_nodes": INTEGER,
+    "mesh_node_bytes": INTEGER,
+    "mesh_leaf_bytes": INTEGER,
+    "mesh_sah_cost": NUMBER,
+    "mesh_build_ms": NUMBER,
+    "mesh_encode_ms": NUMBER,
     **STATUS,
+}
+RAYS = {
+    "backend": CATEGORY,
+    "mesh": CATEGORY,
+    "triangles": INTEGER,
+    "accelerator": CATEGORY,
+    "builder": CATEGORY,
+    "class": CATEGORY,
+    "kernel": CATEGORY,
+    "query": CATEGORY,
+    "rays": INTEGER,
+    "repetitions": INTEGER,
+    "giga_rays_per_second": NUMBER,  # median, and its 95 % interval
+    "giga_rays_per_second_low": NUMBER,
+    "giga_rays_per_second_high": NUMBER,
+    "nodes_per_ray": NUMBER,
+    "boxes_per_ray": NUMBER,
+    "triangles_per_ray": NUMBER,
+    "nodes": INTEGER,
+    "node_bytes": INTEGER,
+    "leaf_bytes": INTEGER,
+    "sah_cost": NUMBER,
+    "build_ms": NUMBER,
+    "encode_ms": NUMBER,
+    "device_build_ms": NUMBER,  # medians, where the GPU built
+    "device_encode_ms": NUMBER,
+    "agree": FLAG,  # all batches of the class left the same hits, and brute force's where they were held to it
 }
 STAGE = {
     "stage": CATEGORY,

@@ -16,8 +16,11 @@ from ptbench.errors import bad_value
 from ptbench.io.cells import WORK_COUNTERS, Cell, Result, Sample
 from ptbench.io.convergence import Checkpoint
 from ptbench.io.nodes import read_json, shown
+from ptbench.io.rays import SCHEMA as RAYS_SCHEMA
+from ptbench.io.rays import Batch, RayMesh, Rays, Tree, is_rays, rays_of
 from ptbench.io.results import result_of
 from ptbench.io.stability import SCHEMA, Row, Stability, is_stability, stability_of
+from ptbench.stats.estimates import median_estimate
 from ptbench.studies import rows as studies
 from ptbench.tidy.columns import (
     CATEGORY,
@@ -29,6 +32,7 @@ from ptbench.tidy.columns import (
     IDENTITY,
     INTEGER,
     NUMBER,
+    RAYS,
     SAMPLE,
     STAGE,
     STATUS,
@@ -38,7 +42,8 @@ from ptbench.tidy.columns import (
 )
 
 # Files by their paths, or loaded: one or several.
-Files = Path | str | Result | Stability | Iterable[Path | str | Result | Stability]
+Loaded = Result | Stability | Rays
+Files = Path | str | Loaded | Iterable[Path | str | Loaded]
 
 OK, FAILED = "ok", "failed"
 
@@ -193,6 +198,19 @@ def verdicts(files: Files) -> Rows:
     return _rows(rows, FILE, IDENTITY, VERDICT)
 
 
+def rays(files: Files) -> Rows:
+    """One row a batch of `ptbench rays`: a mesh, a tree, a class of rays and a kernel, with its rate."""
+    rows = []
+    for known in load_files(files):
+        if not isinstance(known, Rays):
+            raise bad_value(known.path, "$.schema", "another kind of file", f'"{RAYS_SCHEMA}", of `ptbench rays`')
+        for mesh in known.meshes:
+            of_mesh = {"backend": known.backend, "mesh": mesh.name, "triangles": mesh.triangles}
+            for tree in mesh.trees:
+                rows += [_of_file(known) | of_mesh | _tree(tree) | _batch(batch, mesh) for batch in tree.batches]
+    return _rows(rows, FILE, RAYS)
+
+
 TABLES = {
     "samples": samples,
     "cells": cells,
@@ -203,7 +221,26 @@ TABLES = {
     "curves": curves,
     "not_applicable": not_applicable,
     "stability": stability,
+    "rays": rays,
 }
+
+
+def _tree(tree: Tree) -> dict:
+    names = ("accelerator", "nodes", "node_bytes", "leaf_bytes", "sah_cost", "build_ms", "encode_ms")
+    told = {name: getattr(tree, name) for name in names} | {"builder": tree.builder or None}
+    for name in ("device_build_ms", "device_encode_ms"):
+        if times := getattr(tree, name):
+            told[name] = float(np.median(times))
+    return told
+
+
+def _batch(batch: Batch, mesh: RayMesh) -> dict:
+    rate = median_estimate(batch.giga_rays_per_second)
+    told = {name: getattr(batch, name) for name in ("kernel", "query", "rays")}
+    told |= {name: getattr(batch, name) for name in ("nodes_per_ray", "boxes_per_ray", "triangles_per_ray")}
+    told |= {"class": batch.ray_class, "repetitions": len(batch.ms), "agree": mesh.agree[batch.ray_class]}
+    ends = {"giga_rays_per_second_low": rate.low, "giga_rays_per_second_high": rate.high}
+    return told | {"giga_rays_per_second": rate.value} | ends
 
 
 def _verdict(study: str, row: studies.Row) -> dict:
@@ -220,14 +257,16 @@ def _rows(rows: Sequence[dict], *groups: Mapping[str, str]) -> Rows:
     return Rows(tuple(rows), types_of(rows, *groups))
 
 
-def load_files(files: Files) -> tuple[Result | Stability, ...]:
+def load_files(files: Files) -> tuple[Loaded, ...]:
     """Each file, read and checked unless it is loaded already; raises InputError."""
-    several = [files] if isinstance(files, (str, Path, Result, Stability)) else files
+    several = [files] if isinstance(files, (str, Path, Result, Stability, Rays)) else files
     return tuple(_load(Path(one)) if isinstance(one, (str, Path)) else one for one in several)
 
 
-def _load(path: Path) -> Result | Stability:
+def _load(path: Path) -> Loaded:
     root = read_json(path)
+    if is_rays(root):
+        return rays_of(root)
     return stability_of(root) if is_stability(root) else result_of(root)
 
 
@@ -236,6 +275,8 @@ def _results(files: Files) -> Iterator[Result]:
         if isinstance(one, Stability):
             allowed = "a result of `ptbench run`; ptbench.frames.stability reads it"
             raise bad_value(one.path, "$.schema", shown(SCHEMA), allowed)
+        if isinstance(one, Rays):
+            raise bad_value(one.path, "$.schema", shown(RAYS_SCHEMA), "a result of `ptbench run`; it is for `rays`")
         yield one
 
 
@@ -243,7 +284,7 @@ def _cells(files: Files) -> Iterator[tuple[Result, Cell]]:
     return ((result, cell) for result in _results(files) for cell in result.cells)
 
 
-def _of_file(result: Result | Stability) -> dict:
+def _of_file(result: Loaded) -> dict:
     return {
         "file": str(result.path),
         "machine": result.about("machine"),
@@ -308,6 +349,8 @@ def _cell(cell: Cell) -> dict:
     if cell.cuda is not None:
         facts = ("block", "device_bytes", "path_bytes", "path_state_bytes", "prepare_ms")
         row |= {name: getattr(cell.cuda, name) for name in facts}
+    if cell.meshes is not None:
+        row |= {f"mesh_{name}": value for name, value in vars(cell.meshes).items()}
     return row | _status(cell)
 
 

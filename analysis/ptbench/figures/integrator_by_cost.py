@@ -1,0 +1,67 @@
+"""A megakernel's time over a wavefront's by the arithmetic injected into shading, a line a number of triangles.
+
+Below 1 the one kernel is the faster. Only of a study that has both integrators with the same settings.
+"""
+
+from __future__ import annotations
+
+from matplotlib.figure import Figure
+
+from ptbench.errors import NotDrawable
+from ptbench.figures import series
+from ptbench.figures.caption import note_lines, setting
+from ptbench.io.cells import Cell, Result, Study
+from ptbench.stats.estimates import INTERVAL_TEXT
+from ptbench.studies.notes import notes_of
+from ptbench.studies.rows import measure, time_ratio
+
+KERNEL, QUEUE, COST = "megakernel_regen", "wavefront", "shading_fmas"
+
+
+def collect(result: Result, study: Study) -> series.Data:
+    """A line a scene with a mesh; raises NotDrawable."""
+    rows = measure(result, study)
+    cells = [row.cell for row in rows if row.cell.measured and row.cell.meshes is not None]
+    lines = []
+    for scene in dict.fromkeys(cell.scene for cell in cells):
+        queues, kernels = (_by_cost(cells, scene, name) for name in (QUEUE, KERNEL))
+        if costs := sorted(queues.keys() & kernels.keys()):
+            triangles = series.count_text(queues[costs[0]].meshes.triangles)
+            ratios = tuple(time_ratio(kernels[cost], queues[cost])[0] for cost in costs)
+            lines.append(series.Series(f"{triangles} triangles ({scene})", tuple(map(float, costs)), ratios))
+    if not lines:
+        raise NotDrawable(f"no scene with a mesh has both {KERNEL} and {QUEUE}")
+    notes = notes_of(result, study, rows)
+    caption = "\n".join(
+        [
+            f"Time of {KERNEL} over that of {QUEUE}: below 1 the one kernel is faster. Bars: {INTERVAL_TEXT}, mostly "
+            "hidden by the marker.",
+            setting(result, cells, None, study),
+            *note_lines(notes),
+        ]
+    )
+    costs = sorted({x for line in lines for x in line.xs})
+    return series.Data(
+        "One kernel against a queue, by cost of shading",
+        caption,
+        tuple(notes),
+        tuple(line.label for line in lines),
+        (series.Panel(f"Time of {KERNEL} over that of {QUEUE}", tuple(lines)),),
+        "Multiply-adds injected into a shading (log scale right of 0)",
+        "Ratio of times (log scale)",
+        {cost: f"{cost:g}" for cost in costs},
+        one=True,
+    )
+
+
+def draw(data: series.Data) -> Figure:
+    """The page of what `collect` gave."""
+    return series.draw(data)
+
+
+def _by_cost(cells: list[Cell], scene: str, integrator: str) -> dict[int, Cell]:
+    return {
+        cell.tunables.get(COST, 0): cell
+        for cell in cells
+        if (cell.scene, cell.axes["integrator"]) == (scene, integrator)
+    }

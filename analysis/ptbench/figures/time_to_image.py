@@ -1,0 +1,178 @@
+"""Time to an image by samples a pixel: a better tree takes longer to build and less to trace.
+
+A line a builder: building + encoding + spp x the time of a sample, over the same of `sah_binned`. Builders that run on the GPU have a second line where
+the folder `rays` beside the result has the same mesh built and encoded there without a copy: the suite's own encoding
+runs on the host.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ptbench.errors import NotDrawable
+from ptbench.figures import series
+from ptbench.figures.caption import note_lines, setting
+from ptbench.io.cells import Cell, Result, Study
+from ptbench.io.rays import RayMesh, load_rays_folder
+from ptbench.stats.estimates import Estimate, median_estimate
+from ptbench.studies.notes import notes_of
+from ptbench.studies.rows import measure
+
+# Those of variants/builder that are CUDA programs.
+GPU_BUILDERS = ("hploc",)
+# The box round the mesh that `ptbench rays` adds: two triangles a side.
+BOX_TRIANGLES = 12
+SPPS = tuple(2**n for n in range(15))
+BASELINE = "sah_binned"
+
+
+@dataclass(frozen=True)
+class Way:
+    """One way to an image: what comes before the first sample, ms, and what each takes, ms."""
+
+    scene: str
+    label: str
+    cell: Cell
+    before_ms: float
+    sample: Estimate
+
+    def time(self, spp: float) -> Estimate:
+        """ms to an image of so many samples a pixel; the interval is the tracing's, a build was timed once."""
+        low, high = self.sample.low, self.sample.high
+        return Estimate(
+            self.before_ms + spp * self.sample.value,
+            None if low is None else self.before_ms + spp * low,
+            None if high is None else self.before_ms + spp * high,
+            self.sample.n,
+        )
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """From `spp` samples a pixel on `later` is there first, before it `sooner`."""
+
+    sooner: Way
+    later: Way
+    spp: float
+
+
+def ways(cells: Iterable[Cell], meshes: Sequence[RayMesh] = ()) -> list[Way]:
+    """Every measured cell's way, and the GPU's own where `meshes` has it."""
+    found = []
+    for cell in cells:
+        if not cell.measured or cell.meshes is None or cell.meshes.nodes == 0:
+            continue
+        builder, facts = cell.axes["builder"], cell.meshes
+        sample = median_estimate(cell.ms_per_spp)
+        on_gpu = builder in GPU_BUILDERS
+        where = "GPU, encoded by the CPU" if on_gpu else "CPU"
+        found.append(Way(cell.scene, f"{builder} ({where})", cell, facts.build_ms + facts.encode_ms, sample))
+        for mesh in meshes if on_gpu else ():
+            for tree in mesh.trees if _is_of(mesh, cell) else ():
+                if (tree.accelerator, tree.builder) == (cell.axes["accelerator"], builder) and tree.device_build_ms:
+                    before = float(np.median(tree.device_build_ms) + np.median(tree.device_encode_ms))
+                    found.append(Way(cell.scene, f"{builder} (all on the GPU)", cell, before, sample))
+    return found
+
+
+def _is_of(mesh: RayMesh, cell: Cell) -> bool:
+    """Whether a scene shows that mesh in a room: by its name, and by its number of triangles."""
+    name = cell.scene.rpartition("/")[2].lower()
+    return name == f"{mesh.name.lower()}_room" and mesh.triangles == cell.meshes.triangles + BOX_TRIANGLES
+
+
+def crossings(of_scene: Sequence[Way]) -> list[Crossing]:
+    """Every pair of ways that change places at some number of samples above 0, the earliest first."""
+    found = []
+    for one, other in combinations(of_scene, 2):
+        spp = series.crossing((one.before_ms, other.before_ms), (one.sample.value, other.sample.value))
+        # A difference of slopes within their intervals is none: no claim can stand on it.
+        if spp is not None and _differ(one.sample, other.sample):
+            sooner, later = (one, other) if one.before_ms < other.before_ms else (other, one)
+            found.append(Crossing(sooner, later, spp))
+    return sorted(found, key=lambda crossing: crossing.spp)
+
+
+def _differ(one: Estimate, other: Estimate) -> bool:
+    ends = (one.low, one.high, other.low, other.high)
+    return None not in ends and (one.high < other.low or other.high < one.low)
+
+
+def sibling_meshes(path: Path) -> list[RayMesh]:
+    """The meshes of the folder `rays` beside a result file, if there is one."""
+    folder = path.parent / "rays"
+    if not folder.is_dir():
+        return []
+    files, _ = load_rays_folder(folder)
+    return [mesh for file in files for mesh in file.meshes]
+
+
+def collect(result: Result, study: Study) -> series.Data:
+    """A panel a scene, accelerator and integrator; raises NotDrawable."""
+    rows = measure(result, study)
+    cells = [row.cell for row in rows if row.cell.measured and row.cell.meshes is not None]
+    found = ways(cells, sibling_meshes(result.path))
+    panels, said = [], []
+
+    def key(way: Way) -> tuple[str, ...]:
+        return way.scene, way.cell.axes["integrator"], way.cell.axes["accelerator"]
+
+    keys = list(dict.fromkeys(map(key, found)))
+    for one in keys:
+        of_panel = [way for way in found if key(way) == one]
+        if len({way.cell.axes["builder"] for way in of_panel}) < 2:
+            continue
+        crossed = [item for item in crossings(of_panel) if SPPS[0] <= item.spp <= SPPS[-1]]
+        base = next((way for way in of_panel if way.cell.axes["builder"] == BASELINE), of_panel[0])
+        lines = tuple(_line(way, base, crossed) for way in of_panel)
+        varying = [part for index, part in enumerate(one) if index == 0 or len({k[index] for k in keys}) > 1]
+        title = ", ".join(varying)
+        panels.append(series.Panel(f"{title}: {series.count_text(of_panel[0].cell.meshes.triangles)} triangles", lines))
+        words = [f"{item.later.label} before {item.sooner.label} from {item.spp:.0f} spp" for item in crossed]
+        said.append(f"{title}: {'; '.join(words) or 'no crossing from 1 to ' + str(SPPS[-1]) + ' spp'}.")
+    if not panels:
+        raise NotDrawable("no scene has trees of two builders")
+    notes = notes_of(result, study, rows)
+    threads = result.about("threads")
+    caption = "\n".join(
+        [
+            f"Time: building, once, plus encoding, once, plus spp times the median time of a sample. CPU: {threads} "
+            f"threads. Below 1: the image is there before that of {BASELINE}. All on the GPU: build and encoding as `ptbench rays` timed them on this mesh, medians, without a copy. "
+            "Rings, from where on the line is below another: " + " ".join(said),
+            setting(result, cells, None, study),
+            *note_lines(notes),
+        ]
+    )
+    order = dict.fromkeys(one.label for panel in panels for one in panel.series)
+    return series.Data(
+        f"Time to an image by samples a pixel: builders over {BASELINE}",
+        caption,
+        tuple(notes),
+        tuple(order),
+        tuple(panels),
+        "Samples a pixel (log scale)",
+        f"Time over {BASELINE}'s",
+        {float(spp): str(spp) for spp in SPPS[::3]},
+        one=True,
+        linear=True,
+    )
+
+
+def _line(way: Way, base: Way, crossed: Sequence[Crossing]) -> series.Series:
+    def over(spp: float) -> float:
+        return way.time(spp).value / base.time(spp).value
+
+    ratios = tuple(Estimate(over(spp), None, None, 1) for spp in SPPS)
+    rings = tuple((item.spp, over(item.spp)) for item in crossed if item.later is way)
+    return series.Series(way.label, tuple(map(float, SPPS)), ratios, rings)
+
+
+def draw(data: series.Data) -> Figure:
+    """The page of what `collect` gave."""
+    return series.draw(data)

@@ -1,0 +1,228 @@
+"""Reads files of `ptbench rays`, and those of a peer that traced the same rays (tools/rays/optix_peer.py).
+
+Times are milliseconds of a whole batch. A peer's file is named for its mesh: `optix_tori_4M.json` holds OptiX's times
+for the rays of the mesh `tori_4M`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ptbench.errors import bad_value
+from ptbench.io.nodes import Node, read_json, shown
+
+SCHEMA = "ptbench-rays-1"
+QUERIES = ("closest", "any")
+_PEER_KEYS = {"mesh", "mitsuba", "batches"}
+
+
+@dataclass(frozen=True)
+class Batch:
+    """One kernel on one class of rays: `ms` of every repetition."""
+
+    ray_class: str
+    kernel: str
+    query: str
+    rays: int
+    ms: tuple[float, ...]
+    checksum: str = ""  # of all hits
+    nodes_per_ray: float | None = None
+    boxes_per_ray: float | None = None
+    triangles_per_ray: float | None = None
+
+    @property
+    def giga_rays_per_second(self) -> np.ndarray:
+        """Billions of rays a second, one value a repetition."""
+        return self.rays / np.array(self.ms) / 1e6
+
+
+@dataclass(frozen=True)
+class Tree:
+    """One accelerator over one builder's tree."""
+
+    accelerator: str
+    builder: str  # empty: the accelerator needs no tree
+    nodes: int
+    node_bytes: int
+    leaf_bytes: int
+    sah_cost: float
+    build_ms: float
+    encode_ms: float
+    device_build_ms: tuple[float, ...]  # without the copies; empty: not built on the GPU
+    device_encode_ms: tuple[float, ...]
+    batches: tuple[Batch, ...]
+
+
+@dataclass(frozen=True)
+class RayMesh:
+    """One mesh with its rays' classes and trees."""
+
+    name: str
+    triangles: int
+    hash: str
+    rays: dict[str, int]  # by class
+    agree: dict[str, bool]  # by class: all batches left the same hits, and brute force's where they were held to it
+    trees: tuple[Tree, ...]
+
+
+@dataclass(frozen=True)
+class Rays:
+    """One file of `ptbench rays`."""
+
+    path: Path
+    context: dict[str, str]
+    backend: str
+    threads: int
+    repetitions: int
+    meshes: tuple[RayMesh, ...]
+
+    @property
+    def suite(self) -> str:
+        """None: such a file belongs to no suite."""
+        return ""
+
+    def about(self, key: str) -> str:
+        """A ptbench context value, or "unknown" where the file does not have it."""
+        return self.context.get(f"ptbench.{key}") or "unknown"
+
+
+@dataclass(frozen=True)
+class Peer:
+    """Another program's times for the rays of one mesh."""
+
+    path: Path
+    name: str
+    mesh: str
+    version: str
+    hits_differ: int  # rays that only one of both programs says hit
+    batches: tuple[Batch, ...]
+
+
+def is_rays(root: Node) -> bool:
+    """Whether a parsed file is one of `ptbench rays`."""
+    return isinstance(root.value, dict) and root.value.get("schema") == SCHEMA
+
+
+def is_peer(root: Node) -> bool:
+    """Whether a parsed file is a peer's."""
+    return isinstance(root.value, dict) and root.value.keys() >= _PEER_KEYS
+
+
+def rays_of(root: Node) -> Rays:
+    """The file's content, checked; raises InputError."""
+    root.need("schema").one_of((SCHEMA,))
+    fields = root.need("context").fields()
+    context = {key: root.need("context").need(key).text() for key in fields}
+    meshes = tuple(_mesh(node) for node in root.need("meshes").items())
+    return Rays(
+        path=root.file,
+        context=context,
+        backend=root.need("backend").name(),
+        threads=root.need("threads").integer(minimum=1),
+        repetitions=root.need("repetitions").integer(minimum=1),
+        meshes=meshes,
+    )
+
+
+def peer_of(root: Node) -> Peer:
+    """A peer's file, checked; raises InputError."""
+    name, _, mesh = root.file.stem.partition("_")
+    written = Path(root.need("mesh").name()).stem
+    if not mesh or mesh != written:
+        raise bad_value(root.file, "$.mesh", shown(written), "the mesh of the file's name, PEER_MESH.json")
+    nodes = list(root.need("batches").items())
+    return Peer(
+        path=root.file,
+        name=name,
+        mesh=mesh,
+        version=root.need("mitsuba").name(),
+        hits_differ=sum(node.need("hits_differ").integer() for node in nodes),
+        batches=tuple(
+            Batch(
+                ray_class=node.need("class").name(),
+                kernel=name,
+                query=node.need("query").one_of(QUERIES),
+                rays=node.need("rays").integer(minimum=1),
+                ms=_times(node.need("ms")),
+            )
+            for node in nodes
+        ),
+    )
+
+
+def load_rays_folder(folder: Path) -> tuple[tuple[Rays, ...], tuple[Peer, ...]]:
+    """Every file of `ptbench rays` in a folder, and every peer's, by name; raises InputError where there is none."""
+    roots = [read_json(path) for path in sorted(folder.glob("*.json*"))]
+    found = tuple(rays_of(root) for root in roots if is_rays(root))
+    if not found:
+        raise bad_value(folder, "the folder", "no such file", "files of ptbench rays")
+    return found, tuple(peer_of(root) for root in roots if is_peer(root))
+
+
+def _mesh(node: Node) -> RayMesh:
+    sets = list(node.need("ray_sets").items())
+    rays = {one.need("class").name(): one.need("rays").integer(minimum=1) for one in sets}
+    return RayMesh(
+        name=node.need("mesh").name(),
+        triangles=node.need("triangles").integer(minimum=1),
+        hash=node.need("hash").name(),
+        rays=rays,
+        agree={one.need("class").name(): bool(one.need("agree").one_of((True, False))) for one in sets},
+        trees=tuple(_tree(tree, rays) for tree in node.need("trees").items()),
+    )
+
+
+def _tree(node: Node, rays: dict[str, int]) -> Tree:
+    return Tree(
+        accelerator=node.need("accelerator").name(),
+        builder=node.optional_text("builder"),
+        nodes=node.need("nodes").integer(),
+        node_bytes=node.need("node_bytes").integer(),
+        leaf_bytes=node.need("leaf_bytes").integer(),
+        sah_cost=node.need("sah_cost").number(),
+        build_ms=node.need("build_ms").number(),
+        encode_ms=node.need("encode_ms").number(),
+        device_build_ms=_maybe_times(node, "device_build_ms"),
+        device_encode_ms=_maybe_times(node, "device_encode_ms"),
+        batches=tuple(_batch(batch, rays) for batch in node.need("batches").items()),
+    )
+
+
+def _batch(node: Node, rays: dict[str, int]) -> Batch:
+    ray_class = node.need("class").one_of(tuple(rays))
+    return Batch(
+        ray_class=ray_class,
+        kernel=node.need("kernel").name(),
+        query=node.need("query").one_of(QUERIES),
+        rays=rays[ray_class],
+        ms=_times(node.need("ms")),
+        checksum=node.need("checksum").name(),
+        nodes_per_ray=node.optional_number("nodes_per_ray"),
+        boxes_per_ray=node.optional_number("boxes_per_ray"),
+        triangles_per_ray=node.optional_number("triangles_per_ray"),
+    )
+
+
+def _times(node: Node) -> tuple[float, ...]:
+    times = tuple(item.number(above_zero=True) for item in node.items())
+    if not times:
+        raise node.wrong("a time or more")
+    return times
+
+
+def _maybe_times(node: Node, key: str) -> tuple[float, ...]:
+    times = node.maybe(key)
+    return () if times is None else _times(times)
+
+
+def peer_batch(peers: Sequence[Peer], mesh: str, ray_class: str) -> tuple[Peer, Batch] | None:
+    """The peer's times for a mesh and a class of rays; None where no peer traced them."""
+    for peer in peers:
+        for batch in peer.batches:
+            if (peer.mesh, batch.ray_class) == (mesh, ray_class):
+                return peer, batch
+    return None
