@@ -1,6 +1,7 @@
 """`python3 -m ptbench compare A.json B.json ...`: result files of two commits, two machines or many GPUs.
 
-Files of `ptbench stability` are held against each other, too, by ptbench.compare.stability.
+Files of `ptbench stability` are held against each other, too, by ptbench.compare.stability, and those of
+`ptbench rays` by ptbench.compare.rays.
 
 Every file is held against the first. Exit codes: 0 compared; 1 what `--fail-on` names was found, or could not be
 judged; 2 bad input, which a file without a single cell in common with the first is, too.
@@ -17,6 +18,7 @@ from pathlib import Path
 from ptbench.compare.compared import Compared, check_number, compare_files
 from ptbench.compare.document import as_json
 from ptbench.compare.gate import Outcome, outcome
+from ptbench.compare.rays import check_rays_options, compare_rays_files, rays_json, rays_outcome, rays_sections
 from ptbench.compare.sections import Section, as_markdown, as_text
 from ptbench.compare.stability.matching import check_stability_options, compare_stability_files, stability_outcome
 from ptbench.compare.stability.text import stability_json, stability_sections
@@ -30,6 +32,7 @@ from ptbench.compare.text import (
 from ptbench.errors import InputError
 from ptbench.io.files import check_output_file, check_output_folder, make_folder, write_text
 from ptbench.io.nodes import read_json
+from ptbench.io.rays import is_rays
 from ptbench.io.stability import is_stability
 from ptbench.terminal import say
 
@@ -41,7 +44,14 @@ def compare_command(options: argparse.Namespace) -> int:
     if options.out is not None:
         check_output_folder(options.out)
     check_number(options.results)
-    if is_stability(read_json(options.results[0])):
+    first = read_json(options.results[0])
+    if is_rays(first):
+        check_rays_options(options)
+        by_batch = compare_rays_files(options.results)
+        gates = [rays_outcome(by_batch, what) for what in dict.fromkeys(options.fail_on)]
+        report = rays_sections(by_batch)
+        return _tell(options, _Told("Ray files compared", report, report, rays_json(by_batch), gates))
+    if is_stability(first):
         check_stability_options(options)
         found = compare_stability_files(options.results)
         outcomes = [stability_outcome(found, what) for what in dict.fromkeys(options.fail_on)]

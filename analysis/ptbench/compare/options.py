@@ -10,7 +10,7 @@ FAIL_ON = ("slower", "different", "unmatched", "failed")
 def add_compare(commands) -> None:
     """The subcommand's options."""
     parser = commands.add_parser(
-        "compare", help="hold result files, or stability files, of commits or machines against the first one"
+        "compare", help="hold result, stability or rays files of commits or machines against the first one"
     )
     parser.add_argument(
         "results", type=Path, nargs="+", metavar="RESULT.json", help="two or more; the first: reference"

@@ -107,14 +107,15 @@ def _lines(panel: dict[str, dict[int, Batch]]) -> tuple[series.Series, ...]:
 
 
 def _caption(files: Sequence[Rays], peers: Sequence[Peer], meshes: Sequence[RayMesh], builder: str) -> str:
-    rays = ", ".join(f"{count:,}".replace(",", " ") for count in dict.fromkeys(n for m in meshes for n in m.rays.values()))
+    counts = dict.fromkeys(count for mesh in meshes for count in mesh.rays.values())
+    rays = ", ".join(f"{count:,}".replace(",", " ") for count in counts)
     kernels = list(dict.fromkeys(b.kernel for m in meshes for tree in m.trees for b in tree.batches))
     said = {
         "persistent": "persistent: warps that fetch rays and vote on the next step",
         "persistent_no_vote": "persistent no vote: the same without the vote",
         "plain": "plain: one thread a ray, the loop of path kernels",
     }
-    devices = ", ".join(dict.fromkeys(file.about("cuda_device") if file.backend == "cuda" else file.about("cpu_model") for file in files))
+    devices = ", ".join(dict.fromkeys(map(_device, files)))
     commits = ", ".join(dict.fromkeys(file.about("git_sha")[:7] for file in files))
     parts = [
         f"{devices}; {rays} rays a batch, medians of {max(file.repetitions for file in files)}; bars: {INTERVAL_TEXT}, "
@@ -127,3 +128,7 @@ def _caption(files: Sequence[Rays], peers: Sequence[Peer], meshes: Sequence[RayM
         versions = ", ".join(dict.fromkeys(f"{peer_name(peer)} through Mitsuba {peer.version}" for peer in peers))
         parts.append(f"{versions}: the same rays and triangles in the same session on the same GPU.")
     return " ".join(parts)
+
+
+def _device(file: Rays) -> str:
+    return file.about("cuda_device" if file.backend == "cuda" else "cpu_model")

@@ -1,4 +1,4 @@
-"""Any quantity as lines over a number, in panels of one scale. Axes are logarithmic, but for a y that is asked for from 0.
+"""Any quantity as lines over a number, in panels of one scale, logarithmic but where y is to begin at 0.
 
 What `lines` is for times and their ratios to a baseline, this is for everything else: rates, ratios, totals.
 """
@@ -132,7 +132,7 @@ def _scale_y(axes: Axes, values: Sequence[float], linear: bool) -> None:
 
 
 def ticks_between(low: float, high: float) -> list[float]:
-    """Round values of a logarithmic axis: 1, 2 and 5 of every decade, tenths where it spans little, or powers of ten."""
+    """Round values of a logarithmic axis: 1, 2, 5 of a decade; powers of ten where it is long, tenths where short."""
     decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     if high / low < 4:
         step = 0.1 if high - low < 1 else 0.25 if high - low < 2 else 0.5

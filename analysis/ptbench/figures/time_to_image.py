@@ -1,8 +1,8 @@
 """Time to an image by samples a pixel: a better tree takes longer to build and less to trace.
 
-A line a builder: building + encoding + spp x the time of a sample, over the same of `sah_binned`. Builders that run on the GPU have a second line where
-the folder `rays` beside the result has the same mesh built and encoded there without a copy: the suite's own encoding
-runs on the host.
+A line a builder: building + encoding + spp x the time of a sample, over the same of `sah_binned`. Builders that run on
+the GPU have a second line where the folder `rays` beside the result has the same mesh built and encoded there without a
+copy: the suite's own encoding runs on the host.
 """
 
 from __future__ import annotations
@@ -143,7 +143,8 @@ def collect(result: Result, study: Study) -> series.Data:
     caption = "\n".join(
         [
             f"Time: building, once, plus encoding, once, plus spp times the median time of a sample. CPU: {threads} "
-            f"threads. Below 1: the image is there before that of {BASELINE}. All on the GPU: build and encoding as `ptbench rays` timed them on this mesh, medians, without a copy. "
+            f"threads. Below 1: the image is there before that of {BASELINE}. All on the GPU: build and encoding as "
+            "`ptbench rays` timed them on this mesh, medians, without a copy. "
             "Rings, from where on the line is below another: " + " ".join(said),
             setting(result, cells, None, study),
             *note_lines(notes),

@@ -5,9 +5,9 @@ A template begins with a JSON object between two lines of `---`:
     {"title": "...", "sources": {"compaction": {"file": "nvidia-h200/compaction.json", "where": "arithmetic=exact",
      "kernels_behind": 250}}, "constants": {"aim": "0.05"}}
 
-A source with "optional": true that is not there is None: the page says by itself what waits for it. A folder is one of
-`ptbench rays`. Every source is a variable of the page (findings/source.py), and so is every constant: a number that nobody measured, an
-aim or a version, which a page may not hold in any other way. `kernels_behind` is how many commits to kernels/ and
+Every source is a variable of the page (findings/source.py), and so is every constant: a number that nobody measured, an
+aim or a version, which a page may not hold in any other way. A folder is one of `ptbench rays`; a source with
+"optional": true that is not there is None. `kernels_behind` is how many commits to kernels/ and
 variants/ there may be since the result's; more, and the page must be looked at again.
 """
 

@@ -94,6 +94,13 @@ class Ratio:
         """Whether all of the interval is at least so many times as fast; one without an interval is not."""
         return self.estimate.high is not None and 1 / self.estimate.high >= least
 
+    def must_exceed(self, other: Ratio, said: str = "") -> str:
+        """`said`, if all of the interval is above the other's; FindingError for a sentence that has it otherwise."""
+        low, high = self.estimate.low, other.estimate.high
+        if low is None or high is None or low <= high:
+            raise FindingError(f"{self.of}: {self}, which is not above {other}, as the page says ({said})")
+        return said
+
     def must_be_over(self, *words: str) -> str:
         """Nothing, if the baseline has all these words; FindingError where the page describes another one."""
         base = self.of.partition(" over ")[2].split()

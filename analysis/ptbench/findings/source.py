@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -12,12 +13,15 @@ from ptbench.convergence.assessment import Assessment, assess
 from ptbench.convergence.efficiency import baseline_among, by_place, time_to
 from ptbench.convergence.efficiency import compare as compare_errors
 from ptbench.convergence.fit import Fit
+from ptbench.figures.time_to_image import Way, sibling_meshes, ways
+from ptbench.findings.builders import Built, Crossed, built, crossed
 from ptbench.findings.errors import FindingError
 from ptbench.findings.quantities import Quantity, Ratio, Ratios, link_to
 from ptbench.findings.selection import cell_of, cells_of, parsed
 from ptbench.io.cells import Cell, MeshFacts, Result
 from ptbench.io.results import load
 from ptbench.stats.estimates import (
+    CLOCK_UNKNOWN,
     UNSURE,
     Estimate,
     Verdict,
@@ -28,6 +32,16 @@ from ptbench.stats.estimates import (
 from ptbench.studies.questions import dimension
 from ptbench.studies.rows import Row, measure, time_ratio
 from ptbench.studies.withdrawn import between
+
+
+@dataclass(frozen=True)
+class Told:
+    """A row of a study's table; no ratio: it is the baseline, or has none."""
+
+    scene: str
+    label: str
+    ms: Quantity
+    ratio: Ratio | None
 
 
 class Source:
@@ -85,15 +99,18 @@ class Source:
             raise FindingError(f"{self.result.path}: nothing to hold against {over}: {selection}")
         return Ratios(tuple(found))
 
-    def rows(self, study: str) -> list[Row]:
+    def rows(self, study: str) -> list[Told]:
         """Every measured cell of a study with its ratio to the study's baseline; none, where the file lacks it."""
         found = [one for one in self.result.studies if one.name == study]
-        return [
-            row
-            for one in found
-            for row in measure(self.result, one)
-            if row.estimate is not None and (row.ratio is None or not row.verdict.note)
-        ]
+        return [_told(row) for one in found for row in measure(self.result, one) if row.estimate is not None]
+
+    def built(self, selection: str) -> list[Built]:
+        """What each builder's tree costs and is worth, in every cell of a selection with a mesh."""
+        return built(self._ways(selection))
+
+    def crossings(self, selection: str) -> list[Crossed]:
+        """From how many samples a pixel on one builder's image is there before another's."""
+        return crossed(self._ways(selection))
 
     def meshes(self, selection: str) -> MeshFacts:
         """What the cell's meshes and trees are made of."""
@@ -101,6 +118,10 @@ class Source:
         if facts is None:
             raise FindingError(f"{self.result.path}: {selection} has no mesh")
         return facts
+
+    def sah(self, selection: str) -> Quantity:
+        """SAH cost of the cell's largest tree."""
+        return Quantity(Estimate(self.meshes(selection).sah_cost, None, None, 1), selection)
 
     def common(self, other: Source, selection: str = "") -> Ratios:
         """Time of every cell of a selection here over that of the same cell in another file, of another machine."""
@@ -244,6 +265,9 @@ class Source:
             f"{disturbed}; commit {self.commit}, {self.date}.{every_row}"
         )
 
+    def _ways(self, selection: str) -> list[Way]:
+        return ways(self.cells(selection), sibling_meshes(self.result.path))
+
     def _any(self, selection: str) -> list[Cell]:
         """Every measured cell; of a selection, those with these words, whatever the rest is."""
         chosen = parsed(selection)
@@ -271,6 +295,13 @@ class Source:
     def _median(self, selection: str, values: Callable[[Cell], np.ndarray]) -> Quantity:
         cell = self.cell(selection)
         return Quantity(median_estimate(values(cell)), cell.name)
+
+
+def _told(row: Row) -> Told:
+    # What else stands there is a withdrawn verdict's mark.
+    is_told = row.ratio is not None and row.verdict.note in ("", CLOCK_UNKNOWN)
+    ratio = Ratio(row.ratio, row.verdict, row.cell.name) if is_told else None
+    return Told(row.cell.scene, row.label, Quantity(row.estimate, row.cell.name), ratio)
 
 
 def _ratio(cell: Cell, base: Cell, *, one_clock: bool = True) -> Ratio:

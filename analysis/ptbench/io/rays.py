@@ -98,7 +98,7 @@ class Peer:
     name: str
     mesh: str
     version: str
-    hits_differ: int  # rays that only one of both programs says hit
+    hits_differ: int  # by how many the numbers of hits differ, over all batches
     batches: tuple[Batch, ...]
 
 

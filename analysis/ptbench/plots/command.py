@@ -48,7 +48,10 @@ def _save(figure: Figure, folder: Path, name: str, part: str) -> list[Path]:
 
 
 def plots(path: Path, out: Path | None) -> int:
-    """Draws and writes into `out` or the folder beside the file; the exit code. A folder is one of `ptbench rays`. Raises InputError."""
+    """Draws and writes into `out` or the folder beside the file; the exit code. Raises InputError.
+
+    A folder is one of files of `ptbench rays`.
+    """
     if path.is_dir():
         return rays_plots(*load_rays_folder(path), out if out is not None else path.parent / "figures" / path.name)
     root = read_json(path)

@@ -1,0 +1,321 @@
+"""Files of `ptbench rays` and of a peer: read, as rows, drawn, and as pages ask them."""
+
+from __future__ import annotations
+
+import copy
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import ROOT
+from legibility import check_legible
+
+import ptbench
+from ptbench.cli.main import main
+from ptbench.errors import InputError, NotDrawable
+from ptbench.figures import rays_by_triangles, series, style
+from ptbench.findings.errors import FindingError
+from ptbench.findings.page import source_of
+from ptbench.findings.rays import RaysFolder
+from ptbench.io.nodes import read_json
+from ptbench.io.rays import is_peer, is_rays, load_rays_folder, peer_of, rays_of
+from ptbench.io.validate import complaints
+
+FOLDER = ROOT / "results" / "nvidia-h200" / "rays"
+MESHES = ("sphere_262k", "sphere_2M", "sphere_8M", "tori_262k", "tori_4M")
+CHECK = FOLDER / "check.json"
+
+
+def written(folder: Path, name: str, value: dict) -> Path:
+    path = folder / name
+    path.write_text(json.dumps(value), encoding="utf-8")
+    return path
+
+
+def ours(mesh: str = "tori_4M") -> dict:
+    return json.loads((FOLDER / f"ptbench_{mesh}.json").read_text(encoding="utf-8"))
+
+
+def theirs(mesh: str = "tori_4M") -> dict:
+    return json.loads((FOLDER / f"optix_{mesh}.json").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("mesh", MESHES)
+def test_rows_are_the_batches_of_the_file(mesh):
+    raw = ours(mesh)
+    rows = ptbench.load(FOLDER / f"ptbench_{mesh}.json").rows()
+    batches = [(tree, batch) for tree in raw["meshes"][0]["trees"] for batch in tree["batches"]]
+    assert len(rows) == len(batches) > 0
+    for row, (tree, batch) in zip(rows, batches, strict=True):
+        for name in ("class", "kernel", "query", "nodes_per_ray", "triangles_per_ray"):
+            assert row[name] == batch[name]
+        for name in ("accelerator", "builder", "sah_cost", "node_bytes", "build_ms", "encode_ms"):
+            assert row[name] == tree[name]
+        assert (row["mesh"], row["triangles"]) == (mesh, raw["meshes"][0]["triangles"])
+        # The file's own rate is that of the median time, and so is that of an odd number of rates.
+        assert row["giga_rays_per_second"] == pytest.approx(batch["grays_per_s"], rel=1e-12)
+        assert row["giga_rays_per_second_low"] <= row["giga_rays_per_second"] <= row["giga_rays_per_second_high"]
+        built = tree.get("device_build_ms")
+        assert row.get("device_build_ms") == (None if built is None else float(np.median(built)))
+
+
+def test_the_peers_files_are_found_by_their_meshes():
+    files, peers = load_rays_folder(FOLDER)
+    assert sorted(peer.mesh for peer in peers) == sorted(MESHES)
+    assert {peer.name for peer in peers} == {"optix"}
+    assert {mesh.name for file in files for mesh in file.meshes} > set(MESHES)
+    batch = next(peer for peer in peers if peer.mesh == "tori_4M").batches[0]
+    assert float(np.median(batch.giga_rays_per_second)) == pytest.approx(theirs()["batches"][0]["grays_per_s"])
+
+
+def test_kinds_are_told_apart():
+    assert (is_rays(read_json(CHECK)), is_peer(read_json(CHECK))) == (True, False)
+    peer = read_json(FOLDER / "optix_tori_4M.json")
+    assert (is_rays(peer), is_peer(peer)) == (False, True)
+
+
+FAULTS = {
+    "no_times": (lambda v: v["meshes"][0]["trees"][0]["batches"][0].update(ms=[]), r"batches\[0\]\.ms: found \[\]"),
+    "zero": (lambda v: v["meshes"][0]["trees"][0]["batches"][0].update(ms=[0]), "a finite number above 0"),
+    "class": (
+        lambda v: v["meshes"][0]["trees"][0]["batches"][0].update({"class": "x"}),
+        r'\.class: found "x", allowed: "primary"',
+    ),
+    "agree": (lambda v: v["meshes"][0]["ray_sets"][0].update(agree="yes"), r"\.agree: found .*allowed: true or false"),
+    "triangles": (lambda v: v["meshes"][0].pop("triangles"), r"\.triangles: found nothing"),
+    "schema": (lambda v: v.update(schema="ptbench-rays-9"), r'\$\.schema: found "ptbench-rays-9"'),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_what_is_wrong_is_told(tmp_path, fault):
+    change, message = FAULTS[fault]
+    value = ours()
+    change(value)
+    with pytest.raises(InputError, match=message):
+        rays_of(read_json(written(tmp_path, "rays.json", value)))
+
+
+def test_a_peers_file_under_another_name_is_refused(tmp_path):
+    with pytest.raises(InputError, match="the mesh of the file's name"):
+        peer_of(read_json(written(tmp_path, "optix_sphere_2M.json", theirs())))
+    with pytest.raises(InputError, match="files of ptbench rays"):
+        load_rays_folder(tmp_path)
+
+
+def test_tables_are_of_their_kinds_of_file():
+    with pytest.raises(InputError, match="of `ptbench rays`"):
+        ptbench.load(ROOT / "results/nvidia-h200/first_bounce.json").rows("rays")
+    with pytest.raises(InputError, match="a result of `ptbench run`"):
+        ptbench.load(CHECK).rows("cells")
+    assert len(ptbench.load(CHECK).frame()) == len(ptbench.load(CHECK).rows("rays"))
+
+
+# --- the figure ---
+
+
+def test_lines_are_the_files_rates_and_the_peers():
+    data = rays_by_triangles.collect(*load_rays_folder(FOLDER))
+    assert [panel.title for panel in data.panels] == [
+        f"{name}: {family}" for name in ("primary", "diffuse 1", "diffuse 3") for family in ("sphere", "tori")
+    ]
+    assert data.order[0] == "OptiX"
+    (optix,) = [one for one in data.panels[1].series if one.label == "OptiX"]
+    rates = [theirs(mesh)["batches"][0]["grays_per_s"] for mesh in ("tori_262k", "tori_4M")]
+    assert [value.value for value in optix.values] == pytest.approx(rates)
+    assert optix.xs == tuple(ours(mesh)["meshes"][0]["triangles"] for mesh in ("tori_262k", "tori_4M"))
+    (plain,) = [one for one in data.panels[1].series if one.label == "cwbvh, plain"]
+    tree = next(tree for tree in ours()["meshes"][0]["trees"] if tree["builder"] == "sah_binned")
+    (batch,) = [b for b in tree["batches"] if (b["class"], b["kernel"]) == ("primary", "plain")]
+    assert plain.values[1].value == pytest.approx(batch["grays_per_s"])
+
+
+def test_the_page_is_legible():
+    with style.applied():
+        figure = rays_by_triangles.draw(rays_by_triangles.collect(*load_rays_folder(FOLDER)))
+    check_legible(figure, "rays")
+
+
+def test_more_accelerators_are_more_lines(tmp_path):
+    value = ours()
+    for name in ("bvh2", "bvh4", "bvh8"):
+        tree = copy.deepcopy(value["meshes"][0]["trees"][0])
+        tree |= {"accelerator": name, "batches": [b for b in tree["batches"] if b["kernel"] == "plain"]}
+        value["meshes"][0]["trees"].append(tree)
+    assert list(complaints(value, "rays")) == []
+    files = [rays_of(read_json(written(tmp_path, "rays.json", value)))]
+    data = rays_by_triangles.collect(files, [])
+    assert {"bvh2, plain", "bvh4, plain", "bvh8, plain", "cwbvh, persistent"} < set(data.order)
+    with style.applied():
+        check_legible(rays_by_triangles.draw(data), "more")
+
+
+def test_few_rays_are_no_rate():
+    with pytest.raises(NotDrawable, match="or more"):
+        rays_by_triangles.collect([rays_of(read_json(CHECK))], [])
+
+
+def test_plots_of_a_folder_and_of_a_file(tmp_path, capsys):
+    assert main(["plots", str(FOLDER), "--out", str(tmp_path / "all")]) == 0
+    assert {path.name for path in (tmp_path / "all").iterdir()} == {
+        "rays_by_triangles.png", "rays_by_triangles.svg", "summary.md",
+    }  # fmt: skip
+    page = (tmp_path / "all/summary.md").read_text(encoding="utf-8")
+    batches = sum(len(tree.batches) for file in load_rays_folder(FOLDER)[0] for m in file.meshes for tree in m.trees)
+    assert page.count("| persistent |") + page.count("| persistent_no_vote |") + page.count("| plain |") == batches
+    assert main(["plots", str(CHECK), "--out", str(tmp_path / "one")]) == 0
+    assert "not drawn: no mesh was traced by" in capsys.readouterr().out
+    assert main(["plots", str(tmp_path / "one")]) == 2
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "ticks"),
+    [
+        (0.9, 11, [1, 2, 5, 10]),
+        (0.38, 1.15, [0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1]),
+        (0.5, 20000, [1, 10, 100, 1000, 10000]),
+    ],
+)
+def test_ticks_are_round_and_within(low, high, ticks):
+    assert series.ticks_between(low, high) == ticks
+
+
+def test_counts_are_short():
+    assert [series.count_text(count) for count in (1280, 36096, 262156, 2096716, 8386828)] == [
+        "1280", "36.1k", "262k", "2.1M", "8.4M",
+    ]  # fmt: skip
+
+
+# --- files against each other ---
+
+
+def slowed(tmp_path: Path, factor: float) -> Path:
+    value = ours()
+    for batch in value["meshes"][0]["trees"][0]["batches"]:
+        batch["ms"] = [ms * factor for ms in batch["ms"]]
+    value["meshes"][0]["trees"][0]["batches"][0]["checksum"] = "0" * 16
+    value["meshes"][0]["trees"][1]["batches"].pop()
+    return written(tmp_path, "slower.json", value)
+
+
+def test_files_are_held_against_each_other(tmp_path, capsys):
+    first, second = str(FOLDER / "ptbench_tori_4M.json"), str(slowed(tmp_path, 1.5))
+    document = tmp_path / "out.json"
+    assert main(["compare", first, second, "--json", str(document), "--out", str(tmp_path / "page")]) == 0
+    text = capsys.readouterr().out
+    assert "17 batches are in both; 1 are in A alone, 0 in B alone. The same hits, bit for bit, have 16." in text
+    (comparison,) = json.loads(document.read_text(encoding="utf-8"))["comparisons"]
+    by_tree = {name: [p for p in comparison["pairs"] if p["builder"] == name] for name in ("sah_binned", "hploc")}
+    assert (by_tree["sah_binned"][0]["same_hits"], by_tree["sah_binned"][0]["ratio"]) == (False, None)
+    assert [pair["ratio"]["value"] for pair in by_tree["sah_binned"][1:]] == pytest.approx([1.5] * 8)
+    assert {pair["verdict"] for pair in by_tree["sah_binned"][1:]} == {"SLOWER"}
+    assert {pair["ratio"]["value"] for pair in by_tree["hploc"]} == {1.0}
+    assert "other hits" in (tmp_path / "page/compare.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(("gate", "code"), [("slower", 1), ("different", 1), ("unmatched", 1), ("failed", 2)])
+def test_gates_fail_on_what_they_name(tmp_path, gate, code):
+    first, second = str(FOLDER / "ptbench_tori_4M.json"), str(slowed(tmp_path, 1.5))
+    assert main(["compare", first, second, "--fail-on", gate]) == code
+    assert main(["compare", first, first, "--fail-on", gate]) == (2 if gate == "failed" else 0)
+
+
+def test_files_without_a_common_batch_are_refused(capsys):
+    names = [str(FOLDER / f"ptbench_{mesh}.json") for mesh in ("tori_4M", "tori_262k")]
+    assert main(["compare", *names]) == 2
+    assert "allowed: a batch that" in capsys.readouterr().err
+    assert main(["compare", names[0], str(ROOT / "results/nvidia-h200/first_bounce.json")]) == 2
+
+
+# --- pages ---
+
+
+@pytest.fixture(scope="module")
+def rays() -> RaysFolder:
+    return RaysFolder(ROOT / "results", "nvidia-h200/rays")
+
+
+def test_the_best_over_the_peer_is_the_files(rays):
+    ratios = {one.of.split()[0]: one for one in rays.best_over_peer("diffuse_3")}
+    assert set(ratios) == {f"mesh={mesh}" for mesh in MESHES}
+    for mesh in MESHES:
+        batches = [b for tree in ours(mesh)["meshes"][0]["trees"] for b in tree["batches"] if b["class"] == "diffuse_3"]
+        best = max(batch["grays_per_s"] for batch in batches)
+        (peer,) = [batch["grays_per_s"] for batch in theirs(mesh)["batches"] if batch["class"] == "diffuse_3"]
+        assert ratios[f"mesh={mesh}"].number == pytest.approx(peer / best)
+
+
+def test_a_bar_holds_with_all_of_the_interval(rays):
+    ratios = rays.best_over_peer("diffuse_3")
+    slowest = ratios.highest
+    assert ratios.all_are_times(1 / slowest.estimate.high, "so") == "so"
+    assert not slowest.is_times(1 / slowest.number)
+    with pytest.raises(FindingError, match="times as fast, where the page says"):
+        ratios.all_are_times(1 / slowest.number)
+
+
+def test_most_is_more_than_half(rays):
+    ratios = rays.ratios("class=diffuse_* kernel=persistent", over="kernel=plain")
+    assert ratios.most_are("FASTER", "most") == "most"
+    with pytest.raises(FindingError, match="0 of 20 are SLOWER"):
+        ratios.most_are("SLOWER")
+    with pytest.raises(FindingError, match="which is not above"):
+        ratios.lowest.must_exceed(ratios.highest)
+    assert ratios.highest.must_exceed(ratios.lowest, "more") == "more"
+
+
+def test_selections_that_name_nothing_or_several_are_told(rays):
+    with pytest.raises(FindingError, match="no batch is kernel=fast"):
+        rays.traced("kernel=fast")
+    with pytest.raises(FindingError, match="no batch has colour"):
+        rays.traced("colour=red")
+    with pytest.raises(FindingError, match="2 batches are"):
+        rays.rate("mesh=tori_4M class=primary kernel=plain")
+    with pytest.raises(FindingError, match="no build on the GPU"):
+        rays.device_ms("tori_4M", "cwbvh", "sah_binned", "build")
+    assert rays.rate_if("mesh=tori_4M class=primary kernel=none") == "—"
+
+
+def folder_of(tmp_path: Path, our: dict, their: dict) -> RaysFolder:
+    (tmp_path / "rays").mkdir()
+    written(tmp_path / "rays", "ptbench_tori_4M.json", our)
+    written(tmp_path / "rays", "optix_tori_4M.json", their)
+    return RaysFolder(tmp_path, "rays")
+
+
+def test_hits_apart_are_counted_and_limited(tmp_path):
+    peer = theirs()
+    assert folder_of(tmp_path, ours(), peer).hits_apart == sum(batch["hits_differ"] for batch in peer["batches"])
+    peer["batches"][0]["hits_differ"] = 100
+    written(tmp_path / "rays", "optix_tori_4M.json", peer)
+    with pytest.raises(FindingError, match="hits differ from the peer's by 10"):
+        _ = RaysFolder(tmp_path, "rays").hits_apart
+
+
+def test_trees_whose_hits_differ_make_no_page(tmp_path):
+    our = ours()
+    our["meshes"][0]["ray_sets"][1]["agree"] = False
+    with pytest.raises(FindingError, match="hits differ between trees of tori_4M"):
+        folder_of(tmp_path, our, theirs())
+
+
+def test_other_rays_than_the_peers_are_no_ratio(tmp_path):
+    our = ours()
+    our["meshes"][0]["ray_sets"][0]["rays"] //= 2
+    folder = folder_of(tmp_path, our, theirs())
+    with pytest.raises(FindingError, match="but the peer traced"):
+        folder.best_over_peer("primary")
+
+
+def test_a_batch_that_is_there_twice_is_told(tmp_path):
+    folder_of(tmp_path, ours(), theirs())
+    written(tmp_path / "rays", "ptbench_again.json", ours())
+    with pytest.raises(FindingError, match="measured twice"):
+        RaysFolder(tmp_path, "rays").best_over_peer("primary")
+
+
+def test_a_source_may_wait_for_its_file(tmp_path):
+    assert source_of(tmp_path, {"file": "nvidia-h100/rays", "optional": True}) is None
+    with pytest.raises(InputError, match="no such file"):
+        source_of(tmp_path, {"file": "nvidia-h100/meshes.json"})
