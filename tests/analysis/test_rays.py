@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from ptbench.cli.main import main
 from ptbench.errors import InputError, NotDrawable
 from ptbench.figures import rays_by_triangles, series, style
 from ptbench.findings.errors import FindingError
-from ptbench.findings.page import source_of
+from ptbench.findings.page import read_page, render, source_of
 from ptbench.findings.rays import RaysFolder
 from ptbench.io.nodes import read_json
 from ptbench.io.rays import is_peer, is_rays, load_rays_folder, peer_of, rays_of
@@ -319,3 +320,36 @@ def test_a_source_may_wait_for_its_file(tmp_path):
     assert source_of(tmp_path, {"file": "nvidia-h100/rays", "optional": True}) is None
     with pytest.raises(InputError, match="no such file"):
         source_of(tmp_path, {"file": "nvidia-h100/meshes.json"})
+
+
+def test_the_page_of_meshes_takes_what_will_come(tmp_path):
+    for path in (ROOT / "results").iterdir():
+        (tmp_path / path.name).symlink_to(path)
+    (tmp_path / "nvidia-h200").unlink()
+    (tmp_path / "nvidia-h200").mkdir()
+    for path in (ROOT / "results/nvidia-h200").iterdir():
+        if path.name != "rays":
+            (tmp_path / "nvidia-h200" / path.name).symlink_to(path)
+    (tmp_path / "nvidia-h200/traversal.json.gz").symlink_to(ROOT / "results/nvidia-h200/meshes.json.gz")
+    (tmp_path / "nvidia-h200/rays").mkdir()
+    (tmp_path / "nvidia-h100").mkdir()
+    for name in ("accelerators.json.gz", "meshes.json.gz", "rays"):
+        (tmp_path / "nvidia-h100" / name).symlink_to(ROOT / "results/nvidia-h200" / name)
+    for mesh in MESHES:
+        value = ours(mesh)
+        tree = copy.deepcopy(value["meshes"][0]["trees"][0]) | {"accelerator": "bvh4"}
+        tree["batches"] = [batch for batch in tree["batches"] if batch["kernel"] == "plain"]
+        value["meshes"][0]["trees"].append(tree)
+        written(tmp_path / "nvidia-h200/rays", f"ptbench_{mesh}.json", value)
+        written(tmp_path / "nvidia-h200/rays", f"optix_{mesh}.json", theirs(mesh))
+    page = read_page(ROOT / "docs/templates/meshes.md")
+    text, now = render(page, tmp_path), render(page, ROOT / "results")
+    headings = [re.findall("^## (.*)$", one, re.MULTILINE) for one in (text, now)]
+    assert [one for one in headings[0] if one not in headings[1]] == ["Traversals"]
+    assert "Not measured yet" in now
+    assert "ot measured yet" not in text
+    assert "| mesh | rays | `cwbvh` | `bvh4` |" in text
+    assert re.search(r"^\| meshes, NVIDIA H200 \| 60 \| 1\.00 \[", text, re.MULTILINE)
+    for one in (text, now):
+        tables = re.findall(r"(?:^\|.*\n)+", one, re.MULTILINE)
+        assert all(len({len(row.split("|")) for row in table.splitlines()}) == 1 for table in tables)
