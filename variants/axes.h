@@ -45,6 +45,8 @@ inline constexpr Axis axis_table[] = {
     {"robustness", "the forms that are stable, or the textbook's", "94b5403", "robust"},
     {"accelerator", "how a ray finds the triangles of a mesh", "4dc231d", "brute_force"},
     {"builder", "how the tree over a mesh is built", "4dc231d", "sah_binned"},
+    {"traversal", "in which order a warp's lanes visit nodes and test triangles", "148f491", "while_while"},
+    {"traversal_stack", "where nodes wait that a ray has yet to visit", "148f491", "local"},
 };
 inline constexpr std::size_t axis_count = std::size(axis_table);
 
@@ -59,11 +61,12 @@ inline constexpr std::array<std::string_view, axis_count> axis_names = [] {
 // ---- What a choice says of itself, by axis ----
 
 struct IntegratorTraits {
-    bool has_queue = false;          // paths lie in memory between stages: to be compacted, sorted and laid out
-    bool can_loop = false;           // on CUDA: its bounces can be the loop of a graph
-    bool appends_in_kernel = false;  // does in its own kernel what a compaction with AppendInKernel does
-    bool seeds_by_position = false;  // tells a sampler where in the queue a path lies
-    bool sums_in_order = false;      // adds a pixel's samples in their order
+    bool has_queue = false;             // paths lie in memory between stages: to be compacted, sorted and laid out
+    bool can_loop = false;              // on CUDA: its bounces can be the loop of a graph
+    bool appends_in_kernel = false;     // does in its own kernel what a compaction with AppendInKernel does
+    bool seeds_by_position = false;     // tells a sampler where in the queue a path lies
+    bool sums_in_order = false;         // adds a pixel's samples in their order
+    bool traces_in_own_kernel = false;  // which can be one whose warps fetch rays
 };
 
 struct CompactionTraits {
@@ -143,17 +146,28 @@ struct AcceleratorTraits {
     bool has_tree = true;              // made by a choice of the axis builder
     bool builds_itself = false;        // it has none of those, but one of its own
     bool checks_large_scenes = false;  // the reference where every triangle in turn would take too long
+    bool has_steps = false;            // others may put its steps in order: variants/acceleration/walk.h
+    bool is_binary = false;
 };
 
 struct BuilderTraits {
     bool splits_primitives = false;  // a primitive may be in several leaves
 };
 
+struct TraversalTraits {
+    bool is_accelerators_own = false;  // with a stack in local memory it is the accelerator's own loop
+    bool needs_own_kernel = false;
+};
+
+struct TraversalStackTraits {
+    bool is_in_thread = false;  // in its local memory alone
+};
+
 // What a descriptor holds: nothing (the defaults of its axis), or the traits of its axis; in the order of axis_table.
-using Traits =
-    std::variant<std::monostate, IntegratorTraits, CompactionTraits, SortingTraits, SortKeyTraits, FirstBounceTraits,
-                 DirectLightTraits, RouletteTraits, SamplerTraits, LayoutTraits, SpecialisationTraits, LaunchTraits,
-                 ArithmeticTraits, PrecisionTraits, RobustnessTraits, AcceleratorTraits, BuilderTraits>;
+using Traits = std::variant<std::monostate, IntegratorTraits, CompactionTraits, SortingTraits, SortKeyTraits,
+                            FirstBounceTraits, DirectLightTraits, RouletteTraits, SamplerTraits, LayoutTraits,
+                            SpecialisationTraits, LaunchTraits, ArithmeticTraits, PrecisionTraits, RobustnessTraits,
+                            AcceleratorTraits, BuilderTraits, TraversalTraits, TraversalStackTraits>;
 static_assert(std::variant_size_v<Traits> == axis_count + 1);
 
 // The traits of the choice that a variant has, and its name: for messages alone.
@@ -180,6 +194,8 @@ struct VariantTraits {
     Chosen<RobustnessTraits> robustness;
     Chosen<AcceleratorTraits> accelerator;
     Chosen<BuilderTraits> builder;
+    Chosen<TraversalTraits> traversal;
+    Chosen<TraversalStackTraits> traversal_stack;
     std::map<std::string, std::uint32_t, std::less<>> tuning;  // Variant::tuning
 };
 

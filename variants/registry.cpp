@@ -199,6 +199,8 @@ VariantTraits traits_of(const Variant& variant, Backend backend) {
         .robustness = chosen<RobustnessTraits>("robustness", variant, backend),
         .accelerator = chosen<AcceleratorTraits>("accelerator", variant, backend),
         .builder = chosen<BuilderTraits>("builder", variant, backend),
+        .traversal = chosen<TraversalTraits>("traversal", variant, backend),
+        .traversal_stack = chosen<TraversalStackTraits>("traversal_stack", variant, backend),
         .tuning = variant.tuning,
     };
 }

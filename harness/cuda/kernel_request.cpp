@@ -21,6 +21,11 @@ ModuleRequest request_for(const Variant& variant, const std::string& source, con
     request.layout = variant["layout"];
     request.sort_key = variant["sort_key"];
     request.accelerator = variant["accelerator"];
+    const VariantTraits traits = traits_of(variant, Backend::cuda);
+    if (!traits.traversal.is_accelerators_own || !traits.traversal_stack.is_in_thread) {
+        request.traversal = variant["traversal"];
+        request.traversal_stack = variant["traversal_stack"];
+    }
     request.architecture = architecture;
     return request;
 }
@@ -74,6 +79,11 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
     if (integrator.constants != nullptr) {
         request.constants = integrator.constants(variant);
     }
+    for (const char* axis : {"traversal", "traversal_stack"}) {
+        for (const Tunable& of : Registry::instance().at(axis, variant, Backend::cuda).descriptor.tunables) {
+            request.constants.push_back({std::string(of.name), tunable(variant, of.name, Backend::cuda)});
+        }
+    }
     if (!traits.integrator.has_queue) {
         request.layout = "aos";  // not used: one compilation serves
     }
@@ -89,6 +99,7 @@ ModuleRequest stage_request(const Variant& variant, const std::string& source,
     ModuleRequest request = request_for(variant, source, architecture);
     request.sort_key = "material";
     request.accelerator = "brute_force";
+    request.traversal = request.traversal_stack = "";
     request.config.block = stage_block;
     request.kernels = kernels;
     return request;

@@ -5,6 +5,7 @@
 
 #include "harness/rays/ray_batch.h"
 #include "variants/accelerator/cwbvh.h"
+#include "variants/traversal/warp_queue.cuh"
 
 namespace pt::rays {
 
@@ -12,14 +13,10 @@ namespace cwbvh = accelerator::cwbvh;
 
 // How a batch is worked off; see closest_hits.
 template <int Threads, int BlocksPerSm, int SharedEntries, int Refill, int Vote, int Groups, bool Any = false>
-struct BatchPolicy {
+struct BatchPolicy : traversal::WarpPolicy<Refill, Vote> {
     static constexpr int threads = Threads;               // of a block
     static constexpr int blocks_per_sm = BlocksPerSm;     // what registers are cut to
     static constexpr int shared_entries = SharedEntries;  // of each thread's stack
-    static constexpr int refill = Refill;  // idle lanes of a warp at which it fetches rays; 32: when all are
-    // A node step where vote x the lanes that want one >= 4 x those that want a triangle's; 0: one node step, then all
-    // triangles it found.
-    static constexpr int vote = Vote;
     // Groups of triangles that a lane can put off: with 2 it goes on to the next node while others test triangles.
     static constexpr int groups = Groups;
     static constexpr bool any = Any;  // whether there is a hit, not which
@@ -95,9 +92,9 @@ public:
     __device__ RayState(const BatchView& batch, uint2* shared, uint2* local, const OctantOrders& orders)
         : batch_(batch), shared_(shared), local_(local), orders_(orders) {}
 
-    __device__ bool active() const { return pending_ != 0 || !group_.empty(); }
-    __device__ bool wants_triangle() const { return pending_ != 0; }
-    __device__ bool wants_node() const { return (P::groups == 2 ? later_ : pending_) == 0 && !group_.empty(); }
+    __device__ bool active() const { return !pending_.empty() || !group_.empty(); }
+    __device__ bool wants_triangle() const { return !pending_.empty(); }
+    __device__ bool wants_node() const { return (P::groups == 2 ? later_ : pending_).empty() && !group_.empty(); }
 
     __device__ void start(std::uint32_t index) {
         const float4* words = reinterpret_cast<const float4*>(batch_.rays + index);
@@ -109,7 +106,7 @@ public:
         best_ = {o.w, no_primitive};
         group_ = cwbvh::NodeGroup::root();
         depth_ = 0;
-        pending_ = later_ = 0;
+        pending_.bits = later_.bits = 0;
     }
 
     // A group is empty only where nothing is left to visit.
@@ -122,29 +119,24 @@ public:
         const std::uint32_t hits = cwbvh::boxes_hit(node, box_ray_, cwbvh::limit_of(best_.t));
         group_ = {node.child_base(),
                   (std::uint32_t{orders_.order[box_ray_.flip][hits >> 24]} << 24) | (node.contents() >> 24)};
-        if (P::groups == 2 && pending_ != 0) {
-            later_ = hits & 0xffffffu;
-            later_contents_ = node.contents();
-            later_base_ = node.slot_base();
+        const cwbvh::SlotGroup found{hits & 0xffffffu, node.contents(), node.slot_base()};
+        if (P::groups == 2 && !pending_.empty()) {
+            later_ = found;
         } else {
-            pending_ = hits & 0xffffffu;
-            contents_ = node.contents();
-            slot_base_ = node.slot_base();
+            pending_ = found;
         }
         finish_if_done();
     }
 
     __device__ void test_triangle() {
-        const std::uint32_t bit = pending_ & (0u - pending_);
-        pending_ ^= bit;
-        intersect_slot(batch_.triangles + (slot_base_ + cwbvh::bits_in(contents_ & (bit - 1u))), ray_, best_);
+        intersect_slot(batch_.triangles + pending_.take(), ray_, best_);
         if (P::any && best_.primitive != no_primitive) {
             best_ = {0.0f, 0};
-            group_.bits = 0, depth_ = 0, pending_ = 0, later_ = 0;
+            group_.bits = 0, depth_ = 0, pending_.bits = 0, later_.bits = 0;
         }
-        if (P::groups == 2 && pending_ == 0) {
-            pending_ = later_, contents_ = later_contents_, slot_base_ = later_base_;
-            later_ = 0;
+        if (P::groups == 2 && pending_.empty()) {
+            pending_ = later_;
+            later_.bits = 0;
         }
         finish_if_done();
     }
@@ -154,7 +146,7 @@ private:
         if (group_.empty()) {
             if (depth_ != 0) {
                 pop();
-            } else if (pending_ == 0) {
+            } else if (pending_.empty()) {
                 __stcs(reinterpret_cast<float2*>(batch_.hits + index_),
                        make_float2(best_.t, __uint_as_float(best_.primitive)));
             }
@@ -183,52 +175,10 @@ private:
     PermutedRay ray_;
     Hit best_;
     cwbvh::NodeGroup group_;
-    std::uint32_t index_, pending_ = 0, contents_, slot_base_;
-    std::uint32_t later_ = 0, later_contents_, later_base_;
+    cwbvh::SlotGroup pending_, later_;
+    std::uint32_t index_;
     int depth_ = 0;
 };
-
-// Lanes without a ray take the next ones. False when there are none left and no lane has one.
-template <class P>
-__device__ inline bool fetch(RayState<P>& state, const BatchView& batch, bool& exhausted) {
-    const std::uint32_t idle = __ballot_sync(~0u, !state.active()), lane = threadIdx.x & 31u;
-    if (!exhausted) {
-        std::uint32_t first = 0;
-        if (lane == 0) {
-            first = atomicAdd(batch.next, cwbvh::bits_in(idle));
-        }
-        first = __shfl_sync(~0u, first, 0);
-        exhausted = first + cwbvh::bits_in(idle) >= batch.count;
-        const std::uint32_t index = first + cwbvh::bits_in(idle & ((1u << lane) - 1u));
-        if (!state.active() && index < batch.count) {
-            state.start(index);
-        }
-    }
-    return __any_sync(~0u, state.active());
-}
-
-// One step of the warp: of nodes or of triangles, for the lanes that want it.
-template <class P>
-__device__ inline void step(RayState<P>& state) {
-    if constexpr (P::vote == 0) {
-        if (state.wants_node()) {
-            state.visit_node();
-        }
-        while (state.wants_triangle()) {
-            state.test_triangle();
-        }
-    } else {
-        const std::uint32_t nodes = cwbvh::bits_in(__ballot_sync(~0u, state.wants_node()));
-        const std::uint32_t triangles = cwbvh::bits_in(__ballot_sync(~0u, state.wants_triangle()));
-        if (nodes != 0 && nodes * P::vote >= 4u * triangles) {
-            if (state.wants_node()) {
-                state.visit_node();
-            }
-        } else if (state.wants_triangle()) {
-            state.test_triangle();
-        }
-    }
-}
 
 template <class P>
 __global__ void __launch_bounds__(P::threads, P::blocks_per_sm) closest_hits(const __grid_constant__ BatchView batch) {
@@ -238,14 +188,7 @@ __global__ void __launch_bounds__(P::threads, P::blocks_per_sm) closest_hits(con
     orders.fill();
     __syncthreads();
     RayState<P> state(batch, stacks + threadIdx.x, local, orders);
-    bool exhausted = false;
-    while (fetch(state, batch, exhausted)) {
-        std::uint32_t idle = 0;
-        do {
-            step(state);
-            idle = __ballot_sync(~0u, !state.active());
-        } while (exhausted ? idle != ~0u : cwbvh::bits_in(idle) < static_cast<std::uint32_t>(P::refill));
-    }
+    traversal::work_off<P>(state, batch.next, batch.count);
 }
 
 }  // namespace pt::rays

@@ -428,7 +428,16 @@ def test_counters_of_inspect_multiply_to_the_time_a_ray():
     assert inspected_of(elsewhere, entries) is None
 
 
-@pytest.mark.parametrize("age", ["", ".robust", ".robust.brute_force.sah_binned"])
+LAST_AXES = {
+    "robustness": "robust",
+    "accelerator": "brute_force",
+    "builder": "sah_binned",
+    "traversal": "while_while",
+    "traversal_stack": "local",
+}
+
+
+@pytest.mark.parametrize("age", ["", ".robust", ".robust.brute_force.sah_binned", ".robust.brute_force.sah_binned.while_while.local"])
 def test_counters_are_found_whichever_of_the_last_axes_a_file_is_too_old_to_name(age):
     result = load(H200 / "schedulers.json")
     (cell,) = (
@@ -436,10 +445,10 @@ def test_counters_are_found_whichever_of_the_last_axes_a_file_is_too_old_to_name
     )
     entries = load_inspected(H200 / "inspect_cornell_open_45_schedulers.json")
     entry = next(e for e in entries if e.choices[0] == "megakernel")
-    without = tuple(choice for choice in entry.choices if choice not in {"robust", "brute_force", "sah_binned"})
+    without = tuple(choice for choice in entry.choices if choice not in LAST_AXES.values())
     aged = replace(entry, choices=(*without, *filter(None, age.split("."))))
-    plain = {axis: c for axis, c in cell.axes.items() if axis not in {"robustness", "accelerator", "builder"}}
-    named = plain | {"robustness": "robust", "accelerator": "brute_force", "builder": "sah_binned"}
+    plain = {axis: c for axis, c in cell.axes.items() if axis not in LAST_AXES}
+    named = plain | LAST_AXES
     for axes in (plain, named):
         assert inspected_of(replace(cell, axes=axes), [aged]) is aged
     other = replace(cell, axes=named | {"accelerator": "bvh2"})

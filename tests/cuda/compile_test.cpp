@@ -161,6 +161,26 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
         add_by_turns(room, {{"accelerator", "bvh2"}, {axis, choice}}, 3);
     }
     add_by_turns(room, {{"specialisation", "generic"}, {"precision", "double"}, {"direct_light", "nee_mis"}}, 3);
+    for (const std::string& accelerator : choices_of("accelerator")) {
+        for (const std::string& traversal : choices_of("traversal")) {
+            for (const std::string& stack : choices_of("traversal_stack")) {
+                const std::map<std::string, std::string> choices{
+                    {"accelerator", accelerator}, {"traversal", traversal}, {"traversal_stack", stack}};
+                if (traits_of(baseline_with(choices), Backend::cuda).traversal.needs_own_kernel) {
+                    programs.add(room, baseline_with(choices));
+                } else {
+                    add_by_turns(room, choices, integrators.size());
+                }
+            }
+        }
+    }
+    for (const auto& [axis, choice] : Choices{
+             {"precision", "double"}, {"layout", "soa"}, {"first_bounce", "cached"}, {"specialisation", "generic"}}) {
+        programs.add(room, baseline_with({{"accelerator", "cwbvh"},
+                                          {"traversal", "persistent"},
+                                          {"traversal_stack", "shared"},
+                                          {axis, choice}}));
+    }
     const Scene still = find_scene("cornell_open_unjittered");
     add_by_turns(still, {{"first_bounce", "cached"}}, 3);
     add_by_turns(still, {{"direct_light", "final_bounce"}}, 3);

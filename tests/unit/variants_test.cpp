@@ -139,6 +139,8 @@ TEST(RegistryTest, HasEveryAxisAndChoice) {
             {"robustness", {"robust", "naive"}},
             {"accelerator", {"brute_force", "bvh2", "bvh4", "bvh8", "cwbvh"}},
             {"builder", {"sah_binned", "lbvh", "ploc", "sah_sweep", "sbvh"}},
+            {"traversal", {"while_while"}},
+            {"traversal_stack", {"local"}},
         },
         Backend::cpu);
 }
@@ -168,6 +170,8 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
             {"robustness", {"robust", "naive"}},
             {"accelerator", {"brute_force", "bvh2", "bvh4", "bvh8", "cwbvh"}},
             {"builder", {"sah_binned", "hploc", "lbvh", "ploc", "sah_sweep", "sbvh"}},
+            {"traversal", {"while_while", "if_if", "persistent", "speculative"}},
+            {"traversal_stack", {"local", "shared", "short_restart"}},
         },
         Backend::cuda);
 }
@@ -450,7 +454,7 @@ TEST(VariantTest, SpelledOutItSaysEveryChoiceAndTheTunablesThatAreNotAtTheirDefa
     Variant variant = baseline_with({{"first_bounce", "cached_jitters"}});
     const std::string choices =
         "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust.brute_force."
-        "sah_binned";
+        "sah_binned.while_while.local";
     EXPECT_EQ(variant.spelled_out(), choices);
     variant.tuning["jitters"] = 4;
     variant.tuning["block"] = 256;
@@ -529,7 +533,7 @@ TEST(VariantTest, ReferenceIsThePlainestVariantOfTheSameExpectation) {
                                                : "depth_first.none.none.material." + first_bounce + "." +
                                                      estimator_of(variant) + ".aos." + formula + ".stream.exact." +
                                                      variant["precision"] + "." + variant["robustness"] +
-                                                     ".brute_force." + variant["builder"]);
+                                                     ".brute_force." + variant["builder"] + ".while_while.local");
         EXPECT_EQ(registry().reference(reference), reference);
         // Which do not go together.
         const bool has_formulas = variant["precision"] == "double_intersection" || variant["robustness"] == "naive";
@@ -554,12 +558,12 @@ TEST(VariantTest, ReferenceOnCudaIsThePlainestVariantOfTheSameExpectation) {
         const std::string first_bounce = variant["first_bounce"] == "cached_jitters" ? "cached_jitters" : "off";
         const std::string formula = variant["specialisation"] == "matrix" ? "matrix" : "generic";
         // A variant that rounds freely keeps its arithmetic: it is its twin that is held to bits.
-        EXPECT_EQ(reference.spelled_out(), variant["sampler"] == "minstd_by_position"
-                                               ? variant.spelled_out()
-                                               : "megakernel.none.none.material." + first_bounce + "." +
-                                                     estimator_of(variant) + ".aos." + formula + ".stream." +
-                                                     variant["arithmetic"] + "." + variant["precision"] + "." +
-                                                     variant["robustness"] + ".brute_force.sah_binned");
+        EXPECT_EQ(reference.spelled_out(),
+                  variant["sampler"] == "minstd_by_position"
+                      ? variant.spelled_out()
+                      : "megakernel.none.none.material." + first_bounce + "." + estimator_of(variant) + ".aos." +
+                            formula + ".stream." + variant["arithmetic"] + "." + variant["precision"] + "." +
+                            variant["robustness"] + ".brute_force.sah_binned.while_while.local");
         EXPECT_EQ(registry().reference(reference, Backend::cuda), reference);
         EXPECT_EQ(why_not_applicable(reference, all_features, Backend::cuda), "") << reference.spelled_out();
     }
@@ -766,6 +770,42 @@ TEST(ApplicabilityTest, ReasonsHaveACodeAndTheAxisThatDoesNotApply) {
     tuned.set("first_bounce", "cached_jitters");
     tuned.tuning["jitters"] = 5000;
     EXPECT_EQ(reason_not_applicable(tuned, plain_features | Feature::jitter).code, "tunable_out_of_range");
+}
+
+TEST(ApplicabilityTest, SaysWordForWordWhichTraversalsDoNotApply) {
+    if (!test::cuda_is_built()) {
+        GTEST_SKIP() << "built without a CUDA toolkit";
+    }
+    const FeatureSet with_mesh = plain_features | Feature::mesh;
+    const struct {
+        std::vector<std::pair<std::string, std::string>> choices;
+        FeatureSet scene;
+        std::string reason;
+    } cases[] = {
+        {{{"accelerator", "bvh8"}, {"traversal", "if_if"}, {"traversal_stack", "shared"}}, with_mesh, ""},
+        {{{"accelerator", "bvh2"}, {"traversal", "speculative"}, {"traversal_stack", "short_restart"}}, with_mesh, ""},
+        {{{"accelerator", "cwbvh"}, {"traversal", "persistent"}, {"precision", "double"}}, with_mesh, ""},
+        {{{"traversal", "if_if"}}, plain_features, "traversal=if_if has nothing to do: the scene has no mesh"},
+        {{{"traversal_stack", "shared"}},
+         with_mesh,
+         "traversal_stack=shared has nothing to do: accelerator=brute_force needs no tree"},
+        {{{"accelerator", "cwbvh"}, {"traversal_stack", "short_restart"}},
+         with_mesh,
+         "traversal_stack=short_restart finds its way by a bit a level: needs a binary tree, not accelerator=cwbvh"},
+        {{{"accelerator", "cwbvh"}, {"traversal", "persistent"}, {"integrator", "megakernel_regen"}},
+         with_mesh,
+         "traversal=persistent needs an integrator that traces in a kernel of its own, not "
+         "integrator=megakernel_regen"},
+        {{{"accelerator", "cwbvh"}, {"traversal", "persistent"}, {"precision", "double_intersection"}},
+         with_mesh,
+         "traversal=persistent keeps rays in the precision of paths, not in precision=double_intersection"},
+    };
+    for (const auto& c : cases) {
+        const Variant variant = baseline_with(c.choices, Backend::cuda);
+        EXPECT_EQ(why_not_applicable(variant, c.scene, Backend::cuda), c.reason) << variant.spelled_out();
+    }
+    EXPECT_EQ(why_not_applicable(baseline_with({{"accelerator", "bvh2"}, {"traversal", "if_if"}}), with_mesh),
+              "traversal=if_if is not there on the backend cpu");
 }
 
 TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApplyOnCuda) {

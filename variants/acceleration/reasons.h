@@ -31,4 +31,14 @@ inline Reason needs_tree(FeatureSet scene, const VariantTraits& variant) {
                         "has nothing to do: accelerator=" + std::string(variant.accelerator.name) + " needs no tree"};
 }
 
+// Of a choice that puts the steps of a traversal in an order of its own.
+inline Reason needs_steps(FeatureSet scene, const VariantTraits& variant) {
+    Reason reason = needs_tree(scene, variant);
+    if (reason.empty() && !variant.accelerator.has_steps) {
+        return {"needs_steps", "needs a traversal in steps, which accelerator=" +
+                                   std::string(variant.accelerator.name) + " does not have"};
+    }
+    return reason;
+}
+
 }  // namespace pt

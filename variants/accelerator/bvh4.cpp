@@ -13,6 +13,7 @@ const Registration registration(
         .name = "bvh4",
         .summary = "tree of four children a node, 128-byte nodes, the nearest child first",
         .origin = "Wald, Boulos and Benthin 2008",
+        .traits = AcceleratorTraits{.has_steps = true},
         .backends = on_every_backend,
         .unsupported_reason = needs_meshes,
     },

@@ -138,6 +138,18 @@ std::vector<std::string> chosen(const ModuleRequest& request) {
     return lines;
 }
 
+std::string traversal_text(const ModuleRequest& request) {
+    const std::string own = fmt::format("pt::accelerator::{}::Traversal", request.accelerator);
+    if (request.traversal.empty()) {
+        return fmt::format("using Accelerator = {};\n", own);
+    }
+    return fmt::format(
+        "#include \"variants/traversal/{0}.cuh\"\n"
+        "#include \"variants/traversal_stack/{1}.cuh\"\n"
+        "using Accelerator = pt::traversal::{0}::Traversal<{2}, pt::traversal_stack::{1}::Stack>;\n",
+        request.traversal, request.traversal_stack, own);
+}
+
 // Includes in order, and the names by which device code knows the variant's choices.
 std::string program_text(const ModuleRequest& request) {
     std::string text = request.prelude;
@@ -151,12 +163,12 @@ std::string program_text(const ModuleRequest& request) {
         "#include \"variants/layout/{0}.cuh\"\n"
         "using Paths = pt::layout::{0}::DevicePaths<Real>;\n"
         "#include \"variants/accelerator/{3}.h\"\n"
-        "using Accelerator = pt::accelerator::{3}::Traversal;\n"
+        "{4}"
         "#include \"variants/cuda/scene_{2}.cuh\"\n"
         "#include \"variants/cuda/device.cuh\"\n"
         "#include \"variants/sort_key/{1}.cuh\"\n"
         "namespace sort_key = pt::sort_key::{1};\n",
-        request.layout, request.sort_key, request.scene, request.accelerator);
+        request.layout, request.sort_key, request.scene, request.accelerator, traversal_text(request));
     if (request.config.keeps_first_hits) {
         text += "#include \"variants/cuda/fill_cache.cuh\"\n";
     }

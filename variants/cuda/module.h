@@ -19,6 +19,9 @@ struct ModuleRequest {
     std::string layout = "aos";
     std::string sort_key = "material";
     std::string accelerator = "brute_force";
+    // The loop and the stack that its steps are taken with; empty: its own.
+    std::string traversal = "";
+    std::string traversal_stack = "";
     std::string scene = "in_global";  // where its arrays lie: variants/cuda/scene_*.cuh
     KernelConfig config = {};
     std::vector<KernelConstant> constants = {};  // of the integrator: tuned::NAME

@@ -11,7 +11,8 @@ constexpr Descriptor descriptor{
     .summary = "a kernel a stage over a queue of paths: generate, intersect, shade",
     .origin = "Laine, Karras and Aila 2013; cis565",
     .baseline = on_cuda,
-    .traits = IntegratorTraits{.has_queue = true, .can_loop = true, .seeds_by_position = true},
+    .traits =
+        IntegratorTraits{.has_queue = true, .can_loop = true, .seeds_by_position = true, .traces_in_own_kernel = true},
     .backends = on_cuda,
     .tunables = wavefront_tunables,
     .check_counters = wavefront_work_missing,
@@ -21,7 +22,12 @@ template <class Real>
 class StagedWavefront final : public Wavefront {
 public:
     StagedWavefront(JobOf<Real>& job, IntegratorNeeds&& needs)
-        : Wavefront(job, std::move(needs), sizeof(Real), sizeof(StoredHit<Real>)), job_(job) {}
+        : Wavefront(job, std::move(needs), sizeof(Real), sizeof(StoredHit<Real>)), job_(job) {
+        if (this->needs().traits.traversal.needs_own_kernel) {
+            const int blocks = job.module->blocks_per_multiprocessor(IntersectPathsParameters<Real>::kernel, job.block);
+            most_intersecting_threads_ = static_cast<std::uint32_t>(blocks) * job.multiprocessors * job.block;
+        }
+    }
 
     static std::vector<KernelSignature> kernels() {
         return {kernel_of<GeneratePathsParameters<Real>>(), kernel_of<IntersectPathsParameters<Real>>(),
@@ -55,7 +61,7 @@ private:
         {
             const Stage stage(job_.stages, "intersect", job_.stream);
             std::uint32_t* const keys = sorts && by_hit ? queue_.keys : nullptr;
-            job_.launch(queue_.bound,
+            job_.launch(intersecting_threads(),
                         IntersectPathsParameters<Real>{job_.scene, queue_.paths, order(), queue_.count, queue_.bound,
                                                        hits(), job_.cache, batches().segment(segment), job_.segments,
                                                        keys, sort_key().bits, last_key(), needs().key_bounds});
@@ -66,6 +72,9 @@ private:
         }
         shade(sorts && by_hit);
     }
+
+    // One a path, or as many as fit at once.
+    std::uint32_t intersecting_threads() const { return std::min(queue_.bound, most_intersecting_threads_); }
 
     const SortKeyTraits& sort_key() const { return needs().traits.sort_key; }
     StoredHit<Real>* hits() const { return static_cast<StoredHit<Real>*>(queue_.hits); }
@@ -91,6 +100,7 @@ private:
     }
 
     JobOf<Real>& job_;
+    std::uint32_t most_intersecting_threads_ = ~0u;
 };
 
 IntegratorHook hook() {

@@ -5,6 +5,7 @@
 #include "variants/cuda/advance.cuh"
 #include "variants/cuda/device.cuh"
 #include "variants/cuda/sort_keys.cuh"
+#include "variants/integrator/wavefront_fetching.cuh"
 #include "variants/integrator/wavefront_parameters.cuh"
 
 // The slot of the path at position i; no order: slot i.
@@ -29,13 +30,19 @@ PT_KERNEL(generate_paths, pt::cuda::GeneratePathsParameters<Real>,
 }
 
 // With `keys`, also writes the sort key of every position below `bound`: ended paths and positions beyond the count
-// have the last one.
+// have the last one. A thread a position, but with traversal=persistent.
 PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
           (Scene parameter, PathStore store, const std::uint32_t* order, const std::uint32_t* count,
            std::uint32_t bound, StoredHit* hits, HitCache cache, SegmentNumber segment, SegmentCounts segments,
            std::uint32_t* keys, std::uint32_t bits, std::uint32_t last_key, pt::cuda::KeyBounds bounds)) {
     const SceneViews scene(parameter);
     const Paths paths(store);
+    if constexpr (pt::cuda::fetches_paths<Accelerator>) {
+        const pt::cuda::IntersectStage stage{scene, paths,   order, count, bound,    hits,
+                                             cache, segment, keys,  bits,  last_key, bounds};
+        pt::cuda::intersect_fetched<Accelerator>(stage, segments);
+        return;
+    }
     const std::uint32_t i = pt::cuda::thread_number();
     std::uint32_t key = last_key;
     bool live = false;

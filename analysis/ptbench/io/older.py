@@ -41,6 +41,8 @@ _AXES: dict[str, dict[str, OlderAxis]] = {
         "robustness": OlderAxis(before="robust"),
         "accelerator": OlderAxis(before="brute_force"),
         "builder": OlderAxis(before="sah_binned"),
+        "traversal": OlderAxis(before="while_while"),
+        "traversal_stack": OlderAxis(before="local"),
     },
 }
 # The same for files of `ptbench stability`, which name no baselines: the plainest formulas, by their schema.

@@ -1,0 +1,30 @@
+// A thread's entries in shared memory: entry i of all threads of a block lies together, so that no two lanes meet in a
+// bank. One array a kernel, however many traversals it has: none is in another.
+#pragma once
+
+#include "kernels/config.h"
+
+namespace pt::traversal_stack {
+
+// Of a block's shared memory, which has 48 KiB without asking for more.
+inline constexpr std::uint32_t most_shared_bytes = 32768;
+
+template <class Open>
+constexpr std::uint32_t shared_entries(std::uint32_t wanted) {
+    constexpr std::uint32_t fit = most_shared_bytes / (kernel_config.block * static_cast<std::uint32_t>(sizeof(Open)));
+    return wanted < fit ? wanted : fit;
+}
+
+template <class Open, std::uint32_t entries>
+struct SharedColumn {
+    PT_HD Open get(std::uint32_t i) const { return column()[i * kernel_config.block]; }
+    PT_HD void set(std::uint32_t i, const Open& open) { column()[i * kernel_config.block] = open; }
+
+private:
+    __device__ static Open* column() {
+        __shared__ alignas(16) unsigned char bytes[entries * kernel_config.block * sizeof(Open)];
+        return reinterpret_cast<Open*>(bytes) + threadIdx.x;
+    }
+};
+
+}  // namespace pt::traversal_stack
