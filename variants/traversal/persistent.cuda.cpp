@@ -19,10 +19,6 @@ Reason unsupported_reason(FeatureSet scene, const VariantTraits& variant) {
         return {"needs_own_kernel", "needs an integrator that traces in a kernel of its own, not integrator=" +
                                         std::string(variant.integrator.name)};
     }
-    if (variant.precision.is_mixed()) {
-        return {"meets_in_one_precision",
-                "keeps rays in the precision of paths, not in precision=" + std::string(variant.precision.name)};
-    }
     return {};
 }
 
