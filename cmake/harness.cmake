@@ -46,7 +46,7 @@ endfunction()
 # differ in the last bit.) The rest of harness/ reads, writes, counts, or waits for a device: there the compiler's time
 # counts more.
 set(rendering_sources ${harness_sources})
-list(FILTER rendering_sources INCLUDE REGEX "/harness/(render|scene|mesh|rays|error|stability/oracles)/|/harness/bench/cpu_clock\\.cpp$")
+list(FILTER rendering_sources INCLUDE REGEX "/harness/(render|scene|mesh|rays|error|stability)/|/harness/bench/cpu_clock\\.cpp$")
 list(REMOVE_ITEM harness_sources ${rendering_sources})
 add_library(ptbench_rendering OBJECT ${rendering_sources})
 add_library(ptbench_harness OBJECT ${harness_sources})
