@@ -66,6 +66,10 @@ enum class Feature : FeatureSet {
     // textbook forms throughout (kernels/naive.h).
     double_intersection = feature_bit::traversal << 1,
     naive = feature_bit::traversal << 2,
+    // Other ways to the objects that show meshes than each in turn: a tree over them (kernels/object_tree.h), and one
+    // tree over all their triangles. On the host the scene says which (MeshSearch), and no kernel has either.
+    object_tree = feature_bit::traversal << 3,
+    flat_tree = feature_bit::traversal << 4,
 };
 
 template <class... Features>
@@ -90,6 +94,8 @@ inline constexpr FeatureSet samplers = set_of(Feature::philox, Feature::sobol_ow
 
 // A kernel has it only for a scene that has it: the way through an accelerator takes registers from every other shape.
 inline constexpr FeatureSet traversals = set_of(Feature::mesh);
+// The same, at most one of them, for a variant that has it.
+inline constexpr FeatureSet mesh_levels = set_of(Feature::object_tree, Feature::flat_tree);
 
 // Of these a kernel has just the ones that it is asked for: they change what is computed.
 inline constexpr FeatureSet formulas = set_of(Feature::double_intersection, Feature::naive);

@@ -301,10 +301,71 @@ PT_HD inline void closest_mesh(Hit<typename Config::Real>& best, const Scene& sc
                                const Ray<typename Config::Real>& ray) {
     const auto origin = at_rest<Config>(scene, object, ray.origin, ray.time);
     if constexpr (Config::Accelerator::is_chosen_at_run_time) {
-        scene.meet_mesh(best, mesh, object, origin, ray);
+        scene.mesh_search->meet_mesh(best, mesh, object, origin, ray);
     } else {
         NoTraversalCounter counter;
         closest_in_mesh<typename Config::Accelerator>(best, mesh, object, origin, ray, counter);
+    }
+}
+
+// All objects that show meshes, by the tree over them.
+template <class Config, class Scene, class Meshes>
+PT_HD inline void closest_by_object_tree(Hit<typename Config::Real>& best, const Scene& scene, const Meshes& meshes,
+                                         const Ray<typename Config::Real>& ray) {
+    traverse(scene.mesh_search->objects, ray.origin, ray.direction, best.t, [&](std::uint32_t i) {
+        closest_mesh<Config>(best, scene, meshes[i], first_of<ShapeKind::mesh>(scene) + i, ray);
+    });
+}
+
+// The same by one tree over all their triangles, each met in its object's own space, as the object's own tree has it
+// met.
+template <class Config, class Scene, class Meshes>
+PT_HD inline void closest_by_flat_tree(Hit<typename Config::Real>& best, const Scene& scene, const Meshes& meshes,
+                                       const Ray<typename Config::Real>& ray) {
+    using Real = typename Config::Real;
+    const FlatTree& flat = scene.mesh_search->flat;
+    MeshRay<Real> in_mesh{};
+    std::uint32_t seen_by = meshes.size;  // whose ray in_mesh is
+    NoTraversalCounter counter;
+    Config::Accelerator::traverse(
+        flat.tree, ray.origin, ray.direction, best.t,
+        [&](std::uint32_t first, std::uint32_t count) {
+            for (std::uint32_t i = first; i < first + count; ++i) {
+                const FlatSlot slot = flat.slots[i];
+                const MeshInstance<Real>& mesh = meshes[slot.mesh];
+                if (slot.mesh != seen_by) {
+                    seen_by = slot.mesh;
+                    const std::uint32_t object = first_of<ShapeKind::mesh>(scene) + slot.mesh;
+                    in_mesh =
+                        MeshRay<Real>::of(mesh, object, at_rest<Config>(scene, object, ray.origin, ray.time), ray);
+                }
+                const Triangle<float>& t = mesh.geometry.triangles[slot.primitive];
+                const LeafTriangle leaf{
+                    {t.a.x, t.a.y, t.a.z}, slot.primitive, {t.b.x, t.b.y, t.b.z}, 0, {t.c.x, t.c.y, t.c.z}, 0};
+                meet_triangle(best, leaf, in_mesh);
+            }
+        },
+        counter);
+}
+
+// All objects that show meshes.
+template <class Config, class Scene, class Meshes>
+PT_HD inline void closest_of_meshes(Hit<typename Config::Real>& best, const Scene& scene, const Meshes& meshes,
+                                    const Ray<typename Config::Real>& ray) {
+    if constexpr (has<Config>(Feature::object_tree)) {
+        closest_by_object_tree<Config>(best, scene, meshes, ray);
+    } else if constexpr (has<Config>(Feature::flat_tree)) {
+        closest_by_flat_tree<Config>(best, scene, meshes, ray);
+    } else {
+        if constexpr (Config::Accelerator::is_chosen_at_run_time) {
+            if (scene.mesh_search->meet_meshes != nullptr) {
+                scene.mesh_search->meet_meshes(best, scene, ray);
+                return;
+            }
+        }
+        for (std::uint32_t i = 0; i < meshes.size; ++i) {
+            closest_mesh<Config>(best, scene, meshes[i], first_of<ShapeKind::mesh>(scene) + i, ray);
+        }
     }
 }
 
@@ -316,9 +377,7 @@ PT_HD inline void closest_of(Hit<typename Config::Real>& best, const Scene& scen
     if constexpr (kind == ShapeKind::axis_box) {
         closest_axis_box<Config>(best, scene, ray);
     } else if constexpr (kind == ShapeKind::mesh) {
-        for (std::uint32_t i = 0; i < shapes.size; ++i) {
-            closest_mesh<Config>(best, scene, shapes[i], first_of<kind>(scene) + i, ray);
-        }
+        closest_of_meshes<Config>(best, scene, shapes, ray);
     } else if constexpr (kind == ShapeKind::sphere) {
         closest_in<Config>(best, scene, spheres_of<Config>(scene), first_of<kind>(scene), ray);
     } else if constexpr (ShapeOf<kind, typename Config::Real>::is_flat) {

@@ -5,6 +5,7 @@
 #include "kernels/axis_aligned_enclosure.h"
 #include "kernels/camera.h"
 #include "kernels/material.h"
+#include "kernels/object_tree.h"
 #include "kernels/shapes.h"
 #include "kernels/transform.h"
 
@@ -21,6 +22,32 @@ struct Ray;
 // Keeps the nearer of a hit and the triangles of a mesh: object, the ray's origin as the object sees it, the ray.
 template <class Real>
 using MeetMesh = void (*)(Hit<Real>&, const MeshInstance<Real>&, std::uint32_t, const Vec3<Real>&, const Ray<Real>&);
+// The same of all objects that show meshes.
+template <class Real>
+struct SceneView;
+template <class Real>
+using MeetMeshes = void (*)(Hit<Real>&, const SceneView<Real>&, const Ray<Real>&);
+
+// One tree over all triangles of all objects that show meshes, in the scene's space; slots name them.
+struct FlatSlot {
+    std::uint32_t mesh;  // number of the object among those that show meshes
+    std::uint32_t primitive;
+};
+struct FlatTree {
+    TreeView tree;  // in the accelerator's format
+    const FlatSlot* slots = nullptr;
+};
+
+// How rays find the objects that show meshes.
+template <class Real>
+struct MeshSearch {
+    // By the host's accelerator, and by its tree over objects or triangles (null: each object in turn); kernels of a
+    // device have theirs compiled in.
+    MeetMesh<Real> meet_mesh = nullptr;
+    MeetMeshes<Real> meet_meshes = nullptr;
+    ObjectTree objects;
+    FlatTree flat;
+};
 
 template <class Real>
 struct SceneView {
@@ -43,7 +70,8 @@ struct SceneView {
     std::uint32_t mis_exponent;    // 0: lights count where connected only; 1: balance heuristic, 2: power heuristic
     std::uint32_t roulette_start;  // Russian roulette from the vertex at the end of this segment on; 0: none
 
-    MeetMesh<Real> meet_mesh;  // by the host's accelerator; kernels of a device have theirs compiled in
+    // Of a device: null unless its kernels have one of mesh_levels.
+    const MeshSearch<Real>* mesh_search;
 
     PT_HD std::uint32_t pixel_count() const { return camera.width * camera.height; }
     // Segments that the longest path can have: with a final bounce, a path whose last vertex is specular goes one

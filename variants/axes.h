@@ -47,6 +47,7 @@ inline constexpr Axis axis_table[] = {
     {"builder", "how the tree over a mesh is built", "4dc231d", "sah_binned"},
     {"traversal", "in which order a warp's lanes visit nodes and test triangles", "148f491", "while_while"},
     {"traversal_stack", "where nodes wait that a ray has yet to visit", "148f491", "local"},
+    {"levels", "how a ray finds the objects that show meshes", "0f46c45", "each_object"},
 };
 inline constexpr std::size_t axis_count = std::size(axis_table);
 
@@ -163,11 +164,15 @@ struct TraversalStackTraits {
     bool is_in_thread = false;  // in its local memory alone
 };
 
+struct LevelsTraits {
+    bool is_flat = false;  // one tree over the triangles of all objects, in the accelerator's format
+};
+
 // What a descriptor holds: nothing (the defaults of its axis), or the traits of its axis; in the order of axis_table.
 using Traits = std::variant<std::monostate, IntegratorTraits, CompactionTraits, SortingTraits, SortKeyTraits,
                             FirstBounceTraits, DirectLightTraits, RouletteTraits, SamplerTraits, LayoutTraits,
                             SpecialisationTraits, LaunchTraits, ArithmeticTraits, PrecisionTraits, RobustnessTraits,
-                            AcceleratorTraits, BuilderTraits, TraversalTraits, TraversalStackTraits>;
+                            AcceleratorTraits, BuilderTraits, TraversalTraits, TraversalStackTraits, LevelsTraits>;
 static_assert(std::variant_size_v<Traits> == axis_count + 1);
 
 // The traits of the choice that a variant has, and its name: for messages alone.
@@ -196,6 +201,7 @@ struct VariantTraits {
     Chosen<BuilderTraits> builder;
     Chosen<TraversalTraits> traversal;
     Chosen<TraversalStackTraits> traversal_stack;
+    Chosen<LevelsTraits> levels;
     std::map<std::string, std::uint32_t, std::less<>> tuning;  // Variant::tuning
 };
 

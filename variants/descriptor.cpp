@@ -90,6 +90,8 @@ constexpr NamedFeature named_features[] = {
     {Feature::double_intersection, "double_intersection"},
     {Feature::naive, "naive"},
     {Feature::near_sphere, "near_sphere"},
+    {Feature::object_tree, "object_tree"},
+    {Feature::flat_tree, "flat_tree"},
 };
 
 constexpr FeatureSet all_named() {
@@ -99,7 +101,8 @@ constexpr FeatureSet all_named() {
     }
     return set;
 }
-static_assert(all_named() == (all_features | traversals | shortcuts | Feature::matrix | samplers | formulas));
+static_assert(all_named() ==
+              (all_features | traversals | mesh_levels | shortcuts | Feature::matrix | samplers | formulas));
 
 }  // namespace
 

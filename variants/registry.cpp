@@ -201,6 +201,7 @@ VariantTraits traits_of(const Variant& variant, Backend backend) {
         .builder = chosen<BuilderTraits>("builder", variant, backend),
         .traversal = chosen<TraversalTraits>("traversal", variant, backend),
         .traversal_stack = chosen<TraversalStackTraits>("traversal_stack", variant, backend),
+        .levels = chosen<LevelsTraits>("levels", variant, backend),
         .tuning = variant.tuning,
     };
 }

@@ -45,6 +45,7 @@ struct Hook {
     std::map<FeatureSet, RenderIn<double>> integrator_in_double = {};  // empty: single precision only
     AcceleratorHook accelerator = {};
     BuilderHook builder = {};
+    LevelsHook levels = {};
     cuda::Hooks cuda = {};
 };
 

@@ -23,9 +23,11 @@ Json cuda_json(const CudaFacts& facts) {
 }
 
 Json meshes_json(const MeshFacts& facts) {
-    return {{"triangles", facts.triangles},   {"nodes", facts.nodes},       {"node_bytes", facts.node_bytes},
-            {"leaf_bytes", facts.leaf_bytes}, {"build_ms", facts.build_ms}, {"encode_ms", facts.encode_ms},
-            {"sah_cost", facts.sah_cost}};
+    return {{"triangles", facts.triangles},     {"nodes", facts.nodes},
+            {"node_bytes", facts.node_bytes},   {"leaf_bytes", facts.leaf_bytes},
+            {"build_ms", facts.build_ms},       {"encode_ms", facts.encode_ms},
+            {"sah_cost", facts.sah_cost},       {"level_nodes", facts.level_nodes},
+            {"level_bytes", facts.level_bytes}, {"level_build_ms", facts.level_build_ms}};
 }
 
 }  // namespace

@@ -194,8 +194,8 @@ std::string plain_accelerator(const Scene& scene, Backend backend) {
     return name;
 }
 
-// A product of all choices is small on the CPU backend but for roulette, samplers, robustness, accelerators and
-// builders, which multiply it by hundreds; on CUDA it is millions. So without --axis these meet the rest in a covering
+// A product of all choices is small on the CPU backend but for roulette, samplers, robustness, accelerators,
+// builders and levels, which multiply it by hundreds; on CUDA it is millions. So without --axis these meet the rest in a covering
 // set, in which every two choices of two axes meet, on CUDA all axes do, and of means each choice is tested by itself.
 std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backend backend, const Scene& scene) {
     const bool none_named = arguments.axes.empty() && arguments.tunables.empty();
@@ -209,6 +209,7 @@ std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backen
         axes.erase("sampler");
         axes.erase("robustness");
         axes.erase("builder");
+        axes.erase("levels");
         axes["accelerator"] = {plain_accelerator(scene, backend)};
     }
     for (const auto& [axis, choices] : parse_axis_arguments(arguments.axes, backend)) {
@@ -296,7 +297,7 @@ Command add_verify_command(CLI::App& app) {
     command
         ->add_option("--axis", arguments->axes,
                      "AXIS=CHOICE,CHOICE, repeatable (default: every choice, but roulette, samplers, robustness, "
-                     "accelerators and builders by "
+                     "accelerators, builders and levels by "
                      "pairs with the rest; on cuda a set in which every two choices meet)")
         ->allow_extra_args(false);
     command->add_option("--tune", arguments->tunables, "TUNABLE=VALUE,VALUE, repeatable")->allow_extra_args(false);

@@ -77,7 +77,7 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
       features_(kernel.compiled),
       layout_(hooks("layout", request.variant).layout),
       buffers_(scene, settings, Acceleration::of(request.variant, Backend::cuda)),
-      device_scene_(buffers_.view(), buffers_.meshes(), kernel.compiled,
+      device_scene_(buffers_.view(), buffers_.meshes(), buffers_.tree(), kernel.compiled,
                     hooks("specialisation", request.variant).bakes_scene),
       host_film_(film) {
     facts_.from_cache = true;
@@ -251,6 +251,7 @@ void RenderCell<Real>::collect(RenderResult& result) {
     facts_.kernels = kernel_facts(*job_.module, integrator_hook_.kernels(sizeof(Real)));
     result.cuda = facts_;
     result.meshes = facts_of(buffers_.meshes());
+    add_facts(result.meshes, buffers_.tree().get());
 }
 
 template class RenderCell<float>;

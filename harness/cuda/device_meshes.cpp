@@ -27,6 +27,13 @@ struct Kept {
     std::shared_ptr<const DeviceMesh> mesh;
 };
 
+constexpr std::size_t most_trees = 3;
+
+struct KeptTree {
+    std::shared_ptr<const SceneTree> host;
+    std::shared_ptr<const DeviceTree> tree;
+};
+
 std::size_t most_bytes() {
     std::size_t free = 0, total = 0;
     PT_CUDA_CHECK(cudaMemGetInfo(&free, &total));
@@ -73,6 +80,49 @@ std::shared_ptr<const DeviceMesh> device_mesh(const MeshGeometry& host) {
     kept.push_front({host, std::make_shared<DeviceMesh>(host)});
     bytes += kept.front().mesh->bytes();
     return kept.front().mesh;
+}
+
+DeviceTree::DeviceTree(const SceneTree& host) : objects_(host.objects_view()), flat_(host.flat_view()) {
+    const std::size_t node_bytes = host.nodes.size() * sizeof(ObjectNode);
+    const std::size_t flat_bytes = host.flat.nodes.size() * sizeof(NodePiece);
+    bytes_ = on_border(node_bytes) + on_border(flat_bytes) + on_border(host.slot_bytes());
+    void* memory = nullptr;
+    PT_CUDA_CHECK(cudaMalloc(&memory, std::max<std::size_t>(1, bytes_)));
+    memory_ = static_cast<unsigned char*>(memory);
+    std::size_t offset = 0;
+    const auto put = [&](const auto*& array, std::size_t bytes) {
+        using Pointer = std::remove_cvref_t<decltype(array)>;
+        const void* const from = array;
+        array = bytes == 0 ? nullptr : reinterpret_cast<Pointer>(memory_ + offset);
+        if (bytes != 0) {
+            PT_CUDA_CHECK(cudaMemcpy(memory_ + offset, from, bytes, cudaMemcpyHostToDevice));
+        }
+        offset += on_border(bytes);
+    };
+    put(objects_.nodes, node_bytes);
+    put(flat_.tree.nodes, flat_bytes);
+    put(flat_.slots, host.slot_bytes());
+}
+
+DeviceTree::~DeviceTree() { (void)cudaFree(memory_); }
+
+std::shared_ptr<const DeviceTree> device_tree(const std::shared_ptr<const SceneTree>& host) {
+    // Never destroyed: the driver may be gone when the process ends.
+    static auto& kept = *new std::list<KeptTree>;
+    if (host == nullptr) {
+        return nullptr;
+    }
+    const auto known =
+        std::find_if(kept.begin(), kept.end(), [&](const KeptTree& entry) { return entry.host == host; });
+    if (known != kept.end()) {
+        kept.splice(kept.begin(), kept, known);
+        return kept.front().tree;
+    }
+    while (kept.size() >= most_trees) {
+        kept.pop_back();
+    }
+    kept.push_front({host, std::make_shared<DeviceTree>(*host)});
+    return kept.front().tree;
 }
 
 }  // namespace pt::cuda

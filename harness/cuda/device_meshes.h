@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "harness/scene/mesh_geometry.h"
+#include "harness/scene/mesh_search.h"
 
 namespace pt::cuda {
 
@@ -30,5 +30,28 @@ private:
 // The copy that there is, or a new one. What was used longest ago is let go where all together pass a quarter of the
 // device's memory. Returns after the copy has been made.
 std::shared_ptr<const DeviceMesh> device_mesh(const MeshGeometry& host);
+
+// The tree of the axis `levels` over them, kept likewise.
+class DeviceTree {
+public:
+    explicit DeviceTree(const SceneTree& host);
+    ~DeviceTree();
+    DeviceTree(const DeviceTree&) = delete;
+    DeviceTree& operator=(const DeviceTree&) = delete;
+
+    // With pointers of the device.
+    const ObjectTree& objects() const { return objects_; }
+    const FlatTree& flat() const { return flat_; }
+    std::size_t bytes() const { return bytes_; }
+
+private:
+    ObjectTree objects_;
+    FlatTree flat_;
+    unsigned char* memory_ = nullptr;
+    std::size_t bytes_ = 0;
+};
+
+// The copy that there is, or a new one; null for null. Returns after the copy has been made.
+std::shared_ptr<const DeviceTree> device_tree(const std::shared_ptr<const SceneTree>& host);
 
 }  // namespace pt::cuda

@@ -129,8 +129,8 @@ std::string baked_text(const SceneView<Real>& scene) {
 
 template <class Real>
 DeviceScene<Real>::DeviceScene(const SceneView<Real>& host, const std::vector<MeshGeometry>& meshes,
-                               FeatureSet features, bool is_baked)
-    : host_(host), features_(features), is_baked_(is_baked) {
+                               const std::shared_ptr<const SceneTree>& tree, FeatureSet features, bool is_baked)
+    : host_(host), features_(features), is_baked_(is_baked), tree_(device_tree(tree)) {
     for (const MeshGeometry& mesh : meshes) {
         device_meshes_.push_back(device_mesh(mesh));
     }
@@ -143,7 +143,7 @@ std::size_t DeviceScene<Real>::mesh_bytes() const {
     for (const std::shared_ptr<const DeviceMesh>& mesh : each) {
         bytes += mesh->bytes();
     }
-    return bytes;
+    return bytes + (tree_ != nullptr ? tree_->bytes() : 0);
 }
 
 template <class Real>
@@ -154,6 +154,11 @@ void DeviceScene<Real>::reserve(Arena& arena) {
             device = placed(arena, host);
         }
     });
+    view_.mesh_search = nullptr;
+    if (tree_ != nullptr) {
+        view_.mesh_search = arena.take<MeshSearch<Real>>(1);
+        search_ = {nullptr, nullptr, tree_->objects(), tree_->flat()};
+    }
     instances_.assign(host_.meshes.data, host_.meshes.data + host_.meshes.size);
     for (std::size_t i = 0; i < instances_.size(); ++i) {
         const float* const light_areas = instances_[i].geometry.cumulative_area;
@@ -174,6 +179,9 @@ void DeviceScene<Real>::upload(const Module& module, cudaStream_t stream) const 
     SceneView<Real> host = host_;
     host.meshes = {instances_.data(), static_cast<std::uint32_t>(instances_.size())};
     copy_to_device(view_.meshes, host.meshes, stream);
+    if (tree_ != nullptr) {
+        copy_to_device(View<MeshSearch<Real>>{view_.mesh_search, 1}, View<MeshSearch<Real>>{&search_, 1}, stream);
+    }
     const std::vector<unsigned char> constant = constant_scene(host, features_);
     if (!is_baked_ && !constant.empty() && constant.size() <= constant_bytes) {
         PT_CUDA_CHECK(cudaMemcpyAsync(module.global("pt_scene"), constant.data(), constant.size(),

@@ -28,15 +28,15 @@ template <class Real>
 class DeviceScene {
 public:
     // `host` lives as long as this; `meshes`: of its objects, by number of the objects that show one; `features`: of
-    // the kernels.
-    DeviceScene(const SceneView<Real>& host, const std::vector<MeshGeometry>& meshes, FeatureSet features,
-                bool is_baked);
+    // the kernels; `tree`: of all meshes together, or null.
+    DeviceScene(const SceneView<Real>& host, const std::vector<MeshGeometry>& meshes,
+                const std::shared_ptr<const SceneTree>& tree, FeatureSet features, bool is_baked);
     void reserve(Arena& arena);
     // Waits for the device.
     void upload(const Module& module, cudaStream_t stream) const;
     // With pointers of the device.
     const SceneView<Real>& view() const { return view_; }
-    // Of meshes, outside of the arena.
+    // Of meshes and the tree over them, outside of the arena.
     std::size_t mesh_bytes() const;
 
 private:
@@ -45,6 +45,8 @@ private:
     bool is_baked_;
     SceneView<Real> view_ = {};
     std::vector<std::shared_ptr<const DeviceMesh>> device_meshes_;
+    std::shared_ptr<const DeviceTree> tree_;
+    MeshSearch<Real> search_;                    // with pointers of the device
     std::vector<MeshInstance<Real>> instances_;  // with pointers of the device
 };
 

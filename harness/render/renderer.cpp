@@ -83,6 +83,7 @@ RenderResult render_in(const Scene& scene, const RenderRequest& request, const K
     }
     result.work = job.work;
     result.meshes = facts_of(buffers.meshes());
+    add_facts(result.meshes, buffers.tree().get());
     return result;
 }
 
@@ -164,9 +165,10 @@ KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend b
     // On CUDA a kernel is compiled when it is needed, so there is one for every set.
     // A shortcut gives the bits of the plain formulas, not of others.
     const FeatureSet shortcuts_here = (needed & formulas) == 0 ? shortcuts_of(scene) : no_features;
-    KernelOffer offer{needed,
-                      shortcuts_here,
-                      {needed, needed | shortcuts_here, all_features | (needed & (samplers | formulas | traversals))}};
+    KernelOffer offer{
+        needed,
+        shortcuts_here,
+        {needed, needed | shortcuts_here, all_features | (needed & (samplers | formulas | traversals | mesh_levels))}};
     const Hook& integrator = registry.at("integrator", variant, backend).hook;
     const bool in_double = traits_of(variant, backend).precision.is_double();
     if (backend == Backend::cpu) {

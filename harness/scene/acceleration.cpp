@@ -6,9 +6,12 @@ namespace pt {
 
 Acceleration Acceleration::of(const Variant& variant, Backend backend) {
     const Registry& registry = Registry::instance();
-    Acceleration acceleration{variant["accelerator"], variant["builder"],
+    Acceleration acceleration{variant["accelerator"],
+                              variant["builder"],
                               registry.at("accelerator", variant, backend).hook.accelerator,
-                              registry.at("builder", variant, backend).hook.builder};
+                              registry.at("builder", variant, backend).hook.builder,
+                              variant["levels"],
+                              registry.at("levels", variant, backend).hook.levels};
     if (backend != Backend::cpu) {
         acceleration.accelerator_hook.prepare = nullptr;
     }

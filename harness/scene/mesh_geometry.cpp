@@ -4,56 +4,15 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <list>
 #include <set>
 #include <string>
 
+#include "harness/scene/keeper.h"
 #include "variants/builder/sah.h"
 
 namespace pt {
 
 namespace {
-
-// Of everything kept together; what was used longest ago goes first.
-constexpr std::size_t most_kept_bytes = std::size_t{6} << 30;
-constexpr std::size_t most_kept = 4096;
-
-// Kept by a key that says everything that it was made from.
-template <class T>
-class Keeper {
-public:
-    template <class Make>
-    std::shared_ptr<const T> get(const std::string& key, const Make& make) {
-        for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
-            if (entry->key == key) {
-                entries_.splice(entries_.begin(), entries_, entry);
-                return entry->value;
-            }
-        }
-        auto value = std::make_shared<T>(make());
-        entries_.push_front({key, value, bytes_of(*value)});
-        bytes_ += entries_.front().bytes;
-        while ((bytes_ > most_kept_bytes || entries_.size() > most_kept) && entries_.size() > 1) {
-            bytes_ -= entries_.back().bytes;
-            entries_.pop_back();
-        }
-        return value;
-    }
-
-private:
-    struct Entry {
-        std::string key;
-        std::shared_ptr<const T> value;
-        std::size_t bytes;
-    };
-    static std::size_t bytes_of(const PlacedMesh& placed) {
-        return placed.triangles.size() * (sizeof(Triangle<float>) + sizeof(float));
-    }
-    static std::size_t bytes_of(const MeshTree& tree) { return tree.bytes; }
-
-    std::list<Entry> entries_;
-    std::size_t bytes_ = 0;
-};
 
 double area_of(const Triangle<float>& t) {
     const Vec3d a(t.a);
@@ -79,10 +38,6 @@ PlacedMesh place(const SceneMesh& mesh, const Placement* placement) {
 
 LeafTriangle leaf_of(const Triangle<float>& t, std::uint32_t primitive) {
     return {{t.a.x, t.a.y, t.a.z}, primitive, {t.b.x, t.b.y, t.b.z}, 0, {t.c.x, t.c.y, t.c.z}, 0};
-}
-
-double milliseconds_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
 MeshTree plant(const PlacedMesh& placed, const Acceleration& acceleration) {

@@ -15,6 +15,8 @@ struct Acceleration {
     std::string accelerator, builder;
     AcceleratorHook accelerator_hook;
     BuilderHook builder_hook;
+    std::string levels = "each_object";
+    LevelsHook levels_hook = {};
 
     // Those of a variant, and those of none: brute force.
     static Acceleration of(const Variant& variant, Backend backend);
@@ -27,6 +29,8 @@ struct PlacedMesh {
     std::vector<float> cumulative_area;
     double area = 0;
     Box bounds;
+
+    std::size_t kept_bytes() const { return triangles.size() * (sizeof(Triangle<float>) + sizeof(float)); }
 };
 
 struct MeshTree {
@@ -37,6 +41,8 @@ struct MeshTree {
     double encode_ms = 0;     // into the accelerator's format, and what the accelerator makes for itself
     double sah_cost = 0;      // of the builder's tree; 0: there is none
     std::uint64_t bytes = 0;  // of nodes and leaves, and of what is native
+
+    std::size_t kept_bytes() const { return bytes; }
 };
 
 struct MeshGeometry {
@@ -55,6 +61,10 @@ struct MeshFacts {
     double build_ms = 0;           // on the clock of the host; 0: there is no tree
     double encode_ms = 0;
     double sah_cost = 0;  // of the largest tree
+    // Of the tree over objects, or over the triangles of all objects; 0: there is none.
+    std::uint64_t level_nodes = 0;
+    std::uint64_t level_bytes = 0;  // of nodes, and of the slots of triangles
+    double level_build_ms = 0;      // in its format
 };
 MeshFacts facts_of(const std::vector<MeshGeometry>& meshes);
 

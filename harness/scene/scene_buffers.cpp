@@ -165,11 +165,9 @@ template <class Real>
 void SceneBuffers<Real>::complete(MeshInstance<Real>& instance, const Scene& scene, const SceneObject& object,
                                   const Placement& placement, const Acceleration& acceleration) {
     const std::shared_ptr<const SceneMesh>& mesh = scene.meshes[object.mesh];
-    const auto shown_by = std::count_if(scene.objects.begin(), scene.objects.end(),
-                                        [&](const SceneObject& other) { return other.mesh == object.mesh; });
     // The triangles of a light are chosen by their area in the scene, which a scale may change one by one.
     const bool is_light = scene.materials[object.material].emission != Vec3d(0.0);
-    instance.is_placed = shown_by == 1 || is_light ? 1 : 0;
+    instance.is_placed = shown_by_[object.mesh] == 1 || is_light ? 1 : 0;
     meshes_.push_back(geometry_of(mesh, instance.is_placed != 0 ? &placement : nullptr, acceleration));
     const MeshGeometry& geometry = meshes_.back();
     instance.geometry = geometry.view();
@@ -212,11 +210,18 @@ void SceneBuffers<Real>::add_object(const Scene& scene, std::uint32_t index, con
 
 template <class Real>
 SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& settings, const Acceleration& acceleration) {
+    using Key = decltype(canonical_key(scene, scene.objects.front()));
+    std::vector<Key> keys;
+    shown_by_.resize(scene.meshes.size());
+    for (const SceneObject& object : scene.objects) {
+        keys.push_back(canonical_key(scene, object));
+        if (object.mesh != SceneObject::no_mesh) {
+            ++shown_by_[object.mesh];
+        }
+    }
     std::vector<std::uint32_t> order(scene.objects.size());
     std::iota(order.begin(), order.end(), 0u);
-    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return canonical_key(scene, scene.objects[a]) < canonical_key(scene, scene.objects[b]);
-    });
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return keys[a] < keys[b]; });
     for (const std::uint32_t index : order) {
         add_object(scene, index, acceleration);
     }
@@ -238,11 +243,28 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     view_.mis_exponent = settings.mis_exponent;
     view_.roulette_start = settings.roulette_start;
     view_.enclosure = find_enclosure(view_);
+    make_search(acceleration);
+}
+
+template <class Real>
+void SceneBuffers<Real>::make_search(const Acceleration& acceleration) {
+    tree_ = scene_tree_of(view_, meshes_, acceleration);
+    const AcceleratorHook& accelerator = acceleration.accelerator_hook;
+    const LevelsHook& levels = acceleration.levels_hook;
+    MeetMeshes<Real> meet_meshes = nullptr;
     if constexpr (std::is_same_v<Real, float>) {
-        view_.meet_mesh = acceleration.accelerator_hook.meet_single;
+        search_.meet_mesh = accelerator.meet_single;
+        meet_meshes = levels.is_flat ? accelerator.meet_flat_single : levels.meet_single;
     } else {
-        view_.meet_mesh = acceleration.accelerator_hook.meet_double;
+        search_.meet_mesh = accelerator.meet_double;
+        meet_meshes = levels.is_flat ? accelerator.meet_flat_double : levels.meet_double;
     }
+    if (tree_ != nullptr) {
+        search_.meet_meshes = meet_meshes;
+        search_.objects = tree_->objects_view();
+        search_.flat = tree_->flat_view();
+    }
+    view_.mesh_search = &search_;
 }
 
 double radiance_bound(const Scene& scene, const RenderSettings& settings) {

@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include "harness/scene/mesh_geometry.h"
+#include "harness/scene/mesh_search.h"
 #include "harness/scene/scene.h"
 #include "kernels/scene_view.h"
 
@@ -53,6 +53,8 @@ public:
 
     // By number of the objects that show a mesh.
     const std::vector<MeshGeometry>& meshes() const { return meshes_; }
+    // Over all of them together, or null.
+    const std::shared_ptr<const SceneTree>& tree() const { return tree_; }
     // By object number: the object's index in the scene file.
     const std::vector<std::uint32_t>& file_index() const { return file_index_; }
 
@@ -60,10 +62,14 @@ private:
     void add_object(const Scene& scene, std::uint32_t index, const Acceleration& acceleration);
     void complete(MeshInstance<Real>& instance, const Scene& scene, const SceneObject& object,
                   const Placement& placement, const Acceleration& acceleration);
+    void make_search(const Acceleration& acceleration);
 
     SceneStorage<Real> arrays_;
     std::vector<std::uint32_t> file_index_;
+    std::vector<std::uint32_t> shown_by_;  // by mesh of the scene: how many objects
     std::vector<MeshGeometry> meshes_;
+    std::shared_ptr<const SceneTree> tree_;
+    MeshSearch<Real> search_;
     SceneView<Real> view_;
 };
 

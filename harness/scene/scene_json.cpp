@@ -8,6 +8,7 @@
 
 #include "harness/json_reader.h"
 #include "harness/mesh/generate.h"
+#include "harness/scene/instances.h"
 #include "harness/scene/scene.h"
 #include "harness/scene/scene_mesh.h"
 
@@ -50,8 +51,7 @@ void read_shutter(const JsonValue& value, SceneCamera& camera) {
 }
 
 // Where the shutter's ends find the object; in between it is between them.
-void check_motion(const Scene& scene, std::size_t index, const std::string& file) {
-    const SceneObject& object = scene.objects[index];
+void check_motion(const Scene& scene, const SceneObject& object, std::size_t index, const std::string& file) {
     for (const double time : {scene.camera.shutter_open, scene.camera.shutter_close}) {
         const Vec3d centre = object.translate + object.velocity * time;
         if (!(std::max({std::abs(centre.x), std::abs(centre.y), std::abs(centre.z)}) <= largest_length)) {
@@ -210,6 +210,16 @@ std::string names_of(const std::vector<SceneMaterial>& materials) {
                        materials.size() > most ? fmt::format(" and {} more", materials.size() - most) : "");
 }
 
+// What takes the whole scene to tell; `index`: in the file.
+void check_object(const Scene& scene, const SceneObject& object, std::size_t index, const std::string& file) {
+    check_motion(scene, object, index, file);
+    const bool is_body = scene.materials[object.material].type == MaterialType::subsurface;
+    if (is_body && contains_point(scene, object, scene.camera.eye)) {
+        throw InputError(file, "$.camera.eye", fmt::format("a point inside $.objects[{}], a subsurface body", index),
+                         "a point outside of subsurface bodies");
+    }
+}
+
 // A generator's mesh: {"mesh": NAME, "size": N}.
 std::shared_ptr<const SceneMesh> read_recipe(const JsonValue& value) {
     const JsonObject recipe(value, {"mesh", "size"});
@@ -290,7 +300,7 @@ SceneObject read_object(const JsonValue& value, Scene& scene) {
     std::vector<std::string> keys{"shape", "material", "translate", "rotate_degrees", "scale", "velocity"};
     const bool is_mesh = value.json().is_object() && value.json().value("shape", Json()) == name_of(Shape::mesh);
     if (is_mesh) {
-        keys.insert(keys.end(), {"file", "generate"});
+        keys.insert(keys.end(), {"file", "generate", "instances"});
     }
     const JsonObject object(value, keys);
     SceneObject result;
@@ -321,6 +331,39 @@ SceneObject read_object(const JsonValue& value, Scene& scene) {
     return result;
 }
 
+// The object, or the copies of it that the file asks for.
+std::vector<SceneObject> read_objects(const JsonValue& value, Scene& scene) {
+    const SceneObject object = read_object(value, scene);
+    const bool is_mesh = object.mesh != SceneObject::no_mesh;
+    if (!is_mesh || !value.json().contains("instances")) {
+        return {object};
+    }
+    if (object.scale.x != object.scale.y || object.scale.x != object.scale.z) {
+        JsonValue(value.json().at("scale"), value.file(), value.path() + ".scale").fail("one number, with instances");
+    }
+    const JsonValue rule(value.json().at("instances"), value.file(), value.path() + ".instances");
+    std::vector<SceneObject> objects;
+    for (const Copy& copy : read_instances(rule, object.scale.x)) {
+        objects.push_back(copied(object, copy));
+        check_reach(rule, objects.back(), scene);
+        if (!(objects.back().scale.x >= smallest_length)) {
+            rule.fail("no copy smaller than 1e-18");
+        }
+    }
+    return objects;
+}
+
+// What a rule makes of a scene is part of its content, as meshes are.
+std::string text_of(const std::vector<SceneObject>& copies) {
+    std::string text;
+    for (const SceneObject& copy : copies) {
+        for (const Vec3d& v : {copy.translate, copy.rotate_degrees, copy.scale}) {
+            text.append(reinterpret_cast<const char*>(&v), sizeof v);
+        }
+    }
+    return text;
+}
+
 }  // namespace
 
 Scene parse_scene(const std::string& text, const std::string& file) {
@@ -343,21 +386,21 @@ Scene parse_scene(const std::string& text, const std::string& file) {
         material.name = name;
         scene.materials.push_back(std::move(material));
     }
-    for (const JsonValue& object : root.required("objects").elements()) {
-        scene.objects.push_back(read_object(object, scene));
-    }
-    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-        check_motion(scene, i, file);
-        const bool is_body = scene.materials[scene.objects[i].material].type == MaterialType::subsurface;
-        if (is_body && contains_point(scene, scene.objects[i], scene.camera.eye)) {
-            throw InputError(file, "$.camera.eye", fmt::format("a point inside $.objects[{}], a subsurface body", i),
-                             "a point outside of subsurface bodies");
+    std::string of_rules;
+    const std::vector<JsonValue> objects = root.required("objects").elements();
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+        const std::vector<SceneObject> read = read_objects(objects[i], scene);
+        for (const SceneObject& object : read) {
+            check_object(scene, object, i, file);
         }
+        of_rules += read.size() > 1 ? text_of(read) : "";
+        scene.objects.insert(scene.objects.end(), read.begin(), read.end());
     }
     std::string canonical = json.dump();
     for (const auto& mesh : scene.meshes) {
         canonical += mesh->hash;
     }
+    canonical += of_rules;
     scene.hash = fmt::format("{:016x}", fnv1a(canonical.data(), canonical.size()));
     return scene;
 }

@@ -191,7 +191,8 @@ TEST_F(ResultFileTest, CellsSayWhatTheyAreAndHowTheyEnded) {
         "sort_key": "material", "first_bounce": "off", "direct_light": "off", "russian_roulette": "off",
         "sampler": "pcg4d", "layout": "aos",
         "specialisation": "features", "launch": "stream", "arithmetic": "exact", "precision": "float", "robustness": "robust",
-        "accelerator": "brute_force", "builder": "sah_binned", "traversal": "while_while", "traversal_stack": "local"})"));
+        "accelerator": "brute_force", "builder": "sah_binned", "traversal": "while_while", "traversal_stack": "local",
+        "levels": "each_object"})"));
     EXPECT_EQ(ok.at("resolution"), Json({20, 10}));
     EXPECT_EQ(ok.at("depth"), 4);
     EXPECT_EQ(ok.at("spp"), 2);

@@ -87,6 +87,7 @@ AxisChoices choices_of_paths() {
     AxisChoices axes = all_choices();
     axes.erase("accelerator");
     axes.erase("builder");
+    axes.erase("levels");
     return axes;
 }
 
@@ -141,6 +142,7 @@ TEST(RegistryTest, HasEveryAxisAndChoice) {
             {"builder", {"sah_binned", "lbvh", "ploc", "sah_sweep", "sbvh"}},
             {"traversal", {"while_while"}},
             {"traversal_stack", {"local"}},
+            {"levels", {"each_object", "flat", "two_level"}},
         },
         Backend::cpu);
 }
@@ -172,6 +174,7 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
             {"builder", {"sah_binned", "hploc", "lbvh", "ploc", "sah_sweep", "sbvh"}},
             {"traversal", {"while_while", "if_if", "persistent", "speculative"}},
             {"traversal_stack", {"local", "shared", "short_restart"}},
+            {"levels", {"each_object", "flat", "two_level"}},
         },
         Backend::cuda);
 }
@@ -457,7 +460,7 @@ TEST(VariantTest, SpelledOutItSaysEveryChoiceAndTheTunablesThatAreNotAtTheirDefa
     Variant variant = baseline_with({{"first_bounce", "cached_jitters"}});
     const std::string choices =
         "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust.brute_force."
-        "sah_binned.while_while.local";
+        "sah_binned.while_while.local.each_object";
     EXPECT_EQ(variant.spelled_out(), choices);
     variant.tuning["jitters"] = 4;
     variant.tuning["block"] = 256;
@@ -531,12 +534,12 @@ TEST(VariantTest, ReferenceIsThePlainestVariantOfTheSameExpectation) {
         const std::string first_bounce = variant["first_bounce"] == "cached_jitters" ? "cached_jitters" : "off";
         const std::string formula = variant["specialisation"] == "matrix" ? "matrix" : "generic";
         // Its film depends on every other choice: nothing but itself has it.
-        EXPECT_EQ(reference.spelled_out(), variant["sampler"] == "minstd_by_position"
-                                               ? variant.spelled_out()
-                                               : "depth_first.none.none.material." + first_bounce + "." +
-                                                     estimator_of(variant) + ".aos." + formula + ".stream.exact." +
-                                                     variant["precision"] + "." + variant["robustness"] +
-                                                     ".brute_force." + variant["builder"] + ".while_while.local");
+        EXPECT_EQ(reference.spelled_out(),
+                  variant["sampler"] == "minstd_by_position"
+                      ? variant.spelled_out()
+                      : "depth_first.none.none.material." + first_bounce + "." + estimator_of(variant) + ".aos." +
+                            formula + ".stream.exact." + variant["precision"] + "." + variant["robustness"] +
+                            ".brute_force." + variant["builder"] + ".while_while.local.each_object");
         EXPECT_EQ(registry().reference(reference), reference);
         // Which do not go together.
         const bool has_formulas = variant["precision"] == "double_intersection" || variant["robustness"] == "naive";
@@ -566,7 +569,7 @@ TEST(VariantTest, ReferenceOnCudaIsThePlainestVariantOfTheSameExpectation) {
                       ? variant.spelled_out()
                       : "megakernel.none.none.material." + first_bounce + "." + estimator_of(variant) + ".aos." +
                             formula + ".stream." + variant["arithmetic"] + "." + variant["precision"] + "." +
-                            variant["robustness"] + ".brute_force.sah_binned.while_while.local");
+                            variant["robustness"] + ".brute_force.sah_binned.while_while.local.each_object");
         EXPECT_EQ(registry().reference(reference, Backend::cuda), reference);
         EXPECT_EQ(why_not_applicable(reference, all_features, Backend::cuda), "") << reference.spelled_out();
     }
@@ -1188,6 +1191,7 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
     axes["robustness"] = {"robust"};
     axes["accelerator"] = {"brute_force"};
     axes["builder"] = {"sah_binned"};
+    axes["levels"] = {"each_object"};
     for (const Variant& variant : expand(axes, Backend::cpu, {{"jitters", {16, 2}}})) {
         if (!why_not_applicable(variant, features).empty()) {
             continue;

@@ -27,7 +27,28 @@ struct AcceleratorHook {
     NativeMesh (*prepare)(const EncodedTree& tree, std::span<const LeafTriangle> leaves) = nullptr;
     MeetMesh<float> meet_single = nullptr;
     MeetMesh<double> meet_double = nullptr;
+    // By one tree over the triangles of all objects; null: it has its trees by itself.
+    MeetMeshes<float> meet_flat_single = nullptr;
+    MeetMeshes<double> meet_flat_double = nullptr;
 };
+
+// A choice of the axis `levels`.
+struct LevelsHook {
+    // Over the boxes of objects, leaves of one each; null: there is no such tree.
+    std::vector<ObjectNode> (*build)(const PrimitiveBoxes& boxes) = nullptr;
+    MeetMeshes<float> meet_single = nullptr;
+    MeetMeshes<double> meet_double = nullptr;
+    bool is_flat = false;  // met as the accelerator has it
+};
+
+// A host's kernel is compiled for motion or without it, its search for motion: of an object at rest it leaves the same.
+template <class Traversal, class Real>
+using SearchConfig = Config<Real, Feature::mesh | Feature::motion, Traversal>;
+
+template <class Traversal, class Real>
+void meet_flat(Hit<Real>& best, const SceneView<Real>& scene, const Ray<Real>& ray) {
+    closest_by_flat_tree<SearchConfig<Traversal, Real>>(best, scene, scene.meshes, ray);
+}
 
 // A ray through a mesh on the host, by the traversal that kernels of a device have compiled in.
 template <class Traversal, class Real>
@@ -39,7 +60,12 @@ void meet_mesh(Hit<Real>& best, const MeshInstance<Real>& mesh, std::uint32_t ob
 
 template <class Traversal>
 AcceleratorHook accelerator_hook(EncodedTree (*encode)(const BinaryTree& tree)) {
-    return {encode, nullptr, &meet_mesh<Traversal, float>, &meet_mesh<Traversal, double>};
+    return {encode,
+            nullptr,
+            &meet_mesh<Traversal, float>,
+            &meet_mesh<Traversal, double>,
+            &meet_flat<Traversal, float>,
+            &meet_flat<Traversal, double>};
 }
 
 }  // namespace pt

@@ -10,6 +10,17 @@ inline Reason needs_meshes(FeatureSet scene, const VariantTraits&) {
                                           : Reason{"needs_meshes", "has nothing to do: the scene has no mesh"};
 }
 
+// Of a way to objects that show meshes other than each in turn.
+inline Reason needs_search(FeatureSet scene, const VariantTraits& variant) {
+    if (Reason reason = needs_meshes(scene, variant); !reason.empty()) {
+        return reason;
+    }
+    return variant.traversal.needs_own_kernel
+               ? Reason{"needs_search", "is not there with traversal=" + std::string(variant.traversal.name) +
+                                            ", whose kernel meets each object in turn"}
+               : Reason{};
+}
+
 // Of a choice that changes how shapes are met, and is compiled without the way through a tree.
 inline Reason meets_no_mesh(FeatureSet scene) {
     return contains(scene, Feature::mesh)

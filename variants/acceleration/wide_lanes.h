@@ -343,10 +343,15 @@ void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint3
     }
 }
 
-// `Traversal`: for rays in double.
+// `Traversal`: for rays in double, and through a tree over all objects.
 template <int width, class Traversal>
 AcceleratorHook accelerator_hook(EncodedTree (*encode)(const BinaryTree& tree)) {
-    return {encode, &prepare<width>, &meet_mesh<width>, &pt::meet_mesh<Traversal, double>};
+    return {encode,
+            &prepare<width>,
+            &meet_mesh<width>,
+            &pt::meet_mesh<Traversal, double>,
+            &pt::meet_flat<Traversal, float>,
+            &pt::meet_flat<Traversal, double>};
 }
 
 }  // namespace pt::lanes

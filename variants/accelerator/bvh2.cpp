@@ -42,10 +42,11 @@ EncodedTree encode(const BinaryTree& tree) {
         return node.is_leaf() ? leaf_link(node.first, node.count) : numbers[at];
     };
     std::vector<Node> nodes;
-    if (tree.nodes[0].is_leaf()) {  // a leaf alone: the second child's empty box is never entered
+    // A leaf alone: the second child's empty box is entered by none but a ray of NaNs, which must come to an end too.
+    if (tree.nodes[0].is_leaf()) {
         nodes.resize(1);
         set_child(nodes[0], 0, tree.nodes[0].box, link_of(0));
-        set_child(nodes[0], 1, Box{}, 0);
+        set_child(nodes[0], 1, Box{}, link_of(0));
     }
     for (const BinaryTree::Node& inner : tree.nodes) {
         if (!inner.is_leaf()) {

@@ -15,7 +15,7 @@ inline constexpr Tunable feature_tunables[] = {
 // Every feature of scenes and estimators, meshes only where the scene has one; of formulas only those that the variant
 // asks for, and the fewest samplers that serve it, since neither depends on the scene.
 inline FeatureSet every_feature(const KernelOffer& offer) {
-    FeatureSet best = all_features | samplers | (offer.needed & (formulas | traversals));
+    FeatureSet best = all_features | samplers | (offer.needed & (formulas | traversals | mesh_levels));
     for (const FeatureSet candidate : offer.compiled) {
         const bool fits = is_superset(candidate, all_features | offer.needed) && is_superset(best, candidate);
         best = fits ? candidate : best;
@@ -31,7 +31,8 @@ inline FeatureSet smallest_superset(const KernelOffer& offer, const Variant& var
     for (const FeatureSet candidate : offer.compiled) {
         const bool fits =
             is_superset(candidate, offer.needed) &&
-            is_superset(all_features | samplers | allowed | (offer.needed & (formulas | traversals)), candidate);
+            is_superset(all_features | samplers | allowed | (offer.needed & (formulas | traversals | mesh_levels)),
+                        candidate);
         if (fits && (surplus(candidate) < surplus(best) ||
                      (surplus(candidate) == surplus(best) && std::popcount(candidate) > std::popcount(best)))) {
             best = candidate;

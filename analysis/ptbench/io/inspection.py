@@ -19,7 +19,9 @@ from ptbench.io.nodes import Node, read_json, shown
 from ptbench.io.older import before, filled_in
 
 # What older files lack at the end of their choices, the last axis first.
-_LAST = tuple(before(axis) for axis in ("traversal_stack", "traversal", "builder", "accelerator", "robustness"))
+_LAST = tuple(
+    before(axis) for axis in ("levels", "traversal_stack", "traversal", "builder", "accelerator", "robustness")
+)
 # A field that is so much a ray or the like: X_per_Y, in files of commit ede9627 and before X_a_Y.
 _RATE = re.compile(r"_(a|per)_(?:ray|block|multiprocessor|second)$")
 _MEASURED = (

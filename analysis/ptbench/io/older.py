@@ -43,6 +43,7 @@ _AXES: dict[str, dict[str, OlderAxis]] = {
         "builder": OlderAxis(before="sah_binned"),
         "traversal": OlderAxis(before="while_while"),
         "traversal_stack": OlderAxis(before="local"),
+        "levels": OlderAxis(before="each_object"),
     },
 }
 # The same for files of `ptbench stability`, which name no baselines: the plainest formulas, by their schema.

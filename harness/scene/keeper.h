@@ -1,0 +1,53 @@
+// What takes long to make is made once and kept, as long as there is room: a study renders one scene hundreds of times.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <string>
+
+namespace pt {
+
+// Of what one Keeper keeps together; what was used longest ago goes first.
+inline constexpr std::size_t most_kept_bytes = std::size_t{6} << 30;
+inline constexpr std::size_t most_kept = 4096;
+
+// Kept by a key that says everything that it was made from. T says by kept_bytes() what it takes.
+template <class T>
+class Keeper {
+public:
+    template <class Make>
+    std::shared_ptr<const T> get(const std::string& key, const Make& make) {
+        for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
+            if (entry->key == key) {
+                entries_.splice(entries_.begin(), entries_, entry);
+                return entry->value;
+            }
+        }
+        auto value = std::make_shared<T>(make());
+        entries_.push_front({key, value, value->kept_bytes() + key.size()});
+        bytes_ += entries_.front().bytes;
+        while ((bytes_ > most_kept_bytes || entries_.size() > most_kept) && entries_.size() > 1) {
+            bytes_ -= entries_.back().bytes;
+            entries_.pop_back();
+        }
+        return value;
+    }
+
+private:
+    struct Entry {
+        std::string key;
+        std::shared_ptr<const T> value;
+        std::size_t bytes;
+    };
+
+    std::list<Entry> entries_;
+    std::size_t bytes_ = 0;
+};
+
+inline double milliseconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace pt

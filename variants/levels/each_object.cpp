@@ -1,0 +1,19 @@
+// Every object that shows a mesh in turn, each through its own tree: what the other choices are held against.
+#include "variants/registry.h"
+
+namespace pt::levels::each_object {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "levels",
+        .name = "each_object",
+        .summary = "every object that shows a mesh in turn, each by its own tree",
+        .origin = "the reference",
+        .baseline = on_every_backend,
+        .backends = on_every_backend,
+    },
+    {});
+
+}  // namespace
+}  // namespace pt::levels::each_object
