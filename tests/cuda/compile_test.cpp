@@ -160,6 +160,16 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
     for (const auto& [axis, choice] : Choices{{"layout", "soa"}, {"layout", "packed"}, {"specialisation", "baked"}}) {
         add_by_turns(room, {{"accelerator", "bvh2"}, {axis, choice}}, 3);
     }
+    for (const std::string& levels : choices_of("levels")) {
+        for (const char* accelerator : {"bvh2", "cwbvh"}) {
+            add_by_turns(room, {{"accelerator", accelerator}, {"levels", levels}}, 6);
+        }
+        programs.add(room, baseline_with({{"levels", levels},
+                                          {"accelerator", "bvh4"},
+                                          {"specialisation", "generic"},
+                                          {"precision", "double"},
+                                          {"integrator", "megakernel"}}));
+    }
     add_by_turns(room, {{"specialisation", "generic"}, {"precision", "double"}, {"direct_light", "nee_mis"}}, 3);
     for (const std::string& accelerator : choices_of("accelerator")) {
         for (const std::string& traversal : choices_of("traversal")) {
