@@ -72,7 +72,14 @@ std::vector<std::string> scene_names() { return json_stems(home_folder() / "scen
 std::vector<std::string> suite_names() { return json_stems(home_folder() / "scenes" / "suites"); }
 
 Scene find_scene(const std::string& name_or_file) {
-    return load_scene(find_file("scene", name_or_file, home_folder() / "scenes"));
+    Scene scene = load_scene(find_file("scene", name_or_file, home_folder() / "scenes"));
+    for (const auto& mesh : scene.meshes) {
+        if (mesh->degenerate_left_out > 0) {
+            fmt::print(stderr, "note: scene {}: mesh {}: {} triangles without area left out\n", scene.name,
+                       one_line(mesh->source), mesh->degenerate_left_out);
+        }
+    }
+    return scene;
 }
 
 std::vector<Scene> find_scenes(const std::vector<std::string>& names_or_files) {

@@ -18,7 +18,8 @@ std::filesystem::path home_folder();
 std::vector<std::string> scene_names();
 std::vector<std::string> suite_names();
 
-// A shipped scene by name, or any file by a path that ends in .json. Throws InputError.
+// A shipped scene by name, or any file by a path that ends in .json. Says on stderr how many triangles without area
+// its meshes were read without. Throws InputError.
 Scene find_scene(const std::string& name_or_file);
 // Several for one run, in the order given. Different scenes may have one name in their files (the course's call theirs
 // "cornell"): each of these is called NAME@H here, H the first 8 digits of its hash, which no file can call itself.

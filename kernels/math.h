@@ -90,6 +90,16 @@ PT_HD inline Real power_of_two(int k) {
     return number_of(bits_of(Real(1)) + k * (bits_of(Real(2)) - bits_of(Real(1))));
 }
 
+// The power of two at or below x, and 1 over it: for x from the least normal number to half of the largest.
+template <class Real>
+PT_HD inline Real power_of_two_below(Real x) {
+    return number_of(bits_of(x) >> mantissa_bits<Real> << mantissa_bits<Real>);
+}
+template <class Real>
+PT_HD inline Real reciprocal_of_power_of_two(Real power) {
+    return number_of(bits_of(Real(1)) + bits_of(Real(1)) - bits_of(power));
+}
+
 // ln 2 in two parts. The first has so few bits that its product with an exponent is exact.
 template <class Real>
 inline constexpr Real ln2_high = sizeof(Real) == 4 ? Real(0x1.62e4p-1) : Real(0x1.62e42feep-1);

@@ -13,6 +13,7 @@
 #include "harness/mesh/write_mesh.h"
 #include "harness/nearest_name.h"
 #include "harness/rays/gpu_batch.h"
+#include "harness/rays/leak_study.h"
 #include "harness/rays/ray_file.h"
 #include "harness/rays/ray_sets.h"
 #include "harness/rays/ray_study.h"
@@ -27,7 +28,8 @@ struct RaysArguments {
     std::string meshes, scenes, classes, accelerators, builders, backend, out, write_rays, read_rays, write_mesh;
     std::uint32_t log2_rays = 20, checked = 1024;
     int repetitions = 9, threads = 0;
-    bool overwrite = false;
+    std::uint64_t first_ray = 0, seed = 1;
+    bool leaks = false, overwrite = false;
     std::string command_line;
 };
 
@@ -154,13 +156,61 @@ nlohmann::ordered_json context_of(const RaysArguments& arguments, const rays::Ra
     return context;
 }
 
+// What says how rays are timed has no meaning where leaks are counted, and the other way round.
+void check_leak_arguments(const RaysArguments& arguments) {
+    if (!arguments.leaks) {
+        if (arguments.log2_rays > 26) {
+            throw InputError("rays", "--log2-rays", std::to_string(arguments.log2_rays),
+                             "4 to 26 (to 40 with --leaks)");
+        }
+        if (arguments.first_ray != 0 || arguments.seed != 1) {
+            throw InputError("rays", arguments.first_ray != 0 ? "--first-ray" : "--seed", "it without --leaks",
+                             "it with --leaks");
+        }
+        return;
+    }
+    for (const auto& [flag, text] : {std::pair<const char*, const std::string&>{"--scene", arguments.scenes},
+                                     {"--class", arguments.classes},
+                                     {"--write-rays", arguments.write_rays},
+                                     {"--read-rays", arguments.read_rays},
+                                     {"--write-mesh", arguments.write_mesh}}) {
+        if (!text.empty()) {
+            throw InputError("rays", flag, "it with --leaks", "one of them");
+        }
+    }
+}
+
+// Exit code 1 where a ray leaves a closed mesh.
+int find_leaks(const RaysArguments& arguments) {
+    const std::vector<std::string> meshes = names_or_none(arguments.meshes, "--mesh");
+    check_arguments(arguments, meshes.size());
+    const rays::LeakStudy study{study_of(arguments), arguments.log2_rays, arguments.first_ray, arguments.seed};
+    nlohmann::ordered_json context = context_of(arguments, study.trees), measured = nlohmann::ordered_json::array();
+    std::uint64_t leaks = 0;
+    for (const std::string& name : meshes) {
+        const rays::RayMesh mesh = rays::closed_mesh_for_rays(name);
+        fmt::print("{}: {} triangles, closed{}\n", one_line(mesh.name), mesh.triangles.size(),
+                   mesh.said.empty() ? "" : ", " + mesh.said);
+        std::fflush(stdout);
+        rays::LeakResult result = rays::measure_leaks(mesh, study);
+        fmt::print("{}", rays::leak_table_of(result.json));
+        leaks += result.leaks;
+        measured.push_back(std::move(result.json));
+    }
+    if (!arguments.out.empty()) {
+        const nlohmann::ordered_json result{{"schema", "ptbench-leaks-1"},
+                                            {"context", std::move(context)},
+                                            {"backend", to_string(study.trees.backend)},
+                                            {"meshes", std::move(measured)}};
+        write_file(arguments.out, result.dump(1) + "\n");
+    }
+    return leaks == 0 ? exit_good : exit_check_failed;
+}
+
 int measure_rays(const RaysArguments& arguments) {
     const std::vector<std::string> meshes = names_or_none(arguments.meshes, "--mesh"),
                                    scenes = names_or_none(arguments.scenes, "--scene");
     check_arguments(arguments, meshes.size() + scenes.size());
-    if (arguments.threads > 0) {
-        omp_set_num_threads(arguments.threads);
-    }
     const rays::RayStudy study = study_of(arguments);
     nlohmann::ordered_json context = context_of(arguments, study), measured = nlohmann::ordered_json::array();
     bool agrees = true;
@@ -203,7 +253,11 @@ int measure_rays(const RaysArguments& arguments) {
 // Faults of the device are the machine's.
 int run_rays(const RaysArguments& arguments) {
     try {
-        return measure_rays(arguments);
+        check_leak_arguments(arguments);
+        if (arguments.threads > 0) {
+            omp_set_num_threads(arguments.threads);
+        }
+        return arguments.leaks ? find_leaks(arguments) : measure_rays(arguments);
     } catch (const InputError&) {
         throw;
     } catch (const MachineError&) {
@@ -232,8 +286,13 @@ Command add_rays_command(CLI::App& app, const std::string& command_line) {
              "Choices of the axis, comma-separated (default: bvh2,bvh4,bvh8,cwbvh)");
     add_text("--builder", arguments->builders, "Choices of the axis, comma-separated (default: sah_binned)");
     command->add_option("--backend", arguments->backend, "cpu or cuda (default: cuda where it is available)");
-    command->add_option("--log2-rays", arguments->log2_rays, "2^N rays a class (default 20)")
-        ->check(CLI::Range(std::uint32_t{4}, std::uint32_t{26}));
+    command->add_option("--log2-rays", arguments->log2_rays, "2^N rays a class (default 20); of --leaks, in all")
+        ->check(CLI::Range(std::uint32_t{4}, std::uint32_t{40}));
+    command->add_flag("--leaks", arguments->leaks,
+                      "Instead: rays from within closed meshes at their vertices and edges; exit code 1 if one leaves. "
+                      "Meshes have no box here");
+    command->add_option("--first-ray", arguments->first_ray, "Of --leaks: the number of the first ray (default 0)");
+    command->add_option("--seed", arguments->seed, "Of --leaks: seed (default 1)")->check(check_seed);
     command
         ->add_option("--repetitions", arguments->repetitions, "Times that each batch is traced and timed (default 9)")
         ->check(CLI::Range(1, 1000));

@@ -156,16 +156,51 @@ std::vector<Variant> asked_variants(const StabilityArguments& arguments, Backend
     return expand(axes, backend);
 }
 
-// The variants, and each with the estimators that the case asks for unless the call named their axis.
+bool is_named(const std::string& axis, const StabilityArguments& arguments) {
+    return std::any_of(arguments.axes.begin(), arguments.axes.end(),
+                       [&](const std::string& argument) { return argument.starts_with(axis + "="); });
+}
+
+// The plainest variant with every accelerator, and with every builder under a tree that needs one: whatever is met must
+// be met through all of them.
+std::vector<Variant> accelerated_variants(Backend backend) {
+    const Registry& registry = Registry::instance();
+    const Variant plainest = stability::plainest_variant(backend);
+    std::vector<Variant> variants;
+    const auto add = [&](const std::string& accelerator, const std::string& builder) {
+        Variant variant = plainest;
+        variant.set("accelerator", accelerator);
+        variant.set("builder", builder);
+        if (variant != plainest && std::find(variants.begin(), variants.end(), variant) == variants.end()) {
+            variants.push_back(variant);
+        }
+    };
+    std::string with_tree;
+    for (const Choice* accelerator : registry.choices("accelerator", backend)) {
+        const std::string name(accelerator->descriptor.name);
+        add(name, plainest["builder"]);
+        with_tree = accelerator->hook.accelerator.encode != nullptr ? name : with_tree;
+    }
+    for (const Choice* builder : registry.choices("builder", backend)) {
+        add(with_tree, std::string(builder->descriptor.name));
+    }
+    return variants;
+}
+
+// The variants, and each with the estimators that the case asks for unless the call named their axis; likewise the
+// plainest one with accelerators and builders.
 std::vector<Variant> with_estimators(const std::vector<Variant>& variants, const Case& stiff_case,
-                                     const StabilityArguments& arguments) {
+                                     const StabilityArguments& arguments, Backend backend) {
     std::vector<Variant> all = variants;
+    if (stiff_case.over_accelerators && !is_named("accelerator", arguments) && !is_named("builder", arguments)) {
+        for (const Variant& variant : accelerated_variants(backend)) {
+            all.push_back(variant);
+        }
+    }
     for (const auto& [axis, choices] : stiff_case.estimators) {
-        const bool is_named = std::any_of(arguments.axes.begin(), arguments.axes.end(),
-                                          [&, &name = axis](const auto& a) { return a.starts_with(name + "="); });
         for (const std::string& choice : choices) {
             for (const Variant& variant : variants) {
-                if (!is_named) {
+                if (!is_named(axis, arguments)) {
                     all.push_back(variant);
                     all.back().set(axis, choice);
                 }
@@ -203,7 +238,7 @@ std::vector<Task> tasks_of(const Case& stiff_case, const StabilityArguments& arg
                            const std::vector<Variant>& variants) {
     std::vector<Task> tasks;
     for (const stability::Values& values : points_of(stiff_case, arguments)) {
-        for (const Variant& variant : with_estimators(variants, stiff_case, arguments)) {
+        for (const Variant& variant : with_estimators(variants, stiff_case, arguments, backend)) {
             tasks.push_back({&stiff_case, values, backend, variant, arguments.seed, arguments.quick, arguments.paths});
         }
     }
@@ -233,14 +268,14 @@ void write_scenes(const std::vector<const Case*>& cases, const std::string& fold
 }
 
 void compile(const std::vector<const Case*>& cases, const StabilityArguments& arguments,
-             const std::vector<Variant>& variants) {
+             const std::vector<Variant>& variants, Backend backend) {
     std::vector<Scene> scenes;
     std::vector<std::pair<std::size_t, Variant>> wanted;
     for (const Case* stiff_case : cases) {
         const auto scene = stability::a_scene_of(*stiff_case);
         if (scene && stiff_case->missing_feature.empty()) {
             scenes.push_back(*scene);
-            for (const Variant& variant : with_estimators(variants, *stiff_case, arguments)) {
+            for (const Variant& variant : with_estimators(variants, *stiff_case, arguments, backend)) {
                 wanted.emplace_back(scenes.size() - 1, variant);
             }
         }
@@ -422,7 +457,7 @@ int run(const StabilityArguments& arguments) {
     require_backend(backend);
     StabilityRun stability_run(arguments, backend);
     if (backend == Backend::cuda) {
-        compile(cases, arguments, asked_variants(arguments, backend));
+        compile(cases, arguments, asked_variants(arguments, backend), backend);
     }
     const bool uses_workers = workers && (arguments.jobs != 0 || backend == Backend::cuda);
     if (uses_workers && backend == Backend::cuda && !cuda::runs_processes_at_once()) {

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "harness/rays/leak_rays.h"
 #include "kernels/intersect.h"
 #include "variants/accelerator/brute_force.h"
 #include "variants/accelerator/bvh2.h"
@@ -101,6 +102,26 @@ public:
                     static_cast<double>(triangles) / rays};
     }
 
+    void take_leak_source(const LeakSource& source) override { leak_view_ = source.view(); }
+    void make_leak_rays(std::uint64_t first, std::uint32_t count) override {
+        first_leak_ray_ = first;
+        leak_rays_.rays.resize(count);
+#pragma omp parallel for
+        for (std::uint32_t i = 0; i < count; ++i) {
+            leak_rays_.rays[i] = leak_ray(leak_view_, first + i);
+        }
+        load(leak_rays_);
+    }
+    LeakCounts leaks() override {
+        LeakCounts counts;
+        for (std::size_t i = 0; i < hits_.size(); ++i) {
+            const std::uint32_t kind = leak_class_of(first_leak_ray_ + i);
+            ++counts.rays[kind];
+            counts.leaks[kind] += hits_[i].primitive == no_primitive ? 1 : 0;
+        }
+        return counts;
+    }
+
 private:
     Hit meet(const Ray& ray) const {
         // It looks for hits before best.t; a batch takes one at t_max too.
@@ -120,6 +141,9 @@ private:
     const Generic* generic_ = nullptr;
     const RaySet* set_ = nullptr;
     std::vector<Hit> hits_;
+    LeakView leak_view_{};
+    RaySet leak_rays_{"leaks", false, {}};
+    std::uint64_t first_leak_ray_ = 0;
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "harness/rays/cwbvh_batch.cuh"
 #include "harness/rays/device_memory.h"
+#include "harness/rays/leak_batch.cuh"
 #include "harness/rays/plain_batch.cuh"
 #include "variants/accelerator/bvh2.h"
 #include "variants/accelerator/bvh4.h"
@@ -138,6 +139,40 @@ public:
         return Work{static_cast<double>(total[0]) / rays, static_cast<double>(total[1]) / rays,
                     static_cast<double>(total[2]) / rays};
     }
+    void take_leak_source(const LeakSource& source) override {
+        leak_triangles_ = DeviceArray<Triangle<float>>(source.triangles);
+        leak_cubes_ = DeviceArray<InnerCube>(source.cubes);
+        leak_view_ = source.view();
+        leak_view_.triangles = leak_triangles_.data();
+        leak_view_.cubes = leak_cubes_.data();
+    }
+    void make_leak_rays(std::uint64_t first, std::uint32_t count) override {
+        first_leak_ray_ = first;
+        any_ = false;
+        if (rays_.size() != count) {
+            rays_ = DeviceArray<Ray>();  // before the next one is asked for
+            rays_ = DeviceArray<Ray>(count);
+            hits_ = DeviceArray<Hit>(count);
+        }
+        pt::rays::make_leak_rays<<<blocks_for(count), block>>>(leak_view_, first, rays_.data(), count);
+        PT_CUDA_CHECK(cudaGetLastError());
+    }
+    LeakCounts leaks() override {
+        const DeviceArray<unsigned long long> sums(leak_class_count);
+        sums.clear();
+        count_leaks<<<blocks_for(rays_.size()), block>>>(hits_.data(), first_leak_ray_, size(), sums.data());
+        PT_CUDA_CHECK(cudaGetLastError());
+        LeakCounts counts;
+        const std::vector<unsigned long long> leaked = sums.host();
+        for (std::uint32_t kind = 0; kind < leak_class_count; ++kind) {
+            counts.leaks[kind] = leaked[kind];
+        }
+        for (std::uint64_t ray = first_leak_ray_; ray < first_leak_ray_ + leak_class_count; ++ray) {
+            const std::uint64_t before = ray - first_leak_ray_;
+            counts.rays[leak_class_of(ray)] = size() > before ? (size() - before - 1) / leak_class_count + 1 : 0;
+        }
+        return counts;
+    }
 
 private:
     std::uint32_t size() const { return static_cast<std::uint32_t>(rays_.size()); }
@@ -151,6 +186,10 @@ private:
     DeviceArray<Ray> rays_;
     DeviceArray<Hit> hits_;
     DeviceArray<std::uint32_t> next_;
+    DeviceArray<Triangle<float>> leak_triangles_;
+    DeviceArray<InnerCube> leak_cubes_;
+    LeakView leak_view_{};
+    std::uint64_t first_leak_ray_ = 0;
     bool any_ = false;
     int processors_ = processor_count();
     EventPair events_;

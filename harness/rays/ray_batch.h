@@ -40,6 +40,9 @@ struct Work {
     double nodes = 0, boxes = 0, triangles = 0;
 };
 
+struct LeakSource;
+struct LeakCounts;
+
 // Traces batches through one tree. Of a set where any hit will do, the hits say {0, 0} or {t_max, no_primitive}.
 class BatchTracer {
 public:
@@ -55,6 +58,11 @@ public:
     virtual double trace(const std::string& kernel) = 0;  // milliseconds
     virtual std::vector<Hit> hits() = 0;                  // of the last trace
     virtual std::optional<Work> count() = 0;              // nothing: the accelerator counts nothing
+
+    // Rays of leak_rays.h instead of a set: the source, then batches of its rays, made where they are traced.
+    virtual void take_leak_source(const LeakSource& source) = 0;
+    virtual void make_leak_rays(std::uint64_t first, std::uint32_t count) = 0;
+    virtual LeakCounts leaks() = 0;  // of the last trace
 };
 
 // A triangle in its slot, by axis: row k holds coordinate k of a, b and c, so that a ray's permutation of the axes

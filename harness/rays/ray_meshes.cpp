@@ -78,16 +78,36 @@ void put_in_box(Mesh& mesh) {
     add_box(mesh, centre, half);
 }
 
-RayMesh generated(const std::string& argument, std::size_t colon) {
+bool is_file(const std::string& argument) {
+    return argument.ends_with(".ply") || argument.ends_with(".obj") || argument.ends_with(".glb");
+}
+
+RayMesh from_file(const std::string& argument) {
+    RayMesh made{argument, "", read_mesh(argument), {}, {}, {}, {}};
+    made.mesh.normals.clear();
+    if (made.mesh.degenerate_left_out > 0) {
+        made.said = fmt::format("{} triangles without area left out", made.mesh.degenerate_left_out);
+    }
+    return finished(std::move(made));
+}
+
+RayMesh generated(const std::string& argument, std::size_t colon, bool in_box) {
     std::uint32_t size = 0;
     const char *const first = argument.data() + colon + 1, *const last = argument.data() + argument.size();
     if (const auto parsed = std::from_chars(first, last, size); parsed.ec != std::errc() || parsed.ptr != last) {
         throw InputError("--mesh", "argument", "\"" + argument + "\"", "NAME:SIZE, SIZE a whole number");
     }
-    RayMesh made{argument, "in a box of twice its extent", generate_mesh(argument.substr(0, colon), size), {}, {}, {},
+    RayMesh made{argument,
+                 in_box ? "in a box of twice its extent" : "",
+                 generate_mesh(argument.substr(0, colon), size),
+                 {},
+                 {},
+                 {},
                  {}};
     made.mesh.normals.clear();
-    put_in_box(made.mesh);
+    if (in_box) {
+        put_in_box(made.mesh);
+    }
     return finished(std::move(made));
 }
 
@@ -99,16 +119,11 @@ RayMesh mesh_for_rays(const std::string& argument) {
             return finished({argument, "", probe.make(), {}, {}, {}, {}});
         }
     }
-    if (argument.ends_with(".ply") || argument.ends_with(".obj") || argument.ends_with(".glb")) {
-        RayMesh made{argument, "", read_mesh(argument), {}, {}, {}, {}};
-        made.mesh.normals.clear();
-        if (made.mesh.degenerate_left_out > 0) {
-            made.said = fmt::format("{} triangles without area left out", made.mesh.degenerate_left_out);
-        }
-        return finished(std::move(made));
+    if (is_file(argument)) {
+        return from_file(argument);
     }
     if (const std::size_t colon = argument.find(':'); colon != std::string::npos) {
-        return generated(argument, colon);
+        return generated(argument, colon, true);
     }
     std::vector<std::string> names;
     for (const ProbeMesh& probe : probe_meshes()) {
@@ -117,6 +132,15 @@ RayMesh mesh_for_rays(const std::string& argument) {
     throw InputError("--mesh", "name", "\"" + argument + "\"",
                      fmt::format("{}, NAME:SIZE (`ptbench generate` lists the names) or a file (.ply, .obj, .glb){}",
                                  fmt::join(names, ", "), did_you_mean(argument, names)));
+}
+
+RayMesh mesh_without_box(const std::string& argument) {
+    const std::size_t colon = argument.find(':');
+    if (!is_file(argument) && colon == std::string::npos) {
+        throw InputError("--mesh", "name", "\"" + argument + "\"",
+                         "NAME:SIZE (`ptbench generate` lists the names) or a file (.ply, .obj, .glb)");
+    }
+    return is_file(argument) ? from_file(argument) : generated(argument, colon, false);
 }
 
 RayMesh scene_for_rays(const std::string& name_or_file) {

@@ -11,55 +11,12 @@
 #include "harness/rays/cpu_batch.h"
 #include "harness/rays/gpu_batch.h"
 #include "harness/rays/ray_sets.h"
-#include "harness/scene/mesh_geometry.h"
 #include "variants/registry.h"
 
 namespace pt::rays {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::shared_ptr<const SceneMesh> as_scene_mesh(const RayMesh& mesh, const std::string& hash) {
-    auto made = std::make_shared<SceneMesh>();
-    made->source = mesh.name;
-    made->triangles = mesh.triangles;
-    made->hash = hash;
-    for (int axis = 0; axis < 3; ++axis) {
-        made->bounds.low[axis] = mesh.low[axis];
-        made->bounds.high[axis] = mesh.high[axis];
-    }
-    return made;
-}
-
-struct Tree {
-    std::string accelerator, builder;  // builder empty: the accelerator needs no tree
-    MeshGeometry geometry;
-    MeshView view;
-    MeetMesh<float> meet;
-};
-
-Tree make_tree(const std::shared_ptr<const SceneMesh>& mesh, const std::string& accelerator, const std::string& builder,
-               Backend backend) {
-    Acceleration acceleration = Acceleration::none();
-    acceleration.accelerator = accelerator;
-    acceleration.accelerator_hook = Registry::instance().find("accelerator", accelerator, backend)->hook.accelerator;
-    if (backend != Backend::cpu) {
-        acceleration.accelerator_hook.prepare = nullptr;
-    }
-    if (!builder.empty()) {
-        acceleration.builder = builder;
-        acceleration.builder_hook = Registry::instance().find("builder", builder, backend)->hook.builder;
-    }
-    Tree tree{accelerator, builder, geometry_of(mesh, nullptr, acceleration), {}, nullptr};
-    tree.view = tree.geometry.view();
-    tree.meet = acceleration.accelerator_hook.meet_single;
-    return tree;
-}
-
-std::unique_ptr<BatchTracer> make_tracer(const Tree& tree, Backend backend) {
-    return backend == Backend::cuda ? make_gpu_tracer(tree.view, tree.accelerator)
-                                    : make_cpu_tracer(tree.view, tree.accelerator, tree.meet);
-}
 
 // Order-independent: a sum over rays of a hash of (ray, t, primitive).
 std::uint64_t checksum(const std::vector<Hit>& hits) {
@@ -203,7 +160,43 @@ std::vector<RaySet> sets_for(const RayMesh& mesh, BatchTracer& tracer, const Ray
     return sets;
 }
 
-// One (accelerator, builder) each; an accelerator without a tree has no builder.
+}  // namespace
+
+std::shared_ptr<const SceneMesh> as_scene_mesh(const RayMesh& mesh, const std::string& hash) {
+    auto made = std::make_shared<SceneMesh>();
+    made->source = mesh.name;
+    made->triangles = mesh.triangles;
+    made->hash = hash;
+    for (int axis = 0; axis < 3; ++axis) {
+        made->bounds.low[axis] = mesh.low[axis];
+        made->bounds.high[axis] = mesh.high[axis];
+    }
+    return made;
+}
+
+Tree make_tree(const std::shared_ptr<const SceneMesh>& mesh, const std::string& accelerator, const std::string& builder,
+               Backend backend) {
+    Acceleration acceleration = Acceleration::none();
+    acceleration.accelerator = accelerator;
+    acceleration.accelerator_hook = Registry::instance().find("accelerator", accelerator, backend)->hook.accelerator;
+    if (backend != Backend::cpu) {
+        acceleration.accelerator_hook.prepare = nullptr;
+    }
+    if (!builder.empty()) {
+        acceleration.builder = builder;
+        acceleration.builder_hook = Registry::instance().find("builder", builder, backend)->hook.builder;
+    }
+    Tree tree{accelerator, builder, geometry_of(mesh, nullptr, acceleration), {}, nullptr};
+    tree.view = tree.geometry.view();
+    tree.meet = acceleration.accelerator_hook.meet_single;
+    return tree;
+}
+
+std::unique_ptr<BatchTracer> make_tracer(const Tree& tree, Backend backend) {
+    return backend == Backend::cuda ? make_gpu_tracer(tree.view, tree.accelerator)
+                                    : make_cpu_tracer(tree.view, tree.accelerator, tree.meet);
+}
+
 std::vector<std::pair<std::string, std::string>> trees_of(const RayStudy& study) {
     std::vector<std::pair<std::string, std::string>> trees;
     for (const std::string& accelerator : study.accelerators) {
@@ -218,8 +211,6 @@ std::vector<std::pair<std::string, std::string>> trees_of(const RayStudy& study)
     }
     return trees;
 }
-
-}  // namespace
 
 MeshResult measure(const RayMesh& mesh, const RayStudy& study) {
     const std::string hash = content_hash(mesh.mesh);

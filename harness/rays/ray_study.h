@@ -9,6 +9,7 @@
 
 #include "harness/rays/ray_batch.h"
 #include "harness/rays/ray_meshes.h"
+#include "harness/scene/mesh_geometry.h"
 #include "variants/descriptor.h"
 
 namespace pt::rays {
@@ -21,6 +22,20 @@ struct RayStudy {
     std::uint32_t checked = 1024;    // rays of a set that are held to brute force
     std::vector<RaySet> given = {};  // instead of rays that are made; of these, those of `classes`
 };
+
+// A mesh's tree, as batches are traced through it.
+struct Tree {
+    std::string accelerator, builder;  // builder empty: the accelerator needs no tree
+    MeshGeometry geometry;
+    MeshView view;
+    MeetMesh<float> meet;
+};
+std::shared_ptr<const SceneMesh> as_scene_mesh(const RayMesh& mesh, const std::string& hash);
+Tree make_tree(const std::shared_ptr<const SceneMesh>& mesh, const std::string& accelerator, const std::string& builder,
+               Backend backend);
+std::unique_ptr<BatchTracer> make_tracer(const Tree& tree, Backend backend);
+// One (accelerator, builder) each; an accelerator without a tree has no builder.
+std::vector<std::pair<std::string, std::string>> trees_of(const RayStudy& study);
 
 struct MeshResult {
     nlohmann::ordered_json json;

@@ -8,6 +8,7 @@
 
 #include "harness/json_reader.h"
 #include "harness/mesh/generate.h"
+#include "harness/scene/inline_mesh.h"
 #include "harness/scene/instances.h"
 #include "harness/scene/scene.h"
 #include "harness/scene/scene_mesh.h"
@@ -237,10 +238,23 @@ std::shared_ptr<const SceneMesh> read_recipe(const JsonValue& value) {
 
 // A file's name is relative to the scene's own.
 std::shared_ptr<const SceneMesh> read_mesh_of(const JsonObject& object, const JsonValue& value) {
-    if (object.has("file") == object.has("generate")) {
+    std::vector<std::string> sources;
+    for (const char* key : {"file", "generate", "vertices"}) {
+        if (object.has(key)) {
+            sources.push_back(fmt::format("\"{}\"", key));
+        }
+    }
+    if (sources.size() != 1) {
         throw InputError(value.file(), value.path(),
-                         object.has("file") ? "both \"file\" and \"generate\"" : "neither \"file\" nor \"generate\"",
+                         sources.empty() ? "none of \"file\", \"generate\" and \"vertices\""
+                                         : fmt::format("{}", fmt::join(sources, " and ")),
                          "one of them, for a mesh");
+    }
+    if (object.has("triangles") != object.has("vertices")) {
+        value.fail("\"vertices\" with \"triangles\", or neither");
+    }
+    if (object.has("vertices")) {
+        return read_inline_mesh(object.at("vertices"), object.at("triangles"));
     }
     if (object.has("generate")) {
         return read_recipe(object.at("generate"));
@@ -300,7 +314,7 @@ SceneObject read_object(const JsonValue& value, Scene& scene) {
     std::vector<std::string> keys{"shape", "material", "translate", "rotate_degrees", "scale", "velocity"};
     const bool is_mesh = value.json().is_object() && value.json().value("shape", Json()) == name_of(Shape::mesh);
     if (is_mesh) {
-        keys.insert(keys.end(), {"file", "generate", "instances"});
+        keys.insert(keys.end(), {"file", "generate", "vertices", "triangles", "instances"});
     }
     const JsonObject object(value, keys);
     SceneObject result;

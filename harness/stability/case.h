@@ -111,6 +111,8 @@ struct Case {
     std::string sweep = {};  // the parameter that `points` vary, for the figure; empty: none
     // Choices of estimators that the case is run with besides the baseline ones, e.g. {"direct_light", {"nee"}}.
     AxisChoices estimators = {};
+    // Whether the plainest variant is also run with every accelerator and every builder of the backend.
+    bool over_accelerators = false;
     // Exactly one of these.
     std::function<std::vector<Rendering>(const Values&)> renderings = {};
     std::function<std::vector<Twins>(const Values&)> twins = {};
@@ -126,7 +128,7 @@ struct Case {
 
 // In the order of the catalogue.
 inline constexpr std::string_view families[] = {"cavities",   "irradiance", "geometry", "dielectrics", "media",
-                                                "throughput", "film",       "identity", "own"};
+                                                "throughput", "film",       "identity", "meshes",      "own"};
 
 // All cases, by family and then by number in the catalogue.
 const std::vector<Case>& catalogue();

@@ -358,7 +358,9 @@ std::string_view to_string(Status status) {
 
 bool must_pass(const Variant& variant, Backend backend) {
     const VariantTraits traits = traits_of(variant, backend);
-    return !traits.robustness.is_naive && !traits.arithmetic.is_approximate;
+    const Choice* accelerator = Registry::instance().find("accelerator", variant["accelerator"], backend);
+    const bool is_our_test = accelerator == nullptr || accelerator->descriptor.claim == Claim::bitwise;
+    return !traits.robustness.is_naive && !traits.arithmetic.is_approximate && is_our_test;
 }
 
 std::string not_applicable(const Task& task) {

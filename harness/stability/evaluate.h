@@ -50,7 +50,8 @@ std::vector<Row> evaluate(const Task& task);
 // The reference integrator with the generic kernel in exact arithmetic, every other axis at its plainest.
 Variant plainest_variant(Backend backend);
 
-// Whether ptbench claims that this passes: robust kernels in arithmetic that the rounding bounds hold in.
+// Whether ptbench claims that this passes: robust kernels in arithmetic that the rounding bounds hold in, with our own
+// test of triangles.
 bool must_pass(const Variant& variant, Backend backend);
 
 Json to_json(const Task& task, const Row& row);

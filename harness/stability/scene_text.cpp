@@ -169,6 +169,15 @@ SceneText& SceneText::room(const std::string& material, const Vec3d& centre, con
     return quad(material, centre + Vec3d(half.x, 0, 0), 2 * half.y, 2 * half.z, {0, 0, 90});
 }
 
+SceneText& SceneText::mesh(const std::string& material, const Mesh& mesh, const Vec3d& translate, const Vec3d& scale,
+                           const Vec3d& rotate_degrees) {
+    add_object("mesh", material, translate, list(scale), rotate_degrees);
+    Json& object = json_["objects"].back();
+    object["vertices"] = mesh.vertices;
+    object["triangles"] = mesh.triangles;
+    return *this;
+}
+
 SceneText& SceneText::velocity(const Vec3d& velocity) {
     json_["objects"].back()["velocity"] = list(velocity);
     return *this;

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "harness/mesh/mesh.h"
 #include "harness/scene/scene.h"
 
 namespace pt::stability {
@@ -46,6 +47,8 @@ public:
                     const Vec3d& rotate_degrees = Vec3d(0.0));
     // The six walls of the box [centre - half, centre + half], as quads that face inwards.
     SceneText& room(const std::string& material, const Vec3d& centre, const Vec3d& half);
+    SceneText& mesh(const std::string& material, const Mesh& mesh, const Vec3d& translate = Vec3d(0.0),
+                    const Vec3d& scale = Vec3d(1.0), const Vec3d& rotate_degrees = Vec3d(0.0));
     // Of the object that was added last, in scene units a second.
     SceneText& velocity(const Vec3d& velocity);
 

@@ -85,15 +85,33 @@ PT_HD inline Real length_of(const Vec3<Real>& v) {
     return square_root(dot(v, v));
 }
 
-// The weights of a, b and c kept off the edges by a bound on the rounding of the point that is formed with them: a path
-// that starts in a corner stands before the plane of the neighbour, not on it or behind it. A triangle thinner than
-// that bound cannot be kept off its long edges, and is left alone there.
 template <class Real>
-PT_HD inline Vec3<Real> off_the_edges(const Vec3<Real>& weights, const Triangle<Real>& t) {
-    const Vec3<Real> sides[3] = {t.c - t.b, t.a - t.c, t.b - t.a};
+PT_HD inline Real largest_component(const Vec3<Real>& v) {
+    return max(absolute(v.x), max(absolute(v.y), absolute(v.z)));
+}
+
+// A point of a triangle by its weights of a, b and c, and how far from the triangle's plane rounding may put it.
+template <class Real>
+struct KeptWeights {
+    Vec3<Real> weights;
+    Real reach;  // in the mesh's own units
+};
+
+// Weights kept off the edges by twice a bound on the rounding of the point that is formed with them: a path that starts
+// in a corner stands before the plane of the neighbour, not on it or behind it. A triangle thinner than that bound
+// cannot be kept off its long edges, and is left alone there. Lengths in units of a power of two near the triangle's
+// size: the product of four of them would leave the range of float at 2^32.
+template <class Real>
+PT_HD inline KeptWeights<Real> off_the_edges(const Vec3<Real>& weights, const Triangle<Real>& t) {
+    Vec3<Real> sides[3] = {t.c - t.b, t.a - t.c, t.b - t.a};
+    const Real unit = power_of_two_below(max(largest_component(sides[1]), largest_component(sides[2])));
+    const Real per_unit = reciprocal_of_power_of_two(unit);
+    for (Vec3<Real>& side : sides) {
+        side = side * per_unit;
+    }
     const Real twice_area = length_of(cross(sides[0], sides[1]));
-    const Real reach = gamma<Real>(16) * (absolute(t.a.x) + absolute(t.a.y) + absolute(t.a.z) + length_of(sides[2]) +
-                                          length_of(sides[1]));
+    const Real reach = gamma<Real>(16) * ((absolute(t.a.x) + absolute(t.a.y) + absolute(t.a.z)) * per_unit +
+                                          length_of(sides[2]) + length_of(sides[1]));
     Vec3<Real> kept = weights;
     for (int i = 0; i < 3; ++i) {
         const Real margin = reach * length_of(sides[i]) / twice_area;
@@ -101,9 +119,28 @@ PT_HD inline Vec3<Real> off_the_edges(const Vec3<Real>& weights, const Triangle<
             kept[i] = margin;
         }
     }
-    return kept * (Real(1) / (kept.x + kept.y + kept.z));
+    return {kept * (Real(1) / (kept.x + kept.y + kept.z)), Real(0.5) * reach * unit};
 }
 
+// How far off the plane of its triangle a point of the scene may be that was taken out of the mesh's own space, and
+// will be where a ray from it is taken back in: rounding along each axis of the mesh, as far as it lies along the
+// normal.
+template <class Real>
+PT_HD inline Real reach_of_instance(const MeshInstance<Real>& mesh, const Vec3<Real>& local, const Vec3<Real>& placed,
+                                    const Vec3<Real>& normal, Real local_reach) {
+    Real reach = gamma<Real>(8) * (absolute(placed.x) + absolute(placed.y) + absolute(placed.z) +
+                                   absolute(mesh.centre.x) + absolute(mesh.centre.y) + absolute(mesh.centre.z));
+    for (int i = 0; i < 3; ++i) {
+        const Vec3<Real>& row = mesh.row[i];
+        const Real rounded = absolute(row.x * placed.x) + absolute(row.y * placed.y) + absolute(row.z * placed.z) +
+                             absolute(mesh.offset[i]) + absolute(local[i]);
+        reach += absolute(dot(normal, mesh.column[i])) * (gamma<Real>(8) * rounded + local_reach);
+    }
+    return reach;
+}
+
+// In front of the plane, on the side that the ray comes from, by the bound on its rounding (as pbrt's OffsetRayOrigin):
+// a point that rounding puts behind would meet a neighbour in the same plane from there, and be outside.
 template <class Real>
 PT_HD inline SurfacePoint<Real> surface_point(const MeshTriangle<Real>& met, const Vec3<Real>& origin,
                                               const Vec3<Real>& direction, Real, bool = false) {
@@ -111,8 +148,11 @@ PT_HD inline SurfacePoint<Real> surface_point(const MeshTriangle<Real>& met, con
     const Triangle<Real> t = mesh.triangle(met.primitive);
     const TriangleHit<Real> hit =
         intersect(t, mesh.point_in(origin), ShearedDirection<Real>::of(mesh.direction_in(direction)));
-    const Vec3<Real> weights = off_the_edges(Vec3<Real>(hit.u, hit.v, hit.w) * (Real(1) / hit.det), t);
-    return {mesh.point_out(t.a * weights.x + t.b * weights.y + t.c * weights.z), normal_of(met)};
+    const KeptWeights<Real> kept = off_the_edges(Vec3<Real>(hit.u, hit.v, hit.w) * (Real(1) / hit.det), t);
+    const Vec3<Real> local = t.a * kept.weights.x + t.b * kept.weights.y + t.c * kept.weights.z;
+    const Vec3<Real> placed = mesh.point_out(local), normal = normal_of(met);
+    const Real reach = mesh.is_placed != 0 ? kept.reach : reach_of_instance(mesh, local, placed, normal, kept.reach);
+    return {placed + normal * (hit.from_behind ? -reach : reach), normal};
 }
 
 // The primitive with the first cumulative area above `area`.
@@ -138,7 +178,7 @@ PT_HD inline LightSample<Real> sample_point(const MeshInstance<Real>& mesh, Real
         mesh, static_cast<float>(w) * mesh.geometry.cumulative_area[mesh.geometry.triangle_count - 1]);
     const Triangle<Real> t = mesh.triangle(primitive);
     const Real root = square_root(u);
-    const Vec3<Real> weights = off_the_edges(Vec3<Real>(Real(1) - root, root * (Real(1) - v), root * v), t);
+    const Vec3<Real> weights = off_the_edges(Vec3<Real>(Real(1) - root, root * (Real(1) - v), root * v), t).weights;
     return {mesh.point_out(t.a * weights.x + t.b * weights.y + t.c * weights.z),
             normal_of(MeshTriangle<Real>{mesh, primitive}), static_cast<Real>(mesh.area), primitive};
 }

@@ -24,7 +24,7 @@ AXES = {
 }
 FLOAT, NAIVE, MIXED, DOUBLE = {}, {"robustness": "naive"}, {"precision": "double_intersection"}, {"precision": "double"}
 FAST, WAVEFRONT = {"arithmetic": "fast"}, {"integrator": "wavefront"}
-FAMILIES = ("cavities", "irradiance", "geometry", "dielectrics", "media", "throughput", "film", "identity", "own")
+FAMILIES = ("cavities", "irradiance", "geometry", "dielectrics", "media", "throughput", "film", "identity", "meshes", "own")
 
 
 def _json(value: float):

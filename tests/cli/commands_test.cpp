@@ -34,6 +34,19 @@ Rendered render_image(const std::vector<std::string>& added, const std::string& 
     return rendered;
 }
 
+TEST(RenderCommandTest, SaysHowManyTrianglesWithoutAreaItLeftOut) {
+    const TemporaryFolder folder;
+    write_text(folder.file("s.json"),
+               R"({"name": "s", "max_depth": 1, "camera": {"eye": [0, 0, 5], "look_at": [0, 0, 0], "up": [0, 1, 0],
+                   "vertical_fov_degrees": 40, "resolution": [2, 2]}, "materials": {"white": {"type": "diffuse",
+                   "albedo": [1, 1, 1]}}, "objects": [{"shape": "mesh", "material": "white", "vertices": [[0, 0, 0],
+                   [1, 0, 0], [0, 1, 0], [2, 0, 0]], "triangles": [[0, 1, 2], [0, 1, 1], [0, 1, 3]]}]})");
+    const CommandResult result = ptbench(
+        {"render", "--scene", folder.file("s.json"), "--spp", "1", "--backend", "cpu", "--out", folder.file("s.pfm")});
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_EQ(result.err, "note: scene s: mesh of the scene file: 2 triangles without area left out\n");
+}
+
 TEST(RenderTest, TheSummaryHasTheFixedKeys) {
     const json summary = render_image({"--spp", "3"}).summary;
     ASSERT_EQ(summary.at("mean_rgb").size(), 3u);

@@ -106,6 +106,39 @@ TEST(RaysCommandTest, ABadCallIsOneLineAndWritesNothing) {
     EXPECT_TRUE(folder.content().empty());
 }
 
+TEST(RaysCommandTest, NoRayLeavesAClosedMesh) {
+    const TemporaryFolder folder;
+    const CommandResult result =
+        rays_in(folder, {"--leaks", "--mesh", "icosphere:2,menger:1", "--accelerator", "bvh2,cwbvh", "--builder",
+                         "sah_binned,lbvh", "--first-ray", "1000", "--log2-rays", "12", "--out", "leaks.json"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const Json json = Json::parse(content_of(folder.file("leaks.json")));
+    EXPECT_EQ(json["schema"], "ptbench-leaks-1");
+    ASSERT_EQ(json["meshes"].size(), 2);
+    EXPECT_EQ(json["meshes"][0]["triangles"], 320);  // no box
+    ASSERT_EQ(json["meshes"][0]["trees"].size(), 4);
+    for (const Json& kernel : json["meshes"][1]["trees"][3]["kernels"]) {
+        EXPECT_EQ(kernel["rays"], 4096);
+        EXPECT_EQ(kernel["leaks"], 0);
+        EXPECT_EQ(kernel["classes"].size(), 7);
+    }
+}
+
+TEST(RaysCommandTest, LeaksAreOfClosedMeshesAlone) {
+    const TemporaryFolder folder;
+    const auto refusal = [&](const Arguments& added) {
+        const CommandResult result = rays_in(folder, added);
+        EXPECT_EQ(result.exit_code, 2) << result.out;
+        EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+        return result.err;
+    };
+    EXPECT_NE(refusal({"--leaks", "--mesh", "needles:9"}).find("found a mesh that is not closed"), std::string::npos);
+    EXPECT_NE(refusal({"--leaks", "--mesh", "sphere_262k"}).find("allowed: NAME:SIZE"), std::string::npos);
+    EXPECT_NE(refusal({"--leaks", "--mesh", "icosphere:1", "--class", "primary"}).find("--class"), std::string::npos);
+    EXPECT_NE(refusal({"--mesh", "icosphere:1", "--first-ray", "7"}).find("--first-ray"), std::string::npos);
+    EXPECT_TRUE(folder.content().empty());
+}
+
 TEST(RaysCommandTest, ABrokenFileOfRaysIsOneLine) {
     const TemporaryFolder folder;
     ASSERT_EQ(rays_in(folder, {"--mesh", "icosphere:0", "--class", "primary", "--write-rays", "a.rays"}).exit_code, 0);

@@ -71,9 +71,10 @@ TEST(SceneMeshTest, AClosedMeshMayBeGlass) {
 
 TEST(SceneMeshTest, FaultsAreToldWithTheirPlace) {
     EXPECT_EQ(error_of(mesh_with("")),
-              "s.json: $.objects[0]: found neither \"file\" nor \"generate\", allowed: one of them, for a mesh");
+              "s.json: $.objects[0]: found none of \"file\", \"generate\" and \"vertices\", allowed: one of them, for "
+              "a mesh");
     EXPECT_EQ(error_of(mesh_with(ball + R"(, "file": "a.ply")")),
-              "s.json: $.objects[0]: found both \"file\" and \"generate\", allowed: one of them, for a mesh");
+              "s.json: $.objects[0]: found \"file\" and \"generate\", allowed: one of them, for a mesh");
     EXPECT_EQ(error_of(mesh_with(ball, "wax")),
               "s.json: $.objects[0].material: found \"wax\", allowed: on a mesh: diffuse, emitter, mirror, mix or "
               "dielectric (subsurface needs a convex shape)");
@@ -84,6 +85,39 @@ TEST(SceneMeshTest, FaultsAreToldWithTheirPlace) {
     EXPECT_EQ(error_of(mesh_with(R"("file": "a.stl")")),
               "a.stl: file name: found the ending \".stl\", allowed: .obj, .ply or .glb");
     EXPECT_EQ(error_of(R"({"shape": "sphere", "material": "white", )" + ball + "}").find("s.json: $.objects[0]"), 0u);
+}
+
+const std::string corners = R"("vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])";
+
+TEST(SceneMeshTest, AMeshMayStandInTheSceneItself) {
+    const std::string one = corners + R"(, "triangles": [[0, 1, 2], [0, 2, 3]])";
+    const std::string same = corners + R"(, "triangles": [[2, 3, 0], [1, 2, 0]])";
+    const std::string other = corners + R"(, "triangles": [[0, 1, 2], [0, 3, 2], [1, 1, 2], [0, 0, 0]])";
+    const Scene scene =
+        parse_scene(scene_of(mesh_with(one) + ", " + mesh_with(same) + ", " + mesh_with(other)), "s.json");
+    ASSERT_EQ(scene.meshes.size(), 2u);
+    EXPECT_EQ(scene.objects[0].mesh, scene.objects[1].mesh);
+    EXPECT_EQ(scene.meshes[scene.objects[0].mesh]->degenerate_left_out, 0u);
+    EXPECT_EQ(scene.meshes[scene.objects[2].mesh]->triangles.size(), 2u);
+    EXPECT_EQ(scene.meshes[scene.objects[2].mesh]->degenerate_left_out, 2u);
+}
+
+TEST(SceneMeshTest, FaultsOfAMeshInTheSceneAreToldWithTheirPlace) {
+    EXPECT_EQ(error_of(mesh_with(corners + R"(, "triangles": [[0, 1, 4]])")),
+              "s.json: $.objects[0].triangles[0][2]: found 4, allowed: a vertex, counted from 0: a whole number from 0 "
+              "to 3");
+    EXPECT_EQ(error_of(mesh_with(R"("vertices": [[0, 0, 1e39]], "triangles": [])")),
+              "s.json: $.objects[0].vertices[0][2]: found 1e+39, allowed: a number of single precision");
+    EXPECT_EQ(error_of(mesh_with(corners + R"(, "triangles": [[0, 1, 1]])")),
+              "s.json: $.objects[0].triangles: mesh: found 1 triangles without area and no other, allowed: at least "
+              "one triangle that has an area");
+    EXPECT_NE(error_of(mesh_with(corners + R"(, "triangles": [[0, 1]])")).find("allowed: [i, j, k]"),
+              std::string::npos);
+    EXPECT_NE(error_of(mesh_with(corners)).find("allowed: \"vertices\" with \"triangles\", or neither"),
+              std::string::npos);
+    EXPECT_NE(error_of(mesh_with(corners + R"(, "triangles": [[0, 1, 2]], "file": "a.ply")"))
+                  .find("found \"file\" and \"vertices\""),
+              std::string::npos);
 }
 
 // The teapot reaches further than its scale: what float cannot hold is refused, as of other shapes.

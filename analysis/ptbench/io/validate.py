@@ -24,7 +24,7 @@ from ptbench.io.nodes import Node, parse, read_json, shown
 from ptbench.terminal import say, visible
 
 SCHEMAS = package_file("schema")
-KINDS = ("result", "stability", "rays", "inspect", "tuning", "journal")
+KINDS = ("result", "stability", "rays", "leaks", "inspect", "tuning", "journal")
 _WRITTEN_BY_US = "a file of ptbench run, merge, stability, rays, inspect or autotune, or a run's .journal.jsonl"
 
 
@@ -56,7 +56,7 @@ def kind_of(path: Path, value: object) -> str:
         return "inspect"
     if isinstance(value, dict):
         if {"schema", "meshes"} <= value.keys():
-            return "rays"
+            return "leaks" if value["schema"] == "ptbench-leaks-1" else "rays"
         for kind, keys in (("result", {"benchmarks", "ptbench"}), ("stability", {"schema", "rows"})):
             if keys & value.keys():
                 return kind

@@ -201,13 +201,6 @@ std::string tiles_part(const Values& v, const VariantTraits& variant) {
 }
 
 const CaseRegistration cases({
-    {.name = "triangle_mesh",
-     .catalogue = "S20",
-     .family = "geometry",
-     .title = "a watertight mesh of triangles",
-     .stiff = "a ray through a vertex may slip between all triangles that meet there",
-     .formula = "no ray leaves",
-     .missing_feature = "ptbench has no triangles (tiled_room asks the same of quads and boxes)"},
     {.name = "tiled_room",
      .catalogue = "S20",
      .family = "geometry",
