@@ -120,7 +120,7 @@ std::vector<Rendering> far_coordinates(const Values& v) {
 
 // The eye so close to a wall that rays run along it over all its edges.
 std::vector<Rendering> grazing(const Values& v) {
-    SceneText scene = dark("grazing");
+    SceneText scene = dark("grazing_mesh");
     const double height = std::exp2(-v["k"]);
     scene.camera({0.0625, 0, -0.96875}, {0.0625, 0, 1}).image(32, 33, view_of(4 * height), false);
     const Mesh room = grid_room(v.whole("squares"));
@@ -144,6 +144,30 @@ std::vector<Rendering> shear(const Values& v) {
     scene.mesh(wall, mesh, {0, 0, 0}, {s, 1, 1}, {10, 20, 30});
     scene.mesh(wall, mesh, {8 * s, 8 * s, 8 * s}, {s, 1, 1}, {30, 20, 10});
     return stays_dark(scene);
+}
+
+// ---- where single precision ends
+
+// A path starts before the plane that it has met, by a bound on its point's rounding: 8 roundings of the coordinates.
+std::string too_thin(const Values& v, const VariantTraits& variant) {
+    return variant.precision.is_single() && v["k"] > 16
+               ? "the tube is as thin as the rounding of points at its ends: what starts before one wall starts behind "
+                 "the next; cure: precision=double"
+               : "";
+}
+std::string too_far(const Values& v, const VariantTraits& variant) {
+    return variant.precision.is_single() && v.is_set("instances") && v["k"] > 14
+               ? "an instance's rays are taken into the mesh's own space, where the spacing of numbers is a part of "
+                 "the "
+                 "room: what starts before a wall is rounded behind another; cure: a mesh about its own origin, or "
+                 "precision=double"
+               : "";
+}
+std::string too_flat(const Values& v, const VariantTraits& variant) {
+    return variant.precision.is_single() && v["k"] < -15
+               ? "a room flatter than the rounding of its points: what starts before one wall starts behind the "
+                 "other; cure: precision=double"
+               : "";
 }
 
 const AxisChoices connected{{"direct_light", {"nee"}}};
@@ -209,7 +233,8 @@ const CaseRegistration cases({
      .quick_points = {{{"k", 10}}, {{"k", 20}}},
      .sweep = "k",
      .over_accelerators = true,
-     .renderings = thin_tube_case},
+     .renderings = thin_tube_case,
+     .known_limit = too_thin},
     {.name = "sizes",
      .catalogue = "S20",
      .family = "meshes",
@@ -239,8 +264,9 @@ const CaseRegistration cases({
      .quick_points = {{{"k", 23}}, {{"k", 13}, {"instances", 1}}},
      .sweep = "k",
      .over_accelerators = true,
-     .renderings = far_coordinates},
-    {.name = "grazing",
+     .renderings = far_coordinates,
+     .known_limit = too_far},
+    {.name = "grazing_mesh",
      .catalogue = "S20",
      .family = "meshes",
      .title = "rays that run along a wall of triangles",
@@ -261,11 +287,12 @@ const CaseRegistration cases({
          "rays are taken into the mesh's space by a matrix whose rows differ by a factor of 2^k, and rounded there",
      .formula = nothing,
      .parameters = {{"k", 10, -20, 20, "stretched by 2^k along one axis", true}},
-     .points = {{{"k", 0}}, {{"k", 4}}, {{"k", 10}}, {{"k", -10}}, {{"k", 20}}},
+     .points = {{{"k", 0}}, {{"k", 4}}, {{"k", 10}}, {{"k", -10}}, {{"k", 20}}, {{"k", -20}}},
      .quick_points = {{{"k", 10}}},
      .sweep = "k",
      .over_accelerators = true,
-     .renderings = shear},
+     .renderings = shear,
+     .known_limit = too_flat},
 });
 
 }  // namespace

@@ -1,5 +1,6 @@
 // What must not change a film of meshes, bit for bit: the order of triangles, powers of two, places, triangles without
 // area; and which of two coplanar ones comes first.
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
