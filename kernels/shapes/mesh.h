@@ -110,10 +110,8 @@ PT_HD inline KeptWeights<Real> off_the_edges(const Vec3<Real>& weights, const Tr
         side = side * per_unit;
     }
     const Real twice_area = length_of(cross(sides[0], sides[1]));
-    // In double the weights that the test forms are rounded themselves, which in float are exact.
-    constexpr int roundings = sizeof(Real) == 4 ? 16 : 64;
-    const Real reach = gamma<Real>(roundings) * ((absolute(t.a.x) + absolute(t.a.y) + absolute(t.a.z)) * per_unit +
-                                                 length_of(sides[2]) + length_of(sides[1]));
+    const Real reach = gamma<Real>(16) * ((absolute(t.a.x) + absolute(t.a.y) + absolute(t.a.z)) * per_unit +
+                                          length_of(sides[2]) + length_of(sides[1]));
     Vec3<Real> kept = weights;
     for (int i = 0; i < 3; ++i) {
         const Real margin = reach * length_of(sides[i]) / twice_area;

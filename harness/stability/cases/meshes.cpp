@@ -150,10 +150,13 @@ std::vector<Rendering> shear(const Values& v) {
 
 // A path starts before the plane that it has met, by a bound on its point's rounding: 8 roundings of the coordinates.
 std::string too_thin(const Values& v, const VariantTraits& variant) {
-    return variant.precision.is_single() && v["k"] > 16
-               ? "the tube is as thin as the rounding of points at its ends: what starts before one wall starts behind "
-                 "the next; cure: precision=double"
-               : "";
+    if (!variant.precision.is_single()) {
+        return "in double the test of a triangle has nothing wider to ask: a needle's weights and its distance are "
+               "differences of rounded products; cure: these products in two parts, as they are exact in single";
+    }
+    return v["k"] > 16 ? "the tube is as thin as the rounding of points at its ends: what starts before one wall "
+                         "starts behind the next; cure: precision=double"
+                       : "";
 }
 std::string too_far(const Values& v, const VariantTraits& variant) {
     return variant.precision.is_single() && v.is_set("instances") && v["k"] > 14
