@@ -128,6 +128,20 @@ std::uint32_t expect_equal_hits(const Mesh& mesh, std::uint32_t rays,
     return hits;
 }
 
+// A ray through an instance has a direction as short as the instance is large.
+TEST(Cwbvh, hits_of_short_directions_are_those_of_brute_force) {
+    for (const float length : {0x1p-20f, 0x1p-40f, 0x1p-53f, 0x1p-60f}) {
+        Random random(8);
+        const Mesh mesh = soup(random, 1000, 0.3f);
+        const std::uint32_t hits = expect_equal_hits(mesh, 1000, [&](std::uint32_t i) {
+            Point direction = random.point(1.0f);
+            direction[static_cast<int>(i % 3)] = 0.0f;
+            return std::pair(random.point(1.5f), direction * length);
+        });
+        EXPECT_GT(hits, 100u);
+    }
+}
+
 TEST(Cwbvh, hits_of_a_soup_are_those_of_brute_force) {
     for (const float size : {0.03f, 0.1f, 2.0f}) {
         Random random(7);

@@ -147,8 +147,12 @@ struct BoxRay {
 
     template <class Real>
     PT_HD static BoxRay of(const LoadedNode& root, const Vec3<Real>& from, const Vec3<Real>& direction) {
-        // The direction's least component is bounded: what it then strays from the ray is within the room too.
-        constexpr float largest_inverse = 1.15292150460684698e18f;  // 2^60
+        // The direction's least component is bounded by the largest one: what it then strays from the ray is within the
+        // room too.
+        const float largest =
+            max(absolute(static_cast<float>(direction[0])),
+                max(absolute(static_cast<float>(direction[1])), absolute(static_cast<float>(direction[2]))));
+        const float least = max(largest * 8.67361737988403547e-19f, 7.88860905221011805e-31f);  // 2^-60, 2^-100
         BoxRay ray;
         ray.flip = 0;
         float farthest = 0.0f;
@@ -165,8 +169,7 @@ struct BoxRay {
         for (int k = 0; k < 3; ++k) {
             const float component = static_cast<float>(direction[k]);
             const bool up = !(component < 0.0f);
-            ray.inverse[k] = absolute(component) < 1.0f / largest_inverse ? (up ? largest_inverse : -largest_inverse)
-                                                                          : reciprocal(component);
+            ray.inverse[k] = reciprocal(absolute(component) < least ? (up ? least : -least) : component);
             ray.room[k] = 9.5367431640625e-07f * farthest * absolute(ray.inverse[k]);
             ray.flip |= up ? 1u << k : 0u;
         }
