@@ -47,7 +47,7 @@ TEST_F(LeakCountsTest, AreThoseOfTheCpu) {
     open.mesh.triangles.erase(open.mesh.triangles.begin(), open.mesh.triangles.begin() + 100);
     open.triangles.erase(open.triangles.begin(), open.triangles.begin() + 100);
     for (const char* accelerator : {"bvh2", "bvh4", "bvh8", "cwbvh"}) {
-        for (const RayMesh* traced : {&closed, &open}) {
+        for (const RayMesh* traced : std::initializer_list<const RayMesh*>{&closed, &open}) {
             const auto expected = leaks_on(Backend::cpu, accelerator, *traced, source).at("meet");
             EXPECT_EQ(expected[0] > 0, traced == &open) << accelerator;
             for (const auto& [kernel, found] : leaks_on(Backend::cuda, accelerator, *traced, source)) {
