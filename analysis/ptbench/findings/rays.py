@@ -120,6 +120,21 @@ class RaysFolder:
             raise FindingError(f"{self._shown}: nothing to hold against {over}: {selection}")
         return Ratios(tuple(found))
 
+    def ratios_over(self, selection: str, other: RaysFolder) -> Ratios:
+        """Time of every batch of a selection over that of the same batch in another folder, where that has it."""
+        there = {one.text: one for one in other.traced()}
+        found = []
+        for one in self.traced(selection):
+            base = there.get(one.text)
+            if base is None:
+                continue
+            if base.batch.rays != one.batch.rays:
+                raise FindingError(f"{one.text}: {one.batch.rays} rays here, {base.batch.rays} there")
+            found.append(_ratio(one.batch, base.batch, f"{one.text} over {other.device}"))
+        if not found:
+            raise FindingError(f"{self._shown}: nothing in common: {selection}")
+        return Ratios(tuple(found))
+
     def tree(self, mesh: str, accelerator: str, builder: str) -> Tree:
         """The one tree of that mesh."""
         return self.traced(f"mesh={mesh} accelerator={accelerator} builder={builder}")[0].tree
