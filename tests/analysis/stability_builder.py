@@ -24,7 +24,18 @@ AXES = {
 }
 FLOAT, NAIVE, MIXED, DOUBLE = {}, {"robustness": "naive"}, {"precision": "double_intersection"}, {"precision": "double"}
 FAST, WAVEFRONT = {"arithmetic": "fast"}, {"integrator": "wavefront"}
-FAMILIES = ("cavities", "irradiance", "geometry", "dielectrics", "media", "throughput", "film", "identity", "meshes", "own")
+FAMILIES = (
+    "cavities",
+    "irradiance",
+    "geometry",
+    "dielectrics",
+    "media",
+    "throughput",
+    "film",
+    "identity",
+    "meshes",
+    "own",
+)
 
 
 def _json(value: float):

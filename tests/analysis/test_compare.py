@@ -223,10 +223,17 @@ def test_a_file_of_before_the_accelerators_is_held_to_one_that_names_them(base, 
     newer = other_program(run_again(base))
     for index, cell in enumerate(newer["ptbench"]["cells"]):
         tree = "bvh2" if index == 0 else "brute_force"
-        cell["axes"] |= {"robustness": "robust", "accelerator": tree, "builder": "sah_binned", "traversal": "while_while"}
+        cell["axes"] |= {
+            "robustness": "robust",
+            "accelerator": tree,
+            "builder": "sah_binned",
+            "traversal": "while_while",
+        }
     (one,) = compared(base, newer).comparisons
     assert len(one.rows) == 7
-    assert one.matching.assumed[0].endswith("robustness=robust, accelerator=brute_force, builder=sah_binned, traversal=while_while")
+    assert one.matching.assumed[0].endswith(
+        "robustness=robust, accelerator=brute_force, builder=sah_binned, traversal=while_while"
+    )
     assert (False, "axis not there", "that file does not know accelerator=bvh2") in left_out(one)
 
 

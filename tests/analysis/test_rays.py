@@ -322,34 +322,35 @@ def test_a_source_may_wait_for_its_file(tmp_path):
         source_of(tmp_path, {"file": "nvidia-h100/meshes.json"})
 
 
-def test_the_page_of_meshes_takes_what_will_come(tmp_path):
+def results_linked(folder, left_out):
+    """The committed results under `folder`, but for those of these names."""
     for path in (ROOT / "results").iterdir():
-        (tmp_path / path.name).symlink_to(path)
-    (tmp_path / "nvidia-h200").unlink()
-    (tmp_path / "nvidia-h200").mkdir()
-    for path in (ROOT / "results/nvidia-h200").iterdir():
-        if path.name != "rays":
-            (tmp_path / "nvidia-h200" / path.name).symlink_to(path)
-    (tmp_path / "nvidia-h200/traversal.json.gz").symlink_to(ROOT / "results/nvidia-h200/meshes.json.gz")
-    (tmp_path / "nvidia-h200/rays").mkdir()
-    (tmp_path / "nvidia-h100").mkdir()
-    for name in ("accelerators.json.gz", "meshes.json.gz", "rays"):
-        (tmp_path / "nvidia-h100" / name).symlink_to(ROOT / "results/nvidia-h200" / name)
-    for mesh in MESHES:
-        value = ours(mesh)
-        tree = copy.deepcopy(value["meshes"][0]["trees"][0]) | {"accelerator": "bvh4"}
-        tree["batches"] = [batch for batch in tree["batches"] if batch["kernel"] == "plain"]
-        value["meshes"][0]["trees"].append(tree)
-        written(tmp_path / "nvidia-h200/rays", f"ptbench_{mesh}.json", value)
-        written(tmp_path / "nvidia-h200/rays", f"optix_{mesh}.json", theirs(mesh))
+        if path.name == "nvidia-h200":
+            (folder / path.name).mkdir(parents=True)
+            for inner in path.iterdir():
+                if inner.name not in left_out:
+                    (folder / path.name / inner.name).symlink_to(inner)
+        elif path.name not in left_out:
+            (folder / path.name).symlink_to(path)
+    return folder
+
+
+def test_the_page_of_meshes_takes_what_is_there(tmp_path):
+    optional = {"traversal.json.gz", "rays_accelerators", "nvidia-h100"}
+    fewer = results_linked(tmp_path / "fewer", optional)
+    more = results_linked(tmp_path / "more", {"nvidia-h100"})
+    (more / "nvidia-h100").mkdir()
+    for name in ("accelerators.json.gz", "meshes.json.gz", "rays_accelerators"):
+        (more / "nvidia-h100" / name).symlink_to(ROOT / "results/nvidia-h200" / name)
     page = read_page(ROOT / "docs/templates/meshes.md")
-    text, now = render(page, tmp_path), render(page, ROOT / "results")
-    headings = [re.findall("^## (.*)$", one, re.MULTILINE) for one in (text, now)]
-    assert [one for one in headings[0] if one not in headings[1]] == ["Traversals"]
-    assert "Not measured yet" in now
+    without, text, now = (render(page, results) for results in (fewer, more, ROOT / "results"))
+    headings = [re.findall("^## (.*)$", one, re.MULTILINE) for one in (without, text)]
+    assert [one for one in headings[1] if one not in headings[0]] == ["Traversals"]
+    assert "Not measured yet" in without
     assert "ot measured yet" not in text
-    assert "| mesh | rays | `cwbvh` | `bvh4` |" in text
+    assert "| mesh | rays | `bvh2` | `bvh4` | `bvh8` | `cwbvh` |" in text
     assert re.search(r"^\| meshes, NVIDIA H200 \| 60 \| 1\.00 \[", text, re.MULTILINE)
-    for one in (text, now):
+    assert "of `bvh2`, `bvh4` and `bvh8`: 1.000 to 1.000" in text
+    for one in (without, text, now):
         tables = re.findall(r"(?:^\|.*\n)+", one, re.MULTILINE)
         assert all(len({len(row.split("|")) for row in table.splitlines()}) == 1 for table in tables)

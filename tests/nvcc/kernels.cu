@@ -20,6 +20,7 @@
 #include "kernels/mix.h"
 #include "kernels/naive.h"
 #include "kernels/next_event.h"
+#include "kernels/object_tree.h"
 #include "kernels/path.h"
 #include "kernels/path_fields.h"
 #include "kernels/philox.h"
