@@ -1,4 +1,6 @@
 // rays as a user calls it, on the CPU: accelerators agree, files go round, bad calls are one line.
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -14,7 +16,10 @@ using Arguments = std::vector<std::string>;
 using Json = nlohmann::json;
 
 CommandResult rays_in(const TemporaryFolder& folder, const Arguments& added) {
-    Arguments arguments{"rays", "--backend", "cpu", "--log2-rays", "7", "--repetitions", "1"};
+    Arguments arguments{"rays", "--backend", "cpu", "--repetitions", "1"};
+    if (std::find(added.begin(), added.end(), "--log2-rays") == added.end()) {
+        arguments.insert(arguments.end(), {"--log2-rays", "7"});
+    }
     arguments.insert(arguments.end(), added.begin(), added.end());
     return ptbench(arguments, {.folder = folder.path(), .environment = {{"PTBENCH_HOME", PTBENCH_SOURCE_DIR}}});
 }

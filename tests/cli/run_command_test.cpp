@@ -105,8 +105,10 @@ TEST_F(RunCommandTest, WithoutSuiteSceneAndAxisItSaysWhatItWouldCompare) {
     const CommandResult said = ptbench({"run", "--backend", "cpu"}, {.folder = folder.path()});
     EXPECT_EQ(said.exit_code, 0) << said.err;
     EXPECT_EQ(said.err, "");
-    for (const char* text : {"On cpu, --scene S --axis AXIS=all compares\n", "  layout            aos soa\n",
-                             "and --suite NAME\n", "  ptbench run --suite quick\n"}) {
+    for (const char* text :
+         {"On cpu, --scene S --axis AXIS=all compares\n", "  layout            aos soa\n", "and --suite NAME\n",
+          "  meshes            scenes with meshes: --dry-run reads them and counts the cells\n",
+          "  ptbench run --suite quick\n"}) {
         EXPECT_NE(said.out.find(text), std::string::npos) << text << said.out;
     }
     EXPECT_EQ(said.out.find("  launch "), std::string::npos) << said.out;  // one choice: nothing to compare
