@@ -8,6 +8,7 @@
 #include "variants/acceleration/box.h"
 #include "variants/acceleration/collapse.h"
 #include "variants/acceleration/depth.h"
+#include "variants/builder/pairing.h"
 #include "variants/builder/spatial_split.h"
 
 namespace pt::test {
@@ -121,6 +122,27 @@ TEST(TreeCostTest, IsTheSumOverNodesByArea) {
     EXPECT_DOUBLE_EQ(builder::tree_cost(tree), 1.2 + 3.0 / 7 + 2 * 3.0 / 7);
     EXPECT_DOUBLE_EQ(builder::tree_cost(tree, {.traversal = 2, .intersection = 7}), 2 + 3.0 + 6.0);
     EXPECT_EQ(builder::tree_cost({}), 0);
+}
+
+// A chain, each inner node over one primitive and the rest: what merging the nearest makes of sizes that grow.
+TEST(WithinDepthTest, ATreeThatIsTooDeepIsAssembledAnew) {
+    const Triangles triangles = geometric_progression(120);
+    const PrimitiveBoxes boxes = boxes_of(triangles);
+    BinaryTree chain;
+    chain.nodes.resize(2 * triangles.size() - 1);
+    for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+        chain.references.push_back(i);
+        const std::uint32_t slot = i + 1 < triangles.size() ? 2 * i + 1 : 2 * i;
+        chain.nodes[slot] = {boxes[i], i, 1};
+    }
+    for (auto i = static_cast<std::uint32_t>(triangles.size()) - 1; i-- > 0;) {
+        const std::uint32_t child = 2 * i + 1;
+        chain.nodes[2 * i] = {joined(chain.nodes[child].box, chain.nodes[child + 1].box), child, 0};
+    }
+    ASSERT_EQ(builder::tree_depth(chain), triangles.size() - 1);
+    EXPECT_NO_THROW(builder::check(builder::within_depth(chain, boxes), boxes));
+    const BinaryTree good = builder::sah_binned::build(boxes, 2);
+    EXPECT_EQ(builder::within_depth(good, boxes).references, good.references);
 }
 
 TEST(CheckTest, FindsEachFault) {

@@ -2,6 +2,7 @@
 #include "variants/builder/hploc.h"
 
 #include "variants/acceleration/reasons.h"
+#include "variants/builder/pairing.h"
 #include "variants/cuda/check.h"
 #include "variants/registry.h"
 
@@ -18,7 +19,7 @@ BinaryTree build_on_the_gpu(const PrimitiveBoxes& boxes, std::span<const Triangl
     PT_CUDA_CHECK(cudaMemcpy(memory, boxes.data(), boxes.size() * sizeof(Box), cudaMemcpyHostToDevice));
     GpuTree tree(static_cast<std::uint32_t>(boxes.size()));
     tree.build_hploc(memory);
-    return tree.download();
+    return within_depth(tree.download(), boxes);
 }
 
 const Registration registration(

@@ -141,11 +141,46 @@ private:
     BinaryTree tree_;
 };
 
+// Of a whole tree; its references are the leaves, and those of one leaf siblings in a row.
+Pairing siblings_in(const BinaryTree& tree) {
+    Pairing pairing;
+    pairing.leaf = tree.references;
+    std::vector<std::uint32_t> order{0}, number(tree.nodes.size());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        if (const BinaryTree::Node& node = tree.nodes[order[i]]; !node.is_leaf()) {
+            order.push_back(node.first);
+            order.push_back(node.first + 1);
+        }
+    }
+    const auto join_nodes = [&](std::uint32_t left, std::uint32_t right) {
+        pairing.left.push_back(left);
+        pairing.right.push_back(right);
+        return static_cast<std::uint32_t>(pairing.leaf.size() + pairing.left.size() - 1);
+    };
+    for (auto at = order.rbegin(); at != order.rend(); ++at) {
+        const BinaryTree::Node& node = tree.nodes[*at];
+        if (node.is_leaf()) {
+            number[*at] = node.first;
+            for (std::uint32_t i = 1; i < node.count; ++i) {
+                number[*at] = join_nodes(number[*at], node.first + i);
+            }
+        } else {
+            number[*at] = join_nodes(number[node.first], number[node.first + 1]);
+        }
+    }
+    pairing.root = number[0];
+    return pairing;
+}
+
 }  // namespace
 
 BinaryTree assemble(const Pairing& pairing, const PrimitiveBoxes& boxes, std::uint32_t leaf_size,
                     const SahCosts& costs) {
     return pairing.leaf.empty() ? BinaryTree{} : Assembly(pairing, boxes, leaf_size, costs).run();
+}
+
+BinaryTree within_depth(BinaryTree tree, const PrimitiveBoxes& boxes, std::uint32_t leaf_size) {
+    return tree_depth(tree) <= max_tree_depth ? tree : assemble(siblings_in(tree), boxes, leaf_size, {});
 }
 
 }  // namespace pt::builder

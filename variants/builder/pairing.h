@@ -20,4 +20,7 @@ struct Pairing {
 BinaryTree assemble(const Pairing& pairing, const PrimitiveBoxes& boxes, std::uint32_t leaf_size,
                     const SahCosts& costs);
 
+// The tree itself if it goes no deeper than max_tree_depth, else one assembled from the siblings that it has.
+BinaryTree within_depth(BinaryTree tree, const PrimitiveBoxes& boxes, std::uint32_t leaf_size = 4);
+
 }  // namespace pt::builder
