@@ -28,7 +28,8 @@ _ptbench() {
     fi
     return 0
 }
-complete -o default -F _ptbench ptbench
+# zsh has no compopt: no space there after any word, rather than one after AXIS=.
+complete -o default ${ZSH_VERSION:+-o} ${ZSH_VERSION:+nospace} -F _ptbench ptbench
 )SCRIPT";
 
 struct CompletionArguments {
