@@ -296,7 +296,7 @@ TEST(LevelsTest, RefusesWhatItCannotDo) {
     EXPECT_EQ(reason({{"levels", "flat"}}, with_mesh), "needs_tree");
     EXPECT_EQ(reason({{"levels", "flat"}, {"accelerator", "bvh2"}, {"builder", "sbvh"}}, with_mesh),
               "splits_primitives");
-    if (Registry::instance().find("levels", "flat", Backend::cuda) == nullptr) {
+    if (Registry::instance().find("traversal", "persistent", Backend::cuda) == nullptr) {
         return;
     }
     Variant fetching = Registry::instance().baseline(Backend::cuda);
