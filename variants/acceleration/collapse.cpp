@@ -4,20 +4,15 @@
 
 #include "variants/acceleration/box.h"
 #include "variants/acceleration/encoding.h"
+#include "variants/acceleration/parents_first.h"
 
 namespace pt {
 
 namespace {
 
-// Each subtree's height; children come in any order.
+// Each subtree's height.
 std::vector<double> heights_of(const BinaryTree& tree) {
-    std::vector<std::uint32_t> order{0};
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        if (const BinaryTree::Node& node = tree.nodes[order[i]]; !node.is_leaf()) {
-            order.push_back(node.first);
-            order.push_back(node.first + 1);
-        }
-    }
+    const std::vector<std::uint32_t> order = parents_first(tree.nodes);
     std::vector<double> heights(tree.nodes.size(), 0);
     for (auto at = order.rbegin(); at != order.rend(); ++at) {
         if (const BinaryTree::Node& node = tree.nodes[*at]; !node.is_leaf()) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "variants/acceleration/encoding.h"
+#include "variants/acceleration/parents_first.h"
 #include "variants/acceleration/reasons.h"
 #include "variants/accelerator/cwbvh_encode.h"
 #include "variants/registry.h"
@@ -34,15 +35,7 @@ std::vector<BinaryTree::Node> with_small_leaves(const BinaryTree& tree) {
 class CutTree {
 public:
     explicit CutTree(const BinaryTree& tree) : nodes_(with_small_leaves(tree)), cuts_(nodes_.size()) {
-        std::vector<std::uint32_t> order;  // parents first
-        order.reserve(nodes_.size());
-        order.push_back(0);
-        for (std::size_t i = 0; i < order.size(); ++i) {
-            if (const std::uint32_t node = order[i]; !is_leaf(node)) {
-                order.push_back(left(node));
-                order.push_back(right(node));
-            }
-        }
+        const std::vector<std::uint32_t> order = parents_first(nodes_);
         for (auto node = order.rbegin(); node != order.rend(); ++node) {
             const float area = box_area(box(*node));
             cuts_[*node] = is_leaf(*node) ? Cut::of_leaf(area, nodes_[*node].count)

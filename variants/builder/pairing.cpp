@@ -4,6 +4,7 @@
 
 #include "variants/acceleration/box.h"
 #include "variants/acceleration/depth.h"
+#include "variants/acceleration/parents_first.h"
 
 namespace pt::builder {
 
@@ -145,13 +146,8 @@ private:
 Pairing siblings_in(const BinaryTree& tree) {
     Pairing pairing;
     pairing.leaf = tree.references;
-    std::vector<std::uint32_t> order{0}, number(tree.nodes.size());
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        if (const BinaryTree::Node& node = tree.nodes[order[i]]; !node.is_leaf()) {
-            order.push_back(node.first);
-            order.push_back(node.first + 1);
-        }
-    }
+    const std::vector<std::uint32_t> order = parents_first(tree.nodes);
+    std::vector<std::uint32_t> number(tree.nodes.size());
     const auto join_nodes = [&](std::uint32_t left, std::uint32_t right) {
         pairing.left.push_back(left);
         pairing.right.push_back(right);
