@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -193,6 +194,17 @@ Json parse_json(const std::string& text, const std::string& file) {
     } catch (const Json::exception& error) {
         throw not_json(file, error);
     }
+}
+
+Json parse_loosely(const std::string& file) {
+    std::ifstream stream(file);
+    return Json::parse(stream, nullptr, false);
+}
+
+const Json& array_in(const Json& value, const std::string& key) {
+    static const Json none = Json::array();
+    const auto found = value.find(key);  // of what is no object: the end
+    return found != value.end() && found->is_array() ? *found : none;
 }
 
 std::string describe(const Json& value) {

@@ -30,6 +30,11 @@ std::string read_file(const std::string& path, std::uint64_t largest = largest_i
 // messages.
 Json parse_json(const std::string& text, const std::string& file);
 
+// For a first look at a file that will be read strictly, and which that may refuse: its value, discarded where it is no
+// JSON; and of an object the array at `key`, of anything else an empty one.
+Json parse_loosely(const std::string& file);
+const Json& array_in(const Json& value, const std::string& key);
+
 // A short rendering of a value for "found ...".
 std::string describe(const Json& value);
 

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
 #include <map>
 #include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "harness/error.h"
+#include "harness/json_reader.h"
 #include "harness/nearest_name.h"
 
 namespace pt {
@@ -86,14 +85,10 @@ Scene find_scene(const std::string& name_or_file) {
 
 bool names_meshes(const std::string& scene_name_or_file) {
     const std::string file = find_file("scene", scene_name_or_file, home_folder() / "scenes");
-    std::ifstream stream(file);
-    const nlohmann::json scene = nlohmann::json::parse(stream, nullptr, false);
-    if (!scene.is_object() || !scene.contains("objects")) {
-        return false;  // for the reader of scenes to say
-    }
-    const auto& objects = scene["objects"];
-    return std::any_of(objects.begin(), objects.end(), [](const nlohmann::json& object) {
-        return object.is_object() && object.value("shape", nlohmann::json()) == "mesh";
+    const Json scene = parse_loosely(file);
+    const Json& objects = array_in(scene, "objects");
+    return std::any_of(objects.begin(), objects.end(), [](const Json& object) {
+        return object.is_object() && object.value("shape", Json()) == "mesh";
     });
 }
 

@@ -1,13 +1,12 @@
 #include "harness/cli/run_preview.h"
 
 #include <algorithm>
-#include <fstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "harness/cli/known_names.h"
+#include "harness/json_reader.h"
 #include "harness/places.h"
 #include "variants/variant_name.h"
 
@@ -17,10 +16,9 @@ namespace {
 
 // By the text of suite and scenes: reading them as a run does would take seconds for each large mesh.
 bool has_scenes_with_meshes(const std::string& suite_file) {
-    std::ifstream stream(suite_file);
-    const nlohmann::json suite = nlohmann::json::parse(stream, nullptr, false);
-    for (const nlohmann::json& study : suite.value("studies", nlohmann::json::array())) {
-        for (const nlohmann::json& scene : study.value("scenes", nlohmann::json::array())) {
+    const Json suite = parse_loosely(suite_file);
+    for (const Json& study : array_in(suite, "studies")) {
+        for (const Json& scene : array_in(study, "scenes")) {
             if (scene.is_string() && names_meshes(scene.get<std::string>())) {
                 return true;
             }

@@ -527,6 +527,34 @@ TEST(BadCallsTest, AHomeWithoutScenes) {
                               ": set PTBENCH_HOME to the folder that holds it\n");
 }
 
+// `run` alone looks into every suite and its scenes before it reads them.
+TEST(BadCallsTest, AHomeWithABadSuiteOrScene) {
+    const TemporaryFolder home;
+    std::filesystem::create_directories(home.path() / "scenes" / "suites");
+    const std::string suite = home.file("scenes/suites/s.json"), scene = home.file("scenes/m.json");
+    const auto expect_line = [&](const std::string& file, const std::string& text, const std::string& message) {
+        write_text(file, text);
+        const CommandResult result = run_command(ptbench_arguments({"run", "--backend", "cpu"}),
+                                                 {.folder = "", .environment = {{"PTBENCH_HOME", home.path()}}});
+        EXPECT_EQ(result.exit_code, 2) << text;
+        EXPECT_TRUE(result.err.starts_with("ptbench: " + file + message)) << text << ": " << result.err;
+        EXPECT_EQ(result.err.find('\n'), result.err.size() - 1) << text << ": " << result.err;
+    };
+    expect_line(suite, "", ": not valid JSON: ");
+    expect_line(suite, "{", ": not valid JSON: ");
+    expect_line(suite, "[]", ": $: found [], allowed: an object");
+    expect_line(suite, R"({"name": "s", "studies": {}})", ": $.studies: found an object, allowed: an array");
+    expect_line(suite, R"({"name": "s", "studies": [3]})", ": $.studies[0]: found 3, allowed: an object");
+    expect_line(suite, R"({"name": "s", "studies": [{"name": "a", "scenes": 7}]})",
+                ": $.studies[0].scenes: found 7, allowed: an array");
+    expect_line(suite, R"({"name": "s", "studies": [{"name": "a", "scenes": [7]}]})",
+                ": $.studies[0].scenes[0]: found 7, allowed: a string");
+    write_text(suite, R"({"name": "s", "studies": [{"name": "a", "scenes": ["m"]}]})");
+    expect_line(scene, "{", ": not valid JSON: ");
+    expect_line(scene, "[]", ": $: found [], allowed: an object");
+    expect_line(scene, R"({"name": "m", "objects": {"a": {"shape": "mesh"}}})", ": $");
+}
+
 TEST(BadCallsTest, HelpIsGood) {
     for (const Arguments& arguments :
          {Arguments{"--help"}, Arguments{"render", "--help"}, Arguments{"run", "--help"}}) {
