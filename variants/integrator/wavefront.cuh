@@ -65,9 +65,7 @@ PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
                 paths.primitive(slot) = hit.primitive;
             }
             if (keys != nullptr) {
-                const std::uint32_t material =
-                    hit.side.exists() ? scene.shade.object_material[hit.side.object()] : scene.shade.materials.size;
-                key = (material << bits) | sort_key::rest(ray, hit, bounds);
+                key = pt::cuda::key_of(scene.shade, ray, hit, bits, bounds);
             }
         }
     }

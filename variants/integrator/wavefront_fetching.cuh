@@ -14,6 +14,14 @@ inline constexpr bool fetches_paths = requires {
     Traversal::fetches_paths;
 };
 
+// The sort key of a path by what its ray has met: its material (the number of materials where it met nothing), then
+// what the axis sort_key adds.
+__device__ inline std::uint32_t key_of(const Scene& scene, const Ray<Real>& ray, const Hit<Real>& hit,
+                                       std::uint32_t bits, const KeyBounds& bounds) {
+    const std::uint32_t material = hit.side.exists() ? scene.object_material[hit.side.object()] : scene.materials.size;
+    return (material << bits) | ::sort_key::rest(ray, hit, bounds);
+}
+
 // What the stage is about: its parameters (IntersectPathsParameters), in views.
 struct IntersectStage {
     const SceneViews& scene;
@@ -125,11 +133,8 @@ private:
     __device__ void finish() {
         stage_.hits[slot_] = {best_.t, best_.side};
         if (stage_.keys != nullptr) {
-            const Scene& scene = stage_.scene.shade;
-            const std::uint32_t material =
-                best_.side.exists() ? scene.object_material[best_.side.object()] : scene.materials.size;
             stage_.keys[position_] =
-                (material << stage_.bits) | ::sort_key::rest(stage_.paths.ray(slot_), best_, stage_.bounds);
+                key_of(stage_.scene.shade, stage_.paths.ray(slot_), best_, stage_.bits, stage_.bounds);
         }
         if constexpr (carried_fields.primitive) {
             stage_.paths.primitive(slot_) = best_.primitive;
