@@ -190,8 +190,8 @@ TEST(CollapseTest, TakesHighestSubtreesWhereTheStackIsShort) {
     const BinaryTree tree = builder::sah_binned::build(boxes_of(triangles), 1);
     const std::uint32_t depth = builder::tree_depth(tree);
     const std::uint32_t bound4 = 1 + 3 * ((depth + 1) / 2), bound8 = 1 + 7 * ((depth + 2) / 3);
-    EXPECT_LE(stack_need(collapse(tree, 4, bound4)), bound4);
-    EXPECT_LE(stack_need(collapse(tree, 8, bound8)), bound8);
+    EXPECT_LE(stack_need(collapse(tree, 4, bound4), 4), bound4);
+    EXPECT_LE(stack_need(collapse(tree, 8, bound8), 8), bound8);
     EXPECT_THROW(collapse(tree, 4, 3), std::length_error);
 }
 

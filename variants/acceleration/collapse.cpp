@@ -76,14 +76,14 @@ WideTree collapse_by(const BinaryTree& tree, std::uint32_t width, const std::vec
 
 }  // namespace
 
-std::uint32_t stack_need(const WideTree& tree) {
+std::uint32_t stack_need(const WideTree& tree, std::uint32_t width) {
     std::vector<std::uint32_t> need(tree.nodes.size());
     for (std::size_t i = tree.nodes.size(); i-- > 0;) {  // an inner child has a larger number than its parent
         const WideTree::Node& node = tree.nodes[i];
-        need[i] = node.count;
+        need[i] = width;
         for (std::uint32_t child = 0; child < node.count; ++child) {
             if (node.inner[child] != 0) {
-                need[i] = std::max(need[i], node.count - 1 + need[node.inner[child]]);
+                need[i] = std::max(need[i], width - 1 + need[node.inner[child]]);
             }
         }
     }
@@ -96,9 +96,9 @@ WideTree collapse(const BinaryTree& tree, std::uint32_t width, std::uint32_t sta
         return {};
     }
     WideTree wide = collapse_by(tree, width, areas_of(tree));
-    if (stack_need(wide) > stack_size) {
+    if (stack_need(wide, width) > stack_size) {
         wide = collapse_by(tree, width, heights_of(tree));
-        require_at_most(stack_need(wide), stack_size, "entries on its traversal's stack");
+        require_at_most(stack_need(wide, width), stack_size, "entries on its traversal's stack");
     }
     return wide;
 }

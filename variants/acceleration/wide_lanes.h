@@ -104,18 +104,19 @@ struct BlockSlots {
 };
 
 // Of each node, where its subtree fits one block: then the block's test costs less than the visit of the node. Never of
-// the root. A child that is not there has the root's number.
+// the root.
 template <int width>
 std::vector<BlockSlots> subtrees_of_a_block(std::span<const WideNode<width>> nodes) {
     std::vector<BlockSlots> fits(nodes.size());
     const auto gather = [&](const WideNode<width>& node) {
         BlockSlots all;
-        for (const std::uint32_t link : node.link) {
+        for (int child = 0; child < width && node.has_child(child); ++child) {
+            const std::uint32_t link = node.link[child];
             if (is_leaf_link(link)) {
                 if (!all.take(first_slot(link), slot_count(link))) {
                     return BlockSlots{};
                 }
-            } else if (link != 0) {
+            } else {
                 const BlockSlots& below = fits[link];
                 if (below.count == 0 || all.count + below.count > block_width) {
                     return BlockSlots{};
@@ -148,8 +149,8 @@ public:
         for (std::size_t i = 0; i < nodes_.size(); ++i) {
             if (fits_[i].count == 0) {
                 mesh_.nodes.push_back({nodes_[i]});
-                for (std::uint32_t& link : mesh_.nodes.back().link) {
-                    link = new_link(link);
+                for (int child = 0; child < width && nodes_[i].has_child(child); ++child) {
+                    mesh_.nodes.back().link[child] = new_link(nodes_[i].link[child]);
                 }
             }
         }

@@ -14,13 +14,15 @@
 
 namespace pt {
 
-// Rows of sides: 2 axis for the low ones, 2 axis + 1 for the high ones. A child that is not there has an empty box.
+// Rows of sides: 2 axis for the low ones, 2 axis + 1 for the high ones. A child that is not there has an empty box,
+// which none but a ray of NaNs enters; that one comes to the leaf `no_child_link` and to an end.
 template <int width>
 struct alignas(16) WideNode {
     float side[6][width];
     std::uint32_t link[width];     // variants/acceleration/link.h
     std::uint32_t padding[width];  // to whole lines of 128 bytes
 
+    PT_HD bool has_child(int child) const { return side[0][child] <= side[1][child]; }
     PT_HD BoxSpan span(int axis) const {
         BoxSpan all{side[2 * axis][0], side[2 * axis + 1][0]};
         for (int child = 1; child < width; ++child) {
@@ -30,6 +32,9 @@ struct alignas(16) WideNode {
         return all;
     }
 };
+
+// The first slot: a tree of any nodes has one, and a triangle more changes no hit.
+inline constexpr std::uint32_t no_child_link = leaf_link(0, 1);
 
 // Of a tree of max_tree_depth levels in any shape: see collapse.h.
 template <int width>
@@ -48,7 +53,7 @@ EncodedTree encode_wide(const BinaryTree& tree) {
                 nodes[i].side[2 * axis][child] = node.box.low[axis];
                 nodes[i].side[2 * axis + 1][child] = node.box.high[axis];
             }
-            nodes[i].link[child] = !is_there        ? 0
+            nodes[i].link[child] = !is_there        ? no_child_link
                                    : node.is_leaf() ? leaf_link(node.first, node.count)
                                                     : wide.nodes[i].inner[child];
         }
