@@ -6,7 +6,7 @@
 
 namespace pt {
 
-enum class MaterialType : std::uint32_t { diffuse, emitter, mirror, mix, dielectric, subsurface };
+enum class MaterialType : std::uint32_t { diffuse, emitter, mirror, mix, dielectric, subsurface, rough_conductor };
 
 // A dielectric boundary seen from one side. relative_ior = ior ahead / ior behind; `k` = (n - 1)(n + 1) is formed in
 // double at load, where 1 - n^2 cannot cancel.
@@ -23,7 +23,7 @@ struct Material {
     std::uint32_t emits;               // 1 if emission is not black
     Vec3<Real> emission;               // radiance, linear RGB
     Vec3<Real> albedo;                 // diffuse, mix
-    Vec3<Real> reflectance;            // mirror, mix
+    Vec3<Real> reflectance;            // mirror, mix; rough_conductor: at normal incidence
     Real mirror_probability;           // mix
     Vec3<Real> tint;                   // dielectric: factor on each transmission
     Boundary<Real> entering, leaving;  // dielectric, subsurface
@@ -36,6 +36,7 @@ struct Material {
     std::uint32_t grey;                // 1 if the three sigma_t are equal
     Real g;                            // Henyey-Greenstein mean cosine
     std::uint32_t max_scatterings;     // cap of one walk
+    Real alpha;                        // rough_conductor: width of the GGX distribution, roughness^2
 };
 
 // What most hits need of an object's material, in one 16-byte read.

@@ -1,13 +1,14 @@
-// Next-event estimation: at every diffuse vertex but the last one light is chosen uniformly and a direction towards it
-// drawn by solid angle (kernels/solid_angle.h). Light that the path then meets from such a vertex does not count again,
-// or, with multiple importance sampling, both count by their share of the densities (Veach 1997, ch. 9): with the ratio
-// r = density of the scattered direction / density of the light's, a connection weighs 1 / (1 + r^b) and an encounter
-// r^b / (1 + r^b); b = 1 is the balance heuristic, 2 the power heuristic.
-// An environment is never connected to: rays that leave the scene always count.
+// Next-event estimation: at every diffuse or rough vertex but the last one light is chosen uniformly and a direction
+// towards it drawn by solid angle (kernels/solid_angle.h). Light that the path then meets from such a vertex does not
+// count again, or, with multiple importance sampling, both count by their share of the densities (Veach 1997, ch. 9):
+// with the ratio r = density of the scattered direction / density of the light's, a connection weighs 1 / (1 + r^b) and
+// an encounter r^b / (1 + r^b); b = 1 is the balance heuristic, 2 the power heuristic. An environment is never
+// connected to: rays that leave the scene always count.
 #pragma once
 
 #include "kernels/dielectric.h"
 #include "kernels/intersect.h"
+#include "kernels/rough_conductor.h"
 
 namespace pt {
 
@@ -92,15 +93,24 @@ PT_HD inline typename Config::Real encounter_weight(const SceneView<typename Con
     return Real(0);
 }
 
-// Adds to path.radiance the light of one direction towards one light, seen from a diffuse vertex whose albedo is given.
+// The diffuse lobe, as a lobe is asked for.
+template <class Real>
+struct DiffuseLobe {
+    Vec3<Real> albedo;
+
+    PT_HD LobeValue<Real> towards(const Vec3<Real>&, Real cosine) const {
+        return {albedo, cosine * (Real(1) / pi<Real>)};
+    }
+};
+
+// Adds to path.radiance the light of one direction towards one light, seen by way of a lobe of the vertex.
 // Returns the number of rays traced (0 or 1). `traced`: the same scene, as rays walk through it. The light is seen if
 // it is the nearest object along the ray: a convex one shows each ray one point from outside, and none of its own.
-template <class Config>
+template <class Config, class Lobe>
 PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::Real>& scene,
                                               const SceneView<typename Config::Real>& traced,
                                               Path<typename Config::Real>& path,
-                                              const Vertex<typename Config::Real>& vertex,
-                                              const Vec3<typename Config::Real>& albedo) {
+                                              const Vertex<typename Config::Real>& vertex, const Lobe& lobe) {
     using Real = typename Config::Real;
     const RandomWords words =
         random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::light});
@@ -119,12 +129,13 @@ PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::R
     if (!hit.side.exists() || hit.side.object() != object || !is_of_primitive<Config>(hit, sample.primitive)) {
         return 1;
     }
-    const Real ratio = cosine * (Real(1) / pi<Real>)*sample.inverse_pdf * static_cast<Real>(scene.lights.size);
+    const LobeValue<Real> value = lobe.towards(sample.direction, cosine);
+    const Real ratio = value.pdf * sample.inverse_pdf * static_cast<Real>(scene.lights.size);
     Real weight = ratio;
     if constexpr (has<Config>(Feature::multiple_importance)) {
         weight *= scene.mis_exponent != 0 ? mis_weight_light(ratio, scene.mis_exponent) : Real(1);
     }
-    Vec3<Real> carried = path.throughput * albedo;
+    Vec3<Real> carried = path.throughput * value.weight;
     if constexpr (has<Config>(Feature::absorption)) {
         if (path.medium != Path<Real>::no_medium) {
             carried *= transmittance(scene.materials[path.medium], hit.t);

@@ -73,7 +73,8 @@ PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene,
     if constexpr (has<Config>(Feature::next_event)) {
         is_connected = scene.next_event != 0;
         if (is_connected) {
-            const std::uint32_t connections = connect_next_event<Config>(scene, traced, path, vertex, albedo);
+            const std::uint32_t connections =
+                connect_next_event<Config>(scene, traced, path, vertex, DiffuseLobe<Real>{albedo});
             counters.rays += connections;
             counters.connections += connections;
         }
@@ -83,6 +84,37 @@ PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene,
         // Never 0, which says that there was no connection.
         constexpr Real least = Real(0x1p-60);
         path.bsdf_pdf = max(dot(path.direction, vertex.normal()), least) * (Real(1) / pi<Real>);
+    }
+    return true;
+}
+
+// A rough conductor. The last vertex of a final-bounce path goes on, as a mirror's does. Returns whether the path goes
+// on: it does not where the facet sends it into the surface.
+template <class Config>
+PT_HD inline bool shade_rough_conductor(const SceneView<typename Config::Real>& scene,
+                                        const SceneView<typename Config::Real>& traced,
+                                        Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
+                                        const Material<typename Config::Real>& material, const RandomWords& words,
+                                        PathCounters& counters) {
+    using Real = typename Config::Real;
+    const RoughConductor<Real> lobe(material.reflectance, material.alpha, -path.direction, vertex.normal());
+    bool is_connected = false;
+    if constexpr (has<Config>(Feature::next_event)) {
+        is_connected = scene.next_event != 0 && lobe.is_connectable();
+        if (is_connected) {
+            const std::uint32_t connections = connect_next_event<Config>(scene, traced, path, vertex, lobe);
+            counters.rays += connections;
+            counters.connections += connections;
+        }
+    }
+    const LobeSample<Real> sample = lobe.sample(unit_interval<Real>(words.y), unit_interval<Real>(words.z));
+    if (!(sample.cosine > Real(0))) {
+        return false;
+    }
+    path.throughput *= sample.value.weight;
+    leave_on_same_side(path, vertex, sample.direction);
+    if (is_connected) {
+        path.bsdf_pdf = sample.value.pdf;
     }
     return true;
 }
@@ -113,6 +145,11 @@ PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const S
     if (has<Config>(Feature::dielectric) && material.type == MaterialType::dielectric) {
         scatter_dielectric<Config>(path, vertex, material, lobe);
         return true;
+    }
+    if constexpr (has<Config>(Feature::rough_conductor)) {
+        if (material.type == MaterialType::rough_conductor) {
+            return shade_rough_conductor<Config>(scene, traced, path, vertex, material, words, counters);
+        }
     }
     if constexpr (has<Config>(Feature::subsurface)) {
         if (material.type == MaterialType::subsurface) {

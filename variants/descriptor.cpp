@@ -75,6 +75,7 @@ constexpr NamedFeature named_features[] = {
     {Feature::emission, "emission"},
     {Feature::absorption, "absorption"},
     {Feature::subsurface_boundary, "subsurface_boundary"},
+    {Feature::rough_conductor, "rough_conductor"},
     {Feature::environment, "environment"},
     {Feature::jitter, "jitter"},
     {Feature::lens, "lens"},

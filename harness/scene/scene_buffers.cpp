@@ -60,6 +60,7 @@ Material<Real> make_material(const SceneMaterial& m) {
     material.grey = sigma_t.x == sigma_t.y && sigma_t.y == sigma_t.z ? 1 : 0;
     material.g = static_cast<Real>(m.g);
     material.max_scatterings = m.max_scatterings;
+    material.alpha = static_cast<Real>(m.roughness * m.roughness);
     return material;
 }
 
@@ -281,7 +282,9 @@ double radiance_bound(const Scene& scene, std::uint32_t depth) {
         if (material.type != MaterialType::emitter) {
             brightest_reflector = std::max(brightest_reflector, largest(material.emission));
         }
-        albedo = std::max({albedo, largest(material.albedo), largest(material.reflectance)});
+        // A rough conductor reflects all light at grazing angles.
+        const double grazing = material.type == MaterialType::rough_conductor ? 1 : 0;
+        albedo = std::max({albedo, largest(material.albedo), largest(material.reflectance), grazing});
     }
     brightest = std::max(brightest, largest(scene.environment));
     // Only reflecting emitters can be met more than once: a geometric series, cut off at the depth.

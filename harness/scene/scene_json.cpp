@@ -136,11 +136,22 @@ SceneMaterial read_dielectric(const JsonValue& value) {
     return material;
 }
 
+SceneMaterial read_rough_conductor(const JsonValue& value) {
+    const JsonObject object(value, {"type", "reflectance", "roughness", "emission"});
+    SceneMaterial material;
+    material.type = MaterialType::rough_conductor;
+    material.reflectance = fraction_colour(object.required("reflectance"));
+    material.roughness = object.required("roughness").number(0, 1, "a number from 0 to 1");
+    material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
+    return material;
+}
+
 SceneMaterial read_material(const JsonValue& value) {
     if (!value.json().is_object()) {
         value.fail("an object");
     }
-    const std::vector<std::string> types{"diffuse", "emitter", "mirror", "mix", "dielectric", "subsurface"};
+    const std::vector<std::string> types{"diffuse",    "emitter",    "mirror",         "mix",
+                                         "dielectric", "subsurface", "rough_conductor"};
     if (!value.json().contains("type")) {
         throw InputError(value.file(), value.path(), "no key \"type\"",
                          fmt::format("it is required: {}", fmt::join(types, ", ")));
@@ -152,6 +163,9 @@ SceneMaterial read_material(const JsonValue& value) {
     }
     if (type == "subsurface") {
         return read_subsurface(value);
+    }
+    if (type == "rough_conductor") {
+        return read_rough_conductor(value);
     }
     if (type == "emitter") {
         const JsonObject object(value, {"type", "radiance"});
@@ -278,19 +292,22 @@ void check_material(const JsonValue& value, const SceneMaterial& material, const
                     const Scene& scene) {
     const bool is_mesh = object.mesh != SceneObject::no_mesh;
     if (is_mesh && material.type == MaterialType::subsurface) {
-        value.fail("on a mesh: diffuse, emitter, mirror, mix or dielectric (subsurface needs a convex shape)");
+        value.fail(
+            "on a mesh: diffuse, emitter, mirror, rough_conductor, mix or dielectric (subsurface needs a convex "
+            "shape)");
     }
     if (is_mesh && material.type == MaterialType::dielectric && !scene.meshes[object.mesh]->is_closed) {
-        value.fail(
-            fmt::format("on the mesh {}, which is not closed: diffuse, emitter, mirror or mix (dielectric needs a "
-                        "shape with an inside)",
-                        scene.meshes[object.mesh]->source));
+        value.fail(fmt::format(
+            "on the mesh {}, which is not closed: diffuse, emitter, mirror, rough_conductor or mix (dielectric needs a "
+            "shape with an inside)",
+            scene.meshes[object.mesh]->source));
     }
     const bool needs_inside = material.type == MaterialType::dielectric || material.type == MaterialType::subsurface;
     if (!is_mesh && is_flat(object) && needs_inside) {
-        value.fail(fmt::format(
-            "on a {}: diffuse, emitter, mirror or mix (dielectric and subsurface need a shape with an inside)",
-            name_of(object.shape)));
+        value.fail(
+            fmt::format("on a {}: diffuse, emitter, mirror, rough_conductor or mix (dielectric and subsurface need a "
+                        "shape with an inside)",
+                        name_of(object.shape)));
     }
 }
 

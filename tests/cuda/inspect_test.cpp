@@ -209,9 +209,9 @@ TEST_F(InspectTest, LeavingOutMakesAKernelSmaller) {
                   Json({"sphere", "axis_box", "diffuse", "emitter", "mirror", "jitter", "enclosure"}));
         EXPECT_EQ(features["left_out"],
                   Json({"ellipsoid", "oriented_box", "quad", "motion", "mix", "dielectric", "subsurface", "emission",
-                        "absorption", "subsurface_boundary", "environment", "lens", "final_bounce", "next_event",
+                        "absorption", "subsurface_boundary", "rough_conductor", "environment", "lens", "final_bounce", "next_event",
                         "multiple_importance", "russian_roulette", "near_sphere"}));
-        EXPECT_EQ(generic["features"].size(), 23u);
+        EXPECT_EQ(generic["features"].size(), 24u);
         EXPECT_EQ(generic["left_out"], Json::array());
         EXPECT_LT(features["code_bytes"], generic["code_bytes"]);
         for (const Json& report : {features, generic}) {

@@ -64,6 +64,9 @@ private:
             materials_.push_back(
                 builder_.subsurface(colour() * 5.0, colour(), random_.uniform(-0.5, 0.5), chance(0.3) ? 1.4 : 1.0));
         }
+        if (chance(0.25)) {
+            materials_.push_back(builder_.rough_conductor(colour(), random_.uniform(0, 1)));
+        }
         if (chance(0.1)) {
             materials_.push_back(builder_.diffuse(colour(), colour()));
         }

@@ -114,7 +114,7 @@ TYPED_TEST(FinalBounceTest, GlowingDiffuseAndMixLights) {
     expect_same_mean<TypeParam>(inside.scene, 2, "inside a glowing box");
 }
 
-TYPED_TEST(FinalBounceTest, MirrorGlassAndMixAtTheLastVertex) {
+TYPED_TEST(FinalBounceTest, MirrorGlassMixAndRoughConductorAtTheLastVertex) {
     const std::function<std::uint32_t(SceneBuilder&)> balls[] = {
         [](auto& b) {
             return b.mirror({0.9, 0.8, 0.7});
@@ -124,6 +124,9 @@ TYPED_TEST(FinalBounceTest, MirrorGlassAndMixAtTheLastVertex) {
         },
         [](auto& b) {
             return b.mix({0.75, 0.5, 0.25}, {0.9, 0.8, 0.7}, 0.4);
+        },
+        [](auto& b) {
+            return b.rough_conductor({0.9, 0.8, 0.7}, 0.4);
         },
     };
     for (const auto& ball : balls) {

@@ -141,6 +141,14 @@ TYPED_TEST(NextEventTest, LightByWayOfMirrorGlassMixAndBody) {
     }
 }
 
+// The last one is too narrow to be connected.
+TYPED_TEST(NextEventTest, RoughConductors) {
+    for (const double roughness : {1.0, 0.5, 0.25, 0.05}) {
+        const Scene scene = stage(lamp, [=](auto& b) { return b.rough_conductor({0.9, 0.8, 0.7}, roughness); });
+        expect_same_mean<TypeParam>(scene, 3, "roughness " + std::to_string(roughness));
+    }
+}
+
 TYPED_TEST(NextEventTest, LampInsideAbsorbingGlass) {
     // The connection of a diffuse ball inside the glass runs through the medium; from outside the lamp is met only.
     SceneBuilder builder;

@@ -26,6 +26,7 @@
 #include "kernels/philox.h"
 #include "kernels/random_words.h"
 #include "kernels/rng.h"
+#include "kernels/rough_conductor.h"
 #include "kernels/russian_roulette.h"
 #include "kernels/sampling.h"
 #include "kernels/scene_arrays.h"

@@ -70,6 +70,15 @@ std::uint32_t SceneBuilder::mix(const Vec3d& albedo, const Vec3d& reflectance, d
     return add(material);
 }
 
+std::uint32_t SceneBuilder::rough_conductor(const Vec3d& reflectance, double roughness, const Vec3d& emission) {
+    SceneMaterial material;
+    material.type = MaterialType::rough_conductor;
+    material.reflectance = reflectance;
+    material.roughness = roughness;
+    material.emission = emission;
+    return add(material);
+}
+
 std::uint32_t SceneBuilder::emitter(const Vec3d& radiance) {
     SceneMaterial material;
     material.type = MaterialType::emitter;

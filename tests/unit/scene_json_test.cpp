@@ -124,6 +124,15 @@ TEST(SceneJson, Emitter) {
     EXPECT_EQ(material.albedo, Vec3d(0.0));
 }
 
+TEST(SceneJson, RoughConductor) {
+    const SceneMaterial material =
+        parse_material(R"({"type": "rough_conductor", "reflectance": [0, 0.5, 1], "roughness": 0.3})");
+    EXPECT_EQ(material.type, MaterialType::rough_conductor);
+    EXPECT_EQ(material.reflectance, Vec3d(0, 0.5, 1));
+    EXPECT_EQ(material.roughness, 0.3);
+    EXPECT_EQ(material.emission, Vec3d(0.0));
+}
+
 TEST(SceneJson, MirrorDefaults) {
     const SceneMaterial material = parse_material(R"({"type": "mirror", "reflectance": [0, 0.5, 1]})");
     EXPECT_EQ(material.type, MaterialType::mirror);
@@ -325,14 +334,14 @@ TEST(SceneJsonErrors, Camera) {
 }
 
 TEST(SceneJsonErrors, Materials) {
-    const std::string types = R"("diffuse", "emitter", "mirror", "mix", "dielectric", "subsurface")";
+    const std::string types = R"("diffuse", "emitter", "mirror", "mix", "dielectric", "subsurface", "rough_conductor")";
     const std::string fraction = "a number from 0 to 1";
     const std::string sigma = "a number from 0 to 1e18";
     expect_messages({
         {material_line, "3", "s.json: $.materials.m: found 3, allowed: an object"},
         {material_line, R"({"albedo": [1, 1, 1]})",
          "s.json: $.materials.m: found no key \"type\", allowed: it is required: diffuse, emitter, mirror, mix, "
-         "dielectric, subsurface"},
+         "dielectric, subsurface, rough_conductor"},
         {"\"diffuse\"", "\"glossy\"", R"(s.json: $.materials.m.type: found "glossy", allowed: )" + types},
         {"\"diffuse\"", "null", "s.json: $.materials.m.type: found null, allowed: " + types},
         {material_line, R"({"type": "diffuse"})",
@@ -357,6 +366,12 @@ TEST(SceneJsonErrors, Materials) {
          "s.json: $.materials.m: found no key \"mirror_probability\", allowed: it is required"},
         {material_line, R"({"type": "mix", "albedo": [1, 1, 1], "reflectance": [1, 1, 1], "mirror_probability": 1.1})",
          "s.json: $.materials.m.mirror_probability: found 1.1, allowed: " + fraction},
+        {material_line, R"({"type": "rough_conductor", "reflectance": [1, 1, 1]})",
+         "s.json: $.materials.m: found no key \"roughness\", allowed: it is required"},
+        {material_line, R"({"type": "rough_conductor", "reflectance": [1, 1, 1], "roughness": -0.1})",
+         "s.json: $.materials.m.roughness: found -0.1, allowed: " + fraction},
+        {material_line, R"({"type": "rough_conductor", "reflectance": [1, 1, 1], "roughness": 0.1, "alpha": 1})",
+         "s.json: $.materials.m: found unknown key \"alpha\", allowed: type, reflectance, roughness, emission"},
         {material_line, R"({"type": "dielectric"})",
          "s.json: $.materials.m: found no key \"ior\", allowed: it is required"},
         {material_line, R"({"type": "dielectric", "ior": 0})",
@@ -454,8 +469,8 @@ TEST(SceneJsonErrors, NoMoreLevelsThan64) {
 TEST(SceneJsonErrors, QuadsNeedNoInside) {
     const std::string quad = replaced(good, "\"sphere\"", "\"quad\"");
     const std::string message =
-        "s.json: $.objects[0].material: found \"m\", allowed: on a quad: diffuse, emitter, mirror or mix "
-        "(dielectric and subsurface need a shape with an inside)";
+        "s.json: $.objects[0].material: found \"m\", allowed: on a quad: diffuse, emitter, mirror, "
+        "rough_conductor or mix (dielectric and subsurface need a shape with an inside)";
     EXPECT_EQ(error_of(replaced(quad, material_line, R"({"type": "dielectric", "ior": 1.5})")), message);
     EXPECT_EQ(error_of(replaced(quad, material_line, R"({"type": "subsurface", "sigma_s": [1, 1, 1]})")), message);
     EXPECT_EQ(error_of(quad), "");

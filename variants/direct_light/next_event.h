@@ -12,8 +12,8 @@ inline Reason next_event_unsupported_reason(FeatureSet scene, const VariantTrait
     if ((scene & (Feature::emitter | Feature::emission)) == 0) {
         return {"needs_emitter", "needs an object that emits: an environment is not sampled"};
     }
-    if ((scene & (Feature::diffuse | Feature::mix)) == 0) {
-        return {"needs_diffuse", "needs a diffuse surface to connect"};
+    if ((scene & ((Feature::diffuse | Feature::mix) | Feature::rough_conductor)) == 0) {
+        return {"needs_diffuse", "needs a diffuse or rough surface to connect"};
     }
     return {};
 }
