@@ -1,4 +1,4 @@
-// S38 to S42: what a path carries, from nothing to a light that only one path in a million finds.
+// S39 to S42: what a path carries, from nothing to a light that only one path in a million finds.
 #include <cmath>
 
 #include "harness/stability/oracles/caustic.h"
@@ -92,13 +92,6 @@ std::vector<Rendering> deep_lamp(const Values& v) {
 }
 
 const CaseRegistration cases({
-    {.name = "rough_mirror",
-     .catalogue = "S38",
-     .family = "throughput",
-     .title = "a glossy lobe on its way to a mirror",
-     .stiff = "sqrt(1 - cos^2) of a narrow lobe has three values left at an exponent of 1e8",
-     .formula = "the mirror's image",
-     .missing_feature = "ptbench has no rough lobe: a surface is diffuse, a mirror, or a mix of the two"},
     {.name = "tiny_albedo",
      .catalogue = "S39",
      .family = "throughput",
