@@ -76,7 +76,7 @@ private:
 
     Json material() {
         Json material;
-        switch (whole(0, 5)) {
+        switch (whole(0, 6)) {
             case 0:
                 material = {{"type", "diffuse"}, {"albedo", colour(fractions)}};
                 break;
@@ -92,6 +92,10 @@ private:
                             {"mirror_probability", from(fractions)}};
                 break;
             case 4:
+                material = {
+                    {"type", "rough_conductor"}, {"reflectance", colour(fractions)}, {"roughness", from(fractions)}};
+                break;
+            case 5:
                 return {{"type", "dielectric"},
                         {"ior", from(iors)},
                         {"tint", colour(fractions)},
