@@ -34,9 +34,11 @@ struct Material {
     Vec3<Real> sigma_t;                // sigma_a + sigma_s
     Vec3<Real> scattering_albedo;      // sigma_s / sigma_t, 0 where sigma_t is 0
     std::uint32_t grey;                // 1 if the three sigma_t are equal
-    Real g;                            // Henyey-Greenstein mean cosine
-    std::uint32_t max_scatterings;     // cap of one walk
-    Real alpha;                        // rough_conductor: width of the GGX distribution, roughness^2
+    union {
+        Real g;      // subsurface: Henyey-Greenstein mean cosine
+        Real alpha;  // rough_conductor: width of the GGX distribution, roughness^2
+    };
+    std::uint32_t max_scatterings;  // cap of one walk
 };
 
 // What most hits need of an object's material, in one 16-byte read.

@@ -58,9 +58,12 @@ Material<Real> make_material(const SceneMaterial& m) {
         material.scattering_albedo[i] = static_cast<Real>(sigma_t[i] > 0 ? m.sigma_s[i] / sigma_t[i] : 0.0);
     }
     material.grey = sigma_t.x == sigma_t.y && sigma_t.y == sigma_t.z ? 1 : 0;
-    material.g = static_cast<Real>(m.g);
+    if (m.type == MaterialType::rough_conductor) {
+        material.alpha = static_cast<Real>(m.roughness * m.roughness);
+    } else {
+        material.g = static_cast<Real>(m.g);
+    }
     material.max_scatterings = m.max_scatterings;
-    material.alpha = static_cast<Real>(m.roughness * m.roughness);
     return material;
 }
 

@@ -14,7 +14,7 @@ namespace {
 using test::Random;
 using test::SceneBuilder;
 
-constexpr int scenes = 500;
+constexpr int scenes = 700;
 constexpr const char* integrators[] = {"depth_first", "packet", "wavefront", "packet"};
 
 class RandomScene {
