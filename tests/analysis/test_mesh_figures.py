@@ -63,23 +63,30 @@ def test_ways_cross_where_their_times_are_equal():
     assert crossings([way("quick", 10, 3, 0.6), way("good", 110, 2, 0.6)]) == []
 
 
+def test_only_those_who_lead_are_told():
+    quick, good, best = way("quick", 10, 3), way("good", 110, 2), way("best", 1110, 1)
+    never_first = way("never first", 120, 2.5)  # before quick from 220 spp on, when good is there already
+    found = [(one.sooner.label, one.later.label, one.spp) for one in crossings([best, never_first, good, quick])]
+    assert found == [("quick", "good", 100), ("good", "best", 1000)]
+
+
 def test_a_line_is_build_and_encoding_and_samples(builders):
     study = builders.studies[0]
     data = time_to_image.collect(builders, study)
     found = ways(builders.cells, sibling_meshes(BUILDERS))
-    by_label = {(one.scene, one.label): one for one in found}
+    by_label = {(one.scene, one.cell.axes["accelerator"], one.label): one for one in found}
     assert len(by_label) == len(found)
     for cell in builders.cells:
         (one,) = [w for w in found if w.cell is cell and "all on" not in w.label]
         assert one.before_ms == cell.meshes.build_ms + cell.meshes.encode_ms
         assert one.sample.value == pytest.approx(float(np.median(cell.ms_per_spp)))
     for panel in data.panels:
-        scene = panel.title.split(":")[0]
+        place = tuple(panel.title.split(":")[0].split(", "))
         for line in panel.series:
-            mine, base = by_label[scene, line.label], by_label[scene, "sah_binned (CPU)"]
+            mine, base = by_label[(*place, line.label)], by_label[(*place, "sah_binned (CPU)")]
             assert line.values[6].value == pytest.approx(mine.time(64).value / base.time(64).value)
     assert sum(len(line.rings) for panel in data.panels for line in panel.series) == len(
-        re.findall(r"before .*? from \d+ spp", data.caption)
+        re.findall(r"is first from \d+ spp", data.caption)
     )
 
 
@@ -131,7 +138,8 @@ def test_one_kernel_against_a_queue_is_the_files(tmp_path):
 def test_a_page_asks_for_builders(builders):
     source = Source(RESULTS, "nvidia-h200/builders.json", "resolution=800x800 depth=8")
     rows = source.built("megakernel_regen scene=* accelerator=cwbvh builder=*")
-    assert len(rows) == len(ways(builders.cells, sibling_meshes(BUILDERS)))
+    of_tree = [cell for cell in builders.cells if cell.axes["accelerator"] == "cwbvh"]
+    assert len(rows) == len(ways(of_tree, sibling_meshes(BUILDERS)))
     base = [row for row in rows if row.is_baseline]
     assert [str(row.sah) for row in base] == ["1.00"] * len({row.scene for row in rows})
     found = [

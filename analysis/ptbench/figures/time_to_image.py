@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -88,15 +87,21 @@ def _is_of(mesh: RayMesh, cell: Cell) -> bool:
 
 
 def crossings(of_scene: Sequence[Way]) -> list[Crossing]:
-    """Every pair of ways that change places at some number of samples above 0, the earliest first."""
-    found = []
-    for one, other in combinations(of_scene, 2):
-        spp = series.crossing((one.before_ms, other.before_ms), (one.sample.value, other.sample.value))
-        # A difference of slopes within their intervals is none: no claim can stand on it.
-        if spp is not None and _differ(one.sample, other.sample):
-            sooner, later = (one, other) if one.before_ms < other.before_ms else (other, one)
-            found.append(Crossing(sooner, later, spp))
-    return sorted(found, key=lambda crossing: crossing.spp)
+    """Who is there first, by samples: from the way that starts soonest to each that overtakes it, in order."""
+    found: list[Crossing] = []
+    first = min(of_scene, key=lambda way: way.before_ms)
+    while overtaking := [one for way in of_scene if (one := _overtakes(first, way)) is not None]:
+        # Of two that overtake at once the one with the quicker samples stays in front.
+        found.append(min(overtaking, key=lambda one: (one.spp, one.later.sample.value)))
+        first = found[-1].later
+    return found
+
+
+def _overtakes(first: Way, way: Way) -> Crossing | None:
+    spp = series.crossing((first.before_ms, way.before_ms), (first.sample.value, way.sample.value))
+    # A difference of slopes within their intervals is none: no claim can stand on it.
+    is_quicker = way.sample.value < first.sample.value and _differ(first.sample, way.sample)
+    return Crossing(first, way, spp) if spp is not None and is_quicker else None
 
 
 def _differ(one: Estimate, other: Estimate) -> bool:
@@ -134,7 +139,7 @@ def collect(result: Result, study: Study) -> series.Data:
         varying = [part for index, part in enumerate(one) if index == 0 or len({k[index] for k in keys}) > 1]
         title = ", ".join(varying)
         panels.append(series.Panel(f"{title}: {series.count_text(of_panel[0].cell.meshes.triangles)} triangles", lines))
-        words = [f"{item.later.label} before {item.sooner.label} from {item.spp:.0f} spp" for item in crossed]
+        words = [f"{one.later.label} is first from {one.spp:.0f} spp, before it {one.sooner.label}" for one in crossed]
         said.append(f"{title}: {'; '.join(words) or 'no crossing from 1 to ' + str(SPPS[-1]) + ' spp'}.")
     if not panels:
         raise NotDrawable("no scene has trees of two builders")
@@ -145,7 +150,7 @@ def collect(result: Result, study: Study) -> series.Data:
             f"Time: building, once, plus encoding, once, plus spp times the median time of a sample. CPU: {threads} "
             f"threads. Below 1: the image is there before that of {BASELINE}. All on the GPU: build and encoding as "
             "`ptbench rays` timed them on this mesh, medians, without a copy. "
-            "Rings, from where on the line is below another: " + " ".join(said),
+            "Rings: from there on the line is the lowest. " + " ".join(said),
             setting(result, cells, None, study),
             *note_lines(notes),
         ]
@@ -161,7 +166,6 @@ def collect(result: Result, study: Study) -> series.Data:
         f"Time over {BASELINE}'s",
         {float(spp): str(spp) for spp in SPPS[::3]},
         one=True,
-        linear=True,
     )
 
 
