@@ -1,4 +1,4 @@
-"""The command line: `python3 -m ptbench plots|report|compare|explain|findings|gallery|validate ...`.
+"""The command line: `python3 -m ptbench plots|report|compare|explain|findings|claims|gallery|validate ...`.
 
 Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong.
 """
@@ -44,7 +44,7 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
     parser = Parser(prog=program, description="Draws what ptbench measured.")
     parser.add_argument("--version", action="version", version=f"{_COMMAND} {__version__}")
     commands = parser.add_subparsers(
-        dest="command", required=True, metavar="plots|report|compare|explain|findings|gallery|validate"
+        dest="command", required=True, metavar="plots|report|compare|explain|findings|claims|gallery|validate"
     )
     plots = commands.add_parser("plots", help="every study's figure and summary.md, from a result file alone")
     plots.add_argument("result", type=Path, metavar="RESULT.json", help="or a folder of files of `ptbench rays`")
@@ -68,6 +68,7 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
     findings.add_argument("names", nargs="*", metavar="PAGE", help="default: all pages and the overview")
     findings.add_argument("--check", action="store_true", help="write nothing; exit code 1 where a page does not match")
     findings.add_argument("--root", type=Path, default=Path(), metavar="DIR", help="the checkout (default: here)")
+    _add_claims(commands)
     gallery = commands.add_parser("gallery", help="render the picture pairs of a gallery file into one labelled sheet")
     gallery.add_argument("--binary", type=Path, required=True, metavar="PTBENCH")
     gallery.add_argument("--spec", type=Path, default=package_file("gallery.json"), metavar="GALLERY.json")
@@ -95,6 +96,19 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
     return parser
 
 
+def _add_claims(commands: argparse._SubParsersAction) -> None:
+    claims = commands.add_parser(
+        "claims", help="what published claims are found to be; exit code 1 where a committed verdict does not follow"
+    )
+    claims.add_argument("names", nargs="*", metavar="NAME", help="default: all claims")
+    claims.add_argument("--run", action="store_true", help="measure what has no result on this machine")
+    claims.add_argument("--results", type=Path, metavar="DIR", help="look up there instead (default: the checkout's)")
+    claims.add_argument("--binary", type=Path, metavar="PTBENCH", help="of --run (default: build/ptbench)")
+    claims.add_argument("--write", action="store_true", help="write docs/claims and its verdicts")
+    claims.add_argument("--check", action="store_true", help="exit code 1 where a page of docs/claims does not match")
+    claims.add_argument("--root", type=Path, default=Path(), metavar="DIR", help="the checkout (default: here)")
+
+
 def main(arguments: list[str] | None = None, program: str = "") -> int:
     """Runs one command and returns its exit code; a wrong call ends with SystemExit(2), --help with SystemExit(0).
 
@@ -117,6 +131,24 @@ def _findings(options: argparse.Namespace, program: str) -> int:
         return 2
 
 
+def _claims(options: argparse.Namespace, program: str) -> int:
+    try:
+        from ptbench.claims.command import Call, claims
+    except ModuleNotFoundError as error:
+        print(f"{program}: claims needs the Python package {error.name} (analysis/requirements.txt)", file=sys.stderr)
+        return 2
+    try:
+        return claims(
+            Call(
+                options.root, tuple(options.names), options.results, options.binary,
+                run=options.run, write=options.write, check=options.check,
+            )
+        )  # fmt: skip
+    except InputError as error:
+        print(f"{program}: {error}", file=sys.stderr)
+        return 2
+
+
 def _main(arguments: list[str], program: str) -> int:
     options = parser_of(program).parse_args(arguments)
     if options.command == "validate":
@@ -125,6 +157,8 @@ def _main(arguments: list[str], program: str) -> int:
         return validate_command(options.files, program)
     if options.command == "findings":
         return _findings(options, program)
+    if options.command == "claims":
+        return _claims(options, program)
     # Drawing libraries take a moment to load; a wrong call should not wait for them.
     from ptbench.compare.command import compare_command
     from ptbench.explain.command import explain

@@ -25,7 +25,9 @@ from ptbench.terminal import say, visible
 
 SCHEMAS = package_file("schema")
 KINDS = ("result", "stability", "rays", "leaks", "inspect", "tuning", "journal")
-_WRITTEN_BY_US = "a file of ptbench run, merge, stability, rays, inspect or autotune, or a run's .journal.jsonl"
+# Files that people write: checked like the others, no part of the tables of what ptbench writes.
+WRITTEN_BY_HAND = ("claim",)
+_WRITTEN_BY_US = "a file of ptbench run, merge, stability, rays, inspect or autotune, a run's .journal.jsonl, a claim"
 
 
 @cache
@@ -37,7 +39,7 @@ def schema(name: str) -> dict:
 @cache
 def registry() -> Registry:
     """All schemas by file name: they refer to each other as files of one folder."""
-    names = (*KINDS, "common")
+    names = (*KINDS, *WRITTEN_BY_HAND, "common")
     return Registry().with_resources(
         (f"ptbench-{name}.schema.json", Resource.from_contents(schema(name))) for name in names
     )
@@ -55,6 +57,8 @@ def kind_of(path: Path, value: object) -> str:
     if isinstance(value, list):
         return "inspect"
     if isinstance(value, dict):
+        if {"schema", "claim"} <= value.keys():
+            return "claim"
         if {"schema", "meshes"} <= value.keys():
             return "leaks" if value["schema"] == "ptbench-leaks-1" else "rays"
         for kind, keys in (("result", {"benchmarks", "ptbench"}), ("stability", {"schema", "rows"})):

@@ -1,0 +1,189 @@
+"""A claim is a file, claims/NAME.json: a published sentence, how it is asked here, and what was predicted of it.
+
+Its experiment is a suite of claims/suites, or a call of `ptbench rays`; each of its conditions is a number, the ratio
+of two cells as a rule, with the interval that was predicted before it was measured.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ptbench.errors import InputError, bad_value
+from ptbench.findings.errors import FindingError
+from ptbench.findings.selection import parsed
+from ptbench.io.nodes import read_json, shown
+from ptbench.io.validate import complaints
+
+# What a prediction is made of: whoever changes one of these predicts anew.
+_PREDICTED = ("claim", "number", "rule", "prediction", "experiment")
+_NO_PREDICTION = ("seconds",)
+
+THEIRS = "theirs"
+
+
+@dataclass(frozen=True)
+class Span:
+    """An interval whose ends may be open."""
+
+    low: float
+    high: float
+
+    def holds(self, value: float) -> bool:
+        """Whether the value lies in it."""
+        return self.low <= value <= self.high
+
+
+def span_of(ends: Sequence[float | None]) -> Span:
+    """From [low, high], where null is an open end."""
+    low, high = ends
+    return Span(-math.inf if low is None else low, math.inf if high is None else high)
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One number that the experiment gives."""
+
+    name: str
+    side: str  # below theirs, theirs, or above, along the experiment's axis
+    cell: str
+    over: str
+    predicted: Span
+    claimed: Span  # in which the claim holds
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """What is run, and which numbers are taken from it."""
+
+    suite: str  # of claims/suites; empty: a call of `ptbench rays`
+    rays: tuple[str, ...]
+    result: str  # the result file's name
+    backend: str
+    seconds: int
+    statistic: str
+    axis: str
+    conditions: tuple[Condition, ...]
+    spp_at: int | None
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One file."""
+
+    name: str
+    document: dict
+    experiment: Experiment | None
+    not_reached: str  # why it cannot be asked; empty where it can
+
+    def __getitem__(self, key: str) -> object:
+        return self.document[key]
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """Where claims, their suites and pages lie in a checkout."""
+
+    root: Path
+
+    @property
+    def folder(self) -> Path:
+        """Where the claims lie."""
+        return self.root / "claims"
+
+    @property
+    def verdicts(self) -> Path:
+        """The committed verdicts, beside the pages that tell them."""
+        return self.pages / "verdicts.json"
+
+    @property
+    def pages(self) -> Path:
+        """Where the pages lie."""
+        return self.root / "docs" / "claims"
+
+    @property
+    def templates(self) -> Path:
+        """Where the pages' templates lie."""
+        return self.root / "docs" / "templates" / "claims"
+
+    def suite(self, name: str) -> Path:
+        """The file of a suite."""
+        return self.folder / "suites" / f"{name}.json"
+
+    def claims(self, names: Sequence[str] = ()) -> list[Claim]:
+        """Every claim, or those of these names; raises InputError for one that is not there or not as it must be."""
+        files = {path.stem: path for path in sorted(self.folder.glob("*.json"))}
+        if not files:
+            raise bad_value(self.folder, "folder", "no claim", "the root of a checkout as --root")
+        if unknown := [name for name in names if name not in files]:
+            raise bad_value(self.folder, "claim", ", ".join(unknown), ", ".join(files))
+        return [read_claim(files[name], self.folder) for name in (dict.fromkeys(names) if names else files)]
+
+
+def read_claim(path: Path, folder: Path) -> Claim:
+    """One file, checked; raises InputError."""
+    root = read_json(path)
+    if found := list(complaints(root.value, "claim")):
+        raise InputError(f"{path}: {found[0]}")
+    document = root.value
+    about = document.get("experiment")
+    experiment = None if about is None else _experiment(path, about, span_of(_ends(document["rule"])))
+    if experiment is not None and experiment.suite and not (folder / "suites" / f"{experiment.suite}.json").is_file():
+        raise bad_value(path, "$.experiment.suite", shown(experiment.suite), "the name of a file in claims/suites")
+    return Claim(path.stem, document, experiment, document.get("not_reached", ""))
+
+
+def _experiment(path: Path, about: dict, rule: Span) -> Experiment:
+    conditions = []
+    for index, one in enumerate(about["conditions"]):
+        place = f"$.experiment.conditions[{index}]"
+        if one["name"] in (other.name for other in conditions):
+            raise bad_value(path, f"{place}.name", shown(one["name"]), "each name once")
+        for key in ("predicted", "claimed"):
+            low, high = one.get(key) or (None, None)
+            if low is not None and high is not None and low > high:
+                raise bad_value(path, f"{place}.{key}", shown(one[key]), "[low, high]")
+        for key in ("cell", "over"):
+            _check_selection(path, f"{place}.{key}", one.get(key, ""))
+        claimed = span_of(one["claimed"]) if "claimed" in one else rule
+        conditions.append(
+            Condition(one["name"], one["side"], one["cell"], one.get("over", ""), span_of(one["predicted"]), claimed)
+        )
+    return Experiment(
+        suite=about.get("suite", ""),
+        rays=tuple(about.get("rays", ())),
+        result=about.get("result", about.get("suite", "")),
+        backend=about["backend"],
+        seconds=about["seconds"],
+        statistic=about["statistic"],
+        axis=about["axis"],
+        conditions=tuple(conditions),
+        spp_at=about.get("spp_at"),
+    )
+
+
+def _check_selection(path: Path, place: str, selections: str) -> None:
+    for selection in selections.split(";"):
+        try:
+            parsed(selection)
+        except FindingError as error:
+            raise bad_value(path, place, shown(selection), f"each name once ({error})") from error
+
+
+def _ends(rule: dict) -> tuple[float | None, float | None]:
+    return rule["low"], rule["high"]
+
+
+def prediction_in(text: str, suite_text: str) -> str:
+    """What was predicted, from a claim's file and its suite's, as one string; empty: these are no such files."""
+    try:
+        document = json.loads(text)
+        suite = json.loads(suite_text) if suite_text else {}
+        parts = {key: document[key] for key in _PREDICTED}
+        parts["experiment"] = {key: value for key, value in parts["experiment"].items() if key not in _NO_PREDICTION}
+        return json.dumps([parts, suite.get("studies")], sort_keys=True)
+    except (ValueError, KeyError, AttributeError):
+        return ""

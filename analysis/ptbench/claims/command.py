@@ -1,0 +1,193 @@
+"""`claims`: runs or looks up what each claim asks for, says what follows, and holds the committed verdicts to it."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ptbench.claims.claim import Claim, Ledger
+from ptbench.claims.evidence import evidence_of
+from ptbench.claims.history import UNKNOWN, Order, order_of
+from ptbench.claims.judging import judge
+from ptbench.claims.pages import Told, measured_text, pages_of, span_text, word_text
+from ptbench.errors import InputError
+from ptbench.findings.errors import FindingError
+from ptbench.io.files import write_text
+from ptbench.io.nodes import read_json
+
+
+@dataclass(frozen=True)
+class Call:
+    """The options of one call."""
+
+    root: Path = Path()
+    names: tuple[str, ...] = ()
+    results: Path | None = None  # None: the checkout's own
+    binary: Path | None = None  # None: the checkout's own
+    run: bool = False
+    write: bool = False
+    check: bool = False
+
+
+def claims(call: Call) -> int:
+    """Exit code: 0 all that is committed follows from its data, 1 something does not, or a run failed."""
+    ledger = Ledger(call.root)
+    chosen = ledger.claims(call.names)
+    results = call.results or call.root / "results"
+    if call.run:
+        _run(call, ledger, chosen, results)
+    recorded = _recorded(ledger)
+    told = [one for claim in chosen for one in _told(ledger, claim, results, recorded)]
+    for one in told:
+        _say(one, detailed=bool(call.names))
+    if call.results is not None:  # others' results: nothing of them is committed
+        return 0
+    faults = [] if call.write else _contradictions(told, recorded, chosen)
+    everything = (
+        told
+        if not call.names
+        else [one for claim in ledger.claims() for one in _told(ledger, claim, results, recorded)]
+    )
+    try:
+        if call.write:
+            _write(ledger, everything)
+        elif call.check:
+            faults += _stale(ledger, everything, recorded)
+    except FindingError as error:
+        faults.append(str(error))
+    for fault in faults:
+        print(fault)
+    return 1 if faults else 0
+
+
+def _told(ledger: Ledger, claim: Claim, results: Path, recorded: Mapping) -> list[Told]:
+    evidence = evidence_of(claim, results)
+    if not evidence:
+        return [Told(claim, judge(claim, None))]
+    told = []
+    for one in evidence:
+        order = order_of(ledger, claim, one.measured)
+        kept = recorded.get(claim.name, {}).get(one.machine, {}).get("order")
+        if order.grade == UNKNOWN and kept is not None:  # a copy without history: as it was when there was one
+            order = Order(**kept)
+        told.append(Told(claim, judge(claim, one), one, order))
+    return told
+
+
+def _say(one: Told, *, detailed: bool) -> None:
+    where = f" on {one.device}" if one.evidence is not None else ""
+    print(f"{one.claim.name}: {one.verdict.word}{where} ({one.verdict.reason})")
+    if one.order is not None:
+        print(f"  {one.order.said}; predicted right: {one.foreseen}")
+    if detailed:
+        for row in one.verdict.judged:
+            condition = row.found.condition
+            print(
+                f"  {condition.name}: {measured_text(row)}, claim {span_text(condition.claimed)}, "
+                f"predicted {span_text(condition.predicted)}: {word_text(row)}"
+            )
+
+
+def _recorded(ledger: Ledger) -> dict:
+    """The committed verdicts: by claim, then by machine."""
+    return read_json(ledger.verdicts).fields() if ledger.verdicts.is_file() else {}
+
+
+def _record(told: Sequence[Told]) -> dict:
+    record: dict[str, dict] = {}
+    for one in told:
+        if one.evidence is not None and one.order is not None:
+            record.setdefault(one.claim.name, {})[one.machine] = {
+                "verdict": one.verdict.word,
+                "holds": one.verdict.held,
+                "result": one.result,
+                "order": one.order.document(),
+            }
+    return record
+
+
+def _contradictions(told: Sequence[Told], recorded: Mapping, chosen: Sequence[Claim]) -> list[str]:
+    """Committed verdicts that no longer follow; a result without a committed verdict contradicts none."""
+    now = _record(told)
+    faults = []
+    for claim in chosen:
+        for machine, before in recorded.get(claim.name, {}).items():
+            after = now.get(claim.name, {}).get(machine)
+            where = f"{claim.name} on {machine}"
+            if after is None:
+                faults.append(f"{where}: {before['verdict']} is committed, and its result {before['result']} is gone")
+            elif (after["verdict"], after["holds"]) != (before["verdict"], before["holds"]):
+                faults.append(f"{where}: {before['verdict']} is committed, its data say {after['verdict']}")
+            elif after["order"]["grade"] != before["order"]["grade"]:
+                faults.append(f"{where}: committed as {before['order']['grade']}, git says {after['order']['grade']}")
+    return faults
+
+
+def _write(ledger: Ledger, told: Sequence[Told]) -> None:
+    pages = pages_of(ledger, told)
+    ledger.pages.mkdir(parents=True, exist_ok=True)
+    pages[ledger.verdicts.name] = json.dumps(_record(told), indent=1, ensure_ascii=False) + "\n"
+    for name, text in pages.items():
+        write_text(ledger.pages / name, text)
+    for path in ledger.pages.iterdir():
+        if path.suffix in (".md", ".svg") and path.name not in pages:
+            path.unlink()
+    print(f"{ledger.pages}: {len(pages)} files")
+
+
+def _stale(ledger: Ledger, told: Sequence[Told], recorded: Mapping) -> list[str]:
+    pages = pages_of(ledger, _committed(told, recorded))
+    advice = "run python3 -m ptbench claims --write"
+    there = {path.name for path in ledger.pages.glob("*") if path.suffix in (".md", ".svg")}
+    faults = [f"{ledger.pages / name}: no claim has it; {advice}" for name in sorted(there - pages.keys())]
+    for name, text in pages.items():
+        page = ledger.pages / name
+        if not page.is_file() or page.read_text(encoding="utf-8") != text:
+            faults.append(f"{page}: not what claims and results say; {advice}")
+    return faults
+
+
+def _committed(told: Sequence[Told], recorded: Mapping) -> list[Told]:
+    """Without the machines that have no committed verdict: whoever has measured for themselves changes no page."""
+    kept: list[Told] = []
+    for claim in dict.fromkeys(one.claim.name for one in told):
+        own = [one for one in told if one.claim.name == claim]
+        known = [one for one in own if one.machine in recorded.get(claim, {})]
+        kept += known or [Told(own[0].claim, judge(own[0].claim, None))]
+    return kept
+
+
+def _run(call: Call, ledger: Ledger, chosen: Sequence[Claim], results: Path) -> None:
+    """Runs what has no result on this machine yet, each experiment once; raises InputError where one fails."""
+    binary = call.binary or call.root / "build" / "ptbench"
+    machine = _output(binary, "machine").strip()
+    done = set()
+    for claim in chosen:
+        experiment = claim.experiment
+        if experiment is None or experiment.result in done:
+            continue
+        done.add(experiment.result)
+        out = results / machine / "claims" / f"{experiment.result}.json"
+        if out.exists() or Path(f"{out}.gz").exists():
+            print(f"{out}: is there")
+            continue
+        out.parent.mkdir(parents=True, exist_ok=True)
+        if experiment.rays:
+            arguments = ["rays", *experiment.rays]
+        else:
+            arguments = ["run", "--suite", str(ledger.suite(experiment.suite)), "--resume"]
+        command = [str(binary), *arguments, "--backend", experiment.backend, "--out", str(out)]
+        print(f"{experiment.result}: about {experiment.seconds} s", flush=True)
+        if subprocess.run(command, check=False, stdout=sys.stderr).returncode != 0:
+            raise InputError(f"{' '.join(command)}: failed")
+
+
+def _output(binary: Path, *arguments: str) -> str:
+    try:
+        return subprocess.run([str(binary), *arguments], capture_output=True, text=True, check=True).stdout
+    except (OSError, subprocess.CalledProcessError) as error:
+        raise InputError(f"{binary}: found no program that runs ({error}), allowed: --binary PTBENCH") from error

@@ -1,0 +1,231 @@
+"""What a result file says of a claim's conditions: one number each, with its interval."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ptbench.claims.claim import Claim, Condition, Experiment
+from ptbench.claims.history import Measured
+from ptbench.convergence.fit import Curve, fit_of
+from ptbench.findings.errors import FindingError
+from ptbench.findings.selection import parsed
+from ptbench.findings.source import Source
+from ptbench.io.cells import Cell
+from ptbench.io.nodes import Node, read_json
+from ptbench.io.rays import Batch, RayMesh, Rays, Tree, rays_of
+from ptbench.stats.estimates import Estimate, geometric_mean_of_ratios, ratio_estimate
+from ptbench.stats.intervals import bootstrap_interval, resampled
+from ptbench.studies.rows import CONTENDED, is_contended
+
+BOUNCES = 7  # of the statistic alive_after_7
+# A part of a tree, for the statistic `bytes`.
+_PARTS = {"nodes": lambda tree: tree.node_bytes, "all": lambda tree: tree.node_bytes + tree.leaf_bytes}
+
+
+@dataclass(frozen=True)
+class Found:
+    """A condition's number; no estimate: why there is none."""
+
+    condition: Condition
+    estimate: Estimate | None
+    doubt: str = ""  # why the number decides nothing, or is not there
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """All that one result file says of a claim."""
+
+    file: Path
+    machine: str  # folder of results/
+    device: str
+    measured: Measured
+    found: tuple[Found, ...]
+
+
+def evidence_of(claim: Claim, results: Path) -> list[Evidence]:
+    """What each machine's result says, in the order of their folders; none where nothing was run."""
+    experiment = claim.experiment
+    if experiment is None:
+        return []
+    found = []
+    for machine in sorted(path for path in results.iterdir() if path.is_dir()) if results.is_dir() else ():
+        file = machine / "claims" / f"{experiment.result}.json"
+        if file.is_file() or Path(f"{file}.gz").is_file():
+            found.append(_evidence(claim.experiment, results, file, machine.name))
+    return found
+
+
+def _evidence(experiment: Experiment, results: Path, file: Path, machine: str) -> Evidence:
+    root = read_json(file)
+    numbers = _OfRays(root) if experiment.rays else _OfSuite(results, file.relative_to(results), experiment)
+    context = root.need("context").fields()
+    found = tuple(numbers.found(condition, experiment.statistic) for condition in experiment.conditions)
+    device = context.get("ptbench.cuda_device") if experiment.backend == "cuda" else context.get("ptbench.cpu_model")
+    return Evidence(file, machine, device or machine, _measured(root, context), found)
+
+
+def _measured(root: Node, context: Mapping[str, str]) -> Measured:
+    """The first session counts: from then on a cell's times were there to be seen."""
+    dates = [context["date"]]
+    run = root.maybe("ptbench") and root.need("ptbench").maybe("run")
+    if run is not None and (sessions := run.maybe("sessions")) is not None:
+        dates += [session.need("date").text() for session in sessions.items()]
+    dirty = str(context.get("ptbench.git_dirty", "")).lower() == "true"
+    return Measured(context.get("ptbench.git_sha", ""), min(dates), dirty)
+
+
+class _OfSuite:
+    """The numbers of a file of `ptbench run`."""
+
+    def __init__(self, results: Path, file: Path, experiment: Experiment) -> None:
+        self._source = Source(results, str(file))
+        self._experiment = experiment
+
+    def found(self, condition: Condition, statistic: str) -> Found:
+        numbers = {
+            "speed_up": self._speed_up, "time": self._time, "alive_after_7": self._alive, "variance": self._variance,
+            "veach_bound": self._bound, "rmse": self._rmse, "slope": self._slope,
+        }  # fmt: skip
+        try:
+            if statistic not in numbers:
+                raise FindingError(f"no statistic {statistic} of a suite")
+            return numbers[statistic](condition)
+        except FindingError as error:
+            return Found(condition, None, str(error))
+
+    def _speed_up(self, condition: Condition) -> Found:
+        pairs = self._pairs(condition)
+        sides = [(base.ms_per_spp, cell.ms_per_spp) for cell, base in pairs]
+        estimate = ratio_estimate(*sides[0]) if len(sides) == 1 else geometric_mean_of_ratios(sides)
+        return Found(condition, estimate, _contended(pairs))
+
+    def _time(self, condition: Condition) -> Found:
+        ((cell, base),) = pairs = self._pairs(condition)
+        return Found(condition, ratio_estimate(cell.ms_per_spp, base.ms_per_spp), _contended(pairs))
+
+    def _pairs(self, condition: Condition) -> list[tuple[Cell, Cell]]:
+        """The cell and its baseline; with `scene=*`, those of every scene that has both."""
+        if "scene=*" not in condition.cell.split():
+            return [(self._source.cell(condition.cell), self._source.cell(condition.over))]
+        bases = {cell.scene: cell for cell in self._source.cells(condition.over)}
+        pairs = [(cell, bases[cell.scene]) for cell in self._source.cells(condition.cell) if cell.scene in bases]
+        if not pairs or len({cell.scene for cell, _ in pairs}) != len(pairs):
+            raise FindingError(f"{condition.name}: not one pair a scene")
+        return pairs
+
+    def _alive(self, condition: Condition) -> Found:
+        """Exact for the seed of the counting pass; the interval is the binomial's, for another seed."""
+        cell = self._source.cell(condition.cell)
+        alive = None if cell.instrumented is None else cell.instrumented.live_paths
+        if alive is None or len(alive) <= BOUNCES:
+            raise FindingError(f"{cell.name}: no count of paths after {BOUNCES} bounces")
+        paths = cell.instrumented.paths
+        share = alive[BOUNCES] / paths
+        half = 1.96 * float(np.sqrt(share * (1 - share) / paths))
+        return Found(condition, Estimate(share, share - half, share + half, paths))
+
+    def _curve(self, selection: str) -> Curve:
+        return self._source.assessment(selection).curve
+
+    def _variance(self, condition: Condition) -> Found:
+        ours, base = (fit_of(self._curve(text)).sigma2_of_seeds for text in (condition.cell, condition.over))
+        return Found(condition, _over_seeds(lambda rows: base[rows].mean(-1) / ours[rows].mean(-1), len(ours)))
+
+    def _bound(self, condition: Condition) -> Found:
+        """The balance heuristic's variance over what the theorem allows, with one sample of each technique."""
+        curve = self._curve(condition.cell)
+        ours = fit_of(curve).sigma2_of_seeds
+        singles = [fit_of(self._curve(text)).sigma2_of_seeds for text in condition.over.split(";")]
+        room = curve.reference.mean_square / 2
+
+        def ratio(rows: np.ndarray) -> np.ndarray:
+            return ours[rows].mean(-1) / (np.minimum(*(one[rows].mean(-1) for one in singles)) + room)
+
+        return Found(condition, _over_seeds(ratio, len(ours)))
+
+    def _rmse(self, condition: Condition) -> Found:
+        at = self._experiment.spp_at
+        errors = []
+        for curve in (self._curve(condition.cell), self._curve(condition.over)):
+            columns = [index for index, spp in enumerate(curve.spp) if spp == at]
+            if not columns:
+                raise FindingError(f"{curve.cell.name}: no checkpoint at {at} spp")
+            errors.append(curve.mse[:, columns[0]])
+        ours, base = errors
+        if len(ours) != len(base):
+            raise FindingError(f"{condition.name}: {len(ours)} and {len(base)} seeds")
+        with np.errstate(invalid="ignore"):  # dual errors may come out below zero
+            estimate = _over_seeds(lambda rows: np.sqrt(base[rows].mean(-1) / ours[rows].mean(-1)), len(ours))
+        return Found(condition, estimate)
+
+    def _slope(self, condition: Condition) -> Found:
+        slope = fit_of(self._curve(condition.cell)).slope
+        if slope is None:
+            raise FindingError(f"{condition.name}: no slope")
+        return Found(condition, slope.estimate)
+
+
+def _over_seeds(ratio: Callable[[np.ndarray], np.ndarray], count: int) -> Estimate:
+    """A ratio of means over seeds, which both sides share: a seed is drawn for both."""
+    return bootstrap_interval(float(ratio(np.arange(count))), ratio(resampled(count)), count)
+
+
+def _contended(pairs: list[tuple[Cell, Cell]]) -> str:
+    return CONTENDED if any(is_contended(cell) for pair in pairs for cell in pair) else ""
+
+
+class _OfRays:
+    """The numbers of a file of `ptbench rays`."""
+
+    def __init__(self, root: Node) -> None:
+        self._rays: Rays = rays_of(root)
+        self._wrong = [mesh.name for mesh in self._rays.meshes if not all(mesh.agree.values())]
+
+    def found(self, condition: Condition, statistic: str) -> Found:
+        try:
+            if self._wrong:
+                raise FindingError(f"hits differ between trees of {', '.join(self._wrong)}")
+            if statistic == "bytes":
+                share = self._bytes(condition.cell) / self._bytes(condition.over)
+                return Found(condition, Estimate(share, share, share, 1))
+            if statistic != "speed_up":
+                raise FindingError(f"no statistic {statistic} of rays")
+            base, ours = (np.array(self._batch(text).ms) for text in (condition.over, condition.cell))
+            return Found(condition, ratio_estimate(base, ours))
+        except FindingError as error:
+            return Found(condition, None, str(error))
+
+    def _tree(self, chosen: Mapping[str, str]) -> tuple[RayMesh, Tree]:
+        found = [
+            (mesh, tree)
+            for mesh in self._rays.meshes
+            for tree in mesh.trees
+            if (mesh.name, tree.accelerator, tree.builder)
+            == (chosen.get("mesh"), chosen.get("accelerator"), chosen.get("builder", "sah_binned"))
+        ]
+        if len(found) != 1:
+            raise FindingError(f"{self._rays.path}: {len(found)} trees are {_words(chosen)}")
+        return found[0]
+
+    def _batch(self, selection: str) -> Batch:
+        chosen = parsed(selection)
+        _, tree = self._tree(chosen)
+        wanted = (chosen.get("class"), chosen.get("kernel"))
+        found = [batch for batch in tree.batches if (batch.ray_class, batch.kernel) == wanted]
+        if len(found) != 1:
+            raise FindingError(f"{self._rays.path}: {len(found)} batches are {_words(chosen)}")
+        return found[0]
+
+    def _bytes(self, selection: str) -> int:
+        chosen = parsed(selection)
+        if chosen.get("part") not in _PARTS:
+            raise FindingError(f"{selection}: part is {' or '.join(_PARTS)}")
+        return _PARTS[chosen["part"]](self._tree(chosen)[1])
+
+
+def _words(chosen: Mapping[str, str]) -> str:
+    return " ".join(f"{name}={value}" for name, value in chosen.items())

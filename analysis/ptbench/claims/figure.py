@@ -1,0 +1,113 @@
+"""A claim's figure: a row a condition, with what holds the claim, what was predicted and what was measured."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+
+from ptbench.claims.claim import Claim, Span
+from ptbench.claims.judging import HOLDS_WHERE, LESS, MISSING, MORE, OPEN, WITHIN, Judged, Verdict
+from ptbench.figures import style
+from ptbench.stats.estimates import CONFIDENCE
+
+_COLOURS = {
+    WITHIN: style.COLOURS[3], LESS: style.COLOURS[2], MORE: style.COLOURS[1], OPEN: "#6e6e6e", MISSING: "#6e6e6e",
+}  # fmt: skip
+_BAND, _PREDICTED = "#e3efe9", "#8a8a8a"
+_ROW, _PLOT, _FOOT, _HEAD = 0.3, 4.2, 0.5, 0.3
+
+
+def draw(claim: Claim, verdict: Verdict, device: str) -> Figure:
+    """The figure of a claim that was measured; `verdict` has a number for one condition at least."""
+    rows = [one for one in verdict.judged if one.found.estimate is not None]
+    labels = [one.found.condition.name for one in rows]
+    left = style.MARGIN + max(style.text_width(label, style.LABEL_SIZE) for label in labels) + 0.3
+    height = _ROW * len(rows)
+    caption = (
+        f"{device}. {claim['number']['of'][0].upper()}{claim['number']['of'][1:]}, with its {CONFIDENCE:.0%} interval. "
+        "Green: where the claim holds. Grey line: what was predicted. Of a claim that "
+        f"{HOLDS_WHERE} the green rows are the map."
+    )
+    page = style.Page(left + _PLOT + style.MARGIN + 0.2, _FOOT + height + _HEAD, claim["title"], caption)
+    axes = page.axes(left, _FOOT, _PLOT, height)
+    low, high, is_log = _limits(rows)
+    for index, one in enumerate(rows):
+        y = len(rows) - index - 0.5
+        _draw_row(axes, y, one, low, high)
+        page.text(
+            left - 0.12, _FOOT + _ROW * y, one.found.condition.name, size=style.LABEL_SIZE, va="center", ha="right"
+        )
+    if is_log:
+        axes.set_xscale("log")
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high / low < 100 else (1,)))
+        axes.xaxis.set_minor_locator(NullLocator())
+        axes.axvline(1, color="#888888", linewidth=0.8, linestyle=(0, (4, 2)), zorder=1)
+    else:
+        axes.xaxis.set_major_locator(MaxNLocator(6))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.set_xlim(low, high)
+    axes.set_ylim(0, len(rows))
+    axes.yaxis.set_major_locator(NullLocator())
+    axes.spines["left"].set_visible(False)
+    axes.grid(axis="x")
+    _legend(axes, rows)
+    return page.figure
+
+
+def _draw_row(axes: Axes, y: float, one: Judged, low: float, high: float) -> None:
+    condition, estimate = one.found.condition, one.found.estimate
+    start, end = _inside(condition.claimed, low, high)
+    axes.fill_between([start, end], y - 0.43, y + 0.43, color=_BAND, linewidth=0, zorder=0)
+    axes.plot(
+        _inside(condition.predicted, low, high),
+        [y - 0.24] * 2,
+        color=_PREDICTED,
+        linewidth=3,
+        solid_capstyle="butt",
+        zorder=2,
+    )
+    colour = _COLOURS[one.word]
+    if estimate.low is not None and estimate.high is not None:
+        axes.plot([estimate.low, estimate.high], [y + 0.06] * 2, color=colour, linewidth=1.4, zorder=3)
+    axes.plot([estimate.value], [y + 0.06], color=colour, marker="o", markersize=5, zorder=4)
+
+
+def _inside(span: Span, low: float, high: float) -> tuple[float, float]:
+    """The part of a span that the axes show."""
+    return max(span.low, low), max(min(span.high, high), max(span.low, low))
+
+
+def _limits(rows: Sequence[Judged]) -> tuple[float, float, bool]:
+    """The axes' ends, and whether they are logarithmic: ratios are, slopes are not."""
+    ends = [end for one in rows for end in _ends(one) if math.isfinite(end)]
+    if min(ends) > 0:
+        return min([*ends, 0.95]) / 1.12, max([*ends, 1.05]) * 1.12, True
+    room = 0.06 * (max(ends) - min(ends))
+    return min(ends) - room, max(ends) + room, False
+
+
+def _ends(one: Judged) -> tuple[float, ...]:
+    estimate, condition = one.found.estimate, one.found.condition
+    known = (estimate.low, estimate.high) if estimate.low is not None and estimate.high is not None else ()
+    spans = (condition.predicted.low, condition.predicted.high, condition.claimed.low, condition.claimed.high)
+    return (estimate.value, *known, *spans)
+
+
+def _legend(axes: Axes, rows: Sequence[Judged]) -> None:
+    there = {one.word for one in rows}
+    handles = [
+        Line2D([], [], color=colour, marker="o", linestyle="-", markersize=5, label=word)
+        for word, colour in _COLOURS.items()
+        if word in there
+    ]
+    handles += [Patch(color=_BAND, label="claim"), Line2D([], [], color=_PREDICTED, linewidth=3, label="predicted")]
+    axes.legend(
+        handles=handles, loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=len(handles), frameon=False,
+        fontsize=style.CAPTION_SIZE, handletextpad=0.4, columnspacing=1.0, borderaxespad=0.1,
+    )  # fmt: skip

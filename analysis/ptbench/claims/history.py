@@ -1,0 +1,114 @@
+"""Whether a prediction came before its result, by git: when its words last changed, and what the result was built of.
+
+A prediction that is edited is a prediction of that day: it is as old as the oldest commit from which on neither the
+claim's part that counts nor its suite's studies were another.
+"""
+
+from __future__ import annotations
+
+import subprocess
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from ptbench.claims.claim import Claim, Ledger, prediction_in
+
+TEST, BY_DATE, LOOK_UP, UNCOMMITTED, UNKNOWN = "test", "test by dates", "look-up", "not committed", "unknown"
+
+
+@dataclass(frozen=True)
+class Measured:
+    """When a result was measured, and by the program of which commit."""
+
+    commit: str
+    on: str  # ISO 8601
+    dirty: bool = False
+
+
+@dataclass(frozen=True)
+class Order:
+    """Which came first, with what shows it."""
+
+    grade: str
+    predicted: str = ""  # commit
+    predicted_on: str = ""
+    measured: str = ""
+    measured_on: str = ""
+
+    @property
+    def said(self) -> str:
+        """In a sentence."""
+        if self.grade == UNCOMMITTED:
+            return "the prediction is not committed: whatever is measured now proves nothing"
+        if self.grade == UNKNOWN:
+            return "git cannot say which came first"
+        predicted = f"predicted in {self.predicted[:7]}, {_minute(self.predicted_on)}"
+        measured = f"measured with {self.measured[:7]}, {_minute(self.measured_on)}"
+        if self.grade == LOOK_UP:
+            return f"prediction is later than the data: a look-up, not a test ({predicted}; {measured})"
+        shown = "a program that has the prediction in its history" if self.grade == TEST else "dates alone show it"
+        return f"prediction before result: {predicted}; {measured} ({shown})"
+
+    @property
+    def is_test(self) -> bool:
+        """Whether the data could have contradicted the prediction."""
+        return self.grade in (TEST, BY_DATE)
+
+    def document(self) -> dict[str, str]:
+        """As it is kept beside the verdict, for who has no history."""
+        return asdict(self)
+
+
+def _minute(date: str) -> str:
+    return f"{date[:10]} {date[11:16]}"
+
+
+def order_of(ledger: Ledger, claim: Claim, measured: Measured) -> Order:
+    """Which of the two came first; UNKNOWN where there is no git or not all of its history."""
+    if _git(ledger.root, "rev-parse", "--is-shallow-repository") != "false":
+        return Order(UNKNOWN)
+    predicted = prediction_commit(ledger, claim)
+    if predicted is None:
+        return Order(UNCOMMITTED)
+    on = _git(ledger.root, "show", "-s", "--format=%cI", predicted) or ""
+    facts = (predicted, _utc(on), measured.commit, _utc(measured.on))
+    if not on or _time(measured.on) <= _time(on):
+        return Order(LOOK_UP, *facts)
+    known = _git(ledger.root, "merge-base", "--is-ancestor", predicted, measured.commit) is not None
+    return Order(TEST if known else BY_DATE, *facts)
+
+
+def prediction_commit(ledger: Ledger, claim: Claim) -> str | None:
+    """The oldest commit since which the prediction is as it lies in the folder; None: it is not committed so."""
+    paths = [f"claims/{claim.name}.json"]
+    if claim.experiment is not None and claim.experiment.suite:
+        paths.append(f"claims/suites/{claim.experiment.suite}.json")
+    here = prediction_in(*_texts([(ledger.root / path).read_text(encoding="utf-8") for path in paths]))
+    found = None
+    for commit in (_git(ledger.root, "log", "--format=%H", "--", *paths) or "").split():
+        texts = [_git(ledger.root, "show", f"{commit}:{path}") or "" for path in paths]
+        if not here or prediction_in(*_texts(texts)) != here:
+            break
+        found = commit
+    return found
+
+
+def _texts(texts: list[str]) -> tuple[str, str]:
+    return texts[0], texts[1] if len(texts) > 1 else ""
+
+
+def _time(date: str) -> datetime:
+    return datetime.fromisoformat(date)
+
+
+def _utc(date: str) -> str:
+    return _time(date).astimezone(UTC).strftime("%Y-%m-%dT%H:%M:%SZ") if date else ""
+
+
+def _git(root: Path, *arguments: str) -> str | None:
+    """What git says; None where it fails or is not there."""
+    try:
+        answer = subprocess.run(["git", "-C", str(root), *arguments], capture_output=True, text=True, check=False)
+    except OSError:
+        return None
+    return answer.stdout.strip() if answer.returncode == 0 else None

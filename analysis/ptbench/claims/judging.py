@@ -1,0 +1,108 @@
+"""From a claim's numbers to its verdict, by one rule for all claims.
+
+A condition holds where the whole interval of its number lies in the interval of the claim's rule, and does not where
+all of it lies outside; else it is open. Of the claim's conditions, theirs are those nearest to the publication's, the
+others lie on one side of them or the other along the axis that the claim names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from ptbench.claims.claim import THEIRS, Claim
+from ptbench.claims.evidence import Evidence, Found
+
+HOLDS, HOLDS_WHERE, DOES_NOT, NOT_REACHED = "holds", "holds only where", "does not hold", "not reached"
+WITHIN, LESS, MORE, OPEN, MISSING = "holds", "less", "more", "open", "no number"
+VERDICTS = (HOLDS, HOLDS_WHERE, DOES_NOT, NOT_REACHED)
+
+RULE = (
+    "*holds*: every condition does. *holds only where*: some do, and the table is the map. *does not hold*: none does, "
+    "none is open, and there are conditions on both sides of theirs. *not reached*: anything else, with the reason."
+)
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One condition's number and what it says."""
+
+    found: Found
+    word: str
+
+    @property
+    def foreseen(self) -> bool | None:
+        """Whether the number lies where it was predicted; None: there is no number."""
+        estimate = self.found.estimate
+        return None if estimate is None else self.found.condition.predicted.holds(estimate.value)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What one machine's numbers say of a claim."""
+
+    word: str
+    reason: str
+    judged: tuple[Judged, ...] = ()
+
+    @property
+    def held(self) -> list[str]:
+        """The conditions that hold."""
+        return [one.found.condition.name for one in self.judged if one.word == WITHIN]
+
+    @property
+    def foreseen(self) -> tuple[int, int]:
+        """How many numbers lie where they were predicted, of how many."""
+        told = [one.foreseen for one in self.judged if one.foreseen is not None]
+        return sum(told), len(told)
+
+
+def judge(claim: Claim, evidence: Evidence | None) -> Verdict:
+    """The verdict on a claim; without evidence it is not reached, for the claim's reason or because nothing was run."""
+    if claim.experiment is None:
+        return Verdict(NOT_REACHED, claim.not_reached)
+    if evidence is None:
+        return Verdict(NOT_REACHED, "it was not run yet")
+    judged = tuple(Judged(found, word_of(found)) for found in evidence.found)
+    word, reason = _verdict(judged)
+    return Verdict(word, reason, judged)
+
+
+def word_of(found: Found) -> str:
+    """What one number says."""
+    estimate, claimed = found.estimate, found.condition.claimed
+    if estimate is None or estimate.low is None or estimate.high is None:
+        return MISSING
+    if found.doubt:
+        return OPEN
+    if estimate.high < claimed.low:
+        return LESS
+    if estimate.low > claimed.high:
+        return MORE
+    return WITHIN if claimed.low <= estimate.low and estimate.high <= claimed.high else OPEN
+
+
+def _verdict(judged: Sequence[Judged]) -> tuple[str, str]:
+    theirs = [one for one in judged if one.found.condition.side == THEIRS]
+    others = [one for one in judged if one not in theirs]
+    tally = f"{_count(theirs)} of {len(theirs)} near theirs"
+    tally += f", {_count(others)} of {len(others)} elsewhere" if others else ""
+    held = _count(judged)
+    if held == len(judged):
+        return HOLDS, tally
+    if held:
+        return HOLDS_WHERE, tally
+    if undecided := [one.found.condition.name for one in judged if one.word in (OPEN, MISSING)]:
+        return NOT_REACHED, f"no condition holds, and {_listed(undecided)} decided nothing"
+    sides = {one.found.condition.side for one in judged}
+    if not {"below", "above"} <= sides:
+        return NOT_REACHED, f"no condition holds ({tally}), but theirs were not approached from two sides"
+    return DOES_NOT, tally
+
+
+def _count(judged: Iterable[Judged]) -> int:
+    return sum(one.word == WITHIN for one in judged)
+
+
+def _listed(names: Sequence[str]) -> str:
+    return names[0] if len(names) == 1 else f"{len(names)} of them ({names[0]}, ...)"

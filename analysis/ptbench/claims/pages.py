@@ -1,0 +1,159 @@
+"""Pages of the ledger: one table of all claims, and a page a claim, from their templates."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from jinja2 import Environment, StrictUndefined, TemplateError
+
+from ptbench.claims.claim import Claim, Ledger, Span
+from ptbench.claims.evidence import Evidence
+from ptbench.claims.figure import draw
+from ptbench.claims.history import Order
+from ptbench.claims.judging import NOT_REACHED, RULE, VERDICTS, Judged, Verdict
+from ptbench.figures import style
+from ptbench.figures.saving import svg_of
+from ptbench.findings.errors import FindingError
+from ptbench.numbers import figures
+from ptbench.stats.estimates import CONFIDENCE, Estimate
+
+DIGITS = 3
+_READ = {
+    "paper": "the paper was read",
+    "abstract": "its abstract was read",
+    "page": "its first page was read",
+    "thread": "the thread was read",
+    "commit": "the commit's message was read",
+    "memory": "from memory or notes, not looked up",
+}
+_AUTHOR = re.compile(r"(?:^|, )(?:\w\. ?)+")  # initials, with which each author's name begins
+
+
+@dataclass(frozen=True)
+class Told:
+    """A claim with what one machine's result says of it; without evidence it has no number."""
+
+    claim: Claim
+    verdict: Verdict
+    evidence: Evidence | None = None
+    order: Order | None = None
+
+    @property
+    def machine(self) -> str:
+        """The folder of results/; empty where nothing was run."""
+        return "" if self.evidence is None else self.evidence.machine
+
+    @property
+    def device(self) -> str:
+        """GPU or CPU."""
+        return "—" if self.evidence is None else self.evidence.device
+
+    @property
+    def figure(self) -> str:
+        """The name of the figure's file; empty: there is none."""
+        has_number = any(one.found.estimate is not None for one in self.verdict.judged)
+        return f"{self.claim.name}_{self.machine}.svg" if has_number else ""
+
+    @property
+    def result(self) -> str:
+        """The result file, from the folder of results on."""
+        return "" if self.evidence is None else f"{self.machine}/claims/{self.evidence.file.name}"
+
+    @property
+    def authors(self) -> str:
+        """Of three authors and more the first."""
+        authors = self.claim["source"]["authors"]
+        return f"{authors.split(',')[0]} et al." if len(_AUTHOR.findall(authors)) > 2 else authors
+
+    @property
+    def foreseen(self) -> str:
+        """ "5 of 8" predictions were right."""
+        right, of = self.verdict.foreseen
+        return f"{right} of {of}" if of else "—"
+
+
+def pages_of(ledger: Ledger, told: Sequence[Told]) -> dict[str, str]:
+    """Every page and figure of docs/claims by its file's name."""
+    by_claim: dict[str, list[Told]] = {}
+    for one in told:
+        by_claim.setdefault(one.claim.name, []).append(one)
+    pages = {"README.md": _rendered(ledger, "README.md", told=told, counts=_counts(told))}
+    for name, entries in by_claim.items():
+        pages[f"{name}.md"] = _rendered(ledger, "claim.md", claim=entries[0].claim, told=entries)
+    with style.applied():
+        for one in told:
+            if one.figure:
+                pages[one.figure] = svg_of(draw(one.claim, one.verdict, one.device))
+    return pages
+
+
+def _counts(told: Sequence[Told]) -> dict[str, int]:
+    """Verdicts by word; what was not run is counted apart from what cannot be asked."""
+    words = [one.verdict.word for one in told if one.evidence is not None]
+    counts = {word: words.count(word) for word in VERDICTS}
+    counts["not run yet"] = sum(one.evidence is None and one.claim.experiment is not None for one in told)
+    counts["cannot be asked yet"] = sum(one.claim.experiment is None for one in told)
+    return {word: count for word, count in counts.items() if count}
+
+
+def _rendered(ledger: Ledger, template: str, **names: object) -> str:
+    environment = Environment(
+        undefined=StrictUndefined, keep_trailing_newline=True, trim_blocks=True, lstrip_blocks=True
+    )
+    file = ledger.templates / template
+    try:
+        return environment.from_string(file.read_text(encoding="utf-8")).render(
+            **names, interval=span_text, measured=measured_text, word=word_text, read=_READ, rule=RULE,
+            not_reached=NOT_REACHED, confidence=f"{CONFIDENCE:.0%}".replace("%", " %"), run=run_text,
+        )  # fmt: skip
+    except (OSError, TemplateError) as error:
+        raise FindingError(f"{file}: {error}") from error
+
+
+def span_text(span: Span) -> str:
+    """ "1.06 to 1.32", "at least 1.36", "at most 1"."""
+    if math.isinf(span.low) and math.isinf(span.high):
+        return "any"
+    if math.isinf(span.high):
+        return f"at least {span.low:g}"
+    return f"at most {span.high:g}" if math.isinf(span.low) else f"{span.low:g} to {span.high:g}"
+
+
+def measured_text(one: Judged) -> str:
+    """ "1.21 [1.20, 1.23]", in digits that show on which side of the claim's limits each end lies."""
+    estimate = one.found.estimate
+    if estimate is None:
+        return "—"
+    claimed = one.found.condition.claimed
+    ends = [end for end in (claimed.low, claimed.high) if math.isfinite(end)]
+    digits = next((count for count in range(DIGITS, 12) if _tells(estimate, ends, count)), 12)
+    value = figures(estimate.value, digits)
+    if estimate.low is None or estimate.high is None or estimate.low == estimate.high:
+        return value
+    return f"{value} [{figures(estimate.low, digits)}, {figures(estimate.high, digits)}]"
+
+
+def _tells(estimate: Estimate, ends: Sequence[float], digits: int) -> bool:
+    values = [value for value in (estimate.low, estimate.high) if value is not None]
+    return all((float(figures(value, digits)) < end) == (value < end) for value in values for end in ends) and all(
+        (float(figures(value, digits)) > end) == (value > end) for value in values for end in ends
+    )
+
+
+def word_text(one: Judged) -> str:
+    """The condition's word, and why it decides nothing where it does not."""
+    return f"{one.word}: {one.found.doubt}" if one.found.doubt else one.word
+
+
+def run_text(claim: Claim) -> str:
+    """The command that measures a claim."""
+    experiment = claim.experiment
+    if experiment is None:
+        return ""
+    out = f"--out results/MACHINE/claims/{experiment.result}.json"
+    if experiment.rays:
+        return f"build/ptbench rays --backend {experiment.backend} {' '.join(experiment.rays)} {out}"
+    return f"build/ptbench run --suite claims/suites/{experiment.suite}.json --backend {experiment.backend} {out}"
