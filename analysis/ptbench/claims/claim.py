@@ -20,7 +20,7 @@ from ptbench.io.validate import complaints
 
 # What a prediction is made of: whoever changes one of these predicts anew.
 _PREDICTED = ("claim", "number", "rule", "prediction", "experiment")
-_NO_PREDICTION = ("seconds",)
+_NO_PREDICTION = ("seconds", "also")
 
 THEIRS = "theirs"
 
@@ -62,6 +62,8 @@ class Experiment:
     suite: str  # of claims/suites; empty: a call of `ptbench rays`
     rays: tuple[str, ...]
     result: str  # the result file's name
+    also: tuple[str, ...]  # results of other suites, looked up where the experiment's own was not run
+    machines: tuple[str, ...]  # two folders of results/, the first held against the second; empty: each for itself
     backend: str
     seconds: int
     statistic: str
@@ -156,6 +158,8 @@ def _experiment(path: Path, about: dict, rule: Span) -> Experiment:
         suite=about.get("suite", ""),
         rays=tuple(about.get("rays", ())),
         result=about.get("result", about.get("suite", "")),
+        also=tuple(about.get("also", ())),
+        machines=tuple(about.get("machines", ())),
         backend=about["backend"],
         seconds=about["seconds"],
         statistic=about["statistic"],

@@ -104,7 +104,7 @@ def _record(told: Sequence[Told]) -> dict:
             record.setdefault(one.claim.name, {})[one.machine] = {
                 "verdict": one.verdict.word,
                 "holds": one.verdict.held,
-                "result": one.result,
+                "results": list(one.files),
                 "order": one.order.document(),
             }
     return record
@@ -119,7 +119,9 @@ def _contradictions(told: Sequence[Told], recorded: Mapping, chosen: Sequence[Cl
             after = now.get(claim.name, {}).get(machine)
             where = f"{claim.name} on {machine}"
             if after is None:
-                faults.append(f"{where}: {before['verdict']} is committed, and its result {before['result']} is gone")
+                faults.append(
+                    f"{where}: {before['verdict']} is committed, and its data are gone ({', '.join(before['results'])})"
+                )
             elif (after["verdict"], after["holds"]) != (before["verdict"], before["holds"]):
                 faults.append(f"{where}: {before['verdict']} is committed, its data say {after['verdict']}")
             elif after["order"]["grade"] != before["order"]["grade"]:

@@ -16,6 +16,7 @@ from ptbench.findings.selection import parsed
 from ptbench.findings.source import Source
 from ptbench.io.cells import Cell
 from ptbench.io.nodes import Node, read_json
+from ptbench.io.rays import SCHEMA as RAYS
 from ptbench.io.rays import Batch, RayMesh, Rays, Tree, rays_of
 from ptbench.stats.estimates import Estimate, geometric_mean_of_ratios, ratio_estimate
 from ptbench.stats.intervals import bootstrap_interval, resampled
@@ -39,11 +40,16 @@ class Found:
 class Evidence:
     """All that one result file says of a claim."""
 
-    file: Path
+    files: tuple[str, ...]  # from the folder of results on
     machine: str  # folder of results/
     device: str
     measured: Measured
     found: tuple[Found, ...]
+
+    @property
+    def is_own(self) -> bool:
+        """Whether the experiment itself was run, and no other suite is looked up."""
+        return "/claims/" in self.files[0]
 
 
 def evidence_of(claim: Claim, results: Path) -> list[Evidence]:
@@ -51,25 +57,83 @@ def evidence_of(claim: Claim, results: Path) -> list[Evidence]:
     experiment = claim.experiment
     if experiment is None:
         return []
-    found = []
-    for machine in sorted(path for path in results.iterdir() if path.is_dir()) if results.is_dir() else ():
-        file = machine / "claims" / f"{experiment.result}.json"
-        if file.is_file() or Path(f"{file}.gz").is_file():
-            found.append(_evidence(claim.experiment, results, file, machine.name))
-    return found
+    if experiment.machines:
+        return _of_two(experiment, results)
+    machines = sorted(path for path in results.iterdir() if path.is_dir()) if results.is_dir() else []
+    found = [_evidence(experiment, results, file) for machine in machines for file in _files(experiment, machine)[:1]]
+    return [one for one in found if any(number.estimate is not None for number in one.found) or one.is_own]
 
 
-def _evidence(experiment: Experiment, results: Path, file: Path, machine: str) -> Evidence:
+def _files(experiment: Experiment, machine: Path) -> list[Path]:
+    """The experiment's own result of a machine, or else those of other suites that may have its cells."""
+    own = machine / "claims" / f"{experiment.result}.json"
+    if _is_there(own):
+        return [own]
+    others = [machine / f"{name}.json" for name in experiment.also]
+    return [file for file in others if _is_there(file) and _backend(file) == experiment.backend]
+
+
+def _is_there(file: Path) -> bool:
+    return file.is_file() or _packed(file).is_file()
+
+
+def _backend(file: Path) -> str | None:
+    return read_json(file).need("context").fields().get("ptbench.backend")
+
+
+def _packed(file: Path) -> Path:
+    return Path(f"{file}.gz")
+
+
+def _evidence(experiment: Experiment, results: Path, file: Path) -> Evidence:
     root = read_json(file)
-    numbers = _OfRays(root) if experiment.rays else _OfSuite(results, file.relative_to(results), experiment)
-    context = root.need("context").fields()
-    found = tuple(numbers.found(condition, experiment.statistic) for condition in experiment.conditions)
-    device = context.get("ptbench.cuda_device") if experiment.backend == "cuda" else context.get("ptbench.cpu_model")
-    return Evidence(file, machine, device or machine, _measured(root, context), found)
+    is_rays = root.value.get("schema") == RAYS if isinstance(root.value, dict) else False
+    numbers = _OfRays(root) if is_rays else _OfSuite(results, file.relative_to(results), experiment)
+    found = tuple(_found(numbers, condition, experiment.statistic, file) for condition in experiment.conditions)
+    machine = file.relative_to(results).parts[0]
+    return Evidence((_shown(results, file),), machine, _device(experiment, root) or machine, _measured(root), found)
 
 
-def _measured(root: Node, context: Mapping[str, str]) -> Measured:
+def _of_two(experiment: Experiment, results: Path) -> list[Evidence]:
+    """One machine's rays against another's: how many times as fast the first traces the same batch."""
+    files = [_files(experiment, results / machine)[:1] for machine in experiment.machines]
+    if not all(files):
+        return []
+    roots = [read_json(file) for (file,) in files]
+    one, other = (_OfRays(root) for root in roots)
+    found = []
+    for condition in experiment.conditions:
+        try:
+            found.append(Found(condition, ratio_estimate(other.times(condition.cell), one.times(condition.cell))))
+        except FindingError as error:
+            found.append(Found(condition, None, str(error).replace(f"{results}/", "")))
+    device = " against ".join(_device(experiment, root) or "?" for root in roots)
+    measured = min((_measured(root) for root in roots), key=lambda each: each.on)
+    shown = tuple(_shown(results, file) for (file,) in files)
+    return [Evidence(shown, experiment.machines[0], device, measured, tuple(found))]
+
+
+def _shown(results: Path, file: Path) -> str:
+    there = file if file.is_file() else _packed(file)
+    return there.relative_to(results).as_posix()
+
+
+def _device(experiment: Experiment, root: Node) -> str | None:
+    key = "ptbench.cuda_device" if experiment.backend == "cuda" else "ptbench.cpu_model"
+    return root.need("context").fields().get(key)
+
+
+def _found(numbers: _OfSuite | _OfRays, condition: Condition, statistic: str, file: Path) -> Found:
+    """Where the number is not there, the reason, without the file's name: a page links it."""
+    try:
+        return numbers.found(condition, statistic)
+    except FindingError as error:
+        return Found(condition, None, str(error).replace(f"{file}: ", ""))
+
+
+def _measured(root: Node) -> Measured:
     """The first session counts: from then on a cell's times were there to be seen."""
+    context = root.need("context").fields()
     dates = [context["date"]]
     run = root.maybe("ptbench") and root.need("ptbench").maybe("run")
     if run is not None and (sessions := run.maybe("sessions")) is not None:
@@ -90,12 +154,9 @@ class _OfSuite:
             "speed_up": self._speed_up, "time": self._time, "alive_after_7": self._alive, "variance": self._variance,
             "veach_bound": self._bound, "rmse": self._rmse, "slope": self._slope,
         }  # fmt: skip
-        try:
-            if statistic not in numbers:
-                raise FindingError(f"no statistic {statistic} of a suite")
-            return numbers[statistic](condition)
-        except FindingError as error:
-            return Found(condition, None, str(error))
+        if statistic not in numbers:
+            raise FindingError(f"no statistic {statistic} of a suite")
+        return numbers[statistic](condition)
 
     def _speed_up(self, condition: Condition) -> Found:
         pairs = self._pairs(condition)
@@ -186,18 +247,18 @@ class _OfRays:
         self._wrong = [mesh.name for mesh in self._rays.meshes if not all(mesh.agree.values())]
 
     def found(self, condition: Condition, statistic: str) -> Found:
-        try:
-            if self._wrong:
-                raise FindingError(f"hits differ between trees of {', '.join(self._wrong)}")
-            if statistic == "bytes":
-                share = self._bytes(condition.cell) / self._bytes(condition.over)
-                return Found(condition, Estimate(share, share, share, 1))
-            if statistic != "speed_up":
-                raise FindingError(f"no statistic {statistic} of rays")
-            base, ours = (np.array(self._batch(text).ms) for text in (condition.over, condition.cell))
-            return Found(condition, ratio_estimate(base, ours))
-        except FindingError as error:
-            return Found(condition, None, str(error))
+        if statistic == "bytes":
+            share = self._bytes(condition.cell) / self._bytes(condition.over)
+            return Found(condition, Estimate(share, share, share, 1))
+        if statistic != "speed_up":
+            raise FindingError(f"no statistic {statistic} of rays")
+        return Found(condition, ratio_estimate(self.times(condition.over), self.times(condition.cell)))
+
+    def times(self, selection: str) -> np.ndarray:
+        """Milliseconds of one batch; raises FindingError where it is not there, or its hits are wrong."""
+        if self._wrong:
+            raise FindingError(f"hits differ between trees of {', '.join(self._wrong)}")
+        return np.array(self._batch(selection).ms)
 
     def _tree(self, chosen: Mapping[str, str]) -> tuple[RayMesh, Tree]:
         found = [

@@ -88,6 +88,8 @@ def _verdict(judged: Sequence[Judged]) -> tuple[str, str]:
     tally = f"{_count(theirs)} of {len(theirs)} near theirs"
     tally += f", {_count(others)} of {len(others)} elsewhere" if others else ""
     held = _count(judged)
+    if unknown := sum(one.word == MISSING for one in theirs):
+        return NOT_REACHED, f"{unknown} of {len(theirs)} conditions near theirs have no number"
     if held == len(judged):
         return HOLDS, tally
     if held:

@@ -58,9 +58,9 @@ class Told:
         return f"{self.claim.name}_{self.machine}.svg" if has_number else ""
 
     @property
-    def result(self) -> str:
-        """The result file, from the folder of results on."""
-        return "" if self.evidence is None else f"{self.machine}/claims/{self.evidence.file.name}"
+    def files(self) -> tuple[str, ...]:
+        """The result files, from the folder of results on."""
+        return () if self.evidence is None else self.evidence.files
 
     @property
     def authors(self) -> str:

@@ -216,6 +216,71 @@ def test_statistics_of_error_are_those_of_the_law(house, statistic, expected):
     assert np.allclose([one.found.estimate.value, one.found.estimate.low, one.found.estimate.high], expected, rtol=1e-9)
 
 
+def test_another_suites_result_is_looked_up_where_the_own_is_not_there(house):
+    house.claim({**boxes(), "also": ["nothing", "sorting"]}).measured([1.25, 1.25, 1.25])
+    other = house.root / "results" / "nvidia-h200" / "sorting.json"
+    house.result.rename(other)
+    assert (house.evidence().files, house.verdict().word) == (("nvidia-h200/sorting.json",), HOLDS)
+    house.measured([1.0, 1.25, 1.25])
+    assert (house.evidence().files, house.verdict().word) == (("nvidia-h200/claims/sorts.json",), HOLDS_WHERE)
+    house.result.unlink()
+    other.write_text(other.read_text().replace('"ptbench.backend": "cuda"', '"ptbench.backend": "cpu"'))
+    assert evidence_of(house.read(), house.root / "results") == []
+
+
+def test_near_theirs_without_a_number_is_not_reached(house):
+    house.claim(boxes()).measured([1.25])
+    assert house.verdict().word == NOT_REACHED
+    assert house.verdict().reason == "1 of 1 conditions near theirs have no number"
+
+
+def rays_claim(house: House, statistic: str, rows: list[dict], **more) -> House:
+    about = {"rays": ["--mesh", "tori_4M"], "result": "two", "backend": "cuda", "seconds": 1, "statistic": statistic,
+             "axis": "class", **more, "conditions": rows}  # fmt: skip
+    return house.claim(about)
+
+
+def rays_result(house: House, machine: str, factor: float) -> dict:
+    """The committed file of that mesh, every time of it `factor` times as long."""
+    document = json.loads((ROOT / "results/nvidia-h200/rays_accelerators/tori_4M.json").read_text(encoding="utf-8"))
+    for mesh in document["meshes"]:
+        for tree in mesh["trees"]:
+            for batch in tree["batches"]:
+                batch["ms"] = [factor * ms for ms in batch["ms"]]
+    folder = house.root / "results" / machine / "claims"
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "two.json").write_text(json.dumps(document))
+    return document
+
+
+def test_one_gpu_against_another_is_a_ratio_of_the_same_batch(house):
+    row = condition(0, "theirs", cell="mesh=tori_4M class=diffuse_1 accelerator=bvh2 kernel=plain")
+    row.pop("over")
+    rays_claim(house, "speed_up", [row], machines=["fast", "slow"])
+    assert evidence_of(house.read(), house.root / "results") == []
+    rays_result(house, "fast", 1.0)
+    rays_result(house, "slow", 2.0)
+    (one,) = house.verdict().judged
+    assert (one.found.estimate.value, house.evidence().files) == (2.0, ("fast/claims/two.json", "slow/claims/two.json"))
+
+
+def test_bytes_are_exact_and_a_batch_is_over_another(house):
+    words = "mesh=tori_4M accelerator={} part=nodes"
+    row = condition(0, "theirs", cell=words.format("cwbvh"), over=words.format("bvh2"))
+    rays_claim(house, "bytes", [row])
+    trees = {tree["accelerator"]: tree for tree in rays_result(house, "nvidia-h200", 1.0)["meshes"][0]["trees"]}
+    (one,) = house.verdict().judged
+    expected = trees["cwbvh"]["node_bytes"] / trees["bvh2"]["node_bytes"]
+    assert (one.found.estimate.low, one.found.estimate.value, one.found.estimate.high) == (expected,) * 3
+    batch = "mesh=tori_4M class=diffuse_1 accelerator={} kernel=plain"
+    rays_claim(house, "speed_up", [condition(0, "theirs", cell=batch.format("cwbvh"), over=batch.format("bvh2"))])
+    times = [
+        np.median(next(b["ms"] for b in trees[name]["batches"] if (b["class"], b["kernel"]) == ("diffuse_1", "plain")))
+        for name in ("bvh2", "cwbvh")
+    ]
+    assert house.verdict().judged[0].found.estimate.value == times[0] / times[1]
+
+
 # --- which came first ---
 
 
@@ -277,7 +342,7 @@ def test_a_committed_verdict_that_no_longer_follows_is_an_error(house, capsys):
     assert "sorting on nvidia-h200: holds is committed, its data say holds only where" in capsys.readouterr().out
     house.result.unlink()
     assert claims(Call(house.root)) == 1
-    assert "its result nvidia-h200/claims/sorts.json is gone" in capsys.readouterr().out
+    assert "its data are gone (nvidia-h200/claims/sorts.json)" in capsys.readouterr().out
 
 
 def test_a_prediction_edited_after_its_verdict_is_an_error(house, capsys):
