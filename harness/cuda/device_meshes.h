@@ -2,8 +2,7 @@
 // copying a mesh takes longer than rendering it.
 #pragma once
 
-#include <memory>
-
+#include "harness/cuda/device_arrays.h"
 #include "harness/scene/mesh_search.h"
 
 namespace pt::cuda {
@@ -12,19 +11,16 @@ namespace pt::cuda {
 class DeviceMesh {
 public:
     explicit DeviceMesh(const MeshGeometry& host);
-    ~DeviceMesh();
-    DeviceMesh(const DeviceMesh&) = delete;
-    DeviceMesh& operator=(const DeviceMesh&) = delete;
 
+    bool is_of(const MeshGeometry& host) const { return host_.placed == host.placed && host_.tree == host.tree; }
     // With pointers of the device.
     const MeshView& view() const { return view_; }
-    std::size_t bytes() const { return bytes_; }
+    std::size_t bytes() const { return arrays_.bytes(); }
 
 private:
     MeshGeometry host_;  // kept, so that its address means this mesh as long as the copy lives
     MeshView view_;
-    unsigned char* memory_ = nullptr;
-    std::size_t bytes_ = 0;
+    DeviceArrays arrays_;
 };
 
 // The copy that there is, or a new one. What was used longest ago is let go where all together pass a quarter of the
@@ -34,21 +30,19 @@ std::shared_ptr<const DeviceMesh> device_mesh(const MeshGeometry& host);
 // The tree of the axis `levels` over them, kept likewise.
 class DeviceTree {
 public:
-    explicit DeviceTree(const SceneTree& host);
-    ~DeviceTree();
-    DeviceTree(const DeviceTree&) = delete;
-    DeviceTree& operator=(const DeviceTree&) = delete;
+    explicit DeviceTree(const std::shared_ptr<const SceneTree>& host);
 
+    bool is_of(const std::shared_ptr<const SceneTree>& host) const { return host_ == host; }
     // With pointers of the device.
     const ObjectTree& objects() const { return objects_; }
     const FlatTree& flat() const { return flat_; }
-    std::size_t bytes() const { return bytes_; }
+    std::size_t bytes() const { return arrays_.bytes(); }
 
 private:
+    std::shared_ptr<const SceneTree> host_;  // as a mesh's
     ObjectTree objects_;
     FlatTree flat_;
-    unsigned char* memory_ = nullptr;
-    std::size_t bytes_ = 0;
+    DeviceArrays arrays_;
 };
 
 // The copy that there is, or a new one; null for null. Returns after the copy has been made.
