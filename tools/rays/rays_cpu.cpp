@@ -2,7 +2,6 @@
 // itself; every hit compared with bvh2's, and some with brute force. Built by `cmake --build build --target rays_cpu`.
 // usage: rays_cpu [--log2-rays N] [--repeat N] [--mesh NAME]... [--out FILE]
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <ctime>
@@ -11,8 +10,9 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "harness/rays/cpu_batch.h"
 #include "harness/rays/probe_meshes.h"
-#include "harness/rays/ray_batch.h"
+#include "harness/rays/ray_sets.h"
 #include "variants/acceleration/primitive_boxes.h"
 #include "variants/registry.h"
 
@@ -30,85 +30,10 @@ struct Options {
     std::string out;
 };
 
-// pcg3d (Jarzynski, Olano 2020), as harness/rays/ray_sets.cuh has it.
-struct RandomWords {
-    std::uint32_t x, y, z;
-
-    static RandomWords of(std::uint32_t ray, std::uint32_t depth, std::uint32_t seed) {
-        RandomWords w{ray * 1664525u + 1013904223u, depth * 1664525u + 1013904223u, seed * 1664525u + 1013904223u};
-        for (int round = 0; round < 2; ++round) {
-            w.x += w.y * w.z, w.y += w.z * w.x, w.z += w.x * w.y;
-            if (round == 0) {
-                w.x ^= w.x >> 16, w.y ^= w.y >> 16, w.z ^= w.z >> 16;
-            }
-        }
-        return w;
-    }
-    static float uniform(std::uint32_t word) { return static_cast<float>(word >> 8) * 0x1p-24f; }
-};
-
-struct BuiltMesh {
-    std::string name;
-    std::vector<Triangle<float>> triangles;
-
-    static BuiltMesh of(const ProbeMesh& probe) {
-        const Mesh mesh = probe.make();
-        BuiltMesh built{probe.name, {}};
-        for (const auto& t : mesh.triangles) {
-            const auto corner = [&](std::size_t k) {
-                const auto& v = mesh.vertices[t[k]];
-                return Vec3<float>{v[0], v[1], v[2]};
-            };
-            built.triangles.push_back({corner(0), corner(1), corner(2)});
-        }
-        return built;
-    }
-};
-
-using Direction = Vec3<float>;
-
-Ray make_ray(const Vec3<float>& o, const Direction& d) {
-    return {{o.x, o.y, o.z}, std::numeric_limits<float>::infinity(), {d.x, d.y, d.z}};
-}
-
-std::vector<Ray> primary_rays(std::uint32_t log2_rays) {
-    const std::uint32_t columns = 1u << (log2_rays / 2), rows = (1u << log2_rays) / columns;
-    std::vector<Ray> rays;
-    for (std::uint32_t i = 0; i < 1u << log2_rays; ++i) {
-        const RandomWords w = RandomWords::of(i, 0, 1);
-        const float across = static_cast<float>(i % columns) + RandomWords::uniform(w.x);
-        const float down = static_cast<float>(i / columns) + RandomWords::uniform(w.y);
-        const Direction d{(across / static_cast<float>(columns) * 2.0f - 1.0f) * 0.8f,
-                          (down / static_cast<float>(rows) * 2.0f - 1.0f) * 0.8f, -1.0f};
-        rays.push_back(make_ray({0.0f, 0.0f, 1.99f}, d / std::sqrt(dot(d, d))));
-    }
-    return rays;
-}
-
-// From 1e-4 off where the others hit, by the cosine (Malley's method), in the frame of Duff et al. 2017.
-Ray diffuse_ray(const Ray& from, const Hit& hit, std::span<const Triangle<float>> triangles, const RandomWords& w) {
-    const Vec3<float> o{from.origin[0], from.origin[1], from.origin[2]};
-    const Direction d{from.direction[0], from.direction[1], from.direction[2]};
-    Vec3<float> n{0.0f, 0.0f, 1.0f}, start = o;
-    if (hit.primitive != no_primitive) {
-        const Triangle<float>& t = triangles[hit.primitive];
-        n = cross(t.b - t.a, t.c - t.a);
-        n = n / std::sqrt(dot(n, n));
-        n = dot(n, d) > 0.0f ? -n : n;
-        start = o + d * hit.t + n * 1e-4f;
-    }
-    const float r2 = RandomWords::uniform(w.x), r = std::sqrt(r2), z = std::sqrt(1.0f - r2);
-    const float phi = 6.2831853f * RandomWords::uniform(w.y);
-    const float sign = std::copysign(1.0f, n.z), a = -1.0f / (sign + n.z), b = n.x * n.y * a;
-    const Vec3<float> tangent{1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
-    const Vec3<float> bitangent{b, sign + n.y * n.y * a, -n.y};
-    return make_ray(start, tangent * (r * std::cos(phi)) + bitangent * (r * std::sin(phi)) + n * z);
-}
-
 // A mesh as the harness's scenes hold it (harness/scene/mesh_geometry.h), under one accelerator.
 class Planted {
 public:
-    Planted(const BuiltMesh& mesh, const AcceleratorHook& hook) : hook_(hook) {
+    Planted(const RayMesh& mesh, const AcceleratorHook& hook) : hook_(hook) {
         if (hook.encode != nullptr) {
             const Choice* builder = Registry::instance().find("builder", "sah_binned");
             encoded_ = hook.encode(builder->hook.builder.build(
@@ -147,7 +72,7 @@ public:
             hits[i] = {best.t, best.side.exists() ? best.primitive : no_primitive};
         }
     }
-    const void* native() const { return native_.data.get(); }
+    const MeshView& view() const { return instance_.geometry; }
 
 private:
     void add(const Triangle<float>& t, std::uint32_t primitive) {
@@ -168,7 +93,7 @@ struct Contender {
 };
 
 #if defined(PTBENCH_HAS_EMBREE)
-RTCScene scene_in(const Planted& planted) { return static_cast<RTCScene>(const_cast<void*>(planted.native())); }
+RTCScene scene_in(const Planted& planted) { return static_cast<RTCScene>(const_cast<void*>(planted.view().native)); }
 
 void embree_single(RTCScene scene, std::span<const Ray> rays, std::span<Hit> hits) {
     RTCIntersectContext context;
@@ -273,19 +198,15 @@ Rates measure(const std::vector<Contender>& contenders, std::span<const Ray> ray
     return rates;
 }
 
-void check_by_brute_force(const BuiltMesh& mesh, std::span<const Ray> rays, std::span<const Hit> hits) {
+void check_by_brute_force(const RayMesh& mesh, std::span<const Ray> rays, std::span<const Hit> hits) {
+    std::vector<Ray> some_rays;
+    std::vector<Hit> their_hits;
     for (std::size_t r = 0; r < rays.size(); r += rays.size() / 64) {
-        const auto sheared =
-            ShearedDirection<float>::of({rays[r].direction[0], rays[r].direction[1], rays[r].direction[2]});
-        Hit best{rays[r].t_max, no_primitive};
-        for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-            keep_nearer(
-                intersect(mesh.triangles[i], {rays[r].origin[0], rays[r].origin[1], rays[r].origin[2]}, sheared), i,
-                best);
-        }
-        if (!(best == hits[r])) {
-            throw std::runtime_error("ray " + std::to_string(r) + " has another hit than by brute force");
-        }
+        some_rays.push_back(rays[r]);
+        their_hits.push_back(hits[r]);
+    }
+    if (brute_force_on_cpu(mesh.triangles, some_rays) != their_hits) {
+        throw std::runtime_error(mesh.name + ": a ray has another hit than by brute force");
     }
 }
 
@@ -307,7 +228,7 @@ std::string class_json(const std::string& name, const std::vector<Contender>& co
     return json.str();
 }
 
-std::string measure_mesh(const BuiltMesh& mesh, const Options& options) {
+std::string measure_mesh(const RayMesh& mesh, const Options& options) {
     std::printf("%s: %zu triangles\n", mesh.name.c_str(), mesh.triangles.size());
     std::vector<std::unique_ptr<Planted>> planted;
     std::vector<Contender> contenders;
@@ -325,22 +246,18 @@ std::string measure_mesh(const BuiltMesh& mesh, const Options& options) {
         }
 #endif
     }
-    std::vector<Ray> rays = primary_rays(options.log2_rays);
+    const AcceleratorHook& bvh2 = Registry::instance().find("accelerator", "bvh2")->hook.accelerator;
+    const std::unique_ptr<BatchTracer> tracer = make_cpu_tracer(planted[0]->view(), "bvh2", bvh2.meet_single);
     std::string json = "  {\"mesh\": \"" + mesh.name + "\", \"triangles\": " + std::to_string(mesh.triangles.size()) +
                        ", \"classes\": [\n";
-    for (std::uint32_t depth = 0; depth <= 3; ++depth) {
-        std::vector<Hit> hits(rays.size());
-        if (depth == 2) {
-            planted[0]->trace(rays, hits);
-        } else {
-            const Rates rates = measure(contenders, rays, hits, options.repeat);
-            check_by_brute_force(mesh, rays, hits);
-            json += (depth == 0 ? "" : ",\n") + class_json(depth == 0 ? "primary" : "diffuse " + std::to_string(depth),
-                                                           contenders, rates, rays.size());
-        }
-        for (std::uint32_t i = 0; i < rays.size(); ++i) {
-            rays[i] = diffuse_ray(rays[i], hits[i], mesh.triangles, RandomWords::of(i, depth + 1, 3));
-        }
+    const std::vector<std::string> classes{"primary", "diffuse_1", "diffuse_3"};
+    for (const RaySet& set : make_ray_sets(mesh, *tracer, classes, options.log2_rays)) {
+        std::vector<Hit> hits;
+        const Rates rates = measure(contenders, set.rays, hits, options.repeat);
+        check_by_brute_force(mesh, set.rays, hits);
+        std::string name = set.name;  // as the result that is there calls it
+        std::replace(name.begin(), name.end(), '_', ' ');
+        json += (set.name == classes.front() ? "" : ",\n") + class_json(name, contenders, rates, set.rays.size());
     }
     return json + "]}";
 }
@@ -393,7 +310,7 @@ int run(int argc, char** argv) {
          << "\", \"load_before\": " << load() << ", \"meshes\": [\n";
     bool first = true;
     for (const ProbeMesh& probe : probe_meshes()) {
-        const BuiltMesh mesh = BuiltMesh::of(probe);
+        const RayMesh mesh = mesh_for_rays(probe.name);
         if (mesh.triangles.size() > 300000) {
             continue;
         }
