@@ -1,21 +1,18 @@
 // ptbench stability: cases with exact answers, over precision, arithmetic, robustness, integrators and backend.
 #include <algorithm>
-#include <charconv>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <thread>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "harness/bench/compile_ahead.h"
 #include "harness/cli/commands.h"
+#include "harness/cli/stability_tasks.h"
 #include "harness/cuda/backend.h"
 #include "harness/interrupt.h"
 #include "harness/locked_file.h"
-#include "harness/nearest_name.h"
 #include "harness/stability/evaluate.h"
 #include "harness/stability/report.h"
 #include "harness/stability/workers.h"
@@ -30,16 +27,9 @@ using stability::Row;
 using stability::Status;
 using stability::Task;
 
-struct StabilityArguments {
-    std::vector<std::string> cases;
-    std::vector<std::string> families;
-    std::vector<std::string> values;
-    std::vector<std::string> axes;
+struct StabilityArguments : StabilityRequest {
     std::string backend;
-    std::uint64_t seed = 1;
-    std::uint64_t paths = 0;
     std::size_t jobs = 0;
-    bool quick = false;
     bool list = false;
     bool quiet = false;
     bool resume = false;
@@ -48,202 +38,6 @@ struct StabilityArguments {
     std::string write_scenes;
     std::string command_line;
 };
-
-const Case& find_case(const std::string& name) {
-    std::vector<std::string> names;
-    for (const Case& stiff_case : stability::catalogue()) {
-        if (stiff_case.name == name || stiff_case.catalogue == name) {
-            return stiff_case;
-        }
-        names.push_back(stiff_case.name);
-    }
-    throw InputError("--case", "name", "\"" + name + "\"",
-                     fmt::format("{}{}", fmt::join(names, ", "), did_you_mean(name, names)));
-}
-
-std::vector<const Case*> chosen_cases(const StabilityArguments& arguments) {
-    std::vector<const Case*> cases;
-    std::vector<std::string> names;  // "lamp" and its number in the catalogue are one
-    for (const std::string& argument : arguments.cases) {
-        for (const std::string& name : split_names(argument, "--case")) {
-            cases.push_back(&find_case(name));
-            names.push_back(cases.back()->name);
-            check_once(names, "--case", "argument");
-        }
-    }
-    std::vector<std::string> families;
-    for (const std::string& family : arguments.families) {
-        families.push_back(family);
-        check_once(families, "--family", "argument");
-        if (std::find(std::begin(stability::families), std::end(stability::families), family) ==
-            std::end(stability::families)) {
-            throw InputError("--family", "name", "\"" + family + "\"",
-                             fmt::format("{}", fmt::join(stability::families, ", ")));
-        }
-    }
-    for (const Case& stiff_case : stability::catalogue()) {
-        const bool by_family = std::find(arguments.families.begin(), arguments.families.end(), stiff_case.family) !=
-                               arguments.families.end();
-        const bool all = arguments.cases.empty() && arguments.families.empty();
-        if ((all || by_family) && std::find(cases.begin(), cases.end(), &stiff_case) == cases.end()) {
-            cases.push_back(&stiff_case);
-        }
-    }
-    return cases;
-}
-
-// "NAME=VALUE".
-std::map<std::string, double> parse_values(const std::vector<std::string>& arguments) {
-    std::map<std::string, double> values;
-    for (const std::string& argument : arguments) {
-        const std::size_t equals = argument.find('=');
-        double value = 0;
-        const char* const end = argument.data() + argument.size();
-        const char* const start = argument.data() + std::min(equals, argument.size() - 1) + 1;
-        const auto parsed = std::from_chars(start, end, value);
-        if (equals == std::string::npos || equals == 0 || start == end || parsed.ec != std::errc() ||
-            parsed.ptr != end) {
-            throw InputError("--set", "argument", "\"" + argument + "\"", "NAME=NUMBER");
-        }
-        if (!values.try_emplace(argument.substr(0, equals), value).second) {
-            throw InputError("--set", "argument", argument.substr(0, equals) + " twice", "once");
-        }
-    }
-    return values;
-}
-
-// What is compared where nothing is asked for: every precision, arithmetic and robustness with the plainest integrator,
-// and the other integrators in single precision.
-std::vector<Variant> standard_variants(Backend backend, bool quick) {
-    const Registry& registry = Registry::instance();
-    const Variant plainest = stability::plainest_variant(backend);
-    AxisChoices axes{{"robustness", {"robust", "naive"}}};
-    for (const char* axis : {"precision", "arithmetic"}) {
-        for (const Choice* choice : registry.choices(axis, backend)) {
-            axes[axis].emplace_back(choice->descriptor.name);
-        }
-    }
-    const auto with_plainest = [&](AxisChoices choices) {
-        for (const std::string_view axis : axis_names) {
-            choices.try_emplace(std::string(axis), std::vector<std::string>{plainest[axis]});
-        }
-        return expand(choices, backend);
-    };
-    std::vector<Variant> variants = with_plainest(axes);
-    std::erase_if(variants, [&](const Variant& variant) {
-        const auto is_changed = [&](const auto& axis) { return variant[axis.first] != plainest[axis.first]; };
-        return quick && std::count_if(axes.begin(), axes.end(), is_changed) > 1;
-    });
-    for (const Choice* integrator : registry.choices("integrator", backend)) {
-        Variant variant = plainest;
-        variant.set("integrator", std::string(integrator->descriptor.name));
-        if (std::find(variants.begin(), variants.end(), variant) == variants.end()) {
-            variants.push_back(variant);
-        }
-    }
-    return variants;
-}
-
-std::vector<Variant> asked_variants(const StabilityArguments& arguments, Backend backend) {
-    if (arguments.axes.empty()) {
-        return standard_variants(backend, arguments.quick);
-    }
-    const Variant plainest = stability::plainest_variant(backend);
-    AxisChoices axes = parse_axis_arguments(arguments.axes, backend);
-    for (const std::string_view axis : axis_names) {
-        axes.try_emplace(std::string(axis), std::vector<std::string>{plainest[axis]});
-    }
-    return expand(axes, backend);
-}
-
-bool is_named(const std::string& axis, const StabilityArguments& arguments) {
-    return std::any_of(arguments.axes.begin(), arguments.axes.end(),
-                       [&](const std::string& argument) { return argument.starts_with(axis + "="); });
-}
-
-// The plainest variant with every accelerator, and with every builder under a tree that needs one: whatever is met must
-// be met through all of them.
-std::vector<Variant> accelerated_variants(Backend backend) {
-    const Registry& registry = Registry::instance();
-    const Variant plainest = stability::plainest_variant(backend);
-    std::vector<Variant> variants;
-    const auto add = [&](const std::string& accelerator, const std::string& builder) {
-        Variant variant = plainest;
-        variant.set("accelerator", accelerator);
-        variant.set("builder", builder);
-        if (variant != plainest && std::find(variants.begin(), variants.end(), variant) == variants.end()) {
-            variants.push_back(variant);
-        }
-    };
-    std::string with_tree;
-    for (const Choice* accelerator : registry.choices("accelerator", backend)) {
-        const std::string name(accelerator->descriptor.name);
-        add(name, plainest["builder"]);
-        with_tree = accelerator->hook.accelerator.encode != nullptr ? name : with_tree;
-    }
-    for (const Choice* builder : registry.choices("builder", backend)) {
-        add(with_tree, std::string(builder->descriptor.name));
-    }
-    return variants;
-}
-
-// The variants, and each with the estimators that the case asks for unless the call named their axis; likewise the
-// plainest one with accelerators and builders.
-std::vector<Variant> with_estimators(const std::vector<Variant>& variants, const Case& stiff_case,
-                                     const StabilityArguments& arguments, Backend backend) {
-    std::vector<Variant> all = variants;
-    if (stiff_case.over_accelerators && !is_named("accelerator", arguments) && !is_named("builder", arguments)) {
-        for (const Variant& variant : accelerated_variants(backend)) {
-            all.push_back(variant);
-        }
-    }
-    for (const auto& [axis, choices] : stiff_case.estimators) {
-        for (const std::string& choice : choices) {
-            for (const Variant& variant : variants) {
-                if (!is_named(axis, arguments)) {
-                    all.push_back(variant);
-                    all.back().set(axis, choice);
-                }
-            }
-        }
-    }
-    return all;
-}
-
-std::vector<stability::Values> points_of(const Case& stiff_case, const StabilityArguments& arguments) {
-    const std::map<std::string, double> set = parse_values(arguments.values);
-    if (!set.empty()) {
-        return {values_of(stiff_case, set)};
-    }
-    std::vector<stability::Values> points;
-    if (arguments.quick && (!stiff_case.quick_points.empty() || stiff_case.points.empty())) {
-        for (const auto& point : stiff_case.quick_points) {
-            points.push_back(values_of(stiff_case, point));
-        }
-    } else {
-        for (const auto& point : stiff_case.points) {
-            points.push_back(values_of(stiff_case, point));
-            if (arguments.quick) {
-                break;
-            }
-        }
-    }
-    if (points.empty()) {
-        points.push_back(values_of(stiff_case, {}));
-    }
-    return points;
-}
-
-std::vector<Task> tasks_of(const Case& stiff_case, const StabilityArguments& arguments, Backend backend,
-                           const std::vector<Variant>& variants) {
-    std::vector<Task> tasks;
-    for (const stability::Values& values : points_of(stiff_case, arguments)) {
-        for (const Variant& variant : with_estimators(variants, stiff_case, arguments, backend)) {
-            tasks.push_back({&stiff_case, values, backend, variant, arguments.seed, arguments.quick, arguments.paths});
-        }
-    }
-    return tasks;
-}
 
 void list_cases(const std::vector<const Case*>& cases) {
     for (const Case* stiff_case : cases) {
@@ -285,18 +79,6 @@ void compile(const std::vector<const Case*>& cases, const StabilityArguments& ar
         compilations.push_back({&scenes[index], variant});
     }
     compile_ahead(compilations);
-}
-
-// The tasks of a call, case after case.
-std::vector<Task> all_tasks(const StabilityArguments& arguments, Backend backend) {
-    const std::vector<Variant> variants = asked_variants(arguments, backend);
-    std::vector<Task> tasks;
-    for (const Case* stiff_case : chosen_cases(arguments)) {
-        for (Task& task : tasks_of(*stiff_case, arguments, backend, variants)) {
-            tasks.push_back(std::move(task));
-        }
-    }
-    return tasks;
 }
 
 // A task's rows, and what is printed of them, as a line of JSON.

@@ -1,0 +1,225 @@
+#include "harness/cli/stability_tasks.h"
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "harness/cli/commands.h"
+#include "harness/nearest_name.h"
+
+namespace pt {
+
+namespace {
+
+using stability::Case;
+using stability::Task;
+
+const Case& find_case(const std::string& name) {
+    std::vector<std::string> names;
+    for (const Case& stiff_case : stability::catalogue()) {
+        if (stiff_case.name == name || stiff_case.catalogue == name) {
+            return stiff_case;
+        }
+        names.push_back(stiff_case.name);
+    }
+    throw InputError("--case", "name", "\"" + name + "\"",
+                     fmt::format("{}{}", fmt::join(names, ", "), did_you_mean(name, names)));
+}
+
+// "NAME=VALUE".
+std::map<std::string, double> parse_values(const std::vector<std::string>& arguments) {
+    std::map<std::string, double> values;
+    for (const std::string& argument : arguments) {
+        const std::size_t equals = argument.find('=');
+        double value = 0;
+        const char* const end = argument.data() + argument.size();
+        const char* const start = argument.data() + std::min(equals, argument.size() - 1) + 1;
+        const auto parsed = std::from_chars(start, end, value);
+        if (equals == std::string::npos || equals == 0 || start == end || parsed.ec != std::errc() ||
+            parsed.ptr != end) {
+            throw InputError("--set", "argument", "\"" + argument + "\"", "NAME=NUMBER");
+        }
+        if (!values.try_emplace(argument.substr(0, equals), value).second) {
+            throw InputError("--set", "argument", argument.substr(0, equals) + " twice", "once");
+        }
+    }
+    return values;
+}
+
+std::vector<Variant> standard_variants(Backend backend, bool quick) {
+    const Registry& registry = Registry::instance();
+    const Variant plainest = stability::plainest_variant(backend);
+    AxisChoices axes{{"robustness", {"robust", "naive"}}};
+    for (const char* axis : {"precision", "arithmetic"}) {
+        for (const Choice* choice : registry.choices(axis, backend)) {
+            axes[axis].emplace_back(choice->descriptor.name);
+        }
+    }
+    const auto with_plainest = [&](AxisChoices choices) {
+        for (const std::string_view axis : axis_names) {
+            choices.try_emplace(std::string(axis), std::vector<std::string>{plainest[axis]});
+        }
+        return expand(choices, backend);
+    };
+    std::vector<Variant> variants = with_plainest(axes);
+    std::erase_if(variants, [&](const Variant& variant) {
+        const auto is_changed = [&](const auto& axis) { return variant[axis.first] != plainest[axis.first]; };
+        return quick && std::count_if(axes.begin(), axes.end(), is_changed) > 1;
+    });
+    for (const Choice* integrator : registry.choices("integrator", backend)) {
+        Variant variant = plainest;
+        variant.set("integrator", std::string(integrator->descriptor.name));
+        if (std::find(variants.begin(), variants.end(), variant) == variants.end()) {
+            variants.push_back(variant);
+        }
+    }
+    return variants;
+}
+
+bool is_named(const std::string& axis, const StabilityRequest& request) {
+    return std::any_of(request.axes.begin(), request.axes.end(),
+                       [&](const std::string& argument) { return argument.starts_with(axis + "="); });
+}
+
+// The plainest variant with every accelerator, and with every builder under a tree that needs one: whatever is met must
+// be met through all of them.
+std::vector<Variant> accelerated_variants(Backend backend) {
+    const Registry& registry = Registry::instance();
+    const Variant plainest = stability::plainest_variant(backend);
+    std::vector<Variant> variants;
+    const auto add = [&](const std::string& accelerator, const std::string& builder) {
+        Variant variant = plainest;
+        variant.set("accelerator", accelerator);
+        variant.set("builder", builder);
+        if (variant != plainest && std::find(variants.begin(), variants.end(), variant) == variants.end()) {
+            variants.push_back(variant);
+        }
+    };
+    std::string with_tree;
+    for (const Choice* accelerator : registry.choices("accelerator", backend)) {
+        const std::string name(accelerator->descriptor.name);
+        add(name, plainest["builder"]);
+        with_tree = accelerator->hook.accelerator.encode != nullptr ? name : with_tree;
+    }
+    for (const Choice* builder : registry.choices("builder", backend)) {
+        add(with_tree, std::string(builder->descriptor.name));
+    }
+    return variants;
+}
+
+std::vector<stability::Values> points_of(const Case& stiff_case, const StabilityRequest& request) {
+    const std::map<std::string, double> set = parse_values(request.values);
+    if (!set.empty()) {
+        return {values_of(stiff_case, set)};
+    }
+    std::vector<stability::Values> points;
+    if (request.quick && (!stiff_case.quick_points.empty() || stiff_case.points.empty())) {
+        for (const auto& point : stiff_case.quick_points) {
+            points.push_back(values_of(stiff_case, point));
+        }
+    } else {
+        for (const auto& point : stiff_case.points) {
+            points.push_back(values_of(stiff_case, point));
+            if (request.quick) {
+                break;
+            }
+        }
+    }
+    if (points.empty()) {
+        points.push_back(values_of(stiff_case, {}));
+    }
+    return points;
+}
+
+std::vector<Task> tasks_of(const Case& stiff_case, const StabilityRequest& request, Backend backend,
+                           const std::vector<Variant>& variants) {
+    std::vector<Task> tasks;
+    for (const stability::Values& values : points_of(stiff_case, request)) {
+        for (const Variant& variant : with_estimators(variants, stiff_case, request, backend)) {
+            tasks.push_back({&stiff_case, values, backend, variant, request.seed, request.quick, request.paths});
+        }
+    }
+    return tasks;
+}
+
+}  // namespace
+
+std::vector<const Case*> chosen_cases(const StabilityRequest& request) {
+    std::vector<const Case*> cases;
+    std::vector<std::string> names;  // "lamp" and its number in the catalogue are one
+    for (const std::string& argument : request.cases) {
+        for (const std::string& name : split_names(argument, "--case")) {
+            cases.push_back(&find_case(name));
+            names.push_back(cases.back()->name);
+            check_once(names, "--case", "argument");
+        }
+    }
+    std::vector<std::string> families;
+    for (const std::string& family : request.families) {
+        families.push_back(family);
+        check_once(families, "--family", "argument");
+        if (std::find(std::begin(stability::families), std::end(stability::families), family) ==
+            std::end(stability::families)) {
+            throw InputError("--family", "name", "\"" + family + "\"",
+                             fmt::format("{}", fmt::join(stability::families, ", ")));
+        }
+    }
+    for (const Case& stiff_case : stability::catalogue()) {
+        const bool by_family =
+            std::find(request.families.begin(), request.families.end(), stiff_case.family) != request.families.end();
+        const bool all = request.cases.empty() && request.families.empty();
+        if ((all || by_family) && std::find(cases.begin(), cases.end(), &stiff_case) == cases.end()) {
+            cases.push_back(&stiff_case);
+        }
+    }
+    return cases;
+}
+
+std::vector<Variant> asked_variants(const StabilityRequest& request, Backend backend) {
+    if (request.axes.empty()) {
+        return standard_variants(backend, request.quick);
+    }
+    const Variant plainest = stability::plainest_variant(backend);
+    AxisChoices axes = parse_axis_arguments(request.axes, backend);
+    for (const std::string_view axis : axis_names) {
+        axes.try_emplace(std::string(axis), std::vector<std::string>{plainest[axis]});
+    }
+    return expand(axes, backend);
+}
+
+std::vector<Variant> with_estimators(const std::vector<Variant>& variants, const Case& stiff_case,
+                                     const StabilityRequest& request, Backend backend) {
+    std::vector<Variant> all = variants;
+    if (stiff_case.over_accelerators && !is_named("accelerator", request) && !is_named("builder", request)) {
+        for (const Variant& variant : accelerated_variants(backend)) {
+            all.push_back(variant);
+        }
+    }
+    for (const auto& [axis, choices] : stiff_case.estimators) {
+        for (const std::string& choice : choices) {
+            for (const Variant& variant : variants) {
+                if (!is_named(axis, request)) {
+                    all.push_back(variant);
+                    all.back().set(axis, choice);
+                }
+            }
+        }
+    }
+    return all;
+}
+
+std::vector<Task> all_tasks(const StabilityRequest& request, Backend backend) {
+    const std::vector<Variant> variants = asked_variants(request, backend);
+    std::vector<Task> tasks;
+    for (const Case* stiff_case : chosen_cases(request)) {
+        for (Task& task : tasks_of(*stiff_case, request, backend, variants)) {
+            tasks.push_back(std::move(task));
+        }
+    }
+    return tasks;
+}
+
+}  // namespace pt

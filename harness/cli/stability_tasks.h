@@ -1,0 +1,36 @@
+// What a call of `ptbench stability` asks for: of cases, points and variants the tasks.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "harness/stability/evaluate.h"
+
+namespace pt {
+
+struct StabilityRequest {
+    std::vector<std::string> cases, families;  // neither: every case
+    std::vector<std::string> values;           // "NAME=VALUE", for the one point; none: the cases' points
+    std::vector<std::string> axes;             // "AXIS=CHOICE,CHOICE"; none: the standard variants
+    std::uint64_t seed = 1;
+    std::uint64_t paths = 0;
+    bool quick = false;
+};
+
+// In the order of the call, then of the catalogue. Throws InputError, as all of these.
+std::vector<const stability::Case*> chosen_cases(const StabilityRequest& request);
+
+// Where no axis is named: every precision, arithmetic and robustness with the plainest integrator, and the other
+// integrators in single precision.
+std::vector<Variant> asked_variants(const StabilityRequest& request, Backend backend);
+
+// The variants, and each with the estimators that the case asks for unless the call named their axis; likewise the
+// plainest one with accelerators and builders.
+std::vector<Variant> with_estimators(const std::vector<Variant>& variants, const stability::Case& stiff_case,
+                                     const StabilityRequest& request, Backend backend);
+
+// Case after case.
+std::vector<stability::Task> all_tasks(const StabilityRequest& request, Backend backend);
+
+}  // namespace pt
