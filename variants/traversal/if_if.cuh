@@ -3,26 +3,14 @@
 // inner loop.
 #pragma once
 
-#include "kernels/mesh_view.h"
+#include "variants/traversal/by_steps.cuh"
 
 namespace pt::traversal::if_if {
 
-template <class Accelerator, template <class Open, std::uint32_t most> class Stack>
-struct Traversal {
-    static constexpr bool is_chosen_at_run_time = false;
-
-    template <class Real, class Leaf, class Counter>
-    PT_HD static void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<Real>& direction,
-                               const Real& best_t, Leaf&& leaf, Counter& counter) {
-        using Walk = typename Accelerator::template Walk<Real>;
-        using StackOf = Stack<typename Walk::Open, Walk::most_open>;
-        if (tree.node_count == 0) {
-            return;
-        }
-        typename StackOf::Memory memory;
-        StackOf stack(memory);
-        Walk walk(tree, origin, direction);
-        typename Walk::Leaf triangles;
+struct Order {
+    template <class Walk, class Real, class Stack, class Leaf, class Counter>
+    PT_HD static void run(Walk& walk, typename Walk::Leaf& triangles, const Real& best_t, Stack& stack, Leaf&& leaf,
+                          Counter& counter) {
         while (walk.wants_node() || walk.has_leaf()) {
             if (walk.wants_node()) {
                 walk.visit_node(best_t, stack, counter);
@@ -43,5 +31,8 @@ struct Traversal {
         }
     }
 };
+
+template <class Accelerator, template <class Open, std::uint32_t most> class Stack>
+using Traversal = BySteps<Order, Accelerator, Stack>;
 
 }  // namespace pt::traversal::if_if

@@ -3,7 +3,7 @@
 // a postponed hit would have left out is visited in vain.
 #pragma once
 
-#include "kernels/mesh_view.h"
+#include "variants/traversal/by_steps.cuh"
 
 namespace pt::traversal::speculative {
 
@@ -17,22 +17,10 @@ PT_HD inline bool any_lane([[maybe_unused]] bool vote) {
 #endif
 }
 
-template <class Accelerator, template <class Open, std::uint32_t most> class Stack>
-struct Traversal {
-    static constexpr bool is_chosen_at_run_time = false;
-
-    template <class Real, class Leaf, class Counter>
-    PT_HD static void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<Real>& direction,
-                               const Real& best_t, Leaf&& leaf, Counter& counter) {
-        using Walk = typename Accelerator::template Walk<Real>;
-        using StackOf = Stack<typename Walk::Open, Walk::most_open>;
-        if (tree.node_count == 0) {
-            return;
-        }
-        typename StackOf::Memory memory;
-        StackOf stack(memory);
-        Walk walk(tree, origin, direction);
-        typename Walk::Leaf postponed;
+struct Order {
+    template <class Walk, class Real, class Stack, class Leaf, class Counter>
+    PT_HD static void run(Walk& walk, typename Walk::Leaf& postponed, const Real& best_t, Stack& stack, Leaf&& leaf,
+                          Counter& counter) {
         const auto postpone = [&] {
             if (postponed.empty() && walk.has_leaf()) {
                 postponed = walk.leaf();
@@ -55,5 +43,8 @@ struct Traversal {
         }
     }
 };
+
+template <class Accelerator, template <class Open, std::uint32_t most> class Stack>
+using Traversal = BySteps<Order, Accelerator, Stack>;
 
 }  // namespace pt::traversal::speculative
