@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
-from ptbench.claims.claim import Claim, Span
+from ptbench.claims.claim import THEIRS, Claim, Span, span_of
 from ptbench.claims.judging import HOLDS_WHERE, LESS, MISSING, MORE, OPEN, WITHIN, Judged, Verdict
 from ptbench.figures import style
 from ptbench.stats.estimates import CONFIDENCE
@@ -43,21 +43,25 @@ def draw(claim: Claim, verdict: Verdict, device: str) -> Figure:
         page.text(
             left - 0.12, _FOOT + _ROW * y, one.found.condition.name, size=style.LABEL_SIZE, va="center", ha="right"
         )
+    _scale(axes, low, high, len(rows), is_log=is_log)
+    _legend(axes, rows)
+    return page.figure
+
+
+def _scale(axes: Axes, low: float, high: float, rows: int, *, is_log: bool = True) -> None:
     if is_log:
         axes.set_xscale("log")
-        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high / low < 100 else (1,)))
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high / low < 200 else (1,)))
         axes.xaxis.set_minor_locator(NullLocator())
         axes.axvline(1, color="#888888", linewidth=0.8, linestyle=(0, (4, 2)), zorder=1)
     else:
         axes.xaxis.set_major_locator(MaxNLocator(6))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.set_xlim(low, high)
-    axes.set_ylim(0, len(rows))
+    axes.set_ylim(0, rows)
     axes.yaxis.set_major_locator(NullLocator())
     axes.spines["left"].set_visible(False)
     axes.grid(axis="x")
-    _legend(axes, rows)
-    return page.figure
 
 
 def _draw_row(axes: Axes, y: float, one: Judged, low: float, high: float) -> None:
@@ -99,15 +103,60 @@ def _ends(one: Judged) -> tuple[float, ...]:
     return (estimate.value, *known, *spans)
 
 
-def _legend(axes: Axes, rows: Sequence[Judged]) -> None:
+def _legend(axes: Axes, rows: Sequence[Judged], *, published: bool = False) -> None:
     there = {one.word for one in rows}
     handles = [
         Line2D([], [], color=colour, marker="o", linestyle="-", markersize=5, label=word)
         for word, colour in _COLOURS.items()
         if word in there
     ]
-    handles += [Patch(color=_BAND, label="claim"), Line2D([], [], color=_PREDICTED, linewidth=3, label="predicted")]
+    if published:
+        handles += [Patch(color="#d6d6d6", label="published")]
+    else:
+        handles += [Patch(color=_BAND, label="claim"), Line2D([], [], color=_PREDICTED, linewidth=3, label="predicted")]
     axes.legend(
         handles=handles, loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=len(handles), frameon=False,
         fontsize=style.CAPTION_SIZE, handletextpad=0.4, columnspacing=1.0, borderaxespad=0.1,
     )  # fmt: skip
+
+
+def draw_all(told: Sequence[tuple[Claim, Verdict, str]]) -> Figure | None:
+    """One row a claim and device: the published number beside those measured; None where no ratio was measured."""
+    rows = [(claim, device, _numbers(verdict)) for claim, verdict, device in told]
+    rows = [row for row in rows if row[2] and all(one.found.estimate.value > 0 for one in row[2])]
+    if not rows:
+        return None
+    labels = [f"{claim['title']} ({device})" for claim, device, _ in rows]
+    left = style.MARGIN + max(style.text_width(label, style.LABEL_SIZE) for label in labels) + 0.3
+    height = _ROW * len(rows)
+    caption = (
+        "Each claim's ratio, log scale. Grey: the published range, or its one number; where it has no number, no grey. "
+        "Large: conditions near theirs, small: elsewhere; colours by each condition's own rule."
+    )
+    page = style.Page(left + _PLOT + style.MARGIN + 0.2, _FOOT + height + _HEAD, "Claimed and measured", caption)
+    axes = page.axes(left, _FOOT, _PLOT, height)
+    ends = [one.found.estimate.value for _, _, numbers in rows for one in numbers]
+    low, high = min([*ends, 0.5]) / 1.15, max([*ends, 2.0]) * 1.15
+    for index, ((claim, _, numbers), label) in enumerate(zip(rows, labels, strict=True)):
+        y = len(rows) - index - 0.5
+        page.text(left - 0.12, _FOOT + _ROW * y, label, size=style.LABEL_SIZE, va="center", ha="right")
+        _draw_published(axes, y, claim, low, high)
+        for one in sorted(numbers, key=lambda one: one.found.condition.side == THEIRS):
+            size = 5.5 if one.found.condition.side == THEIRS else 3
+            axes.plot([one.found.estimate.value], [y], color=_COLOURS[one.word], marker="o", markersize=size, zorder=3)
+    _scale(axes, low, high, len(rows))
+    _legend(axes, [one for _, _, numbers in rows for one in numbers], published=True)
+    return page.figure
+
+
+def _numbers(verdict: Verdict) -> list[Judged]:
+    return [one for one in verdict.judged if one.found.estimate is not None]
+
+
+def _draw_published(axes: Axes, y: float, claim: Claim, low: float, high: float) -> None:
+    ends = claim["number"]["low"], claim["number"]["high"]
+    if ends[0] is not None and ends[0] == ends[1]:
+        axes.plot([ends[0]] * 2, [y - 0.36, y + 0.36], color=_PREDICTED, linewidth=2.5, zorder=1)
+    elif ends != (1.0, None):  # "faster" is no number
+        start, end = _inside(span_of(ends), low, high)
+        axes.fill_between([start, end], y - 0.36, y + 0.36, color="#d6d6d6", linewidth=0, zorder=1)

@@ -11,7 +11,7 @@ from jinja2 import Environment, StrictUndefined, TemplateError
 
 from ptbench.claims.claim import Claim, Ledger, Span
 from ptbench.claims.evidence import Evidence
-from ptbench.claims.figure import draw
+from ptbench.claims.figure import draw, draw_all
 from ptbench.claims.history import Order
 from ptbench.claims.judging import NOT_REACHED, RULE, VERDICTS, Judged, Verdict
 from ptbench.figures import style
@@ -21,6 +21,7 @@ from ptbench.numbers import figures
 from ptbench.stats.estimates import CONFIDENCE, Estimate
 
 DIGITS = 3
+OVERVIEW = "overview.svg"
 _READ = {
     "paper": "the paper was read",
     "abstract": "its abstract was read",
@@ -80,7 +81,11 @@ def pages_of(ledger: Ledger, told: Sequence[Told]) -> dict[str, str]:
     by_claim: dict[str, list[Told]] = {}
     for one in told:
         by_claim.setdefault(one.claim.name, []).append(one)
-    pages = {"README.md": _rendered(ledger, "README.md", told=told, counts=_counts(told))}
+    with style.applied():
+        overview = draw_all([(one.claim, one.verdict, one.device) for one in told])
+        figure = "" if overview is None else OVERVIEW
+        pages = {} if overview is None else {OVERVIEW: svg_of(overview)}
+    pages["README.md"] = _rendered(ledger, "README.md", told=told, counts=_counts(told), figure=figure)
     for name, entries in by_claim.items():
         pages[f"{name}.md"] = _rendered(ledger, "claim.md", claim=entries[0].claim, told=entries)
     with style.applied():

@@ -381,6 +381,8 @@ def test_pages_say_the_numbers_and_are_checked(house, capsys):
     assert "| box 0 | below | at least 1.1 | 1 to 1.5 | 1.00 | less |" in page
     table = (house.ledger.pages / "README.md").read_text(encoding="utf-8")
     assert "A. One et al. 2010*" in table
+    assert "](overview.svg)" in table
+    assert "Sorting (NVIDIA H200)" in (house.ledger.pages / "overview.svg").read_text(encoding="utf-8")
     assert (
         "| NVIDIA H200 | **holds only where** | 1 of 1 near theirs, 1 of 2 elsewhere | 3 of 3 | test by dates |"
         in table
