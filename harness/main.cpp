@@ -82,6 +82,7 @@ int run(int argc, char** argv) {
         {"inspect", pt::add_inspect_command(app)},
         {"autotune", pt::add_autotune_command(app)},
         {"import", pt::add_import_command(app)},
+        {"export", pt::add_export_command(app)},
         {"generate", pt::add_generate_command(app)},
         {"machine", pt::add_machine_command(app)},
         {"new", pt::add_new_command(app)},

@@ -23,6 +23,7 @@ Command add_verify_command(CLI::App& app);
 Command add_inspect_command(CLI::App& app);
 Command add_autotune_command(CLI::App& app);
 Command add_import_command(CLI::App& app);
+Command add_export_command(CLI::App& app);
 Command add_generate_command(CLI::App& app);
 Command add_machine_command(CLI::App& app);
 Command add_new_command(CLI::App& app);

@@ -27,8 +27,6 @@ SinCosDegrees sin_cos_degrees(double degrees) {
     return {std::sin(radians), std::cos(radians)};
 }
 
-bool is_black(const Vec3d& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
-
 bool is_quarter_turn(double degrees) { return std::fmod(degrees, 90.0) == 0.0; }
 
 FeatureSet features_of_material(const SceneMaterial& material) {

@@ -15,6 +15,8 @@ namespace pt {
 
 using Vec3d = Vec3<double>;
 
+inline bool is_black(const Vec3d& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
+
 struct SceneCamera {
     Vec3d eye{}, look_at{}, up{};
     double vertical_fov_degrees = 0;
@@ -66,6 +68,7 @@ struct SceneObject {
     Shape shape = Shape::sphere;
     std::uint32_t mesh = no_mesh;  // index into Scene::meshes
     std::uint32_t material = 0;
+    std::uint32_t index_in_file = 0;  // of $.objects; copies that a rule makes share it
     Vec3d translate{0.0}, rotate_degrees{0.0}, scale{1.0}, velocity{0.0};
 };
 

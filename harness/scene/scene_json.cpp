@@ -420,8 +420,9 @@ Scene parse_scene(const std::string& text, const std::string& file) {
     std::string of_rules;
     const std::vector<JsonValue> objects = root.required("objects").elements();
     for (std::size_t i = 0; i < objects.size(); ++i) {
-        const std::vector<SceneObject> read = read_objects(objects[i], scene);
-        for (const SceneObject& object : read) {
+        std::vector<SceneObject> read = read_objects(objects[i], scene);
+        for (SceneObject& object : read) {
+            object.index_in_file = static_cast<std::uint32_t>(i);
             check_object(scene, object, i, file);
         }
         of_rules += read.size() > 1 ? text_of(read) : "";

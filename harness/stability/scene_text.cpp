@@ -6,8 +6,6 @@ namespace pt::stability {
 
 namespace {
 
-bool is_black(const Vec3d& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
-
 void add_emission(Json& material, const Vec3d& emission) {
     if (!is_black(emission)) {
         material["emission"] = list(emission);

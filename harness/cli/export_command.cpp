@@ -1,0 +1,143 @@
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "harness/bench/kept_result.h"
+#include "harness/cli/commands.h"
+#include "harness/mesh/write_mesh.h"
+#include "harness/places.h"
+#include "harness/scene/export_mitsuba.h"
+#include "harness/scene/import_findings.h"
+#include "harness/scene/mitsuba_limits.h"
+#include "harness/write_file.h"
+
+namespace pt {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ExportArguments {
+    std::string scene;
+    std::string format;
+    std::string out;
+    std::string resolution;
+    std::uint32_t depth = 0;
+    std::uint32_t spp = 64;
+    double scale = 1;
+};
+
+void check_arguments(const ExportArguments& arguments) {
+    if (arguments.format != "mitsuba") {
+        throw InputError("--format", "argument", "\"" + arguments.format + "\"", "mitsuba");
+    }
+    int exponent = 0;
+    if (std::frexp(arguments.scale, &exponent) != 0.5 || exponent < -59 || exponent > 61) {
+        throw InputError("--scale", "argument", fmt::format("{}", arguments.scale),
+                         "a power of two from 2^-60 to 2^60, so that no length is rounded");
+    }
+}
+
+// A name that ends in .xml is the file; any other the folder, which the scene's name is put into.
+fs::path xml_file(const ExportArguments& arguments, const Scene& scene) {
+    const fs::path out(arguments.out);
+    return out.extension() == ".xml" ? out : out / (scene.name + ".xml");
+}
+
+MitsubaSettings settings_of(const ExportArguments& arguments, const Scene& scene) {
+    MitsubaSettings settings{.width = scene.camera.width,
+                             .height = scene.camera.height,
+                             .depth = arguments.depth != 0 ? arguments.depth : scene.max_depth,
+                             .samples = arguments.spp,
+                             .scale = arguments.scale};
+    if (!arguments.resolution.empty()) {
+        std::tie(settings.width, settings.height) = parse_resolution(arguments.resolution);
+    }
+    return settings;
+}
+
+void refuse_what_is_there(const std::vector<fs::path>& files) {
+    for (const fs::path& file : files) {
+        check_output_file(file.string());
+        refuse_result(file.string());
+    }
+}
+
+// The XML last: who finds it finds the meshes too. What a failure left of new files is removed.
+void write_files(const Scene& scene, const MitsubaScene& exported, const std::vector<fs::path>& files) {
+    std::vector<fs::path> made;
+    try {
+        for (std::size_t i = 0; i < exported.meshes.size(); ++i) {
+            const bool is_new = !fs::exists(files[i]);
+            write_mesh(indexed_mesh(*scene.meshes[exported.meshes[i]]), files[i].string());
+            if (is_new) {
+                made.push_back(files[i]);
+            }
+        }
+        write_file(files.back().string(), exported.xml);
+    } catch (const MachineError&) {
+        for (const fs::path& file : made) {
+            std::error_code ignored;
+            fs::remove(file, ignored);
+        }
+        throw;
+    }
+}
+
+int refuse(const std::vector<std::string>& problems, const std::string& scene) {
+    for (const std::string& problem : problems) {
+        fmt::print(stderr, "ptbench: {}\n", problem);
+    }
+    fmt::print(stderr, "ptbench: {}: {}; nothing is written\n", one_line(scene), counted(problems.size(), "problem"));
+    return exit_bad_input;
+}
+
+int run(const ExportArguments& arguments) {
+    check_arguments(arguments);
+    const Scene scene = find_scene(arguments.scene);
+    const std::vector<std::string> problems = mitsuba_problems(scene, arguments.scene);
+    if (!problems.empty()) {
+        return refuse(problems, arguments.scene);
+    }
+    const fs::path xml = xml_file(arguments, scene);
+    const MitsubaScene exported = mitsuba_scene(scene, settings_of(arguments, scene), xml.stem().string());
+    std::vector<fs::path> files;
+    for (const std::string& mesh_file : exported.mesh_files) {
+        files.push_back(xml.parent_path() / mesh_file);
+    }
+    files.push_back(xml);
+    refuse_what_is_there(files);
+    write_files(scene, exported, files);
+    constexpr double visible = 0.5;
+    if (const double offset = mitsuba_offset_by_thickness(scene, arguments.scale); offset > visible) {
+        fmt::print(stderr,
+                   "ptbench: {}: note: Mitsuba's rays start up to {:.2g} of the thinnest object's thickness off a "
+                   "surface; a larger --scale may lessen it\n",
+                   one_line(arguments.scene), offset);
+    }
+    fmt::print("{}: {}, {} -> {}\n", scene.name, counted(scene.objects.size(), "object"),
+               counted(exported.meshes.size(), "mesh file"), one_line(xml.string()));
+    return exit_good;
+}
+
+}  // namespace
+
+Command add_export_command(CLI::App& app) {
+    auto arguments = std::make_shared<ExportArguments>();
+    CLI::App* command = app.add_subcommand("export", "Write a scene for another renderer (docs/other_renderers.md)");
+    command->add_option("SCENE", arguments->scene, "Scene by name or .json file")->required()->check(check_not_empty);
+    command->add_option("--format", arguments->format, "mitsuba: Mitsuba 3's XML, meshes as PLY beside it")->required();
+    command->add_option("--out", arguments->out, "The file (.xml), or a folder for it")
+        ->required()
+        ->check(check_not_empty);
+    command->add_option("--resolution", arguments->resolution, "WxH (default: the scene's)");
+    command->add_option("--depth", arguments->depth, "Ray segments in a path (default: the scene's)")
+        ->check(CLI::Range(1u, 1000000u));
+    command->add_option("--spp", arguments->spp, "Samples per pixel that the file asks for (default 64)")
+        ->check(CLI::Range(1u, 100000000u));
+    command->add_option("--scale", arguments->scale, "Every length times this power of two (default 1)");
+    return [arguments] { return run(*arguments); };
+}
+
+}  // namespace pt

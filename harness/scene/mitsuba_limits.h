@@ -1,0 +1,33 @@
+// What of a scene Mitsuba 3 cannot render to the same picture: docs/other_renderers.md has the reasons.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/scene/scene.h"
+
+namespace pt {
+
+// One line each, "FILE: PLACE: found X, allowed: Y"; empty: the scene can be exported.
+std::vector<std::string> mitsuba_problems(const Scene& scene, const std::string& file);
+
+// Where an object stands while the shutter is open; of one that moves, where it is first.
+Vec3d place_of(const Scene& scene, const SceneObject& object);
+
+// A box round an object that does not move, in double precision and not rounded outward.
+struct Extent {
+    Vec3d low, high;
+};
+Extent extent_of(const Scene& scene, const SceneObject& object);
+
+// contains_point where the object stands while the shutter is open.
+bool contains_as_it_stands(const Scene& scene, const SceneObject& object, const Vec3d& point);
+
+// What makes a lamp as bright in Mitsuba as here: n^2 of each dielectric that holds it, since every path to the lamp
+// enters those once more than it leaves them.
+double radiance_factor(const Scene& scene, const SceneObject& lamp);
+
+// Whether it sends out light.
+bool is_emissive(const SceneMaterial& material);
+
+}  // namespace pt
