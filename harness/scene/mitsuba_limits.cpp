@@ -147,7 +147,7 @@ void check_glass(const Scene& scene, const SceneObject& glass, Problems& problem
             continue;
         }
         const std::string found = fmt::format("a dielectric whose box meets that of {}", place_in_file(other));
-        if (is_lamp && !holds(scene, glass, other)) {
+        if (is_lamp && !holds(scene, glass, other) && !holds(scene, other, glass)) {
             problems.add(place, found + ", a lamp",
                          "lamps outside, or whole inside a sphere or box: Mitsuba divides radiance by n^2 across a "
                          "boundary, and ptbench does not");
