@@ -24,10 +24,12 @@ from ptbench.io.nodes import Node, parse, read_json, shown
 from ptbench.terminal import say, visible
 
 SCHEMAS = package_file("schema")
-KINDS = ("result", "stability", "rays", "leaks", "inspect", "tuning", "journal")
+KINDS = ("result", "stability", "rays", "leaks", "crosscheck", "inspect", "tuning", "journal")
 # Files that people write: checked like the others, no part of the tables of what ptbench writes.
 WRITTEN_BY_HAND = ("claim",)
-_WRITTEN_BY_US = "a file of ptbench run, merge, stability, rays, inspect or autotune, a run's .journal.jsonl, a claim"
+_WRITTEN_BY_US = (
+    "a file of ptbench run, merge, stability, rays, inspect, autotune or crosscheck, a run's .journal.jsonl, a claim"
+)
 
 
 @cache
@@ -61,6 +63,8 @@ def kind_of(path: Path, value: object) -> str:
             return "claim"
         if {"schema", "meshes"} <= value.keys():
             return "leaks" if value["schema"] == "ptbench-leaks-1" else "rays"
+        if value.get("schema") == "ptbench-crosscheck-1":
+            return "crosscheck"
         for kind, keys in (("result", {"benchmarks", "ptbench"}), ("stability", {"schema", "rows"})):
             if keys & value.keys():
                 return kind

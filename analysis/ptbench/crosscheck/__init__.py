@@ -1,0 +1,1 @@
+"""Whether ptbench and another renderer make the same pictures of the same scenes."""

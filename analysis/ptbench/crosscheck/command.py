@@ -1,0 +1,88 @@
+"""`python3 -m ptbench crosscheck SCENE..`: the same scenes here and in Mitsuba 3, and whether the pictures agree.
+
+Exit codes: 0 they agree; 1 one differs, or its images are too noisy for the aim; 2 a wrong call, no wheel, or a scene
+that was named and cannot be rendered in both. docs/other_renderers.md has the conventions.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+from datetime import datetime
+from pathlib import Path
+
+from ptbench.crosscheck.document import AGREES, REFUSED, Checked, as_json, as_text
+from ptbench.crosscheck.options import ALL
+from ptbench.crosscheck.renders import (
+    CannotExport,
+    Settings,
+    check_binary,
+    export,
+    mitsuba_version,
+    render_here,
+    render_there,
+    scene_names,
+)
+from ptbench.crosscheck.statistics import compare
+from ptbench.io.files import check_output_file, scratch_folder, write_text
+from ptbench.terminal import say
+
+
+def crosscheck_command(options: argparse.Namespace) -> int:
+    """The exit code; raises InputError."""
+    if options.out is not None:
+        check_output_file(options.out)
+    check_binary(options.binary)
+    settings = Settings(
+        binary=options.binary,
+        python=options.python,
+        variant=options.variant,
+        backend=options.backend,
+        axes=tuple(options.axis),
+        seeds=options.seeds,
+        spp=options.spp,
+        resolution=options.resolution,
+        depth=options.depth,
+        scale=options.scale,
+    )
+    peer = mitsuba_version(settings)
+    named = [scene for scene in options.scenes if scene != ALL]
+    scenes = list(dict.fromkeys(named + (scene_names(options.binary) if ALL in options.scenes else [])))
+    folder = Path() if options.out is None else options.out.absolute().parent
+    checked = [_check(scene, settings, options.aim, options.allow, folder) for scene in scenes]
+    print("\n".join(as_text(checked, settings, options.aim)))
+    if options.out is not None:
+        text = json.dumps(as_json(checked, settings, _context(settings, peer), options.allow), indent=1) + "\n"
+        say(write_text(options.out, text))
+    if any(one.verdict == REFUSED and one.scene in named for one in checked):
+        return 2
+    return 0 if all(one.verdict in (AGREES, REFUSED) for one in checked) else 1
+
+
+def _check(scene: str, settings: Settings, aim: float, allowed: float, folder: Path) -> Checked:
+    with scratch_folder(folder) as scratch:
+        try:
+            xml = export(scene, settings, scratch)
+        except CannotExport as refusal:
+            return Checked(scene, None, aim, reasons=tuple(refusal.reasons))
+        here = render_here(scene, settings, scratch)
+        there = render_there(xml, settings, scratch)
+    print(f"{scene}: rendered", file=sys.stderr)
+    return Checked(scene, compare(here.images, there.images, allowed), aim, here, there)
+
+
+def _context(settings: Settings, peer: dict) -> dict:
+    binary = str(settings.binary.resolve())
+    said = [
+        subprocess.run([binary, *words], capture_output=True, text=True, check=False).stdout.strip()
+        for words in (("--version",), ("machine",))
+    ]
+    return {
+        "date": datetime.now().astimezone().strftime("%Y-%m-%dT%H:%M:%S%z"),
+        "ptbench.version": said[0],
+        "ptbench.machine": said[1],
+        "mitsuba.version": peer["version"],
+        "mitsuba.variant": peer["variant"],
+    }

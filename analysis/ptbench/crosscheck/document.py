@@ -1,0 +1,119 @@
+"""What a cross-check found, as a file (schema/ptbench-crosscheck.schema.json) and as a table for a terminal."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+from ptbench.crosscheck.options import SIDE
+from ptbench.crosscheck.renders import Images, Settings
+from ptbench.crosscheck.statistics import EDGES, FAMILY, POWER, Comparison
+
+AGREES, DIFFERS, WEAK, REFUSED = "agrees", "differs", "too weak", "not expressible"
+
+
+@dataclass(frozen=True)
+class Checked:
+    """A scene in both renderers; without a comparison, the reasons why it cannot be rendered in the other."""
+
+    scene: str
+    comparison: Comparison | None
+    aim: float  # the bias of the image's mean that is to be seen, as a share
+    here: Images | None = None
+    there: Images | None = None
+    reasons: tuple[str, ...] = ()
+
+    @property
+    def verdict(self) -> str:
+        """One of four words."""
+        if self.comparison is None:
+            return REFUSED
+        if self.comparison.differs:
+            return DIFFERS
+        return AGREES if self.comparison.image.sees <= self.aim else WEAK
+
+
+def as_json(checked: list[Checked], settings: Settings, context: dict, allowed: float) -> dict:
+    """The whole file."""
+    return {
+        "schema": "ptbench-crosscheck-1",
+        "context": context,
+        "settings": {
+            "seeds": settings.seeds,
+            "spp": settings.spp,
+            "resolution": list(settings.resolution),
+            "depth": settings.depth,
+            "scale": settings.scale,
+            "allowed": allowed,
+            "family": FAMILY,
+            "power": POWER,
+            "block": SIDE,
+            "z_edges": list(EDGES),
+        },
+        "scenes": [_scene(one) for one in checked],
+    }
+
+
+def _scene(checked: Checked) -> dict:
+    found = {"scene": checked.scene, "verdict": checked.verdict, "reasons": list(checked.reasons), "aim": checked.aim}
+    if checked.comparison is None or checked.here is None or checked.there is None:
+        return found
+    about = checked.here.about
+    return found | {
+        "scene_hash": about["scene_hash"],
+        "variant": about["variant"],
+        "depth": about["depth"],
+        "seconds_here": about["render_seconds"],
+        "seconds_there": checked.there.about["seconds"],
+        "image": _fields(checked.comparison.image),
+        "blocks": _fields(checked.comparison.blocks),
+        "pixels": _fields(checked.comparison.pixels),
+    }
+
+
+def _fields(test: object) -> dict:
+    # JSON knows no tuples.
+    return {key: list(value) if isinstance(value, tuple) else value for key, value in asdict(test).items()}
+
+
+_HEAD = ("scene", "mean here", "there", "difference", "sees", "worst block", "limit", "sees", "pixels z", "verdict")
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.3f} %"
+
+
+def row_of(checked: Checked) -> tuple[str, ...]:
+    """A line of the table: of the channel that differs most, and of the worst block in standard errors."""
+    found = checked.comparison
+    if found is None:
+        return (checked.scene, *[""] * (len(_HEAD) - 2), checked.verdict)
+    bias = max(found.image.bias, key=abs)
+    mean = sum(found.image.here) / len(found.image.here), sum(found.image.there) / len(found.image.there)
+    return (
+        checked.scene,
+        f"{mean[0]:.5g}",
+        f"{mean[1]:.5g}",
+        f"{100 * bias:+.3f} %",
+        _percent(found.image.sees),
+        f"{found.blocks.worst:+.1f}",
+        f"{found.blocks.limit:.1f}",
+        f"{100 * found.blocks.sees:.1f} %",
+        f"{found.pixels.z:+.1f}",
+        checked.verdict,
+    )
+
+
+def as_text(checked: list[Checked], settings: Settings, aim: float) -> list[str]:
+    """The table and what its columns mean."""
+    rows = [_HEAD, *(row_of(one) for one in checked)]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(_HEAD))]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    lines += [
+        "",
+        f"{settings.size}, {settings.seeds} seeds of {settings.spp} spp in each renderer. sees: the bias that would"
+        f" have been found with probability {POWER:g}, of the image's mean (aim: {_percent(aim)}) and of a block's, the"
+        " median.",
+        f"All three tests together tell equal renderers apart with probability {FAMILY:g} a scene.",
+    ]
+    lines += [f"{one.scene}: {reason}" for one in checked for reason in one.reasons]
+    return lines

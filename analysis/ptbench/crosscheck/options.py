@@ -1,0 +1,74 @@
+"""The options of `python3 -m ptbench crosscheck`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+SIDE = 8  # pixels of a block
+ALL = "all"
+
+
+def add_crosscheck(commands: argparse._SubParsersAction) -> None:
+    """The options."""
+    parser = commands.add_parser("crosscheck", help="render scenes here and in Mitsuba 3, and hold them to one mean")
+    parser.add_argument("scenes", nargs="+", metavar="SCENE", help=f'by name or .json file; "{ALL}": every shipped one')
+    parser.add_argument("--binary", type=Path, default=Path("build/ptbench"), metavar="PTBENCH")
+    parser.add_argument(
+        "--python", type=Path, default=Path(sys.executable), metavar="PYTHON", help="one that has Mitsuba's wheel"
+    )
+    parser.add_argument(
+        "--variant", default="auto", help="Mitsuba's (default: cuda_ad_rgb where there is a GPU, else scalar_rgb)"
+    )
+    parser.add_argument("--backend", default="", choices=("", "cpu", "cuda"), help="ptbench's (default: its own)")
+    parser.add_argument(
+        "--axis", action="append", default=[], metavar="AXIS=CHOICE", help="(default: direct_light=nee_mis)"
+    )
+    parser.add_argument("--seeds", type=_whole(2, 1000), default=8, metavar="N", help="images of each (default: 8)")
+    parser.add_argument(
+        "--spp", type=_whole(1, 100_000_000), default=128, metavar="N", help="samples a pixel and seed (default: 128)"
+    )
+    parser.add_argument(
+        "--resolution", type=_blocks, default=(64, 64), metavar="WxH", help=f"multiples of {SIDE} (default: 64x64)"
+    )
+    parser.add_argument("--depth", type=_whole(1, 1_000_000), metavar="N", help="default: the scene's")
+    parser.add_argument(
+        "--scale", type=float, default=1.0, metavar="K", help="every length of Mitsuba's scene times a power of two"
+    )
+    parser.add_argument(
+        "--aim", type=_percent, default=0.005, metavar="PERCENT",
+        help="the bias of an image's mean that must be seen (default: 0.5)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--allow", type=_percent, default=0.0, metavar="PERCENT", help="a bias that is no difference (default: 0)"
+    )
+    parser.add_argument("--out", type=Path, metavar="REPORT.json")
+
+
+def _whole(low: int, high: int):
+    def read(text: str) -> int:
+        if not text.isascii() or not text.isdigit() or not low <= int(text) <= high:
+            raise argparse.ArgumentTypeError(f'found "{text}", allowed: a whole number from {low} to {high}')
+        return int(text)
+
+    return read
+
+
+def _percent(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0 <= value <= 100:
+        raise argparse.ArgumentTypeError(f'found "{text}", allowed: a percentage from 0 to 100')
+    return value / 100
+
+
+def _blocks(text: str) -> tuple[int, int]:
+    sides = text.split("x")
+    if len(sides) != 2 or not all(
+        side.isascii() and side.isdigit() and int(side) % SIDE == 0 and 0 < int(side) <= 4096 for side in sides
+    ):
+        raise argparse.ArgumentTypeError(f'found "{text}", allowed: WxH, multiples of {SIDE} up to 4096')
+    return int(sides[0]), int(sides[1])

@@ -1,0 +1,140 @@
+"""The images that are compared: ptbench's by its program, Mitsuba's by a worker process."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ptbench.crosscheck.mitsuba_worker import MISSING
+from ptbench.errors import InputError, bad_value
+from ptbench.io.files import package_file
+from ptbench.io.images import read_pfm
+
+WHEEL = "mitsuba==3.9.1"  # pyproject.toml has the same
+# The estimator with the least noise that most scenes take; a scene without diffuse surfaces takes none.
+_DIRECT_LIGHT = "direct_light=nee_mis"
+
+
+class CannotExport(Exception):
+    """A scene that Mitsuba cannot render to the same picture; `reasons` are the program's lines."""
+
+    def __init__(self, reasons: list[str]):
+        super().__init__("; ".join(reasons))
+        self.reasons = reasons
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What every image is rendered with."""
+
+    binary: Path
+    python: Path
+    variant: str
+    backend: str
+    axes: tuple[str, ...]
+    seeds: int
+    spp: int
+    resolution: tuple[int, int]
+    depth: int | None
+    scale: float
+
+    @property
+    def size(self) -> str:
+        """As the programs take it."""
+        return f"{self.resolution[0]}x{self.resolution[1]}"
+
+
+@dataclass(frozen=True)
+class Images:
+    """Of one renderer: seeds, rows, columns, channels; and what its last summary said."""
+
+    images: np.ndarray
+    about: dict
+
+
+def _run(command: list[str], text: str = "") -> subprocess.CompletedProcess:
+    try:
+        return subprocess.run(command, input=text, capture_output=True, text=True, errors="replace", check=False)
+    except OSError as error:
+        raise InputError(f"{command[0]}: {error.strerror or error}") from error
+
+
+def _said(done: subprocess.CompletedProcess) -> list[str]:
+    return [line.strip() for line in done.stderr.splitlines() if line.strip()] or [f"exit code {done.returncode}"]
+
+
+def check_binary(binary: Path) -> None:
+    """Raises InputError where it is no program."""
+    if not binary.is_file() or not os.access(binary, os.X_OK):
+        found = "a file that cannot be run" if binary.is_file() else "no such file"
+        raise bad_value(binary, "--binary", found, "the ptbench program")
+
+
+def scene_names(binary: Path) -> list[str]:
+    """The shipped scenes."""
+    return _run([str(binary.resolve()), "list", "--names", "scenes"]).stdout.split()
+
+
+def mitsuba_version(settings: Settings) -> dict:
+    """The version and the variant that renders; raises InputError where the wheel is missing."""
+    return _worker(settings, {})
+
+
+def _worker(settings: Settings, job: dict) -> dict:
+    worker = package_file("crosscheck", "mitsuba_worker.py")
+    done = _run([str(settings.python), str(worker)], json.dumps({"variant": settings.variant, **job}))
+    if done.returncode == MISSING:
+        where = f"{settings.python} -m pip install {WHEEL}"
+        raise InputError(f"Mitsuba 3 is not installed ({_said(done)[-1]}): {where}, or --python of one that has it")
+    if done.returncode != 0:
+        raise InputError(f"Mitsuba {settings.variant}: {_said(done)[-1]}")
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def export(scene: str, settings: Settings, folder: Path) -> Path:
+    """The scene as Mitsuba's XML; raises CannotExport."""
+    target = folder / "scene.xml"
+    command = [str(settings.binary.resolve()), "export", scene, "--format", "mitsuba", "--out", str(target)]
+    command += ["--resolution", settings.size, "--spp", str(settings.spp), "--scale", f"{settings.scale:g}"]
+    command += [] if settings.depth is None else ["--depth", str(settings.depth)]
+    done = _run(command)
+    if done.returncode != 0:
+        lines = [line.removeprefix("ptbench: ").removeprefix(f"{scene}: ") for line in _said(done)]
+        raise CannotExport([line for line in lines if not line.endswith("; nothing is written")] or lines)
+    return target
+
+
+def render_here(scene: str, settings: Settings, folder: Path) -> Images:
+    """One image a seed by `ptbench render`."""
+    target = folder / "here.pfm"
+    command = [str(settings.binary.resolve()), "render", "--scene", scene, "--out", str(target)]
+    command += ["--resolution", settings.size, "--spp", str(settings.spp)]
+    command += [] if settings.depth is None else ["--depth", str(settings.depth)]
+    command += ["--backend", settings.backend] if settings.backend else []
+    axes = list(settings.axes) or [_DIRECT_LIGHT]
+    images, about, seconds = [], {}, 0.0
+    while len(images) < settings.seeds:
+        chosen = [word for axis in axes for word in ("--axis", axis)]
+        done = _run([*command, *chosen, "--seed", str(len(images) + 1)])
+        if done.returncode != 0 and not settings.axes and axes and "n/a: " in done.stderr:
+            axes = []
+            continue
+        if done.returncode != 0:
+            raise InputError(_said(done)[-1].removeprefix("ptbench: "))
+        about = json.loads(done.stdout)
+        seconds += about["render_seconds"]
+        images.append(read_pfm(target))
+    return Images(np.stack(images), {**about, "render_seconds": seconds})
+
+
+def render_there(xml: Path, settings: Settings, folder: Path) -> Images:
+    """One image a seed by Mitsuba."""
+    targets = [folder / f"there_{seed}.pfm" for seed in range(settings.seeds)]
+    jobs = [[seed + 1, str(target)] for seed, target in enumerate(targets)]
+    about = _worker(settings, {"xml": str(xml), "spp": settings.spp, "images": jobs})
+    return Images(np.stack([read_pfm(target) for target in targets]), about)

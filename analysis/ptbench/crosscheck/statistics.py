@@ -1,0 +1,241 @@
+"""Do two renderers have one mean? Images of several seeds each, held against each other in three ways.
+
+The image's mean and the means of 8x8 blocks by Welch's t test over seeds, channel by channel; single pixels by the sum
+of d_i d_j over pairs of seeds i and j (d: the difference of a pair of images), whose mean is the squared bias whatever
+the noise looks like. Each of the three has a third of FAMILY, the probability that any of them tells equal renderers
+apart; within one, Sidak's correction. Each says which bias it would have seen with the probability POWER.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.special import ndtr, ndtri, stdtr, stdtrit
+
+from ptbench.crosscheck.options import SIDE
+
+FAMILY = 0.01
+POWER = 0.9
+# What two programs may round differently where nothing is random, of a value: about 170 units of single precision.
+ROUNDING = 1e-5
+# Of pixels' z, for reading.
+EDGES = (-4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.0)
+
+
+@dataclass(frozen=True)
+class MeanTest:
+    """The image's mean, by channel; biases and `sees` are shares of the mean of both."""
+
+    here: tuple[float, ...]
+    there: tuple[float, ...]
+    bias: tuple[float, ...]
+    errors: tuple[float, ...]  # standard errors of `bias`
+    worst_p: float
+    limit_p: float
+    sees: float  # of the worst channel
+
+    @property
+    def differs(self) -> bool:
+        """Whether any channel does."""
+        return self.worst_p < self.limit_p
+
+
+@dataclass(frozen=True)
+class BlockTest:
+    """Means of blocks, each channel for itself; `sees` is of a block's own mean, the median over blocks."""
+
+    count: int  # blocks times channels
+    beyond: int
+    worst: float  # in standard errors
+    worst_place: tuple[int, int, int]  # row and column of the block, channel
+    worst_p: float
+    limit: float  # in standard errors, at the worst's degrees of freedom
+    limit_p: float
+    rms: float  # of all, in standard errors
+    sees: float
+
+    @property
+    def differs(self) -> bool:
+        """Whether any block does."""
+        return self.beyond > 0
+
+
+@dataclass(frozen=True)
+class PixelTest:
+    """Single pixels; `sees` is the root mean square of a bias of pixels, as a share of the image's mean."""
+
+    count: int
+    still: int  # of them, without noise in either
+    still_beyond: int  # of those, how many differ by more than rounding
+    z: float
+    p: float
+    limit_p: float
+    sees: float
+    histogram: tuple[int, ...]  # of Welch's t of pixels and channels, between EDGES
+    expected: tuple[float, ...]  # of normal noise, Student's t
+
+    @property
+    def differs(self) -> bool:
+        """Whether they do."""
+        return self.p < self.limit_p or self.still_beyond > 0
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two renderers' images of one scene."""
+
+    seeds: int
+    image: MeanTest
+    blocks: BlockTest
+    pixels: PixelTest
+
+    @property
+    def differs(self) -> bool:
+        """Whether any of the three tests says so."""
+        return self.image.differs or self.blocks.differs or self.pixels.differs
+
+
+@dataclass(frozen=True)
+class _Welch:
+    mean: np.ndarray  # of both, absolute
+    difference: np.ndarray
+    error: np.ndarray
+    freedom: np.ndarray
+
+    def t(self, allowed: float) -> np.ndarray:
+        beyond = np.maximum(np.abs(self.difference) - allowed * self.mean, 0.0)
+        return np.sign(self.difference) * np.divide(beyond, self.error, out=np.zeros_like(beyond), where=self.error > 0)
+
+    def p(self, allowed: float) -> np.ndarray:
+        return 2 * stdtr(self.freedom, -np.abs(self.t(allowed)))
+
+    def sees(self, limit_p: float, allowed: float) -> np.ndarray:
+        """The bias, as a share of the mean, that passes `limit_p` with the probability POWER."""
+        quantiles = stdtrit(self.freedom, 1 - limit_p / 2) + stdtrit(self.freedom, POWER)
+        width = np.full_like(self.mean, np.inf)
+        return np.divide(quantiles * self.error, self.mean, out=width, where=self.mean > 0) + allowed
+
+
+def _welch(here: np.ndarray, there: np.ndarray) -> _Welch:
+    """Over axis 0, the seeds."""
+    means = here.mean(axis=0), there.mean(axis=0)
+    of_mean = here.var(axis=0, ddof=1) / len(here), there.var(axis=0, ddof=1) / len(there)
+    variance = of_mean[0] + of_mean[1]
+    shares = of_mean[0] ** 2 / (len(here) - 1) + of_mean[1] ** 2 / (len(there) - 1)
+    freedom = np.full_like(variance, len(here) + len(there) - 2)
+    # Squares of tiny variances leave the range of double.
+    np.divide(variance**2, shares, out=freedom, where=shares > 0)
+    mean = np.maximum(np.abs(means[0]), np.abs(means[1]))
+    error = np.sqrt(variance + (ROUNDING * mean) ** 2)
+    return _Welch(mean, means[0] - means[1], error, freedom)
+
+
+def _sidak(tests: int) -> float:
+    return -np.expm1(np.log1p(-FAMILY / 3) / tests)
+
+
+def _mean_test(here: np.ndarray, there: np.ndarray, allowed: float) -> MeanTest:
+    found = _welch(here.mean(axis=(1, 2)), there.mean(axis=(1, 2)))
+    limit = _sidak(here.shape[-1])
+    scale = np.where(found.mean > 0, found.mean, 1.0)
+    return MeanTest(
+        here=tuple(here.mean(axis=(0, 1, 2)).tolist()),
+        there=tuple(there.mean(axis=(0, 1, 2)).tolist()),
+        bias=tuple((found.difference / scale).tolist()),
+        errors=tuple((found.error / scale).tolist()),
+        worst_p=float(found.p(allowed).min()),
+        limit_p=float(limit),
+        sees=float(_largest(found.sees(limit, allowed), found.mean)),
+    )
+
+
+def _largest(sees: np.ndarray, mean: np.ndarray) -> float:
+    """Of what is not black."""
+    lit = sees[mean > 0]
+    return lit.max() if lit.size else 0.0
+
+
+def block_means(images: np.ndarray) -> np.ndarray:
+    """Of images whose sides are multiples of SIDE: seeds, rows and columns of blocks, channels."""
+    seeds, height, width, channels = images.shape
+    return images.reshape(seeds, height // SIDE, SIDE, width // SIDE, SIDE, channels).mean(axis=(2, 4))
+
+
+def _block_test(here: np.ndarray, there: np.ndarray, allowed: float) -> BlockTest:
+    found = _welch(block_means(here), block_means(there))
+    limit = _sidak(found.mean.size)
+    t, p = found.t(allowed), found.p(allowed)
+    worst = np.unravel_index(int(np.argmin(p)), p.shape)
+    sees = found.sees(limit, allowed)[found.mean > 0]
+    return BlockTest(
+        count=int(p.size),
+        beyond=int((p < limit).sum()),
+        worst=float(t[worst]),
+        worst_place=(int(worst[0]), int(worst[1]), int(worst[2])),
+        worst_p=float(p[worst]),
+        limit=float(stdtrit(found.freedom[worst], 1 - limit / 2)),
+        limit_p=float(limit),
+        rms=float(np.sqrt((t**2).mean())),
+        sees=float(np.median(sees)) if sees.size else 0.0,
+    )
+
+
+def _pixel_test(here: np.ndarray, there: np.ndarray, allowed: float) -> PixelTest:
+    found = _welch(here, there)
+    seeds = min(len(here), len(there))
+    pairs = here[:seeds] - there[:seeds]
+    noise = pairs.var(axis=0, ddof=1)
+    still = (noise <= (ROUNDING * found.mean) ** 2).all(axis=-1)
+    tolerance = (10 * ROUNDING + allowed) * found.mean
+    still_beyond = still & (np.abs(found.difference) > tolerance).any(axis=-1)
+    # A weight for each block and channel: of single pixels, few seeds know the noise too badly.
+    variance = block_means(noise[None])[0].repeat(SIDE, axis=0).repeat(SIDE, axis=1)
+    weight = np.divide(1.0, variance, out=np.zeros_like(variance), where=variance > 0) * ~still[..., None]
+    products = (pairs.sum(axis=0) ** 2 - (pairs**2).sum(axis=0)) / (seeds * (seeds - 1))
+    terms = (weight * products).sum(axis=-1)
+    # What is allowed to differ is no evidence.
+    total = float(terms.sum() - (weight * (allowed * found.mean) ** 2).sum())
+    error = float(np.sqrt((terms**2).sum()))
+    z = total / error if error > 0 else 0.0
+    limit = FAMILY / 3
+    weights, mean = float(weight.sum()), float(found.mean.mean())
+    seen = (ndtri(1 - limit) + ndtri(POWER)) * error / weights if weights > 0 else 0.0
+    t = found.t(0.0)[~still]
+    freedom = found.freedom[~still]
+    return PixelTest(
+        count=int(still.size),
+        still=int(still.sum()),
+        still_beyond=int(still_beyond.sum()),
+        z=z,
+        p=float(ndtr(-z)),
+        limit_p=limit,
+        sees=float(np.sqrt(seen) / mean + allowed) if mean > 0 else 0.0,
+        histogram=_histogram(t),
+        expected=_expected(freedom),
+    )
+
+
+def _histogram(t: np.ndarray) -> tuple[int, ...]:
+    counts, _ = np.histogram(t, bins=[-np.inf, *EDGES, np.inf])
+    return tuple(int(count) for count in counts)
+
+
+def _expected(freedom: np.ndarray) -> tuple[float, ...]:
+    below = [0.0, *(float(stdtr(freedom, edge).sum()) for edge in EDGES), float(freedom.size)]
+    return tuple(high - low for low, high in pairwise(below))
+
+
+def compare(here: np.ndarray, there: np.ndarray, allowed: float = 0.0) -> Comparison:
+    """Images of at least two seeds each: seeds, rows, columns, channels; sides are multiples of SIDE.
+
+    `allowed` is a bias, as a share of each mean, that is no difference.
+    """
+    here, there = here.astype(np.float64), there.astype(np.float64)
+    return Comparison(
+        seeds=min(len(here), len(there)),
+        image=_mean_test(here, there, allowed),
+        blocks=_block_test(here, there, allowed),
+        pixels=_pixel_test(here, there, allowed),
+    )

@@ -1,0 +1,242 @@
+"""The cross-check's statistics on made images: equal means pass, planted biases are found at the stated power."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+from ptbench.cli.main import main
+from ptbench.crosscheck.document import AGREES, DIFFERS, REFUSED, WEAK, Checked, as_json, as_text
+from ptbench.crosscheck.renders import WHEEL, CannotExport, Images, Settings, export
+from ptbench.crosscheck.statistics import FAMILY, POWER, block_means, compare
+from ptbench.io.validate import complaints
+
+SEEDS = 8
+SHAPE = (32, 32, 3)
+BINARY = ROOT / "build/ptbench"
+
+
+def picture(random: np.random.Generator) -> np.ndarray:
+    """Means of pixels, between 1 and 3 and with blocks apart."""
+    return 1 + 2 * random.random(SHAPE)
+
+
+def rendered(random: np.random.Generator, mean: np.ndarray, spread: float = 0.5, seeds: int = SEEDS) -> np.ndarray:
+    """Images whose pixels are skewed as rendered ones are: gamma distributed."""
+    shape = 1 / spread**2
+    return random.gamma(shape, size=(seeds, *mean.shape)) / shape * mean
+
+
+def found(trials: int, bias: np.ndarray | float, seed: int, test: str, spread: float = 0.5) -> int:
+    """In how many of the trials that test tells the biased renderer apart."""
+    random = np.random.default_rng(seed)
+    mean = picture(random)
+    pairs = ((rendered(random, mean), rendered(random, mean * (1 + bias), spread)) for _ in range(trials))
+    return sum(getattr(compare(here, there), test).differs for here, there in pairs)
+
+
+def test_equal_renderers_are_told_apart_as_seldom_as_stated():
+    random = np.random.default_rng(1)
+    mean = picture(random)
+    told = sum(compare(rendered(random, mean), rendered(random, mean, 1.0)).differs for _ in range(200))
+    # 200 at 1 %: more than 7 has a probability of 0.1 %.
+    assert told <= 7
+    assert FAMILY == 0.01
+
+
+@pytest.mark.parametrize(("test", "seed"), [("image", 2), ("blocks", 3), ("pixels", 4)])
+def test_a_bias_is_found_at_the_stated_power(test, seed):
+    random = np.random.default_rng(seed)
+    mean = picture(random)
+    stated = getattr(compare(rendered(random, mean), rendered(random, mean)), test).sees
+    if test == "image":
+        bias = stated
+    elif test == "blocks":
+        # All blocks could be the one that is found: so one alone has it, all its channels.
+        bias = np.zeros(SHAPE)
+        bias[8:16, 16:24] = stated
+    else:
+        # Of equal size everywhere, up and down in turn: no block has a bias.
+        rows, columns = np.indices(SHAPE[:2])
+        bias = (stated * mean.mean() * np.where((rows + columns) % 2, 1.0, -1.0))[..., None] / mean
+    told = found(60, bias, seed + 10, test)
+    # 60 at 90 %: fewer than 44 has a probability below 1 in 10,000. At half the bias fewer than half are found.
+    assert told >= 44
+    assert POWER == 0.9
+    assert found(60, 0.5 * bias, seed + 20, test) < told
+
+
+def test_a_bias_of_pixels_is_seen_in_no_block():
+    rows, columns = np.indices(SHAPE[:2])
+    bias = 0.2 * np.where((rows + columns) % 2, 1.0, -1.0)[..., None]
+    assert found(20, bias, 5, "pixels") == 20
+    assert found(20, bias, 5, "image") == 0
+
+
+def test_pictures_without_noise_may_differ_by_rounding_only():
+    still = np.ones((SEEDS, 16, 16, 3))
+    assert not compare(still, still * (1 + 5e-6)).differs
+    assert compare(still, still * (1 + 5e-4)).differs
+    one = still.copy()
+    one[:, 3, 5, 1] *= 1.001
+    result = compare(still, one)
+    assert result.pixels.still_beyond == 1
+    assert result.differs
+    assert not compare(still, one, allowed=0.01).differs
+
+
+def test_an_allowance_is_no_difference_and_is_counted_as_unseen():
+    random = np.random.default_rng(6)
+    mean = picture(random)
+    here, there = rendered(random, mean, 0.05), rendered(random, mean * 1.02, 0.05)
+    assert compare(here, there).image.differs
+    assert not compare(here, there, allowed=0.03).differs
+    assert compare(here, there, allowed=0.03).image.sees > 0.03
+
+
+def test_black_pictures_agree():
+    black = np.zeros((2, 8, 8, 3))
+    assert not compare(black, black).differs
+    lit = black.copy()
+    lit[:, 1, 1] = 1
+    assert compare(black, lit).differs
+
+
+def test_blocks_are_means_of_their_pixels():
+    images = np.arange(2 * 16 * 8 * 3, dtype=float).reshape(2, 16, 8, 3)
+    assert block_means(images)[1, 1, 0, 2] == images[1, 8:, :, 2].mean()
+
+
+def test_a_histogram_counts_every_pixel_that_has_noise():
+    random = np.random.default_rng(7)
+    mean = picture(random)
+    pixels = compare(rendered(random, mean), rendered(random, mean)).pixels
+    assert sum(pixels.histogram) == 32 * 32 * 3
+    assert sum(pixels.expected) == pytest.approx(32 * 32 * 3)
+    assert pixels.histogram[5] == pytest.approx(pixels.expected[5], rel=0.1)
+
+
+def settings() -> Settings:
+    return Settings(BINARY, Path(sys.executable), "auto", "", (), SEEDS, 4, (32, 32), None, 1.0)
+
+
+def checked(spread: float, bias: float) -> Checked:
+    random = np.random.default_rng(8)
+    mean = picture(random)
+    about = {"scene_hash": "0123456789abcdef", "variant": "depth_first", "depth": 8, "render_seconds": 1.5}
+    here = Images(rendered(random, mean, spread), about)
+    there = Images(rendered(random, mean * (1 + bias), spread), {"seconds": 2.5})
+    return Checked("small", compare(here.images, there.images), 0.005, here, there)
+
+
+def test_verdicts_and_the_file():
+    refused = Checked("glass", None, 0.005, reasons=("$.camera.jitter: found false",))
+    all_of_them = [checked(0.02, 0), checked(0.02, 0.05), checked(2, 0), refused]
+    assert [one.verdict for one in all_of_them] == [AGREES, DIFFERS, WEAK, REFUSED]
+    context = {"date": "2026-11-23T02:00:00+0000", "ptbench.version": "ptbench 1", "ptbench.machine": "m"}
+    context |= {"mitsuba.version": "3.9.1", "mitsuba.variant": "scalar_rgb"}
+    document = json.loads(json.dumps(as_json(all_of_them, settings(), context, 0.0), allow_nan=False))
+    assert list(complaints(document, "crosscheck")) == []
+    text = as_text(all_of_them, settings(), 0.005)
+    assert [line.split("  ")[-1].strip() for line in text[1:5]] == [AGREES, DIFFERS, WEAK, REFUSED]
+    assert text[-1] == "glass: $.camera.jitter: found false"
+
+
+def refusal(capsys, *arguments: str) -> str:
+    try:
+        code = main(["crosscheck", *arguments], "ptbench")
+    except SystemExit as error:
+        code = error.code
+    assert code == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    return line
+
+
+def test_wrong_calls_are_one_line(capsys):
+    assert "multiples of 8" in refusal(capsys, "edge", "--resolution", "30x32")
+    assert "from 2 to 1000" in refusal(capsys, "edge", "--seeds", "1")
+    assert "a percentage from 0 to 100" in refusal(capsys, "edge", "--aim", "x")
+    assert refusal(capsys, "edge", "--binary", "nope") == (
+        "ptbench: nope: --binary: found no such file, allowed: the ptbench program"
+    )
+
+
+def test_a_missing_wheel_is_one_line_that_says_what_to_install(capsys, tmp_path):
+    # A Python without site packages has none.
+    bare = tmp_path / "python"
+    bare.write_text(f'#!/bin/sh\nexec {sys.executable} -S -E -I "$@"\n')
+    bare.chmod(0o755)
+    program = tmp_path / "ptbench"
+    program.write_text("#!/bin/sh\n")
+    program.chmod(0o755)
+    line = refusal(capsys, "edge", "--binary", str(program), "--python", str(bare))
+    assert line.startswith("ptbench: Mitsuba 3 is not installed (")
+    assert f"{bare} -m pip install {WHEEL}" in line
+
+
+def test_the_wheel_is_the_extra_of_the_package():
+    assert f'crosscheck = ["{WHEEL}"]' in (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+
+
+# Together a few seconds: a shape, a material, a lamp or a camera of each kind.
+SMALL = {
+    "ball_glass": 24,
+    "ball_mirror": 8,
+    "caustic": 24,
+    "cornell_open": 16,
+    "cornell_open_45": 16,
+    "dof_focus_8_7": 16,
+    "edge": 8,
+    "jitter_on": 8,
+    "many_lights": 16,
+    "motion_off": 8,
+    "scenes/meshes/icosphere_room.json": 8,
+    "scenes/meshes/sphereflake_room.json": 8,
+}
+
+
+@pytest.fixture(scope="module")
+def mitsuba() -> str:
+    """A Python that has the wheel: this one, or the one that PTBENCH_MITSUBA_PYTHON names."""
+    python = os.environ.get("PTBENCH_MITSUBA_PYTHON", sys.executable)
+    if subprocess.run([python, "-c", "import mitsuba"], capture_output=True, check=False).returncode != 0:
+        pytest.skip(f"no cross-check with Mitsuba 3: {python} -m pip install {WHEEL}")
+    if not BINARY.is_file():
+        pytest.skip("build/ptbench is not there")
+    return python
+
+
+@pytest.mark.parametrize("scene", SMALL)
+def test_small_scenes_agree_with_mitsuba(scene, mitsuba, capsys, monkeypatch):
+    monkeypatch.setenv("PTBENCH_HOME", str(ROOT))
+    monkeypatch.chdir(ROOT)
+    call = ["crosscheck", scene, "--binary", str(BINARY), "--python", mitsuba, "--backend", "cpu"]
+    # Few samples: whether they differ by several per cent.
+    code = main([*call, "--variant", "scalar_rgb", "--resolution", "32x32", "--spp", str(SMALL[scene]), "--aim", "100"])
+    assert code == 0, capsys.readouterr().out
+
+
+def test_a_wrong_picture_is_told_apart(mitsuba, capsys, monkeypatch):
+    monkeypatch.setenv("PTBENCH_HOME", str(ROOT))
+    monkeypatch.chdir(ROOT)
+    call = ["crosscheck", "ball_mirror", "--binary", str(BINARY), "--python", mitsuba, "--backend", "cpu"]
+    small = ["--variant", "scalar_rgb", "--resolution", "32x32", "--spp", "16", "--aim", "100"]
+    # The dimmer of two depths: what the program is asked for, and not the file.
+    monkeypatch.setattr("ptbench.crosscheck.command.export", _deeper)
+    assert main([*call, *small, "--depth", "2"]) == 1
+    assert " differs" in capsys.readouterr().out
+
+
+def _deeper(scene: str, asked: Settings, folder: Path) -> Path:
+    try:
+        return export(scene, replace(asked, depth=3), folder)
+    except CannotExport as error:
+        raise AssertionError(error.reasons) from error
