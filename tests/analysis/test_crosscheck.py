@@ -14,6 +14,7 @@ import pytest
 from conftest import ROOT
 
 from ptbench.cli.main import main
+from ptbench.crosscheck.command import _wanted
 from ptbench.crosscheck.document import AGREES, DIFFERS, REFUSED, WEAK, Checked, as_json, as_text
 from ptbench.crosscheck.renders import WHEEL, CannotExport, Images, Settings, export
 from ptbench.crosscheck.statistics import FAMILY, POWER, block_means, compare
@@ -125,7 +126,7 @@ def test_a_histogram_counts_every_pixel_that_has_noise():
 
 
 def settings() -> Settings:
-    return Settings(BINARY, Path(sys.executable), "auto", "", (), SEEDS, 4, (32, 32), None, 1.0)
+    return Settings(BINARY, Path(sys.executable), "auto", "", (), SEEDS, 1, 4, (32, 32), None, 1.0)
 
 
 def checked(spread: float, bias: float) -> Checked:
@@ -134,11 +135,11 @@ def checked(spread: float, bias: float) -> Checked:
     about = {"scene_hash": "0123456789abcdef", "variant": "depth_first", "depth": 8, "render_seconds": 1.5}
     here = Images(rendered(random, mean, spread), about)
     there = Images(rendered(random, mean * (1 + bias), spread), {"seconds": 2.5})
-    return Checked("small", compare(here.images, there.images), 0.005, here, there)
+    return Checked("small", settings(), compare(here.images, there.images), 0.005, here, there)
 
 
 def test_verdicts_and_the_file():
-    refused = Checked("glass", None, 0.005, reasons=("$.camera.jitter: found false",))
+    refused = Checked("glass", settings(), None, 0.005, reasons=("$.camera.jitter: found false",))
     all_of_them = [checked(0.02, 0), checked(0.02, 0.05), checked(2, 0), refused]
     assert [one.verdict for one in all_of_them] == [AGREES, DIFFERS, WEAK, REFUSED]
     context = {"date": "2026-11-23T02:00:00+0000", "ptbench.version": "ptbench 1", "ptbench.machine": "m"}
@@ -148,6 +149,15 @@ def test_verdicts_and_the_file():
     text = as_text(all_of_them, settings(), 0.005)
     assert [line.split("  ")[-1].strip() for line in text[1:5]] == [AGREES, DIFFERS, WEAK, REFUSED]
     assert text[-1] == "glass: $.camera.jitter: found false"
+
+
+def test_a_weak_scene_is_rendered_again_with_what_the_aim_needs():
+    weak = checked(2, 0)
+    needed = 1.5 * 4 * (weak.comparison.image.sees / 0.005) ** 2
+    assert needed <= _wanted(weak, 1 << 30) < 2 * needed
+    assert _wanted(weak, 64) == 64
+    assert _wanted(checked(0.02, 0), 1 << 30) == 0
+    assert _wanted(checked(0.02, 0.05), 1 << 30) == 0
 
 
 def refusal(capsys, *arguments: str) -> str:

@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import subprocess
 import sys
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
-from ptbench.crosscheck.document import AGREES, REFUSED, Checked, as_json, as_text
+from ptbench.crosscheck.document import AGREES, REFUSED, WEAK, Checked, as_json, as_text
 from ptbench.crosscheck.options import ALL
 from ptbench.crosscheck.renders import (
     CannotExport,
@@ -26,7 +29,7 @@ from ptbench.crosscheck.renders import (
     scene_names,
 )
 from ptbench.crosscheck.statistics import compare
-from ptbench.io.files import check_output_file, scratch_folder, write_text
+from ptbench.io.files import check_output_file, write_text
 from ptbench.terminal import say
 
 
@@ -42,6 +45,7 @@ def crosscheck_command(options: argparse.Namespace) -> int:
         backend=options.backend,
         axes=tuple(options.axis),
         seeds=options.seeds,
+        first_seed=1,
         spp=options.spp,
         resolution=options.resolution,
         depth=options.depth,
@@ -50,8 +54,7 @@ def crosscheck_command(options: argparse.Namespace) -> int:
     peer = mitsuba_version(settings)
     named = [scene for scene in options.scenes if scene != ALL]
     scenes = list(dict.fromkeys(named + (scene_names(options.binary) if ALL in options.scenes else [])))
-    folder = Path() if options.out is None else options.out.absolute().parent
-    checked = [_check(scene, settings, options.aim, options.allow, folder) for scene in scenes]
+    checked = [_check(scene, settings, options) for scene in scenes]
     print("\n".join(as_text(checked, settings, options.aim)))
     if options.out is not None:
         text = json.dumps(as_json(checked, settings, _context(settings, peer), options.allow), indent=1) + "\n"
@@ -61,16 +64,35 @@ def crosscheck_command(options: argparse.Namespace) -> int:
     return 0 if all(one.verdict in (AGREES, REFUSED) for one in checked) else 1
 
 
-def _check(scene: str, settings: Settings, aim: float, allowed: float, folder: Path) -> Checked:
-    with scratch_folder(folder) as scratch:
+def _check(scene: str, settings: Settings, options: argparse.Namespace) -> Checked:
+    with TemporaryDirectory(prefix="ptbench-crosscheck-") as name:
+        scratch = Path(name)
         try:
             xml = export(scene, settings, scratch)
         except CannotExport as refusal:
-            return Checked(scene, None, aim, reasons=tuple(refusal.reasons))
-        here = render_here(scene, settings, scratch)
-        there = render_there(xml, settings, scratch)
-    print(f"{scene}: rendered", file=sys.stderr)
-    return Checked(scene, compare(here.images, there.images, allowed), aim, here, there)
+            return Checked(scene, settings, None, options.aim, reasons=tuple(refusal.reasons))
+        checked = _rendered(scene, xml, settings, options, scratch)
+        spp = _wanted(checked, options.most_spp)
+        if spp > settings.spp:
+            # By other seeds: the first images only said how much noise there is.
+            more = replace(settings, spp=spp, first_seed=settings.first_seed + settings.seeds)
+            checked = _rendered(scene, xml, more, options, scratch)
+    print(f"{scene}: {checked.verdict}", file=sys.stderr)
+    return checked
+
+
+def _rendered(scene: str, xml: Path, settings: Settings, options: argparse.Namespace, scratch: Path) -> Checked:
+    here = render_here(scene, settings, scratch)
+    there = render_there(xml, settings, scratch)
+    return Checked(scene, settings, compare(here.images, there.images, options.allow), options.aim, here, there)
+
+
+def _wanted(checked: Checked, most: int) -> int:
+    """Samples a pixel with which a scene that is too weak should see the aim, with a little to spare."""
+    if checked.verdict != WEAK or checked.comparison is None or checked.aim <= 0:
+        return 0
+    needed = 1.5 * checked.settings.spp * (checked.comparison.image.sees / checked.aim) ** 2
+    return min(most, 1 << max(0, math.ceil(math.log2(needed))))
 
 
 def _context(settings: Settings, peer: dict) -> dict:

@@ -16,6 +16,7 @@ class Checked:
     """A scene in both renderers; without a comparison, the reasons why it cannot be rendered in the other."""
 
     scene: str
+    settings: Settings
     comparison: Comparison | None
     aim: float  # the bias of the image's mean that is to be seen, as a share
     here: Images | None = None
@@ -39,7 +40,6 @@ def as_json(checked: list[Checked], settings: Settings, context: dict, allowed: 
         "context": context,
         "settings": {
             "seeds": settings.seeds,
-            "spp": settings.spp,
             "resolution": list(settings.resolution),
             "depth": settings.depth,
             "scale": settings.scale,
@@ -62,6 +62,8 @@ def _scene(checked: Checked) -> dict:
         "scene_hash": about["scene_hash"],
         "variant": about["variant"],
         "depth": about["depth"],
+        "spp": checked.settings.spp,
+        "first_seed": checked.settings.first_seed,
         "seconds_here": about["render_seconds"],
         "seconds_there": checked.there.about["seconds"],
         "image": _fields(checked.comparison.image),
@@ -75,7 +77,19 @@ def _fields(test: object) -> dict:
     return {key: list(value) if isinstance(value, tuple) else value for key, value in asdict(test).items()}
 
 
-_HEAD = ("scene", "mean here", "there", "difference", "sees", "worst block", "limit", "sees", "pixels z", "verdict")
+_HEAD = (
+    "scene",
+    "spp",
+    "mean here",
+    "there",
+    "difference",
+    "sees",
+    "worst block",
+    "limit",
+    "sees",
+    "pixels z",
+    "verdict",
+)
 
 
 def _percent(share: float) -> str:
@@ -91,6 +105,7 @@ def row_of(checked: Checked) -> tuple[str, ...]:
     mean = sum(found.image.here) / len(found.image.here), sum(found.image.there) / len(found.image.there)
     return (
         checked.scene,
+        str(checked.settings.spp),
         f"{mean[0]:.5g}",
         f"{mean[1]:.5g}",
         f"{100 * bias:+.3f} %",
@@ -110,7 +125,7 @@ def as_text(checked: list[Checked], settings: Settings, aim: float) -> list[str]
     lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
     lines += [
         "",
-        f"{settings.size}, {settings.seeds} seeds of {settings.spp} spp in each renderer. sees: the bias that would"
+        f"{settings.size}, {settings.seeds} seeds in each renderer. sees: the bias that would"
         f" have been found with probability {POWER:g}, of the image's mean (aim: {_percent(aim)}) and of a block's, the"
         " median.",
         f"All three tests together tell equal renderers apart with probability {FAMILY:g} a scene.",

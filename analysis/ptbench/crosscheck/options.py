@@ -30,6 +30,10 @@ def add_crosscheck(commands: argparse._SubParsersAction) -> None:
         "--spp", type=_whole(1, 100_000_000), default=128, metavar="N", help="samples a pixel and seed (default: 128)"
     )
     parser.add_argument(
+        "--most-spp", type=_whole(1, 100_000_000), default=1, metavar="N",
+        help="a scene that is too weak is rendered once more, with as many as the aim needs, up to N (default: not)",
+    )  # fmt: skip
+    parser.add_argument(
         "--resolution", type=_blocks, default=(64, 64), metavar="WxH", help=f"multiples of {SIDE} (default: 64x64)"
     )
     parser.add_argument("--depth", type=_whole(1, 1_000_000), metavar="N", help="default: the scene's")

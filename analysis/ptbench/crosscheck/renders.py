@@ -38,6 +38,7 @@ class Settings:
     backend: str
     axes: tuple[str, ...]
     seeds: int
+    first_seed: int
     spp: int
     resolution: tuple[int, int]
     depth: int | None
@@ -120,7 +121,7 @@ def render_here(scene: str, settings: Settings, folder: Path) -> Images:
     images, about, seconds = [], {}, 0.0
     while len(images) < settings.seeds:
         chosen = [word for axis in axes for word in ("--axis", axis)]
-        done = _run([*command, *chosen, "--seed", str(len(images) + 1)])
+        done = _run([*command, *chosen, "--seed", str(settings.first_seed + len(images))])
         if done.returncode != 0 and not settings.axes and axes and "n/a: " in done.stderr:
             axes = []
             continue
@@ -135,6 +136,6 @@ def render_here(scene: str, settings: Settings, folder: Path) -> Images:
 def render_there(xml: Path, settings: Settings, folder: Path) -> Images:
     """One image a seed by Mitsuba."""
     targets = [folder / f"there_{seed}.pfm" for seed in range(settings.seeds)]
-    jobs = [[seed + 1, str(target)] for seed, target in enumerate(targets)]
+    jobs = [[settings.first_seed + seed, str(target)] for seed, target in enumerate(targets)]
     about = _worker(settings, {"xml": str(xml), "spp": settings.spp, "images": jobs})
     return Images(np.stack([read_pfm(target) for target in targets]), about)
