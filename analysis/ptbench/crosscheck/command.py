@@ -23,6 +23,7 @@ from ptbench.crosscheck.renders import (
     Settings,
     check_binary,
     export,
+    has_meshes,
     mitsuba_version,
     render_here,
     render_there,
@@ -82,7 +83,7 @@ def _check(scene: str, settings: Settings, options: argparse.Namespace) -> Check
 
 
 def _rendered(scene: str, xml: Path, settings: Settings, options: argparse.Namespace, scratch: Path) -> Checked:
-    here = render_here(scene, settings, scratch)
+    here = render_here(scene, settings, scratch, has_meshes=has_meshes(xml))
     there = render_there(xml, settings, scratch)
     return Checked(scene, settings, compare(here.images, there.images, options.allow), options.aim, here, there)
 

@@ -23,7 +23,11 @@ def add_crosscheck(commands: argparse._SubParsersAction) -> None:
     )
     parser.add_argument("--backend", default="", choices=("", "cpu", "cuda"), help="ptbench's (default: its own)")
     parser.add_argument(
-        "--axis", action="append", default=[], metavar="AXIS=CHOICE", help="(default: direct_light=nee_mis)"
+        "--axis",
+        action="append",
+        default=[],
+        metavar="AXIS=CHOICE",
+        help="(default: direct_light=nee_mis, and trees for meshes)",
     )
     parser.add_argument("--seeds", type=_whole(2, 1000), default=8, metavar="N", help="images of each (default: 8)")
     parser.add_argument(

@@ -24,6 +24,8 @@ from pathlib import Path
 
 from jinja2 import Environment, StrictUndefined, TemplateError
 
+from ptbench.findings.crosscheck import SCHEMA as CROSSCHECK
+from ptbench.findings.crosscheck import CrosscheckSource
 from ptbench.findings.errors import FindingError
 from ptbench.findings.quantities import span
 from ptbench.findings.rays import RaysFolder
@@ -46,7 +48,7 @@ _CODE = re.compile(r"^```.*?^```|`[^`\n]*`", re.DOTALL | re.MULTILINE)
 _TARGET = re.compile(r"\]\([^)]*\)")
 
 
-AnySource = Source | RaysFolder | Inspection | StabilitySource | Record | Transcript
+AnySource = Source | RaysFolder | Inspection | StabilitySource | Record | Transcript | CrosscheckSource
 
 
 @dataclass(frozen=True)
@@ -87,6 +89,8 @@ def _opened(results: Path, file: str, where: str) -> AnySource:
         return Inspection(results, file)
     if is_stability(root):
         return StabilitySource(results, file)
+    if root.value.get("schema") == CROSSCHECK:
+        return CrosscheckSource(results, file)
     return Source(results, file, where) if "ptbench" in root.fields() else Record(results, file)
 
 

@@ -1,0 +1,143 @@
+"""A file of `python3 -m ptbench crosscheck`, as a page asks it."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from ptbench.findings.errors import FindingError
+from ptbench.findings.quantities import link_to
+from ptbench.io.nodes import read_json
+from ptbench.numbers import figures
+
+SCHEMA = "ptbench-crosscheck-1"
+
+
+def _percent(share: float, digits: int = 2) -> str:
+    return f"{figures(100 * share, digits)} %"
+
+
+class CrosscheckSource:
+    """Scenes in both renderers, and what was found."""
+
+    def __init__(self, results: Path, file: str) -> None:
+        self._shown, self._results = file, results
+        value = read_json(results / file).value
+        self._context, self._settings, self._scenes = value["context"], value["settings"], value["scenes"]
+
+    @property
+    def commit(self) -> str:
+        """The program's."""
+        found = re.search(r"commit ([0-9a-f]{40})", self._context["ptbench.version"])
+        return found[1] if found else ""
+
+    def _of(self, *verdicts: str) -> list[dict]:
+        return [scene for scene in self._scenes if scene["verdict"] in verdicts]
+
+    @property
+    def compared(self) -> int:
+        """Scenes that were rendered in both."""
+        return len(self._of("agrees", "differs", "too weak"))
+
+    @property
+    def agreeing(self) -> int:
+        """Of them, those that agree, at the power that was asked for."""
+        return len(self._of("agrees"))
+
+    @property
+    def weak(self) -> list[str]:
+        """Scenes in which a bias as large as the aim may have been missed."""
+        return [scene["scene"] for scene in self._of("too weak")]
+
+    @property
+    def differing(self) -> list[str]:
+        """Scenes that differ."""
+        return [scene["scene"] for scene in self._of("differs")]
+
+    def must_agree(self, said: str) -> str:
+        """`said`, if no scene differs."""
+        if self.differing:
+            raise FindingError(f"{self._shown}: {', '.join(self.differing)} differ; the page says: {said}")
+        return said
+
+    @property
+    def mitsuba(self) -> str:
+        """Its version and variant."""
+        return f"{self._context['mitsuba.version']} (`{self._context['mitsuba.variant']}`)"
+
+    @property
+    def settings(self) -> str:
+        """What every scene was rendered with."""
+        width, height = self._settings["resolution"]
+        return f"{width}x{height}, {self._settings['seeds']} seeds in each renderer"
+
+    @property
+    def aim(self) -> str:
+        """The bias that was to be seen."""
+        return _percent(max(scene["aim"] for scene in self._scenes))
+
+    @property
+    def power(self) -> str:
+        """The probability with which it would have been."""
+        return _percent(self._settings["power"])
+
+    @property
+    def family(self) -> str:
+        """The probability of a false alarm, a scene."""
+        return _percent(self._settings["family"])
+
+    @property
+    def largest_bias(self) -> str:
+        """Of the means of images that agree."""
+        biases = [bias for scene in self._of("agrees") for bias in scene["image"]["bias"]]
+        return _percent(max(map(abs, biases)))
+
+    @property
+    def blocks(self) -> str:
+        """How many of how many blocks lie beyond their limit."""
+        tests = [scene["blocks"] for scene in self._scenes if "blocks" in scene]
+        return f"{sum(test['beyond'] for test in tests)} of {sum(test['count'] for test in tests):,}"
+
+    @property
+    def rows(self) -> list[str]:
+        """The cells of a table: a scene a row."""
+        return [_row(scene) for scene in self._scenes if "image" in scene]
+
+    @property
+    def refused(self) -> list[str]:
+        """A line for each scene that Mitsuba cannot render to the same picture, with the first reason."""
+        return [f"`{scene['scene']}`: {_short(scene['reasons'])}" for scene in self._of("not expressible")]
+
+    @property
+    def provenance(self) -> str:
+        """A line of a list."""
+        date = self._context["date"][:10]
+        version = self._context["ptbench.version"]
+        return f"- {link_to(self._results, self._shown)}: {self._context['ptbench.machine']}, {date}, {version}."
+
+
+def _short(reasons: list[str]) -> str:
+    """What was found, without what is allowed."""
+    return "; ".join(f"`{place}` {found}" for place, found in map(_place_and_found, reasons))
+
+
+def _place_and_found(reason: str) -> tuple[str, str]:
+    place, _, rest = reason.partition(": found ")
+    return place, rest.partition(", allowed: ")[0]
+
+
+def _row(scene: dict) -> str:
+    image, blocks = scene["image"], scene["blocks"]
+    worst = max(range(3), key=lambda channel: abs(image["bias"][channel]))
+    bias, error = image["bias"][worst], image["errors"][worst]
+    cells = (
+        Path(scene["scene"]).stem,
+        str(scene["spp"]),
+        f"{'+' if bias > 0 else ''}{_percent(bias)} ± {_percent(error)}",
+        _percent(image["sees"]),
+        f"{abs(blocks['worst']):.1f} of {blocks['limit']:.1f}",
+        _percent(blocks["sees"]),
+        f"{scene['pixels']['z']:+.1f}",
+        scene["verdict"],
+    )
+    return " | ".join(cells)
