@@ -39,6 +39,8 @@ struct Tunable {
     bool sets_work = false;  // it changes what is computed, not only how: autotune leaves it alone
     // Of a tunable that came after its choice was measured: the value that does what was done until then.
     std::optional<std::uint32_t> as_before = {};
+    // The default value beside a specialisation that leaves nothing out, where the kernel is another program.
+    std::optional<std::uint32_t> generic_value = {};
 
     constexpr bool allows(std::uint32_t value) const {
         return value >= lowest && value <= highest && value % multiple_of == 0;

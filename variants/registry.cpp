@@ -30,7 +30,8 @@ void check_descriptor(const Descriptor& descriptor) {
         throw std::logic_error("what rounds freely can claim its mean only: " + label(descriptor));
     }
     for (const Tunable& tunable : descriptor.tunables) {
-        if (!tunable.allows(tunable.default_value)) {
+        if (!tunable.allows(tunable.default_value) ||
+            !tunable.allows(tunable.generic_value.value_or(tunable.default_value))) {
             throw std::logic_error("the standard of " + std::string(tunable.name) +
                                    " is not allowed: " + label(descriptor));
         }
@@ -280,11 +281,24 @@ FeatureSet features_asked(const Variant& variant, Backend backend) {
     return asked;
 }
 
+Tunable tunable_in(const Variant& variant, Tunable tunable, Backend backend) {
+    const Choice* const choice = tunable.generic_value
+                                     ? Registry::instance().find("specialisation", variant["specialisation"], backend)
+                                     : nullptr;
+    const SpecialisationTraits* const traits =
+        choice == nullptr ? nullptr : std::get_if<SpecialisationTraits>(&choice->descriptor.traits);
+    if (traits != nullptr && traits->is_generic) {
+        tunable.default_value = *tunable.generic_value;
+    }
+    return tunable;
+}
+
 std::vector<Tunable> tunables_of(const Variant& variant, Backend backend) {
     std::vector<Tunable> all;
     for (const std::string_view axis : axis_names) {
-        const std::span<const Tunable> tunables = descriptor_at(axis, variant, backend).tunables;
-        all.insert(all.end(), tunables.begin(), tunables.end());
+        for (const Tunable& tunable : descriptor_at(axis, variant, backend).tunables) {
+            all.push_back(tunable_in(variant, tunable, backend));
+        }
     }
     return all;
 }

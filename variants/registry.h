@@ -122,6 +122,8 @@ std::uint32_t extra_depth(Variant variant, Backend backend);
 // The features that the variant's choices ask of a kernel, whatever the scene.
 FeatureSet features_asked(const Variant& variant, Backend backend);
 
+// A tunable as a variant has it: where the variant names no value, the default one is meant for its kernel.
+Tunable tunable_in(const Variant& variant, Tunable tunable, Backend backend);
 // The tunables that the variant's choices have, those of the integrator first.
 std::vector<Tunable> tunables_of(const Variant& variant, Backend backend);
 // Every tunable that some choice of the backend has, each name once.

@@ -44,7 +44,8 @@ Pairs tunable_values(const Variant& variant, Backend backend) {
         const Choice* choice = Registry::instance().find(axis, variant[axis], backend);
         for (const Tunable& tunable : choice == nullptr ? std::span<const Tunable>{} : choice->descriptor.tunables) {
             const auto tuned = variant.tuning.find(tunable.name);
-            const std::uint32_t value = tuned == variant.tuning.end() ? tunable.default_value : tuned->second;
+            const std::uint32_t value =
+                tuned == variant.tuning.end() ? tunable_in(variant, tunable, backend).default_value : tuned->second;
             if (tunable.as_before != value) {
                 values.emplace_back(tunable.name, std::to_string(value));
             }

@@ -266,7 +266,8 @@ std::optional<std::uint32_t> default_value_of(const Variant& variant, const std:
     tunables.insert(tunables.end(), others.begin(), others.end());
     const auto position =
         std::find_if(tunables.begin(), tunables.end(), [&](const Tunable& tunable) { return tunable.name == name; });
-    return position != tunables.end() ? std::optional(position->default_value) : std::nullopt;
+    return position != tunables.end() ? std::optional(tunable_in(variant, *position, backend).default_value)
+                                      : std::nullopt;
 }
 
 // Every variant of `variants` with every value of a tunable. Standards are left out: one variant has one name.

@@ -82,6 +82,29 @@ TEST(TunableTest, AVariantHasThoseOfItsChoices) {
     }
 }
 
+// The bound that helps a queue's kernels made for a scene would have a kernel with every feature spill its registers.
+TEST(TunableTest, AQueuesKernelWithEveryFeatureHasNoBoundOnItsRegisters) {
+    if (!test::cuda_is_built()) {
+        return;
+    }
+    const auto bound = [](const char* integrator, const char* specialisation) {
+        return tunable(
+            variant_with({{"integrator", integrator}, {"specialisation", specialisation}}, {}, Backend::cuda),
+            "min_blocks", Backend::cuda);
+    };
+    for (const char* integrator : {"wavefront", "wavefront_fused"}) {
+        EXPECT_EQ(bound(integrator, "features"), 4u);
+        EXPECT_EQ(bound(integrator, "generic"), 0u);
+    }
+    EXPECT_EQ(bound("persistent", "generic"), bound("persistent", "features"));
+    // One variant has one name: the default value is not in it, any other is.
+    const std::vector<Variant> found = expand({{"integrator", {"wavefront"}}, {"specialisation", {"generic"}}},
+                                              Backend::cuda, {{"min_blocks", {0, 4}}});
+    ASSERT_EQ(found.size(), 2u);
+    EXPECT_TRUE(found[0].tuning.empty());
+    EXPECT_EQ(found[1].tuning.at("min_blocks"), 4u);
+}
+
 // Choices of one axis may differ in what they make of a name; those of two axes meet in a variant, where a name has one
 // value.
 TEST(TunableTest, ANameIsOneTunableInAVariant) {
