@@ -62,6 +62,9 @@ enum class Feature : FeatureSet {
     philox = feature_bit::sampling << 1,
     sobol_owen = feature_bit::sampling << 2,
     minstd = feature_bit::sampling << 3,
+    sobol_rotated = feature_bit::sampling << 4,
+    pmj02 = feature_bit::sampling << 5,
+    halton = feature_bit::sampling << 6,
     // A shortcut: a scene that has it needs it not, and a kernel that has it leaves the same film.
     enclosure = feature_bit::traversal << 0,
     // Other formulas too, and so other roundings: intersection in double within single precision (kernels/widen.h), and
@@ -93,7 +96,8 @@ inline constexpr FeatureSet all_features =
     set_of(Feature::near_sphere, Feature::motion, Feature::environment, Feature::jitter, Feature::lens,
            Feature::final_bounce, Feature::next_event, Feature::multiple_importance, Feature::russian_roulette);
 inline constexpr FeatureSet shortcuts = set_of(Feature::enclosure);
-inline constexpr FeatureSet samplers = set_of(Feature::philox, Feature::sobol_owen, Feature::minstd);
+inline constexpr FeatureSet samplers = set_of(Feature::philox, Feature::sobol_owen, Feature::minstd,
+                                              Feature::sobol_rotated, Feature::pmj02, Feature::halton);
 
 // A kernel has it only for a scene that has it: the way through an accelerator takes registers from every other shape.
 inline constexpr FeatureSet traversals = set_of(Feature::mesh);

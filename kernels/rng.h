@@ -4,9 +4,12 @@
 // within one seed no two keys share their four words.
 #pragma once
 
+#include "kernels/halton.h"
 #include "kernels/minstd.h"
 #include "kernels/philox.h"
+#include "kernels/pmj02.h"
 #include "kernels/sobol_owen.h"
+#include "kernels/sobol_rotated.h"
 
 namespace pt {
 
@@ -58,6 +61,15 @@ PT_HD inline RandomWords random_words(const RandomSeed& seed, const RandomKey& k
     }
     if (has<Config>(Feature::sobol_owen) && contains(sampler, Feature::sobol_owen)) {
         return sobol_owen_words(seed.words, key);
+    }
+    if (has<Config>(Feature::sobol_rotated) && contains(sampler, Feature::sobol_rotated)) {
+        return sobol_rotated_words(seed.words, key);
+    }
+    if (has<Config>(Feature::pmj02) && contains(sampler, Feature::pmj02)) {
+        return pmj02_words(seed.words, key);
+    }
+    if (has<Config>(Feature::halton) && contains(sampler, Feature::halton)) {
+        return halton_words(seed.words, key);
     }
     if (has<Config>(Feature::minstd) && contains(sampler, Feature::minstd)) {
         return minstd_words(seed.words, key);

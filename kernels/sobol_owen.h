@@ -61,10 +61,14 @@ PT_HD inline RandomWords sobol_point(std::uint32_t index) {
     return point;
 }
 
+// What belongs to all samples of a pixel at one place of its paths.
+PT_HD inline RandomWords words_of_dimension(const RandomWords& seed, const RandomKey& key) {
+    return pcg4d({key.pixel ^ seed.x, key.bounce ^ seed.y, key.block ^ seed.z, 0x5bd1e995u ^ seed.w});
+}
+
 // The key's numbers: point number `sample` of the sequence that belongs to the rest of the key.
 PT_HD inline RandomWords sobol_owen_words(const RandomWords& seed, const RandomKey& key) {
-    const RandomWords of_dimension =
-        pcg4d({key.pixel ^ seed.x, key.bounce ^ seed.y, key.block ^ seed.z, 0x5bd1e995u ^ seed.w});
+    const RandomWords of_dimension = words_of_dimension(seed, key);
     const std::uint32_t of_order = pcg4d(of_dimension).x;
     const RandomWords point = sobol_point(owen_scramble(key.sample, of_order));
     return {owen_scramble(point.x, of_dimension.x), owen_scramble(point.y, of_dimension.y),

@@ -135,6 +135,9 @@ const Case cases[] = {
     asked_for<Feature::philox>("philox"),
     asked_for<Feature::sobol_owen>("sobol_owen"),
     asked_for<Feature::minstd>("minstd"),
+    asked_for<Feature::sobol_rotated>("sobol_rotated"),
+    asked_for<Feature::pmj02>("pmj02"),
+    asked_for<Feature::halton>("halton"),
 };
 
 // What a scene needs, with what its variant asks for.

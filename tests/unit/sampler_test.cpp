@@ -127,6 +127,139 @@ TEST(SobolTest, IntegratesSmoothFunctionsFarBetterThanRandomNumbers) {
     EXPECT_LT(of_sobol, 0.01 * of_hash);
 }
 
+// The first 2^k of Sobol's numbers are the multiples of 2^-k in every dimension, and a rotation keeps their distances.
+TEST(SobolRotatedTest, ARotationKeepsTheDistancesOfSobolsNumbers) {
+    const RandomSeed seed = RandomSeed::from(7);
+    for (const std::uint32_t pixel : {0u, 77u}) {
+        for (const std::uint32_t first : {0u, 3u * 256}) {
+            std::array<std::vector<std::uint32_t>, 4> words;
+            for (std::uint32_t sample = first; sample < first + 256; ++sample) {
+                const RandomWords of = sobol_rotated_words(seed.words, {pixel, sample, 2, 1});
+                const std::uint32_t word[] = {of.x, of.y, of.z, of.w};
+                for (int d = 0; d < 4; ++d) {
+                    words[d].push_back(word[d]);
+                }
+            }
+            for (std::vector<std::uint32_t>& of : words) {
+                std::sort(of.begin(), of.end());
+                for (std::size_t i = 1; i < of.size(); ++i) {
+                    ASSERT_EQ(of[i] - of[i - 1], 1u << 24) << i;
+                }
+            }
+        }
+    }
+}
+
+// (0, 2): of every 2^k samples one lies in each elementary rectangle of area 2^-k, whatever its sides, in both pairs.
+TEST(Pmj02Test, EverySquareAndSliverHasOneSample) {
+    const RandomSeed seed = RandomSeed::from(7);
+    for (const std::uint32_t pixel : {0u, 77u}) {
+        for (const std::uint32_t k : {1u, 4u, 7u}) {
+            for (const std::uint32_t first : {0u, 5u << k}) {
+                for (std::uint32_t of_x = 0; of_x <= k; ++of_x) {
+                    std::set<std::uint64_t> rectangles[2];
+                    for (std::uint32_t sample = first; sample < first + (1u << k); ++sample) {
+                        const RandomWords words = pmj02_words(seed.words, {pixel, sample, 3, 0});
+                        const auto place = [&](std::uint64_t x, std::uint64_t y) {
+                            return (x >> (32 - of_x) << 32) | (y >> (32 - (k - of_x)));
+                        };
+                        rectangles[0].insert(place(words.x, words.y));
+                        rectangles[1].insert(place(words.z, words.w));
+                    }
+                    EXPECT_EQ(rectangles[0].size(), 1u << k) << of_x;
+                    EXPECT_EQ(rectangles[1].size(), 1u << k) << of_x;
+                }
+            }
+        }
+    }
+}
+
+// The two pairs of a block are unrelated: the second is not the first in another scrambling of the same order.
+TEST(Pmj02Test, PairsAreShuffledApart) {
+    const RandomSeed seed = RandomSeed::from(7);
+    test::Mean product;
+    for (std::uint32_t pixel = 0; pixel < 4096; ++pixel) {
+        const RandomWords a = pmj02_words(seed.words, {pixel, 0, 1, 0});
+        const RandomWords b = pmj02_words(seed.words, {pixel, 1, 1, 0});
+        // Samples 0 and 1 lie in two halves, in x as in z: whether in the same order is even odds.
+        product.add((a.x < b.x) == (a.z < b.z) ? 1.0 : -1.0);
+    }
+    EXPECT_NEAR(product.value(), 0, test::tolerated_errors * product.standard_error());
+}
+
+// By the Chinese remainder theorem: of 2^2 x 3^2 samples one lies in each box of a quarter by a ninth, and of every p^k
+// one in each interval of length p^-k of the dimension with that base.
+TEST(HaltonTest, FillsTheIntervalsOfItsBases) {
+    const RandomSeed seed = RandomSeed::from(7);
+    const auto interval = [](std::uint32_t word, std::uint64_t count) { return (word * count) >> 32; };
+    for (const std::uint32_t pixel : {0u, 1u, 77u}) {
+        for (const std::uint32_t first : {0u, 36u * 1000003u}) {
+            std::set<std::uint64_t> boxes;
+            for (std::uint32_t sample = first; sample < first + 36; ++sample) {
+                const RandomWords words = halton_words(seed.words, {pixel, sample, 0, 0});
+                boxes.insert(interval(words.x, 4) * 9 + interval(words.y, 9));
+            }
+            EXPECT_EQ(boxes.size(), 36u);
+        }
+        for (std::uint32_t block = 0; block < 2; ++block) {
+            for (const std::uint32_t bounce : {0u, 1u, 7u, 15u}) {
+                for (std::uint32_t d = 0; d < 4; ++d) {
+                    const std::uint32_t base = prime_number(8 * bounce + 4 * block + d);
+                    for (std::uint32_t count = base; count < 5000; count *= base) {
+                        std::set<std::uint64_t> intervals;
+                        for (std::uint32_t sample = 7 * count; sample < 8 * count; ++sample) {
+                            const RandomWords words = halton_words(seed.words, {pixel, sample, bounce, block});
+                            const std::uint32_t word[] = {words.x, words.y, words.z, words.w};
+                            intervals.insert(interval(word[d], count));
+                        }
+                        EXPECT_EQ(intervals.size(), count) << base;
+                    }
+                }
+            }
+        }
+    }
+}
+
+// Beyond the table, and within bodies, it is the hash.
+TEST(HaltonTest, HasDimensionsUpToTheFifteenthHit) {
+    const RandomSeed seed = RandomSeed::from(7);
+    for (const RandomKey& key : {RandomKey{3, 5, 16, 0}, RandomKey{3, 5, 2, 2}, RandomKey{3, 5, 1, 9}}) {
+        const RandomWords halton = halton_words(seed.words, key), hash = pcg4d_words(seed.words, key);
+        EXPECT_EQ((std::array{halton.x, halton.y, halton.z, halton.w}), (std::array{hash.x, hash.y, hash.z, hash.w}));
+    }
+    EXPECT_NE(halton_words(seed.words, {3, 5, 15, 1}).w, pcg4d_words(seed.words, {3, 5, 15, 1}).w);
+    EXPECT_EQ(prime_number(halton_dimensions - 1), 719u);
+}
+
+// One sample of many pixels is uniform, which makes every estimate unbiased: the mean, and that of a wave.
+template <class Words>
+void expect_uniform_over_pixels(const Words& words_of, std::uint32_t bounce) {
+    std::array<test::Mean, 4> means;
+    std::array<test::Mean, 4> waves;
+    for (std::uint32_t pixel = 0; pixel < 1u << 16; ++pixel) {
+        const RandomWords words = words_of(RandomKey{pixel, 5, bounce, 1});
+        const std::uint32_t word[] = {words.x, words.y, words.z, words.w};
+        for (int d = 0; d < 4; ++d) {
+            means[d].add(unit_interval<double>(word[d]));
+            waves[d].add(std::cos(2 * 3.14159265358979323846 * unit_interval<double>(word[d])));
+        }
+    }
+    for (int d = 0; d < 4; ++d) {
+        EXPECT_NEAR(means[d].value(), 0.5, test::tolerated_errors * means[d].standard_error()) << d;
+        EXPECT_NEAR(waves[d].value(), 0, test::tolerated_errors * waves[d].standard_error()) << d;
+    }
+}
+
+TEST(SamplerTest, OneSampleIsUniformOverPixels) {
+    const RandomWords seed = RandomSeed::from(21).words;
+    for (const std::uint32_t bounce : {1u, 8u, 15u}) {
+        expect_uniform_over_pixels([&](const RandomKey& key) { return halton_words(seed, key); }, bounce);
+        expect_uniform_over_pixels([&](const RandomKey& key) { return pmj02_words(seed, key); }, bounce);
+        expect_uniform_over_pixels([&](const RandomKey& key) { return sobol_rotated_words(seed, key); }, bounce);
+        expect_uniform_over_pixels([&](const RandomKey& key) { return sobol_owen_words(seed, key); }, bounce);
+    }
+}
+
 template <Feature sampler>
 void expect_chosen_alike() {
     RandomSeed seed = RandomSeed::from(11);
@@ -145,18 +278,22 @@ TEST(SamplerTest, IsChosenAtRunTimeAsAtCompileTime) {
     expect_chosen_alike<Feature::philox>();
     expect_chosen_alike<Feature::sobol_owen>();
     expect_chosen_alike<Feature::minstd>();
+    expect_chosen_alike<Feature::sobol_rotated>();
+    expect_chosen_alike<Feature::pmj02>();
+    expect_chosen_alike<Feature::halton>();
     const RandomSeed plain = RandomSeed::from(11);
     const RandomKey key{5, 6, 7, 1};
     const RandomWords hash = pcg4d_words(plain.words, key);
     const RandomWords chosen = random_words<Config<float, samplers>>(plain, key);
     EXPECT_EQ((std::array{hash.x, hash.y, hash.z, hash.w}), (std::array{chosen.x, chosen.y, chosen.z, chosen.w}));
-    std::set<std::uint32_t> first{hash.x};
-    for (const Feature sampler : {Feature::philox, Feature::sobol_owen, Feature::minstd}) {
+    std::set<std::uint32_t> last{hash.w};
+    for (const Feature sampler : {Feature::philox, Feature::sobol_owen, Feature::minstd, Feature::sobol_rotated,
+                                  Feature::pmj02, Feature::halton}) {
         RandomSeed seed = plain;
         seed.sampler = no_features | sampler;
-        first.insert(random_words<Config<float, samplers>>(seed, key).x);
+        last.insert(random_words<Config<float, samplers>>(seed, key).w);
     }
-    EXPECT_EQ(first.size(), 4u);
+    EXPECT_EQ(last.size(), 7u);
 }
 
 // The defect of cis565's generator, so that it is not lost: numbers of neighbouring blocks of one vertex are one

@@ -131,7 +131,7 @@ TEST(RegistryTest, HasEveryAxisAndChoice) {
             {"first_bounce", {"off", "cached", "cached_jitters"}},
             {"direct_light", {"off", "final_bounce", "nee", "nee_mis"}},
             {"russian_roulette", {"off", "throughput"}},
-            {"sampler", {"pcg4d", "minstd_by_position", "philox", "sobol_owen"}},
+            {"sampler", {"pcg4d", "halton", "minstd_by_position", "philox", "pmj02", "sobol_owen", "sobol_rotated"}},
             {"layout", {"aos", "soa"}},
             {"specialisation", {"features", "generic", "matrix"}},
             {"launch", {"stream"}},
@@ -163,7 +163,7 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
             {"first_bounce", {"off", "cached", "cached_jitters"}},
             {"direct_light", {"off", "final_bounce", "nee", "nee_mis"}},
             {"russian_roulette", {"off", "throughput"}},
-            {"sampler", {"pcg4d", "minstd_by_position", "philox", "sobol_owen"}},
+            {"sampler", {"pcg4d", "halton", "minstd_by_position", "philox", "pmj02", "sobol_owen", "sobol_rotated"}},
             {"layout", {"aos", "packed", "soa"}},
             {"specialisation", {"features", "baked", "generic", "matrix"}},
             {"launch", {"stream", "graph", "graph_while"}},
@@ -241,7 +241,10 @@ TEST(RegistryTest, WhatClaimsLessThanBits) {
                                           {"direct_light=nee", Claim::statistical},
                                           {"direct_light=nee_mis", Claim::statistical},
                                           {"sampler=philox", Claim::statistical},
+                                          {"sampler=halton", Claim::statistical},
+                                          {"sampler=pmj02", Claim::statistical},
                                           {"sampler=sobol_owen", Claim::statistical},
+                                          {"sampler=sobol_rotated", Claim::statistical},
                                           {"sampler=minstd_by_position", Claim::biased},
                                           {"russian_roulette=throughput", Claim::statistical},
                                           {"specialisation=matrix", Claim::statistical},
@@ -634,7 +637,8 @@ TEST(VariantTest, FeatureNamesAreInTheOrderOfResults) {
     const std::vector<std::string> all = feature_names(all_features);
     EXPECT_EQ(all.size(), 25u);
     EXPECT_EQ(all.back(), "near_sphere");
-    EXPECT_EQ(feature_names(samplers), (std::vector<std::string>{"philox", "sobol_owen", "minstd"}));
+    EXPECT_EQ(feature_names(samplers),
+              (std::vector<std::string>{"philox", "sobol_owen", "minstd", "sobol_rotated", "pmj02", "halton"}));
     EXPECT_EQ(std::set<std::string>(all.begin(), all.end()).size(), all.size());
 }
 

@@ -1,0 +1,53 @@
+// Halton's points: coordinate d of sample i is i with its digits in base p(d), the d-th prime, mirrored at the point.
+// Each pixel shifts every digit by an offset of its own, modulo p: without that, coordinates of large bases are
+// correlated until there are many samples. No padding: a place in a path has a dimension, up to the 15th surface hit;
+// beyond it, and within bodies, numbers are pcg4d's.
+// Halton, Numerische Mathematik 2, 1960; random digit shifts: Matousek, "On the L2-discrepancy for anchored boxes",
+// J. Complexity 14(4), 1998.
+#pragma once
+
+#include "kernels/random_words.h"
+
+namespace pt {
+
+inline constexpr std::uint32_t halton_dimensions = 128;
+
+PT_HD inline std::uint32_t prime_number(std::uint32_t index) {
+    static constexpr std::uint16_t primes[halton_dimensions] = {
+        2,   3,   5,   7,   11,  13,  17,  19,  23,  29,  31,  37,  41,  43,  47,  53,  59,  61,  67,  71,  73,  79,
+        83,  89,  97,  101, 103, 107, 109, 113, 127, 131, 137, 139, 149, 151, 157, 163, 167, 173, 179, 181, 191, 193,
+        197, 199, 211, 223, 227, 229, 233, 239, 241, 251, 257, 263, 269, 271, 277, 281, 283, 293, 307, 311, 313, 317,
+        331, 337, 347, 349, 353, 359, 367, 373, 379, 383, 389, 397, 401, 409, 419, 421, 431, 433, 439, 443, 449, 457,
+        461, 463, 467, 479, 487, 491, 499, 503, 509, 521, 523, 541, 547, 557, 563, 569, 571, 577, 587, 593, 599, 601,
+        607, 613, 617, 619, 631, 641, 643, 647, 653, 659, 661, 673, 677, 683, 691, 701, 709, 719};
+    return primes[index];
+}
+
+// A coordinate in units of 2^-32: as many digits as 32 bits resolve, each shifted by a number below the base that
+// follows from `shift`. Rounded up, so that a point at the lower end of an elementary interval stays within it.
+PT_HD inline std::uint32_t shifted_radical_inverse(std::uint32_t index, std::uint32_t base, std::uint32_t shift) {
+    std::uint64_t mirrored = 0, scale = 1;
+    for (; scale * base <= (std::uint64_t{1} << 32); scale *= base) {
+        const std::uint32_t digit = index % base + static_cast<std::uint32_t>((std::uint64_t{shift} * base) >> 32);
+        mirrored = mirrored * base + (digit < base ? digit : digit - base);
+        index /= base;
+        shift = shift * 1664525u + 1013904223u;
+    }
+    return static_cast<std::uint32_t>(((mirrored << 32) + scale - 1) / scale);
+}
+
+PT_HD inline RandomWords halton_words(const RandomWords& seed, const RandomKey& key) {
+    const std::uint32_t block = key.bounce == 0 ? key.block : 2 * key.bounce + key.block;
+    const bool has_dimensions = key.block < 2 && 4 * block < halton_dimensions;
+    if (!has_dimensions) {
+        return pcg4d({key.pixel ^ seed.x, key.sample ^ seed.y, key.bounce ^ seed.z, key.block ^ seed.w});
+    }
+    const RandomWords shift =
+        pcg4d({key.pixel ^ seed.x, key.bounce ^ seed.y, key.block ^ seed.z, 0x85ebca6bu ^ seed.w});
+    return {shifted_radical_inverse(key.sample, prime_number(4 * block), shift.x),
+            shifted_radical_inverse(key.sample, prime_number(4 * block + 1), shift.y),
+            shifted_radical_inverse(key.sample, prime_number(4 * block + 2), shift.z),
+            shifted_radical_inverse(key.sample, prime_number(4 * block + 3), shift.w)};
+}
+
+}  // namespace pt
