@@ -238,6 +238,14 @@ def test_small_scenes_agree_with_mitsuba(scene, mitsuba, capsys, monkeypatch):
     assert code == 0, capsys.readouterr().out
 
 
+def test_a_scale_reaches_the_program_with_every_digit(monkeypatch, tmp_path):
+    if not BINARY.is_file():
+        pytest.skip("build/ptbench is not there")
+    monkeypatch.setenv("PTBENCH_HOME", str(ROOT))
+    xml = export("edge", replace(settings(), scale=2.0**-19), tmp_path).read_text(encoding="utf-8")
+    assert 'origin="0, 0, 3.814697265625e-06"' in xml
+
+
 def test_a_wrong_picture_is_told_apart(mitsuba, capsys, monkeypatch):
     monkeypatch.setenv("PTBENCH_HOME", str(ROOT))
     monkeypatch.chdir(ROOT)
