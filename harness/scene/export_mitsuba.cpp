@@ -184,8 +184,11 @@ private:
             xml_.close();
         }
         if (!is_black(material.sigma_a)) {
+            const Vec3d& sigma = material.sigma_a;
+            const double largest = std::max({sigma.x, sigma.y, sigma.z});  // Mitsuba's colours end at 1
             xml_.open("medium", {{"name", "interior"}, {"type", "homogeneous"}});
-            rgb("sigma_t", material.sigma_a * (1 / settings_.scale));
+            rgb("sigma_t", sigma * (1 / largest));
+            real("scale", largest / settings_.scale);
             rgb("albedo", Vec3d(0.0));
             xml_.close();
         }

@@ -209,6 +209,10 @@ SMALL = {
     "many_lights": 16,
     "motion_off": 8,
     "scenes/meshes/icosphere_room.json": 8,
+    # Absorption, tints, an environment, turned boxes and meshes of glass, a lamp that is a mesh; surfaces that reflect
+    # and emit on both sides, a lens, instances.
+    "tests/analysis/crosscheck_scenes/odd_glass.json": 8,
+    "tests/analysis/crosscheck_scenes/odd_lamps.json": 16,
     "scenes/meshes/sphereflake_room.json": 8,
 }
 
@@ -232,6 +236,14 @@ def test_small_scenes_agree_with_mitsuba(scene, mitsuba, capsys, monkeypatch):
     # Few samples: whether they differ by several per cent.
     code = main([*call, "--variant", "scalar_rgb", "--resolution", "32x32", "--spp", str(SMALL[scene]), "--aim", "100"])
     assert code == 0, capsys.readouterr().out
+
+
+def test_a_scale_reaches_the_program_with_every_digit(monkeypatch, tmp_path):
+    if not BINARY.is_file():
+        pytest.skip("build/ptbench is not there")
+    monkeypatch.setenv("PTBENCH_HOME", str(ROOT))
+    xml = export("edge", replace(settings(), scale=2.0**-19), tmp_path).read_text(encoding="utf-8")
+    assert 'origin="0, 0, 3.814697265625e-06"' in xml
 
 
 def test_a_wrong_picture_is_told_apart(mitsuba, capsys, monkeypatch):

@@ -258,9 +258,9 @@ TEST(ExportMitsubaTest, MediaAreScaledWithTheScene) {
               "<bsdf type=\"dielectric\" id=\"material_0\">\n<float name=\"int_ior\" value=\"1.25\"/>\n"
               "<float name=\"ext_ior\" value=\"1\"/>\n"
               "<rgb name=\"specular_transmittance\" value=\"1, 0.5, 0.25\"/>\n");
-    EXPECT_EQ(lines_from(xml, "<medium", 3),
+    EXPECT_EQ(lines_from(xml, "<medium", 4),
               "<medium name=\"interior\" type=\"homogeneous\">\n<rgb name=\"sigma_t\" value=\"0.25, 0.5, 1\"/>\n"
-              "<rgb name=\"albedo\" value=\"0, 0, 0\"/>\n");
+              "<float name=\"scale\" value=\"1\"/>\n<rgb name=\"albedo\" value=\"0, 0, 0\"/>\n");
 }
 
 TEST(XmlTextTest, WhatXmlCannotHoldIsEscaped) {

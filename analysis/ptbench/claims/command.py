@@ -181,7 +181,8 @@ def _run(call: Call, ledger: Ledger, chosen: Sequence[Claim], results: Path) -> 
         if experiment.rays:
             arguments = ["rays", *experiment.rays]
         else:
-            arguments = ["run", "--suite", str(ledger.suite(experiment.suite)), "--resume"]
+            # As the prediction has it, whatever `autotune` found on this machine.
+            arguments = ["run", "--suite", str(ledger.suite(experiment.suite)), "--resume", "--untuned"]
         command = [str(binary), *arguments, "--backend", experiment.backend, "--out", str(out)]
         print(f"{experiment.result}: about {experiment.seconds} s", flush=True)
         if subprocess.run(command, check=False, stdout=sys.stderr).returncode != 0:

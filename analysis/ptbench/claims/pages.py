@@ -161,4 +161,5 @@ def run_text(claim: Claim) -> str:
     out = f"--out results/MACHINE/claims/{experiment.result}.json"
     if experiment.rays:
         return f"build/ptbench rays --backend {experiment.backend} {' '.join(experiment.rays)} {out}"
-    return f"build/ptbench run --suite claims/suites/{experiment.suite}.json --backend {experiment.backend} {out}"
+    suite = f"--suite claims/suites/{experiment.suite}.json"
+    return f"build/ptbench run {suite} --backend {experiment.backend} --untuned {out}"

@@ -103,7 +103,7 @@ def export(scene: str, settings: Settings, folder: Path) -> Path:
     """The scene as Mitsuba's XML; raises CannotExport."""
     target = folder / "scene.xml"
     command = [str(settings.binary.resolve()), "export", scene, "--format", "mitsuba", "--out", str(target)]
-    command += ["--resolution", settings.size, "--spp", str(settings.spp), "--scale", f"{settings.scale:g}"]
+    command += ["--resolution", settings.size, "--spp", str(settings.spp), "--scale", repr(settings.scale)]
     command += [] if settings.depth is None else ["--depth", str(settings.depth)]
     done = _run(command)
     if done.returncode != 0:

@@ -425,7 +425,8 @@ def test_what_is_run_is_run_once_into_its_place(house, tmp_path):
         assert claims(Call(house.root, binary=program, run=True)) == 0
     assert house.verdict().word == HOLDS
     (call,) = (tmp_path / "calls").read_text().splitlines()
-    assert call == f"run --suite {house.root}/claims/suites/sorts.json --resume --backend cuda --out {house.result}"
+    suite = house.root / "claims" / "suites" / "sorts.json"
+    assert call == f"run --suite {suite} --resume --untuned --backend cuda --out {house.result}"
 
 
 @pytest.mark.parametrize(
