@@ -1,9 +1,9 @@
 // Halton's points: coordinate d of sample i is i with its digits in base p(d), the d-th prime, mirrored at the point.
-// Each pixel shifts every digit by an offset of its own, modulo p: without that, coordinates of large bases are
-// correlated until there are many samples. No padding: a place in a path has a dimension, up to the 15th surface hit;
-// beyond it, and within bodies, numbers are pcg4d's.
-// Halton, Numerische Mathematik 2, 1960; random digit shifts: Matousek, "On the L2-discrepancy for anchored boxes",
-// J. Complexity 14(4), 1998.
+// Each pixel maps every digit to a digit + b, modulo p, with a and b of its own: two samples' digits are any two, where
+// a shift alone would leave the first samples side by side in large bases. No padding: a place in a path has a
+// dimension, up to the 15th surface hit; beyond it, and within bodies, numbers are pcg4d's. Halton, Numerische
+// Mathematik 2, 1960; random linear digit scrambling: Matousek, "On the L2-discrepancy for anchored boxes", J.
+// Complexity 14(4), 1998.
 #pragma once
 
 #include "kernels/random_words.h"
@@ -23,15 +23,22 @@ PT_HD inline std::uint32_t prime_number(std::uint32_t index) {
     return primes[index];
 }
 
-// A coordinate in units of 2^-32: as many digits as 32 bits resolve, each shifted by a number below the base that
-// follows from `shift`. Rounded up, so that a point at the lower end of an elementary interval stays within it.
-PT_HD inline std::uint32_t shifted_radical_inverse(std::uint32_t index, std::uint32_t base, std::uint32_t shift) {
+// A number below `count`.
+PT_HD inline std::uint32_t scaled_to(std::uint32_t count, std::uint32_t word) {
+    return static_cast<std::uint32_t>((std::uint64_t{word} * count) >> 32);
+}
+
+// A coordinate in units of 2^-32: as many digits as 32 bits resolve, each scrambled by numbers that follow from `seed`.
+// Rounded up, so that a point at the lower end of an elementary interval stays within it.
+PT_HD inline std::uint32_t scrambled_radical_inverse(std::uint32_t index, std::uint32_t base, std::uint32_t seed) {
     std::uint64_t mirrored = 0, scale = 1;
     for (; scale * base <= (std::uint64_t{1} << 32); scale *= base) {
-        const std::uint32_t digit = index % base + static_cast<std::uint32_t>((std::uint64_t{shift} * base) >> 32);
-        mirrored = mirrored * base + (digit < base ? digit : digit - base);
+        const std::uint32_t offset = scaled_to(base, seed);
+        seed = seed * 1664525u + 1013904223u;
+        const std::uint32_t factor = 1 + scaled_to(base - 1, seed);
+        seed = seed * 1664525u + 1013904223u;
+        mirrored = mirrored * base + (factor * (index % base) + offset) % base;
         index /= base;
-        shift = shift * 1664525u + 1013904223u;
     }
     return static_cast<std::uint32_t>(((mirrored << 32) + scale - 1) / scale);
 }
@@ -42,12 +49,12 @@ PT_HD inline RandomWords halton_words(const RandomWords& seed, const RandomKey& 
     if (!has_dimensions) {
         return pcg4d({key.pixel ^ seed.x, key.sample ^ seed.y, key.bounce ^ seed.z, key.block ^ seed.w});
     }
-    const RandomWords shift =
+    const RandomWords scramble =
         pcg4d({key.pixel ^ seed.x, key.bounce ^ seed.y, key.block ^ seed.z, 0x85ebca6bu ^ seed.w});
-    return {shifted_radical_inverse(key.sample, prime_number(4 * block), shift.x),
-            shifted_radical_inverse(key.sample, prime_number(4 * block + 1), shift.y),
-            shifted_radical_inverse(key.sample, prime_number(4 * block + 2), shift.z),
-            shifted_radical_inverse(key.sample, prime_number(4 * block + 3), shift.w)};
+    return {scrambled_radical_inverse(key.sample, prime_number(4 * block), scramble.x),
+            scrambled_radical_inverse(key.sample, prime_number(4 * block + 1), scramble.y),
+            scrambled_radical_inverse(key.sample, prime_number(4 * block + 2), scramble.z),
+            scrambled_radical_inverse(key.sample, prime_number(4 * block + 3), scramble.w)};
 }
 
 }  // namespace pt

@@ -220,6 +220,21 @@ TEST(HaltonTest, FillsTheIntervalsOfItsBases) {
     }
 }
 
+// In a base that has more digits than there are samples their first digits are no neighbours: the mean over the first
+// 16 samples varies as little over pixels as that of independent ones.
+TEST(HaltonTest, FewSamplesAreSpreadInALargeBase) {
+    const RandomSeed seed = RandomSeed::from(7);
+    test::Mean square;
+    for (std::uint32_t pixel = 0; pixel < 1u << 14; ++pixel) {
+        double sum = 0;
+        for (std::uint32_t sample = 0; sample < 16; ++sample) {
+            sum += unit_interval<double>(halton_words(seed.words, {pixel, sample, 15, 1}).w) - 0.5;
+        }
+        square.add(sum * sum / 16);
+    }
+    EXPECT_LT(square.value(), 1.0 / 12 + test::tolerated_errors * square.standard_error());
+}
+
 // Beyond the table, and within bodies, it is the hash.
 TEST(HaltonTest, HasDimensionsUpToTheFifteenthHit) {
     const RandomSeed seed = RandomSeed::from(7);

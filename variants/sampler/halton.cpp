@@ -8,7 +8,7 @@ const Registration registration(
     {
         .axis = "sampler",
         .name = "halton",
-        .summary = "Halton points with random digit shifts, a prime a dimension up to the 15th surface hit",
+        .summary = "Halton points with random linear digit scrambling, a prime a dimension up to the 15th surface hit",
         .origin = "Halton 1960; Matousek 1998",
         .claim = Claim::statistical,
         .claim_note = "same expectation as sampler=pcg4d, from points that fill every dimension evenly",
