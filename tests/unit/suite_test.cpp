@@ -63,7 +63,7 @@ const std::string known_axes =
     "integrator, compaction, sorting, sort_key, first_bounce, direct_light, russian_roulette, sampler, layout, "
     "specialisation, launch, "
     "arithmetic, "
-    "precision, robustness, accelerator, builder, traversal, traversal_stack, levels";
+    "precision, robustness, accelerator, builder, traversal, traversal_stack, levels, light_sampling";
 const std::string baseline_name = "wavefront";
 
 std::vector<std::string> cell_names(const Plan& plan) {
