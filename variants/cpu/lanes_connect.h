@@ -29,7 +29,7 @@ struct Connections {
     BoxObservers<Real> observers;
     LightDirections<Real> drawn;
     Vectors<Real> emission;
-    Lanes<std::uint32_t> light, random;  // object; what it is chosen by
+    Lanes<std::uint32_t> light;  // object
     Flags connects, sends;
     Lanes<Real> weight, cosine;  // what light counts that is met or connected to
     Paths<Real> shadow;
@@ -46,17 +46,17 @@ inline std::uint32_t box_of(const SceneView<Real>& scene, std::uint32_t object) 
 template <class Config>
 inline bool observes_box(BoxObservers<typename Config::Real>& observers, std::uint32_t l,
                          const SceneView<typename Config::Real>& scene,
-                         const BoxLights<typename Config::Real>& lights, std::uint32_t object,
+                         const LightTable<typename Config::Real>& lights, std::uint32_t object,
                          const Vec3<typename Config::Real>& position, typename Config::Real time) {
     const std::uint32_t box = box_of(scene, object);
     return has<Config>(Feature::axis_box) && box < scene.axis_boxes.size &&
-           observers.add(l, lights[box], at_rest<Config>(scene, object, position, time));
+           observers.add(l, lights.boxes[box], at_rest<Config>(scene, object, position, time));
 }
 
 // encounter_weight of the lanes that meet an emitter, into `work.weight`; 1 elsewhere.
 template <class Config>
 inline void weigh_encounters(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
-                             const BoxLights<typename Config::Real>& lights,
+                             const LightTable<typename Config::Real>& lights,
                              const Paths<typename Config::Real>& paths, const Surfaces<typename Config::Real>& surfaces,
                              const Hits<typename Config::Real>& hits, const Flags& goes_on) {
     using Real = typename Config::Real;
@@ -95,37 +95,54 @@ inline void weigh_encounters(Connections<typename Config::Real>& work, const Sce
     }
 }
 
-// Chooses the lights of the lanes that connect, and draws the directions.
+// Chooses lights.
 template <class Config>
-inline void draw_lights(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
-                        const BoxLights<typename Config::Real>& lights, const Paths<typename Config::Real>& paths,
-                        const Vectors<typename Config::Real>& positions) {
+inline void choose_lights(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
+                          const LightTable<typename Config::Real>& lights,
+                          const Paths<typename Config::Real>& paths) {
     using Real = typename Config::Real;
     const RandomSeed seed = scene.seed;
+    const std::uint32_t count = scene.lights.size;
 #pragma GCC ivdep
     for (std::uint32_t l = 0; l < width; ++l) {
         const RandomWords words =
             random_words<Config>(seed, {paths.pixel[l], paths.sample[l], paths.segment[l], random_block::light});
-        work.random[l] = words.x;
+        work.drawn.light[l] = static_cast<std::uint32_t>(static_cast<std::uint64_t>(words.x) * count >> 32);
         work.drawn.u[l] = unit_interval<Real>(words.y);
         work.drawn.v[l] = unit_interval<Real>(words.z);
         work.drawn.w[l] = unit_interval<Real>(words.w);
     }
-    work.observers.clear();
-    for (const std::uint32_t l : LaneList(work.connects)) {
-        const std::uint64_t scaled = static_cast<std::uint64_t>(work.random[l]) * scene.lights.size;
-        const std::uint32_t object = scene.lights[static_cast<std::uint32_t>(scaled >> 32)].object;
-        work.light[l] = object;
-        work.emission.set(l, scene.materials[scene.object_material[object]].emission);
-        if (!observes_box<Config>(work.observers, l, scene, lights, object, positions[l], paths.time[l])) {
-            const DirectionSample<Real> sample =
-                sample_direction_to<Config>(scene, object, positions[l], paths.time[l], work.drawn.u[l],
-                                            work.drawn.v[l], work.drawn.w[l]);
-            work.drawn.direction.set(l, sample.direction);
-            work.drawn.inverse_pdf[l] = sample.inverse_pdf;
-        }
+    const std::uint32_t* const object = lights.object.data();
+    const Real *const red = lights.emission[0].data(), *const green = lights.emission[1].data(),
+                      *const blue = lights.emission[2].data();
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < width; ++l) {
+        const std::uint32_t i = work.drawn.light[l];
+        work.light[l] = gathered(object, i);
+        work.emission.set(l, {gathered(red, i), gathered(green, i), gathered(blue, i)});
     }
-    sample_boxes(work.observers, work.drawn);
+}
+
+// Draws the directions of the lanes that connect.
+template <class Config>
+inline void draw_directions(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
+                            const LightTable<typename Config::Real>& lights,
+                            const Paths<typename Config::Real>& paths,
+                            const Vectors<typename Config::Real>& positions) {
+    using Real = typename Config::Real;
+    LightDirections<Real>& drawn = work.drawn;
+    if constexpr (has<Config>(Feature::motion)) {
+        drawn.is_other = work.connects;
+    } else {
+        look_at_lights(drawn, lights, positions, work.connects);
+        sample_boxes(work.observers, drawn, lights);
+    }
+    for (const std::uint32_t l : LaneList(drawn.is_other)) {
+        const DirectionSample<Real> sample = sample_direction_to<Config>(
+            scene, work.light[l], positions[l], paths.time[l], drawn.u[l], drawn.v[l], drawn.w[l]);
+        drawn.direction.set(l, sample.direction);
+        drawn.inverse_pdf[l] = sample.inverse_pdf;
+    }
 }
 
 // The shadow rays; in lanes that send none the path's last ray, which is as good as any.
@@ -163,11 +180,12 @@ inline void weigh_connections(Connections<Real>& work) {
 // connect_next_event of the lanes whose flag `work.connects` is set, at their diffuse vertices.
 template <class Config>
 inline void connect(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
-                    const BoxLights<typename Config::Real>& lights, Paths<typename Config::Real>& paths,
+                    const LightTable<typename Config::Real>& lights, Paths<typename Config::Real>& paths,
                     const Surfaces<typename Config::Real>& surfaces, const Hits<typename Config::Real>& hits,
                     PathCounters& counters) {
     using Real = typename Config::Real;
-    draw_lights<Config>(work, scene, lights, paths, surfaces.position);
+    choose_lights<Config>(work, scene, lights, paths);
+    draw_directions<Config>(work, scene, lights, paths, surfaces.position);
     trace_shadows<Config>(work, scene, paths, surfaces, hits);
     const Real light_count = static_cast<Real>(scene.lights.size);
 #pragma GCC ivdep

@@ -23,20 +23,48 @@ struct BoxLight {
         half = half_extents * inverse_diagonal;
     }
 };
-// By axis box; a scene has as many for all its packets.
+// What lanes look up of lights, for all packets of a scene. `boxes`: by axis box; the rest by light, a number an array,
+// so that vectors are gathered from it.
 template <class Real>
-using BoxLights = std::vector<BoxLight<Real>>;
+struct LightTable {
+    std::vector<BoxLight<Real>> boxes;
+    std::vector<std::uint32_t> object, is_box;
+    std::vector<Real> centre[3], half[3], emission[3], diagonal, inverse_diagonal;
 
-template <class Real>
-inline BoxLights<Real> box_lights_of(const SceneView<Real>& scene) {
-    return {scene.axis_boxes.data, scene.axis_boxes.data + scene.axis_boxes.size};
-}
+    LightTable() = default;
+    explicit LightTable(const SceneView<Real>& scene)
+        : boxes(scene.axis_boxes.data, scene.axis_boxes.data + scene.axis_boxes.size) {
+        for (std::uint32_t i = 0; i < scene.lights.size; ++i) {
+            add(scene, scene.lights[i].object);
+        }
+    }
+
+private:
+    static void push(std::vector<Real> (&arrays)[3], const Vec3<Real>& v) {
+        arrays[0].push_back(v.x);
+        arrays[1].push_back(v.y);
+        arrays[2].push_back(v.z);
+    }
+    void add(const SceneView<Real>& scene, std::uint32_t number) {
+        const std::uint32_t box = number - first_of<ShapeKind::axis_box>(scene);
+        const bool is_one = box < scene.axis_boxes.size;
+        // What another light has for a box is of no account.
+        const BoxLight<Real> light = is_one ? boxes[box] : BoxLight<Real>({Vec3<Real>(Real(-1)), Vec3<Real>(Real(1))});
+        object.push_back(number);
+        is_box.push_back(is_one ? 1u : 0u);
+        push(centre, light.centre);
+        push(half, light.half);
+        push(emission, scene.materials[scene.object_material[number]].emission);
+        diagonal.push_back(light.diagonal);
+        inverse_diagonal.push_back(light.inverse_diagonal);
+    }
+};
 
 // Loops over a packed list run over whole groups of this many; what lies past its end is of no account.
 inline constexpr std::uint32_t group = 16;
 static_assert(width % group == 0);
 
-// Observers of box lights, packed: entry k is that of lane[k].
+// Observers of box lights, packed: entry k is that of lane[k]. Past the end are lanes too, if others than were meant.
 template <class Real>
 struct BoxViews {
     std::uint32_t size = 0;
@@ -45,32 +73,40 @@ struct BoxViews {
     Lanes<Real> diagonal;
     Vectors<Real> share, skew;  // by axis: of SeenBox, and of its SphericalRectangle
     Lanes<Real> total;
+    // Of directions to the box.
+    Lanes<Real> u, v, w, axis;
+    Vectors<Real> direction;
+    Lanes<Real> inverse_pdf;
 
     // Without a branch: what is not to be added is written past the end. To be called once a lane.
-    void add_if(bool condition, std::uint32_t l, const BoxLight<Real>& light, const Vec3<Real>& from) {
+    void add_if(bool condition, std::uint32_t l) {
         lane[size] = l;
-        observer.set(size, from);
-        half.set(size, light.half);
-        diagonal[size] = light.diagonal;
         size += condition ? 1u : 0u;
     }
 };
 
-// The near and the far ones. Others, which see nothing of the box's faces, are left to SeenBox itself.
+// From where the lanes see their boxes: near, far, or within it or on it, where SeenBox itself is asked.
 template <class Real>
 struct BoxObservers {
     BoxViews<Real> near, far;
 
     void clear() { near.size = far.size = 0; }
-    // Returns whether the observer is one of them.
+    // One by one. Returns whether the lane is one of them.
     bool add(std::uint32_t l, const BoxLight<Real>& light, const Vec3<Real>& position) {
         const Vec3<Real> from = (position - light.centre) * light.inverse_diagonal;
-        const bool sees = (absolute(from.x) - light.half.x > Real(0)) | (absolute(from.y) - light.half.y > Real(0)) |
-                          (absolute(from.z) - light.half.z > Real(0));
-        const bool is_near = dot(from, from) < Real(4);
-        near.add_if(sees & is_near, l, light, from);
-        far.add_if(sees & !is_near, l, light, from);
+        const bool sees = sees_faces(from, light.half);
+        BoxViews<Real>& views = dot(from, from) < Real(4) ? near : far;
+        if (sees) {
+            views.observer.set(views.size, from);
+            views.half.set(views.size, light.half);
+            views.diagonal[views.size] = light.diagonal;
+            views.add_if(true, l);
+        }
         return sees;
+    }
+    static bool sees_faces(const Vec3<Real>& from, const Vec3<Real>& half) {
+        return (absolute(from.x) - half.x > Real(0)) | (absolute(from.y) - half.y > Real(0)) |
+               (absolute(from.z) - half.z > Real(0));
     }
 };
 
@@ -212,53 +248,100 @@ struct PickedAxis {
 // Unit directions to lights with 1 / density, by lane.
 template <class Real>
 struct LightDirections {
-    Lanes<Real> u, v, w;  // what they are drawn by
+    Lanes<Real> u, v, w;             // what they are drawn by
+    Lanes<std::uint32_t> light;      // by its number among the lights
+    Vectors<Real> observer;          // of boxes: as SeenBox has it
+    Flags is_near, is_far, is_other;  // how the box is seen, if it is one
     Vectors<Real> direction;
     Lanes<Real> inverse_pdf;
 };
 
-// Packed numbers on their way to and from the lanes.
-template <class Real>
-struct PackedDraws {
-    Lanes<Real> u, v, w, axis, inverse_pdf;
-    Vectors<Real> direction;
+// A gathering load's index is a signed number.
+template <class T>
+inline T gathered(const T* from, std::uint32_t index) {
+    return from[static_cast<std::int32_t>(index)];
+}
 
-    void take(const BoxViews<Real>& views, const LightDirections<Real>& drawn) {
-        for (std::uint32_t k = 0; k < views.size; ++k) {
+// How the lanes that are to draw a direction see their lights.
+template <class Real>
+inline void look_at_lights(LightDirections<Real>& drawn, const LightTable<Real>& table, const Vectors<Real>& positions,
+                           const Flags& draws) {
+    const std::uint32_t* const is_box = table.is_box.data();
+    const Real *const x = table.centre[0].data(), *const y = table.centre[1].data(), *const z = table.centre[2].data();
+    const Real *const half_x = table.half[0].data(), *const half_y = table.half[1].data(),
+                      *const half_z = table.half[2].data(), *const inverse = table.inverse_diagonal.data();
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < width; ++l) {
+        const std::uint32_t i = drawn.light[l];
+        const Vec3<Real> from =
+            (positions[l] - Vec3<Real>{gathered(x, i), gathered(y, i), gathered(z, i)}) * gathered(inverse, i);
+        const bool sees = BoxObservers<Real>::sees_faces(
+            from, Vec3<Real>{gathered(half_x, i), gathered(half_y, i), gathered(half_z, i)});
+        const bool is_near = dot(from, from) < Real(4);
+        const std::uint32_t is_here = sees ? draws[l] & gathered(is_box, i) : 0u;
+        drawn.observer.set(l, from);
+        drawn.is_near[l] = is_near ? is_here : 0u;
+        drawn.is_far[l] = is_near ? 0u : is_here;
+        drawn.is_other[l] = draws[l] - is_here;
+    }
+}
+
+// Takes the lanes of the flags into the list, with all that a direction is drawn by.
+template <class Real>
+inline void pack(BoxViews<Real>& views, const LightDirections<Real>& drawn, const LightTable<Real>& table,
+                 const Flags& flags) {
+    views.size = 0;
+    for (std::uint32_t l = 0; l < width; ++l) {
+        views.add_if(flags[l] != 0, l);
+    }
+    const Real *const half_x = table.half[0].data(), *const half_y = table.half[1].data(),
+                      *const half_z = table.half[2].data(), *const diagonal = table.diagonal.data();
+    for (std::size_t first = 0; first < views.size; first += group) {
+#pragma GCC ivdep
+        for (std::size_t k = first; k < first + group; ++k) {
             const std::uint32_t l = views.lane[k];
-            u[k] = drawn.u[l];
-            v[k] = drawn.v[l];
-            w[k] = drawn.w[l];
+            const std::uint32_t i = gathered(drawn.light.of, l);
+            views.observer.x[k] = gathered(drawn.observer.x.of, l);
+            views.observer.y[k] = gathered(drawn.observer.y.of, l);
+            views.observer.z[k] = gathered(drawn.observer.z.of, l);
+            views.half.x[k] = gathered(half_x, i);
+            views.half.y[k] = gathered(half_y, i);
+            views.half.z[k] = gathered(half_z, i);
+            views.diagonal[k] = gathered(diagonal, i);
+            views.u[k] = gathered(drawn.u.of, l);
+            views.v[k] = gathered(drawn.v.of, l);
+            views.w[k] = gathered(drawn.w.of, l);
         }
     }
-    void give(const BoxViews<Real>& views, LightDirections<Real>& drawn) const {
-        for (std::uint32_t k = 0; k < views.size; ++k) {
-            const std::uint32_t l = views.lane[k];
-            drawn.direction.set(l, direction[k]);
-            drawn.inverse_pdf[l] = inverse_pdf[k];
-        }
+}
+template <class Real>
+inline void unpack(const BoxViews<Real>& views, LightDirections<Real>& drawn) {
+    for (std::uint32_t k = 0; k < views.size; ++k) {
+        const std::uint32_t l = views.lane[k];
+        drawn.direction.set(l, views.direction[k]);
+        drawn.inverse_pdf[l] = views.inverse_pdf[k];
     }
-};
+}
 
 // The faces that fall to `w`, as SeenBox::sample picks them.
 template <class Real>
-inline void pick_axes(const BoxViews<Real>& views, PackedDraws<Real>& draws) {
+inline void pick_axes(BoxViews<Real>& views) {
     for (std::size_t first = 0; first < views.size; first += group) {
 #pragma GCC ivdep
         for (std::size_t k = first; k < first + group; ++k) {
             const Vec3<Real> share = views.share[k];
-            const Real pick = draws.w[k] * views.total[k];
+            const Real pick = views.w[k] * views.total[k];
             const Real last = share.z > Real(0) ? Real(2) : share.y > Real(0) ? Real(1) : Real(0);
             const Real other = pick < share.x + share.y ? Real(1) : Real(2);
-            draws.axis[k] = pick < share.x ? Real(0) : min(other, last);
+            views.axis[k] = pick < share.x ? Real(0) : min(other, last);
         }
     }
 }
 
 template <class Real>
-inline void sample_near(BoxViews<Real>& views, PackedDraws<Real>& draws) {
+inline void sample_near(BoxViews<Real>& views) {
     measure_near(views);
-    pick_axes(views, draws);
+    pick_axes(views);
     for (std::size_t first = 0; first < views.size; first += group) {
 #pragma GCC ivdep
         for (std::size_t k = first; k < first + group; ++k) {
@@ -266,7 +349,7 @@ inline void sample_near(BoxViews<Real>& views, PackedDraws<Real>& draws) {
             const Vec3<Real> half = views.half[k];
             const Vec3<Real> share = views.share[k];
             const Vec3<Real> skew = views.skew[k];
-            const PickedAxis<Real> axis{draws.axis[k]};
+            const PickedAxis<Real> axis{views.axis[k]};
             const Real at_a = axis.of(o.x, o.y, o.z);
             const Real at_b = axis.of(o.y, o.z, o.x);
             const Real at_c = axis.of(o.z, o.x, o.y);
@@ -276,10 +359,10 @@ inline void sample_near(BoxViews<Real>& views, PackedDraws<Real>& draws) {
             const Vec2<Real> point =
                 point_in_rectangle(-half_b - at_b, half_b - at_b, -half_c - at_c, half_c - at_c, height,
                                    axis.of(skew.x, skew.y, skew.z),
-                                   axis.of(share.x, share.y, share.z), draws.u[k], draws.v[k]);
+                                   axis.of(share.x, share.y, share.z), views.u[k], views.v[k]);
             const Vec3<Real> to_light = axis.in_order(at_a > Real(0) ? -height : height, point.x, point.y);
-            draws.direction.set(k, to_light * (Real(1) / square_root(dot(to_light, to_light))));
-            draws.inverse_pdf[k] = views.total[k];
+            views.direction.set(k, to_light * (Real(1) / square_root(dot(to_light, to_light))));
+            views.inverse_pdf[k] = views.total[k];
         }
     }
 }
@@ -291,40 +374,39 @@ inline Real far_inverse_pdf(Real total, Real distance, Real diagonal) {
 }
 
 template <class Real>
-inline void sample_far(BoxViews<Real>& views, PackedDraws<Real>& draws) {
+inline void sample_far(BoxViews<Real>& views) {
     measure_far(views);
-    pick_axes(views, draws);
+    pick_axes(views);
     for (std::size_t first = 0; first < views.size; first += group) {
 #pragma GCC ivdep
         for (std::size_t k = first; k < first + group; ++k) {
             const Vec3<Real> o = views.observer[k];
             const Vec3<Real> half = views.half[k];
-            const PickedAxis<Real> axis{draws.axis[k]};
+            const PickedAxis<Real> axis{views.axis[k]};
             const Real at_a = axis.of(o.x, o.y, o.z);
             const Real half_a = axis.of(half.x, half.y, half.z);
             const Real face = at_a > Real(0) ? half_a : -half_a;
-            const Real b = (Real(2) * draws.u[k] - Real(1)) * axis.of(half.y, half.z, half.x);
-            const Real c = (Real(2) * draws.v[k] - Real(1)) * axis.of(half.z, half.x, half.y);
+            const Real b = (Real(2) * views.u[k] - Real(1)) * axis.of(half.y, half.z, half.x);
+            const Real c = (Real(2) * views.v[k] - Real(1)) * axis.of(half.z, half.x, half.y);
             const Vec3<Real> to_light =
                 axis.in_order(face - at_a, b - axis.of(o.y, o.z, o.x), c - axis.of(o.z, o.x, o.y));
             const Real length = square_root(dot(to_light, to_light));
-            draws.direction.set(k, to_light * (Real(1) / length));
-            draws.inverse_pdf[k] =
+            views.direction.set(k, to_light * (Real(1) / length));
+            views.inverse_pdf[k] =
                 far_inverse_pdf(views.total[k], length * views.diagonal[k], views.diagonal[k]);
         }
     }
 }
 
-// SeenBox::sample for every observer.
+// SeenBox::sample of the lanes that look at a box.
 template <class Real>
-inline void sample_boxes(BoxObservers<Real>& observers, LightDirections<Real>& drawn) {
-    PackedDraws<Real> draws;
-    draws.take(observers.near, drawn);
-    sample_near(observers.near, draws);
-    draws.give(observers.near, drawn);
-    draws.take(observers.far, drawn);
-    sample_far(observers.far, draws);
-    draws.give(observers.far, drawn);
+inline void sample_boxes(BoxObservers<Real>& observers, LightDirections<Real>& drawn, const LightTable<Real>& table) {
+    pack(observers.near, drawn, table, drawn.is_near);
+    sample_near(observers.near);
+    unpack(observers.near, drawn);
+    pack(observers.far, drawn, table, drawn.is_far);
+    sample_far(observers.far);
+    unpack(observers.far, drawn);
 }
 
 }  // namespace pt::lanes

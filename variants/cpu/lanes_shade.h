@@ -120,11 +120,11 @@ inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename
 }
 
 // On return each path that `goes_on` at first has its next ray, or is over. The scene has an object. `work`, `lights`:
-// for kernels with connections; the lights are box_lights_of the scene.
+// for kernels with connections; the lights are the scene's.
 template <class Config>
 inline void shade(Paths<typename Config::Real>& paths, Flags& goes_on, const SceneView<typename Config::Real>& scene,
                   const Hits<typename Config::Real>& hits, Connections<typename Config::Real>& work,
-                  const BoxLights<typename Config::Real>& lights, PathCounters& counters) {
+                  const LightTable<typename Config::Real>& lights, PathCounters& counters) {
     using Real = typename Config::Real;
     const bool is_connected = has<Config>(Feature::next_event) && scene.next_event != 0;
     Surfaces<Real> surfaces;

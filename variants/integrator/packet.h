@@ -126,7 +126,7 @@ class Packet {
 public:
     using Real = typename Config::Real;
 
-    Packet(const SceneView<Real>& scene, const FilmView& film, const lanes::BoxLights<Real>& lights,
+    Packet(const SceneView<Real>& scene, const FilmView& film, const lanes::LightTable<Real>& lights,
            const PathRange& range, EndedAfter& ended_after)
         : scene_(scene), film_(film), lights_(lights), camera_rays_(scene, range), ended_after_(ended_after) {}
 
@@ -187,7 +187,7 @@ private:
 
     const SceneView<Real>& scene_;
     const FilmView& film_;
-    const lanes::BoxLights<Real>& lights_;
+    const lanes::LightTable<Real>& lights_;
     CameraRays<Config> camera_rays_;
     EndedAfter& ended_after_;
     lanes::Paths<Real> paths_;
@@ -208,7 +208,7 @@ template <class Config>
 void render(RenderJobIn<typename Config::Real>& job) {
     std::atomic<std::uint64_t> rays = 0, paths = 0, connections = 0, unfinished = 0;
     using Real = typename Config::Real;
-    const auto lights = job.scene.next_event != 0 ? lanes::box_lights_of(job.scene) : lanes::BoxLights<Real>();
+    const auto lights = job.scene.next_event != 0 ? lanes::LightTable<Real>(job.scene) : lanes::LightTable<Real>();
     EndedAfter ended_after(job.stages != nullptr ? job.scene.longest_path() + 1 : 0);
     {
         const StageClock clock(job.stages, "trace");
