@@ -79,9 +79,9 @@ struct BoxViews {
     Lanes<Real> inverse_pdf;
 
     // Without a branch: what is not to be added is written past the end. To be called once a lane.
-    void add_if(bool condition, std::uint32_t l) {
+    void add_if(std::uint32_t flag, std::uint32_t l) {
         lane[size] = l;
-        size += condition ? 1u : 0u;
+        size += flag;
     }
 };
 
@@ -100,7 +100,7 @@ struct BoxObservers {
             views.observer.set(views.size, from);
             views.half.set(views.size, light.half);
             views.diagonal[views.size] = light.diagonal;
-            views.add_if(true, l);
+            views.add_if(1, l);
         }
         return sees;
     }
@@ -292,7 +292,7 @@ inline void pack(BoxViews<Real>& views, const LightDirections<Real>& drawn, cons
                  const Flags& flags) {
     views.size = 0;
     for (std::uint32_t l = 0; l < width; ++l) {
-        views.add_if(flags[l] != 0, l);
+        views.add_if(flags[l], l);
     }
     const Real *const half_x = table.half[0].data(), *const half_y = table.half[1].data(),
                       *const half_z = table.half[2].data(), *const diagonal = table.diagonal.data();

@@ -170,12 +170,21 @@ private:
         const lanes::LaneList list(ended);
         counters.paths += list.size();
         for (const std::uint32_t l : list) {
-            film_.add(paths_.pixel[l], paths_.radiance[l]);
+            add_to_film(l);
             if (!ended_after_.empty()) {
                 ended_after_[paths_.segment[l]].fetch_add(1, std::memory_order_relaxed);
             }
             refill(l);
         }
+    }
+
+    // Without an atomic addition: a pixel's samples are all in one packet.
+    void add_to_film(std::uint32_t l) {
+        const FilmSum sum = film_.quanta(paths_.radiance[l]);
+        std::int64_t* const target = film_.sums + 3 * static_cast<std::size_t>(paths_.pixel[l]);
+        target[0] += sum.x;
+        target[1] += sum.y;
+        target[2] += sum.z;
     }
 
     void refill(std::uint32_t l) {
