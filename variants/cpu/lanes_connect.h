@@ -45,9 +45,9 @@ inline std::uint32_t box_of(const SceneView<Real>& scene, std::uint32_t object) 
 // Adds the lane to the observers of box lights. False: the light is none, or shows no face.
 template <class Config>
 inline bool observes_box(BoxObservers<typename Config::Real>& observers, std::uint32_t l,
-                         const SceneView<typename Config::Real>& scene,
-                         const LightTable<typename Config::Real>& lights, std::uint32_t object,
-                         const Vec3<typename Config::Real>& position, typename Config::Real time) {
+                         const SceneView<typename Config::Real>& scene, const LightTable<typename Config::Real>& lights,
+                         std::uint32_t object, const Vec3<typename Config::Real>& position,
+                         typename Config::Real time) {
     const std::uint32_t box = box_of(scene, object);
     return has<Config>(Feature::axis_box) && box < scene.axis_boxes.size &&
            observers.add(l, lights.boxes[box], at_rest<Config>(scene, object, position, time));
@@ -56,9 +56,9 @@ inline bool observes_box(BoxObservers<typename Config::Real>& observers, std::ui
 // encounter_weight of the lanes that meet an emitter, into `work.weight`; 1 elsewhere.
 template <class Config>
 inline void weigh_encounters(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
-                             const LightTable<typename Config::Real>& lights,
-                             const Paths<typename Config::Real>& paths, const Surfaces<typename Config::Real>& surfaces,
-                             const Hits<typename Config::Real>& hits, const Flags& goes_on) {
+                             const LightTable<typename Config::Real>& lights, const Paths<typename Config::Real>& paths,
+                             const Surfaces<typename Config::Real>& surfaces, const Hits<typename Config::Real>& hits,
+                             const Flags& goes_on) {
     using Real = typename Config::Real;
     Flags asks;
     const bool by_connection_only = !has<Config>(Feature::multiple_importance) || scene.mis_exponent == 0;
@@ -81,8 +81,8 @@ inline void weigh_encounters(Connections<typename Config::Real>& work, const Sce
         }
     }
     const auto set = [&](std::uint32_t l, Real inverse_pdf) {
-        work.weight[l] = mis_weight_bsdf(paths.bsdf_pdf[l] * inverse_pdf * static_cast<Real>(scene.lights.size),
-                                         scene.mis_exponent);
+        work.weight[l] =
+            mis_weight_bsdf(paths.bsdf_pdf[l] * inverse_pdf * static_cast<Real>(scene.lights.size), scene.mis_exponent);
     };
     measure_near(observers.near);
     for (std::uint32_t k = 0; k < observers.near.size; ++k) {
@@ -98,8 +98,7 @@ inline void weigh_encounters(Connections<typename Config::Real>& work, const Sce
 // Chooses lights.
 template <class Config>
 inline void choose_lights(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
-                          const LightTable<typename Config::Real>& lights,
-                          const Paths<typename Config::Real>& paths) {
+                          const LightTable<typename Config::Real>& lights, const Paths<typename Config::Real>& paths) {
     using Real = typename Config::Real;
     const RandomSeed seed = scene.seed;
     const std::uint32_t count = scene.lights.size;
@@ -126,8 +125,7 @@ inline void choose_lights(Connections<typename Config::Real>& work, const SceneV
 // Draws the directions of the lanes that connect.
 template <class Config>
 inline void draw_directions(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
-                            const LightTable<typename Config::Real>& lights,
-                            const Paths<typename Config::Real>& paths,
+                            const LightTable<typename Config::Real>& lights, const Paths<typename Config::Real>& paths,
                             const Vectors<typename Config::Real>& positions) {
     using Real = typename Config::Real;
     LightDirections<Real>& drawn = work.drawn;

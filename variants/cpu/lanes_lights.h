@@ -248,9 +248,9 @@ struct PickedAxis {
 // Unit directions to lights with 1 / density, by lane.
 template <class Real>
 struct LightDirections {
-    Lanes<Real> u, v, w;             // what they are drawn by
-    Lanes<std::uint32_t> light;      // by its number among the lights
-    Vectors<Real> observer;          // of boxes: as SeenBox has it
+    Lanes<Real> u, v, w;              // what they are drawn by
+    Lanes<std::uint32_t> light;       // by its number among the lights
+    Vectors<Real> observer;           // of boxes: as SeenBox has it
     Flags is_near, is_far, is_other;  // how the box is seen, if it is one
     Vectors<Real> direction;
     Lanes<Real> inverse_pdf;
@@ -356,10 +356,9 @@ inline void sample_near(BoxViews<Real>& views) {
             const Real half_b = axis.of(half.y, half.z, half.x);
             const Real half_c = axis.of(half.z, half.x, half.y);
             const Real height = absolute(at_a) - axis.of(half.x, half.y, half.z);
-            const Vec2<Real> point =
-                point_in_rectangle(-half_b - at_b, half_b - at_b, -half_c - at_c, half_c - at_c, height,
-                                   axis.of(skew.x, skew.y, skew.z),
-                                   axis.of(share.x, share.y, share.z), views.u[k], views.v[k]);
+            const Vec2<Real> point = point_in_rectangle(-half_b - at_b, half_b - at_b, -half_c - at_c, half_c - at_c,
+                                                        height, axis.of(skew.x, skew.y, skew.z),
+                                                        axis.of(share.x, share.y, share.z), views.u[k], views.v[k]);
             const Vec3<Real> to_light = axis.in_order(at_a > Real(0) ? -height : height, point.x, point.y);
             views.direction.set(k, to_light * (Real(1) / square_root(dot(to_light, to_light))));
             views.inverse_pdf[k] = views.total[k];
@@ -392,8 +391,7 @@ inline void sample_far(BoxViews<Real>& views) {
                 axis.in_order(face - at_a, b - axis.of(o.y, o.z, o.x), c - axis.of(o.z, o.x, o.y));
             const Real length = square_root(dot(to_light, to_light));
             views.direction.set(k, to_light * (Real(1) / length));
-            views.inverse_pdf[k] =
-                far_inverse_pdf(views.total[k], length * views.diagonal[k], views.diagonal[k]);
+            views.inverse_pdf[k] = far_inverse_pdf(views.total[k], length * views.diagonal[k], views.diagonal[k]);
         }
     }
 }
