@@ -1,5 +1,6 @@
 // Packets that connect their vertices to lights over all lanes at once leave the film of a path at a time, to the last
 // bit, with as many rays: over lights of every kind, near, far and round the vertex, moving ones, and every weighting.
+#include <algorithm>
 #include <functional>
 
 #include <gtest/gtest.h>
@@ -47,6 +48,7 @@ void expect_one_film(const Scene& scene, const std::string& name) {
     using Kernel = Config<float, features>;
     RenderSettings settings = default_settings(scene);
     settings.width = settings.height = 24;
+    settings.depth = std::max(settings.depth, 4u);
     settings.seed = 3;
     settings.next_event = true;
     for (const std::uint32_t exponent : {0u, 1u, 2u}) {
