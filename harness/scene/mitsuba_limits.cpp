@@ -63,6 +63,12 @@ void check_material(const SceneMaterial& material, Problems& problems) {
         case MaterialType::subsurface:
             problems.add(place, "subsurface", "another material: Mitsuba counts each scattering towards its max_depth");
             return;
+        case MaterialType::rough_conductor:
+        case MaterialType::rough_dielectric:
+            problems.add(place, "rough facets",
+                         "another material: Mitsuba masks the facets of each direction on its own, ptbench of both "
+                         "together (Heitz 2014)");
+            return;
         default:
             problems.add(place, "a material that has no counterpart in Mitsuba",
                          "diffuse, emitter, mirror, mix (with mirror_probability 0 or 1) or dielectric");

@@ -24,7 +24,19 @@ PAGES = [
     *sorted((ROOT / "docs/findings").glob("*.md")),
     *sorted((ROOT / "docs/claims").glob("*.md")),
 ]
-FOLDERS = ("analysis", "claims", "cmake", "docs", "harness", "kernels", "packaging", "results", "scenes", "tests", "variants")
+FOLDERS = (
+    "analysis",
+    "claims",
+    "cmake",
+    "docs",
+    "harness",
+    "kernels",
+    "packaging",
+    "results",
+    "scenes",
+    "tests",
+    "variants",
+)
 # What a page has its reader write. None may be there: then it would be no example any more.
 WRITTEN_BY_THE_READER = {
     "variants/compaction/my_scan.cpp",

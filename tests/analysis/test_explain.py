@@ -435,10 +435,11 @@ LAST_AXES = {
     "traversal": "while_while",
     "traversal_stack": "local",
     "levels": "each_object",
+    "light_sampling": "solid_angle",
 }
 
 
-@pytest.mark.parametrize("known", [0, 1, 3, 5, 6])
+@pytest.mark.parametrize("known", [0, 1, 3, 5, 6, 7])
 def test_counters_are_found_whichever_of_the_last_axes_a_file_is_too_old_to_name(known):
     result = load(H200 / "schedulers.json")
     (cell,) = (

@@ -51,7 +51,7 @@ TEST(BadCallsTest, Subcommands) {
     expect_refusal(
         {}, 2,
         "command line: subcommand: found none, allowed: list, run, merge, render, verify, inspect, autotune, import, "
-        "generate, machine");
+        "export, generate, machine");
     expect_refusal({"frob"}, 2, "The following argument was not expected: frob (see ptbench --help)\n");
     expect_refusal({"--frob"}, 2, "The following argument was not expected: --frob (see ptbench --help)\n");
     expect_refusal({"list", "--frob"}, 2, "The following argument was not expected: --frob");

@@ -124,6 +124,7 @@ TEST(ExportCommandTest, EveryReasonIsListedAndNothingIsWritten) {
         R"("gold": {"type": "mix", "albedo": [1, 1, 1], "reflectance": [1, 1, 1], "mirror_probability": 0.5},
            "wax": {"type": "subsurface", "sigma_s": [1, 1, 1]}, "lamp": {"type": "emitter", "radiance": [1, 1, 1]},
            "unused": {"type": "subsurface", "sigma_s": [1, 1, 1]},
+           "steel": {"type": "rough_conductor", "reflectance": [1, 1, 1], "roughness": 0.5},
            "glass": {"type": "dielectric", "ior": 1.5}, "ink": {"type": "dielectric", "ior": 1, "sigma_a": [1, 0, 0]})";
     const std::string objects =
         R"({"shape": "sphere", "material": "gold", "scale": [1, 2, 1]},
@@ -131,6 +132,7 @@ TEST(ExportCommandTest, EveryReasonIsListedAndNothingIsWritten) {
            {"shape": "box", "material": "glass", "translate": [0, 1, 8]},
            {"shape": "box", "material": "lamp", "translate": [0.5, 1, 8]},
            {"shape": "sphere", "material": "ink", "translate": [0, 1.5, 8], "scale": 0.5},
+           {"shape": "quad", "material": "steel"},
            {"shape": "mesh", "material": "lamp", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2]]})";
     const Exported exported(scene_text(R"(, "jitter": false, "shutter": {"open": 0, "close": 1})", materials, objects));
     EXPECT_EQ(exported.command.exit_code, 2);
@@ -139,6 +141,7 @@ TEST(ExportCommandTest, EveryReasonIsListedAndNothingIsWritten) {
     const Arguments begins{
         "$.camera.jitter: found false, allowed: true",
         "$.materials.gold.mirror_probability: found 0.5, allowed: 0 or 1",
+        "$.materials.steel: found rough facets, allowed: another material",
         "$.materials.wax: found subsurface, allowed: another material",
         "$.objects[0].scale: found [1, 2, 1], allowed: one number for a sphere",
         "$.objects[1].velocity: found [1, 0, 0], allowed: 0 while the shutter is open",
@@ -146,7 +149,7 @@ TEST(ExportCommandTest, EveryReasonIsListedAndNothingIsWritten) {
         "$.objects[2]: found a dielectric whose box meets that of $.objects[3], a lamp, allowed: lamps outside",
         "$.objects[2]: found a dielectric whose box meets that of $.objects[4], a dielectric, and one of them absorbs",
         "$.objects[4]: found a dielectric whose box meets that of $.objects[2], a dielectric, and one of them absorbs",
-        "$.objects[5]: found the mesh of the scene file, which emits and is not closed, allowed: a closed mesh",
+        "$.objects[6]: found the mesh of the scene file, which emits and is not closed, allowed: a closed mesh",
     };
     std::istringstream lines(exported.command.err);
     std::string line;
@@ -155,7 +158,7 @@ TEST(ExportCommandTest, EveryReasonIsListedAndNothingIsWritten) {
         EXPECT_EQ(line.substr(0, 21 + begin.size()), "ptbench: small.json: " + begin);
     }
     std::getline(lines, line);
-    EXPECT_EQ(line, "ptbench: small.json: 10 problems; nothing is written");
+    EXPECT_EQ(line, "ptbench: small.json: 11 problems; nothing is written");
     EXPECT_FALSE(std::getline(lines, line));
 }
 

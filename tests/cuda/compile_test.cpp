@@ -171,6 +171,11 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
                                           {"integrator", "megakernel"}}));
     }
     add_by_turns(room, {{"specialisation", "generic"}, {"precision", "double"}, {"direct_light", "nee_mis"}}, 3);
+    for (const std::string& sampling : choices_of("light_sampling")) {
+        add_by_turns(five, {{"light_sampling", sampling}, {"direct_light", "nee_mis"}}, 6);
+        add_by_turns(five, {{"light_sampling", sampling}, {"direct_light", "nee"}, {"precision", "double"}},
+                     integrators.size());
+    }
     for (const std::string& accelerator : choices_of("accelerator")) {
         for (const std::string& traversal : choices_of("traversal")) {
             for (const std::string& stack : choices_of("traversal_stack")) {

@@ -16,6 +16,7 @@ using test::SceneBuilder;
 
 constexpr int scenes = 900;
 constexpr const char* integrators[] = {"depth_first", "packet", "wavefront", "packet"};
+constexpr const char* direct_lights[] = {"final_bounce", "off", "nee_mis", "off", "nee"};
 
 class RandomScene {
 public:
@@ -125,7 +126,7 @@ private:
 };
 
 TEST(FeatureFuzz, GenericAndFeaturesLeaveOneFilm) {
-    int rooms = 0, specialised = 0, lit = 0;
+    int rooms = 0, specialised = 0, connected = 0, lit = 0;
     for (int seed = 0; seed < scenes; ++seed) {
         const RandomScene random(static_cast<std::uint64_t>(seed));
         const Scene& scene = random.scene();
@@ -137,7 +138,7 @@ TEST(FeatureFuzz, GenericAndFeaturesLeaveOneFilm) {
             request.settings.seed = static_cast<std::uint64_t>(seed);
             // A packet is also to leave the film of a path at a time.
             request.variant.set("integrator", integrator == "packet" && expected.empty() ? "depth_first" : integrator);
-            request.variant.set("direct_light", seed % 3 == 0 ? "final_bounce" : "off");
+            request.variant.set("direct_light", direct_lights[seed % std::size(direct_lights)]);
             request.variant.set("specialisation", specialisation);
             const RenderResult result = render(scene, request);
             if (expected.empty()) {
@@ -148,12 +149,15 @@ TEST(FeatureFuzz, GenericAndFeaturesLeaveOneFilm) {
             ASSERT_EQ(result.film.hash(), expected) << "seed " << seed << ", " << request.variant.spelled_out() << ", "
                                                     << testing::PrintToString(feature_names(result.compiled));
             rooms += contains(result.compiled, Feature::enclosure) ? 1 : 0;
-            specialised += (result.compiled & all_features) != all_features ? 1 : 0;
+            const bool is_specialised = (result.compiled & all_features) != all_features;
+            specialised += is_specialised ? 1 : 0;
+            connected += is_specialised && result.work.connections > 0 ? 1 : 0;
         }
     }
     // The random scenes reach what they are for.
     EXPECT_GT(rooms, 30);
     EXPECT_GT(specialised, 100);
+    EXPECT_GT(connected, 20);
     EXPECT_GT(lit, 250);
 }
 

@@ -101,6 +101,7 @@ TEST(ShippedScenes, HaveExactKernelsOfEveryIntegrator) {
 }
 
 TEST(ShippedScenes, NeedEveryListedFeatureSet) {
+    constexpr FeatureSet estimators = (Feature::final_bounce | Feature::next_event) | Feature::multiple_importance;
     std::set<FeatureSet> needed;
     for (const std::filesystem::path& file : scene_files()) {
         needed.insert(features_of(load_scene(file.string())));
@@ -109,8 +110,25 @@ TEST(ShippedScenes, NeedEveryListedFeatureSet) {
     std::set<FeatureSet> listed;
     for (const FeatureSet features : listed_sets()) {
         EXPECT_TRUE(listed.insert(features).second) << "listed twice: " << names_of(features);
-        const FeatureSet of_scene = features & ~(shortcuts | Feature::final_bounce);
+        const FeatureSet of_scene = features & ~(shortcuts | estimators);
         EXPECT_TRUE(needed.contains(of_scene)) << "no scene needs " << names_of(features);
+    }
+}
+
+// On every CPU integrator, so that what direct light costs there is not the price of a kernel for every scene.
+TEST(ShippedScenes, OfTheBoxesHaveKernelsWithDirectLight) {
+    for (const char* const name : {"cornell_open", "cornell_open_45", "cornell_closed", "cornell_open_one",
+                                   "cornell_open_five", "cornell_closed_five", "many_lights", "small_light"}) {
+        for (const char* const integrator : {"depth_first", "packet", "wavefront"}) {
+            for (const char* const direct_light : {"nee", "nee_mis"}) {
+                Variant variant = Registry::instance().baseline();
+                variant.set("integrator", integrator);
+                variant.set("direct_light", direct_light);
+                const KernelChoice kernel = choose_kernel(shipped(name), variant);
+                EXPECT_FALSE(is_superset(kernel.compiled, all_features))
+                    << name << " by " << variant.spelled_out() << " needs " << names_of(kernel.needed);
+            }
+        }
     }
 }
 

@@ -3,6 +3,8 @@
 // no branches, `&` and `|` in place of `&&` and `||`, and no test of a single bit.
 #pragma once
 
+#include <cstddef>
+
 #include "kernels/shade.h"
 
 namespace pt::lanes {
@@ -11,12 +13,13 @@ namespace pt::lanes {
 // the rays of 16, and 128 no more.
 inline constexpr std::uint32_t width = 64;
 
+// Indices are as wide as an address: one that may wrap round is in the way of vectors.
 template <class T>
 struct alignas(64) Lanes {
     T of[width];
 
-    T& operator[](std::uint32_t lane) { return of[lane]; }
-    const T& operator[](std::uint32_t lane) const { return of[lane]; }
+    T& operator[](std::size_t lane) { return of[lane]; }
+    const T& operator[](std::size_t lane) const { return of[lane]; }
 };
 
 // 1 or 0: a truth value as wide as a number.
@@ -54,13 +57,13 @@ template <class Real>
 struct Vectors {
     Lanes<Real> x, y, z;
 
-    Vec3<Real> operator[](std::uint32_t lane) const { return {x[lane], y[lane], z[lane]}; }
-    void set(std::uint32_t lane, const Vec3<Real>& v) {
+    Vec3<Real> operator[](std::size_t lane) const { return {x[lane], y[lane], z[lane]}; }
+    void set(std::size_t lane, const Vec3<Real>& v) {
         x[lane] = v.x;
         y[lane] = v.y;
         z[lane] = v.z;
     }
-    void set_if(bool condition, std::uint32_t lane, const Vec3<Real>& v) {
+    void set_if(bool condition, std::size_t lane, const Vec3<Real>& v) {
         x[lane] = condition ? v.x : x[lane];
         y[lane] = condition ? v.y : y[lane];
         z[lane] = condition ? v.z : z[lane];

@@ -3,7 +3,7 @@
 // by surface_at, lane by lane. The formulas are the kernels', in their order, so a path has the same bits.
 #pragma once
 
-#include "variants/cpu/lanes_intersect.h"
+#include "variants/cpu/lanes_connect.h"
 
 namespace pt::lanes {
 
@@ -12,18 +12,8 @@ namespace pt::lanes {
 template <class Config>
 inline constexpr bool shades_in_lanes = (Config::features &
                                          (Feature::emission | Feature::absorption | Feature::environment |
-                                          Feature::final_bounce | Feature::next_event | Feature::multiple_importance |
-                                          Feature::russian_roulette | Feature::matrix | samplers)) == 0;
-
-// What the rays hit.
-template <class Real>
-struct Surfaces {
-    Vectors<Real> colour, position, normal;  // the normal on the ray's side
-    Lanes<std::uint32_t> type;
-    Flags by_surface_at, by_shade;  // how the lane goes on, if not with the others
-};
-
-inline bool is_type(std::uint32_t type, MaterialType asked) { return type == static_cast<std::uint32_t>(asked); }
+                                          Feature::final_bounce | light_samplings | Feature::russian_roulette |
+                                          Feature::matrix | samplers)) == 0;
 
 // Loads at addresses that depend on the lane: no vectors. A lane that hit nothing reads object 0.
 template <class Real>
@@ -36,16 +26,22 @@ inline void look_up(Surfaces<Real>& surfaces, const SceneView<Real>& scene, cons
     }
 }
 
-// Counts the segment, collects what an emitter sends, and says which paths go on.
+// Counts the segment, collects what an emitter sends, and says which paths go on. `weight`: what emitters count that
+// are met, in a kernel with connections.
 template <class Config>
 inline void meet(Paths<typename Config::Real>& paths, Flags& goes_on, const Surfaces<typename Config::Real>& surfaces,
-                 const Hits<typename Config::Real>& hits, std::uint32_t depth) {
+                 const Hits<typename Config::Real>& hits, const Lanes<typename Config::Real>& weight,
+                 std::uint32_t depth) {
     using Real = typename Config::Real;
 #pragma GCC ivdep
     for (std::uint32_t l = 0; l < width; ++l) {
         const bool hits_one = SurfaceId{hits.side[l]}.exists();
         const bool emits = has<Config>(Feature::emitter) & is_type(surfaces.type[l], MaterialType::emitter);
-        const Vec3<Real> light = paths.radiance[l] + paths.throughput[l] * surfaces.colour[l];
+        Vec3<Real> met = paths.throughput[l] * surfaces.colour[l];
+        if constexpr (has<Config>(Feature::next_event)) {
+            met = met * weight[l];
+        }
+        const Vec3<Real> light = paths.radiance[l] + met;
         const std::uint32_t segment = paths.segment[l] + 1;
         paths.radiance.set_if(hits_one & emits, l, light);
         paths.segment[l] = segment;
@@ -92,9 +88,10 @@ inline void place_others(Surfaces<typename Config::Real>& surfaces, const SceneV
     }
 }
 
+// `is_connected`: the diffuse vertices were.
 template <class Config>
 inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename Config::Real>& surfaces,
-                    const RandomSeed& seed, const Hits<typename Config::Real>& hits) {
+                    const RandomSeed& seed, const Hits<typename Config::Real>& hits, bool is_connected) {
     using Real = typename Config::Real;
 #pragma GCC ivdep
     for (std::uint32_t l = 0; l < width; ++l) {
@@ -106,6 +103,12 @@ inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename
         const Vec3<Real> mirrored = reflect(paths.direction[l], normal);
         const bool is_diffuse = is_type(surfaces.type[l], MaterialType::diffuse);
         const bool is_here = surfaces.by_shade[l] == 0;
+        if constexpr (has<Config>(Feature::next_event)) {
+            // Never 0, which says that there was no connection.
+            constexpr Real least = Real(0x1p-60);
+            const Real pdf = max(dot(spread, normal), least) * (Real(1) / pi<Real>);
+            paths.bsdf_pdf[l] = is_here ? (is_diffuse & is_connected ? pdf : Real(0)) : paths.bsdf_pdf[l];
+        }
         paths.throughput.set_if(is_here, l, paths.throughput[l] * surfaces.colour[l]);
         paths.origin.set_if(is_here, l, surfaces.position[l]);
         paths.direction.set_if(is_here, l,
@@ -116,14 +119,20 @@ inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename
     }
 }
 
-// On return each path that `goes_on` at first has its next ray, or is over. The scene has an object.
+// On return each path that `goes_on` at first has its next ray, or is over. The scene has an object. `work`, `lights`:
+// for kernels with connections; the lights are the scene's.
 template <class Config>
 inline void shade(Paths<typename Config::Real>& paths, Flags& goes_on, const SceneView<typename Config::Real>& scene,
-                  const Hits<typename Config::Real>& hits, PathCounters& counters) {
+                  const Hits<typename Config::Real>& hits, Connections<typename Config::Real>& work,
+                  const LightTable<typename Config::Real>& lights, PathCounters& counters) {
     using Real = typename Config::Real;
+    const bool is_connected = has<Config>(Feature::next_event) && scene.next_event != 0;
     Surfaces<Real> surfaces;
     look_up(surfaces, scene, hits);
-    meet<Config>(paths, goes_on, surfaces, hits, scene.depth);
+    if constexpr (has<Config>(Feature::next_event)) {
+        weigh_encounters<Config>(work, scene, lights, paths, surfaces, hits, goes_on);
+    }
+    meet<Config>(paths, goes_on, surfaces, hits, work.weight, scene.depth);
     place_on_enclosure<Config>(surfaces, scene, paths, hits, goes_on);
     place_others<Config>(surfaces, scene, paths, hits);
     for (const std::uint32_t l : LaneList(surfaces.by_shade)) {
@@ -132,7 +141,16 @@ inline void shade(Paths<typename Config::Real>& paths, Flags& goes_on, const Sce
         goes_on[l] = pt::shade<Config>(scene, scene, path, hits[l], counters) ? 1u : 0u;
         paths.store(l, path);
     }
-    scatter<Config>(paths, surfaces, scene.seed, hits);
+    if constexpr (has<Config>(Feature::next_event)) {
+        if (is_connected) {
+            for (std::uint32_t l = 0; l < width; ++l) {
+                const bool is_here = is_type(surfaces.type[l], MaterialType::diffuse) & (surfaces.by_shade[l] == 0);
+                work.connects[l] = is_here ? goes_on[l] : 0u;
+            }
+            connect<Config>(work, scene, lights, paths, surfaces, hits, counters);
+        }
+    }
+    scatter<Config>(paths, surfaces, scene.seed, hits, is_connected);
 }
 
 }  // namespace pt::lanes

@@ -126,8 +126,9 @@ class Packet {
 public:
     using Real = typename Config::Real;
 
-    Packet(const SceneView<Real>& scene, const FilmView& film, const PathRange& range, EndedAfter& ended_after)
-        : scene_(scene), film_(film), camera_rays_(scene, range), ended_after_(ended_after) {}
+    Packet(const SceneView<Real>& scene, const FilmView& film, const lanes::LightTable<Real>& lights,
+           const PathRange& range, EndedAfter& ended_after)
+        : scene_(scene), film_(film), lights_(lights), camera_rays_(scene, range), ended_after_(ended_after) {}
 
     void trace_all(PathCounters& counters) {
         for (std::uint32_t l = 0; l < lanes::width; ++l) {
@@ -149,7 +150,7 @@ private:
     void shade(PathCounters& counters) {
         if constexpr (lanes::shades_in_lanes<Config>) {
             if (scene_.surfaces.size != 0) {
-                lanes::shade<Config>(paths_, live_, scene_, hits_, counters);
+                lanes::shade<Config>(paths_, live_, scene_, hits_, connections_, lights_, counters);
                 return;
             }
         }
@@ -169,12 +170,21 @@ private:
         const lanes::LaneList list(ended);
         counters.paths += list.size();
         for (const std::uint32_t l : list) {
-            film_.add(paths_.pixel[l], paths_.radiance[l]);
+            add_to_film(l);
             if (!ended_after_.empty()) {
                 ended_after_[paths_.segment[l]].fetch_add(1, std::memory_order_relaxed);
             }
             refill(l);
         }
+    }
+
+    // Without an atomic addition: a pixel's samples are all in one packet.
+    void add_to_film(std::uint32_t l) {
+        const FilmSum sum = film_.quanta(paths_.radiance[l]);
+        std::int64_t* const target = film_.sums + 3 * static_cast<std::size_t>(paths_.pixel[l]);
+        target[0] += sum.x;
+        target[1] += sum.y;
+        target[2] += sum.z;
     }
 
     void refill(std::uint32_t l) {
@@ -186,10 +196,12 @@ private:
 
     const SceneView<Real>& scene_;
     const FilmView& film_;
+    const lanes::LightTable<Real>& lights_;
     CameraRays<Config> camera_rays_;
     EndedAfter& ended_after_;
     lanes::Paths<Real> paths_;
     lanes::Hits<Real> hits_;
+    lanes::Connections<Real> connections_{};
     lanes::Flags live_;  // a lane without a path computes what nobody reads
 };
 
@@ -204,6 +216,8 @@ inline std::size_t pixels_per_chunk(std::size_t pixels, std::uint32_t samples) {
 template <class Config>
 void render(RenderJobIn<typename Config::Real>& job) {
     std::atomic<std::uint64_t> rays = 0, paths = 0, connections = 0, unfinished = 0;
+    using Real = typename Config::Real;
+    const auto lights = job.scene.next_event != 0 ? lanes::LightTable<Real>(job.scene) : lanes::LightTable<Real>();
     EndedAfter ended_after(job.stages != nullptr ? job.scene.longest_path() + 1 : 0);
     {
         const StageClock clock(job.stages, "trace");
@@ -212,7 +226,7 @@ void render(RenderJobIn<typename Config::Real>& job) {
             const PathRange range(static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end), job.first_sample,
                                   job.samples, job.scene.camera.width);
             PathCounters counters;
-            Packet<Config>(job.scene, job.film, range, ended_after).trace_all(counters);
+            Packet<Config>(job.scene, job.film, lights, range, ended_after).trace_all(counters);
             rays += counters.rays;
             paths += counters.paths;
             connections += counters.connections;

@@ -80,7 +80,7 @@ def _told(ledger: Ledger, claim: Claim, results: Path, recorded: Mapping) -> lis
 
 def _say(one: Told, *, detailed: bool) -> None:
     where = f" on {one.device}" if one.evidence is not None else ""
-    print(f"{one.claim.name}: {one.verdict.word}{where} ({one.verdict.reason})")
+    print(f"{one.claim.name}: {one.word}{where} ({one.verdict.reason})")
     if one.order is not None:
         print(f"  {one.order.said}; predicted right: {one.foreseen}")
     if detailed:

@@ -43,6 +43,12 @@ class Told:
     order: Order | None = None
 
     @property
+    def word(self) -> str:
+        """The verdict's word, with its mark where the data were there before the prediction."""
+        untested = self.order is not None and not self.order.is_test
+        return f"{self.verdict.word} (no test)" if untested else self.verdict.word
+
+    @property
     def machine(self) -> str:
         """The folder of results/; empty where nothing was run."""
         return "" if self.evidence is None else self.evidence.machine
@@ -85,7 +91,9 @@ def pages_of(ledger: Ledger, told: Sequence[Told]) -> dict[str, str]:
         overview = draw_all([(one.claim, one.verdict, one.device) for one in told])
         figure = "" if overview is None else OVERVIEW
         pages = {} if overview is None else {OVERVIEW: svg_of(overview)}
-    pages["README.md"] = _rendered(ledger, "README.md", told=told, counts=_counts(told), figure=figure)
+    pages["README.md"] = _rendered(
+        ledger, "README.md", told=told, counts=_counts(told), figure=figure, foreseen=_foreseen(told)
+    )
     for name, entries in by_claim.items():
         pages[f"{name}.md"] = _rendered(ledger, "claim.md", claim=entries[0].claim, told=entries)
     with style.applied():
@@ -96,12 +104,18 @@ def pages_of(ledger: Ledger, told: Sequence[Told]) -> dict[str, str]:
 
 
 def _counts(told: Sequence[Told]) -> dict[str, int]:
-    """Verdicts by word; what was not run is counted apart from what cannot be asked."""
-    words = [one.verdict.word for one in told if one.evidence is not None]
-    counts = {word: words.count(word) for word in VERDICTS}
+    """Verdicts by word, a device each; what was not run is counted apart from what cannot be asked."""
+    words = [one.word for one in told if one.evidence is not None]
+    counts = {word: words.count(word) for plain in VERDICTS for word in (plain, f"{plain} (no test)")}
     counts["not run yet"] = sum(one.evidence is None and one.claim.experiment is not None for one in told)
     counts["cannot be asked yet"] = sum(one.claim.experiment is None for one in told)
     return {word: count for word, count in counts.items() if count}
+
+
+def _foreseen(told: Sequence[Told]) -> tuple[int, int]:
+    """Of the numbers that could have contradicted their prediction: how many lie in it, of how many."""
+    scores = [one.verdict.foreseen for one in told if one.order is not None and one.order.is_test]
+    return sum(right for right, _ in scores), sum(of for _, of in scores)
 
 
 def _rendered(ledger: Ledger, template: str, **names: object) -> str:

@@ -55,11 +55,17 @@ def crosscheck_command(options: argparse.Namespace) -> int:
     peer = mitsuba_version(settings)
     named = [scene for scene in options.scenes if scene != ALL]
     scenes = list(dict.fromkeys(named + (scene_names(options.binary) if ALL in options.scenes else [])))
-    checked = [_check(scene, settings, options) for scene in scenes]
+    context = _context(settings, peer)
+    checked: list[Checked] = []
+    for scene in scenes:
+        checked.append(_check(scene, settings, options))
+        if options.out is not None:
+            # After each scene: all of them take long, and what is done is not lost.
+            text = json.dumps(as_json(checked, settings, context, options.allow), indent=1) + "\n"
+            write_text(options.out, text)
     print("\n".join(as_text(checked, settings, options.aim)))
     if options.out is not None:
-        text = json.dumps(as_json(checked, settings, _context(settings, peer), options.allow), indent=1) + "\n"
-        say(write_text(options.out, text))
+        say(options.out)
     if any(one.verdict == REFUSED and one.scene in named for one in checked):
         return 2
     return 0 if all(one.verdict in (AGREES, REFUSED) for one in checked) else 1

@@ -87,10 +87,10 @@ def _opened(results: Path, file: str, where: str) -> AnySource:
     root = read_json(results / file)
     if isinstance(root.value, list):
         return Inspection(results, file)
-    if is_stability(root):
-        return StabilitySource(results, file)
     if root.value.get("schema") == CROSSCHECK:
         return CrosscheckSource(results, file)
+    if is_stability(root):
+        return StabilitySource(results, file)
     return Source(results, file, where) if "ptbench" in root.fields() else Record(results, file)
 
 

@@ -396,6 +396,22 @@ def test_pages_say_the_numbers_and_are_checked(house, capsys):
     assert "sorting.md: not what claims and results say" in said
 
 
+def test_a_verdict_on_data_that_were_there_first_is_marked(house, capsys):
+    house.claim(boxes()).measured([1.25, 1.25, 1.25], date=EARLY)
+    house.commit(PREDICTED)
+    claims(Call(house.root, write=True))
+    said = capsys.readouterr().out
+    assert "sorting: holds (no test) on NVIDIA H200" in said
+    assert "prediction is later than the data: a look-up, not a test" in said
+    table = (house.ledger.pages / "README.md").read_text(encoding="utf-8")
+    assert "**holds (no test)**" in table
+    assert "measured after their predictions" not in table
+    house.measured([1.25, 1.25, 2.0])
+    claims(Call(house.root, write=True))
+    table = (house.ledger.pages / "README.md").read_text(encoding="utf-8")
+    assert "Of 3 numbers that were measured after their predictions, 2 lie" in table
+
+
 def test_others_results_are_looked_up_and_contradict_nothing(house, tmp_path, capsys):
     house.claim(boxes()).measured([1.25, 1.25, 1.25])
     house.commit()

@@ -1,0 +1,209 @@
+// Next-event estimation (kernels/next_event.h) over all lanes of a packet at once: the connections of diffuse vertices,
+// with their shadow rays, and the weights of lights that paths meet. Lights that are axis boxes are drawn by
+// lanes_lights.h, others lane by lane. A path has the bits of kernels/shade.h.
+#pragma once
+
+#include <iterator>
+#include <numeric>
+
+#include "variants/cpu/lanes_intersect.h"
+#include "variants/cpu/lanes_lights.h"
+
+namespace pt::lanes {
+
+// What the rays hit.
+template <class Real>
+struct Surfaces {
+    Vectors<Real> colour, position, normal;  // the normal on the ray's side
+    Lanes<std::uint32_t> type;
+    Flags by_surface_at, by_shade;  // how the lane goes on, if not with the others
+};
+
+inline bool is_type(std::uint32_t type, MaterialType asked) { return type == static_cast<std::uint32_t>(asked); }
+// The side alone of a hit that may name a face.
+inline std::uint32_t without_face(std::uint32_t side) { return side & ((SurfaceId::most_objects << 1) - 1u); }
+
+// Where a packet's connections are worked out: zeros at first, so that lanes that nobody reads are numbers too.
+template <class Real>
+struct Connections {
+    BoxObservers<Real> observers;
+    LightDirections<Real> drawn;
+    Vectors<Real> emission;
+    Lanes<std::uint32_t> light;  // object
+    Flags connects, sends;
+    Lanes<Real> weight, cosine;  // what light counts that is met or connected to
+    Paths<Real> shadow;
+    Hits<Real> hits;
+};
+
+// The number of an object among the axis boxes.
+template <class Real>
+inline std::uint32_t box_of(const SceneView<Real>& scene, std::uint32_t object) {
+    return object - first_of<ShapeKind::axis_box>(scene);
+}
+
+// Adds the lane to the observers of box lights. False: the light is none, or shows no face.
+template <class Config>
+inline bool observes_box(BoxObservers<typename Config::Real>& observers, std::uint32_t l,
+                         const SceneView<typename Config::Real>& scene, const LightTable<typename Config::Real>& lights,
+                         std::uint32_t object, const Vec3<typename Config::Real>& position,
+                         typename Config::Real time) {
+    const std::uint32_t box = box_of(scene, object);
+    return has<Config>(Feature::axis_box) && box < scene.axis_boxes.size &&
+           observers.add(l, lights.boxes[box], at_rest<Config>(scene, object, position, time));
+}
+
+// encounter_weight of the lanes that meet an emitter, into `work.weight`; 1 elsewhere.
+template <class Config>
+inline void weigh_encounters(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
+                             const LightTable<typename Config::Real>& lights, const Paths<typename Config::Real>& paths,
+                             const Surfaces<typename Config::Real>& surfaces, const Hits<typename Config::Real>& hits,
+                             const Flags& goes_on) {
+    using Real = typename Config::Real;
+    Flags asks;
+    const bool by_connection_only = !has<Config>(Feature::multiple_importance) || scene.mis_exponent == 0;
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < width; ++l) {
+        const bool emits = is_type(surfaces.type[l], MaterialType::emitter) & SurfaceId{hits.side[l]}.exists();
+        const bool is_connected = emits & (paths.bsdf_pdf[l] != Real(0));
+        work.weight[l] = is_connected ? Real(0) : Real(1);
+        asks[l] = is_connected ? goes_on[l] : 0u;
+    }
+    if (by_connection_only) {
+        return;
+    }
+    BoxObservers<Real>& observers = work.observers;
+    observers.clear();
+    for (const std::uint32_t l : LaneList(asks)) {
+        const std::uint32_t object = SurfaceId{hits.side[l]}.object();
+        if (!observes_box<Config>(observers, l, scene, lights, object, paths.origin[l], paths.time[l])) {
+            work.weight[l] = encounter_weight<Config>(scene, paths.load(l), hits[l]);
+        }
+    }
+    const auto set = [&](std::uint32_t l, Real inverse_pdf) {
+        work.weight[l] =
+            mis_weight_bsdf(paths.bsdf_pdf[l] * inverse_pdf * static_cast<Real>(scene.lights.size), scene.mis_exponent);
+    };
+    measure_near(observers.near);
+    for (std::uint32_t k = 0; k < observers.near.size; ++k) {
+        set(observers.near.lane[k], observers.near.total[k]);
+    }
+    measure_far(observers.far);
+    for (std::uint32_t k = 0; k < observers.far.size; ++k) {
+        const std::uint32_t l = observers.far.lane[k];
+        set(l, far_inverse_pdf(observers.far.total[k], hits.t[l], observers.far.diagonal[k]));
+    }
+}
+
+// Chooses lights.
+template <class Config>
+inline void choose_lights(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
+                          const LightTable<typename Config::Real>& lights, const Paths<typename Config::Real>& paths) {
+    using Real = typename Config::Real;
+    const RandomSeed seed = scene.seed;
+    const std::uint32_t count = scene.lights.size;
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < width; ++l) {
+        const RandomWords words =
+            random_words<Config>(seed, {paths.pixel[l], paths.sample[l], paths.segment[l], random_block::light});
+        work.drawn.light[l] = static_cast<std::uint32_t>(static_cast<std::uint64_t>(words.x) * count >> 32);
+        work.drawn.u[l] = unit_interval<Real>(words.y);
+        work.drawn.v[l] = unit_interval<Real>(words.z);
+        work.drawn.w[l] = unit_interval<Real>(words.w);
+    }
+    const std::uint32_t* const object = lights.object.data();
+    const Real *const red = lights.emission[0].data(), *const green = lights.emission[1].data(),
+                      *const blue = lights.emission[2].data();
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < width; ++l) {
+        const std::uint32_t i = work.drawn.light[l];
+        work.light[l] = gathered(object, i);
+        work.emission.set(l, {gathered(red, i), gathered(green, i), gathered(blue, i)});
+    }
+}
+
+// Draws the directions of the lanes that connect.
+template <class Config>
+inline void draw_directions(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
+                            const LightTable<typename Config::Real>& lights, const Paths<typename Config::Real>& paths,
+                            const Vectors<typename Config::Real>& positions) {
+    using Real = typename Config::Real;
+    LightDirections<Real>& drawn = work.drawn;
+    if constexpr (has<Config>(Feature::motion)) {
+        drawn.is_other = work.connects;
+    } else {
+        look_at_lights(drawn, lights, positions, work.connects);
+        sample_boxes(work.observers, drawn, lights);
+    }
+    for (const std::uint32_t l : LaneList(drawn.is_other)) {
+        const DirectionSample<Real> sample = sample_direction_to<Config>(
+            scene, work.light[l], positions[l], paths.time[l], drawn.u[l], drawn.v[l], drawn.w[l]);
+        drawn.direction.set(l, sample.direction);
+        drawn.inverse_pdf[l] = sample.inverse_pdf;
+    }
+}
+
+// The shadow rays; in lanes that send none the path's last ray, which is as good as any.
+template <class Config>
+inline void trace_shadows(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
+                          const Paths<typename Config::Real>& paths, const Surfaces<typename Config::Real>& surfaces,
+                          const Hits<typename Config::Real>& hits) {
+    using Real = typename Config::Real;
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < width; ++l) {
+        const Vec3<Real> towards = work.drawn.direction[l];
+        const Real cosine = dot(towards, surfaces.normal[l]);
+        const bool sends = (work.connects[l] != 0) & (work.drawn.inverse_pdf[l] > Real(0)) & (cosine > Real(0));
+        work.cosine[l] = cosine;
+        work.sends[l] = sends ? 1u : 0u;
+        work.shadow.origin.set(l, paths.origin[l]);
+        work.shadow.origin.set_if(sends, l, surfaces.position[l]);
+        work.shadow.direction.set(l, paths.direction[l]);
+        work.shadow.direction.set_if(sends, l, towards);
+        work.shadow.time[l] = paths.time[l];
+        work.shadow.origin_surface[l] = sends ? without_face(hits.side[l]) : paths.origin_surface[l];
+    }
+    lanes::closest_hit<Config>(work.hits, scene, work.shadow);
+}
+
+// From the ratios of the densities in `work.weight` to what connections count.
+template <std::uint32_t exponent, class Real>
+inline void weigh_connections(Connections<Real>& work) {
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < width; ++l) {
+        work.weight[l] *= mis_weight_light(work.weight[l], exponent);
+    }
+}
+
+// connect_next_event of the lanes whose flag `work.connects` is set, at their diffuse vertices.
+template <class Config>
+inline void connect(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
+                    const LightTable<typename Config::Real>& lights, Paths<typename Config::Real>& paths,
+                    const Surfaces<typename Config::Real>& surfaces, const Hits<typename Config::Real>& hits,
+                    PathCounters& counters) {
+    using Real = typename Config::Real;
+    choose_lights<Config>(work, scene, lights, paths);
+    draw_directions<Config>(work, scene, lights, paths, surfaces.position);
+    trace_shadows<Config>(work, scene, paths, surfaces, hits);
+    const Real light_count = static_cast<Real>(scene.lights.size);
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < width; ++l) {
+        const Real pdf = work.cosine[l] * (Real(1) / pi<Real>);
+        work.weight[l] = pdf * work.drawn.inverse_pdf[l] * light_count;
+    }
+    if (has<Config>(Feature::multiple_importance) && scene.mis_exponent != 0) {
+        scene.mis_exponent == 2 ? weigh_connections<2>(work) : weigh_connections<1>(work);
+    }
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < width; ++l) {
+        const SurfaceId side{work.hits.side[l]};
+        const bool sees = (work.sends[l] != 0) & side.exists() & (side.object() == work.light[l]);
+        const Vec3<Real> carried = paths.throughput[l] * surfaces.colour[l];
+        paths.radiance.set_if(sees, l, paths.radiance[l] + carried * work.emission[l] * work.weight[l]);
+    }
+    const std::uint32_t sent = std::accumulate(std::begin(work.sends.of), std::end(work.sends.of), 0u);
+    counters.rays += sent;
+    counters.connections += sent;
+}
+
+}  // namespace pt::lanes

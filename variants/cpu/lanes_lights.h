@@ -1,0 +1,410 @@
+// Box lights as the lanes of a packet see them: SeenBox and SphericalRectangle of kernels/solid_angle.h over many
+// observers at once. The formulas are the kernels', in their order, so a lane's answer has the same bits
+// (tests/unit/lanes_test.cpp); only their branches are selections here.
+#pragma once
+
+#include <vector>
+
+#include "variants/cpu/lanes.h"
+
+namespace pt::lanes {
+
+// What SeenBox makes of an axis box, whoever observes it.
+template <class Real>
+struct BoxLight {
+    Vec3<Real> centre;
+    Vec3<Real> half;  // in units of the diagonal
+    Real diagonal, inverse_diagonal;
+
+    explicit BoxLight(const AxisBox<Real>& box) : centre((box.high + box.low) * Real(0.5)) {
+        const Vec3<Real> half_extents = (box.high - box.low) * Real(0.5);
+        diagonal = Real(2) * square_root(dot(half_extents, half_extents));
+        inverse_diagonal = Real(1) / diagonal;
+        half = half_extents * inverse_diagonal;
+    }
+};
+// What lanes look up of lights, for all packets of a scene. `boxes`: by axis box; the rest by light, a number an array,
+// so that vectors are gathered from it.
+template <class Real>
+struct LightTable {
+    std::vector<BoxLight<Real>> boxes;
+    std::vector<std::uint32_t> object, is_box;
+    std::vector<Real> centre[3], half[3], emission[3], diagonal, inverse_diagonal;
+
+    LightTable() = default;
+    explicit LightTable(const SceneView<Real>& scene)
+        : boxes(scene.axis_boxes.data, scene.axis_boxes.data + scene.axis_boxes.size) {
+        for (std::uint32_t i = 0; i < scene.lights.size; ++i) {
+            add(scene, scene.lights[i].object);
+        }
+    }
+
+private:
+    static void push(std::vector<Real> (&arrays)[3], const Vec3<Real>& v) {
+        arrays[0].push_back(v.x);
+        arrays[1].push_back(v.y);
+        arrays[2].push_back(v.z);
+    }
+    void add(const SceneView<Real>& scene, std::uint32_t number) {
+        const std::uint32_t box = number - first_of<ShapeKind::axis_box>(scene);
+        const bool is_one = box < scene.axis_boxes.size;
+        // What another light has for a box is of no account.
+        const BoxLight<Real> light = is_one ? boxes[box] : BoxLight<Real>({Vec3<Real>(Real(-1)), Vec3<Real>(Real(1))});
+        object.push_back(number);
+        is_box.push_back(is_one ? 1u : 0u);
+        push(centre, light.centre);
+        push(half, light.half);
+        push(emission, scene.materials[scene.object_material[number]].emission);
+        diagonal.push_back(light.diagonal);
+        inverse_diagonal.push_back(light.inverse_diagonal);
+    }
+};
+
+// Loops over a packed list run over whole groups of this many; what lies past its end is of no account.
+inline constexpr std::uint32_t group = 16;
+static_assert(width % group == 0);
+
+// Observers of box lights, packed: entry k is that of lane[k]. Past the end are lanes too, if others than were meant.
+template <class Real>
+struct BoxViews {
+    std::uint32_t size = 0;
+    Lanes<std::uint32_t> lane;
+    Vectors<Real> observer, half;  // as SeenBox has them
+    Lanes<Real> diagonal;
+    Vectors<Real> share, skew;  // by axis: of SeenBox, and of its SphericalRectangle
+    Lanes<Real> total;
+    // Of directions to the box.
+    Lanes<Real> u, v, w, axis;
+    Vectors<Real> direction;
+    Lanes<Real> inverse_pdf;
+
+    // Without a branch: what is not to be added is written past the end. To be called once a lane.
+    void add_if(std::uint32_t flag, std::uint32_t l) {
+        lane[size] = l;
+        size += flag;
+    }
+};
+
+// From where the lanes see their boxes: near, far, or within it or on it, where SeenBox itself is asked.
+template <class Real>
+struct BoxObservers {
+    BoxViews<Real> near, far;
+
+    void clear() { near.size = far.size = 0; }
+    // One by one. Returns whether the lane is one of them.
+    bool add(std::uint32_t l, const BoxLight<Real>& light, const Vec3<Real>& position) {
+        const Vec3<Real> from = (position - light.centre) * light.inverse_diagonal;
+        const bool sees = sees_faces(from, light.half);
+        BoxViews<Real>& views = dot(from, from) < Real(4) ? near : far;
+        if (sees) {
+            views.observer.set(views.size, from);
+            views.half.set(views.size, light.half);
+            views.diagonal[views.size] = light.diagonal;
+            views.add_if(1, l);
+        }
+        return sees;
+    }
+    static bool sees_faces(const Vec3<Real>& from, const Vec3<Real>& half) {
+        return (absolute(from.x) - half.x > Real(0)) | (absolute(from.y) - half.y > Real(0)) |
+               (absolute(from.z) - half.z > Real(0));
+    }
+};
+
+template <class Real>
+inline Real arc_tangent(Real x) {
+    constexpr Real least_for_quarter = sizeof(Real) == 4 ? Real(0.41421356237309503) : Real(0.66);
+    const Real size = absolute(x);
+    const bool is_large = size > Real(2.41421356237309504880);
+    const bool is_middle = size > least_for_quarter;
+    // Of a small one the quotient is the number itself.
+    const Real dividend = is_large ? Real(-1) : is_middle ? size - Real(1) : size;
+    const Real divisor = is_large ? size : is_middle ? size + Real(1) : Real(1);
+    const Real base = is_large ? pi<Real> / Real(2) : is_middle ? pi<Real> / Real(4) : Real(0);
+    const Real rest = dividend / divisor;
+    const Real angle = base + (arc_tangent_series(rest * rest) * rest + rest);
+    return x < Real(0) ? -angle : angle;
+}
+
+template <class Real>
+inline Real corner(Real x, Real y, Real height) {
+    return lanes::arc_tangent(x * y / (height * square_root(x * x + y * y + height * height)));
+}
+
+// The entries of vectors for one axis.
+template <int axis, class Real>
+inline Lanes<Real>& along_axis(Vectors<Real>& v) {
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+// Solid angles of the faces across one axis. `views`: near ones.
+template <int axis, class Real>
+inline void measure_faces(BoxViews<Real>& views) {
+    constexpr int b = (axis + 1) % 3;
+    constexpr int c = (axis + 2) % 3;
+    const Lanes<Real>&at_a = along_axis<axis>(views.observer), &at_b = along_axis<b>(views.observer),
+          &at_c = along_axis<c>(views.observer), &half_a = along_axis<axis>(views.half),
+          &half_b = along_axis<b>(views.half), &half_c = along_axis<c>(views.half);
+    Lanes<Real>&share = along_axis<axis>(views.share), &skews = along_axis<axis>(views.skew);
+    for (std::size_t first = 0; first < views.size; first += group) {
+#pragma GCC ivdep
+        for (std::size_t k = first; k < first + group; ++k) {
+            const Real height = absolute(at_a[k]) - half_a[k];
+            const Real x0 = -half_b[k] - at_b[k];
+            const Real x1 = half_b[k] - at_b[k];
+            const Real y0 = -half_c[k] - at_c[k];
+            const Real y1 = half_c[k] - at_c[k];
+            const Real skew = corner(x0, y0, height) - corner(x0, y1, height);
+            const Real seen = corner(x1, y1, height) - corner(x1, y0, height) + skew;
+            skews[k] = skew;
+            share[k] = (height > Real(0)) & (seen > Real(0)) ? seen : Real(0);
+        }
+    }
+}
+
+// SeenBox::share and total.
+template <class Real>
+inline void measure_near(BoxViews<Real>& views) {
+    measure_faces<0>(views);
+    measure_faces<1>(views);
+    measure_faces<2>(views);
+    for (std::size_t first = 0; first < views.size; first += group) {
+#pragma GCC ivdep
+        for (std::size_t k = first; k < first + group; ++k) {
+            views.total[k] = views.share.x[k] + views.share.y[k] + views.share.z[k];
+        }
+    }
+}
+template <class Real>
+inline void measure_far(BoxViews<Real>& views) {
+    for (std::size_t first = 0; first < views.size; first += group) {
+#pragma GCC ivdep
+        for (std::size_t k = first; k < first + group; ++k) {
+            const Vec3<Real> observer = views.observer[k];
+            const Vec3<Real> half = views.half[k];
+            const Vec3<Real> height{absolute(observer.x) - half.x, absolute(observer.y) - half.y,
+                                    absolute(observer.z) - half.z};
+            const Vec3<Real> seen{Real(4) * half.y * half.z * height.x, Real(4) * half.z * half.x * height.y,
+                                  Real(4) * half.x * half.y * height.z};
+            const Vec3<Real> share{(height.x > Real(0)) & (seen.x > Real(0)) ? seen.x : Real(0),
+                                   (height.y > Real(0)) & (seen.y > Real(0)) ? seen.y : Real(0),
+                                   (height.z > Real(0)) & (seen.z > Real(0)) ? seen.z : Real(0)};
+            views.share.set(k, share);
+            views.total[k] = share.x + share.y + share.z;
+        }
+    }
+}
+
+template <class Real>
+inline SinCos<Real> sin_cos(Real x) {
+    const Real turns = min(absolute(x) * (Real(0.5) / pi<Real>), Real(1));
+    const int quarter = static_cast<int>(turns * Real(4) + Real(0.5));
+    const SinCos<Real> octant = sin_cos_octant((turns - Real(quarter) * Real(0.25)) * (Real(2) * pi<Real>));
+    const Real nearest = Real(quarter);
+    const Real of_odd = nearest == Real(3) ? -octant.cosine : octant.cosine;
+    const Real of_even = nearest == Real(2) ? -octant.sine : octant.sine;
+    const bool is_odd = (nearest == Real(1)) | (nearest == Real(3));
+    const Real sine = is_odd ? of_odd : of_even;
+    const Real across = is_odd ? octant.sine : octant.cosine;
+    const bool is_left = (nearest == Real(1)) | (nearest == Real(2));
+    return {x < Real(0) ? -sine : sine, is_left ? -across : across};
+}
+
+// SphericalRectangle::point.
+template <class Real>
+inline Vec2<Real> point_in_rectangle(Real x0, Real x1, Real y0, Real y1, Real height, Real skew, Real solid_angle,
+                                     Real u, Real v) {
+    const SinCos<Real> angle = lanes::sin_cos(u * solid_angle - skew);
+    const Real b0 = -y0 / square_root(y0 * y0 + height * height);
+    const Real b1 = y1 / square_root(y1 * y1 + height * height);
+    const Real c = angle.cosine * b0 + b1;
+    const Real lean = angle.sine * angle.sine * height * height / (y0 * y0 + height * height);
+    const Real square = c * c - lean;
+    const Real within = clamp(height * angle.sine / square_root(square), x0, x1);
+    const Real end = angle.sine < Real(0) ? x0 : x1;
+    const Real x = square > Real(0) ? within : end;
+    const Real d_squared = x * x + height * height;
+    const Real h0 = y0 / square_root(d_squared + y0 * y0);
+    const Real h1 = y1 / square_root(d_squared + y1 * y1);
+    const Real h = h0 + v * (h1 - h0);
+    const Real rest = (Real(1) - h) * (Real(1) + h);
+    const Real inner = clamp(h * square_root(d_squared / rest), y0, y1);
+    const Real edge = h < Real(0) ? y0 : y1;
+    return {x, rest > Real(0) ? inner : edge};
+}
+
+// One of three axes, as a number of the lanes' kind: g++ 12 makes no vectors of selections by others.
+template <class Real>
+struct PickedAxis {
+    Real number;
+
+    Real of(Real of_x, Real of_y, Real of_z) const {
+        const Real other = number == Real(1) ? of_y : of_z;
+        return number == Real(0) ? of_x : other;
+    }
+    // From entries by the axis, the one after it and the one after that to a vector.
+    Vec3<Real> in_order(Real a, Real b, Real c) const { return {of(a, c, b), of(b, a, c), of(c, b, a)}; }
+};
+
+// Unit directions to lights with 1 / density, by lane.
+template <class Real>
+struct LightDirections {
+    Lanes<Real> u, v, w;              // what they are drawn by
+    Lanes<std::uint32_t> light;       // by its number among the lights
+    Vectors<Real> observer;           // of boxes: as SeenBox has it
+    Flags is_near, is_far, is_other;  // how the box is seen, if it is one
+    Vectors<Real> direction;
+    Lanes<Real> inverse_pdf;
+};
+
+// A gathering load's index is a signed number.
+template <class T>
+inline T gathered(const T* from, std::uint32_t index) {
+    return from[static_cast<std::int32_t>(index)];
+}
+
+// How the lanes that are to draw a direction see their lights.
+template <class Real>
+inline void look_at_lights(LightDirections<Real>& drawn, const LightTable<Real>& table, const Vectors<Real>& positions,
+                           const Flags& draws) {
+    const std::uint32_t* const is_box = table.is_box.data();
+    const Real *const x = table.centre[0].data(), *const y = table.centre[1].data(), *const z = table.centre[2].data();
+    const Real *const half_x = table.half[0].data(), *const half_y = table.half[1].data(),
+                      *const half_z = table.half[2].data(), *const inverse = table.inverse_diagonal.data();
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < width; ++l) {
+        const std::uint32_t i = drawn.light[l];
+        const Vec3<Real> from =
+            (positions[l] - Vec3<Real>{gathered(x, i), gathered(y, i), gathered(z, i)}) * gathered(inverse, i);
+        const bool sees = BoxObservers<Real>::sees_faces(
+            from, Vec3<Real>{gathered(half_x, i), gathered(half_y, i), gathered(half_z, i)});
+        const bool is_near = dot(from, from) < Real(4);
+        const std::uint32_t is_here = sees ? draws[l] & gathered(is_box, i) : 0u;
+        drawn.observer.set(l, from);
+        drawn.is_near[l] = is_near ? is_here : 0u;
+        drawn.is_far[l] = is_near ? 0u : is_here;
+        drawn.is_other[l] = draws[l] - is_here;
+    }
+}
+
+// Takes the lanes of the flags into the list, with all that a direction is drawn by.
+template <class Real>
+inline void pack(BoxViews<Real>& views, const LightDirections<Real>& drawn, const LightTable<Real>& table,
+                 const Flags& flags) {
+    views.size = 0;
+    for (std::uint32_t l = 0; l < width; ++l) {
+        views.add_if(flags[l], l);
+    }
+    const Real *const half_x = table.half[0].data(), *const half_y = table.half[1].data(),
+                      *const half_z = table.half[2].data(), *const diagonal = table.diagonal.data();
+    for (std::size_t first = 0; first < views.size; first += group) {
+#pragma GCC ivdep
+        for (std::size_t k = first; k < first + group; ++k) {
+            const std::uint32_t l = views.lane[k];
+            const std::uint32_t i = gathered(drawn.light.of, l);
+            views.observer.x[k] = gathered(drawn.observer.x.of, l);
+            views.observer.y[k] = gathered(drawn.observer.y.of, l);
+            views.observer.z[k] = gathered(drawn.observer.z.of, l);
+            views.half.x[k] = gathered(half_x, i);
+            views.half.y[k] = gathered(half_y, i);
+            views.half.z[k] = gathered(half_z, i);
+            views.diagonal[k] = gathered(diagonal, i);
+            views.u[k] = gathered(drawn.u.of, l);
+            views.v[k] = gathered(drawn.v.of, l);
+            views.w[k] = gathered(drawn.w.of, l);
+        }
+    }
+}
+template <class Real>
+inline void unpack(const BoxViews<Real>& views, LightDirections<Real>& drawn) {
+    for (std::uint32_t k = 0; k < views.size; ++k) {
+        const std::uint32_t l = views.lane[k];
+        drawn.direction.set(l, views.direction[k]);
+        drawn.inverse_pdf[l] = views.inverse_pdf[k];
+    }
+}
+
+// The faces that fall to `w`, as SeenBox::sample picks them.
+template <class Real>
+inline void pick_axes(BoxViews<Real>& views) {
+    for (std::size_t first = 0; first < views.size; first += group) {
+#pragma GCC ivdep
+        for (std::size_t k = first; k < first + group; ++k) {
+            const Vec3<Real> share = views.share[k];
+            const Real pick = views.w[k] * views.total[k];
+            const Real last = share.z > Real(0) ? Real(2) : share.y > Real(0) ? Real(1) : Real(0);
+            const Real other = pick < share.x + share.y ? Real(1) : Real(2);
+            views.axis[k] = pick < share.x ? Real(0) : min(other, last);
+        }
+    }
+}
+
+template <class Real>
+inline void sample_near(BoxViews<Real>& views) {
+    measure_near(views);
+    pick_axes(views);
+    for (std::size_t first = 0; first < views.size; first += group) {
+#pragma GCC ivdep
+        for (std::size_t k = first; k < first + group; ++k) {
+            const Vec3<Real> o = views.observer[k];
+            const Vec3<Real> half = views.half[k];
+            const Vec3<Real> share = views.share[k];
+            const Vec3<Real> skew = views.skew[k];
+            const PickedAxis<Real> axis{views.axis[k]};
+            const Real at_a = axis.of(o.x, o.y, o.z);
+            const Real at_b = axis.of(o.y, o.z, o.x);
+            const Real at_c = axis.of(o.z, o.x, o.y);
+            const Real half_b = axis.of(half.y, half.z, half.x);
+            const Real half_c = axis.of(half.z, half.x, half.y);
+            const Real height = absolute(at_a) - axis.of(half.x, half.y, half.z);
+            const Vec2<Real> point = point_in_rectangle(-half_b - at_b, half_b - at_b, -half_c - at_c, half_c - at_c,
+                                                        height, axis.of(skew.x, skew.y, skew.z),
+                                                        axis.of(share.x, share.y, share.z), views.u[k], views.v[k]);
+            const Vec3<Real> to_light = axis.in_order(at_a > Real(0) ? -height : height, point.x, point.y);
+            views.direction.set(k, to_light * (Real(1) / square_root(dot(to_light, to_light))));
+            views.inverse_pdf[k] = views.total[k];
+        }
+    }
+}
+
+template <class Real>
+inline Real far_inverse_pdf(Real total, Real distance, Real diagonal) {
+    const Real t = distance / diagonal;
+    return total / (t * t * t);
+}
+
+template <class Real>
+inline void sample_far(BoxViews<Real>& views) {
+    measure_far(views);
+    pick_axes(views);
+    for (std::size_t first = 0; first < views.size; first += group) {
+#pragma GCC ivdep
+        for (std::size_t k = first; k < first + group; ++k) {
+            const Vec3<Real> o = views.observer[k];
+            const Vec3<Real> half = views.half[k];
+            const PickedAxis<Real> axis{views.axis[k]};
+            const Real at_a = axis.of(o.x, o.y, o.z);
+            const Real half_a = axis.of(half.x, half.y, half.z);
+            const Real face = at_a > Real(0) ? half_a : -half_a;
+            const Real b = (Real(2) * views.u[k] - Real(1)) * axis.of(half.y, half.z, half.x);
+            const Real c = (Real(2) * views.v[k] - Real(1)) * axis.of(half.z, half.x, half.y);
+            const Vec3<Real> to_light =
+                axis.in_order(face - at_a, b - axis.of(o.y, o.z, o.x), c - axis.of(o.z, o.x, o.y));
+            const Real length = square_root(dot(to_light, to_light));
+            views.direction.set(k, to_light * (Real(1) / length));
+            views.inverse_pdf[k] = far_inverse_pdf(views.total[k], length * views.diagonal[k], views.diagonal[k]);
+        }
+    }
+}
+
+// SeenBox::sample of the lanes that look at a box.
+template <class Real>
+inline void sample_boxes(BoxObservers<Real>& observers, LightDirections<Real>& drawn, const LightTable<Real>& table) {
+    pack(observers.near, drawn, table, drawn.is_near);
+    sample_near(observers.near);
+    unpack(observers.near, drawn);
+    pack(observers.far, drawn, table, drawn.is_far);
+    sample_far(observers.far);
+    unpack(observers.far, drawn);
+}
+
+}  // namespace pt::lanes
