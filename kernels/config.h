@@ -51,6 +51,7 @@ enum class Feature : FeatureSet {
     subsurface_boundary = feature_bit::material << 8,  // a subsurface body whose index is not 1
     rough_conductor = feature_bit::material << 9,
     rough_dielectric = feature_bit::material << 10,
+    multiple_scattering = feature_bit::material << 11,  // rough conductors that lose no light
     environment = feature_bit::light << 0,
     // What the variant asks for rather than the scene.
     final_bounce = feature_bit::light << 1,
@@ -97,7 +98,7 @@ inline constexpr FeatureSet shape_features = no_features PT_SHAPES(PT_FEATURE);
 inline constexpr FeatureSet material_features =
     set_of(Feature::diffuse, Feature::emitter, Feature::mirror, Feature::mix, Feature::dielectric, Feature::subsurface,
            Feature::emission, Feature::absorption, Feature::subsurface_boundary, Feature::rough_conductor,
-           Feature::rough_dielectric);
+           Feature::rough_dielectric, Feature::multiple_scattering);
 inline constexpr FeatureSet light_samplings =
     set_of(Feature::area_sampling, Feature::projected_sampling, Feature::automatic_sampling);
 // What a scene or an estimator may need: a kernel with all of these renders any scene without meshes.

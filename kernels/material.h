@@ -42,12 +42,15 @@ struct Material {
     Vec3<Real> tint;                   // dielectrics: factor on each transmission
     Boundary<Real> entering, leaving;  // dielectrics, subsurface
     std::uint32_t has_boundary;        // subsurface: 1 if ior != 1
-    std::uint32_t absorbs;             // dielectrics: 1 if sigma_a is not 0
-    Vec3<Real> sigma_a;                // 1 / scene unit
-    Vec3<Real> sigma_s;                // subsurface, 1 / scene unit
-    Vec3<Real> sigma_t;                // sigma_a + sigma_s
-    Vec3<Real> scattering_albedo;      // sigma_s / sigma_t, 0 where sigma_t is 0
-    std::uint32_t grey;                // 1 if the three sigma_t are equal
+    union {
+        std::uint32_t absorbs;            // dielectrics: 1 if sigma_a is not 0
+        std::uint32_t scatters_multiply;  // rough_conductor: 1 if what facets send into others is not lost
+    };
+    Vec3<Real> sigma_a;            // 1 / scene unit
+    Vec3<Real> sigma_s;            // subsurface, 1 / scene unit
+    Vec3<Real> sigma_t;            // sigma_a + sigma_s
+    Vec3<Real> scattering_albedo;  // sigma_s / sigma_t, 0 where sigma_t is 0
+    std::uint32_t grey;            // 1 if the three sigma_t are equal
     union {
         Real g;      // subsurface: Henyey-Greenstein mean cosine
         Real alpha;  // rough materials: width of the GGX distribution, roughness^2

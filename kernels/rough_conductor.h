@@ -1,9 +1,11 @@
 // A rough metal: mirrors of one kind under the GGX distribution of normals (kernels/ggx.h), and Schlick's reflectance,
 // which takes the colour at normal incidence.
-// Single scattering: what one facet sends into another is lost, so a rough white metal is darker than white.
+// Single scattering: what one facet sends into another is lost, so a rough white metal is darker than white; or, where
+// the material asks for it, given back by scaling the lobe (kernels/ggx_gain.h).
 #pragma once
 
 #include "kernels/ggx.h"
+#include "kernels/ggx_gain.h"
 
 namespace pt {
 
@@ -16,11 +18,12 @@ PT_HD inline Vec3<Real> schlick_reflectance(const Vec3<Real>& at_normal_incidenc
 }
 
 // A rough conductor at one vertex, seen from one direction. All vectors are unit.
-template <class Real>
+template <class Real, bool has_gain = false>
 struct RoughConductor {
     static constexpr bool transmits = false;
     GgxFacets<Real> facets;
     Vec3<Real> reflectance;
+    Vec3<Real> gain{Real(1)};  // of the weight
 
     PT_HD RoughConductor(const Vec3<Real>& reflectance_of, Real alpha, const Vec3<Real>& outgoing,
                          const Vec3<Real>& normal)
@@ -30,8 +33,18 @@ struct RoughConductor {
     // depends on the surface alone, so either way the expectation is the same.
     PT_HD bool is_connectable() const { return facets.are_wide(); }
 
+    // For kernels that have gains.
+    PT_HD void scatter_multiply() {
+        gain = Vec3<Real>(Real(1)) + reflectance * ggx_gain(facets.cosine / facets.q, facets.alpha);
+    }
+
     PT_HD Vec3<Real> weight(Real incoming_cosine, Real facet_cosine) const {
-        return schlick_reflectance(reflectance, facet_cosine) * facets.share_above(incoming_cosine);
+        const Vec3<Real> once = schlick_reflectance(reflectance, facet_cosine) * facets.share_above(incoming_cosine);
+        if constexpr (has_gain) {
+            return once * gain;
+        } else {
+            return once;
+        }
     }
 
     // Of a connectable lobe, for a direction above the surface.

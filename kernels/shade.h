@@ -116,7 +116,13 @@ PT_HD inline bool shade_rough_conductor(const SceneView<typename Config::Real>& 
                                         const Material<typename Config::Real>& material, const RandomWords& words,
                                         PathCounters& counters) {
     using Real = typename Config::Real;
-    const RoughConductor<Real> lobe(material.reflectance, material.alpha, -path.direction, vertex.normal());
+    constexpr bool has_gain = has<Config>(Feature::multiple_scattering);
+    RoughConductor<Real, has_gain> lobe(material.reflectance, material.alpha, -path.direction, vertex.normal());
+    if constexpr (has_gain) {
+        if (material.scatters_multiply != 0) {
+            lobe.scatter_multiply();
+        }
+    }
     const bool is_connected = connect_rough<Config>(scene, traced, path, vertex, lobe, counters);
     const LobeSample<Real> sample = lobe.sample(unit_interval<Real>(words.y), unit_interval<Real>(words.z));
     if (!(sample.cosine > Real(0))) {

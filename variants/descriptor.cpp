@@ -77,6 +77,7 @@ constexpr NamedFeature named_features[] = {
     {Feature::subsurface_boundary, "subsurface_boundary"},
     {Feature::rough_conductor, "rough_conductor"},
     {Feature::rough_dielectric, "rough_dielectric"},
+    {Feature::multiple_scattering, "multiple_scattering"},
     {Feature::environment, "environment"},
     {Feature::jitter, "jitter"},
     {Feature::lens, "lens"},

@@ -45,8 +45,9 @@ FeatureSet features_of_material(const SceneMaterial& material) {
             return Feature::rough_dielectric |
                    (is_black(material.sigma_a) ? Feature::rough_dielectric : Feature::absorption);
         case MaterialType::rough_conductor:
-            return Feature::rough_conductor |
-                   (is_black(material.emission) ? Feature::rough_conductor : Feature::emission);
+            return set_of(Feature::rough_conductor,
+                          is_black(material.emission) ? Feature::rough_conductor : Feature::emission,
+                          material.multiple_scattering ? Feature::multiple_scattering : Feature::rough_conductor);
         default:
             return Feature::subsurface | (material.ior == 1 ? Feature::subsurface : Feature::subsurface_boundary);
     }

@@ -34,6 +34,7 @@ struct SceneMaterial {
     Vec3d albedo{0.0}, emission{0.0}, reflectance{0.0}, tint{1.0}, sigma_a{0.0}, sigma_s{0.0};
     double mirror_probability = 0;
     double roughness = 0;
+    bool multiple_scattering = false;
     double ior = 1;
     double g = 0;
     std::uint32_t max_scatterings = 1000000;

@@ -49,7 +49,11 @@ Material<Real> make_material(const SceneMaterial& m) {
     // (1/n - 1)(1/n + 1) from n itself: 1/n is already rounded.
     material.leaving.k = static_cast<Real>(-(m.ior - 1.0) * (m.ior + 1.0) / (m.ior * m.ior));
     material.has_boundary = m.ior != 1.0 ? 1 : 0;
-    material.absorbs = is_glass(m.type) && m.sigma_a != Vec3d(0.0) ? 1 : 0;
+    if (m.type == MaterialType::rough_conductor) {
+        material.scatters_multiply = m.multiple_scattering ? 1 : 0;
+    } else {
+        material.absorbs = is_glass(m.type) && m.sigma_a != Vec3d(0.0) ? 1 : 0;
+    }
     const Vec3d sigma_t = m.sigma_a + m.sigma_s;
     material.sigma_a = narrow<Real>(m.sigma_a);
     material.sigma_s = narrow<Real>(m.sigma_s);
@@ -283,12 +287,14 @@ double radiance_bound(const Scene& scene, std::uint32_t depth) {
     double brightest = 0;
     double brightest_reflector = 0;
     double albedo = 0;
+    bool gains = false;  // lobes that scatter some directions by up to 3.3, none by more than 1 in the mean
     const auto largest = [](const Vec3d& v) { return std::max({v.x, v.y, v.z}); };
     for (const SceneMaterial& material : scene.materials) {
         brightest = std::max(brightest, largest(material.emission));
         if (material.type != MaterialType::emitter) {
             brightest_reflector = std::max(brightest_reflector, largest(material.emission));
         }
+        gains = gains || material.multiple_scattering;
         // A rough conductor reflects all light at grazing angles.
         const double grazing = material.type == MaterialType::rough_conductor ? 1 : 0;
         albedo = std::max({albedo, largest(material.albedo), largest(material.reflectance), grazing});
@@ -297,7 +303,7 @@ double radiance_bound(const Scene& scene, std::uint32_t depth) {
     // Only reflecting emitters can be met more than once: a geometric series, cut off at the depth.
     const double series =
         albedo < 1 ? std::min(1 / (1 - albedo), static_cast<double>(depth)) : static_cast<double>(depth);
-    const double bound = brightest + brightest_reflector * series;
+    const double bound = (brightest + brightest_reflector * series) * (gains ? 16 : 1);
     return bound > 0 ? bound : 1;
 }
 

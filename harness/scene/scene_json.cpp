@@ -145,11 +145,12 @@ SceneMaterial read_dielectric(const JsonValue& value, MaterialType type) {
 }
 
 SceneMaterial read_rough_conductor(const JsonValue& value) {
-    const JsonObject object(value, {"type", "reflectance", "roughness", "emission"});
+    const JsonObject object(value, {"type", "reflectance", "roughness", "multiple_scattering", "emission"});
     SceneMaterial material;
     material.type = MaterialType::rough_conductor;
     material.reflectance = fraction_colour(object.required("reflectance"));
     material.roughness = object.required("roughness").number(0, 1, "a number from 0 to 1");
+    material.multiple_scattering = object.has("multiple_scattering") && object.at("multiple_scattering").boolean();
     material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
     return material;
 }

@@ -219,6 +219,7 @@ TEST_F(InspectTest, LeavingOutMakesAKernelSmaller) {
                                               "subsurface_boundary",
                                               "rough_conductor",
                                               "rough_dielectric",
+                                              "multiple_scattering",
                                               "environment",
                                               "lens",
                                               "final_bounce",
@@ -229,7 +230,7 @@ TEST_F(InspectTest, LeavingOutMakesAKernelSmaller) {
                                               "automatic_sampling",
                                               "russian_roulette",
                                               "near_sphere"}));
-        EXPECT_EQ(generic["features"].size(), 28u);
+        EXPECT_EQ(generic["features"].size(), 29u);
         EXPECT_EQ(generic["left_out"], Json::array());
         EXPECT_LT(features["code_bytes"], generic["code_bytes"]);
         for (const Json& report : {features, generic}) {

@@ -94,6 +94,7 @@ private:
             case 4:
                 material = {
                     {"type", "rough_conductor"}, {"reflectance", colour(fractions)}, {"roughness", from(fractions)}};
+                material["multiple_scattering"] = one_in(2);
                 break;
             case 5:
                 return {{"type", "dielectric"},

@@ -66,7 +66,7 @@ private:
                 builder_.subsurface(colour() * 5.0, colour(), random_.uniform(-0.5, 0.5), chance(0.3) ? 1.4 : 1.0));
         }
         if (chance(0.25)) {
-            materials_.push_back(builder_.rough_conductor(colour(), random_.uniform(0, 1)));
+            materials_.push_back(builder_.rough_conductor(colour(), random_.uniform(0, 1), Vec3d(0.0), chance(0.3)));
         }
         if (chance(0.25)) {
             materials_.push_back(builder_.rough_dielectric(random_.uniform(1.1, 2), random_.uniform(0, 1),

@@ -113,6 +113,9 @@ const Case cases[] = {
     with<Feature::subsurface>("subsurface", [](Still& s) { make_ball(s, s.builder.subsurface(Vec3d(4), Vec3d(0.1))); }),
     with<Feature::rough_conductor>(
         "rough_conductor", [](Still& s) { make_ball(s, s.builder.rough_conductor(Vec3d(0.9, 0.7, 0.5), 0.1)); }),
+    with<Feature::multiple_scattering, Feature::rough_conductor>(
+        "multiple_scattering",
+        [](Still& s) { make_ball(s, s.builder.rough_conductor(Vec3d(0.9, 0.7, 0.5), 0.8, Vec3d(0.0), true)); }),
     with<Feature::rough_dielectric>("rough_dielectric",
                                     [](Still& s) {
                                         make_ball(s, s.builder.rough_dielectric(1.5, 0.3));
@@ -157,8 +160,10 @@ TEST(FeatureMask, HasWhatTheSceneNeedsAndNothingElse) {
         EXPECT_TRUE(contains(mask, c.feature)) << c.name;
         const FeatureSet rest = mask & ~static_cast<FeatureSet>(c.feature);
         const bool on_another = c.feature == Feature::absorption || c.feature == Feature::subsurface_boundary ||
-                                c.feature == Feature::multiple_importance || contains(light_samplings, c.feature);
-        const FeatureSet stood_on = (Feature::dielectric | Feature::subsurface) | Feature::next_event;
+                                c.feature == Feature::multiple_importance ||
+                                c.feature == Feature::multiple_scattering || contains(light_samplings, c.feature);
+        const FeatureSet stood_on =
+            set_of(Feature::dielectric, Feature::subsurface, Feature::next_event, Feature::rough_conductor);
         EXPECT_EQ(rest & ~stood_on, base) << c.name;
         EXPECT_EQ((rest & stood_on) != 0, on_another) << c.name;
     }

@@ -203,6 +203,8 @@ TYPED_TEST(NextEventTest, RoughConductors) {
         const Scene scene = stage(lamp, [=](auto& b) { return b.rough_conductor({0.9, 0.8, 0.7}, roughness); });
         expect_same_mean<TypeParam>(scene, 3, "roughness " + std::to_string(roughness));
     }
+    const auto white = [](auto& b) { return b.rough_conductor({0.9, 0.8, 0.7}, 0.8, Vec3d(0.0), true); };
+    expect_same_mean<TypeParam>(stage(lamp, white), 3, "multiple scattering");
 }
 
 // The last one is too narrow to be connected.

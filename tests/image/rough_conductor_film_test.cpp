@@ -81,6 +81,19 @@ TYPED_TEST(RoughConductorImageTest, AnEvenLightIsKeptButForWhatScattersTwice) {
     }
 }
 
+TYPED_TEST(RoughConductorImageTest, AnEvenLightIsKeptWhereLightScattersMultiply) {
+    for (const double roughness : {0.3, 0.6, 1.0}) {
+        SceneBuilder builder;
+        builder.camera({0, 3, 1}, {0, 0, 0}, {0, 0, 1}).image(1, 1, 1e-3, false).depth(2);
+        builder.environment(0.5);
+        builder.quad(builder.rough_conductor(Vec3d(1.0), roughness, Vec3d(0.0), true), {0, 0, 0}, 1, 1);
+        const RenderOptions options{.samples = 1 << 18, .seed = 9};
+        const test::Mean mean = test::mean_radiance<TypeParam>(builder.scene, options).channel[1];
+        // 2.5e-3: of kernels/ggx_gain.h.
+        EXPECT_NEAR(mean.value() / 0.5, 1, test::tolerated_errors * mean.standard_error() / 0.5 + 2.5e-3) << roughness;
+    }
+}
+
 // One bounce from a plate to a lamp beside the mirror's direction: connections bring what lobes meet, to a twentieth.
 TYPED_TEST(RoughConductorImageTest, ConnectionsBringWhatLobesMeet) {
     for (const double roughness : {0.2, 0.3, 0.6, 1.0}) {

@@ -9,6 +9,7 @@
 #include "kernels/diffuse.h"
 #include "kernels/film.h"
 #include "kernels/ggx.h"
+#include "kernels/ggx_gain.h"
 #include "kernels/halton.h"
 #include "kernels/health.h"
 #include "kernels/in_range.h"

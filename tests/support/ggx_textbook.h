@@ -51,4 +51,26 @@ inline double mean_over_square(int side, const F& f) {
     return sum / side / side;
 }
 
+// Facets seen from a viewer at x > 0, as many as the textbook says: the sum over all of them is 1.
+inline double visible_facets(double alpha, double cosine, const Vec3<double>& viewer, const Facet& facet) {
+    const double facing = std::max(0.0, dot(viewer, facet.normal));
+    return masking(alpha, cosine) * facing / (cosine * facet.normal.z) * facet.measure;
+}
+
+inline Vec3<double> viewer_at(double cosine) { return {std::sqrt((1 - cosine) * (1 + cosine)), 0, cosine}; }
+
+// Directional albedo of a white one: what single scattering keeps.
+inline double kept_energy(double alpha, double cosine, int side = 1024) {
+    const Vec3<double> viewer = viewer_at(cosine);
+    return mean_over_square(side, [&](double t, double turn) {
+        const Facet facet = facet_at(alpha, t, 2 * pi<double> * turn);
+        const double incoming = 2 * dot(viewer, facet.normal) * facet.normal.z - viewer.z;
+        if (incoming <= 0) {
+            return 0.0;
+        }
+        const double both = 1 / (1 + smith_lambda(alpha, cosine) + smith_lambda(alpha, incoming));
+        return visible_facets(alpha, cosine, viewer, facet) * both / masking(alpha, cosine);
+    });
+}
+
 }  // namespace pt::test::ggx

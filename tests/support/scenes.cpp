@@ -70,11 +70,13 @@ std::uint32_t SceneBuilder::mix(const Vec3d& albedo, const Vec3d& reflectance, d
     return add(material);
 }
 
-std::uint32_t SceneBuilder::rough_conductor(const Vec3d& reflectance, double roughness, const Vec3d& emission) {
+std::uint32_t SceneBuilder::rough_conductor(const Vec3d& reflectance, double roughness, const Vec3d& emission,
+                                            bool multiple_scattering) {
     SceneMaterial material;
     material.type = MaterialType::rough_conductor;
     material.reflectance = reflectance;
     material.roughness = roughness;
+    material.multiple_scattering = multiple_scattering;
     material.emission = emission;
     return add(material);
 }

@@ -24,7 +24,8 @@ struct SceneBuilder {
     std::uint32_t mirror(const Vec3d& reflectance, const Vec3d& emission = Vec3d(0.0));
     std::uint32_t mix(const Vec3d& albedo, const Vec3d& reflectance, double mirror_probability,
                       const Vec3d& emission = Vec3d(0.0));
-    std::uint32_t rough_conductor(const Vec3d& reflectance, double roughness, const Vec3d& emission = Vec3d(0.0));
+    std::uint32_t rough_conductor(const Vec3d& reflectance, double roughness, const Vec3d& emission = Vec3d(0.0),
+                                  bool multiple_scattering = false);
     std::uint32_t emitter(const Vec3d& radiance);
     std::uint32_t dielectric(double ior, const Vec3d& sigma_a = Vec3d(0.0), const Vec3d& tint = Vec3d(1.0));
     std::uint32_t rough_dielectric(double ior, double roughness, const Vec3d& sigma_a = Vec3d(0.0),

@@ -49,28 +49,6 @@ RoughConductor<Real> white(double roughness, double cosine, double turn = 0.7) {
     return {Vec3<Real>(Real(1)), static_cast<Real>(roughness * roughness), in_plane(cosine, turn, normal), normal};
 }
 
-// Facets seen from a viewer at x > 0, as many as the textbook says: the sum over all of them is 1.
-double visible_facets(double alpha, double cosine, const Vec3d& viewer, const Facet& facet) {
-    const double facing = std::max(0.0, dot(viewer, facet.normal));
-    return masking(alpha, cosine) * facing / (cosine * facet.normal.z) * facet.measure;
-}
-
-Vec3d viewer_at(double cosine) { return {std::sqrt((1 - cosine) * (1 + cosine)), 0, cosine}; }
-
-// Directional albedo of a white one: what single scattering keeps.
-double kept_energy(double alpha, double cosine) {
-    const Vec3d viewer = viewer_at(cosine);
-    return mean_over_square(1024, [&](double t, double turn) {
-        const Facet facet = facet_at(alpha, t, 2 * pi<double> * turn);
-        const double incoming = 2 * dot(viewer, facet.normal) * facet.normal.z - viewer.z;
-        if (incoming <= 0) {
-            return 0.0;
-        }
-        const double both = 1 / (1 + smith_lambda(alpha, cosine) + smith_lambda(alpha, incoming));
-        return visible_facets(alpha, cosine, viewer, facet) * both / masking(alpha, cosine);
-    });
-}
-
 // --- Energy
 
 TYPED_TEST(RoughConductorTest, AWhiteFurnaceLosesWhatSingleScatteringLoses) {

@@ -130,7 +130,11 @@ TEST(SceneJson, RoughConductor) {
     EXPECT_EQ(material.type, MaterialType::rough_conductor);
     EXPECT_EQ(material.reflectance, Vec3d(0, 0.5, 1));
     EXPECT_EQ(material.roughness, 0.3);
+    EXPECT_FALSE(material.multiple_scattering);
     EXPECT_EQ(material.emission, Vec3d(0.0));
+    EXPECT_TRUE(parse_material(R"({"type": "rough_conductor", "reflectance": [0, 0.5, 1], "roughness": 0.3,
+                                   "multiple_scattering": true})")
+                    .multiple_scattering);
 }
 
 TEST(SceneJson, RoughDielectric) {
@@ -385,7 +389,8 @@ TEST(SceneJsonErrors, Materials) {
         {material_line, R"({"type": "rough_conductor", "reflectance": [1, 1, 1], "roughness": -0.1})",
          "s.json: $.materials.m.roughness: found -0.1, allowed: " + fraction},
         {material_line, R"({"type": "rough_conductor", "reflectance": [1, 1, 1], "roughness": 0.1, "alpha": 1})",
-         "s.json: $.materials.m: found unknown key \"alpha\", allowed: type, reflectance, roughness, emission"},
+         "s.json: $.materials.m: found unknown key \"alpha\", allowed: type, reflectance, roughness, "
+         "multiple_scattering, emission"},
         {material_line, R"({"type": "rough_dielectric", "ior": 1.5})",
          "s.json: $.materials.m: found no key \"roughness\", allowed: it is required"},
         {material_line, R"({"type": "rough_dielectric", "ior": 1.5, "roughness": 2})",
