@@ -86,6 +86,35 @@ PT_HD inline EnclosureExit<Real> leave_enclosure(const AxisAlignedEnclosure<Real
                    : side_z};
 }
 
+// What of an enclosure's walls lies between two points. The enclosure is convex: none where both lie within, and one
+// where the second lies beyond walls alone, since only their planes are crossed on the way. Not known: ask the slabs.
+enum class WallsBetween { none, one, unknown };
+
+template <class Real>
+PT_HD inline WallsBetween walls_between(const AxisAlignedEnclosure<Real>& enclosure, const Vec3<Real>& from,
+                                        const Vec3<Real>& to) {
+    const Vec3<Real>& low = enclosure.low;
+    const Vec3<Real>& high = enclosure.high;
+    // How far beyond the sides.
+    const Real beyond[6] = {low.x - to.x, to.x - high.x, low.y - to.y, to.y - high.y, low.z - to.z, to.z - high.z};
+    Real walls = -std::numeric_limits<Real>::infinity();
+    Real open = walls;
+    for (std::uint32_t side = 0; side < 6; ++side) {
+        if (((enclosure.open_sides >> side) & 1u) != 0) {
+            open = max(open, beyond[side]);
+        } else {
+            walls = max(walls, beyond[side]);
+        }
+    }
+    // Above the rounding of a point on the way and of the slabs.
+    const Real margin = gamma<Real>(64) * (absolute(low.x) + absolute(low.y) + absolute(low.z) + absolute(high.x) +
+                                           absolute(high.y) + absolute(high.z));
+    if (enclosure.walls == 0 || !enclosure.contains(from) || !(open < -margin)) {
+        return WallsBetween::unknown;
+    }
+    return walls < -margin ? WallsBetween::none : walls > margin ? WallsBetween::one : WallsBetween::unknown;
+}
+
 template <class Real>
 PT_HD inline Vec3<Real> face_normal(const SurfaceId& face) {
     const Real sign = face.face_looks_up() ? Real(1) : Real(-1);

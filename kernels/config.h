@@ -55,6 +55,11 @@ enum class Feature : FeatureSet {
     final_bounce = feature_bit::light << 1,
     next_event = feature_bit::light << 2,
     multiple_importance = feature_bit::light << 3,
+    // How points on lights are drawn (kernels/light_sampling.h). A kernel with none of these does it by solid angle,
+    // one with a single one so, and one with all chooses at run time (SceneView::light_sampling).
+    area_sampling = feature_bit::light << 4,
+    projected_sampling = feature_bit::light << 5,
+    automatic_sampling = feature_bit::light << 6,
     russian_roulette = feature_bit::sampling << 0,
     // Sources of random numbers other than pcg4d. A kernel with none of them has pcg4d, one with a single one has that,
     // and one with several chooses at run time among all (RandomSeed::sampler).
@@ -73,6 +78,9 @@ enum class Feature : FeatureSet {
     flat_tree = feature_bit::traversal << 4,
 };
 
+// Of the features above, the one that a variant asks for.
+enum class LightSampling : std::uint16_t { solid_angle, area, projected, automatic };
+
 template <class... Features>
 PT_HD constexpr FeatureSet set_of(Features... features) {
     return (FeatureSet{0} | ... | static_cast<FeatureSet>(features));
@@ -85,9 +93,11 @@ inline constexpr FeatureSet shape_features = no_features PT_SHAPES(PT_FEATURE);
 inline constexpr FeatureSet material_features =
     set_of(Feature::diffuse, Feature::emitter, Feature::mirror, Feature::mix, Feature::dielectric, Feature::subsurface,
            Feature::emission, Feature::absorption, Feature::subsurface_boundary, Feature::rough_conductor);
+inline constexpr FeatureSet light_samplings =
+    set_of(Feature::area_sampling, Feature::projected_sampling, Feature::automatic_sampling);
 // What a scene or an estimator may need: a kernel with all of these renders any scene without meshes.
 inline constexpr FeatureSet all_features =
-    (shape_features & ~static_cast<FeatureSet>(Feature::mesh)) | material_features |
+    (shape_features & ~static_cast<FeatureSet>(Feature::mesh)) | material_features | light_samplings |
     set_of(Feature::near_sphere, Feature::motion, Feature::environment, Feature::jitter, Feature::lens,
            Feature::final_bounce, Feature::next_event, Feature::multiple_importance, Feature::russian_roulette);
 inline constexpr FeatureSet shortcuts = set_of(Feature::enclosure);
@@ -106,6 +116,13 @@ PT_HD constexpr FeatureSet operator|(Feature a, Feature b) {
 }
 PT_HD constexpr FeatureSet operator|(FeatureSet a, Feature b) { return a | static_cast<FeatureSet>(b); }
 PT_HD constexpr bool contains(FeatureSet set, Feature feature) { return (set & static_cast<FeatureSet>(feature)) != 0; }
+// Of a set with one of light_samplings, or none.
+PT_HD constexpr LightSampling light_sampling_in(FeatureSet set) {
+    return contains(set, Feature::area_sampling)        ? LightSampling::area
+           : contains(set, Feature::projected_sampling) ? LightSampling::projected
+           : contains(set, Feature::automatic_sampling) ? LightSampling::automatic
+                                                        : LightSampling::solid_angle;
+}
 PT_HD constexpr bool is_superset(FeatureSet set, FeatureSet subset) { return (set & subset) == subset; }
 
 // Takes rays through a mesh (kernels/mesh_view.h); a choice of the axis accelerator.

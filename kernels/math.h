@@ -79,6 +79,12 @@ PT_HD inline std::int64_t bits_of(double x) { return __builtin_bit_cast(std::int
 PT_HD inline float number_of(std::int32_t bits) { return __builtin_bit_cast(float, bits); }
 PT_HD inline double number_of(std::int64_t bits) { return __builtin_bit_cast(double, bits); }
 
+// A power of two p with 1 <= p x < 2, for 2^-126 <= x < 2^126 (in double 2^1022).
+PT_HD inline float power_to_one(float x) { return number_of(0x7f000000 - (bits_of(x) & 0x7f800000)); }
+PT_HD inline double power_to_one(double x) {
+    return number_of(std::int64_t{0x7fe0000000000000} - (bits_of(x) & std::int64_t{0x7ff0000000000000}));
+}
+
 template <class Real>
 inline constexpr int mantissa_bits = sizeof(Real) == 4 ? 23 : 52;
 template <class Real>

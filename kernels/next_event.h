@@ -1,34 +1,65 @@
 // Next-event estimation: at every diffuse or rough vertex but the last one light is chosen uniformly and a direction
-// towards it drawn by solid angle (kernels/solid_angle.h). Light that the path then meets from such a vertex does not
-// count again, or, with multiple importance sampling, both count by their share of the densities (Veach 1997, ch. 9):
-// with the ratio r = density of the scattered direction / density of the light's, a connection weighs 1 / (1 + r^b) and
-// an encounter r^b / (1 + r^b); b = 1 is the balance heuristic, 2 the power heuristic. An environment is never
-// connected to: rays that leave the scene always count.
+// towards it drawn: by solid angle (kernels/solid_angle.h) or as Feature::area_sampling and its like say. Light that
+// the path then meets from such a vertex does not count again, or, with multiple importance sampling, both count by
+// their share of the densities (Veach 1997, ch. 9): with the ratio r = density of the scattered direction / density of
+// the light's, a connection weighs 1 / (1 + r^b) and an encounter r^b / (1 + r^b); b = 1 is the balance heuristic, 2
+// the power heuristic. An environment is never connected to: rays that leave the scene always count.
 #pragma once
 
 #include "kernels/dielectric.h"
-#include "kernels/intersect.h"
+#include "kernels/line_of_sight.h"
 #include "kernels/rough_conductor.h"
 
 namespace pt {
 
+// How the kernel draws points on boxes and quads that emit.
+template <class Config, class Scene>
+PT_HD inline LightSampling light_sampling_of(const Scene& scene) {
+    constexpr FeatureSet compiled = Config::features & light_samplings;
+    constexpr bool is_chosen_at_run_time = (compiled & (compiled - 1u)) != 0;
+    if constexpr (is_chosen_at_run_time) {
+        return scene.light_sampling;
+    } else {
+        return light_sampling_in(compiled);
+    }
+}
+
+// In half diagonals.
+template <class Real, class Scene>
+PT_HD inline Real near_light_of(const Scene& scene) {
+    return static_cast<Real>(scene.near_light) * Real(0.01);
+}
+
 // As the kernel samples a shape: in textbook form where the shape has one.
-template <class Config, class Shape, class Real>
-PT_HD inline DirectionSample<Real> sample_direction_in(const Shape& shape, const Vec3<Real>& observer, Real u, Real v,
-                                                       Real w) {
+template <class Config, class Scene, class Shape, class Real>
+PT_HD inline DirectionSample<Real> sample_direction_in(const Scene& scene, const Shape& shape,
+                                                       const Vec3<Real>& observer, Real u, Real v, Real w) {
     if constexpr (has<Config>(Feature::naive)) {
         return naive::sample_direction(shape, observer, u, v, w);
     } else {
+        if constexpr ((Config::features & light_samplings) != 0 && IsBoxLike<Shape, Real>) {
+            const LightSampling sampling = light_sampling_of<Config>(scene);
+            if (sampling != LightSampling::solid_angle) {
+                return sample_box_light(shape, observer, sampling, near_light_of<Real>(scene), u, v, w);
+            }
+        }
         return sample_direction(shape, observer, u, v, w);
     }
 }
 
-template <class Config, class Shape, class Real>
-PT_HD inline Real inverse_direction_pdf_in(const Shape& shape, const Vec3<Real>& observer, const Vec3<Real>& direction,
-                                           Real distance) {
+template <class Config, class Scene, class Shape, class Real>
+PT_HD inline Real inverse_direction_pdf_in(const Scene& scene, const Shape& shape, const Vec3<Real>& observer,
+                                           const Vec3<Real>& direction, Real distance) {
     if constexpr (has<Config>(Feature::naive)) {
         return naive::inverse_direction_pdf(shape, observer, direction, distance);
     } else {
+        if constexpr ((Config::features & light_samplings) != 0 && IsBoxLike<Shape, Real>) {
+            const LightSampling sampling = light_sampling_of<Config>(scene);
+            if (sampling != LightSampling::solid_angle) {
+                return inverse_box_light_pdf(shape, observer, direction, distance, sampling,
+                                             near_light_of<Real>(scene));
+            }
+        }
         return inverse_direction_pdf(shape, observer, direction, distance);
     }
 }
@@ -40,8 +71,9 @@ PT_HD inline DirectionSample<typename Config::Real> sample_direction_to(
     using Real = typename Config::Real;
     const Vec3<Real> observer = at_rest<Config>(scene, object, position, time);
     DirectionSample<Real> sample{{Real(0), Real(0), Real(1)}, Real(0)};
-    visit_shape<Config>(scene, object,
-                        [&](const auto& shape) { sample = sample_direction_in<Config>(shape, observer, u, v, w); });
+    visit_shape<Config>(scene, object, [&](const auto& shape) {
+        sample = sample_direction_in<Config>(scene, shape, observer, u, v, w);
+    });
     return sample;
 }
 
@@ -56,7 +88,7 @@ PT_HD inline typename Config::Real inverse_direction_pdf_to(const SceneView<type
     Real inverse_pdf = Real(0);
     visit_shape<Config>(scene, object, [&](const auto& shape) {
         inverse_pdf =
-            inverse_direction_pdf_in<Config>(primitive_of(shape, hit.primitive), observer, ray.direction, hit.t);
+            inverse_direction_pdf_in<Config>(scene, primitive_of(shape, hit.primitive), observer, ray.direction, hit.t);
     });
     return inverse_pdf;
 }
@@ -103,6 +135,32 @@ struct DiffuseLobe {
     }
 };
 
+// The ray's hit with a light that it was drawn to and sees; else nowhere. `distance`: to the point that was drawn, or
+// 0. By the closest hit where lights are drawn by solid angle: over a few objects that costs less than to meet the
+// light by itself.
+template <class Config>
+PT_HD inline Hit<typename Config::Real> hit_of_light(const SceneView<typename Config::Real>& scene,
+                                                     std::uint32_t object, const Ray<typename Config::Real>& ray,
+                                                     typename Config::Real distance) {
+    using Real = typename Config::Real;
+    bool knows_point = false;
+    if constexpr (has_lines_of_sight<Config> && (Config::features & light_samplings) != 0) {
+        knows_point = distance > Real(0);
+        if (knows_point) {
+            const Sight sight = line_of_sight<Config>(scene, object, ray, distance);
+            if (sight != Sight::unsure) {
+                return {distance, sight == Sight::clear ? SurfaceId::of(object, false) : SurfaceId{}};
+            }
+        }
+    }
+    Hit<Real> hit = closest_hit<Config>(scene, ray);
+    if (hit.side.exists() && hit.side.object() != object) {
+        hit.side = {};
+    }
+    hit.t = knows_point ? distance : hit.t;
+    return hit;
+}
+
 // Adds to path.radiance the light of one direction towards one light, seen by way of a lobe of the vertex.
 // Returns the number of rays traced (0 or 1). `traced`: the same scene, as rays walk through it. The light is seen if
 // it is the nearest object along the ray: a convex one shows each ray one point from outside, and none of its own.
@@ -125,8 +183,8 @@ PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::R
     }
     const Ray<Real> ray{vertex.position, sample.direction, path.time, SurfaceId::of(vertex.object, vertex.inside),
                         vertex.primitive};
-    const Hit<Real> hit = closest_hit<Config>(traced, ray);
-    if (!hit.side.exists() || hit.side.object() != object || !is_of_primitive<Config>(hit, sample.primitive)) {
+    const Hit<Real> hit = hit_of_light<Config>(traced, object, ray, sample.distance);
+    if (!hit.side.exists() || !is_of_primitive<Config>(hit, sample.primitive)) {
         return 1;
     }
     const LobeValue<Real> value = lobe.towards(sample.direction, cosine);

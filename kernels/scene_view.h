@@ -69,6 +69,8 @@ struct SceneView {
     std::uint32_t next_event;      // 1: connect every diffuse vertex but the last to a light
     std::uint32_t mis_exponent;    // 0: lights count where connected only; 1: balance heuristic, 2: power heuristic
     std::uint32_t roulette_start;  // Russian roulette from the vertex at the end of this segment on; 0: none
+    LightSampling light_sampling;  // of boxes and quads that emit
+    std::uint16_t near_light;      // automatic: by solid angle within so many hundredths of a light's half diagonal
 
     // Of a device: null unless its kernels have one of mesh_levels.
     const MeshSearch<Real>* mesh_search;

@@ -50,6 +50,7 @@ struct DirectionSample {
     Vec3<Real> direction;  // unit
     Real inverse_pdf;
     std::uint32_t primitive = 0;  // that the direction was drawn to
+    Real distance = Real(0);      // to the point that was drawn; 0: it is not known
 };
 
 template <class Real>

@@ -48,6 +48,7 @@ inline constexpr Axis axis_table[] = {
     {"traversal", "in which order a warp's lanes visit nodes and test triangles", "148f491", "while_while"},
     {"traversal_stack", "where nodes wait that a ray has yet to visit", "148f491", "local"},
     {"levels", "how a ray finds the objects that show meshes", "0f46c45", "each_object"},
+    {"light_sampling", "how points on lights are drawn", "a7e8939", "solid_angle"},
 };
 inline constexpr std::size_t axis_count = std::size(axis_table);
 
@@ -168,11 +169,16 @@ struct LevelsTraits {
     bool is_flat = false;  // one tree over the triangles of all objects, in the accelerator's format
 };
 
+struct LightSamplingTraits {
+    bool is_by_solid_angle = true;  // as every shape's own function does it
+};
+
 // What a descriptor holds: nothing (the defaults of its axis), or the traits of its axis; in the order of axis_table.
 using Traits = std::variant<std::monostate, IntegratorTraits, CompactionTraits, SortingTraits, SortKeyTraits,
                             FirstBounceTraits, DirectLightTraits, RouletteTraits, SamplerTraits, LayoutTraits,
                             SpecialisationTraits, LaunchTraits, ArithmeticTraits, PrecisionTraits, RobustnessTraits,
-                            AcceleratorTraits, BuilderTraits, TraversalTraits, TraversalStackTraits, LevelsTraits>;
+                            AcceleratorTraits, BuilderTraits, TraversalTraits, TraversalStackTraits, LevelsTraits,
+                            LightSamplingTraits>;
 static_assert(std::variant_size_v<Traits> == axis_count + 1);
 
 // The traits of the choice that a variant has, and its name: for messages alone.
@@ -202,6 +208,7 @@ struct VariantTraits {
     Chosen<TraversalTraits> traversal;
     Chosen<TraversalStackTraits> traversal_stack;
     Chosen<LevelsTraits> levels;
+    Chosen<LightSamplingTraits> light_sampling;
     std::map<std::string, std::uint32_t, std::less<>> tuning;  // Variant::tuning
 };
 

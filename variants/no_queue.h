@@ -7,8 +7,11 @@ namespace pt {
 
 // `where` the paths are kept instead of in an array.
 inline Reason needs_no_queue(const VariantTraits& variant, std::string_view where) {
-    const auto no_queue = [](std::string text, std::string_view name) -> Reason {
-        return {"needs_queue", std::move(text) + ", not " + std::string(name)};
+    // Appended step by step: of sums of strings g++ 12 warns of bounds, depending on what else a unit holds.
+    const auto no_queue = [](std::string_view text, std::string_view name) -> Reason {
+        std::string whole(text);
+        whole.append(", not ").append(name);
+        return {"needs_queue", std::move(whole)};
     };
     if (variant.compaction.compacts) {
         return no_queue("has no queue to compact: needs compaction=none", variant.compaction.name);
@@ -17,7 +20,9 @@ inline Reason needs_no_queue(const VariantTraits& variant, std::string_view wher
         return no_queue("has no queue to sort: needs sorting=none", variant.sorting.name);
     }
     if (!variant.layout.keeps_paths_whole) {
-        return no_queue(std::string(where) + ", no array of paths: needs layout=aos", variant.layout.name);
+        std::string text(where);
+        text.append(", no array of paths: needs layout=aos");
+        return no_queue(text, variant.layout.name);
     }
     return {};
 }

@@ -202,6 +202,7 @@ VariantTraits traits_of(const Variant& variant, Backend backend) {
         .traversal = chosen<TraversalTraits>("traversal", variant, backend),
         .traversal_stack = chosen<TraversalStackTraits>("traversal_stack", variant, backend),
         .levels = chosen<LevelsTraits>("levels", variant, backend),
+        .light_sampling = chosen<LightSamplingTraits>("light_sampling", variant, backend),
         .tuning = variant.tuning,
     };
 }

@@ -134,6 +134,10 @@ RenderSettings settings_for(const RenderRequest& request, const KernelChoice& ke
     settings.mis_exponent = contains(kernel.needed, Feature::multiple_importance)
                                 ? tunable(request.variant, "mis_exponent", request.backend)
                                 : 0;
+    settings.light_sampling = light_sampling_in(kernel.needed);
+    if (settings.light_sampling == LightSampling::automatic) {
+        settings.near_light = static_cast<std::uint16_t>(tunable(request.variant, "near_light", request.backend));
+    }
     settings.roulette_start = contains(kernel.needed, Feature::russian_roulette)
                                   ? tunable(request.variant, "roulette_start", request.backend)
                                   : 0;

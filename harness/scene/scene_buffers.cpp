@@ -245,6 +245,8 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     // An emitter of no radiance is no light, so there may be none to connect to.
     view_.next_event = settings.next_event && !arrays_.lights.empty() ? 1 : 0;
     view_.mis_exponent = settings.mis_exponent;
+    view_.light_sampling = settings.light_sampling;
+    view_.near_light = settings.near_light;
     view_.roulette_start = settings.roulette_start;
     view_.enclosure = find_enclosure(view_);
     make_search(acceleration);

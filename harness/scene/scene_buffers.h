@@ -20,6 +20,8 @@ struct RenderSettings {
     bool final_bounce = false;
     bool next_event = false;
     std::uint32_t mis_exponent = 0;
+    LightSampling light_sampling = LightSampling::solid_angle;
+    std::uint16_t near_light = 0;
     std::uint32_t roulette_start = 0;
     FeatureSet sampler = no_features;
 };

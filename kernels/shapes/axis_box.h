@@ -2,8 +2,8 @@
 #pragma once
 
 #include "kernels/box.h"
+#include "kernels/light_sampling.h"
 #include "kernels/naive.h"
-#include "kernels/solid_angle.h"
 
 namespace pt {
 
@@ -55,6 +55,19 @@ PT_HD inline LightSample<Real> sample_point(const AxisBox<Real>& box, Real u, Re
 template <class Real>
 PT_HD inline SeenBox<Real> seen_from(const AxisBox<Real>& box, const Vec3<Real>& observer) {
     return {observer - (box.high + box.low) * Real(0.5), (box.high - box.low) * Real(0.5)};
+}
+
+template <class Real>
+PT_HD inline BoxFrame<Real> box_frame(const AxisBox<Real>& box, const Vec3<Real>& observer) {
+    return {observer - (box.high + box.low) * Real(0.5), (box.high - box.low) * Real(0.5)};
+}
+template <class Real>
+PT_HD inline Vec3<Real> box_to_world(const AxisBox<Real>&, const Vec3<Real>& v) {
+    return v;
+}
+template <class Real>
+PT_HD inline Vec3<Real> box_to_local(const AxisBox<Real>&, const Vec3<Real>& v) {
+    return v;
 }
 
 template <class Real>

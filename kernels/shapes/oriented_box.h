@@ -2,8 +2,8 @@
 #pragma once
 
 #include "kernels/box.h"
+#include "kernels/light_sampling.h"
 #include "kernels/naive.h"
-#include "kernels/solid_angle.h"
 
 namespace pt {
 
@@ -67,6 +67,19 @@ PT_HD inline LightSample<Real> sample_point(const OrientedBox<Real>& box, Real u
 template <class Real>
 PT_HD inline SeenBox<Real> seen_from(const OrientedBox<Real>& box, const Vec3<Real>& observer) {
     return {box.to_local(observer - box.centre), box.half};
+}
+
+template <class Real>
+PT_HD inline BoxFrame<Real> box_frame(const OrientedBox<Real>& box, const Vec3<Real>& observer) {
+    return {box.to_local(observer - box.centre), box.half};
+}
+template <class Real>
+PT_HD inline Vec3<Real> box_to_world(const OrientedBox<Real>& box, const Vec3<Real>& v) {
+    return box.to_world(v);
+}
+template <class Real>
+PT_HD inline Vec3<Real> box_to_local(const OrientedBox<Real>& box, const Vec3<Real>& v) {
+    return box.to_local(v);
 }
 
 template <class Real>

@@ -1,8 +1,8 @@
 // Rectangles: two-sided, anywhere. A ray that starts on a quad never meets it again.
 #pragma once
 
+#include "kernels/light_sampling.h"
 #include "kernels/naive.h"
-#include "kernels/solid_angle.h"
 
 namespace pt {
 
@@ -65,6 +65,19 @@ PT_HD inline SeenBox<Real> seen_from(const Quad<Real>& quad, const Vec3<Real>& o
     const Vec3<Real> from_centre = observer - quad.centre;
     return {{dot(from_centre, quad.axis_u), dot(from_centre, quad.normal), dot(from_centre, quad.axis_v)},
             {quad.half_u, Real(0), quad.half_v}};
+}
+
+template <class Real>
+PT_HD inline Vec3<Real> box_to_local(const Quad<Real>& quad, const Vec3<Real>& v) {
+    return {dot(v, quad.axis_u), dot(v, quad.normal), dot(v, quad.axis_v)};
+}
+template <class Real>
+PT_HD inline Vec3<Real> box_to_world(const Quad<Real>& quad, const Vec3<Real>& v) {
+    return quad.axis_u * v.x + quad.normal * v.y + quad.axis_v * v.z;
+}
+template <class Real>
+PT_HD inline BoxFrame<Real> box_frame(const Quad<Real>& quad, const Vec3<Real>& observer) {
+    return {box_to_local(quad, observer - quad.centre), {quad.half_u, Real(0), quad.half_v}};
 }
 
 template <class Real>

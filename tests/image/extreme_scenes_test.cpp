@@ -140,12 +140,19 @@ struct Kernel {
 
 // With the samplers' and the direct lights' code paths that read a scene's numbers.
 std::vector<Kernel> kernels() {
-    std::vector<Kernel> all{{"plain", {}}, {"final_bounce", {}}, {"next_event", {}}, {"mis", {}}};
+    std::vector<Kernel> all{{"plain", {}}, {"final_bounce", {}}, {"next_event", {}}, {"mis", {}},
+                            {"area", {}},  {"projected", {}},    {"auto", {}}};
     all[1].options.final_bounce = true;
     all[2].options.next_event = true;
     all[3].options.next_event = true;
     all[3].options.mis_exponent = 2;
     all[3].options.roulette_start = 1;
+    const LightSampling samplings[] = {LightSampling::area, LightSampling::projected, LightSampling::automatic};
+    for (std::size_t i = 0; i < std::size(samplings); ++i) {
+        all[4 + i].options = all[3].options;
+        all[4 + i].options.light_sampling = samplings[i];
+        all[4 + i].options.near_light = 20;
+    }
     return all;
 }
 

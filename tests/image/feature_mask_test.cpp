@@ -21,6 +21,8 @@ Film film_of(const Scene& scene, FeatureSet asked) {
     settings.final_bounce = contains(asked, Feature::final_bounce);
     settings.next_event = contains(asked, Feature::next_event);
     settings.mis_exponent = contains(asked, Feature::multiple_importance) ? 2 : 0;
+    settings.light_sampling = light_sampling_in(asked);
+    settings.near_light = 100;
     settings.roulette_start = contains(asked, Feature::russian_roulette) ? 2 : 0;
     settings.sampler = asked & samplers;
     const SceneBuffers<float> buffers(scene, settings);
@@ -126,6 +128,9 @@ const Case cases[] = {
     asked_for<Feature::final_bounce>("final_bounce"),
     asked_for<Feature::next_event>("next_event"),
     asked_for<Feature::multiple_importance, no_features | Feature::next_event>("multiple_importance"),
+    asked_for<Feature::area_sampling, no_features | Feature::next_event>("area_sampling"),
+    asked_for<Feature::projected_sampling, no_features | Feature::next_event>("projected_sampling"),
+    asked_for<Feature::automatic_sampling, no_features | Feature::next_event>("automatic_sampling"),
     asked_for<Feature::russian_roulette>("russian_roulette"),
     asked_for<Feature::philox>("philox"),
     asked_for<Feature::sobol_owen>("sobol_owen"),
@@ -144,7 +149,7 @@ TEST(FeatureMask, HasWhatTheSceneNeedsAndNothingElse) {
         EXPECT_TRUE(contains(mask, c.feature)) << c.name;
         const FeatureSet rest = mask & ~static_cast<FeatureSet>(c.feature);
         const bool on_another = c.feature == Feature::absorption || c.feature == Feature::subsurface_boundary ||
-                                c.feature == Feature::multiple_importance;
+                                c.feature == Feature::multiple_importance || contains(light_samplings, c.feature);
         const FeatureSet stood_on = (Feature::dielectric | Feature::subsurface) | Feature::next_event;
         EXPECT_EQ(rest & ~stood_on, base) << c.name;
         EXPECT_EQ((rest & stood_on) != 0, on_another) << c.name;

@@ -36,6 +36,16 @@ void expect_same_mean(const Scene& scene, std::uint32_t depth, const std::string
     }
 }
 
+struct WayToLight {
+    const char* name;
+    LightSampling sampling;
+    std::uint16_t near_light;
+};
+constexpr WayToLight ways_to_light[] = {{"area", LightSampling::area, 0},
+                                        {"projected", LightSampling::projected, 0},
+                                        {"auto", LightSampling::automatic, 20},
+                                        {"auto, mostly near", LightSampling::automatic, 400}};
+
 template <class Real>
 class NextEventTest : public testing::Test {};
 using Reals = testing::Types<float, double>;
@@ -72,6 +82,52 @@ TYPED_TEST(NextEventTest, BoxEllipsoidAndQuadLights) {
     };
     for (std::size_t i = 0; i < std::size(lights); ++i) {
         expect_same_mean<TypeParam>(stage(lights[i]), 3, "light " + std::to_string(i));
+    }
+}
+
+// Points on lights however drawn: the mean of solid_angle, of which the tests above have that it is right. With
+// multiple importance sampling, since weights are not bounded without where a light is near.
+TYPED_TEST(NextEventTest, WaysToDrawLightsHaveOneMean) {
+    const std::function<void(SceneBuilder&)> lights[] = {
+        [](auto& b) {
+            b.box(b.emitter({4, 5, 6}), {0.5, 2.8, -1}, {1, 0.5, 2});
+        },
+        [](auto& b) {
+            b.box(b.emitter({4, 5, 6}), {0.5, 1.8, -1}, {1, 0.5, 2}, {20, 30, 40});
+        },
+        [](auto& b) {
+            b.quad(b.emitter({4, 5, 6}), {-1.2, 1.5, -0.5}, 1.5, 1, {80, 50, 0});
+            b.box(b.diffuse(Vec3d(0.5), {2, 1, 3}), {1.5, 0.5, 1.75}, {1, 1, 0.5});
+        },
+        // It stands on the floor and against the wall.
+        [](auto& b) {
+            b.box(b.emitter({4, 5, 6}), {1.5, 0.5, 1.75}, {1, 1, 0.5});
+        },
+    };
+    for (std::size_t i = 0; i < std::size(lights); ++i) {
+        const Scene scene = stage(lights[i]);
+        const auto usual = block_means<TypeParam>(
+            scene, {.samples = 150, .depth = 3, .seed = 41, .next_event = true, .mis_exponent = 2});
+        for (const WayToLight& way : ways_to_light) {
+            expect_equal_means(usual,
+                               block_means<TypeParam>(scene, {.samples = 80,
+                                                              .depth = 3,
+                                                              .seed = 42,
+                                                              .next_event = true,
+                                                              .mis_exponent = 2,
+                                                              .light_sampling = way.sampling,
+                                                              .near_light = way.near_light}),
+                               std::string(way.name) + " light " + std::to_string(i));
+        }
+        // Without, where the weights are bounded or the light is far.
+        expect_equal_means(usual,
+                           block_means<TypeParam>(scene, {.samples = 80,
+                                                          .depth = 3,
+                                                          .seed = 43,
+                                                          .next_event = true,
+                                                          .light_sampling = LightSampling::automatic,
+                                                          .near_light = 50}),
+                           "auto without mis, light " + std::to_string(i));
     }
 }
 

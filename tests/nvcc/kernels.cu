@@ -12,6 +12,8 @@
 #include "kernels/in_range.h"
 #include "kernels/intersect.h"
 #include "kernels/light.h"
+#include "kernels/light_sampling.h"
+#include "kernels/line_of_sight.h"
 #include "kernels/material.h"
 #include "kernels/math.h"
 #include "kernels/mesh_view.h"

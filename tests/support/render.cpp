@@ -16,6 +16,8 @@ RenderSettings settings_of(const Scene& scene, const RenderOptions& options) {
     settings.final_bounce = options.final_bounce;
     settings.next_event = options.next_event;
     settings.mis_exponent = options.mis_exponent;
+    settings.light_sampling = options.light_sampling;
+    settings.near_light = options.near_light;
     settings.roulette_start = options.roulette_start;
     settings.sampler = options.sampler;
     return settings;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <glm/common.hpp>
 
 #include "tests/support/statistics.h"
 
@@ -92,28 +93,67 @@ Seen seen_box(const Vec3d& observer, const Vec3d& h) {
     return seen;
 }
 
+// How a body is sampled: by its own functions, or as a box that is drawn otherwise.
+struct BySolidAngle {
+    double least_gap = 0;
+    template <class Body, class Real>
+    DirectionSample<Real> sample(const Body& body, const Vec3<Real>& from, Real u, Real v, Real w) const {
+        return sample_direction(body, from, u, v, w);
+    }
+    template <class Body, class Real>
+    Real inverse_pdf(const Body& body, const Vec3<Real>& from, const Vec3<Real>& direction, Real distance) const {
+        return inverse_direction_pdf(body, from, direction, distance);
+    }
+};
+struct AsBoxLight {
+    LightSampling sampling;
+    double near_light = 0;
+    double least_gap = 0;  // nearer to a box the weights have so large a variance that means say nothing
+
+    template <class Body, class Real>
+    DirectionSample<Real> sample(const Body& body, const Vec3<Real>& from, Real u, Real v, Real w) const {
+        return sample_box_light(body, from, sampling, static_cast<Real>(near_light), u, v, w);
+    }
+    template <class Body, class Real>
+    Real inverse_pdf(const Body& body, const Vec3<Real>& from, const Vec3<Real>& direction, Real distance) const {
+        return inverse_box_light_pdf(body, from, direction, distance, sampling, static_cast<Real>(near_light));
+    }
+};
+// The ways that a box may be drawn.
+const std::pair<const char*, AsBoxLight> box_lights[] = {
+    {"area", {LightSampling::area, 0, 0.1}},
+    {"projected", {LightSampling::projected, 0, 0.1}},
+    {"auto, mostly near", {LightSampling::automatic, 10}},
+    {"auto", {LightSampling::automatic, 0.9}},
+};
+
 // Draws directions; `distance` is the way to the body, negative where a direction misses it.
-template <class Real, class Body>
+template <class Real, class Body, class Way = BySolidAngle>
 void expect_sampled(const Body& body, const Vec3d& observer, const Seen& exact,
                     const std::function<double(const Vec3<Real>& direction)>& distance, const std::string& what,
-                    double error_of_exact = 0) {
+                    double error_of_exact = 0, const Way& way = {}) {
     test::Random random(29);
     test::Mean of_one, of_direction[3];
     std::uint32_t missed = 0;
-    double worst = 0;
+    std::uint32_t other_density = 0;
+    constexpr double rounding_of_density =
+        (sizeof(Real) == 4 ? 1e-4 : 1e-11) * (std::is_same_v<Way, BySolidAngle> ? 1 : 100);
     const Vec3<Real> from = narrow<Real>(observer);
     for (std::uint32_t i = 0; i < samples; ++i) {
         const DirectionSample<Real> sample =
-            sample_direction(body, from, static_cast<Real>(random.word() >> 8) * Real(0x1p-24),
-                             static_cast<Real>(random.word() >> 8) * Real(0x1p-24),
-                             static_cast<Real>(random.word() >> 8) * Real(0x1p-24));
+            way.sample(body, from, static_cast<Real>(random.word() >> 8) * Real(0x1p-24),
+                       static_cast<Real>(random.word() >> 8) * Real(0x1p-24),
+                       static_cast<Real>(random.word() >> 8) * Real(0x1p-24));
         const Vec3d direction(sample.direction);
         ASSERT_NEAR(dot(direction, direction), 1, sizeof(Real) == 4 ? 2e-6 : 1e-14) << what;
         const double t = distance(sample.direction);
         missed += t < 0 ? 1 : 0;
         if (t >= 0) {
-            const double again = inverse_direction_pdf(body, from, sample.direction, static_cast<Real>(t));
-            worst = std::max(worst, std::abs(again / static_cast<double>(sample.inverse_pdf) - 1));
+            const double again = way.inverse_pdf(body, from, sample.direction, static_cast<Real>(t));
+            // A density that depends on where the ray ends differs by the rounding of that end, as a cube; by that of
+            // points on a face, seen at a thousandth of its length, by a thousand times as much.
+            const double off = std::abs(again / static_cast<double>(sample.inverse_pdf) - 1);
+            other_density += off < rounding_of_density ? 0 : 1;
         }
         const double weight = t < 0 ? 0 : static_cast<double>(sample.inverse_pdf);
         of_one.add(weight);
@@ -121,8 +161,8 @@ void expect_sampled(const Body& body, const Vec3d& observer, const Seen& exact,
             of_direction[c].add(weight * direction[c]);
         }
     }
-    // A density that depends on where the ray ends differs by the rounding of that end, as a cube.
-    EXPECT_LT(worst, sizeof(Real) == 4 ? 1e-4 : 1e-11) << what;
+    // A density may jump at an edge between faces, on either side of which rounding may put the end of the ray.
+    EXPECT_LE(other_density, (std::is_same_v<Way, BySolidAngle> ? 0 : samples / 1000)) << what;
     // Rounding takes directions to the very edge past it: one in the number of roundings across the body.
     EXPECT_LT(missed, samples / 1000) << what;
     const double rounding = std::max(sizeof(Real) == 4 ? 2e-4 : 1e-9, error_of_exact) * exact.solid_angle;
@@ -234,8 +274,8 @@ TYPED_TEST(SolidAngleTest, Ellipsoid) {
     }
 }
 
-TYPED_TEST(SolidAngleTest, Boxes) {
-    using Real = TypeParam;
+template <class Real, class Way>
+void expect_boxes_sampled(const std::string& name, const Way& way) {
     const Axes axes = turned(0.4, 0.2, 0.9);
     const Vec3d centre{0.5, -0.25, 2};
     // Near and far, over a face, an edge and a corner, almost in a face's plane.
@@ -243,9 +283,14 @@ TYPED_TEST(SolidAngleTest, Boxes) {
                             {0.2, 40, 9},      {1.0005, 0, 0.125}, {1.5, 0.251, 0}};
     for (const Vec3d& half : {Vec3d(1, 0.25, 0.5), Vec3d(1, 0, 0.5)}) {
         for (const Vec3d& place : places) {
+            const Vec3d beyond = glm::max(Vec3d(0.0), glm::abs(place) - half);
+            if (std::sqrt(dot(beyond, beyond)) < way.least_gap) {
+                continue;
+            }
             const Seen local = seen_box(place, half);
-            const std::string what = "box of height " + std::to_string(half.y) + " from " + std::to_string(place.x) +
-                                     " " + std::to_string(place.y) + " " + std::to_string(place.z);
+            const std::string what = name + ": box of height " + std::to_string(half.y) + " from " +
+                                     std::to_string(place.x) + " " + std::to_string(place.y) + " " +
+                                     std::to_string(place.z);
             if (half.y > 0) {
                 const AxisBox<Real> straight{narrow<Real>(centre - half), narrow<Real>(centre + half)};
                 const Vec3<Real> from = narrow<Real>(centre + place);
@@ -255,7 +300,7 @@ TYPED_TEST(SolidAngleTest, Boxes) {
                         const Interval<Real> crossing = slab_interval(straight.low, straight.high, from, reciprocal(d));
                         return crossing.hits && crossing.near > 0 ? static_cast<double>(crossing.near) : -1.0;
                     },
-                    what);
+                    what, 0, way);
             }
             const auto to_world = [&](const Vec3d& v) {
                 return axes.column[0] * v.x + axes.column[1] * v.y + axes.column[2] * v.z;
@@ -273,7 +318,7 @@ TYPED_TEST(SolidAngleTest, Boxes) {
                         const Interval<Real> crossing = interval(turned_box, from, d);
                         return crossing.hits && crossing.near > 0 ? static_cast<double>(crossing.near) : -1.0;
                     },
-                    "oriented " + what);
+                    "oriented " + what, 0, way);
             } else if (place.y != 0) {
                 const Quad<Real> quad{narrow<Real>(centre),         narrow<Real>(axes.column[1]),
                                       narrow<Real>(axes.column[0]), narrow<Real>(axes.column[2]),
@@ -284,16 +329,93 @@ TYPED_TEST(SolidAngleTest, Boxes) {
                         const Interval<Real> crossing = interval(quad, from, d);
                         return crossing.hits && crossing.near > 0 ? static_cast<double>(crossing.near) : -1.0;
                     },
-                    "quad, " + what);
+                    "quad, " + what, 0, way);
             }
         }
         const AxisBox<Real> around{narrow<Real>(centre - half), narrow<Real>(centre + half)};
         if (half.y > 0) {
             expect_sampled<Real>(
                 around, centre + Vec3d(0.3, 0.2, -0.4), {4 * pi<double>, Vec3d(0.0)}, [](const auto&) { return 1.0; },
-                "inside");
+                name + ": inside", 0, way);
         }
     }
+}
+
+TYPED_TEST(SolidAngleTest, Boxes) { expect_boxes_sampled<TypeParam>("solid_angle", BySolidAngle{}); }
+TYPED_TEST(SolidAngleTest, BoxesInOtherWays) {
+    for (const auto& [name, way] : box_lights) {
+        expect_boxes_sampled<TypeParam>(name, way);
+    }
+}
+
+// With one arc tangent for four, the solid angle of a rectangle is what it was, and so are the points.
+TYPED_TEST(SolidAngleTest, RectangleByOneArcTangent) {
+    using Real = TypeParam;
+    const double unit = sizeof(Real) == 4 ? 0x1p-24 : 0x1p-53;
+    test::Random random(7);
+    for (int i = 0; i < 20000; ++i) {
+        const Real x0 = static_cast<Real>(random.uniform(-1, 1)), y0 = static_cast<Real>(random.uniform(-1, 1));
+        const Real x1 = x0 + static_cast<Real>(random.uniform(0.01, 1)),
+                   y1 = y0 + static_cast<Real>(random.uniform(0.01, 1));
+        const Real z = static_cast<Real>(std::pow(10.0, random.uniform(-7, 0.5)));
+        const SphericalRectangle<double> exact(x0, x1, y0, y1, z);
+        const auto found = SphericalRectangle<Real>::by_one_arc_tangent(x0, x1, y0, y1, z);
+        EXPECT_NEAR(static_cast<double>(found.solid_angle), exact.solid_angle, 60 * unit)
+            << x0 << " " << y0 << " " << z;
+        const double off = std::remainder(static_cast<double>(found.skew) - exact.skew, 2 * pi<double>);
+        EXPECT_NEAR(off, 0, 60 * unit);
+    }
+}
+
+// The density of what is drawn integrates to 1 over the directions in which the box is seen: by a grid over its faces,
+// whose points fill a solid angle of area cos / distance^2.
+TYPED_TEST(SolidAngleTest, DensitiesOfBoxLightsIntegrateToOne) {
+    using Real = TypeParam;
+    const Vec3<Real> half{Real(1), Real(0.25), Real(0.5)};
+    const AxisBox<Real> box{-half, half};
+    const Vec3d places[] = {{0.3, 0.75, -0.2}, {2, 1.5, 0.1}, {3, 2, 5}, {1.2, 0, 0.125}, {1.5, 0.4, -0.7}};
+    constexpr int cells = 400;
+    for (const auto& [name, way] : box_lights) {
+        for (const Vec3d& place : places) {
+            double sum = 0;
+            for (int axis = 0; axis < 3; ++axis) {
+                const int b = (axis + 1) % 3, c = (axis + 2) % 3;
+                const double height = std::abs(place[axis]) - static_cast<double>(half[axis]);
+                const double area = 4.0 * static_cast<double>(half[b]) * static_cast<double>(half[c]) / cells / cells;
+                for (int i = 0; height > 0 && i < cells * cells; ++i) {
+                    Vec3d point;
+                    point[axis] = std::copysign(static_cast<double>(half[axis]), place[axis]);
+                    point[b] = (2 * (i % cells + 0.5) / cells - 1) * static_cast<double>(half[b]);
+                    point[c] = (2 * (i / cells + 0.5) / cells - 1) * static_cast<double>(half[c]);
+                    const Vec3d apart = point - place;
+                    const double distance = std::sqrt(dot(apart, apart));
+                    const Vec3<Real> direction = narrow<Real>(apart * (1 / distance));
+                    const Real inverse_pdf =
+                        way.inverse_pdf(box, narrow<Real>(place), direction, static_cast<Real>(distance));
+                    sum += area * height / (distance * distance * distance) / static_cast<double>(inverse_pdf);
+                }
+            }
+            EXPECT_NEAR(sum, 1, 1e-3) << name << " " << place.x << " " << place.y << " " << place.z;
+        }
+    }
+}
+
+// However near a face is, the weight of a direction by its solid angle stays below 6 pi: half the sky a face, of three.
+TYPED_TEST(SolidAngleTest, WeightsNearABoxAreBounded) {
+    using Real = TypeParam;
+    const AxisBox<Real> box{Vec3<Real>(Real(-1), Real(-0.25), Real(-0.5)), Vec3<Real>(Real(1), Real(0.25), Real(0.5))};
+    test::Random random(11);
+    double largest = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const double gap = std::pow(10.0, random.uniform(-7, -0.5));
+        const Vec3<Real> from = narrow<Real>(Vec3d(random.uniform(-1.1, 1.1), 0.25 + gap, random.uniform(-0.6, 0.6)));
+        const auto sample =
+            sample_box_light(box, from, LightSampling::automatic, Real(1e3), static_cast<Real>(random.uniform(0, 1)),
+                             static_cast<Real>(random.uniform(0, 1)), static_cast<Real>(random.uniform(0, 1)));
+        largest = std::max(largest, static_cast<double>(sample.inverse_pdf));
+    }
+    EXPECT_LT(largest, 6 * pi<double> * 1.001);
+    EXPECT_GT(largest, 6);
 }
 
 // From its own plane a quad is a line: there is nothing to sample, and nothing that is not a number.
@@ -308,6 +430,54 @@ TYPED_TEST(SolidAngleTest, QuadFromItsOwnPlane) {
     for (const Vec3<Real>& observer : {Vec3<Real>(3, 0, 0), Vec3<Real>(30, 0, 7)}) {
         const DirectionSample<Real> sample = sample_direction(quad, observer, Real(0.3), Real(0.6), Real(0.9));
         EXPECT_EQ(sample.inverse_pdf, Real(0));
+        for (const auto& [name, way] : box_lights) {
+            EXPECT_EQ(way.sample(quad, observer, Real(0.3), Real(0.6), Real(0.9)).inverse_pdf, Real(0)) << name;
+        }
+    }
+}
+
+// Of threads and needles, seen from their ends and from all over, whatever is drawn is a direction with a density, and
+// a density is a number: a corner of such a rectangle lies nearer to the observer than its square can say.
+TYPED_TEST(SolidAngleTest, BoxesOfExtremeSidesHaveDensities) {
+    using Real = TypeParam;
+    const auto expect_numbers = [](const AxisBox<Real>& box, const Vec3<Real>& from, const std::string& what) {
+        for (const auto& [name, way] : box_lights) {
+            const DirectionSample<Real> sample = way.sample(box, from, Real(0.3), Real(0.6), Real(0.9));
+            ASSERT_TRUE(sample.inverse_pdf >= Real(0) && std::isfinite(sample.inverse_pdf)) << name << what;
+            if (sample.inverse_pdf > Real(0)) {
+                ASSERT_NEAR(static_cast<double>(dot(sample.direction, sample.direction)), 1, 2e-6) << name << what;
+            }
+            for (int axis = 0; axis < 3; ++axis) {
+                Vec3<Real> direction(Real(0));
+                direction[axis] = from[axis] > Real(0) ? Real(-1) : Real(1);
+                const Real met = way.inverse_pdf(box, from, direction, max(Real(1e-30), absolute(from[axis])));
+                ASSERT_TRUE(met >= Real(0)) << name << what;
+            }
+        }
+    };
+    const Real long_side = Real(1e18), thin = Real(1e-3);
+    expect_numbers({{-long_side, Real(0), -thin}, {long_side, Real(0), thin}}, {long_side, Real(1e-12), thin},
+                   " a thread from its end");
+    test::Random random(23);
+    const double sides[] = {0, 1e-18, 1e-12, 1e-6, 1e-3, 1, 1e3, 1e9, 1e18};
+    const double gaps[] = {-2, -1, -0.5, 0, 1e-40, 1e-25, 1e-20, 1e-7, 0.1, 3};
+    const auto one_of = [&](const auto& of) {
+        return of[static_cast<std::size_t>(random.uniform(0, static_cast<double>(std::size(of))))];
+    };
+    for (int i = 0; i < 40000; ++i) {
+        const Vec3d half{one_of(sides), one_of(sides), one_of(sides)};
+        if (half.x + half.y + half.z == 0) {
+            continue;
+        }
+        Vec3d from;
+        for (int axis = 0; axis < 3; ++axis) {
+            from[axis] = (random.uniform(0, 1) < 0.5 ? -1 : 1) *
+                         (half[axis] + one_of(gaps) * (random.uniform(0, 1) < 0.5 ? half[axis] : one_of(sides)));
+        }
+        expect_numbers({narrow<Real>(-half), narrow<Real>(half)}, narrow<Real>(from),
+                       " sides " + std::to_string(half.x) + " " + std::to_string(half.y) + " " +
+                           std::to_string(half.z) + " from " + std::to_string(from.x) + " " + std::to_string(from.y) +
+                           " " + std::to_string(from.z));
     }
 }
 
@@ -323,6 +493,14 @@ TYPED_TEST(SolidAngleTest, ScaleDoesNotMatter) {
                 const auto b = sample_direction(scaled, observer * s, Real(0.3), Real(0.6), Real(0.9));
                 EXPECT_EQ(a.direction, b.direction) << k;
                 EXPECT_EQ(a.inverse_pdf, b.inverse_pdf) << k;
+                if constexpr (IsBoxLike<std::decay_t<decltype(body)>, Real>) {
+                    for (const auto& [name, way] : box_lights) {
+                        const auto c = way.sample(body, observer, Real(0.3), Real(0.6), Real(0.9));
+                        const auto d = way.sample(scaled, observer * s, Real(0.3), Real(0.6), Real(0.9));
+                        EXPECT_EQ(c.direction, d.direction) << name << k;
+                        EXPECT_EQ(c.inverse_pdf, d.inverse_pdf) << name << k;
+                    }
+                }
             };
             same(Sphere<Real>{Vec3<Real>(0, 0, 1), Real(0.75), Real(1) / Real(0.75)},
                  Sphere<Real>{Vec3<Real>(0, 0, 1) * s, Real(0.75) * s, Real(1) / (Real(0.75) * s)});

@@ -88,6 +88,7 @@ AxisChoices choices_of_paths() {
     axes.erase("accelerator");
     axes.erase("builder");
     axes.erase("levels");
+    axes.erase("light_sampling");  // of connections: three more of each
     return axes;
 }
 
@@ -143,6 +144,7 @@ TEST(RegistryTest, HasEveryAxisAndChoice) {
             {"traversal", {"while_while"}},
             {"traversal_stack", {"local"}},
             {"levels", {"each_object", "flat", "two_level"}},
+            {"light_sampling", {"solid_angle", "area", "auto", "projected"}},
         },
         Backend::cpu);
 }
@@ -175,6 +177,7 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
             {"traversal", {"while_while", "if_if", "persistent", "speculative"}},
             {"traversal_stack", {"local", "shared", "short_restart"}},
             {"levels", {"each_object", "flat", "two_level"}},
+            {"light_sampling", {"solid_angle", "area", "auto", "projected"}},
         },
         Backend::cuda);
 }
@@ -244,6 +247,9 @@ TEST(RegistryTest, WhatClaimsLessThanBits) {
                                           {"sampler=sobol_owen", Claim::statistical},
                                           {"sampler=minstd_by_position", Claim::biased},
                                           {"russian_roulette=throughput", Claim::statistical},
+                                          {"light_sampling=area", Claim::statistical},
+                                          {"light_sampling=auto", Claim::statistical},
+                                          {"light_sampling=projected", Claim::statistical},
                                           {"specialisation=matrix", Claim::statistical},
                                           {"arithmetic=precise", Claim::statistical},
                                           {"arithmetic=fast", Claim::statistical},
@@ -460,7 +466,7 @@ TEST(VariantTest, SpelledOutItSaysEveryChoiceAndTheTunablesThatAreNotAtTheirDefa
     Variant variant = baseline_with({{"first_bounce", "cached_jitters"}});
     const std::string choices =
         "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust.brute_force."
-        "sah_binned.while_while.local.each_object";
+        "sah_binned.while_while.local.each_object.solid_angle";
     EXPECT_EQ(variant.spelled_out(), choices);
     variant.tuning["jitters"] = 4;
     variant.tuning["block"] = 256;
@@ -539,7 +545,7 @@ TEST(VariantTest, ReferenceIsThePlainestVariantOfTheSameExpectation) {
                       ? variant.spelled_out()
                       : "depth_first.none.none.material." + first_bounce + "." + estimator_of(variant) + ".aos." +
                             formula + ".stream.exact." + variant["precision"] + "." + variant["robustness"] +
-                            ".brute_force." + variant["builder"] + ".while_while.local.each_object");
+                            ".brute_force." + variant["builder"] + ".while_while.local.each_object.solid_angle");
         EXPECT_EQ(registry().reference(reference), reference);
         // Which do not go together.
         const bool has_formulas = variant["precision"] == "double_intersection" || variant["robustness"] == "naive";
@@ -569,7 +575,8 @@ TEST(VariantTest, ReferenceOnCudaIsThePlainestVariantOfTheSameExpectation) {
                       ? variant.spelled_out()
                       : "megakernel.none.none.material." + first_bounce + "." + estimator_of(variant) + ".aos." +
                             formula + ".stream." + variant["arithmetic"] + "." + variant["precision"] + "." +
-                            variant["robustness"] + ".brute_force.sah_binned.while_while.local.each_object");
+                            variant["robustness"] + ".brute_force.sah_binned.while_while.local.each_object." +
+                            variant["light_sampling"]);
         EXPECT_EQ(registry().reference(reference, Backend::cuda), reference);
         EXPECT_EQ(why_not_applicable(reference, all_features, Backend::cuda), "") << reference.spelled_out();
     }
@@ -632,7 +639,7 @@ TEST(VariantTest, FeatureNamesAreInTheOrderOfResults) {
     EXPECT_TRUE(feature_names(no_features).empty());
     EXPECT_EQ(feature_names(Feature::jitter | Feature::sphere), (std::vector<std::string>{"sphere", "jitter"}));
     const std::vector<std::string> all = feature_names(all_features);
-    EXPECT_EQ(all.size(), 24u);
+    EXPECT_EQ(all.size(), 27u);
     EXPECT_EQ(all.back(), "near_sphere");
     EXPECT_EQ(feature_names(samplers), (std::vector<std::string>{"philox", "sobol_owen", "minstd"}));
     EXPECT_EQ(std::set<std::string>(all.begin(), all.end()).size(), all.size());
@@ -1195,6 +1202,7 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
     axes["accelerator"] = {"brute_force"};
     axes["builder"] = {"sah_binned"};
     axes["levels"] = {"each_object"};
+    axes["light_sampling"] = {"solid_angle"};
     for (const Variant& variant : expand(axes, Backend::cpu, {{"jitters", {16, 2}}})) {
         if (!why_not_applicable(variant, features).empty()) {
             continue;

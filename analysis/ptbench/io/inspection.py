@@ -20,7 +20,8 @@ from ptbench.io.older import before, filled_in
 
 # What older files lack at the end of their choices, the last axis first.
 _LAST = tuple(
-    before(axis) for axis in ("levels", "traversal_stack", "traversal", "builder", "accelerator", "robustness")
+    before(axis)
+    for axis in ("light_sampling", "levels", "traversal_stack", "traversal", "builder", "accelerator", "robustness")
 )
 # A field that is so much a ray or the like: X_per_Y, in files of commit ede9627 and before X_a_Y.
 _RATE = re.compile(r"_(a|per)_(?:ray|block|multiprocessor|second)$")

@@ -44,6 +44,7 @@ _AXES: dict[str, dict[str, OlderAxis]] = {
         "traversal": OlderAxis(before="while_while"),
         "traversal_stack": OlderAxis(before="local"),
         "levels": OlderAxis(before="each_object"),
+        "light_sampling": OlderAxis(before="solid_angle"),
     },
 }
 # The same for files of `ptbench stability`, which name no baselines: the plainest formulas, by their schema.

@@ -1,0 +1,223 @@
+// Boxes as lights, other than by their solid angle alone (SeenBox of kernels/solid_angle.h): by points on the faces
+// that the observer sees, each face in proportion to its area or to its projected area times distance, which needs no
+// arc tangent; near the box, where the weights of such points have no bound, by the solid angle of one face
+// (automatic). A quad is a box without height. Points by area: Shirley, Wang and Zimmerman, "Monte Carlo Techniques for
+// Direct Lighting Calculations", TOG 15(1), 1996.
+#pragma once
+
+#include "kernels/solid_angle.h"
+
+namespace pt {
+
+// A box-shaped light's own frame: where the observer is, from the box's centre, and the box's half extents. A shape
+// that has box_frame, box_to_world and box_to_local is sampled as a box.
+template <class Real>
+struct BoxFrame {
+    Vec3<Real> observer;
+    Vec3<Real> half;
+};
+
+template <class Shape, class Real>
+concept IsBoxLike = requires(const Shape& shape, const Vec3<Real>& v) {
+    box_frame(shape, v);
+    box_to_world(shape, v);
+    box_to_local(shape, v);
+};
+
+// The faces of a box that a point outside of it sees, in units in which the box's half extents add up to 1 or 2, or
+// something in between: the scaling by a power of two rounds nothing.
+template <class Real>
+struct SeenFaces {
+    Vec3<Real> observer, half;
+    Vec3<Real> height;  // over the plane of the face across each axis; 0: the face is not seen, or has no area
+    Vec3<Real> area;    // of the faces that are seen, else 0
+    Real scale;         // units a scene unit
+
+    PT_HD explicit SeenFaces(const BoxFrame<Real>& frame)
+        : scale(power_to_one(frame.half.x + frame.half.y + frame.half.z)) {
+        observer = frame.observer * scale;
+        half = frame.half * scale;
+        area = {Real(4) * half.y * half.z, Real(4) * half.z * half.x, Real(4) * half.x * half.y};
+        height = {seen(absolute(observer.x) - half.x, area.x), seen(absolute(observer.y) - half.y, area.y),
+                  seen(absolute(observer.z) - half.z, area.z)};
+    }
+
+    PT_HD bool any() const { return height.x > Real(0) || height.y > Real(0) || height.z > Real(0); }
+    // Inside the box or on it, and in the plane of a quad within its edges.
+    PT_HD bool inside() const {
+        return absolute(observer.x) <= half.x && absolute(observer.y) <= half.y && absolute(observer.z) <= half.z;
+    }
+    // Square distance to the box.
+    PT_HD Real square_gap() const {
+        const Vec3<Real> gap{max(Real(0), absolute(observer.x) - half.x), max(Real(0), absolute(observer.y) - half.y),
+                             max(Real(0), absolute(observer.z) - half.z)};
+        return dot(gap, gap);
+    }
+    // The face by which a ray from the observer that meets the box enters it: of the seen ones the last that it
+    // crosses.
+    PT_HD int entered(const Vec3<Real>& direction) const {
+        int axis = 0;
+        Real of_height = height.x;
+        Real of_direction = absolute(direction.x);
+        if (height.y > Real(0) &&
+            (!(of_height > Real(0)) || height.y * of_direction > of_height * absolute(direction.y))) {
+            axis = 1;
+            of_height = height.y;
+            of_direction = absolute(direction.y);
+        }
+        const bool by_z = height.z > Real(0) &&
+                          (!(of_height > Real(0)) || height.z * of_direction > of_height * absolute(direction.z));
+        return by_z ? 2 : axis;
+    }
+    // The face that `pick`, from 0 to the sum of the shares, falls to; none without a share.
+    PT_HD static int picked(const Vec3<Real>& share, Real pick) {
+        if (share.z > Real(0) && pick >= share.x + share.y) {
+            return 2;
+        }
+        return share.y > Real(0) && pick >= share.x ? 1 : 0;
+    }
+    // From the observer to a point of the face across `axis`, given on the other two axes from -1 to 1.
+    PT_HD Vec3<Real> to_point(int axis, Real a, Real b) const {
+        return {axis == 0 ? onto(observer.x, height.x) : a * half.x - observer.x,
+                axis == 1 ? onto(observer.y, height.y) : (axis == 0 ? a : b) * half.y - observer.y,
+                axis == 2 ? onto(observer.z, height.z) : b * half.z - observer.z};
+    }
+
+private:
+    PT_HD static Real seen(Real height, Real area) { return height > Real(0) && area > Real(0) ? height : Real(0); }
+    PT_HD static Real onto(Real observer, Real height) { return observer > Real(0) ? -height : height; }
+};
+
+template <class Real>
+PT_HD inline Real entry(const Vec3<Real>& v, int axis) {
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+// By area: a face in proportion to its area. 1 / density by solid angle is area cos / distance^2, the area that of all
+// faces seen, cos = height of the face over distance.
+// By projected area: in proportion to area cos distance, so that the density does not depend on the face.
+template <class Real>
+struct FacesByArea {
+    const SeenFaces<Real>& faces;
+    bool projected;
+    Vec3<Real> share;
+    Real total;
+
+    PT_HD FacesByArea(const SeenFaces<Real>& seen, bool is_projected) : faces(seen), projected(is_projected) {
+        const Vec3<Real>& height = seen.height;
+        if (projected) {
+            share = seen.area * height;
+        } else {
+            share = {height.x > Real(0) ? seen.area.x : Real(0), height.y > Real(0) ? seen.area.y : Real(0),
+                     height.z > Real(0) ? seen.area.z : Real(0)};
+        }
+        total = share.x + share.y + share.z;
+    }
+    // `inverse`: 1 / distance to the point. Step by step, since neither its cube nor the total's product with a height
+    // need be in range.
+    PT_HD Real inverse_pdf(int axis, Real inverse) const {
+        const Real of_direction = projected ? inverse : entry(faces.height, axis) * inverse;
+        return total * inverse * inverse * of_direction;
+    }
+    PT_HD DirectionSample<Real> sample(Real u, Real v, Real w) const {
+        const int axis = faces.picked(share, w * total);
+        const Vec3<Real> to_light = faces.to_point(axis, Real(2) * u - Real(1), Real(2) * v - Real(1));
+        const Real square = dot(to_light, to_light);
+        // Nearer than 2^-50 of the light's size: the point itself, but for rounding.
+        if (!(square >= Real(0x1p-100))) {
+            return {{Real(0), Real(0), Real(1)}, Real(0)};
+        }
+        const Real length = square_root_in_range(square);
+        const Real inverse = reciprocal_in_range(length);
+        return {to_light * inverse, inverse_pdf(axis, inverse), 0, length};
+    }
+};
+
+// Of the seen faces one at random, and of it a direction by its solid angle: weights are bounded by 6 pi however near
+// the box is. One arc tangent a face.
+template <class Real>
+struct OneFaceBySolidAngle {
+    const SeenFaces<Real>& faces;
+    Real count;
+
+    PT_HD explicit OneFaceBySolidAngle(const SeenFaces<Real>& seen)
+        : faces(seen), count(one_if(seen.height.x) + one_if(seen.height.y) + one_if(seen.height.z)) {}
+
+    PT_HD Real inverse_pdf(int axis) const { return count * rectangle(axis).solid_angle; }
+    PT_HD DirectionSample<Real> sample(Real u, Real v, Real w) const {
+        const Vec3<Real> share{one_if(faces.height.x), one_if(faces.height.y), one_if(faces.height.z)};
+        const int axis = faces.picked(share, w * count);
+        const SphericalRectangle<Real> seen = rectangle(axis);
+        const Vec3<Real> point = seen.point(u, v);
+        const Real back = entry(faces.observer, axis) > Real(0) ? -point.z : point.z;
+        const Vec3<Real> to_light{axis == 0 ? back : point.x,
+                                  axis == 1   ? back
+                                  : axis == 0 ? point.x
+                                              : point.y,
+                                  axis == 2 ? back : point.y};
+        // A thread's end may be so near that the square of its distance is 0.
+        const Real scale = power_to_one(max(max(absolute(to_light.x), absolute(to_light.y)), absolute(to_light.z)));
+        const Vec3<Real> scaled = to_light * scale;
+        const Real length = square_root(dot(scaled, scaled));
+        return {scaled * (Real(1) / length), count * seen.solid_angle, 0, length * reciprocal_of_power_of_two(scale)};
+    }
+
+private:
+    PT_HD static Real one_if(Real height) { return height > Real(0) ? Real(1) : Real(0); }
+    // The other two axes in their order.
+    PT_HD SphericalRectangle<Real> rectangle(int axis) const {
+        const Vec3<Real>& o = faces.observer;
+        const Vec3<Real>& h = faces.half;
+        const Real a = axis == 0 ? h.y : h.x;
+        const Real b = axis == 2 ? h.y : h.z;
+        const Real at_a = axis == 0 ? o.y : o.x;
+        const Real at_b = axis == 2 ? o.y : o.z;
+        return SphericalRectangle<Real>::by_one_arc_tangent(-a - at_a, a - at_a, -b - at_b, b - at_b,
+                                                            entry(faces.height, axis));
+    }
+};
+
+// Whether a light that is sampled automatically is near: within `limit` of its half diagonals.
+template <class Real>
+PT_HD inline bool is_near(const SeenFaces<Real>& faces, Real limit) {
+    return faces.square_gap() < limit * limit * dot(faces.half, faces.half);
+}
+
+template <class Real, class Shape>
+PT_HD inline DirectionSample<Real> sample_box_light(const Shape& shape, const Vec3<Real>& observer,
+                                                    LightSampling sampling, Real near_limit, Real u, Real v, Real w) {
+    const SeenFaces<Real> faces(box_frame(shape, observer));
+    DirectionSample<Real> sample;
+    if (!faces.any()) {
+        return faces.inside() ? DirectionSample<Real>{uniform_sphere(u, v), Real(4) * pi<Real>}
+                              : DirectionSample<Real>{{Real(0), Real(0), Real(1)}, Real(0)};
+    }
+    if (sampling == LightSampling::automatic && is_near(faces, near_limit)) {
+        sample = OneFaceBySolidAngle<Real>(faces).sample(u, v, w);
+    } else {
+        sample = FacesByArea<Real>(faces, sampling != LightSampling::area).sample(u, v, w);
+    }
+    sample.direction = box_to_world(shape, sample.direction);
+    sample.distance *= reciprocal_of_power_of_two(faces.scale);
+    return sample;
+}
+
+// 1 / density of sample_box_light in the direction of a ray that meets the box after `distance`.
+template <class Real, class Shape>
+PT_HD inline Real inverse_box_light_pdf(const Shape& shape, const Vec3<Real>& observer, const Vec3<Real>& direction,
+                                        Real distance, LightSampling sampling, Real near_limit) {
+    const SeenFaces<Real> faces(box_frame(shape, observer));
+    if (!faces.any()) {
+        return faces.inside() ? Real(4) * pi<Real> : Real(0);
+    }
+    if (sampling == LightSampling::automatic && is_near(faces, near_limit)) {
+        return OneFaceBySolidAngle<Real>(faces).inverse_pdf(faces.entered(box_to_local(shape, direction)));
+    }
+    const int axis = sampling == LightSampling::area ? faces.entered(box_to_local(shape, direction)) : 0;
+    const Real away = distance * faces.scale;
+    return away >= Real(0x1p-50)
+               ? FacesByArea<Real>(faces, sampling != LightSampling::area).inverse_pdf(axis, reciprocal_in_range(away))
+               : Real(0);
+}
+
+}  // namespace pt

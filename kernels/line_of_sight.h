@@ -1,0 +1,158 @@
+// Shadow rays to a known point of a light: ended at the first object that is met before the point, with no account of
+// which is nearest or which side is met, without the light itself, and without an enclosure's walls where the point
+// lies plainly within it. What is met within rounding of the point's distance (a light that touches another object) is
+// left to closest_hit, so that connections see what paths meet.
+#pragma once
+
+#include "kernels/intersect.h"
+
+namespace pt {
+
+enum class Sight { clear, blocked, unsure };
+
+// The ray as far as a point of an object, and the distances about the point's that are not told from it.
+template <class Real>
+struct Segment {
+    const Ray<Real>& ray;
+    std::uint32_t object;
+    Real before, about;
+    bool unsure = false;
+
+    PT_HD Segment(const Ray<Real>& towards, std::uint32_t of_object, Real distance)
+        : ray(towards),
+          object(of_object),
+          before(distance * (Real(1) - gamma<Real>(16))),
+          about(distance * (Real(1) + gamma<Real>(16))) {}
+
+    // Takes note of an object met at t. Whether it hides the point.
+    PT_HD bool is_hidden_by(Real t) {
+        unsure = unsure || t < about;
+        return t < before;
+    }
+    // Of a convex body or a flat surface, crossed over [near, far].
+    PT_HD bool is_hidden_by(const Interval<Real>& crossing, bool flat) {
+        const Real t = crossing.near > Real(0) || flat ? crossing.near : crossing.far;
+        return crossing.hits && t > Real(0) && is_hidden_by(t);
+    }
+};
+
+// Kernels that meet objects by the robust forms of the shapes; others ask for the closest hit.
+template <class Config>
+inline constexpr bool has_lines_of_sight =
+    !has<Config>(Feature::naive) && !has<Config>(Feature::matrix) && !has<Config>(Feature::double_intersection);
+
+template <class Config, class Scene, class Shape>
+PT_HD inline bool is_hidden_by(Segment<typename Config::Real>& segment, const Scene& scene, const Shape& shape,
+                               std::uint32_t object) {
+    const auto& ray = segment.ray;
+    const auto origin = at_rest<Config>(scene, object, ray.origin, ray.time);
+    if (!ray.origin_surface.is_of(object)) {
+        return segment.is_hidden_by(interval(shape, origin, ray.direction), Shape::is_flat);
+    }
+    if constexpr (Shape::is_flat) {
+        return false;
+    } else {
+        return ray.origin_surface.inside() && segment.is_hidden_by(chord(shape, origin, ray.direction));
+    }
+}
+template <class Config, class Scene>
+PT_HD inline bool is_hidden_by_axis_box(Segment<typename Config::Real>& segment, const Scene& scene, std::uint32_t i,
+                                        const Vec3<typename Config::Real>& inverse) {
+    using Real = typename Config::Real;
+    const std::uint32_t object = first_of<ShapeKind::axis_box>(scene) + i;
+    const Ray<Real>& ray = segment.ray;
+    const AxisBox<Real> box = scene.axis_boxes[i];
+    const Interval<Real> crossing =
+        slab_interval(box.low, box.high, at_rest<Config>(scene, object, ray.origin, ray.time), inverse);
+    if (!ray.origin_surface.is_of(object)) {
+        return segment.is_hidden_by(crossing, false);
+    }
+    return ray.origin_surface.inside() && segment.is_hidden_by(max(crossing.far, Real(0)));
+}
+
+template <class Config, class Scene>
+PT_HD inline bool is_hidden_by_axis_boxes(Segment<typename Config::Real>& segment, const Scene& scene,
+                                          bool without_walls) {
+    const std::uint32_t first = first_of<ShapeKind::axis_box>(scene);
+    if constexpr (has<Config>(Feature::enclosure)) {
+        if (without_walls) {
+            // Mostly the light alone is left, and no reciprocal is needed.
+            for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
+                if (!scene.enclosure.is_wall(i) && first + i != segment.object &&
+                    is_hidden_by_axis_box<Config>(segment, scene, i, reciprocal(segment.ray.direction))) {
+                    return true;
+                }
+            }
+            return false;
+        }
+    }
+    const auto inverse = reciprocal(segment.ray.direction);
+// In an enclosure hardly a ray comes here, and as a loop it has a sixth of the instructions.
+#if defined(__CUDA_ARCH__)
+#pragma unroll 1
+#endif
+    for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
+        if (first + i != segment.object && is_hidden_by_axis_box<Config>(segment, scene, i, inverse)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// All objects of one kind.
+template <class Config, ShapeKind kind, class Scene, class Shapes>
+PT_HD inline bool is_hidden_by_kind(Segment<typename Config::Real>& segment, const Scene& scene, const Shapes& shapes,
+                                    bool without_walls) {
+    using Real = typename Config::Real;
+    if constexpr (kind == ShapeKind::axis_box) {
+        return is_hidden_by_axis_boxes<Config>(segment, scene, without_walls);
+    } else if constexpr (kind == ShapeKind::mesh) {
+        Hit<Real> found;
+        found.t = segment.about;
+        closest_of_meshes<Config>(found, scene, shapes, segment.ray);
+        return found.side.exists() && segment.is_hidden_by(found.t);
+    } else {
+        for (std::uint32_t i = 0; i < shapes.size; ++i) {
+            const std::uint32_t object = first_of<kind>(scene) + i;
+            if (object != segment.object && is_hidden_by<Config>(segment, scene, as_met<Config>(shapes[i]), object)) {
+                return true;
+            }
+        }
+        return false;
+    }
+}
+
+// What lies between the ray's origin and a point of an object (no mesh) at `distance`, which is above 0. The ray leaves
+// the surface that it starts on.
+template <class Config, class Scene>
+PT_HD inline Sight line_of_sight(const Scene& scene, std::uint32_t object, const Ray<typename Config::Real>& ray,
+                                 typename Config::Real distance) {
+    static_assert(has_lines_of_sight<Config>);
+    bool without_walls = false;
+    if constexpr (has<Config>(Feature::enclosure)) {
+        bool in_wall = ray.origin_surface.exists() && ray.origin_surface.inside();
+        if constexpr (has<Config>(Feature::dielectric) || has<Config>(Feature::subsurface)) {
+            in_wall =
+                in_wall && scene.enclosure.is_wall(ray.origin_surface.object() - first_of<ShapeKind::axis_box>(scene));
+        }
+        const WallsBetween walls =
+            in_wall ? WallsBetween::unknown
+                    : walls_between(scene.enclosure, ray.origin, ray.origin + ray.direction * distance);
+        if (walls == WallsBetween::one) {
+            return Sight::blocked;
+        }
+        without_walls = walls == WallsBetween::none;
+    }
+    Segment<typename Config::Real> segment(ray, object, distance);
+#define PT_HIDES(name, array, Type)                                                                   \
+    if constexpr (has<Config>(Feature::name)) {                                                       \
+        if (is_hidden_by_kind<Config, ShapeKind::name>(segment, scene, scene.array, without_walls)) { \
+            return Sight::blocked;                                                                    \
+        }                                                                                             \
+    }
+    PT_SHAPES(PT_HIDES)
+#undef PT_HIDES
+    return segment.unsure ? Sight::unsure : Sight::clear;
+}
+
+}  // namespace pt

@@ -1,0 +1,191 @@
+// Shadow rays to drawn points of lights against the closest hit: what is clear or blocked is so by the closest hit too,
+// the rest is the closest hit's, and a kernel that knows the enclosure says the same as one that does not.
+#include "kernels/line_of_sight.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "harness/places.h"
+#include "harness/scene/scene_buffers.h"
+#include "kernels/next_event.h"
+#include "tests/support/scenes.h"
+#include "tests/support/statistics.h"
+
+namespace pt {
+namespace {
+
+using test::Random;
+using test::SceneBuilder;
+
+template <class Real>
+using Plain = Config<Real, all_features>;
+template <class Real>
+using Shortcut = Config<Real, all_features | shortcuts>;
+
+template <class Real>
+class LineOfSightTest : public testing::Test {};
+using Reals = testing::Types<float, double>;
+TYPED_TEST_SUITE(LineOfSightTest, Reals);
+
+struct Tally {
+    std::uint64_t clear = 0, blocked = 0, unsure = 0, without_walls = 0;
+};
+
+// A ray from somewhere, or from where one has met a surface that does not emit; `normal`: of the side that it leaves.
+template <class Real>
+struct Start {
+    Ray<Real> ray;
+    Vec3<Real> normal{Real(0)};
+};
+template <class Real>
+Start<Real> random_start(Random& random, const SceneView<Real>& scene, Real reach) {
+    const auto somewhere = [&] {
+        return Vec3<Real>(static_cast<Real>(random.uniform(-1, 1)) * reach,
+                          static_cast<Real>(random.uniform(-1, 1)) * reach,
+                          static_cast<Real>(random.uniform(-1, 1)) * reach);
+    };
+    const Vec3<Real> direction =
+        uniform_sphere(static_cast<Real>(random.uniform(0, 1)), static_cast<Real>(random.uniform(0, 1)));
+    Start<Real> start{{somewhere(), direction, static_cast<Real>(random.uniform(0, 1)), {}}};
+    const Hit<Real> hit = closest_hit<Plain<Real>>(scene, start.ray);
+    if (hit.side.exists() && scene.surfaces[hit.side.object()].type != MaterialType::emitter) {
+        const SurfacePoint<Real> point = surface_at<Plain<Real>>(scene, start.ray, hit);
+        start.ray.origin = point.position;
+        start.ray.origin_surface = SurfaceId::of(hit.side.object(), hit.side.inside());
+        start.normal = hit.side.inside() ? -point.normal : point.normal;
+    }
+    return start;
+}
+
+template <class Real>
+void expect_same_as_closest(const SceneView<Real>& scene, std::uint32_t light, const Ray<Real>& ray, Real distance,
+                            Tally& tally) {
+    const Hit<Real> closest = closest_hit<Plain<Real>>(scene, ray);
+    const bool is_met = closest.side.exists() && closest.side.object() == light;
+    // By so much a ray that was drawn to an edge may pass it by, or meet a face early that it all but runs along.
+    const Real rounding = gamma<Real>(2000) * distance;
+    const Sight sight = line_of_sight<Plain<Real>>(scene, light, ray, distance);
+    if (sight == Sight::clear) {
+        ASSERT_TRUE(is_met || !closest.side.exists() || closest.t > distance - rounding);
+    } else if (sight == Sight::blocked) {
+        ASSERT_TRUE(!is_met || closest.t > distance - rounding);
+        ASSERT_TRUE(closest.side.exists() && closest.t < distance);
+    }
+    (sight == Sight::clear ? tally.clear : sight == Sight::blocked ? tally.blocked : tally.unsure) += 1;
+    const bool is_within =
+        walls_between(scene.enclosure, ray.origin, ray.origin + ray.direction * distance) != WallsBetween::unknown;
+    tally.without_walls += is_within ? 1 : 0;
+    const Hit<Real> plain = hit_of_light<Plain<Real>>(scene, light, ray, distance);
+    const Hit<Real> quick = hit_of_light<Shortcut<Real>>(scene, light, ray, distance);
+    ASSERT_EQ(plain.side.exists(), quick.side.exists());
+    if (plain.side.exists()) {
+        ASSERT_EQ(plain.t, distance);
+        ASSERT_EQ(quick.t, distance);
+    }
+    if (sight == Sight::unsure) {
+        ASSERT_EQ(plain.side.exists(), is_met);
+    }
+}
+
+template <class Real>
+Tally look_at_lights(const Scene& scene, Real reach, int rays, std::uint64_t seed) {
+    RenderSettings settings = default_settings(scene);
+    settings.next_event = true;
+    settings.light_sampling = LightSampling::projected;
+    const SceneBuffers<Real> buffers(scene, settings);
+    const SceneView<Real>& view = buffers.view();
+    Random random(seed);
+    Tally tally;
+    for (int i = 0; i < rays && !testing::Test::HasFatalFailure(); ++i) {
+        auto [ray, normal] = random_start(random, view, reach);
+        const std::uint32_t light =
+            view.lights[static_cast<std::uint32_t>(random.uniform(0, static_cast<double>(view.lights.size)))].object;
+        const DirectionSample<Real> sample = sample_direction_to<Plain<Real>>(
+            view, light, ray.origin, ray.time, static_cast<Real>(random.uniform(0, 1)),
+            static_cast<Real>(random.uniform(0, 1)), static_cast<Real>(random.uniform(0, 1)));
+        // A connection leaves its surface, as next_event.h sees to.
+        const bool leaves = !ray.origin_surface.exists() || dot(sample.direction, normal) > Real(0);
+        // In a face's own plane, but for rounding, it may be met anywhere.
+        const bool is_told = sample.inverse_pdf > gamma<Real>(1000) && sample.distance > Real(0);
+        if (leaves && is_told) {
+            ray.direction = sample.direction;
+            expect_same_as_closest(view, light, ray, sample.distance, tally);
+        }
+    }
+    return tally;
+}
+
+TYPED_TEST(LineOfSightTest, IsThatOfTheClosestHitInRooms) {
+    for (const char* name : {"cornell_open", "cornell_closed", "cornell_open_five"}) {
+        const Tally tally = look_at_lights<TypeParam>(find_scene(name), TypeParam(9), 200000, 3);
+        EXPECT_GT(tally.clear, 10000u) << name;
+        EXPECT_GT(tally.blocked, 10000u) << name;
+        EXPECT_LT(tally.unsure, 2000u) << name;
+        EXPECT_GT(tally.without_walls, 10000u) << name;
+    }
+}
+
+// Boxes of all sorts in and out of one room, some through its walls, some that share a plane with a wall or with each
+// other: distances that only the order of objects tells apart.
+Scene random_room(Random& random, bool moves) {
+    SceneBuilder builder;
+    const std::uint32_t white = builder.diffuse(Vec3d(0.5));
+    const std::uint32_t lamp = builder.emitter({4, 5, 6});
+    const auto size = [&] { return random.uniform(0.2, 1.2); };
+    const auto place = [&] { return random.uniform(-2.6, 2.6); };
+    const auto walls = [&] {
+        builder.box(white, {0, -2.05, 0}, {4.4, 0.1, 4.4});
+        builder.box(white, {0, 2.05, 0}, {4.4, 0.1, 4.4});
+        builder.box(white, {-2.05, 0, 0}, {0.1, 4.4, 4.4});
+        builder.box(white, {2.05, 0, 0}, {0.1, 4.4, 4.4});
+        builder.box(white, {0, 0, 2.05}, {4.4, 4.4, 0.1});
+    };
+    const bool walls_first = random.uniform() < 0.5;
+    if (walls_first) {
+        walls();
+    }
+    for (int i = 0; i < 4; ++i) {
+        const std::uint32_t material = i < 3 ? lamp : white;
+        const Vec3d extent{size(), size(), size()};
+        Vec3d centre{place(), place(), place()};
+        if (random.uniform() < 0.5) {
+            centre.y =
+                2 + (random.uniform() < 0.5 ? -0.5 : 0.5) * extent.y;  // hangs from the ceiling, or flush with it
+        }
+        const Vec3d turn = random.uniform() < 0.3 ? Vec3d(random.uniform(0, 90), 20, 30) : Vec3d(0.0);
+        for (int copy = 0; copy < (random.uniform() < 0.2 ? 2 : 1); ++copy) {
+            builder.box(material, centre, extent, turn);
+        }
+        if (moves) {
+            builder.scene.objects.back().velocity = {place(), 0, place()};
+        }
+    }
+    builder.quad(lamp, {place(), random.uniform() < 0.5 ? 2.0 : place(), place()}, size(), size());
+    builder.sphere(white, {place(), place(), place()}, size());
+    builder.ellipsoid(white, {place(), place(), place()}, {size(), size(), size()}, {10, 20, 30});
+    if (!walls_first) {
+        walls();
+    }
+    builder.scene.camera.shutter_close = moves ? 1 : 0;
+    return builder.scene;
+}
+
+TYPED_TEST(LineOfSightTest, IsThatOfTheClosestHitWhereLightsTouch) {
+    Random random(17);
+    Tally sum;
+    for (int i = 0; i < 60 && !testing::Test::HasFatalFailure(); ++i) {
+        const Tally tally = look_at_lights<TypeParam>(random_room(random, i % 5 == 0), TypeParam(3), 4000, 100 + i);
+        sum.clear += tally.clear;
+        sum.blocked += tally.blocked;
+        sum.unsure += tally.unsure;
+        sum.without_walls += tally.without_walls;
+    }
+    EXPECT_GT(sum.clear, 10000u);
+    EXPECT_GT(sum.blocked, 10000u);
+    EXPECT_GT(sum.unsure, 300u);
+    EXPECT_GT(sum.without_walls, 1000u);
+}
+
+}  // namespace
+}  // namespace pt

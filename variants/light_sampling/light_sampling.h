@@ -1,0 +1,26 @@
+// What the choices other than by solid angle have in common.
+#pragma once
+
+#include "variants/registry.h"
+
+namespace pt {
+
+inline constexpr std::string_view light_sampling_claim =
+    "same expectation as light_sampling=solid_angle: a point counts by one over its density, however it is drawn";
+
+inline Reason light_sampling_unsupported_reason(FeatureSet scene, const VariantTraits& variant) {
+    constexpr FeatureSet boxes = Feature::axis_box | Feature::oriented_box | Feature::quad;
+    if (!variant.direct_light.connects_every_vertex) {
+        return {"needs_connections", "needs vertices that are connected to lights: direct_light=nee or nee_mis, not " +
+                                         std::string(variant.direct_light.name)};
+    }
+    if (variant.robustness.is_naive) {
+        return {"needs_robust", "needs robustness=robust, not " + std::string(variant.robustness.name)};
+    }
+    if ((scene & boxes) == 0) {
+        return {"needs_box", "needs a box or a quad: other lights are sampled as ever"};
+    }
+    return {};
+}
+
+}  // namespace pt
