@@ -47,9 +47,10 @@ enum class Feature : FeatureSet {
     dielectric = feature_bit::material << 4,
     subsurface = feature_bit::material << 5,
     emission = feature_bit::material << 6,             // diffuse, mirror or mix surfaces that also emit
-    absorption = feature_bit::material << 7,           // Beer-Lambert inside a dielectric
+    absorption = feature_bit::material << 7,           // Beer-Lambert inside a dielectric, smooth or rough
     subsurface_boundary = feature_bit::material << 8,  // a subsurface body whose index is not 1
     rough_conductor = feature_bit::material << 9,
+    rough_dielectric = feature_bit::material << 10,
     environment = feature_bit::light << 0,
     // What the variant asks for rather than the scene.
     final_bounce = feature_bit::light << 1,
@@ -84,7 +85,8 @@ inline constexpr FeatureSet shape_features = no_features PT_SHAPES(PT_FEATURE);
 #undef PT_FEATURE
 inline constexpr FeatureSet material_features =
     set_of(Feature::diffuse, Feature::emitter, Feature::mirror, Feature::mix, Feature::dielectric, Feature::subsurface,
-           Feature::emission, Feature::absorption, Feature::subsurface_boundary, Feature::rough_conductor);
+           Feature::emission, Feature::absorption, Feature::subsurface_boundary, Feature::rough_conductor,
+           Feature::rough_dielectric);
 // What a scene or an estimator may need: a kernel with all of these renders any scene without meshes.
 inline constexpr FeatureSet all_features =
     (shape_features & ~static_cast<FeatureSet>(Feature::mesh)) | material_features |

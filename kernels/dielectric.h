@@ -60,6 +60,12 @@ PT_HD inline Real cosine_of_incidence(const Vec3<Real>& direction, const Vec3<Re
     return clamp(-dot(direction, normal), Real(0), Real(1));
 }
 
+// In what absorbs the path runs on the other side of the vertex.
+template <class Real>
+PT_HD inline std::uint32_t medium_behind(const Vertex<Real>& vertex, const Material<Real>& material) {
+    return vertex.inside || material.absorbs == 0 ? Path<Real>::no_medium : vertex.material;
+}
+
 // u picks reflection or transmission in proportion to their energy, so the weight of either is 1 (and the tint of the
 // transmission). Radiance is not scaled by n^2: what enters must leave, and sources inside are not compared with
 // outside.
@@ -77,7 +83,7 @@ PT_HD inline void scatter_dielectric(Path<typename Config::Real>& path, const Ve
     path.throughput *= material.tint;
     leave_on_other_side(path, vertex, refract(boundary, path.direction, vertex.normal(), cosine, refraction.q));
     if constexpr (has<Config>(Feature::absorption)) {
-        path.medium = vertex.inside || material.absorbs == 0 ? Path<Real>::no_medium : vertex.material;
+        path.medium = medium_behind(vertex, material);
     }
 }
 

@@ -6,7 +6,21 @@
 
 namespace pt {
 
-enum class MaterialType : std::uint32_t { diffuse, emitter, mirror, mix, dielectric, subsurface, rough_conductor };
+enum class MaterialType : std::uint32_t {
+    diffuse,
+    emitter,
+    mirror,
+    mix,
+    dielectric,
+    subsurface,
+    rough_conductor,
+    rough_dielectric
+};
+
+// What light passes by one refraction.
+PT_HD constexpr bool is_glass(MaterialType type) {
+    return type == MaterialType::dielectric || type == MaterialType::rough_dielectric;
+}
 
 // A dielectric boundary seen from one side. relative_ior = ior ahead / ior behind; `k` = (n - 1)(n + 1) is formed in
 // double at load, where 1 - n^2 cannot cancel.
@@ -25,10 +39,10 @@ struct Material {
     Vec3<Real> albedo;                 // diffuse, mix
     Vec3<Real> reflectance;            // mirror, mix; rough_conductor: at normal incidence
     Real mirror_probability;           // mix
-    Vec3<Real> tint;                   // dielectric: factor on each transmission
-    Boundary<Real> entering, leaving;  // dielectric, subsurface
+    Vec3<Real> tint;                   // dielectrics: factor on each transmission
+    Boundary<Real> entering, leaving;  // dielectrics, subsurface
     std::uint32_t has_boundary;        // subsurface: 1 if ior != 1
-    std::uint32_t absorbs;             // dielectric: 1 if sigma_a is not 0
+    std::uint32_t absorbs;             // dielectrics: 1 if sigma_a is not 0
     Vec3<Real> sigma_a;                // 1 / scene unit
     Vec3<Real> sigma_s;                // subsurface, 1 / scene unit
     Vec3<Real> sigma_t;                // sigma_a + sigma_s
@@ -36,7 +50,7 @@ struct Material {
     std::uint32_t grey;                // 1 if the three sigma_t are equal
     union {
         Real g;      // subsurface: Henyey-Greenstein mean cosine
-        Real alpha;  // rough_conductor: width of the GGX distribution, roughness^2
+        Real alpha;  // rough materials: width of the GGX distribution, roughness^2
     };
     std::uint32_t max_scatterings;  // cap of one walk
 };

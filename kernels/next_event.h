@@ -7,8 +7,8 @@
 #pragma once
 
 #include "kernels/dielectric.h"
+#include "kernels/ggx.h"
 #include "kernels/intersect.h"
-#include "kernels/rough_conductor.h"
 
 namespace pt {
 
@@ -96,6 +96,7 @@ PT_HD inline typename Config::Real encounter_weight(const SceneView<typename Con
 // The diffuse lobe, as a lobe is asked for.
 template <class Real>
 struct DiffuseLobe {
+    static constexpr bool transmits = false;
     Vec3<Real> albedo;
 
     PT_HD LobeValue<Real> towards(const Vec3<Real>&, Real cosine) const {
@@ -120,11 +121,12 @@ PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::R
         sample_direction_to<Config>(scene, object, vertex.position, path.time, unit_interval<Real>(words.y),
                                     unit_interval<Real>(words.z), unit_interval<Real>(words.w));
     const Real cosine = dot(sample.direction, vertex.normal());
-    if (!(sample.inverse_pdf > Real(0)) || !(cosine > Real(0))) {
+    const bool passes = Lobe::transmits && cosine < Real(0);
+    if (!(sample.inverse_pdf > Real(0)) || !(cosine > Real(0) || passes)) {
         return 0;
     }
-    const Ray<Real> ray{vertex.position, sample.direction, path.time, SurfaceId::of(vertex.object, vertex.inside),
-                        vertex.primitive};
+    const Ray<Real> ray{vertex.position, sample.direction, path.time,
+                        SurfaceId::of(vertex.object, vertex.inside != passes), vertex.primitive};
     const Hit<Real> hit = closest_hit<Config>(traced, ray);
     if (!hit.side.exists() || hit.side.object() != object || !is_of_primitive<Config>(hit, sample.primitive)) {
         return 1;
@@ -137,8 +139,12 @@ PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::R
     }
     Vec3<Real> carried = path.throughput * value.weight;
     if constexpr (has<Config>(Feature::absorption)) {
-        if (path.medium != Path<Real>::no_medium) {
-            carried *= transmittance(scene.materials[path.medium], hit.t);
+        std::uint32_t medium = path.medium;
+        if constexpr (Lobe::transmits) {
+            medium = passes ? lobe.medium_beyond : medium;
+        }
+        if (medium != Path<Real>::no_medium) {
+            carried *= transmittance(scene.materials[medium], hit.t);
         }
     }
     path.radiance += carried * scene.materials[scene.object_material[object]].emission * weight;

@@ -9,6 +9,8 @@
 #include "kernels/light.h"
 #include "kernels/mix.h"
 #include "kernels/next_event.h"
+#include "kernels/rough_conductor.h"
+#include "kernels/rough_dielectric.h"
 #include "kernels/russian_roulette.h"
 #include "kernels/subsurface.h"
 
@@ -88,6 +90,23 @@ PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene,
     return true;
 }
 
+// Connects the vertex to a light where the variant asks for it and the lobe is wide enough; returns whether it is.
+template <class Config, class Lobe>
+PT_HD inline bool connect_rough(const SceneView<typename Config::Real>& scene,
+                                const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
+                                const Vertex<typename Config::Real>& vertex, const Lobe& lobe, PathCounters& counters) {
+    bool is_connected = false;
+    if constexpr (has<Config>(Feature::next_event)) {
+        is_connected = scene.next_event != 0 && lobe.is_connectable();
+        if (is_connected) {
+            const std::uint32_t connections = connect_next_event<Config>(scene, traced, path, vertex, lobe);
+            counters.rays += connections;
+            counters.connections += connections;
+        }
+    }
+    return is_connected;
+}
+
 // A rough conductor. The last vertex of a final-bounce path goes on, as a mirror's does. Returns whether the path goes
 // on: it does not where the facet sends it into the surface.
 template <class Config>
@@ -98,15 +117,7 @@ PT_HD inline bool shade_rough_conductor(const SceneView<typename Config::Real>& 
                                         PathCounters& counters) {
     using Real = typename Config::Real;
     const RoughConductor<Real> lobe(material.reflectance, material.alpha, -path.direction, vertex.normal());
-    bool is_connected = false;
-    if constexpr (has<Config>(Feature::next_event)) {
-        is_connected = scene.next_event != 0 && lobe.is_connectable();
-        if (is_connected) {
-            const std::uint32_t connections = connect_next_event<Config>(scene, traced, path, vertex, lobe);
-            counters.rays += connections;
-            counters.connections += connections;
-        }
-    }
+    const bool is_connected = connect_rough<Config>(scene, traced, path, vertex, lobe, counters);
     const LobeSample<Real> sample = lobe.sample(unit_interval<Real>(words.y), unit_interval<Real>(words.z));
     if (!(sample.cosine > Real(0))) {
         return false;
@@ -115,6 +126,38 @@ PT_HD inline bool shade_rough_conductor(const SceneView<typename Config::Real>& 
     leave_on_same_side(path, vertex, sample.direction);
     if (is_connected) {
         path.bsdf_pdf = sample.value.pdf;
+    }
+    return true;
+}
+
+// Rough glass, likewise: the path ends where the facet sends it to the wrong side.
+template <class Config>
+PT_HD inline bool shade_rough_dielectric(const SceneView<typename Config::Real>& scene,
+                                         const SceneView<typename Config::Real>& traced,
+                                         Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
+                                         const Material<typename Config::Real>& material, const RandomWords& words,
+                                         PathCounters& counters) {
+    using Real = typename Config::Real;
+    const RoughDielectric<Config> lobe(material, -path.direction, vertex);
+    const bool is_connected = connect_rough<Config>(scene, traced, path, vertex, lobe, counters);
+    const LobeSample<Real> sample =
+        lobe.sample(unit_interval<Real>(words.x), unit_interval<Real>(words.y), unit_interval<Real>(words.z));
+    if (sample.cosine == Real(0)) {
+        return false;
+    }
+    path.throughput *= sample.value.weight;
+    if (sample.cosine > Real(0)) {
+        leave_on_same_side(path, vertex, sample.direction);
+    } else {
+        leave_on_other_side(path, vertex, sample.direction);
+        if constexpr (has<Config>(Feature::absorption)) {
+            path.medium = lobe.medium_beyond;
+        }
+    }
+    if (is_connected) {
+        // Never 0, which says that there was no connection.
+        constexpr Real least = Real(0x1p-60);
+        path.bsdf_pdf = max(sample.value.pdf, least);
     }
     return true;
 }
@@ -149,6 +192,11 @@ PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const S
     if constexpr (has<Config>(Feature::rough_conductor)) {
         if (material.type == MaterialType::rough_conductor) {
             return shade_rough_conductor<Config>(scene, traced, path, vertex, material, words, counters);
+        }
+    }
+    if constexpr (has<Config>(Feature::rough_dielectric)) {
+        if (material.type == MaterialType::rough_dielectric) {
+            return shade_rough_dielectric<Config>(scene, traced, path, vertex, material, words, counters);
         }
     }
     if constexpr (has<Config>(Feature::subsurface)) {

@@ -76,6 +76,7 @@ constexpr NamedFeature named_features[] = {
     {Feature::absorption, "absorption"},
     {Feature::subsurface_boundary, "subsurface_boundary"},
     {Feature::rough_conductor, "rough_conductor"},
+    {Feature::rough_dielectric, "rough_dielectric"},
     {Feature::environment, "environment"},
     {Feature::jitter, "jitter"},
     {Feature::lens, "lens"},

@@ -43,6 +43,9 @@ FeatureSet features_of_material(const SceneMaterial& material) {
             return Feature::mix | (is_black(material.emission) ? Feature::mix : Feature::emission);
         case MaterialType::dielectric:
             return Feature::dielectric | (is_black(material.sigma_a) ? Feature::dielectric : Feature::absorption);
+        case MaterialType::rough_dielectric:
+            return Feature::rough_dielectric |
+                   (is_black(material.sigma_a) ? Feature::rough_dielectric : Feature::absorption);
         case MaterialType::rough_conductor:
             return Feature::rough_conductor |
                    (is_black(material.emission) ? Feature::rough_conductor : Feature::emission);

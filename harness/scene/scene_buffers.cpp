@@ -49,7 +49,7 @@ Material<Real> make_material(const SceneMaterial& m) {
     // (1/n - 1)(1/n + 1) from n itself: 1/n is already rounded.
     material.leaving.k = static_cast<Real>(-(m.ior - 1.0) * (m.ior + 1.0) / (m.ior * m.ior));
     material.has_boundary = m.ior != 1.0 ? 1 : 0;
-    material.absorbs = m.type == MaterialType::dielectric && m.sigma_a != Vec3d(0.0) ? 1 : 0;
+    material.absorbs = is_glass(m.type) && m.sigma_a != Vec3d(0.0) ? 1 : 0;
     const Vec3d sigma_t = m.sigma_a + m.sigma_s;
     material.sigma_a = narrow<Real>(m.sigma_a);
     material.sigma_s = narrow<Real>(m.sigma_s);
@@ -60,6 +60,9 @@ Material<Real> make_material(const SceneMaterial& m) {
     material.grey = sigma_t.x == sigma_t.y && sigma_t.y == sigma_t.z ? 1 : 0;
     if (m.type == MaterialType::rough_conductor) {
         material.alpha = static_cast<Real>(m.roughness * m.roughness);
+    } else if (m.type == MaterialType::rough_dielectric) {
+        // However its facets are turned, a boundary between equals bends no light.
+        material.alpha = static_cast<Real>(m.ior == 1 ? 0 : m.roughness * m.roughness);
     } else {
         material.g = static_cast<Real>(m.g);
     }
@@ -82,8 +85,7 @@ std::uint32_t medium_at_eye(const Scene& scene) {
     for (const SceneObject& object : scene.objects) {
         const SceneMaterial& material = scene.materials[object.material];
         const double volume = object.scale.x * object.scale.y * object.scale.z;
-        if (material.type == MaterialType::dielectric && volume < least_volume &&
-            contains_point(scene, object, scene.camera.eye)) {
+        if (is_glass(material.type) && volume < least_volume && contains_point(scene, object, scene.camera.eye)) {
             least_volume = volume;
             medium = material.sigma_a != Vec3d(0.0) ? object.material : Path<float>::no_medium;
         }

@@ -126,13 +126,21 @@ SceneMaterial read_subsurface(const JsonValue& value) {
     return material;
 }
 
-SceneMaterial read_dielectric(const JsonValue& value) {
-    const JsonObject object(value, {"type", "ior", "tint", "sigma_a"});
+SceneMaterial read_dielectric(const JsonValue& value, MaterialType type) {
+    const bool is_rough = type == MaterialType::rough_dielectric;
+    std::vector<std::string> keys{"type", "ior", "tint", "sigma_a"};
+    if (is_rough) {
+        keys.insert(keys.begin() + 2, "roughness");
+    }
+    const JsonObject object(value, keys);
     SceneMaterial material;
-    material.type = MaterialType::dielectric;
+    material.type = type;
     material.ior = read_ior(object.required("ior"));
     material.tint = object.has("tint") ? fraction_colour(object.at("tint")) : Vec3d(1.0);
     material.sigma_a = object.has("sigma_a") ? sigma(object.at("sigma_a")) : Vec3d(0.0);
+    if (is_rough) {
+        material.roughness = object.required("roughness").number(0, 1, "a number from 0 to 1");
+    }
     return material;
 }
 
@@ -150,8 +158,8 @@ SceneMaterial read_material(const JsonValue& value) {
     if (!value.json().is_object()) {
         value.fail("an object");
     }
-    const std::vector<std::string> types{"diffuse",    "emitter",    "mirror",         "mix",
-                                         "dielectric", "subsurface", "rough_conductor"};
+    const std::vector<std::string> types{"diffuse",    "emitter",    "mirror",          "mix",
+                                         "dielectric", "subsurface", "rough_conductor", "rough_dielectric"};
     if (!value.json().contains("type")) {
         throw InputError(value.file(), value.path(), "no key \"type\"",
                          fmt::format("it is required: {}", fmt::join(types, ", ")));
@@ -159,7 +167,10 @@ SceneMaterial read_material(const JsonValue& value) {
     const std::string type = JsonValue(value.json().at("type"), value.file(), value.path() + ".type").one_of(types);
     SceneMaterial material;
     if (type == "dielectric") {
-        return read_dielectric(value);
+        return read_dielectric(value, MaterialType::dielectric);
+    }
+    if (type == "rough_dielectric") {
+        return read_dielectric(value, MaterialType::rough_dielectric);
     }
     if (type == "subsurface") {
         return read_subsurface(value);
@@ -293,20 +304,21 @@ void check_material(const JsonValue& value, const SceneMaterial& material, const
     const bool is_mesh = object.mesh != SceneObject::no_mesh;
     if (is_mesh && material.type == MaterialType::subsurface) {
         value.fail(
-            "on a mesh: diffuse, emitter, mirror, rough_conductor, mix or dielectric (subsurface needs a convex "
-            "shape)");
+            "on a mesh: diffuse, emitter, mirror, rough_conductor, mix, dielectric or rough_dielectric (subsurface "
+            "needs "
+            "a convex shape)");
     }
-    if (is_mesh && material.type == MaterialType::dielectric && !scene.meshes[object.mesh]->is_closed) {
+    if (is_mesh && is_glass(material.type) && !scene.meshes[object.mesh]->is_closed) {
         value.fail(fmt::format(
-            "on the mesh {}, which is not closed: diffuse, emitter, mirror, rough_conductor or mix (dielectric needs a "
-            "shape with an inside)",
+            "on the mesh {}, which is not closed: diffuse, emitter, mirror, rough_conductor or mix (dielectric and "
+            "rough_dielectric need a shape with an inside)",
             scene.meshes[object.mesh]->source));
     }
-    const bool needs_inside = material.type == MaterialType::dielectric || material.type == MaterialType::subsurface;
+    const bool needs_inside = is_glass(material.type) || material.type == MaterialType::subsurface;
     if (!is_mesh && is_flat(object) && needs_inside) {
         value.fail(
-            fmt::format("on a {}: diffuse, emitter, mirror, rough_conductor or mix (dielectric and subsurface need a "
-                        "shape with an inside)",
+            fmt::format("on a {}: diffuse, emitter, mirror, rough_conductor or mix (dielectric, rough_dielectric and "
+                        "subsurface need a shape with an inside)",
                         name_of(object.shape)));
     }
 }

@@ -208,8 +208,8 @@ TEST(ListTest, ASceneSaysWhatAppliesToIt) {
     for (const char* text :
          {"Scenes\n", "  cornell_open ", "   needs sphere axis_box diffuse emitter mirror jitter\n",
           "   leaves out ellipsoid oriented_box quad motion mix dielectric subsurface emission absorption "
-          "subsurface_boundary rough_conductor environment lens final_bounce next_event multiple_importance "
-          "russian_roulette near_sphere\n",
+          "subsurface_boundary rough_conductor rough_dielectric environment lens final_bounce next_event "
+          "multiple_importance russian_roulette near_sphere\n",
           "   n/a: first_bounce=cached needs jitter off (camera.jitter is true in the scene)\n", "Backends\n", "  cpu ",
           "  cuda                       not available ("}) {
         EXPECT_NE(result.out.find(text), std::string::npos) << text;

@@ -76,7 +76,7 @@ private:
 
     Json material() {
         Json material;
-        switch (whole(0, 6)) {
+        switch (whole(0, 7)) {
             case 0:
                 material = {{"type", "diffuse"}, {"albedo", colour(fractions)}};
                 break;
@@ -100,6 +100,12 @@ private:
                         {"ior", from(iors)},
                         {"tint", colour(fractions)},
                         {"sigma_a", colour(sigmas)}};
+            case 6:
+                return {{"type", "rough_dielectric"},
+                        {"ior", from(iors)},
+                        {"roughness", from(fractions)},
+                        {"tint", colour(fractions)},
+                        {"sigma_a", colour(sigmas)}};
             default:
                 return {{"type", "subsurface"},
                         {"ior", from(iors)},
@@ -115,7 +121,7 @@ private:
     }
 
     Json object(const std::string& material, const std::string& type) {
-        const bool needs_inside = type == "dielectric" || type == "subsurface";
+        const bool needs_inside = type == "dielectric" || type == "rough_dielectric" || type == "subsurface";
         const std::array<const char*, 3> shapes{"sphere", "box", "quad"};
         Json object{{"shape", shapes[static_cast<std::size_t>(whole(0, needs_inside ? 1 : 2))]},
                     {"material", material},

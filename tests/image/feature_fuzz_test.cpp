@@ -14,7 +14,7 @@ namespace {
 using test::Random;
 using test::SceneBuilder;
 
-constexpr int scenes = 700;
+constexpr int scenes = 900;
 constexpr const char* integrators[] = {"depth_first", "packet", "wavefront", "packet"};
 
 class RandomScene {
@@ -66,6 +66,10 @@ private:
         }
         if (chance(0.25)) {
             materials_.push_back(builder_.rough_conductor(colour(), random_.uniform(0, 1)));
+        }
+        if (chance(0.25)) {
+            materials_.push_back(builder_.rough_dielectric(random_.uniform(1.1, 2), random_.uniform(0, 1),
+                                                           chance(0.3) ? colour() : Vec3d(0.0)));
         }
         if (chance(0.1)) {
             materials_.push_back(builder_.diffuse(colour(), colour()));

@@ -111,6 +111,8 @@ const Case cases[] = {
     with<Feature::subsurface>("subsurface", [](Still& s) { make_ball(s, s.builder.subsurface(Vec3d(4), Vec3d(0.1))); }),
     with<Feature::rough_conductor>(
         "rough_conductor", [](Still& s) { make_ball(s, s.builder.rough_conductor(Vec3d(0.9, 0.7, 0.5), 0.1)); }),
+    with<Feature::rough_dielectric>("rough_dielectric",
+                                    [](Still& s) { make_ball(s, s.builder.rough_dielectric(1.5, 0.3)); }),
     with<Feature::emission>("emission", [](Still& s) { make_ball(s, s.builder.diffuse(Vec3d(0.5), Vec3d(0.3))); }),
     with<Feature::absorption, Feature::dielectric>(
         "absorption", [](Still& s) { make_ball(s, s.builder.dielectric(1.5, Vec3d(0.5, 1, 2))); }),

@@ -114,7 +114,7 @@ TYPED_TEST(FinalBounceTest, GlowingDiffuseAndMixLights) {
     expect_same_mean<TypeParam>(inside.scene, 2, "inside a glowing box");
 }
 
-TYPED_TEST(FinalBounceTest, MirrorGlassMixAndRoughConductorAtTheLastVertex) {
+TYPED_TEST(FinalBounceTest, MirrorGlassMixAndRoughMaterialsAtTheLastVertex) {
     const std::function<std::uint32_t(SceneBuilder&)> balls[] = {
         [](auto& b) {
             return b.mirror({0.9, 0.8, 0.7});
@@ -127,6 +127,9 @@ TYPED_TEST(FinalBounceTest, MirrorGlassMixAndRoughConductorAtTheLastVertex) {
         },
         [](auto& b) {
             return b.rough_conductor({0.9, 0.8, 0.7}, 0.4);
+        },
+        [](auto& b) {
+            return b.rough_dielectric(1.5, 0.4, {0.2, 0.1, 0.4});
         },
     };
     for (const auto& ball : balls) {

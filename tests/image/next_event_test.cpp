@@ -149,6 +149,20 @@ TYPED_TEST(NextEventTest, RoughConductors) {
     }
 }
 
+// From outside and, where the ball holds the lamp, from within; the last one is too narrow to be connected.
+TYPED_TEST(NextEventTest, RoughDielectrics) {
+    for (const double roughness : {1.0, 0.5, 0.25, 0.05}) {
+        const Scene outside = stage(lamp, [=](auto& b) { return b.rough_dielectric(1.5, roughness, {0.2, 0.1, 0.4}); });
+        expect_same_mean<TypeParam>(outside, 4, "roughness " + std::to_string(roughness));
+        SceneBuilder inside;
+        inside.camera({0, 0, -4}, {0, 0, 0}).image(side, side, 50, true);
+        inside.sphere(inside.rough_dielectric(1.5, roughness, {0.5, 0.25, 1}, {1, 0.9, 0.8}), {0, 0, 0}, 2.4);
+        inside.sphere(inside.diffuse(Vec3d(0.75)), {-0.4, -0.2, 0}, 0.9);
+        inside.sphere(inside.emitter({8, 6, 4}), {0.5, 0.5, -0.4}, 0.6);
+        expect_same_mean<TypeParam>(inside.scene, 4, "inside, roughness " + std::to_string(roughness));
+    }
+}
+
 TYPED_TEST(NextEventTest, LampInsideAbsorbingGlass) {
     // The connection of a diffuse ball inside the glass runs through the medium; from outside the lamp is met only.
     SceneBuilder builder;

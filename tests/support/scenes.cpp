@@ -95,6 +95,16 @@ std::uint32_t SceneBuilder::dielectric(double ior, const Vec3d& sigma_a, const V
     return add(material);
 }
 
+std::uint32_t SceneBuilder::rough_dielectric(double ior, double roughness, const Vec3d& sigma_a, const Vec3d& tint) {
+    SceneMaterial material;
+    material.type = MaterialType::rough_dielectric;
+    material.ior = ior;
+    material.roughness = roughness;
+    material.sigma_a = sigma_a;
+    material.tint = tint;
+    return add(material);
+}
+
 std::uint32_t SceneBuilder::subsurface(const Vec3d& sigma_s, const Vec3d& sigma_a, double g, double ior) {
     SceneMaterial material;
     material.type = MaterialType::subsurface;

@@ -27,6 +27,8 @@ struct SceneBuilder {
     std::uint32_t rough_conductor(const Vec3d& reflectance, double roughness, const Vec3d& emission = Vec3d(0.0));
     std::uint32_t emitter(const Vec3d& radiance);
     std::uint32_t dielectric(double ior, const Vec3d& sigma_a = Vec3d(0.0), const Vec3d& tint = Vec3d(1.0));
+    std::uint32_t rough_dielectric(double ior, double roughness, const Vec3d& sigma_a = Vec3d(0.0),
+                                   const Vec3d& tint = Vec3d(1.0));
     std::uint32_t subsurface(const Vec3d& sigma_s, const Vec3d& sigma_a = Vec3d(0.0), double g = 0, double ior = 1);
 
     // Each returns the object, which may be changed further until the next one is added.

@@ -1,6 +1,5 @@
 // The GGX lobe of rough conductors against quadrature in double: energy, normalisation, masking, reciprocity, and the
-// sampler by chi-square. Facets are placed by the textbook's map of the unit square, in which D cos(theta) is constant:
-// tan^2(theta) = alpha^2 u / (1 - u).
+// sampler by chi-square.
 #include "kernels/rough_conductor.h"
 
 #include <algorithm>
@@ -10,10 +9,13 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/ggx_textbook.h"
 #include "tests/support/statistics.h"
 
 namespace pt {
 namespace {
+
+using namespace test::ggx;
 
 template <class Real>
 class RoughConductorTest : public testing::Test {};
@@ -45,45 +47,6 @@ template <class Real>
 RoughConductor<Real> white(double roughness, double cosine, double turn = 0.7) {
     const Vec3<Real> normal = slanted<Real>();
     return {Vec3<Real>(Real(1)), static_cast<Real>(roughness * roughness), in_plane(cosine, turn, normal), normal};
-}
-
-// --- The textbook, in the surface's frame
-
-double distribution(double alpha, double facet_cosine) {
-    const double tangent_squared = 1 / (facet_cosine * facet_cosine) - 1;
-    const double square = facet_cosine * facet_cosine * (1 + tangent_squared / (alpha * alpha));
-    return 1 / (pi<double> * alpha * alpha * square * square);
-}
-
-double smith_lambda(double alpha, double cosine) {
-    return (std::sqrt(1 + alpha * alpha * (1 / (cosine * cosine) - 1)) - 1) / 2;
-}
-
-double masking(double alpha, double cosine) { return 1 / (1 + smith_lambda(alpha, cosine)); }
-
-struct Facet {
-    Vec3d normal;
-    double measure;  // du / dt: facets per cell of the grid
-};
-
-// u = 1 - (1 - t)^2, so that the facets' slopes times their number stay finite.
-Facet facet_at(double alpha, double t, double turn) {
-    const double rest = (1 - t) * (1 - t);
-    const double tangent = alpha * std::sqrt((1 - rest) / rest);
-    const double cosine = 1 / std::sqrt(1 + tangent * tangent);
-    return {{tangent * cosine * std::cos(turn), tangent * cosine * std::sin(turn), cosine}, 2 * (1 - t)};
-}
-
-// The mean over the unit square of f(t, turn / 2 pi), by midpoints.
-template <class F>
-double mean_over_square(int side, const F& f) {
-    double sum = 0;
-    for (int i = 0; i < side; ++i) {
-        for (int j = 0; j < side; ++j) {
-            sum += f((i + 0.5) / side, (j + 0.5) / side);
-        }
-    }
-    return sum / side / side;
 }
 
 // Facets seen from a viewer at x > 0, as many as the textbook says: the sum over all of them is 1.
@@ -178,7 +141,7 @@ TYPED_TEST(RoughConductorTest, TheDensityIsNormalised) {
             const RoughConductor<Real> lobe = white<Real>(roughness, cosine, 0);
             ASSERT_TRUE(lobe.is_connectable());
             const Vec3d viewer = viewer_at(cosine);
-            const Frame<double> frame(normalize(Vec3d(lobe.normal)));
+            const Frame<double> frame(normalize(Vec3d(lobe.facets.normal)));
             const double all = mean_over_square(512, [&](double t, double turn) {
                 const Facet facet = facet_at(alpha, t, 2 * pi<double> * turn);
                 const double facing = dot(viewer, facet.normal);
@@ -266,13 +229,13 @@ TYPED_TEST(RoughConductorTest, SamplesFollowTheVisibleFacets) {
                 probability /= all;
             }
             const RoughConductor<Real> lobe = white<Real>(roughness, cosine, 0);
-            const Frame<double> frame(normalize(Vec3d(lobe.normal)));
+            const Frame<double> frame(normalize(Vec3d(lobe.facets.normal)));
             std::vector<std::uint64_t> counts(columns * rows);
             test::Random random(seed++);
             for (int i = 0; i < draws; ++i) {
                 const Vec3<Real> direction =
                     lobe.sample(unit_interval<Real>(random.word()), unit_interval<Real>(random.word())).direction;
-                const Vec3d half = Vec3d(direction) + Vec3d(lobe.outgoing);
+                const Vec3d half = Vec3d(direction) + Vec3d(lobe.facets.outgoing);
                 const double x = dot(half, frame.tangent), y = dot(half, frame.bitangent), z = dot(half, frame.normal);
                 const double tangent_squared = (x * x + y * y) / (z * z);
                 const double t = 1 - alpha / std::sqrt(alpha * alpha + tangent_squared);
@@ -310,7 +273,7 @@ TYPED_TEST(RoughConductorTest, ANarrowLobeKeepsToTheMirrorsDirection) {
     using Real = TypeParam;
     const double alpha = 1e-8;
     const RoughConductor<Real> lobe = white<Real>(1e-4, 0.5);
-    const Vec3d mirrored = Vec3d(reflect(-lobe.outgoing, lobe.normal));
+    const Vec3d mirrored = Vec3d(reflect(-lobe.facets.outgoing, lobe.facets.normal));
     for (int i = 0; i < 64; ++i) {
         for (int j = 0; j < 64; ++j) {
             const LobeSample<Real> sample =

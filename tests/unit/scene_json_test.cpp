@@ -133,6 +133,19 @@ TEST(SceneJson, RoughConductor) {
     EXPECT_EQ(material.emission, Vec3d(0.0));
 }
 
+TEST(SceneJson, RoughDielectric) {
+    const SceneMaterial defaults = parse_material(R"({"type": "rough_dielectric", "ior": 1.5, "roughness": 0.3})");
+    EXPECT_EQ(defaults.type, MaterialType::rough_dielectric);
+    EXPECT_EQ(defaults.ior, 1.5);
+    EXPECT_EQ(defaults.roughness, 0.3);
+    EXPECT_EQ(defaults.tint, Vec3d(1.0));
+    EXPECT_EQ(defaults.sigma_a, Vec3d(0.0));
+    const SceneMaterial full = parse_material(
+        R"({"type": "rough_dielectric", "ior": 2, "roughness": 1, "tint": [1, 0.5, 0], "sigma_a": [1, 2, 3]})");
+    EXPECT_EQ(full.tint, Vec3d(1, 0.5, 0));
+    EXPECT_EQ(full.sigma_a, Vec3d(1, 2, 3));
+}
+
 TEST(SceneJson, MirrorDefaults) {
     const SceneMaterial material = parse_material(R"({"type": "mirror", "reflectance": [0, 0.5, 1]})");
     EXPECT_EQ(material.type, MaterialType::mirror);
@@ -334,14 +347,15 @@ TEST(SceneJsonErrors, Camera) {
 }
 
 TEST(SceneJsonErrors, Materials) {
-    const std::string types = R"("diffuse", "emitter", "mirror", "mix", "dielectric", "subsurface", "rough_conductor")";
+    const std::string types =
+        R"("diffuse", "emitter", "mirror", "mix", "dielectric", "subsurface", "rough_conductor", "rough_dielectric")";
     const std::string fraction = "a number from 0 to 1";
     const std::string sigma = "a number from 0 to 1e18";
     expect_messages({
         {material_line, "3", "s.json: $.materials.m: found 3, allowed: an object"},
         {material_line, R"({"albedo": [1, 1, 1]})",
          "s.json: $.materials.m: found no key \"type\", allowed: it is required: diffuse, emitter, mirror, mix, "
-         "dielectric, subsurface, rough_conductor"},
+         "dielectric, subsurface, rough_conductor, rough_dielectric"},
         {"\"diffuse\"", "\"glossy\"", R"(s.json: $.materials.m.type: found "glossy", allowed: )" + types},
         {"\"diffuse\"", "null", "s.json: $.materials.m.type: found null, allowed: " + types},
         {material_line, R"({"type": "diffuse"})",
@@ -372,6 +386,12 @@ TEST(SceneJsonErrors, Materials) {
          "s.json: $.materials.m.roughness: found -0.1, allowed: " + fraction},
         {material_line, R"({"type": "rough_conductor", "reflectance": [1, 1, 1], "roughness": 0.1, "alpha": 1})",
          "s.json: $.materials.m: found unknown key \"alpha\", allowed: type, reflectance, roughness, emission"},
+        {material_line, R"({"type": "rough_dielectric", "ior": 1.5})",
+         "s.json: $.materials.m: found no key \"roughness\", allowed: it is required"},
+        {material_line, R"({"type": "rough_dielectric", "ior": 1.5, "roughness": 2})",
+         "s.json: $.materials.m.roughness: found 2, allowed: " + fraction},
+        {material_line, R"({"type": "rough_dielectric", "ior": 1.5, "roughness": 0.1, "emission": [1, 1, 1]})",
+         "s.json: $.materials.m: found unknown key \"emission\", allowed: type, ior, roughness, tint, sigma_a"},
         {material_line, R"({"type": "dielectric"})",
          "s.json: $.materials.m: found no key \"ior\", allowed: it is required"},
         {material_line, R"({"type": "dielectric", "ior": 0})",
@@ -470,8 +490,10 @@ TEST(SceneJsonErrors, QuadsNeedNoInside) {
     const std::string quad = replaced(good, "\"sphere\"", "\"quad\"");
     const std::string message =
         "s.json: $.objects[0].material: found \"m\", allowed: on a quad: diffuse, emitter, mirror, "
-        "rough_conductor or mix (dielectric and subsurface need a shape with an inside)";
+        "rough_conductor or mix (dielectric, rough_dielectric and subsurface need a shape with an inside)";
     EXPECT_EQ(error_of(replaced(quad, material_line, R"({"type": "dielectric", "ior": 1.5})")), message);
+    EXPECT_EQ(error_of(replaced(quad, material_line, R"({"type": "rough_dielectric", "ior": 1.5, "roughness": 0.1})")),
+              message);
     EXPECT_EQ(error_of(replaced(quad, material_line, R"({"type": "subsurface", "sigma_s": [1, 1, 1]})")), message);
     EXPECT_EQ(error_of(quad), "");
 }

@@ -632,7 +632,7 @@ TEST(VariantTest, FeatureNamesAreInTheOrderOfResults) {
     EXPECT_TRUE(feature_names(no_features).empty());
     EXPECT_EQ(feature_names(Feature::jitter | Feature::sphere), (std::vector<std::string>{"sphere", "jitter"}));
     const std::vector<std::string> all = feature_names(all_features);
-    EXPECT_EQ(all.size(), 24u);
+    EXPECT_EQ(all.size(), 25u);
     EXPECT_EQ(all.back(), "near_sphere");
     EXPECT_EQ(feature_names(samplers), (std::vector<std::string>{"philox", "sobol_owen", "minstd"}));
     EXPECT_EQ(std::set<std::string>(all.begin(), all.end()).size(), all.size());
@@ -683,6 +683,7 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApply) {
         {{{"direct_light", "nee_mis"}}, plain_features | Feature::diffuse, ""},
         {{{"direct_light", "nee"}}, plain_features | Feature::mix, ""},
         {{{"direct_light", "nee"}}, plain_features | Feature::rough_conductor, ""},
+        {{{"direct_light", "nee"}}, plain_features | Feature::rough_dielectric, ""},
         {{{"sampler", "minstd_by_position"}}, plain_features, ""},
         {{{"sampler", "minstd_by_position"}, {"integrator", "depth_first"}},
          plain_features,

@@ -12,7 +12,7 @@ inline Reason next_event_unsupported_reason(FeatureSet scene, const VariantTrait
     if ((scene & (Feature::emitter | Feature::emission)) == 0) {
         return {"needs_emitter", "needs an object that emits: an environment is not sampled"};
     }
-    if ((scene & ((Feature::diffuse | Feature::mix) | Feature::rough_conductor)) == 0) {
+    if ((scene & set_of(Feature::diffuse, Feature::mix, Feature::rough_conductor, Feature::rough_dielectric)) == 0) {
         return {"needs_diffuse", "needs a diffuse or rough surface to connect"};
     }
     return {};

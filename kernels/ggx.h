@@ -1,0 +1,116 @@
+// The facets of a rough surface as one direction sees them: the GGX distribution of normals (Walter et al. 2007),
+// Smith's masking, its height-correlated form where light stays on its side (Heitz, JCGT 3(2), 2014), sampled by the
+// normals that can be seen (Heitz, JCGT 7(4), 2018). With c the cosine of a direction, s its sine and q = sqrt(c^2 +
+// alpha^2 s^2), Smith's Lambda is (q - c) / (2 c), so
+//   density of the mirrored direction = D / (2 (co + qo)),
+//   share that is not masked on its way out = ci (co + qo) / (co qi + ci qo) above, 2 ci / (ci + qi) below the surface.
+#pragma once
+
+#include "kernels/mirror.h"
+
+namespace pt {
+
+// The least cosine that counts as above the surface: squares of it stay within single precision.
+template <class Real>
+inline constexpr Real least_cosine = Real(0x1p-40);
+
+// What a lobe sends in one direction.
+template <class Real>
+struct LobeValue {
+    Vec3<Real> weight;  // BSDF * cosine / density
+    Real pdf;           // density, by solid angle, with which the lobe draws the direction
+};
+
+template <class Real>
+struct LobeSample {
+    Vec3<Real> direction;
+    Real cosine;  // to the normal; 0: the light is lost, and the rest is not set
+    LobeValue<Real> value;
+};
+
+template <class Real>
+struct GgxFacet {
+    Vec3<Real> normal;
+    // In the space where the facets' ellipsoid is a sphere: along the surface's normal, and the square across it.
+    Real along, across;
+};
+
+// At one vertex. All vectors are unit.
+template <class Real>
+struct GgxFacets {
+    Vec3<Real> outgoing, normal;
+    Real alpha;      // 0: all facets lie in the surface
+    Real cosine, q;  // of `outgoing`
+
+    PT_HD GgxFacets(Real alpha_of, const Vec3<Real>& outgoing_to, const Vec3<Real>& normal_of)
+        : outgoing(outgoing_to),
+          normal(normal_of),
+          alpha(alpha_of),
+          cosine(max(dot(outgoing_to, normal_of), least_cosine<Real>)),
+          q(stretched(cosine)) {}
+
+    // Of narrower facets the density hangs on the rounding of directions, in single precision.
+    PT_HD bool are_wide() const { return alpha >= Real(0x1p-7); }
+
+    // Never below c, so that no share is above 1.
+    PT_HD Real stretched(Real c) const {
+        return max(square_root(c * c + alpha * alpha * ((Real(1) - c) * (Real(1) + c))), c);
+    }
+
+    PT_HD Real share_above(Real incoming_cosine) const {
+        const Real shared = incoming_cosine * q;
+        return (incoming_cosine * cosine + shared) / (stretched(incoming_cosine) * cosine + shared);
+    }
+
+    // `incoming_cosine` to the normal on the other side.
+    PT_HD Real share_below(Real incoming_cosine) const {
+        return Real(2) * incoming_cosine / (incoming_cosine + stretched(incoming_cosine));
+    }
+
+    PT_HD Real mirrored_pdf(Real distribution) const { return distribution / (Real(2) * (cosine + q)); }
+
+    // Towards the mirrored direction of a facet along a vector of any length, of which these are the part along the
+    // normal, the square of the rest and the square of all. Of wide facets.
+    PT_HD Real mirrored_pdf(Real along, Real across_squared, Real square) const {
+        const Real ratio = square / (alpha * alpha * (along * along) + across_squared);
+        return mirrored_pdf(alpha * alpha * (ratio * ratio) * (Real(1) / pi<Real>));
+    }
+
+    // The same of a facet that was drawn.
+    PT_HD Real mirrored_pdf(const GgxFacet<Real>& facet) const {
+        const Real stretch = facet.along * facet.along + alpha * alpha * facet.across;
+        return mirrored_pdf(stretch * stretch / (alpha * alpha) * (Real(1) / pi<Real>));
+    }
+
+    // In the space where the facets' ellipsoid is a sphere: a point of its disc that faces the viewer, and the normal
+    // there. x is along the viewer's azimuth.
+    PT_HD GgxFacet<Real> sample(Real u, Real v) const {
+        const Frame<Real> frame(normal);
+        const Real x = dot(outgoing, frame.tangent);
+        const Real y = dot(outgoing, frame.bitangent);
+        const Real sine_squared = x * x + y * y;
+        const bool is_upright = !(sine_squared > Real(1e-30));
+        const Real sine = is_upright ? Real(0) : square_root(sine_squared);
+        const Real turn_x = is_upright ? Real(1) : x / sine;
+        const Real turn_y = is_upright ? Real(0) : y / sine;
+        const Real view_z = cosine / q;
+        const Real view_x = alpha * sine / q;
+
+        const Vec2<Real> disc = concentric_disc(u, v);
+        const Real visible = Real(0.5) * (Real(1) + view_z);
+        const Real a = disc.x;
+        const Real b = (Real(1) - visible) * square_root(max(Real(0), Real(1) - a * a)) + visible * disc.y;
+        const Real c = square_root(max(Real(0), Real(1) - a * a - b * b));
+        const Real facet_x = c * view_x - b * view_z;
+        const Real facet_z = max(b * view_x + c * view_z, least_cosine<Real>);
+
+        // Back in the surface's space, as slopes: of a mirror they are 0, and the facet's normal is the surface's.
+        const Real scale = alpha / facet_z;
+        const Real slope_x = scale * (facet_x * turn_x - a * turn_y);
+        const Real slope_y = scale * (facet_x * turn_y + a * turn_x);
+        const Real length = Real(1) / square_root(Real(1) + slope_x * slope_x + slope_y * slope_y);
+        return {frame.to_world({slope_x * length, slope_y * length, length}), facet_z, facet_x * facet_x + a * a};
+    }
+};
+
+}  // namespace pt

@@ -1,0 +1,99 @@
+// Rough glass: boundaries of one kind under the GGX distribution of normals (kernels/ggx.h; Walter et al. 2007), each
+// reflecting and refracting as a smooth one does (kernels/dielectric.h). Radiance is not scaled by n^2 either.
+// With n = index ahead / index behind, c the cosine of incidence on the facet and q = n cos(theta_t), the facet is
+// along
+// +-(outgoing + n incoming), and a refracted direction is as dense as the facet's mirrored one times
+//   4 c n^2 cos(theta_t) / (q - c)^2 = 4 c n q (q + c)^2 / k^2.
+// Single scattering, and Smith's masking of both sides on their own where light is refracted (Walter et al., eq. 23).
+#pragma once
+
+#include "kernels/dielectric.h"
+#include "kernels/ggx.h"
+
+namespace pt {
+
+// At one vertex, seen from one direction. All vectors are unit.
+template <class ConfigT>
+struct RoughDielectric {
+    using Config = ConfigT;
+    using Real = typename Config::Real;
+    static constexpr bool transmits = true;
+
+    GgxFacets<Real> facets;
+    Boundary<Real> boundary;
+    Vec3<Real> tint;
+    std::uint32_t medium_beyond;
+
+    PT_HD RoughDielectric(const Material<Real>& material, const Vec3<Real>& outgoing, const Vertex<Real>& vertex)
+        : facets(material.alpha, outgoing, vertex.normal()),
+          boundary(vertex.inside ? material.leaving : material.entering),
+          tint(material.tint),
+          medium_beyond(medium_behind(vertex, material)) {}
+
+    // A narrower lobe is not connected to lights, as smooth glass is not. Indices that are nearly equal bend light less
+    // than facets are turned.
+    PT_HD bool is_connectable() const {
+        return facets.are_wide() && facets.alpha * absolute(boundary.k) >= Real(0x1p-7);
+    }
+
+    // Of a connectable lobe; `cosine` of the direction to the normal, not 0.
+    PT_HD LobeValue<Real> towards(const Vec3<Real>& incoming, Real cosine) const {
+        const bool passes = !(cosine > Real(0));
+        const Real index = passes ? boundary.relative_ior : Real(1);
+        const Real along = facets.cosine + index * cosine;
+        const Vec3<Real> across = facets.outgoing + incoming * index - facets.normal * along;
+        const Real across_squared = dot(across, across);
+        const Real square = along * along + across_squared;
+        const Real length = (along < Real(0) ? Real(-1) : Real(1)) * square_root(square);
+        // With the facet turned to the side of the normal.
+        const Real between = dot(facets.outgoing, incoming);
+        const Real facet_cosine = passes ? (Real(1) + index * between) / length : Real(0.5) * length;
+        const Real beyond = (between + index) / length;
+        if (!(facet_cosine > Real(0)) || (passes && !(beyond < Real(0)))) {
+            return {Vec3<Real>(Real(0)), Real(0)};
+        }
+        const Refraction<Real> refraction = fresnel<Config>(boundary, min(facet_cosine, Real(1)));
+        return value(passes, absolute(cosine), min(facet_cosine, Real(1)), refraction,
+                     facets.mirrored_pdf(along, across_squared, square));
+    }
+
+    // `lobe` picks reflection or refraction in proportion to their energy. The cosine of the direction is below 0 where
+    // it is refracted.
+    PT_HD LobeSample<Real> sample(Real lobe, Real u, Real v) const {
+        const GgxFacet<Real> facet = facets.sample(u, v);
+        const Vec3<Real> direction = -facets.outgoing;
+        const Real facet_cosine = cosine_of_incidence(direction, facet.normal);
+        const Refraction<Real> refraction = fresnel<Config>(boundary, facet_cosine);
+        const bool passes = !(lobe < refraction.reflectance);
+        LobeSample<Real> sample{passes ? refract(boundary, direction, facet.normal, facet_cosine, refraction.q)
+                                       : reflect(direction, facet.normal),
+                                Real(0),
+                                {Vec3<Real>(Real(0)), Real(0)}};
+        const Real cosine = dot(sample.direction, facets.normal);
+        if (!((passes ? -cosine : cosine) > least_cosine<Real>)) {
+            return sample;
+        }
+        sample.cosine = cosine;
+        sample.value = value(passes, absolute(cosine), facet_cosine, refraction,
+                             is_connectable() ? facets.mirrored_pdf(facet) : Real(0));
+        return sample;
+    }
+
+private:
+    // Of the direction by a facet whose mirrored one has the density `mirrored`.
+    PT_HD LobeValue<Real> value(bool passes, Real cosine, Real facet_cosine, const Refraction<Real>& refraction,
+                                Real mirrored) const {
+        if (!passes) {
+            return {Vec3<Real>(facets.share_above(cosine)), mirrored * refraction.reflectance};
+        }
+        const Vec3<Real> weight = tint * facets.share_below(cosine);
+        if (!(mirrored > Real(0))) {
+            return {weight, Real(0)};
+        }
+        const Real sum = (refraction.q + facet_cosine) / boundary.k;
+        const Real spread = Real(4) * facet_cosine * boundary.relative_ior * refraction.q * (sum * sum);
+        return {weight, mirrored * ((Real(1) - refraction.reflectance) * spread)};
+    }
+};
+
+}  // namespace pt
