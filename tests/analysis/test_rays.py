@@ -348,7 +348,7 @@ def test_the_page_of_meshes_takes_what_is_there(tmp_path):
     assert [one for one in headings[1] if one not in headings[0]] == ["Traversals"]
     assert "Not measured yet" in without
     assert "ot measured yet" not in text
-    assert "| mesh | rays | `bvh2` | `bvh4` | `bvh8` | `cwbvh` |" in text
+    assert "| mesh | builder | rays | `bvh2` | `bvh4` | `bvh8` | `cwbvh` |" in text
     assert re.search(r"^\| meshes, NVIDIA H200 \| 60 \| 1\.00 \[", text, re.MULTILINE)
     assert "of `bvh2`, `bvh4` and `bvh8`: 1.000 to 1.000" in text
     for one in (without, text, now):
