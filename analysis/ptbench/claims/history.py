@@ -6,12 +6,11 @@ claim's part that counts nor its suite's studies were another.
 
 from __future__ import annotations
 
-import subprocess
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
-from pathlib import Path
 
 from ptbench.claims.claim import Claim, Ledger, prediction_in
+from ptbench.git import git
 
 TEST, BY_DATE, LOOK_UP, UNCOMMITTED, UNKNOWN = "test", "test by dates", "look-up", "not committed", "unknown"
 
@@ -65,16 +64,16 @@ def _minute(date: str) -> str:
 
 def order_of(ledger: Ledger, claim: Claim, measured: Measured) -> Order:
     """Which of the two came first; UNKNOWN where there is no git or not all of its history."""
-    if _git(ledger.root, "rev-parse", "--is-shallow-repository") != "false":
+    if git(ledger.root, "rev-parse", "--is-shallow-repository") != "false":
         return Order(UNKNOWN)
     predicted = prediction_commit(ledger, claim)
     if predicted is None:
         return Order(UNCOMMITTED)
-    on = _git(ledger.root, "show", "-s", "--format=%cI", predicted) or ""
+    on = git(ledger.root, "show", "-s", "--format=%cI", predicted) or ""
     facts = (predicted, _utc(on), measured.commit, _utc(measured.on))
     if not on or _time(measured.on) <= _time(on):
         return Order(LOOK_UP, *facts)
-    known = _git(ledger.root, "merge-base", "--is-ancestor", predicted, measured.commit) is not None
+    known = git(ledger.root, "merge-base", "--is-ancestor", predicted, measured.commit) is not None
     return Order(TEST if known else BY_DATE, *facts)
 
 
@@ -85,8 +84,8 @@ def prediction_commit(ledger: Ledger, claim: Claim) -> str | None:
         paths.append(f"claims/suites/{claim.experiment.suite}.json")
     here = prediction_in(*_texts([(ledger.root / path).read_text(encoding="utf-8") for path in paths]))
     found = None
-    for commit in (_git(ledger.root, "log", "--format=%H", "--", *paths) or "").split():
-        texts = [_git(ledger.root, "show", f"{commit}:{path}") or "" for path in paths]
+    for commit in (git(ledger.root, "log", "--format=%H", "--", *paths) or "").split():
+        texts = [git(ledger.root, "show", f"{commit}:{path}") or "" for path in paths]
         if not here or prediction_in(*_texts(texts)) != here:
             break
         found = commit
@@ -103,12 +102,3 @@ def _time(date: str) -> datetime:
 
 def _utc(date: str) -> str:
     return _time(date).astimezone(UTC).strftime("%Y-%m-%dT%H:%M:%SZ") if date else ""
-
-
-def _git(root: Path, *arguments: str) -> str | None:
-    """What git says; None where it fails or is not there."""
-    try:
-        answer = subprocess.run(["git", "-C", str(root), *arguments], capture_output=True, text=True, check=False)
-    except OSError:
-        return None
-    return answer.stdout.strip() if answer.returncode == 0 else None

@@ -9,7 +9,6 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import subprocess
 import sys
 from dataclasses import replace
 from datetime import datetime
@@ -27,6 +26,7 @@ from ptbench.crosscheck.renders import (
     mitsuba_version,
     render_here,
     render_there,
+    run_program,
     scene_names,
 )
 from ptbench.crosscheck.statistics import compare
@@ -104,10 +104,7 @@ def _wanted(checked: Checked, most: int) -> int:
 
 def _context(settings: Settings, peer: dict) -> dict:
     binary = str(settings.binary.resolve())
-    said = [
-        subprocess.run([binary, *words], capture_output=True, text=True, check=False).stdout.strip()
-        for words in (("--version",), ("machine",))
-    ]
+    said = [run_program([binary, word]).stdout.strip() for word in ("--version", "machine")]
     return {
         "date": datetime.now().astimezone().strftime("%Y-%m-%dT%H:%M:%S%z"),
         "ptbench.version": said[0],

@@ -60,7 +60,8 @@ class Images:
     about: dict
 
 
-def _run(command: list[str], text: str = "") -> subprocess.CompletedProcess:
+def run_program(command: list[str], text: str = "") -> subprocess.CompletedProcess:
+    """What it wrote, and its exit code; raises InputError where it does not run."""
     try:
         return subprocess.run(command, input=text, capture_output=True, text=True, errors="replace", check=False)
     except OSError as error:
@@ -80,7 +81,7 @@ def check_binary(binary: Path) -> None:
 
 def scene_names(binary: Path) -> list[str]:
     """The shipped scenes."""
-    return _run([str(binary.resolve()), "list", "--names", "scenes"]).stdout.split()
+    return run_program([str(binary.resolve()), "list", "--names", "scenes"]).stdout.split()
 
 
 def mitsuba_version(settings: Settings) -> dict:
@@ -90,7 +91,7 @@ def mitsuba_version(settings: Settings) -> dict:
 
 def _worker(settings: Settings, job: dict) -> dict:
     worker = package_file("crosscheck", "mitsuba_worker.py")
-    done = _run([str(settings.python), str(worker)], json.dumps({"variant": settings.variant, **job}))
+    done = run_program([str(settings.python), str(worker)], json.dumps({"variant": settings.variant, **job}))
     if done.returncode == MISSING:
         where = f"{settings.python} -m pip install {WHEEL}"
         raise InputError(f"Mitsuba 3 is not installed ({_said(done)[-1]}): {where}, or --python of one that has it")
@@ -105,7 +106,7 @@ def export(scene: str, settings: Settings, folder: Path) -> Path:
     command = [str(settings.binary.resolve()), "export", scene, "--format", "mitsuba", "--out", str(target)]
     command += ["--resolution", settings.size, "--spp", str(settings.spp), "--scale", repr(settings.scale)]
     command += [] if settings.depth is None else ["--depth", str(settings.depth)]
-    done = _run(command)
+    done = run_program(command)
     if done.returncode != 0:
         lines = [line.removeprefix("ptbench: ").removeprefix(f"{scene}: ") for line in _said(done)]
         raise CannotExport([line for line in lines if not line.endswith("; nothing is written")] or lines)
@@ -124,7 +125,7 @@ def render_here(scene: str, settings: Settings, folder: Path, *, has_meshes: boo
     images, about, seconds = [], {}, 0.0
     while len(images) < settings.seeds:
         chosen = [word for axis in axes for word in ("--axis", axis)]
-        done = _run([*command, *chosen, "--seed", str(settings.first_seed + len(images))])
+        done = run_program([*command, *chosen, "--seed", str(settings.first_seed + len(images))])
         if done.returncode != 0 and not settings.axes and _DIRECT_LIGHT in axes and "n/a: " in done.stderr:
             axes = trees
             continue

@@ -16,7 +16,6 @@ from __future__ import annotations
 import json
 import math
 import re
-import subprocess
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -31,6 +30,7 @@ from ptbench.findings.quantities import span
 from ptbench.findings.rays import RaysFolder
 from ptbench.findings.records import Inspection, Record, StabilitySource, Transcript
 from ptbench.findings.source import Source
+from ptbench.git import git
 from ptbench.io.nodes import read_json
 from ptbench.io.stability import is_stability
 from ptbench.stats.estimates import CONFIDENCE, FASTER, SAME, SLOWER, THRESHOLD, UNSURE
@@ -156,9 +156,5 @@ def too_old(page: Page, results: Path, repository: Path) -> list[str]:
 
 def commits_since(repository: Path, commit: str) -> int | None:
     """Commits to kernels/ and variants/ since `commit`; None where git or the commit is not there."""
-    command = ["git", "-C", str(repository), "rev-list", "--count", f"{commit}..HEAD", "--", "kernels", "variants"]
-    try:
-        answer = subprocess.run(command, capture_output=True, text=True, check=False)
-    except OSError:
-        return None
-    return int(answer.stdout) if answer.returncode == 0 else None
+    count = git(repository, "rev-list", "--count", f"{commit}..HEAD", "--", "kernels", "variants")
+    return None if count is None else int(count)
