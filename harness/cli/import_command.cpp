@@ -5,7 +5,7 @@
 #include "harness/bench/kept_result.h"
 #include "harness/cli/commands.h"
 #include "harness/json_reader.h"
-#include "harness/scene/import_cis565.h"
+#include "harness/scene/import_scene.h"
 #include "harness/write_file.h"
 
 namespace pt {
@@ -51,8 +51,10 @@ int refuse_import(const ImportResult& result, const ImportArguments& arguments) 
 
 int import_file(const ImportArguments& arguments) {
     check_import_arguments(arguments);
-    const std::string text = read_file(arguments.file, largest_import);
-    const ImportResult result = import_cis565_scene(text, arguments.file, arguments.name);
+    const ImportResult result = import_scene({.text = read_file(arguments.file, largest_import),
+                                              .file = arguments.file,
+                                              .out = arguments.out,
+                                              .name = arguments.name});
     print_findings(result.problems, arguments.file, "");
     const bool is_scene = result.problems.count() == 0;
     if (is_scene || arguments.strict) {  // what a file without its problems would be warned of, nobody knows yet

@@ -28,19 +28,10 @@
 
 #include <string>
 
-#include "harness/scene/import_findings.h"
+#include "harness/scene/import_result.h"
 #include "harness/scene/scene.h"
 
 namespace pt {
-
-struct ImportResult {
-    std::string json;  // the scene file's text; empty where there are problems
-    ImportFindings problems, warnings, notes;
-    std::size_t objects = 0, materials = 0;
-};
-
-// Texts beyond this size are not read, in bytes: it holds 10^5 objects.
-inline constexpr std::size_t largest_import = std::size_t{16} << 20;
 
 // Problems are all that the format does not know, and all that it knows but scene files do not allow. `file` is for the
 // description; a `name` that is not empty becomes the scene's, and FILE may say what it likes.

@@ -1,0 +1,27 @@
+// What every importer of a foreign scene is given, and what it gives back: a scene file, or all that is in its way.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "harness/scene/import_findings.h"
+
+namespace pt {
+
+struct ImportSource {
+    std::string text;  // of the file, whole
+    std::string file;  // its name: what it names is looked for near it
+    std::string out;   // the scene file to be written; empty: none is, and names of meshes are relative to `file`
+    std::string name;  // of the scene; empty: what the file says
+};
+
+struct ImportResult {
+    std::string json;  // the scene file's text; empty where there are problems
+    ImportFindings problems, warnings, notes;
+    std::size_t objects = 0, materials = 0;
+};
+
+// Texts beyond this size are not read, in bytes: it holds 10^5 objects.
+inline constexpr std::size_t largest_import = std::size_t{16} << 20;
+
+}  // namespace pt

@@ -1,0 +1,51 @@
+#include "harness/scene/import_scene.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+#include "harness/scene/import_cis565.h"
+
+namespace pt {
+
+namespace {
+
+bool is_any_text(const std::string&) { return true; }
+
+ImportResult import_cis565(const ImportSource& source) {
+    return import_cis565_scene(source.text, source.file, source.name);
+}
+
+std::string ending_of(const std::string& file) {
+    std::string ending = std::filesystem::path(file).extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return ending;
+}
+
+}  // namespace
+
+// A further format is a line here, before the last.
+const std::vector<ImportFormat>& import_formats() {
+    static const std::vector<ImportFormat> formats{
+        {"CIS 565 text", {".txt"}, is_any_text, import_cis565},
+    };
+    return formats;
+}
+
+const ImportFormat& import_format_of(const ImportSource& source) {
+    const std::vector<ImportFormat>& formats = import_formats();
+    const std::string ending = ending_of(source.file);
+    const auto named = std::find_if(formats.begin(), formats.end(), [&](const ImportFormat& format) {
+        return std::find(format.endings.begin(), format.endings.end(), ending) != format.endings.end();
+    });
+    if (named != formats.end()) {
+        return *named;
+    }
+    return *std::find_if(formats.begin(), formats.end(),
+                         [&](const ImportFormat& format) { return format.is_like(source.text); });
+}
+
+ImportResult import_scene(const ImportSource& source) { return import_format_of(source).import(source); }
+
+}  // namespace pt
