@@ -15,7 +15,7 @@ namespace pt {
 
 namespace {
 
-constexpr const char* origin = "[0, 0, 0]";
+constexpr const char* zero_vector = "[0, 0, 0]";
 
 bool is_scene_name(const std::string& word) {
     const Json json(word);
@@ -188,7 +188,7 @@ ScenePart SceneImporter::object(std::size_t index) {
         if (value && *value != Vec3d(neutral)) {
             const bool is_uniform = key == "scale" && value->x == value->y && value->y == value->z;
             object.add(key, is_uniform ? json_of(value->x) : json_of(*value), reader.line(line),
-                       key == "scale" ? "1" : origin);
+                       key == "scale" ? "1" : zero_vector);
         }
     };
     add("translate", reader.required_vector("TRANS"), 0, "TRANS");
