@@ -47,7 +47,7 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(
         dest="command",
         required=True,
-        metavar="plots|report|compare|crosscheck|explain|findings|claims|gallery|validate",
+        metavar="plots|report|compare|crosscheck|explain|findings|claims|advise|gallery|validate",
     )
     plots = commands.add_parser("plots", help="every study's figure and summary.md, from a result file alone")
     plots.add_argument("result", type=Path, metavar="RESULT.json", help="or a folder of files of `ptbench rays`")
@@ -73,6 +73,7 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
     findings.add_argument("--check", action="store_true", help="write nothing; exit code 1 where a page does not match")
     findings.add_argument("--root", type=Path, default=Path(), metavar="DIR", help="the checkout (default: here)")
     _add_claims(commands)
+    _add_advise(commands)
     gallery = commands.add_parser("gallery", help="render the picture pairs of a gallery file into one labelled sheet")
     gallery.add_argument("--binary", type=Path, required=True, metavar="PTBENCH")
     gallery.add_argument("--spec", type=Path, default=package_file("gallery.json"), metavar="GALLERY.json")
@@ -111,6 +112,23 @@ def _add_claims(commands: argparse._SubParsersAction) -> None:
     claims.add_argument("--write", action="store_true", help="write docs/claims and its verdicts")
     claims.add_argument("--check", action="store_true", help="exit code 1 where a page of docs/claims does not match")
     claims.add_argument("--root", type=Path, default=Path(), metavar="DIR", help="the checkout (default: here)")
+
+
+def _add_advise(commands: argparse._SubParsersAction) -> None:
+    advise = commands.add_parser(
+        "advise", help="which choices to take for a scene, what each is expected to bring, and from which measurements"
+    )
+    advise.add_argument("scene", metavar="SCENE", help="a scene's file, or its name in scenes/")
+    machine = advise.add_mutually_exclusive_group()
+    machine.add_argument("--gpu", metavar="MODEL", help="a GPU of results/, such as h200 (default: this machine)")
+    machine.add_argument("--cpu", action="store_true", help="ask what was measured on CPUs")
+    advise.add_argument("--depth", type=_positive, metavar="N", help="default: the scene's")
+    advise.add_argument("--resolution", type=_resolution, metavar="WxH", help="default: the scene's")
+    advise.add_argument("--measure", action="store_true", help="run the advised choices and the next ones here")
+    advise.add_argument("--spp", type=_positive, default=4, metavar="N", help="of --measure, a sample (default: 4)")
+    advise.add_argument("--results", type=Path, metavar="DIR", help="ask these instead (default: the checkout's)")
+    advise.add_argument("--binary", type=Path, metavar="PTBENCH", help="default: build/ptbench")
+    advise.add_argument("--root", type=Path, default=Path(), metavar="DIR", help="the checkout (default: here)")
 
 
 def main(arguments: list[str] | None = None, program: str = "") -> int:
@@ -153,6 +171,20 @@ def _claims(options: argparse.Namespace, program: str) -> int:
         return 2
 
 
+def _advise(options: argparse.Namespace, program: str) -> int:
+    from ptbench.advise.command import Call, advise
+
+    call = Call(
+        options.scene, options.gpu, options.cpu, options.measure, options.depth, options.resolution, options.spp,
+        options.root, options.results, options.binary,
+    )  # fmt: skip
+    try:
+        return advise(call)
+    except InputError as error:
+        print(f"{program}: {error}", file=sys.stderr)
+        return 2
+
+
 def _main(arguments: list[str], program: str) -> int:
     options = parser_of(program).parse_args(arguments)
     if options.command == "validate":
@@ -163,6 +195,8 @@ def _main(arguments: list[str], program: str) -> int:
         return _findings(options, program)
     if options.command == "claims":
         return _claims(options, program)
+    if options.command == "advise":
+        return _advise(options, program)
     # Drawing libraries take a moment to load; a wrong call should not wait for them.
     from ptbench.compare.command import compare_command
     from ptbench.explain.command import explain

@@ -1,0 +1,280 @@
+"""What committed results say of each choice: its time over a reference's, or its cost at equal error, scene by scene."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from ptbench.advise.features import OF_ERROR, OF_TIME, Content, Features, content_of, features_of, scene_files
+from ptbench.convergence.assessment import Assessment, assess
+from ptbench.convergence.efficiency import compare, place_of
+from ptbench.errors import InputError
+from ptbench.io.cells import Cell, Result
+from ptbench.io.nodes import read_json
+from ptbench.io.results import result_of
+from ptbench.stats.estimates import Estimate, ratio_estimate
+from ptbench.stats.intervals import bootstrap_interval, resampled
+from ptbench.studies.rows import is_contended
+from ptbench.studies.withdrawn import between
+
+# A choice: what it has that the reference has not, as (axis or tunable, value).
+Choice = tuple[tuple[str, str], ...]
+
+
+# What a ratio is of: time, variance times time, or variance alone, where verdicts on the time are withdrawn.
+TIME, WORK, VARIANCE = "time", "time to equal error", "variance at equal samples"
+
+
+@dataclass(frozen=True)
+class Decision:
+    """One thing to decide: the axes that it sets, and the choice that all others are held against."""
+
+    name: str
+    reference: Mapping[str, str]
+    only: Mapping[str, str]  # what a cell must have to be asked; empty: anything
+    statistic: str = TIME
+    of_meshes: bool = False  # nothing to decide without triangles
+
+    @property
+    def of_error(self) -> bool:
+        """Whether it asks cells that have an error curve."""
+        return self.statistic != TIME
+
+    @property
+    def features(self) -> tuple[str, ...]:
+        """What the choice is expected to hang on."""
+        return OF_ERROR if self.of_error else OF_TIME
+
+
+SCHEDULE = "scheduler"
+_QUEUE = {"compaction": "none", "sorting": "none", "sort_key": "material"}
+DECISIONS = (
+    Decision(SCHEDULE, {"integrator": "wavefront", **_QUEUE, "layout": "aos", "launch": "stream"}, {}),
+    Decision("compaction of a queue", {"compaction": "none"}, {"integrator": "wavefront", "sorting": "none"}),
+    Decision("sorting of a queue", {"sorting": "none", "sort_key": "material"}, {"integrator": "wavefront"}),
+    Decision("accelerator", {"accelerator": "bvh2"}, {}, of_meshes=True),
+    Decision("builder", {"builder": "sah_binned"}, {}, of_meshes=True),
+    Decision("direct light", {"direct_light": "off"}, {}, VARIANCE),
+    Decision("sampler", {"sampler": "pcg4d"}, {}, WORK),
+    Decision("russian roulette", {"russian_roulette": "off"}, {}, WORK),
+)
+# Without an axis, a file's cells had this.
+_MEANT = {"accelerator": "brute_force", "launch": "stream", "sort_key": "material", "sampler": "pcg4d",
+          "russian_roulette": "off"}  # fmt: skip
+# A cost that was put into the shading on purpose: another scene, so to speak.
+BIASED = "biased"
+_INJECTED = "shading_fmas"
+_OF_A_COMMIT = re.compile(r"_[0-9a-f]{7}\.json(\.gz)?$")
+
+
+def choice_text(choice: Choice, decision: Decision) -> str:
+    """ "integrator=persistent block=64", as `--axis` and `--tune` take it; what is not told is as in the reference."""
+    named = dict(choice)
+    first = next(iter(decision.reference))
+    shown = {first: named.get(first, decision.reference[first]), **named}
+    return " ".join(f"{name}={value}" for name, value in shown.items())
+
+
+@dataclass(frozen=True)
+class Point:
+    """One ratio that was measured: of a choice over its decision's reference, all else equal."""
+
+    choice: Choice
+    ratio: Estimate
+    features: Features
+    scene: str
+    setting: str  # depth and size of the image
+    file: str
+    rest: tuple  # what the choice and its reference have in common
+    by_way_of: str = ""  # the choice that it was measured against instead, where the reference was not run beside it
+
+    @property
+    def log_ratio(self) -> float:
+        """Of base e."""
+        return math.log(self.ratio.value)
+
+    @cached_property
+    def context(self) -> dict[str, str]:
+        """The other axes, and how they were."""
+        return dict(self.rest[3])
+
+    @property
+    def family(self) -> str:
+        """Scenes that are one but for the pixels' jitter are left out together."""
+        return self.scene.removesuffix("_unjittered")
+
+
+@dataclass(frozen=True)
+class Book:
+    """All that one machine's results say."""
+
+    machine: str
+    device: str
+    backend: str
+    points: Mapping[str, tuple[Point, ...]]  # by decision
+    baselines: Mapping[str, str]  # by axis, of the newest file that names them
+    without: tuple[str, ...]  # scenes that were measured and whose files are not there any more
+
+
+def result_files(machine: Path) -> list[Path]:
+    """Files of a machine's folder, those that a commit's name marks as history aside."""
+    found = [*machine.glob("*.json"), *machine.glob("*.json.gz"), *machine.glob("claims/*.json*")]
+    return sorted(path for path in found if not _OF_A_COMMIT.search(path.name))
+
+
+def results_of(machine: Path) -> Iterator[tuple[str, Result]]:
+    """Every result of `ptbench run` of a machine's folder, by its name from the folder of results on."""
+    for path in result_files(machine):
+        root = read_json(path)
+        if isinstance(root.value, dict) and {"benchmarks", "ptbench"} <= root.value.keys():
+            yield path.relative_to(machine.parent).as_posix(), result_of(root)
+
+
+def read_book(root: Path, results: Path, machine: str, backend: str) -> Book:
+    """What the results of a machine say of one backend; raises InputError where there is nothing."""
+    files = scene_files(root / "scenes")
+    contents: dict[str, Content] = {}
+    points: dict[str, dict[tuple, tuple[str, Point]]] = {decision.name: {} for decision in DECISIONS}
+    orphans: list[tuple[list[Cell], str]] = []
+    without, device, baselines = set(), machine, ("", {})
+    for file, result in results_of(results / machine):
+        cells = [cell for cell in result.cells if cell.backend == backend and cell.measured]
+        if not cells:
+            continue
+        device = result.about("cuda_device" if backend == "cuda" else "cpu_model")
+        baselines = max(baselines, (result.context["date"] if result.baselines else "", result.baselines), key=_date)
+        for scene in {cell.scene for cell in cells} - contents.keys() - without:
+            if scene in files:
+                contents[scene] = content_of(files[scene])
+            else:
+                without.add(scene)
+        known = [cell for cell in cells if cell.scene in contents]
+        for decision in DECISIONS:
+            kept = points[decision.name]
+            for group in _groups(decision, known):
+                if decision.name == SCHEDULE and not any(not _choice(cell, decision) for cell in group):
+                    orphans.append((group, file))
+                for point in _points(decision, result, group, contents, file):
+                    key = (point.choice, *point.rest)
+                    if key not in kept or kept[key][0] <= result.context["date"]:  # the newest of equal cells
+                        kept[key] = (result.context["date"], point)
+    if not any(points.values()):
+        raise InputError(f"{results / machine}: found no ratio of two choices on {backend}, allowed: a folder with one")
+    listed = {name: tuple(point for _, point in kept.values()) for name, kept in points.items()}
+    chained = [point for group, file in orphans for point in _chained(group, listed[SCHEDULE], contents, file)]
+    listed[SCHEDULE] += tuple(chained)
+    return Book(machine, device, backend, listed, baselines[1], tuple(sorted(without)))
+
+
+def _date(dated: tuple[str, object]) -> str:
+    return dated[0]
+
+
+def _groups(decision: Decision, cells: Iterable[Cell]) -> list[list[Cell]]:
+    """Cells that differ in what the decision sets only."""
+    groups: dict[tuple, list[Cell]] = {}
+    for cell in cells:
+        if (cell.convergence is not None) == decision.of_error and _may_be_asked(cell, decision):
+            groups.setdefault(_rest(cell, decision), []).append(cell)
+    return list(groups.values())
+
+
+def _points(
+    decision: Decision, result: Result, group: Sequence[Cell], contents: Mapping[str, Content], file: str
+) -> Iterator[Point]:
+    assessed = assess(result) if decision.of_error else {}
+    bases = [cell for cell in group if not _choice(cell, decision)]
+    for cell in group if bases else ():
+        choice = _choice(cell, decision)
+        base = min(bases, key=lambda one: one.spp != cell.spp)  # noqa: B023
+        if not choice or (decision.statistic != VARIANCE and between(cell, base)):
+            continue
+        ratio = _ratio(decision.statistic, assessed, cell, base)
+        features = features_of(base, contents[cell.scene])
+        if ratio is not None and ratio.value > 0 and features is not None:
+            yield Point(choice, ratio, features, cell.scene, _setting(base), file, _rest(cell, decision))
+
+
+def _chained(
+    group: Sequence[Cell], points: Sequence[Point], contents: Mapping[str, Content], file: str
+) -> Iterator[Point]:
+    """Of a group without the reference: over a choice that was held against it elsewhere, in this scene and depth."""
+    decision = DECISIONS[0]
+    against: dict[Choice, list[float]] = {}
+    for point in points:
+        if (point.scene, point.features.depth) == (group[0].scene, group[0].depth):
+            against.setdefault(point.choice, []).append(point.log_ratio)
+    anchors = [cell for cell in group if _choice(cell, decision) in against]
+    if not anchors:
+        return
+    anchor = min(anchors, key=lambda cell: len(_choice(cell, decision)))
+    logs = against[_choice(anchor, decision)]
+    factor = math.exp(sum(logs) / len(logs))
+    for cell in group:
+        features = features_of(cell, contents[cell.scene])
+        if cell is anchor or features is None or between(cell, anchor):
+            continue
+        ratio = ratio_estimate(cell.ms_per_spp, anchor.ms_per_spp)
+        low, high = (None if end is None else factor * end for end in (ratio.low, ratio.high))
+        scaled = Estimate(factor * ratio.value, low, high, ratio.n)
+        way = choice_text(_choice(anchor, decision), decision)
+        rest = _rest(cell, decision)
+        yield Point(_choice(cell, decision), scaled, features, cell.scene, _setting(cell), file, rest, way)
+
+
+def _setting(cell: Cell) -> str:
+    return f"depth {cell.depth}, {cell.resolution_text}"
+
+
+def _may_be_asked(cell: Cell, decision: Decision) -> bool:
+    if is_contended(cell) or _INJECTED in cell.tuned or (decision.of_meshes and cell.meshes is None):
+        return False
+    return all(cell.axes.get(axis) == choice for axis, choice in decision.only.items())
+
+
+def _rest(cell: Cell, decision: Decision) -> tuple:
+    """What a choice and its reference have in common. A scheduler's tunables are part of the choice, others' are not."""
+    axes = tuple(sorted((axis, choice) for axis, choice in cell.axes.items() if axis not in decision.reference))
+    tuned = () if decision.name == SCHEDULE else tuple(sorted(cell.tuned.items()))
+    depth = cell.depth if cell.convergence is None else place_of(cell).depth
+    return cell.scene, depth, cell.resolution, axes, tuned
+
+
+def _choice(cell: Cell, decision: Decision) -> Choice:
+    axes = [(axis, cell.axes.get(axis, _MEANT.get(axis, usual))) for axis, usual in decision.reference.items()]
+    differing = [(axis, choice) for axis, choice in axes if choice != decision.reference[axis]]
+    return tuple(differing) + (tuple(sorted(cell.tuned.items())) if decision.name == SCHEDULE else ())
+
+
+def _ratio(statistic: str, assessed: Mapping[str, Assessment], cell: Cell, base: Cell) -> Estimate | None:
+    """Below 1 is better, whatever it is of."""
+    if statistic == TIME:
+        return ratio_estimate(cell.ms_per_spp, base.ms_per_spp)
+    if cell.name not in assessed or base.name not in assessed or cell.claim == BIASED:
+        return None
+    ours, theirs = assessed[cell.name], assessed[base.name]
+    if statistic == WORK:
+        return _work(ours, theirs)
+    if ours.fit is None or theirs.fit is None:
+        return None
+    own, other = ours.fit.sigma2_of_seeds, theirs.fit.sigma2_of_seeds
+    if len(own) != len(other) or min(own.mean(), other.mean()) <= 0:
+        return None
+    rows = resampled(len(own))
+    return bootstrap_interval(
+        float(own.mean() / other.mean()), own[rows].mean(axis=1) / other[rows].mean(axis=1), len(own)
+    )
+
+
+def _work(ours: Assessment, theirs: Assessment) -> Estimate | None:
+    compared = compare(ours, theirs)
+    efficiency = None if compared is None else compared.efficiency
+    if efficiency is None or efficiency.value <= 0:
+        return None
+    low = None if efficiency.high is None else 1 / efficiency.high
+    high = None if not efficiency.low or efficiency.low <= 0 else 1 / efficiency.low
+    return Estimate(1 / efficiency.value, low, high, efficiency.n)

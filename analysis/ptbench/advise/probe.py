@@ -1,0 +1,71 @@
+"""What a user's scene is like: its file, and a render of few pixels that counts paths. No time of it is used."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from ptbench.advise.features import Features, content_of, features_of, scene_files
+from ptbench.errors import InputError, bad_value
+from ptbench.program import Program
+
+_PIXELS = 4096  # of the probe: counts within a few per cent
+# Whatever a scene needs is there for a path at a time; trees, as rays without them take minutes over meshes.
+_INTEGRATOR = {"integrator": "depth_first"}
+_TREES = {"accelerator": "bvh2", "levels": "two_level"}
+MESH = "mesh"
+# Axes whose choices a scene itself may forbid; what else does not apply hangs on the other choices of a call.
+_OF_SCENES = ("integrator", "direct_light", "russian_roulette", "sampler")
+
+
+@dataclass(frozen=True)
+class Probed:
+    """A scene as the advice sees it, and what does not apply to it."""
+
+    name: str
+    scene: str  # as the program is to be told
+    features: Features
+    resolution: tuple[int, int]
+    barred: frozenset[tuple[str, str]]
+
+    @property
+    def has_mesh(self) -> bool:
+        """Whether there is a tree to choose."""
+        return self.features.triangles > 0
+
+
+def file_of(scene: str, root: Path) -> Path:
+    """The file of a scene that is given by its path or by its name in the checkout; raises InputError."""
+    if scene.endswith(".json"):
+        return Path(scene)
+    known = scene_files(root / "scenes")
+    if Path(scene).name not in known:
+        raise bad_value("SCENE", "name", f'"{scene}"', "a file that ends in .json, or a name in scenes/")
+    return known[Path(scene).name]
+
+
+def probe(
+    program: Program, scene: Path, backend: str, depth: int | None = None, resolution: tuple[int, int] | None = None
+) -> Probed:
+    """Asks the program; raises InputError where it refuses the scene."""
+    about = program.scene(str(scene))
+    width, height = resolution or tuple(about["resolution"])
+    scale = math.sqrt(_PIXELS / (width * height))
+    axes = {**_INTEGRATOR, **(_TREES if MESH in about["features"] else {})}
+    study = {
+        "name": "probe", "scenes": [str(scene.resolve())], "axes": {axis: [choice] for axis, choice in axes.items()},
+        "resolution": [max(1, round(width * scale)), max(1, round(height * scale))],
+        "depth": depth or about["max_depth"], "spp": 1,
+    }  # fmt: skip
+    with tempfile.TemporaryDirectory(prefix="ptbench-probe-") as folder:
+        suite = {"name": "probe", "description": "What a scene's paths are like.", "repetitions": 1, "studies": [study]}
+        cells = program.measure(suite, Path(folder), "cpu").cells
+    features = features_of(cells[0], content_of(scene)) if cells and not cells[0].failed else None
+    if features is None:
+        reason = cells[0].failure if cells else "it does not apply"
+        raise InputError(f"{scene}: the probe found no paths: {reason}")
+    refused = about["not_applicable_on"].get(backend, {})
+    barred = frozenset(tuple(named.split("=", 1)) for named in refused if named.partition("=")[0] in _OF_SCENES)
+    return Probed(about["name"], str(scene.resolve()), replace(features, pixels=width * height), (width, height), barred)
