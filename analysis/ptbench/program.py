@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import subprocess
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -57,7 +56,7 @@ class Program:
     def _shown(self, arguments: Sequence[object]) -> int:
         self._check()
         command = [str(self.binary), *map(str, arguments)]
-        return subprocess.run(command, check=False, stdout=sys.stderr).returncode
+        return subprocess.run(command, check=False, stdout=subprocess.DEVNULL).returncode
 
     def _check(self) -> None:
         if not self.binary.is_file() or not os.access(self.binary, os.X_OK):

@@ -18,9 +18,9 @@ from conftest import PACKAGE, ROOT, run_analysis
 MOST_LINES = 400
 # From the bottom up: a folder or file at the top imports from those before it and from itself.
 LAYERS = (
-    "terminal", "errors", "numbers", "io", "tables", "stats", "studies", "convergence", "stability", "figures",
-    "findings", "claims", "explain", "compare", "crosscheck", "plots", "gallery", "report", "tidy", "frames",
-    "measured", "__init__", "cli", "__main__",
+    "terminal", "errors", "git", "numbers", "io", "program", "tables", "stats", "studies", "convergence", "stability",
+    "figures", "findings", "claims", "advise", "explain", "compare", "crosscheck", "plots", "gallery", "report", "tidy",
+    "frames", "measured", "__init__", "cli", "__main__",
 )  # fmt: skip
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 

@@ -13,12 +13,11 @@ from ptbench.stats.estimates import CONFIDENCE
 
 _SHOWN = 3
 _DIGITS = 3
+_NOT_BELIEVED = ": too few, or of too few scenes, so it is left as it was"
 # A choice of an axis that is about something the advised integrator has not.
 # Baselines that nobody renders meshes with.
 _OF_TREES = ("accelerator", "builder", "levels")
 _OF_QUEUES = ("compaction of a queue", "sorting of a queue")
-
-
 
 
 @dataclass(frozen=True)
@@ -96,7 +95,7 @@ def _details(one: Advised, features: Features) -> Iterator[str]:
         yield from _nearest(best)
         if one.decision.statistic == VARIANCE:
             yield f"pays while a sample takes less than {figures(1 / best.ratio, _DIGITS)} times as long"
-    others = [other for other in one.forecasts[1 : _SHOWN + 1]]
+    others = one.forecasts[1 : _SHOWN + 1]
     if others:
         of = "" if best.choice else f" of the {one.decision.statistic} with it"
         yield f"next{of}: " + "; ".join(f"{choice_text(o.choice, one.decision)} {_ratio_text(o)}" for o in others)
@@ -134,12 +133,12 @@ def _near_text(near: Near) -> str:
 def _trial_text(model: Model) -> str:
     trial = model.trial
     if trial.factor is None:
-        return "one scene only: no error is known"
+        return "one scene only: no error is known, so it is left as it was"
     share = f"{CONFIDENCE:.0%}".replace("%", " %")
     return (
         f"scenes left out in turn: {share} of {trial.forecasts} forecasts within a factor of "
         f"{figures(trial.factor, _DIGITS)}, the pick within {WITHIN:.0%} of the best measured in {trial.good} of "
-        f"{trial.settings} settings"
+        f"{trial.settings} settings{'' if trial.is_good else _NOT_BELIEVED}"
     )
 
 

@@ -62,7 +62,9 @@ def _say_missing(book: Book) -> None:
 
 def machine_of(results: Path, program: Program, gpu: str | None, *, cpu: bool) -> tuple[str, str, str]:
     """The folder of results to ask, its backend, and what is to be said of that choice; raises InputError."""
-    folders = {folder.name: folder for folder in sorted(results.iterdir()) if folder.is_dir()} if results.is_dir() else {}
+    folders = (
+        {folder.name: folder for folder in sorted(results.iterdir()) if folder.is_dir()} if results.is_dir() else {}
+    )
     backends = {name: backend for name, folder in folders.items() if (backend := _backend(folder))}
     if gpu is not None:
         wanted = [name for name, backend in backends.items() if backend == "cuda" and _has(name, gpu)]
@@ -96,9 +98,7 @@ def _measured(call: Call, program: Program, probed: Probed, advised: Sequence[Ad
     code = 0
     for one in timed:
         rest = {name: value for name, value in settings.items() if name not in _own(one)}
-        variants = [
-            {**rest, **one.decision.reference, **dict(choice)} for choice in alternatives(one, _OTHERS)
-        ]
+        variants = [{**rest, **one.decision.reference, **dict(choice)} for choice in alternatives(one, _OTHERS)]
         with tempfile.TemporaryDirectory(prefix="ptbench-advise-") as folder:
             try:
                 checked = check(program, probed, variants, backend, Path(folder), call.spp, shown=True)
@@ -108,7 +108,7 @@ def _measured(call: Call, program: Program, probed: Probed, advised: Sequence[Ad
                 continue
         say(f"measured, {one.decision.name}: {checked_text(checked)}")
         code |= checked.word == "not within"
-    say("not checked: what is decided by error, whose measurement needs a reference image (ptbench run, type convergence)")
+    say("not checked: what is decided by error, which takes a reference image (a study of type convergence)")
     return code
 
 

@@ -1,7 +1,8 @@
-"""What committed results say of each choice: its time over a reference's, or its cost at equal error, scene by scene."""
+"""What committed results say of each choice: its time over a reference's, or its error, scene by scene."""
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -14,6 +15,7 @@ from ptbench.convergence.assessment import Assessment, assess
 from ptbench.convergence.efficiency import compare, place_of
 from ptbench.errors import InputError
 from ptbench.io.cells import Cell, Result
+from ptbench.io.files import package_file
 from ptbench.io.nodes import read_json
 from ptbench.io.results import result_of
 from ptbench.stats.estimates import Estimate, ratio_estimate
@@ -36,7 +38,7 @@ class Decision:
     name: str
     reference: Mapping[str, str]
     only: Mapping[str, str]  # what a cell must have to be asked; empty: anything
-    statistic: str = TIME
+    statistic: str
     of_meshes: bool = False  # nothing to decide without triangles
 
     @property
@@ -51,20 +53,11 @@ class Decision:
 
 
 SCHEDULE = "scheduler"
-_QUEUE = {"compaction": "none", "sorting": "none", "sort_key": "material"}
-DECISIONS = (
-    Decision(SCHEDULE, {"integrator": "wavefront", **_QUEUE, "layout": "aos", "launch": "stream"}, {}),
-    Decision("compaction of a queue", {"compaction": "none"}, {"integrator": "wavefront", "sorting": "none"}),
-    Decision("sorting of a queue", {"sorting": "none", "sort_key": "material"}, {"integrator": "wavefront"}),
-    Decision("accelerator", {"accelerator": "bvh2"}, {}, of_meshes=True),
-    Decision("builder", {"builder": "sah_binned"}, {}, of_meshes=True),
-    Decision("direct light", {"direct_light": "off"}, {}, VARIANCE),
-    Decision("sampler", {"sampler": "pcg4d"}, {}, WORK),
-    Decision("russian roulette", {"russian_roulette": "off"}, {}, WORK),
+FILE = package_file("advise", "decisions.json")  # of the variance alone, where verdicts on the time are withdrawn
+DECISIONS = tuple(
+    Decision(one["name"], one["reference"], one.get("only", {}), one["statistic"], one.get("of_meshes", False))
+    for one in json.loads(FILE.read_text(encoding="utf-8"))["decisions"]
 )
-# Without an axis, a file's cells had this.
-_MEANT = {"accelerator": "brute_force", "launch": "stream", "sort_key": "material", "sampler": "pcg4d",
-          "russian_roulette": "off"}  # fmt: skip
 # A cost that was put into the shading on purpose: another scene, so to speak.
 BIASED = "biased"
 _INJECTED = "shading_fmas"
@@ -134,44 +127,66 @@ def results_of(machine: Path) -> Iterator[tuple[str, Result]]:
             yield path.relative_to(machine.parent).as_posix(), result_of(root)
 
 
-def read_book(root: Path, results: Path, machine: str, backend: str) -> Book:
-    """What the results of a machine say of one backend; raises InputError where there is nothing."""
-    files = scene_files(root / "scenes")
-    contents: dict[str, Content] = {}
-    points: dict[str, dict[tuple, tuple[str, Point]]] = {decision.name: {} for decision in DECISIONS}
-    orphans: list[tuple[list[Cell], str]] = []
-    without, device, baselines = set(), machine, ("", {})
-    for file, result in results_of(results / machine):
+class _Reader:
+    """Collects the points of one backend, file after file."""
+
+    def __init__(self, scenes: Path) -> None:
+        self._files = scene_files(scenes)
+        self._contents: dict[str, Content] = {}
+        self._kept: dict[str, dict[tuple, tuple[str, Point]]] = {decision.name: {} for decision in DECISIONS}
+        self._orphans: list[tuple[list[Cell], str]] = []
+        self._baselines: tuple[str, Mapping[str, str]] = ("", {})
+        self.without: set[str] = set()
+        self.device = ""
+
+    def read(self, file: str, result: Result, backend: str) -> None:
+        """The cells of a file that ran on the backend."""
         cells = [cell for cell in result.cells if cell.backend == backend and cell.measured]
         if not cells:
-            continue
-        device = result.about("cuda_device" if backend == "cuda" else "cpu_model")
-        baselines = max(baselines, (result.context["date"] if result.baselines else "", result.baselines), key=_date)
-        for scene in {cell.scene for cell in cells} - contents.keys() - without:
-            if scene in files:
-                contents[scene] = content_of(files[scene])
+            return
+        self.device = result.about("cuda_device" if backend == "cuda" else "cpu_model")
+        if result.baselines and result.context["date"] >= self._baselines[0]:
+            self._baselines = (result.context["date"], result.baselines)
+        for scene in {cell.scene for cell in cells} - self._contents.keys():
+            if scene in self._files:
+                self._contents[scene] = content_of(self._files[scene])
             else:
-                without.add(scene)
-        known = [cell for cell in cells if cell.scene in contents]
+                self.without.add(scene)
+        known = [cell for cell in cells if cell.scene in self._contents]
+        assessed = assess(result) if any(cell.convergence is not None for cell in known) else {}
         for decision in DECISIONS:
-            kept = points[decision.name]
             for group in _groups(decision, known):
-                if decision.name == SCHEDULE and not any(not _choice(cell, decision) for cell in group):
-                    orphans.append((group, file))
-                for point in _points(decision, result, group, contents, file):
-                    key = (point.choice, *point.rest)
-                    if key not in kept or kept[key][0] <= result.context["date"]:  # the newest of equal cells
-                        kept[key] = (result.context["date"], point)
-    if not any(points.values()):
+                if decision.name == SCHEDULE and all(_choice(cell, decision) for cell in group):
+                    self._orphans.append((group, file))
+                for point in _points(decision, assessed, group, self._contents, file):
+                    self._keep(decision, point, result.context["date"])
+
+    def _keep(self, decision: Decision, point: Point, date: str) -> None:
+        """The newest of equal cells."""
+        kept, key = self._kept[decision.name], (point.choice, *point.rest)
+        if key not in kept or kept[key][0] <= date:
+            kept[key] = (date, point)
+
+    def book(self, machine: str, backend: str) -> Book:
+        """What was read."""
+        points = {name: tuple(point for _, point in kept.values()) for name, kept in self._kept.items()}
+        known = points[SCHEDULE]
+        points[SCHEDULE] += tuple(
+            point for group, file in self._orphans for point in _chained(group, known, self._contents, file)
+        )
+        without = tuple(sorted(self.without))
+        return Book(machine, self.device or machine, backend, points, self._baselines[1], without)
+
+
+def read_book(root: Path, results: Path, machine: str, backend: str) -> Book:
+    """What the results of a machine say of one backend; raises InputError where there is nothing."""
+    reader = _Reader(root / "scenes")
+    for file, result in results_of(results / machine):
+        reader.read(file, result, backend)
+    book = reader.book(machine, backend)
+    if not any(book.points.values()):
         raise InputError(f"{results / machine}: found no ratio of two choices on {backend}, allowed: a folder with one")
-    listed = {name: tuple(point for _, point in kept.values()) for name, kept in points.items()}
-    chained = [point for group, file in orphans for point in _chained(group, listed[SCHEDULE], contents, file)]
-    listed[SCHEDULE] += tuple(chained)
-    return Book(machine, device, backend, listed, baselines[1], tuple(sorted(without)))
-
-
-def _date(dated: tuple[str, object]) -> str:
-    return dated[0]
+    return book
 
 
 def _groups(decision: Decision, cells: Iterable[Cell]) -> list[list[Cell]]:
@@ -184,13 +199,16 @@ def _groups(decision: Decision, cells: Iterable[Cell]) -> list[list[Cell]]:
 
 
 def _points(
-    decision: Decision, result: Result, group: Sequence[Cell], contents: Mapping[str, Content], file: str
+    decision: Decision,
+    assessed: Mapping[str, Assessment],
+    group: Sequence[Cell],
+    contents: Mapping[str, Content],
+    file: str,
 ) -> Iterator[Point]:
-    assessed = assess(result) if decision.of_error else {}
     bases = [cell for cell in group if not _choice(cell, decision)]
     for cell in group if bases else ():
         choice = _choice(cell, decision)
-        base = min(bases, key=lambda one: one.spp != cell.spp)  # noqa: B023
+        base = min(bases, key=lambda one: one.spp != cell.spp)
         if not choice or (decision.statistic != VARIANCE and between(cell, base)):
             continue
         ratio = _ratio(decision.statistic, assessed, cell, base)
@@ -237,7 +255,7 @@ def _may_be_asked(cell: Cell, decision: Decision) -> bool:
 
 
 def _rest(cell: Cell, decision: Decision) -> tuple:
-    """What a choice and its reference have in common. A scheduler's tunables are part of the choice, others' are not."""
+    """What a choice and its reference have in common. Only a scheduler's tunables are part of it."""
     axes = tuple(sorted((axis, choice) for axis, choice in cell.axes.items() if axis not in decision.reference))
     tuned = () if decision.name == SCHEDULE else tuple(sorted(cell.tuned.items()))
     depth = cell.depth if cell.convergence is None else place_of(cell).depth
@@ -245,7 +263,7 @@ def _rest(cell: Cell, decision: Decision) -> tuple:
 
 
 def _choice(cell: Cell, decision: Decision) -> Choice:
-    axes = [(axis, cell.axes.get(axis, _MEANT.get(axis, usual))) for axis, usual in decision.reference.items()]
+    axes = [(axis, cell.axes.get(axis, usual)) for axis, usual in decision.reference.items()]
     differing = [(axis, choice) for axis, choice in axes if choice != decision.reference[axis]]
     return tuple(differing) + (tuple(sorted(cell.tuned.items())) if decision.name == SCHEDULE else ())
 

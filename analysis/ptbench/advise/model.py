@@ -19,11 +19,12 @@ from ptbench.stats.estimates import CONFIDENCE
 POWERS = (1.0, 2.0, 4.0, 8.0)
 SAME = 0.1  # a distance that is none: so far are two renders of one scene
 WITHIN = 0.05  # of the best: as good as the best
+LEAST_SCENES = 3  # that a model has seen before it is believed
 ALIKE = 0.02  # forecasts that are no reason to prefer one
 # How much farther a measurement is for each axis that was not at what the scene is to be rendered with.
 ANOTHER_CHOICE = 0.5
 # A choice whose nearest measurement is so much farther off than the nearest of all is not held against the others.
-_MOST_BEHIND = 1.0
+_MOST_BEHIND = 2.0
 
 
 @dataclass(frozen=True)
@@ -63,11 +64,17 @@ class Forecast:
 class Trial:
     """What came of leaving out each scene in turn."""
 
+    scenes: int
     factor: float | None  # forecasts were off by no more than this, of 95 in 100; None: too few scenes
     forecasts: int
     good: int  # settings in which the pick was within 5 % of the best that was measured there
     settings: int
     reach: float  # how far the nearest measurement was at most
+
+    @property
+    def is_good(self) -> bool:
+        """Whether it may overrule the reference: right in half of its trials, of enough scenes."""
+        return self.scenes >= LEAST_SCENES and 0 < self.settings <= 2 * self.good
 
 
 @dataclass(frozen=True)
@@ -95,7 +102,10 @@ class Model:
         ]
         nearest = min((one.distance for one in found), default=0.0)
         known = [one for one in found if one.distance <= nearest + _MOST_BEHIND]
-        return _plainest_first(sorted([*known, *reference], key=lambda one: one.ratio))
+        ordered = sorted([*known, *reference], key=lambda one: one.ratio)
+        if not self.trial.is_good and reference:
+            return [*reference, *(one for one in ordered if one.choice)]
+        return _plainest_first(ordered)
 
     def is_far(self, forecasts: Sequence[Forecast]) -> bool:
         """Whether no measurement is as near as one was whenever the model was tried."""
@@ -126,12 +136,26 @@ def _forecast(
 ) -> Forecast:
     distances = np.array([_off(point, wanted, decision) for point in points])
     weights = ((distances**2 + SAME**2) / (distances.min() ** 2 + SAME**2)) ** (-power / 2)
+    weights *= _of_each_scene(points, distances)
     shares = weights / weights.sum()
     ratio = math.exp(float(np.dot(shares, [point.log_ratio for point in points])))
     order = np.argsort(distances, kind="stable")
-    near = tuple(Near(points[index], float(distances[index]), float(shares[index])) for index in order)
+    near = tuple(Near(points[index], float(distances[index]), float(shares[index])) for index in order if shares[index])
     low, high = (None, None) if factor is None else (ratio / factor, ratio * factor)
     return Forecast(choice, ratio, low, high, near)
+
+
+def _of_each_scene(points: Sequence[Point], distances: np.ndarray) -> np.ndarray:
+    """Of each scene only what is nearest counts, and together as one: a scene that was measured often is one scene."""
+    kept: dict[str, list[int]] = {}
+    for index in np.argsort(distances, kind="stable"):
+        found = kept.setdefault(points[index].family, [])
+        if not found or distances[index] <= distances[found[0]] + SAME:
+            found.append(int(index))
+    weights = np.zeros(len(points))
+    for found in kept.values():
+        weights[found] = 1 / len(found)
+    return weights
 
 
 def _off(point: Point, wanted: Wanted, decision: Decision) -> float:
@@ -186,7 +210,8 @@ def _trial(decision: Decision, points: Sequence[Point], errors: Mapping[int, flo
         alike = [choice for choice, (told, _) in place.items() if told <= limit]
         _, picked = place[min(alike, key=lambda choice: (len(choice), place[choice][0]))]
         good += picked <= min(truth for _, truth in place.values()) + math.log1p(WITHIN)
-    return Trial(factor, len(sizes), good, len(settings), _reach(decision, points))
+    scenes = len({point.family for point in points})
+    return Trial(scenes, factor, len(sizes), good, len(settings), _reach(decision, points))
 
 
 def _reach(decision: Decision, points: Sequence[Point]) -> float:

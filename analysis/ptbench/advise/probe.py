@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import math
 import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from ptbench.advise.evidence import FILE
 from ptbench.advise.features import Features, content_of, features_of, scene_files
 from ptbench.errors import InputError, bad_value
 from ptbench.program import Program
 
 _PIXELS = 4096  # of the probe: counts within a few per cent
-# Whatever a scene needs is there for a path at a time; trees, as rays without them take minutes over meshes.
-_INTEGRATOR = {"integrator": "depth_first"}
-_TREES = {"accelerator": "bvh2", "levels": "two_level"}
 MESH = "mesh"
 # Axes whose choices a scene itself may forbid; what else does not apply hangs on the other choices of a call.
 _OF_SCENES = ("integrator", "direct_light", "russian_roulette", "sampler")
@@ -53,7 +52,9 @@ def probe(
     about = program.scene(str(scene))
     width, height = resolution or tuple(about["resolution"])
     scale = math.sqrt(_PIXELS / (width * height))
-    axes = {**_INTEGRATOR, **(_TREES if MESH in about["features"] else {})}
+    # A path at a time does all that a scene may need; rays take minutes over meshes without trees.
+    known = json.loads(FILE.read_text(encoding="utf-8"))
+    axes = known["probe_of_meshes" if MESH in about["features"] else "probe"]
     study = {
         "name": "probe", "scenes": [str(scene.resolve())], "axes": {axis: [choice] for axis, choice in axes.items()},
         "resolution": [max(1, round(width * scale)), max(1, round(height * scale))],
@@ -68,4 +69,5 @@ def probe(
         raise InputError(f"{scene}: the probe found no paths: {reason}")
     refused = about["not_applicable_on"].get(backend, {})
     barred = frozenset(tuple(named.split("=", 1)) for named in refused if named.partition("=")[0] in _OF_SCENES)
-    return Probed(about["name"], str(scene.resolve()), replace(features, pixels=width * height), (width, height), barred)
+    whole = replace(features, pixels=width * height)
+    return Probed(about["name"], str(scene.resolve()), whole, (width, height), barred)
