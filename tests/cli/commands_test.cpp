@@ -71,6 +71,20 @@ TEST(RenderTest, TheSummaryHasTheFixedKeys) {
     EXPECT_EQ(summary.at("variant"), "packet");
 }
 
+// The same film, and a time for each render after it.
+TEST(RenderTest, RepeatsARenderForItsTimes) {
+    const json once = render_image({"--spp", "3"}).summary;
+    EXPECT_FALSE(once.contains("repetitions"));
+    const json summary = render_image({"--spp", "3", "--repetitions", "2"}).summary;
+    EXPECT_EQ(summary.at("film_hash"), once.at("film_hash"));
+    ASSERT_EQ(summary.at("repetitions").size(), 2u);
+    for (const json& one : summary.at("repetitions")) {
+        EXPECT_GT(one.at("render_seconds").get<double>(), 0);
+        EXPECT_EQ(one.at("device_seconds"), one.at("render_seconds"));
+        EXPECT_TRUE(one.contains("foreign_cpu_seconds"));
+    }
+}
+
 // The fastest integrator that goes with the scene and with what the call names; never another film.
 TEST(RenderTest, TakesTheFastestIntegratorThatApplies) {
     const auto rendered = [](const std::vector<std::string>& axes) {
