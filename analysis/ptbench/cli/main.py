@@ -1,4 +1,4 @@
-"""The command line: `python3 -m ptbench plots|report|compare|crosscheck|explain|findings|claims|...`.
+"""The command line: `python3 -m ptbench plots|report|compare|crosscheck|peers|explain|findings|claims|...`.
 
 Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong.
 """
@@ -16,6 +16,7 @@ from ptbench.compare.options import add_compare
 from ptbench.crosscheck.options import add_crosscheck
 from ptbench.errors import InputError
 from ptbench.io.files import package_file
+from ptbench.peers.options import add_peers
 from ptbench.terminal import visible_output
 
 _COMMAND = "ptbench-analysis"
@@ -47,13 +48,14 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(
         dest="command",
         required=True,
-        metavar="plots|report|compare|crosscheck|explain|findings|claims|advise|gallery|validate",
+        metavar="plots|report|compare|crosscheck|peers|explain|findings|claims|advise|gallery|validate",
     )
     plots = commands.add_parser("plots", help="every study's figure and summary.md, from a result file alone")
     plots.add_argument("result", type=Path, metavar="RESULT.json", help="or a folder of files of `ptbench rays`")
     plots.add_argument("--out", type=Path, metavar="DIR", help="default: figures/SUITE beside the result file")
     add_compare(commands)
     add_crosscheck(commands)
+    add_peers(commands)
     explain = commands.add_parser("explain", help="where the time of two variants differs, and what goes with that")
     explain.add_argument("result", type=Path, metavar="RESULT.json")
     explain.add_argument("a", metavar="A", help='a variant\'s name, or parts that name one: "wavefront layout=soa"')
@@ -216,6 +218,10 @@ def _main(arguments: list[str], program: str) -> int:
             from ptbench.crosscheck.command import crosscheck_command
 
             return crosscheck_command(options)
+        if options.command == "peers":
+            from ptbench.peers.command import peers_command
+
+            return peers_command(options)
         if options.command == "explain":
             choice = Choice(options.scene, options.depth, options.resolution)
             return explain(options.result, options.a, options.b, choice, options.counters, options.out)

@@ -29,32 +29,34 @@ def add_crosscheck(commands: argparse._SubParsersAction) -> None:
         metavar="AXIS=CHOICE",
         help="(default: direct_light=nee_mis, and trees for meshes)",
     )
-    parser.add_argument("--seeds", type=_whole(2, 1000), default=8, metavar="N", help="images of each (default: 8)")
+    parser.add_argument("--seeds", type=whole(2, 1000), default=8, metavar="N", help="images of each (default: 8)")
     parser.add_argument(
-        "--spp", type=_whole(1, 100_000_000), default=128, metavar="N", help="samples a pixel and seed (default: 128)"
+        "--spp", type=whole(1, 100_000_000), default=128, metavar="N", help="samples a pixel and seed (default: 128)"
     )
     parser.add_argument(
-        "--most-spp", type=_whole(1, 100_000_000), default=1, metavar="N",
+        "--most-spp", type=whole(1, 100_000_000), default=1, metavar="N",
         help="a scene that is too weak is rendered once more, with as many as the aim needs, up to N (default: not)",
     )  # fmt: skip
     parser.add_argument(
-        "--resolution", type=_blocks, default=(64, 64), metavar="WxH", help=f"multiples of {SIDE} (default: 64x64)"
+        "--resolution", type=blocks, default=(64, 64), metavar="WxH", help=f"multiples of {SIDE} (default: 64x64)"
     )
-    parser.add_argument("--depth", type=_whole(1, 1_000_000), metavar="N", help="default: the scene's")
+    parser.add_argument("--depth", type=whole(1, 1_000_000), metavar="N", help="default: the scene's")
     parser.add_argument(
         "--scale", type=float, default=1.0, metavar="K", help="every length of Mitsuba's scene times a power of two"
     )
     parser.add_argument(
-        "--aim", type=_percent, default=0.005, metavar="PERCENT",
+        "--aim", type=percent, default=0.005, metavar="PERCENT",
         help="the bias of an image's mean that must be seen (default: 0.5)",
     )  # fmt: skip
     parser.add_argument(
-        "--allow", type=_percent, default=0.0, metavar="PERCENT", help="a bias that is no difference (default: 0)"
+        "--allow", type=percent, default=0.0, metavar="PERCENT", help="a bias that is no difference (default: 0)"
     )
     parser.add_argument("--out", type=Path, metavar="REPORT.json")
 
 
-def _whole(low: int, high: int):
+def whole(low: int, high: int):
+    """A type of argparse's: whole numbers of a range."""
+
     def read(text: str) -> int:
         if not text.isascii() or not text.isdigit() or not low <= int(text) <= high:
             raise argparse.ArgumentTypeError(f'found "{text}", allowed: a whole number from {low} to {high}')
@@ -63,7 +65,8 @@ def _whole(low: int, high: int):
     return read
 
 
-def _percent(text: str) -> float:
+def percent(text: str) -> float:
+    """A share, which the call has in per cent."""
     try:
         value = float(text)
     except ValueError:
@@ -73,7 +76,8 @@ def _percent(text: str) -> float:
     return value / 100
 
 
-def _blocks(text: str) -> tuple[int, int]:
+def blocks(text: str) -> tuple[int, int]:
+    """A size of images that are compared block by block."""
     sides = text.split("x")
     if len(sides) != 2 or not all(
         side.isascii() and side.isdigit() and int(side) % SIDE == 0 and 0 < int(side) <= 4096 for side in sides

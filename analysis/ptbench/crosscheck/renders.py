@@ -68,7 +68,8 @@ def run_program(command: list[str], text: str = "") -> subprocess.CompletedProce
         raise InputError(f"{command[0]}: {error.strerror or error}") from error
 
 
-def _said(done: subprocess.CompletedProcess) -> list[str]:
+def said_by(done: subprocess.CompletedProcess) -> list[str]:
+    """What a program wrote to standard error, without empty lines."""
     return [line.strip() for line in done.stderr.splitlines() if line.strip()] or [f"exit code {done.returncode}"]
 
 
@@ -94,9 +95,9 @@ def _worker(settings: Settings, job: dict) -> dict:
     done = run_program([str(settings.python), str(worker)], json.dumps({"variant": settings.variant, **job}))
     if done.returncode == MISSING:
         where = f"{settings.python} -m pip install {WHEEL}"
-        raise InputError(f"Mitsuba 3 is not installed ({_said(done)[-1]}): {where}, or --python of one that has it")
+        raise InputError(f"Mitsuba 3 is not installed ({said_by(done)[-1]}): {where}, or --python of one that has it")
     if done.returncode != 0:
-        raise InputError(f"Mitsuba {settings.variant}: {_said(done)[-1]}")
+        raise InputError(f"Mitsuba {settings.variant}: {said_by(done)[-1]}")
     return json.loads(done.stdout.splitlines()[-1])
 
 
@@ -108,7 +109,7 @@ def export(scene: str, settings: Settings, folder: Path) -> Path:
     command += [] if settings.depth is None else ["--depth", str(settings.depth)]
     done = run_program(command)
     if done.returncode != 0:
-        lines = [line.removeprefix("ptbench: ").removeprefix(f"{scene}: ") for line in _said(done)]
+        lines = [line.removeprefix("ptbench: ").removeprefix(f"{scene}: ") for line in said_by(done)]
         raise CannotExport([line for line in lines if not line.endswith("; nothing is written")] or lines)
     return target
 
@@ -130,7 +131,7 @@ def render_here(scene: str, settings: Settings, folder: Path, *, has_meshes: boo
             axes = trees
             continue
         if done.returncode != 0:
-            raise InputError(_said(done)[-1].removeprefix("ptbench: "))
+            raise InputError(said_by(done)[-1].removeprefix("ptbench: "))
         about = json.loads(done.stdout)
         seconds += about["render_seconds"]
         images.append(read_pfm(target))

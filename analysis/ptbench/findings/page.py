@@ -26,6 +26,8 @@ from jinja2 import Environment, StrictUndefined, TemplateError
 from ptbench.findings.crosscheck import SCHEMA as CROSSCHECK
 from ptbench.findings.crosscheck import CrosscheckSource
 from ptbench.findings.errors import FindingError
+from ptbench.findings.peers import SCHEMA as PEERS
+from ptbench.findings.peers import PeersSource
 from ptbench.findings.quantities import span
 from ptbench.findings.rays import RaysFolder
 from ptbench.findings.records import Inspection, Record, StabilitySource, Transcript
@@ -48,7 +50,7 @@ _CODE = re.compile(r"^```.*?^```|`[^`\n]*`", re.DOTALL | re.MULTILINE)
 _TARGET = re.compile(r"\]\([^)]*\)")
 
 
-AnySource = Source | RaysFolder | Inspection | StabilitySource | Record | Transcript | CrosscheckSource
+AnySource = Source | RaysFolder | Inspection | StabilitySource | Record | Transcript | CrosscheckSource | PeersSource
 
 
 @dataclass(frozen=True)
@@ -89,6 +91,8 @@ def _opened(results: Path, file: str, where: str) -> AnySource:
         return Inspection(results, file)
     if root.value.get("schema") == CROSSCHECK:
         return CrosscheckSource(results, file)
+    if root.value.get("schema") == PEERS:
+        return PeersSource(results, file)
     if is_stability(root):
         return StabilitySource(results, file)
     return Source(results, file, where) if "ptbench" in root.fields() else Record(results, file)

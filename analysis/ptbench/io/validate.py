@@ -24,11 +24,13 @@ from ptbench.io.nodes import Node, parse, read_json, shown
 from ptbench.terminal import say, visible
 
 SCHEMAS = package_file("schema")
-KINDS = ("result", "stability", "rays", "leaks", "crosscheck", "inspect", "tuning", "journal")
+KINDS = ("result", "stability", "rays", "leaks", "crosscheck", "peers", "inspect", "tuning", "journal")
 # Files that people write: checked like the others, no part of the tables of what ptbench writes.
 WRITTEN_BY_HAND = ("claim",)
+_BY_SCHEMA = {"ptbench-crosscheck-1": "crosscheck", "ptbench-peers-1": "peers"}
 _WRITTEN_BY_US = (
-    "a file of ptbench run, merge, stability, rays, inspect, autotune or crosscheck, a run's .journal.jsonl, a claim"
+    "a file of ptbench run, merge, stability, rays, inspect, autotune, crosscheck or peers, a run's .journal.jsonl, a "
+    "claim"
 )
 
 
@@ -63,8 +65,8 @@ def kind_of(path: Path, value: object) -> str:
             return "claim"
         if {"schema", "meshes"} <= value.keys():
             return "leaks" if value["schema"] == "ptbench-leaks-1" else "rays"
-        if value.get("schema") == "ptbench-crosscheck-1":
-            return "crosscheck"
+        if value.get("schema") in _BY_SCHEMA:
+            return _BY_SCHEMA[value["schema"]]
         for kind, keys in (("result", {"benchmarks", "ptbench"}), ("stability", {"schema", "rows"})):
             if keys & value.keys():
                 return kind

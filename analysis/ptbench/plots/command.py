@@ -17,6 +17,7 @@ from ptbench.io.nodes import read_json
 from ptbench.io.rays import is_rays, load_rays_folder, rays_of
 from ptbench.io.results import result_of
 from ptbench.io.stability import Stability, is_stability, stability_of
+from ptbench.plots.peers import is_peers, peers_plots
 from ptbench.plots.rays import rays_plots
 from ptbench.plots.stability import stability_plots
 from ptbench.plots.summary import summary
@@ -55,6 +56,8 @@ def plots(path: Path, out: Path | None) -> int:
     if path.is_dir():
         return rays_plots(*load_rays_folder(path), out if out is not None else path.parent / "figures" / path.name)
     root = read_json(path)
+    if is_peers(root.value):
+        return peers_plots(root.value, out if out is not None else path.parent / "figures" / path.stem)
     if is_rays(root):
         rays = rays_of(root)
         return rays_plots([rays], [], out if out is not None else path.parent / "figures" / path.stem)

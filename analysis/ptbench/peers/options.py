@@ -1,0 +1,200 @@
+"""The options of `python3 -m ptbench peers`, and what they ask for."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import shlex
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from ptbench.crosscheck.options import blocks, percent, whole
+from ptbench.io.files import package_file
+
+MEGAKERNEL, EVALUATED = "megakernel", "evaluated"
+_NAME = re.compile(r"[A-Za-z][\w.+ -]{0,59}")
+_AXIS = re.compile(r"\w+=\w+")
+# Whoever samples lights and weighs both by the balance of their densities, and whoever meets them by chance.
+LIGHTS, CHANCE = "nee_mis", "off"
+_OWN_ESTIMATOR = "direct_light="
+_OF_MITSUBA = {"path": LIGHTS, "bsdf": CHANCE}
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A peer by its name; what it leaves out is told beside its times."""
+
+    name: str
+    kind: str  # ptbench, mitsuba, program
+    estimator: str
+    axes: tuple[str, ...] = ()  # ptbench's
+    command: tuple[str, ...] = ()  # of a process that stays
+    leaves_out: str = ""
+    most_lanes: int = 1 << 30  # samples of all pixels in one render
+
+
+@dataclass(frozen=True)
+class Call:
+    """What holds for every peer."""
+
+    binary: Path
+    backend: str
+    resolution: tuple[int, int]
+    depth: int | None
+    most_seconds: float  # for one answer
+
+    @property
+    def size(self) -> str:
+        """As the programs take it."""
+        return f"{self.resolution[0]}x{self.resolution[1]}"
+
+
+def own_variants(backend: str, *, has_meshes: bool) -> list[Wanted]:
+    """What is timed where the call names no variant: the fastest known, and on the CPU Embree's trees."""
+    if backend == "cuda":
+        base = ("integrator=persistent", "arithmetic=precise")
+        base += ("accelerator=cwbvh", "levels=two_level") if has_meshes else ()
+        return [_own(f"persistent {light}", *base, f"direct_light={light}") for light in (LIGHTS, CHANCE)]
+    if not has_meshes:
+        return [
+            _own(f"{name} {light}", f"integrator={name}", f"direct_light={light}")
+            for light in (LIGHTS, CHANCE)
+            for name in ("packet", "depth_first")
+        ]
+    base = ("integrator=depth_first", "levels=two_level")
+    own = [
+        _own(f"bvh8 {light}", *base, "accelerator=bvh8", f"direct_light={light}") for light in (LIGHTS, CHANCE)
+    ]  # fmt: skip
+    embree = ("integrator=depth_first", "accelerator=embree_native")
+    return [*own, *(_own(f"embree_native {light}", *embree, f"direct_light={light}") for light in (LIGHTS, CHANCE))]
+
+
+def _own(name: str, *axes: str) -> Wanted:
+    lights = [axis.removeprefix(_OWN_ESTIMATOR) for axis in axes if axis.startswith(_OWN_ESTIMATOR)]
+    leaves_out = "reading the scene, building trees, compiling kernels"
+    return Wanted(name, "ptbench", lights[0] if lights else CHANCE, axes, leaves_out=leaves_out)
+
+
+def mitsubas(texts: list[str], backend: str, python: Path) -> list[Wanted]:
+    """The peers of `--mitsuba`, or the usual ones of the backend."""
+    usual = {"cuda": ["cuda_ad_rgb", "cuda_ad_rgb:bsdf", "cuda_ad_rgb:path:evaluated"]}
+    usual["cpu"] = ["llvm_ad_rgb", "llvm_ad_rgb:bsdf", "llvm_ad_rgb:path:evaluated", "scalar_rgb"]
+    return [_mitsuba(text, python) for text in (texts or usual[backend]) if text != "none"]
+
+
+def _mitsuba(text: str, python: Path) -> Wanted:
+    variant, estimator, mode = (*text.split(":"), *["", ""])[:3]
+    estimator, mode = estimator or "path", mode or MEGAKERNEL
+    script = str(package_file("peers", "mitsuba_peer.py"))
+    name = " ".join(["Mitsuba", variant, estimator, *([] if mode == MEGAKERNEL else [mode])])
+    compiles = "scalar" not in variant
+    leaves_out = "reading the scene, building trees"
+    leaves_out += ", tracing and compiling kernels, launching them" if compiles else ""
+    # A megakernel holds nothing of a path in memory; evaluated loops hold all of every path.
+    lanes = 1 << (24 if mode == EVALUATED else 28)
+    command = (str(python), script, variant, estimator, mode)
+    return Wanted(name, "mitsuba", _OF_MITSUBA[estimator], (), command, leaves_out, lanes)
+
+
+def programs(texts: list[str]) -> list[Wanted]:
+    """The peers of `--program`: NAME[:ESTIMATOR]=COMMAND."""
+    found = []
+    for text in texts:
+        named, _, command = text.partition("=")
+        name, _, estimator = named.partition(":")
+        words = tuple(shlex.split(command))
+        found.append(Wanted(name, "program", estimator or CHANCE, (), words, "what its own clock leaves out"))
+    return found
+
+
+def chosen_variants(texts: list[str]) -> list[Wanted]:
+    """The peers of `--variant`: NAME:AXIS=CHOICE,.."""
+    pairs = (text.split(":", 1) for text in texts)
+    return [_own(name, *axes.split(",")) for name, axes in pairs]
+
+
+def add_peers(commands: argparse._SubParsersAction) -> None:
+    """The options."""
+    parser = commands.add_parser(
+        "peers", help="time, variance and efficiency of ptbench and other renderers, side by side on this machine"
+    )
+    parser.add_argument("scenes", nargs="+", metavar="SCENE", help="by name or .json file")
+    parser.add_argument("--binary", type=Path, default=Path("build/ptbench"), metavar="PTBENCH")
+    parser.add_argument(
+        "--python", type=Path, default=Path(sys.executable), metavar="PYTHON", help="one that has Mitsuba's wheel"
+    )
+    parser.add_argument("--backend", default="cpu", choices=("cpu", "cuda"), help="where all run (default: cpu)")
+    parser.add_argument(
+        "--variant", type=_variant, action="append", default=[], metavar="NAME:AXIS=CHOICE,..",
+        help="of ptbench, repeatable; pictures and efficiencies are held against the first (default: the fastest "
+        "known with direct_light=nee_mis and off, and Embree's trees)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--mitsuba", type=_mitsuba_text, action="append", default=[], metavar="VARIANT[:path|bsdf[:evaluated]]",
+        help='repeatable, or "none" (default: path and bsdf as megakernels, path in evaluated loops)',
+    )  # fmt: skip
+    parser.add_argument(
+        "--program", type=_program, action="append", default=[], metavar="NAME[:off|nee_mis]=COMMAND",
+        help="any other renderer that answers as docs/other_renderers.md says, repeatable",
+    )  # fmt: skip
+    parser.add_argument("--rounds", type=whole(2, 1000), default=9, metavar="N", help="of all peers (default: 9)")
+    parser.add_argument(
+        "--repetitions", type=whole(1, 1000), default=1, metavar="N", help="timed renders of a round (default: 1)"
+    )
+    parser.add_argument(
+        "--render-ms", type=whole(1, 100_000), default=250, metavar="N",
+        help="what a timed render should take: its samples a pixel are chosen so (default: 250)",
+    )  # fmt: skip
+    parser.add_argument("--seeds", type=whole(2, 1000), default=8, metavar="N", help="pictures of each (default: 8)")
+    parser.add_argument(
+        "--spp", type=whole(1, 1_000_000), default=128, metavar="N", help="samples a pixel of a picture (default: 128)"
+    )
+    parser.add_argument(
+        "--resolution", type=blocks, default=(200, 200), metavar="WxH", help="multiples of 8 (default: 200x200)"
+    )
+    parser.add_argument("--depth", type=whole(1, 1_000_000), metavar="N", help="default: the scene's")
+    parser.add_argument(
+        "--scale", type=float, default=16.0, metavar="K",
+        help="every length of Mitsuba's scene times a power of two, so that its offsets do not show (default: 16)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--aim", type=percent, default=0.005, metavar="PERCENT",
+        help="the bias of an image's mean that must be seen before there is a ratio (default: 0.5)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--allow", type=percent, default=0.001, metavar="PERCENT", help="a bias that is no difference (default: 0.1)"
+    )
+    parser.add_argument(
+        "--seconds", type=whole(1, 100_000), default=600, metavar="N", help="the most for one answer (default: 600)"
+    )
+    parser.add_argument("--out", type=Path, metavar="PEERS.json", help="default: results/MACHINE/peers.json")
+    parser.add_argument("--resume", action="store_true", help="go on with an unfinished file")
+    parser.add_argument("--overwrite", action="store_true", help="begin anew where there is one")
+
+
+def _variant(text: str) -> str:
+    name, _, axes = text.partition(":")
+    if not _NAME.fullmatch(name) or not all(_AXIS.fullmatch(axis) for axis in axes.split(",")):
+        raise argparse.ArgumentTypeError(f'found "{text}", allowed: NAME:AXIS=CHOICE,AXIS=CHOICE,..')
+    return text
+
+
+def _mitsuba_text(text: str) -> str:
+    variant, estimator, mode = (*text.split(":"), *["", ""])[:3]
+    good = re.fullmatch(r"\w+", variant) and estimator in ("", *_OF_MITSUBA) and mode in ("", MEGAKERNEL, EVALUATED)
+    if not good or text.count(":") > 2:
+        raise argparse.ArgumentTypeError(f'found "{text}", allowed: VARIANT, VARIANT:path|bsdf, or with :evaluated')
+    return text
+
+
+def _program(text: str) -> str:
+    named, _, command = text.partition("=")
+    name, _, estimator = named.partition(":")
+    try:
+        words = shlex.split(command)
+    except ValueError:
+        words = []
+    if not _NAME.fullmatch(name) or estimator not in ("", LIGHTS, CHANCE) or not words:
+        raise argparse.ArgumentTypeError(f'found "{text}", allowed: NAME=COMMAND or NAME:{LIGHTS}=COMMAND')
+    return text

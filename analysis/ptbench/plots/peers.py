@@ -1,0 +1,57 @@
+"""The figure of a file of `python3 -m ptbench peers`, and its tables."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ptbench.errors import NotDrawable
+from ptbench.figures import peers, style
+from ptbench.figures.saving import save_figure
+from ptbench.io.files import make_folder, write_text
+from ptbench.peers.document import HEAD, RULE, SCHEMA, row_of, scenes_of
+from ptbench.tables import Lines, markdown, table_of
+from ptbench.terminal import say
+
+FIGURE = "variance_by_time"
+
+
+def is_peers(value: object) -> bool:
+    """Whether a parsed file is one of these."""
+    return isinstance(value, dict) and value.get("schema") == SCHEMA
+
+
+def peers_plots(document: dict, folder: Path) -> int:
+    """Draws and writes into `folder`; the exit code."""
+    make_folder(folder)
+    reason = ""
+    try:
+        data = peers.collect(document)
+    except NotDrawable as error:
+        reason = str(error)
+        say(f"not drawn: {reason}")
+    else:
+        with style.applied():
+            for written in save_figure(peers.draw(data), folder, FIGURE):
+                say(written)
+    say(write_text(folder / "summary.md", _summary(document, reason)))
+    return 0
+
+
+def _summary(document: dict, not_drawn: str) -> str:
+    context, settings = document["context"], document["settings"]
+    width, height = settings["resolution"]
+    lines: Lines = [
+        "# peers: what was measured",
+        "",
+        f"{context['device']}, {context['date']}, {context['ptbench.version']}; {width}x{height}, {settings['rounds']} "
+        f"rounds, {settings['seeds']} seeds of {settings['spp']} spp.{'' if document['complete'] else ' Unfinished.'}",
+        "",
+        RULE,
+        "",
+    ]
+    if not_drawn:
+        lines += [f"Not drawn: {not_drawn}", ""]
+    for scene in scenes_of(document):
+        rows = [(*row_of(scene, peer), peer.value["leaves_out"]) for peer in scene.peers]
+        lines += [f"## {scene.name}", "", table_of((*HEAD, "left out of its time"), rows, set(HEAD[1:5])), ""]
+    return markdown(lines)
