@@ -29,20 +29,21 @@ class Measured:
 
     def rows(self, table: str = "") -> list[dict[str, Any]]:
         """The rows, each with the columns that it has a value of; raises InputError for another kind of file."""
-        return list(self._table(table).rows)
+        return list(self.table(table).rows)
 
     def columns(self, table: str = "") -> dict[str, np.ndarray]:
         """The same as one numpy array a column, all of one length: NaN or None where a row has no value."""
-        return self._table(table).columns()
+        return self.table(table).columns()
 
     def frame(self, table: str = "") -> Any:
         """The same as a pandas.DataFrame; raises ImportError where pandas is not installed."""
         # pandas is an extra: rows and columns do without it.
         from ptbench.frames import frame_of
 
-        return frame_of(self._table(table))
+        return frame_of(self.table(table))
 
-    def _table(self, name: str) -> Rows:
+    def table(self, name: str = "") -> Rows:
+        """The rows with the types of all their columns."""
         kinds = {type(file) for file in self.files}
         name = name or ("stability" if Stability in kinds else "rays" if Rays in kinds else "samples")
         if name not in TABLES:

@@ -19,6 +19,7 @@ from packaging.requirements import Requirement
 
 from ptbench import __version__
 from ptbench.io.files import read_stored
+from ptbench.tidy.flat import PYARROW
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -170,9 +171,11 @@ def test_what_it_depends_on_is_pinned_and_allowed():
         if (text := line.partition("#")[0].strip())
         for pin in [Requirement(text)]
     }
-    # A renderer of others is installed by who asks for it alone, so its extra is the pin.
-    extras = {name: texts for name, texts in PROJECT["optional-dependencies"].items() if name != "crosscheck"}
-    assert all("==" in text for text in PROJECT["optional-dependencies"]["crosscheck"])
+    # Large packages are installed by who asks for them alone, so their extra is the pin.
+    on_demand = ("crosscheck", "parquet")
+    extras = {name: texts for name, texts in PROJECT["optional-dependencies"].items() if name not in on_demand}
+    assert all("==" in text for name in on_demand for text in PROJECT["optional-dependencies"][name])
+    assert PROJECT["optional-dependencies"]["parquet"] == [PYARROW]
     wanted = [*PROJECT["dependencies"], *(text for texts in extras.values() for text in texts)]
     for need in map(Requirement, wanted):
         (version,) = (str(spec.version) for spec in pins[need.name.lower()].specifier)

@@ -18,6 +18,7 @@ from ptbench.errors import InputError
 from ptbench.io.files import package_file
 from ptbench.peers.options import add_peers
 from ptbench.terminal import visible_output
+from ptbench.tidy.columns import GROUPS as TABLES
 
 _COMMAND = "ptbench-analysis"
 _MODULE = "python3 -m ptbench"
@@ -48,7 +49,7 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(
         dest="command",
         required=True,
-        metavar="plots|report|compare|crosscheck|peers|explain|findings|claims|advise|gallery|validate",
+        metavar="plots|report|compare|crosscheck|peers|explain|findings|claims|advise|gallery|flat|validate",
     )
     plots = commands.add_parser("plots", help="every study's figure and summary.md, from a result file alone")
     plots.add_argument("result", type=Path, metavar="RESULT.json", help="or a folder of files of `ptbench rays`")
@@ -94,6 +95,7 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
     report.add_argument(
         "--side", type=_positive, default=160, metavar="N", help="pixels of their longer side (default: 160)"
     )
+    _add_flat(commands)
     check = commands.add_parser(
         "validate", help="hold files that ptbench wrote against their JSON Schemas, and samples against each other"
     )
@@ -101,6 +103,16 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
         "files", type=Path, nargs="+", metavar="FILE", help="of run, merge, stability, inspect, autotune, or a journal"
     )
     return parser
+
+
+def _add_flat(commands: argparse._SubParsersAction) -> None:
+    flat = commands.add_parser("flat", help="rows of result files as one CSV or Parquet table (docs/columns.md)")
+    flat.add_argument("results", type=Path, nargs="+", metavar="RESULT", help="a result file, or a folder of some")
+    flat.add_argument("--out", type=Path, required=True, metavar="FILE", help=".csv, or .parquet where pyarrow is")
+    flat.add_argument(
+        "--table", choices=TABLES, default="", metavar="NAME",
+        help=f"one of {', '.join(TABLES)} (default: samples; of files of stability and rays theirs)",
+    )  # fmt: skip
 
 
 def _add_claims(commands: argparse._SubParsersAction) -> None:
@@ -187,6 +199,16 @@ def _advise(options: argparse.Namespace, program: str) -> int:
         return 2
 
 
+def _flat(options: argparse.Namespace, program: str) -> int:
+    from ptbench.tidy.flat import flat
+
+    try:
+        return flat(options.results, options.out, options.table)
+    except InputError as error:
+        print(f"{program}: {error}", file=sys.stderr)
+        return 2
+
+
 def _main(arguments: list[str], program: str) -> int:
     options = parser_of(program).parse_args(arguments)
     if options.command == "validate":
@@ -199,6 +221,8 @@ def _main(arguments: list[str], program: str) -> int:
         return _claims(options, program)
     if options.command == "advise":
         return _advise(options, program)
+    if options.command == "flat":
+        return _flat(options, program)
     # Drawing libraries take a moment to load; a wrong call should not wait for them.
     from ptbench.compare.command import compare_command
     from ptbench.explain.command import explain

@@ -170,8 +170,15 @@ CHECK = {
     "must_pass": FLAG,
     **STATUS,
 }
-# Columns whose names come from the files: what stands for them above, and what their names begin with.
-FROM_FILES = {"AXES": "", "TUNABLES": "tunable_", "COUNTERS": "counter_", "PARAMETERS": "parameter_"}
+LIVE_PATHS = {"bounce": INTEGER, "live_paths": INTEGER, "live_share": NUMBER, **STATUS}
+KERNEL = {
+    "kernel": CATEGORY,
+    "registers": INTEGER,
+    "local_bytes": INTEGER,
+    "shared_bytes": INTEGER,
+    **STATUS,
+}
+LEFT_OUT = {"study": CATEGORY, "scene": CATEGORY, "variant": CATEGORY, "AXES": CATEGORY, "reason": TEXT}
 VERDICT = {
     "study": CATEGORY,
     "label": CATEGORY,  # the choice and what else varies in the study
@@ -185,6 +192,21 @@ VERDICT = {
     "verdict": CATEGORY,
     "verdict_reason": TEXT,
     **STATUS,
+}
+# Columns whose names come from the files: what stands for them above, and what their names begin with.
+FROM_FILES = {"AXES": "", "TUNABLES": "tunable_", "COUNTERS": "counter_", "PARAMETERS": "parameter_"}
+# The columns of each table.
+GROUPS = {
+    "samples": (FILE, IDENTITY, SAMPLE),
+    "cells": (FILE, IDENTITY, CELL),
+    "verdicts": (FILE, IDENTITY, VERDICT),
+    "stages": (FILE, IDENTITY, STAGE),
+    "live_paths": (FILE, IDENTITY, LIVE_PATHS),
+    "kernels": (FILE, IDENTITY, KERNEL),
+    "curves": (FILE, IDENTITY, CHECKPOINT),
+    "not_applicable": (FILE, LEFT_OUT),
+    "stability": (FILE, CHECK),
+    "rays": (FILE, RAYS),
 }
 
 

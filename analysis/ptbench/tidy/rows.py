@@ -6,7 +6,7 @@ a cell that failed, since nobody knows what it timed. A value that a file does n
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,24 +22,7 @@ from ptbench.io.results import result_of
 from ptbench.io.stability import SCHEMA, Row, Stability, is_stability, stability_of
 from ptbench.stats.estimates import median_estimate
 from ptbench.studies import rows as studies
-from ptbench.tidy.columns import (
-    CATEGORY,
-    CELL,
-    CHECK,
-    CHECKPOINT,
-    FILE,
-    FLAG,
-    IDENTITY,
-    INTEGER,
-    NUMBER,
-    RAYS,
-    SAMPLE,
-    STAGE,
-    STATUS,
-    TEXT,
-    VERDICT,
-    types_of,
-)
+from ptbench.tidy.columns import FLAG, GROUPS, INTEGER, NUMBER, SAMPLE, STATUS, types_of
 
 # Files by their paths, or loaded: one or several.
 Loaded = Result | Stability | Rays
@@ -80,12 +63,12 @@ def samples(files: Files) -> Rows:
         identity = _identity(result, cell)
         rows += [identity | _sample(cell, sample) for sample in cell.samples]
         rows += [identity | failure for failure in _failures(cell)]
-    return _rows(rows, FILE, IDENTITY, SAMPLE)
+    return _rows(rows, "samples")
 
 
 def cells(files: Files) -> Rows:
     """One row a cell. Medians are of its good samples, missing for a failed cell."""
-    return _rows([_identity(result, cell) | _cell(cell) for result, cell in _cells(files)], FILE, IDENTITY, CELL)
+    return _rows([_identity(result, cell) | _cell(cell) for result, cell in _cells(files)], "cells")
 
 
 def stages(files: Files) -> Rows:
@@ -107,7 +90,7 @@ def stages(files: Files) -> Rows:
         }
         for stage, ms in done.stage_ms.items():
             rows.append(identity | whole | {"stage": stage, "stage_ms": ms, "stage_ms_per_spp": ms / done.spp})
-    return _rows(rows, FILE, IDENTITY, STAGE)
+    return _rows(rows, "stages")
 
 
 def live_paths(files: Files) -> Rows:
@@ -119,8 +102,7 @@ def live_paths(files: Files) -> Rows:
         for bounce, alive in enumerate(done.live_paths if done is not None else ()):
             counted = {"bounce": bounce, "live_paths": alive, "live_share": alive / done.paths}
             rows.append(_identity(result, cell) | _status(cell) | counted)
-    columns = {"bounce": INTEGER, "live_paths": INTEGER, "live_share": NUMBER, **STATUS}
-    return _rows(rows, FILE, IDENTITY, columns)
+    return _rows(rows, "live_paths")
 
 
 def kernels(files: Files) -> Rows:
@@ -131,8 +113,7 @@ def kernels(files: Files) -> Rows:
             made = {"kernel": name, "registers": kernel.registers}
             made |= {"local_bytes": kernel.local_bytes, "shared_bytes": kernel.shared_bytes}
             rows.append(_identity(result, cell) | _status(cell) | made)
-    columns = {"kernel": CATEGORY, "registers": INTEGER, "local_bytes": INTEGER, "shared_bytes": INTEGER}
-    return _rows(rows, FILE, IDENTITY, columns | STATUS)
+    return _rows(rows, "kernels")
 
 
 def curves(files: Files) -> Rows:
@@ -157,7 +138,7 @@ def curves(files: Files) -> Rows:
                 continue
             rows += [identity | drawn | _checkpoint(checkpoint) for checkpoint in sample.checkpoints]
         rows += [identity | failure for failure in _failures(cell)]
-    return _rows(rows, FILE, IDENTITY, CHECKPOINT)
+    return _rows(rows, "curves")
 
 
 def not_applicable(files: Files) -> Rows:
@@ -169,8 +150,7 @@ def not_applicable(files: Files) -> Rows:
         for result in _results(files)
         for item in result.not_applicable
     ]
-    columns = {"study": CATEGORY, "scene": CATEGORY, "variant": CATEGORY, "AXES": CATEGORY, "reason": TEXT}
-    return _rows(rows, FILE, columns)
+    return _rows(rows, "not_applicable")
 
 
 def stability(files: Files) -> Rows:
@@ -183,7 +163,7 @@ def stability(files: Files) -> Rows:
         if not isinstance(known, Stability):
             raise bad_value(known.path, "$.schema", "nothing", f'"{SCHEMA}", a result of `ptbench stability`')
         rows += [_of_file(known) | _check(row) for row in known.rows]
-    return _rows(rows, FILE, CHECK)
+    return _rows(rows, "stability")
 
 
 def verdicts(files: Files) -> Rows:
@@ -195,7 +175,7 @@ def verdicts(files: Files) -> Rows:
     for result in _results(files):
         for study in result.studies:
             rows += [_identity(result, row.cell) | _verdict(study.name, row) for row in studies.measure(result, study)]
-    return _rows(rows, FILE, IDENTITY, VERDICT)
+    return _rows(rows, "verdicts")
 
 
 def rays(files: Files) -> Rows:
@@ -208,7 +188,7 @@ def rays(files: Files) -> Rows:
             of_mesh = {"backend": known.backend, "mesh": mesh.name, "triangles": mesh.triangles}
             for tree in mesh.trees:
                 rows += [_of_file(known) | of_mesh | _tree(tree) | _batch(batch, mesh) for batch in tree.batches]
-    return _rows(rows, FILE, RAYS)
+    return _rows(rows, "rays")
 
 
 TABLES = {
@@ -253,8 +233,8 @@ def _verdict(study: str, row: studies.Row) -> dict:
     return told
 
 
-def _rows(rows: Sequence[dict], *groups: Mapping[str, str]) -> Rows:
-    return Rows(tuple(rows), types_of(rows, *groups))
+def _rows(rows: Sequence[dict], table: str) -> Rows:
+    return Rows(tuple(rows), types_of(rows, *GROUPS[table]))
 
 
 def load_files(files: Files) -> tuple[Loaded, ...]:
