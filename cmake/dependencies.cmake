@@ -25,6 +25,11 @@ if(PTBENCH_EMBREE)
   endif()
 endif()
 
+find_package(OpenEXR 3.1 QUIET CONFIG)
+if(NOT OpenEXR_FOUND)
+  message(STATUS "OpenEXR 3: not found: no .exr images (libopenexr-dev)")
+endif()
+
 # Thrust: the CUDA toolkit's where there is one, the distribution's (libthrust-dev) where not.
 find_program(PTBENCH_NVCC nvcc HINTS $ENV{CUDA_HOME}/bin /usr/local/cuda/bin)
 if(PTBENCH_NVCC)

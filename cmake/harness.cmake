@@ -72,6 +72,17 @@ if(PTBENCH_TINYGLTF_INCLUDE)
   set_source_files_properties(${glb_reader} PROPERTIES COMPILE_DEFINITIONS PTBENCH_HAS_TINYGLTF)
   target_include_directories(ptbench_rendering SYSTEM PRIVATE ${PTBENCH_TINYGLTF_INCLUDE})
 endif()
+# And OpenEXR in this one.
+set(exr_writer ${PROJECT_SOURCE_DIR}/harness/render/exr.cpp)
+if(OpenEXR_FOUND)
+  set_source_files_properties(${exr_writer} PROPERTIES COMPILE_DEFINITIONS PTBENCH_HAS_OPENEXR
+                              SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
+  foreach(part OpenEXR::OpenEXR OpenEXR::OpenEXRConfig OpenEXR::Iex OpenEXR::IlmThread Imath::Imath Imath::ImathConfig)
+    target_include_directories(ptbench_rendering SYSTEM PRIVATE $<TARGET_PROPERTY:${part},INTERFACE_INCLUDE_DIRECTORIES>)
+  endforeach()
+  # To link only: its options would keep other files from the precompiled headers.
+  target_link_libraries(ptbench_rendering INTERFACE $<LINK_ONLY:OpenEXR::OpenEXR>)
+endif()
 set(PTBENCH_HARNESS_OPTIMISATION "" CACHE STRING
     "Optimisation of the parts of harness/ that time and compute nothing (empty: -O1 in a release build, else the build type's)")
 set(harness_optimisation "${PTBENCH_HARNESS_OPTIMISATION}")

@@ -127,6 +127,16 @@ setup_embree() {
     }
 }
 
+setup_openexr() {
+    local stamp=$build_dir/without-libopenexr-dev
+    [[ ${PTBENCH_PACKAGES:-} != skip && ! -e $stamp ]] || return 0
+    is_installed libopenexr-dev || try_to_install libopenexr-dev || {
+        say "no libopenexr-dev: this build writes no .exr images"
+        mkdir -p -- "$build_dir"
+        touch -- "$stamp"
+    }
+}
+
 # The report's tests look at its page in a browser. Not every system has one as a package: without it they are skipped.
 setup_browser() {
     command -v chromium >/dev/null || try_to_install chromium ||
@@ -170,6 +180,7 @@ setup_compilers() {
     setup_packages
     setup_mesh_readers
     setup_embree
+    setup_openexr
     [[ -n $nvcc ]] || say "no nvcc found: CPU backend only"
 }
 

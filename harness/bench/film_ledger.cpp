@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "harness/render/renderer.h"
+#include "harness/render/checkpoints.h"
 #include "variants/registry.h"
 #include "variants/variant_name.h"
 
@@ -13,8 +13,7 @@ namespace {
 // All cells whose films must be equal bit for bit.
 std::string bitwise_group(const Cell& cell) {
     std::string name = setting_in(cell.name);
-    // Stopping at checkpoints changes no bit, but where numbers follow the order of a queue, whose batches end there.
-    if (cell.convergence && !depends_on_order(cell.variant, cell.backend)) {
+    if (cell.convergence && !stops_change_film(cell.variant, cell.backend)) {
         name.erase(name.rfind('/'));
     }
     // Two kernels that round freely need not agree: each is a group of its own.

@@ -13,7 +13,9 @@
 #include "harness/bench/progress.h"
 #include "harness/bench/suite.h"
 #include "harness/cli/commands.h"
+#include "harness/cli/render_aovs.h"
 #include "harness/places.h"
+#include "harness/render/checkpoints.h"
 #include "harness/render/image.h"
 #include "harness/variant_json.h"
 #include "harness/write_file.h"
@@ -34,6 +36,7 @@ struct RenderArguments {
     std::uint64_t seed = 1;
     std::uint32_t repetitions = 0;
     bool untuned = false;
+    std::string aovs;
     std::string out;
 };
 
@@ -72,23 +75,29 @@ std::vector<std::uint32_t> stops_of(const RenderRequest& request, std::optional<
     return stops;
 }
 
-// Says on standard error what a long render will take, and then how far it is.
-RenderResult render_aloud(const Scene& scene, RenderRequest request) {
+// Says on standard error what a long render will take, and then how far it is. `variance`: fed from the stops; or null.
+RenderResult render_aloud(const Scene& scene, RenderRequest request, PixelVariance* variance) {
     const std::optional<double> seconds = expected_seconds(scene, request);
     const double samples = static_cast<double>(request.settings.width) * request.settings.height * request.samples;
-    if (seconds ? *seconds < shortest_to_mention : samples < most_samples_unmentioned) {
+    const bool is_short = seconds ? *seconds < shortest_to_mention : samples < most_samples_unmentioned;
+    if (is_short && variance == nullptr) {
         return render(scene, request);
     }
-    fmt::print(stderr, "render: {}x{}, {} spp, {}{}\n", request.settings.width, request.settings.height,
-               request.samples, shown_name(request.variant, request.backend),
-               seconds ? ": about " + clock_text(*seconds) : "");
-    // Where numbers follow the order of a queue, a stop would change them.
-    if (depends_on_order(request.variant, request.backend)) {
+    if (!is_short) {
+        fmt::print(stderr, "render: {}x{}, {} spp, {}{}\n", request.settings.width, request.settings.height,
+                   request.samples, shown_name(request.variant, request.backend),
+                   seconds ? ": about " + clock_text(*seconds) : "");
+    }
+    if (stops_change_film(request.variant, request.backend)) {
         return render(scene, request);
     }
-    request.checkpoints = stops_of(request, seconds);
-    Progress progress("render", request.checkpoints.size());
+    request.checkpoints = variance != nullptr ? variance_stops(request.samples) : stops_of(request, seconds);
+    Progress progress("render", request.checkpoints.size(),
+                      is_short ? Progress::Lines::hidden : Progress::Lines::shown);
     request.on_checkpoint = [&](const Checkpoint& checkpoint) {
+        if (variance != nullptr) {
+            variance->add(checkpoint.film);
+        }
         progress.step(fmt::format("{} of {} spp", checkpoint.samples, request.samples));
     };
     return render(scene, request);
@@ -145,12 +154,54 @@ void say_where(const RenderArguments& arguments, const RenderRequest& request) {
     const std::string file = std::filesystem::absolute(arguments.out).lexically_normal().string();
     fmt::print(stderr, "rendered with {} on {}, chosen by {}\nwritten: {}\nopen it: {} '{}'\n",
                shown_name(request.variant, request.backend), to_string(request.backend), chosen_by(arguments), file,
-               file.ends_with(".pfm") ? "tev" : "xdg-open", file);
+               file.ends_with(".png") ? "xdg-open" : "tev", file);
+}
+
+// What was rendered and how, for whoever finds the file alone.
+std::vector<std::pair<std::string, std::string>> exr_texts(const nlohmann::ordered_json& summary) {
+    std::vector<std::pair<std::string, std::string>> texts;
+    for (const char* const key : {"scene", "scene_hash", "variant", "backend", "depth", "spp", "seed", "film_hash"}) {
+        const nlohmann::ordered_json& value = summary.at(key);
+        texts.emplace_back(fmt::format("ptbench.{}", key), value.is_string() ? value.get<std::string>() : value.dump());
+    }
+    return texts;
+}
+
+nlohmann::ordered_json summary_of(const Scene& scene, const RenderRequest& request, const RenderArguments& arguments,
+                                  const RenderResult& result) {
+    const Vec3d mean = result.film.mean();
+    return {
+        {"scene", scene.name},
+        {"scene_hash", scene.hash},
+        {"variant", shown_name(request.variant, request.backend)},
+        {"variant_id", variant_id(request.variant, request.backend)},
+        {"chosen_by", chosen_by(arguments)},
+        {"axes", axes_json(request.variant)},
+        {"backend", to_string(request.backend)},
+        {"resolution", {request.settings.width, request.settings.height}},
+        {"depth", request.settings.depth},
+        {"spp", arguments.spp},
+        {"seed", arguments.seed},
+        {"mean_rgb", {mean.x, mean.y, mean.z}},
+        {"film_hash", result.film.hash()},
+        {"nonfinite", result.film.faults().nonfinite},
+        {"negative", result.film.faults().negative},
+        {"saturated", result.film.faults().saturated},
+        {"paths", result.work.paths},
+        {"rays", result.work.rays},
+        {"unfinished_walks", result.work.unfinished_walks},
+        {"kernel", choose_kernel(scene, request.variant, request.backend).note()},
+        {"render_seconds", 1e-3 * result.wall_ms},
+        {"device_seconds", 1e-3 * result.device_ms},
+        {"compile_seconds", result.cuda.compile_seconds},
+        {"kernels_from_cache", result.cuda.from_cache},
+    };
 }
 
 int run(const RenderArguments& arguments) {
     check_image_name(arguments.out);
     check_output_file(arguments.out);
+    RenderAovs aovs = RenderAovs::parse(arguments.aovs);
     const auto start = std::chrono::steady_clock::now();
     const Scene scene = find_scene(arguments.scene);
     const Backend backend = parse_backend(arguments.backend);
@@ -165,44 +216,25 @@ int run(const RenderArguments& arguments) {
     if (arguments.depth != 0) {
         request.settings.depth = arguments.depth;
     }
-    const RenderResult result = render_aloud(scene, request);
-    write_image(result.film, arguments.out);
-    const Vec3d mean = result.film.mean();
+    aovs.check(arguments.out, request);
+    const RenderResult result = render_aloud(scene, request, aovs.variance());
+    nlohmann::ordered_json summary = summary_of(scene, request, arguments, result);
+    if (arguments.out.ends_with(".exr")) {
+        std::vector<ExrLayer> layers = aovs.layers(scene, request, result, summary);
+        layers.push_back({"", "RGB", result.film.radiance()});
+        write_file(arguments.out, encode_exr(layers, result.film.width(), result.film.height(), exr_texts(summary)));
+    } else {
+        write_image(result.film, arguments.out);
+    }
     nlohmann::ordered_json again = nlohmann::ordered_json::array();
     while (again.size() < arguments.repetitions) {
         again.push_back(timed_again(scene, request));
     }
-    nlohmann::ordered_json summary{
-        {"scene", scene.name},
-        {"scene_hash", scene.hash},
-        {"variant", shown_name(request.variant, backend)},
-        {"variant_id", variant_id(request.variant, backend)},
-        {"chosen_by", chosen_by(arguments)},
-        {"axes", axes_json(request.variant)},
-        {"backend", to_string(backend)},
-        {"resolution", {request.settings.width, request.settings.height}},
-        {"depth", request.settings.depth},
-        {"spp", arguments.spp},
-        {"seed", arguments.seed},
-        {"mean_rgb", {mean.x, mean.y, mean.z}},
-        {"film_hash", result.film.hash()},
-        {"nonfinite", result.film.faults().nonfinite},
-        {"negative", result.film.faults().negative},
-        {"saturated", result.film.faults().saturated},
-        {"paths", result.work.paths},
-        {"rays", result.work.rays},
-        {"unfinished_walks", result.work.unfinished_walks},
-        {"kernel", choose_kernel(scene, request.variant, backend).note()},
-        {"render_seconds", 1e-3 * result.wall_ms},
-        {"device_seconds", 1e-3 * result.device_ms},
-        {"compile_seconds", result.cuda.compile_seconds},
-        {"kernels_from_cache", result.cuda.from_cache},
-        {"seconds", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()},
-        {"out", arguments.out},
-    };
     if (!again.empty()) {
         summary["repetitions"] = again;
     }
+    summary["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    summary["out"] = arguments.out;
     fmt::print("{}\n", summary.dump(1));
     std::fflush(stdout);
     say_where(arguments, request);
@@ -230,7 +262,11 @@ Command add_render_command(CLI::App& app) {
         ->check(CLI::Range(0u, 10000u));
     command->add_flag("--untuned", arguments->untuned,
                       "Leave tunables at their standards, whatever `ptbench autotune` found on this machine");
-    command->add_option("--out", arguments->out, "Image to write: .png (sRGB) or .pfm (linear)")->required();
+    command
+        ->add_option("--aovs", arguments->aovs,
+                     "Also into an .exr: all, or some of " + aov_names_text() + ", separated by commas")
+        ->check(check_not_empty);
+    command->add_option("--out", arguments->out, "Image to write: .png (sRGB), .pfm or .exr (linear)")->required();
     return [arguments] { return run(*arguments); };
 }
 

@@ -28,6 +28,10 @@ std::vector<RenderPart> parts_of(const RenderRequest& request) {
     return parts;
 }
 
+bool stops_change_film(const Variant& variant, Backend backend) {
+    return depends_on_order(variant, backend) || traits_of(variant, backend).robustness.is_naive;
+}
+
 bool is_shown(const RenderRequest& request) { return !request.checkpoints.empty() && request.on_checkpoint != nullptr; }
 
 void report_checkpoint(const RenderRequest& request, const RenderPart& part, RenderResult& result) {

@@ -15,6 +15,10 @@ struct RenderPart {
 // or more and end with the request's samples.
 std::vector<RenderPart> parts_of(const RenderRequest& request);
 
+// Whether a variant's film has other bits if its render stops on the way: random numbers that follow the order of a
+// queue, whose batches end there, or sums in single precision, which begin anew.
+bool stops_change_film(const Variant& variant, Backend backend);
+
 // Whether somebody looks at the film between two parts.
 bool is_shown(const RenderRequest& request);
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "harness/error.h"
+#include "harness/render/exr.h"
 #include "harness/write_file.h"
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
@@ -57,16 +58,22 @@ std::string encode_pfm(const std::vector<float>& values, std::uint32_t width, st
 
 void check_image_name(const std::string& file) {
     const std::string ending = std::filesystem::path(file).extension().string();
-    if (ending != ".png" && ending != ".pfm") {
-        throw InputError("--out", "file name", "\"" + file + "\"", "a name that ends in .png or .pfm");
+    if (ending == ".exr" && !has_openexr()) {
+        throw InputError("--out", "file name", "\"" + file + "\"",
+                         "a name that ends in .png or .pfm: this ptbench was built without OpenEXR (libopenexr-dev)");
+    }
+    if (ending != ".png" && ending != ".pfm" && ending != ".exr") {
+        throw InputError("--out", "file name", "\"" + file + "\"",
+                         has_openexr() ? "a name that ends in .png, .pfm or .exr" : "a name that ends in .png or .pfm");
     }
 }
 
 void write_image(const Film& film, const std::string& file) {
     check_image_name(file);
-    write_file(file, std::filesystem::path(file).extension() == ".png"
-                         ? encode_png(film)
-                         : encode_pfm(film.radiance(), film.width(), film.height()));
+    const std::string ending = std::filesystem::path(file).extension().string();
+    write_file(file, ending == ".png"   ? encode_png(film)
+                     : ending == ".exr" ? encode_exr({{"", "RGB", film.radiance()}}, film.width(), film.height())
+                                        : encode_pfm(film.radiance(), film.width(), film.height()));
 }
 
 void write_pfm(const std::vector<float>& radiance, std::uint32_t width, std::uint32_t height, const std::string& file) {

@@ -30,8 +30,8 @@ struct RenderRequest {
     // Samples that the whole film is for, if this render adds only a part of them; 0: `samples`.
     std::uint32_t film_samples = 0;
     // Samples after which the render stops to call `on_checkpoint`: increasing, the last one == samples; empty: it
-    // runs in one part. The film's bits and what is counted of paths and rays are the same either way, and a
-    // first-bounce cache is filled once; a queue of several samples a pixel has batches that end at checkpoints.
+    // runs in one part. The film's bits (but stops_change_film) and what is counted are the same either way; a
+    // first-bounce cache is filled once, and a queue of several samples a pixel has batches that end at checkpoints.
     std::vector<std::uint32_t> checkpoints = {};
     std::function<void(const Checkpoint&)> on_checkpoint = {};
 };

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include "harness/render/exr.h"
 #include "tests/support/backends.h"
 #include "tests/support/command.h"
 
@@ -329,9 +330,10 @@ TEST(BadCallsTest, Numbers) {
 }
 
 TEST(BadCallsTest, OutputFiles) {
+    const std::string allowed = has_openexr() ? ".png, .pfm or .exr\n" : ".png or .pfm\n";
     for (const std::string name : {"image.jpg", "image", ".png", "png", "image.PNG"}) {
         expect_refusal({"render", "--scene", "cornell_open", "--resolution", "4x3", "--out", name}, 2,
-                       "--out: file name: found \"" + name + "\", allowed: a name that ends in .png or .pfm\n");
+                       "--out: file name: found \"" + name + "\", allowed: a name that ends in " + allowed);
     }
     // A folder cannot be made below a file.
     expect_refusal(

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "harness/error.h"
-#include "harness/render/renderer.h"
+#include "harness/render/checkpoints.h"
 #include "tests/support/scenes.h"
 
 namespace pt {
@@ -276,6 +276,24 @@ TEST(CheckpointsTest, ExceptionsOfTheCallbackComeOut) {
     const RenderResult after = render(scene, request);
     request.checkpoints = {};
     EXPECT_EQ(after.film.sums(), render(scene, request).film.sums());
+}
+
+// Sums in single precision begin anew at each stop; those of the others are integers.
+TEST(CheckpointsTest, StopsChangeNoFilmButThoseThatSayIt) {
+    Scene scene = lit_balls();
+    scene.environment = Vec3d(0.1);  // whose sums are rounded
+    for (const std::string robustness : {"robust", "naive"}) {
+        Variant variant = Registry::instance().baseline();
+        variant.set("integrator", "depth_first");
+        variant.set("robustness", robustness);
+        const RenderRequest request = request_for(scene, variant);
+        const bool differs =
+            render_with_checkpoints(scene, request, octaves).result.film.hash() != render(scene, request).film.hash();
+        EXPECT_EQ(differs, stops_change_film(variant, Backend::cpu)) << robustness;
+    }
+    Variant by_position = Registry::instance().baseline();
+    by_position.set("sampler", "minstd_by_position");
+    EXPECT_TRUE(stops_change_film(by_position, Backend::cpu));
 }
 
 }  // namespace

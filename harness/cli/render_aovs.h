@@ -1,0 +1,39 @@
+// What `ptbench render --aovs` writes into an .exr beside the colour (arbitrary output variables, as renderers call
+// them): which there are, what they ask of the render, and the layers that they become.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "harness/render/exr.h"
+#include "harness/render/pixel_variance.h"
+#include "harness/render/renderer.h"
+
+namespace pt {
+
+// "albedo, normal, depth, coverage, samples, variance"
+std::string aov_names_text();
+
+class RenderAovs {
+public:
+    // "albedo,variance" or "all"; "": none. Throws InputError for other names.
+    static RenderAovs parse(const std::string& text);
+
+    bool none() const { return names_.empty(); }
+    // Throws InputError where the file's format, the variant or the number of samples cannot have them.
+    void check(const std::string& file, const RenderRequest& request) const;
+
+    // What the render has to feed from its checkpoints, which it makes at variance_stops; null if none needs it.
+    PixelVariance* variance() { return has("variance") ? &variance_ : nullptr; }
+
+    // After the render. Adds to the summary what they were made from.
+    std::vector<ExrLayer> layers(const Scene& scene, const RenderRequest& request, const RenderResult& result,
+                                 nlohmann::ordered_json& summary) const;
+
+private:
+    bool has(std::string_view name) const;
+
+    std::vector<std::string> names_;
+    PixelVariance variance_;
+};
+
+}  // namespace pt

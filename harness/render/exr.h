@@ -1,0 +1,27 @@
+// OpenEXR images of several layers: channels of 32-bit floats under the names that readers group them by
+// (https://openexr.com/en/latest/TechnicalIntroduction.html#layers), without loss, through the OpenEXR 3 library.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace pt {
+
+// Channels "name.R", "name.G", .. or, of the layer without a name, "R", "G", ..
+struct ExrLayer {
+    std::string name;
+    std::string channels;       // a letter each
+    std::vector<float> values;  // row-major from the top, a pixel's channels together
+};
+
+// Whether this program was built with the library.
+bool has_openexr();
+
+// The file's content. `texts`: attributes of its header, by name. The same for the same input, whatever the time or the
+// machine. Throws std::logic_error if a layer has another size, and where there is no library.
+std::string encode_exr(const std::vector<ExrLayer>& layers, std::uint32_t width, std::uint32_t height,
+                       const std::vector<std::pair<std::string, std::string>>& texts = {});
+
+}  // namespace pt
