@@ -47,7 +47,7 @@ PT_HD inline RandomWords halton_words(const RandomWords& seed, const RandomKey& 
     const std::uint32_t block = key.bounce == 0 ? key.block : 2 * key.bounce + key.block;
     const bool has_dimensions = key.block < 2 && 4 * block < halton_dimensions;
     if (!has_dimensions) {
-        return pcg4d({key.pixel ^ seed.x, key.sample ^ seed.y, key.bounce ^ seed.z, key.block ^ seed.w});
+        return pcg4d_words(seed, key);
     }
     const RandomWords scramble =
         pcg4d({key.pixel ^ seed.x, key.bounce ^ seed.y, key.block ^ seed.z, 0x85ebca6bu ^ seed.w});

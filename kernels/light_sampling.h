@@ -88,11 +88,6 @@ private:
     PT_HD static Real onto(Real observer, Real height) { return observer > Real(0) ? -height : height; }
 };
 
-template <class Real>
-PT_HD inline Real component(const Vec3<Real>& v, int axis) {
-    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
-
 // By area: a face in proportion to its area. 1 / density by solid angle is area cos / distance^2, the area that of all
 // faces seen, cos = height of the face over distance.
 // By projected area: in proportion to area cos distance, so that the density does not depend on the face.
@@ -116,7 +111,7 @@ struct FacesByArea {
     // `inverse`: 1 / distance to the point. Step by step, since neither its cube nor the total's product with a height
     // need be in range.
     PT_HD Real inverse_pdf(int axis, Real inverse) const {
-        const Real of_direction = projected ? inverse : component(faces.height, axis) * inverse;
+        const Real of_direction = projected ? inverse : component_of(faces.height, axis) * inverse;
         return total * inverse * inverse * of_direction;
     }
     PT_HD DirectionSample<Real> sample(Real u, Real v, Real w) const {
@@ -149,7 +144,7 @@ struct OneFaceBySolidAngle {
         const int axis = faces.picked(share, w * count);
         const SphericalRectangle<Real> seen = rectangle(axis);
         const Vec3<Real> point = seen.point(u, v);
-        const Real back = component(faces.observer, axis) > Real(0) ? -point.z : point.z;
+        const Real back = component_of(faces.observer, axis) > Real(0) ? -point.z : point.z;
         const Vec3<Real> to_light{axis == 0 ? back : point.x,
                                   axis == 1   ? back
                                   : axis == 0 ? point.x
@@ -173,7 +168,7 @@ private:
         const Real at_a = axis == 0 ? o.y : o.x;
         const Real at_b = axis == 2 ? o.y : o.z;
         return SphericalRectangle<Real>::by_one_arc_tangent(-a - at_a, a - at_a, -b - at_b, b - at_b,
-                                                            component(faces.height, axis));
+                                                            component_of(faces.height, axis));
     }
 };
 

@@ -50,6 +50,12 @@ PT_HD constexpr T clamp(T value, T low, T high) {
     return min(max(value, low), high);
 }
 
+// Of a vector, by its number. By selection: an index would put the vector into memory.
+template <class Real, class Axis>
+PT_HD constexpr Real component_of(const Vec3<Real>& v, Axis axis) {
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
 template <class Real>
 inline constexpr Real pi = Real(3.14159265358979323846264338327950288);
 

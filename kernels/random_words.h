@@ -34,4 +34,8 @@ PT_HD inline RandomWords pcg4d(RandomWords v) {
     return v;
 }
 
+PT_HD inline RandomWords pcg4d_words(const RandomWords& seed, const RandomKey& key) {
+    return pcg4d({key.pixel ^ seed.x, key.sample ^ seed.y, key.bounce ^ seed.z, key.block ^ seed.w});
+}
+
 }  // namespace pt

@@ -41,10 +41,6 @@ inline constexpr std::uint32_t light = 1;
 inline constexpr std::uint32_t walk = 2;
 }  // namespace random_block
 
-PT_HD inline RandomWords pcg4d_words(const RandomWords& seed, const RandomKey& key) {
-    return pcg4d({key.pixel ^ seed.x, key.sample ^ seed.y, key.bounce ^ seed.z, key.block ^ seed.w});
-}
-
 // Where the kernel's numbers come from: one of `samplers`, or none for pcg4d.
 template <class Config>
 PT_HD inline FeatureSet sampler_of(const RandomSeed& seed) {

@@ -119,6 +119,13 @@ private:
     }
 };
 
+// The far form's 1 / density in the direction of a point: `total` over the cube of its distance in diagonals.
+template <class Real>
+PT_HD inline Real far_inverse_pdf(Real total, Real distance, Real diagonal) {
+    const Real t = distance / diagonal;
+    return total / (t * t * t);
+}
+
 // A box as a point in its own frame sees it, in units of its diagonal. A quad is a box without height.
 template <class Real>
 struct SeenBox {
@@ -139,12 +146,13 @@ struct SeenBox {
         total = Real(0);
         inside = true;
         for (int axis = 0; axis < 3; ++axis) {
-            const Real height = absolute(at(observer, axis)) - at(half, axis);
+            const Real height = absolute(component_of(observer, axis)) - component_of(half, axis);
             share[axis] = Real(0);
             if (height > Real(0)) {
                 inside = false;
-                const Real seen = near ? rectangle(axis).solid_angle
-                                       : Real(4) * at(half, after(axis)) * at(half, after(after(axis))) * height;
+                const Real seen =
+                    near ? rectangle(axis).solid_angle
+                         : Real(4) * component_of(half, after(axis)) * component_of(half, after(after(axis))) * height;
                 share[axis] = seen > Real(0) ? seen : Real(0);
             }
             total += share[axis];
@@ -156,8 +164,7 @@ struct SeenBox {
         if (inside) {
             return Real(4) * pi<Real>;
         }
-        const Real t = distance / diagonal;
-        return near ? total : total / (t * t * t);
+        return near ? total : far_inverse_pdf(total, distance, diagonal);
     }
 
     // Not yet unit; `inverse_pdf` is set.
@@ -174,14 +181,15 @@ struct SeenBox {
         Vec3<Real> to_light;
         if (near) {
             const Vec3<Real> point = rectangle(axis).point(u, v);
-            put(to_light, axis, at(observer, axis) > Real(0) ? -point.z : point.z);
+            put(to_light, axis, component_of(observer, axis) > Real(0) ? -point.z : point.z);
             put(to_light, b, point.x);
             put(to_light, c, point.y);
         } else {
-            const Real face = at(observer, axis) > Real(0) ? at(half, axis) : -at(half, axis);
-            put(to_light, axis, face - at(observer, axis));
-            put(to_light, b, (Real(2) * u - Real(1)) * at(half, b) - at(observer, b));
-            put(to_light, c, (Real(2) * v - Real(1)) * at(half, c) - at(observer, c));
+            const Real face =
+                component_of(observer, axis) > Real(0) ? component_of(half, axis) : -component_of(half, axis);
+            put(to_light, axis, face - component_of(observer, axis));
+            put(to_light, b, (Real(2) * u - Real(1)) * component_of(half, b) - component_of(observer, b));
+            put(to_light, c, (Real(2) * v - Real(1)) * component_of(half, c) - component_of(observer, c));
         }
         const Real length = square_root(dot(to_light, to_light));
         return {to_light * (Real(1) / length), inverse_pdf(length * diagonal)};
@@ -189,7 +197,6 @@ struct SeenBox {
 
 private:
     PT_HD static int after(int axis) { return axis == 2 ? 0 : axis + 1; }
-    PT_HD static Real at(const Vec3<Real>& v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
     PT_HD static void put(Vec3<Real>& v, int axis, Real value) {
         v.x = axis == 0 ? value : v.x;
         v.y = axis == 1 ? value : v.y;
@@ -198,8 +205,9 @@ private:
     PT_HD SphericalRectangle<Real> rectangle(int axis) const {
         const int b = after(axis);
         const int c = after(b);
-        return {-at(half, b) - at(observer, b), at(half, b) - at(observer, b), -at(half, c) - at(observer, c),
-                at(half, c) - at(observer, c), absolute(at(observer, axis)) - at(half, axis)};
+        return {-component_of(half, b) - component_of(observer, b), component_of(half, b) - component_of(observer, b),
+                -component_of(half, c) - component_of(observer, c), component_of(half, c) - component_of(observer, c),
+                absolute(component_of(observer, axis)) - component_of(half, axis)};
     }
 };
 

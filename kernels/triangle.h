@@ -25,12 +25,10 @@ struct ShearedDirection {
         s.kz = size.x > size.y ? (size.x > size.z ? 0u : 2u) : (size.y > size.z ? 1u : 2u);
         s.kx = s.kz == 2u ? 0u : s.kz + 1u;
         s.ky = s.kx == 2u ? 0u : s.kx + 1u;
-        const Real z = pick(direction, s.kz);
-        s.shear = {pick(direction, s.kx) / z, pick(direction, s.ky) / z, Real(1) / z};
+        const Real z = component_of(direction, s.kz);
+        s.shear = {component_of(direction, s.kx) / z, component_of(direction, s.ky) / z, Real(1) / z};
         return s;
     }
-    // By selection: an index would put the vector into memory.
-    PT_HD static Real pick(const Vec3<Real>& v, std::uint32_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 };
 
 template <class Real>
@@ -54,10 +52,10 @@ template <class Real>
 PT_HD inline TriangleHit<Real> intersect(const Triangle<Real>& triangle, const Vec3<Real>& origin,
                                          const ShearedDirection<Real>& s) {
     const Vec3<Real> a = triangle.a - origin, b = triangle.b - origin, c = triangle.c - origin;
-    const Real az = s.pick(a, s.kz), bz = s.pick(b, s.kz), cz = s.pick(c, s.kz);
-    const Real ax = s.pick(a, s.kx) - s.shear.x * az, ay = s.pick(a, s.ky) - s.shear.y * az;
-    const Real bx = s.pick(b, s.kx) - s.shear.x * bz, by = s.pick(b, s.ky) - s.shear.y * bz;
-    const Real cx = s.pick(c, s.kx) - s.shear.x * cz, cy = s.pick(c, s.ky) - s.shear.y * cz;
+    const Real az = component_of(a, s.kz), bz = component_of(b, s.kz), cz = component_of(c, s.kz);
+    const Real ax = component_of(a, s.kx) - s.shear.x * az, ay = component_of(a, s.ky) - s.shear.y * az;
+    const Real bx = component_of(b, s.kx) - s.shear.x * bz, by = component_of(b, s.ky) - s.shear.y * bz;
+    const Real cx = component_of(c, s.kx) - s.shear.x * cz, cy = component_of(c, s.ky) - s.shear.y * cz;
     TriangleHit<Real> hit{Real(0), Real(0), cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax, false, false};
     // A rounded zero says neither side; the exact sign does. In double there is nothing wider to ask, and zero is in.
     if (hit.u != Real(0) && hit.v != Real(0) && hit.w != Real(0) &&

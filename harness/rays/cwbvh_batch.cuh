@@ -31,9 +31,9 @@ struct PermutedRay {
     __device__ static PermutedRay of(const Vec3<float>& origin, const Vec3<float>& direction) {
         PermutedRay ray;
         ray.shear = ShearedDirection<float>::of(direction);
-        ray.x = ray.shear.pick(origin, ray.shear.kx);
-        ray.y = ray.shear.pick(origin, ray.shear.ky);
-        ray.z = ray.shear.pick(origin, ray.shear.kz);
+        ray.x = component_of(origin, ray.shear.kx);
+        ray.y = component_of(origin, ray.shear.ky);
+        ray.z = component_of(origin, ray.shear.kz);
         return ray;
     }
 };

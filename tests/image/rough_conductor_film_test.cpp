@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/connections.h"
 #include "tests/support/render.h"
 #include "tests/support/scenes.h"
 
@@ -101,20 +102,7 @@ TYPED_TEST(RoughConductorImageTest, ConnectionsBringWhatLobesMeet) {
         builder.camera({-2, 2, 0}, {0, 0, 0}).image(1, 1, 5, true).depth(2);
         builder.quad(builder.rough_conductor({0.9, 0.6, 0.3}, roughness), {0, 0, 0}, 4, 4);
         builder.sphere(builder.emitter(Vec3d(1.0)), {2, 2 + roughness, 0.5}, 2.5);
-        const auto mean = [&](const RenderOptions& options) {
-            return test::mean_radiance<TypeParam>(builder.scene, options).channel[1];
-        };
-        const test::Mean met = mean({.samples = 1 << 18, .seed = 11});
-        EXPECT_LT(met.standard_error(), 0.05 / test::tolerated_errors * met.value()) << roughness;
-        for (const std::uint32_t exponent : {0u, 1u, 2u}) {
-            const test::Mean connected =
-                mean({.samples = 1 << 18, .seed = 12 + exponent, .next_event = true, .mis_exponent = exponent});
-            EXPECT_LT(connected.standard_error(), 0.05 / test::tolerated_errors * met.value())
-                << roughness << " " << exponent;
-            EXPECT_NEAR(connected.value(), met.value(),
-                        test::tolerated_errors * std::hypot(connected.standard_error(), met.standard_error()))
-                << roughness << " " << exponent;
-        }
+        test::expect_connections_bring_what_lobes_meet<TypeParam>(builder.scene, roughness);
     }
 }
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/connections.h"
 #include "tests/support/render.h"
 #include "tests/support/scenes.h"
 
@@ -110,20 +111,7 @@ TYPED_TEST(RoughDielectricImageTest, ConnectionsThroughTheSurfaceBringWhatLobesM
         builder.camera({-2, 3, 0}, {0, 1, 0}).image(1, 1, 5, true).depth(2);
         builder.box(builder.rough_dielectric(1.5, roughness, absorbing, tint), {0, 0, 0}, {4, 2, 4});
         builder.sphere(builder.emitter(Vec3d(1.0)), {1, -0.2, 0.3}, 1.4);
-        const auto mean = [&](const RenderOptions& options) {
-            return test::mean_radiance<TypeParam>(builder.scene, options).channel[1];
-        };
-        const test::Mean met = mean({.samples = 1 << 18, .seed = 11});
-        EXPECT_LT(met.standard_error(), 0.05 / test::tolerated_errors * met.value()) << roughness;
-        for (const std::uint32_t exponent : {0u, 1u, 2u}) {
-            const test::Mean connected =
-                mean({.samples = 1 << 18, .seed = 12 + exponent, .next_event = true, .mis_exponent = exponent});
-            EXPECT_LT(connected.standard_error(), 0.05 / test::tolerated_errors * met.value())
-                << roughness << " " << exponent;
-            EXPECT_NEAR(connected.value(), met.value(),
-                        test::tolerated_errors * std::hypot(connected.standard_error(), met.standard_error()))
-                << roughness << " " << exponent;
-        }
+        test::expect_connections_bring_what_lobes_meet<TypeParam>(builder.scene, roughness);
     }
 }
 

@@ -25,7 +25,7 @@ struct BoxRay {
             const Real above = absolute(static_cast<Real>(spans[axis].high) - origin[axis]);
             reach[axis] = max(below, above);
         }
-        const Real along = s.pick(reach, s.kz);
+        const Real along = component_of(reach, s.kz);
         BoxRay ray{origin, origin, {Real(1) / direction.x, Real(1) / direction.y, Real(1) / direction.z}};
         for (std::uint32_t axis = 0; axis < 3; ++axis) {
             if (axis == s.kz) {

@@ -237,7 +237,7 @@ struct TriangleLanes {
         TriangleLanes lanes{
             {}, broadcast<block_width>(s.shear.x), broadcast<block_width>(s.shear.y), {s.kx, s.ky, s.kz}};
         for (int i = 0; i < 3; ++i) {
-            lanes.origin[i] = broadcast<block_width>(s.pick(ray.origin, lanes.axis[i]));
+            lanes.origin[i] = broadcast<block_width>(component_of(ray.origin, lanes.axis[i]));
         }
         return lanes;
     }

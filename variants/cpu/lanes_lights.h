@@ -367,12 +367,6 @@ inline void sample_near(BoxViews<Real>& views) {
 }
 
 template <class Real>
-inline Real far_inverse_pdf(Real total, Real distance, Real diagonal) {
-    const Real t = distance / diagonal;
-    return total / (t * t * t);
-}
-
-template <class Real>
 inline void sample_far(BoxViews<Real>& views) {
     measure_far(views);
     pick_axes(views);
