@@ -6,6 +6,7 @@
 
 #include "harness/cli/commands.h"
 #include "harness/cli/known_names.h"
+#include "harness/cli/render_aovs.h"
 #include "harness/places.h"
 
 namespace pt {
@@ -105,6 +106,10 @@ Words complete_value(const std::string& option, const std::string& begun, const 
     }
     if (option == "--backend") {
         return that_begin_with(begun, {"cpu", "cuda"});
+    }
+    if (option == "--aovs") {
+        return complete_list(begun,
+                             joined(names_of_aovs(), begun.find(',') == std::string::npos ? Words{"all"} : Words()));
     }
     return option == "--names" ? that_begin_with(begun, joined(names_of_axes(), kinds_of_names)) : Words();
 }

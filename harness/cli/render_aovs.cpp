@@ -27,6 +27,8 @@ bool has_unbiased_variance(const RenderRequest& request) {
 
 }  // namespace
 
+std::vector<std::string> names_of_aovs() { return {aov_names.begin(), aov_names.end()}; }
+
 std::string aov_names_text() { return fmt::format("{}", fmt::join(aov_names, ", ")); }
 
 RenderAovs RenderAovs::parse(const std::string& text) {

@@ -10,7 +10,9 @@
 
 namespace pt {
 
-// "albedo, normal, depth, coverage, samples, variance"
+// "albedo", "normal", ..
+std::vector<std::string> names_of_aovs();
+// The same with commas between.
 std::string aov_names_text();
 
 class RenderAovs {

@@ -66,6 +66,8 @@ TEST(CompletionTest, ScenesSuitesAndBackends) {
     EXPECT_EQ(completed("ptbench run --suite qu"), "quick");
     EXPECT_EQ(completed("ptbench run --suite=qu"), "quick");
     EXPECT_EQ(completed("ptbench run --backend c"), "cpu cuda");
+    EXPECT_EQ(completed("ptbench render --aovs a"), "albedo all");
+    EXPECT_EQ(completed("ptbench render --aovs=depth,no"), "depth,normal");
     EXPECT_EQ(completed("ptbench new sh"), "shape");
     EXPECT_EQ(completed("ptbench list --names sce"), "scenes");
 }
