@@ -1,7 +1,7 @@
 # shellcheck shell=bash disable=SC2154 # what ./run and its other parts set
 # Part of ./run: `./run package`.
 
-package_entries='ptbench|check|README\.txt|LICENSE|lib|tests|scenes|claims|analysis|results'
+package_entries='ptbench|check|README\.txt|LICENSE|lib|tests|scenes|claims|maps|analysis|results'
 
 # Programs that test the GPU side; they are there if the build has a CUDA backend. A file may make several, as
 # segments_test and segments_exact_test.
@@ -84,7 +84,7 @@ run_package() {
     cp -- LICENSE "$folder/"
     # With what `ptbench autotune` found: a run on such a machine uses it.
     mapfile -t tunings < <(find results -name tuning.json)
-    tar -cf - --exclude=__pycache__ scenes claims analysis "${tunings[@]}" | tar -xf - -C "$folder"
+    tar -cf - --exclude=__pycache__ scenes claims maps analysis "${tunings[@]}" | tar -xf - -C "$folder"
 
     mapfile -t files < <(find "$folder" -maxdepth 2 -type f \( -name '*.so*' -o -perm -u+x \))
     glibc=$(glibc_needed "${files[@]}")

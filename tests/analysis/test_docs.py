@@ -23,6 +23,7 @@ PAGES = [
     *sorted((ROOT / "docs").glob("*.md")),
     *sorted((ROOT / "docs/findings").glob("*.md")),
     *sorted((ROOT / "docs/claims").glob("*.md")),
+    *sorted((ROOT / "docs/maps").glob("*.md")),
 ]
 FOLDERS = (
     "analysis",
@@ -31,6 +32,7 @@ FOLDERS = (
     "docs",
     "harness",
     "kernels",
+    "maps",
     "packaging",
     "results",
     "scenes",

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from ptbench.advise.evidence import DECISIONS, SCHEDULE, TIME, VARIANCE, Book, Choice, Decision, choice_text
+from ptbench.advise.evidence import DECISIONS, SCHEDULE, Book, Choice, Decision, choice_text
 from ptbench.advise.features import Features, farthest
 from ptbench.advise.model import WITHIN, Forecast, Model, Near, model_of
+from ptbench.convergence.costs import TIME, VARIANCE
 from ptbench.numbers import figures, interval
 from ptbench.stats.estimates import CONFIDENCE
 

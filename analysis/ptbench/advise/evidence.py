@@ -12,23 +12,19 @@ from pathlib import Path
 
 from ptbench.advise.features import OF_ERROR, OF_TIME, Content, Features, content_of, features_of, scene_files
 from ptbench.convergence.assessment import Assessment, assess
-from ptbench.convergence.efficiency import compare, place_of
+from ptbench.convergence.costs import TIME, VARIANCE, cost_ratio
+from ptbench.convergence.efficiency import place_of
 from ptbench.errors import InputError
 from ptbench.io.cells import Cell, Result
 from ptbench.io.files import package_file
 from ptbench.io.nodes import read_json
 from ptbench.io.results import result_of
 from ptbench.stats.estimates import Estimate, ratio_estimate
-from ptbench.stats.intervals import bootstrap_interval, resampled
 from ptbench.studies.rows import is_contended
 from ptbench.studies.withdrawn import between
 
 # A choice: what it has that the reference has not, as (axis or tunable, value).
 Choice = tuple[tuple[str, str], ...]
-
-
-# What a ratio is of: time, variance times time, or variance alone, where verdicts on the time are withdrawn.
-TIME, WORK, VARIANCE = "time", "time to equal error", "variance at equal samples"
 
 
 @dataclass(frozen=True)
@@ -59,7 +55,6 @@ DECISIONS = tuple(
     for one in json.loads(FILE.read_text(encoding="utf-8"))["decisions"]
 )
 # A cost that was put into the shading on purpose: another scene, so to speak.
-BIASED = "biased"
 _INJECTED = "shading_fmas"
 _OF_A_COMMIT = re.compile(r"_[0-9a-f]{7}\.json(\.gz)?$")
 
@@ -211,7 +206,7 @@ def _points(
         base = min(bases, key=lambda one: one.spp != cell.spp)
         if not choice or (decision.statistic != VARIANCE and between(cell, base)):
             continue
-        ratio = _ratio(decision.statistic, assessed, cell, base)
+        ratio = cost_ratio(decision.statistic, assessed, cell, base)
         features = features_of(base, contents[cell.scene])
         if ratio is not None and ratio.value > 0 and features is not None:
             yield Point(choice, ratio, features, cell.scene, _setting(base), file, _rest(cell, decision))
@@ -266,33 +261,3 @@ def _choice(cell: Cell, decision: Decision) -> Choice:
     axes = [(axis, cell.axes.get(axis, usual)) for axis, usual in decision.reference.items()]
     differing = [(axis, choice) for axis, choice in axes if choice != decision.reference[axis]]
     return tuple(differing) + (tuple(sorted(cell.tuned.items())) if decision.name == SCHEDULE else ())
-
-
-def _ratio(statistic: str, assessed: Mapping[str, Assessment], cell: Cell, base: Cell) -> Estimate | None:
-    """Below 1 is better, whatever it is of."""
-    if statistic == TIME:
-        return ratio_estimate(cell.ms_per_spp, base.ms_per_spp)
-    if cell.name not in assessed or base.name not in assessed or cell.claim == BIASED:
-        return None
-    ours, theirs = assessed[cell.name], assessed[base.name]
-    if statistic == WORK:
-        return _work(ours, theirs)
-    if ours.fit is None or theirs.fit is None:
-        return None
-    own, other = ours.fit.sigma2_of_seeds, theirs.fit.sigma2_of_seeds
-    if len(own) != len(other) or min(own.mean(), other.mean()) <= 0:
-        return None
-    rows = resampled(len(own))
-    return bootstrap_interval(
-        float(own.mean() / other.mean()), own[rows].mean(axis=1) / other[rows].mean(axis=1), len(own)
-    )
-
-
-def _work(ours: Assessment, theirs: Assessment) -> Estimate | None:
-    compared = compare(ours, theirs)
-    efficiency = None if compared is None else compared.efficiency
-    if efficiency is None or efficiency.value <= 0:
-        return None
-    low = None if efficiency.high is None else 1 / efficiency.high
-    high = None if not efficiency.low or efficiency.low <= 0 else 1 / efficiency.low
-    return Estimate(1 / efficiency.value, low, high, efficiency.n)

@@ -49,7 +49,7 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(
         dest="command",
         required=True,
-        metavar="plots|report|compare|crosscheck|peers|explain|findings|claims|advise|gallery|flat|validate",
+        metavar="plots|report|compare|crosscheck|peers|explain|findings|claims|map|advise|gallery|flat|validate",
     )
     plots = commands.add_parser("plots", help="every study's figure and summary.md, from a result file alone")
     plots.add_argument("result", type=Path, metavar="RESULT.json", help="or a folder of files of `ptbench rays`")
@@ -76,6 +76,7 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
     findings.add_argument("--check", action="store_true", help="write nothing; exit code 1 where a page does not match")
     findings.add_argument("--root", type=Path, default=Path(), metavar="DIR", help="the checkout (default: here)")
     _add_claims(commands)
+    _add_map(commands)
     _add_advise(commands)
     gallery = commands.add_parser("gallery", help="render the picture pairs of a gallery file into one labelled sheet")
     gallery.add_argument("--binary", type=Path, required=True, metavar="PTBENCH")
@@ -126,6 +127,18 @@ def _add_claims(commands: argparse._SubParsersAction) -> None:
     claims.add_argument("--write", action="store_true", help="write docs/claims and its verdicts")
     claims.add_argument("--check", action="store_true", help="exit code 1 where a page of docs/claims does not match")
     claims.add_argument("--root", type=Path, default=Path(), metavar="DIR", help="the checkout (default: here)")
+
+
+def _add_map(commands: argparse._SubParsersAction) -> None:
+    maps = commands.add_parser("map", help="where the better of two choices changes, over two axes")
+    maps.add_argument("names", nargs="*", metavar="NAME", help="default: all maps")
+    maps.add_argument("--run", action="store_true", help="measure on this machine, or go on with it")
+    maps.add_argument("--budget", type=_positive, metavar="S", help="seconds a map, with --run (default: the map's)")
+    maps.add_argument("--results", type=Path, metavar="DIR", help="look up there instead (default: the checkout's)")
+    maps.add_argument("--binary", type=Path, metavar="PTBENCH", help="of --run (default: build/ptbench)")
+    maps.add_argument("--write", action="store_true", help="write docs/maps")
+    maps.add_argument("--check", action="store_true", help="exit code 1 where a page of docs/maps does not match")
+    maps.add_argument("--root", type=Path, default=Path(), metavar="DIR", help="the checkout (default: here)")
 
 
 def _add_advise(commands: argparse._SubParsersAction) -> None:
@@ -185,6 +198,24 @@ def _claims(options: argparse.Namespace, program: str) -> int:
         return 2
 
 
+def _map(options: argparse.Namespace, program: str) -> int:
+    try:
+        from ptbench.findings.errors import FindingError
+        from ptbench.maps.command import Call, maps
+    except ModuleNotFoundError as error:
+        print(f"{program}: map needs the Python package {error.name} (analysis/requirements.txt)", file=sys.stderr)
+        return 2
+    call = Call(
+        options.root, tuple(options.names), options.results, options.binary, options.budget,
+        run=options.run, write=options.write, check=options.check,
+    )  # fmt: skip
+    try:
+        return maps(call)
+    except (InputError, FindingError) as error:
+        print(f"{program}: {error}", file=sys.stderr)
+        return 2
+
+
 def _advise(options: argparse.Namespace, program: str) -> int:
     from ptbench.advise.command import Call, advise
 
@@ -219,6 +250,8 @@ def _main(arguments: list[str], program: str) -> int:
         return _findings(options, program)
     if options.command == "claims":
         return _claims(options, program)
+    if options.command == "map":
+        return _map(options, program)
     if options.command == "advise":
         return _advise(options, program)
     if options.command == "flat":

@@ -1,0 +1,1 @@
+"""Crossover maps: two axes, two choices, and the line where their ratio is 1."""
