@@ -258,6 +258,19 @@ def test_nothing_to_compare_is_not_drawn(fakes):
         figure.collect(document)
 
 
+def test_it_needs_nothing_that_draws_or_checks_schemas(fakes):
+    hidden = "matplotlib", "jsonschema", "referencing", "PIL", "jinja2"
+    code = f"import sys; sys.modules.update(dict.fromkeys({hidden!r})); from ptbench.cli.main import main; "
+    code += "sys.exit(main(sys.argv[1:]))"
+    call = [sys.executable, "-c", code, "peers", "box", "--binary", fakes.ptbench, "--python", fakes.python]
+    call += ["--variant", "lights:direct_light=nee_mis", "--mitsuba", "good_rgb", "--rounds", "2", "--seeds", "2"]
+    call += ["--resolution", "16x16", "--aim", "100", "--out", fakes.out]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "analysis")}
+    done = subprocess.run(list(map(str, call)), capture_output=True, text=True, check=False, env=environment)
+    assert done.returncode == 0, done.stderr
+    assert fakes.document["complete"]
+
+
 def test_a_real_mitsuba_takes_part(tmp_path, capsys, monkeypatch):
     python = os.environ.get("PTBENCH_MITSUBA_PYTHON", sys.executable)
     if subprocess.run([python, "-c", "import mitsuba"], capture_output=True, check=False).returncode != 0:

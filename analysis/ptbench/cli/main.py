@@ -180,6 +180,17 @@ def _findings(options: argparse.Namespace, program: str) -> int:
         return 2
 
 
+def _peers(options: argparse.Namespace, program: str) -> int:
+    # Needs neither what draws nor what checks schemas: it runs on machines that have little.
+    from ptbench.peers.command import peers_command
+
+    try:
+        return peers_command(options)
+    except InputError as error:
+        print(f"{program}: {error}", file=sys.stderr)
+        return 2
+
+
 def _claims(options: argparse.Namespace, program: str) -> int:
     try:
         from ptbench.claims.command import Call, claims
@@ -246,6 +257,8 @@ def _main(arguments: list[str], program: str) -> int:
         from ptbench.io.validate import validate_command
 
         return validate_command(options.files, program)
+    if options.command == "peers":
+        return _peers(options, program)
     if options.command == "findings":
         return _findings(options, program)
     if options.command == "claims":
@@ -275,10 +288,6 @@ def _main(arguments: list[str], program: str) -> int:
             from ptbench.crosscheck.command import crosscheck_command
 
             return crosscheck_command(options)
-        if options.command == "peers":
-            from ptbench.peers.command import peers_command
-
-            return peers_command(options)
         if options.command == "explain":
             choice = Choice(options.scene, options.depth, options.resolution)
             return explain(options.result, options.a, options.b, choice, options.counters, options.out)

@@ -18,7 +18,6 @@ from ptbench.crosscheck.renders import check_binary, run_program
 from ptbench.errors import InputError, bad_value
 from ptbench.io.files import check_output_file, make_folder, write_text
 from ptbench.io.nodes import read_json
-from ptbench.io.validate import complaints
 from ptbench.peers.document import SCHEMA, as_text, scenes_of
 from ptbench.peers.measure import Plan, measure_scene
 from ptbench.peers.options import Call, Wanted, chosen_variants, mitsubas, own_variants, programs
@@ -86,6 +85,9 @@ def _begun(options: argparse.Namespace, plan: Plan, context: dict, out: Path) ->
         return new
     if not options.resume:
         raise bad_value(out, "output file", "one that is there", "another name, --resume or --overwrite")
+    # What holds files against schemas need not be on a machine that only measures.
+    from ptbench.io.validate import complaints
+
     there = read_json(out).value
     if wrong := next(complaints(there, "peers"), ""):
         raise InputError(f"{out}: {wrong}")
