@@ -1,6 +1,7 @@
 #include <filesystem>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "harness/bench/kept_result.h"
 #include "harness/cli/commands.h"
@@ -65,18 +66,28 @@ int import_file(const ImportArguments& arguments) {
     }
     print_findings(result.notes, arguments.file, "note");
     write_file(arguments.out, result.json);
-    fmt::print("{}: {}, {}, {} -> {}\n", one_line(arguments.file), counted(result.objects, "object"),
-               counted(result.materials, "material"), counted(result.warnings.count(), "warning"),
+    const std::string notes = result.notes.count() > 0 ? ", " + counted(result.notes.count(), "note") : "";
+    fmt::print("{}: {}, {}, {}{} -> {}\n", one_line(arguments.file), counted(result.objects, "object"),
+               counted(result.materials, "material"), counted(result.warnings.count(), "warning"), notes,
                one_line(arguments.out));
     return exit_good;
+}
+
+// "CIS 565 JSON (.json), .."
+std::string import_format_list() {
+    std::vector<std::string> formats;
+    for (const ImportFormat& format : import_formats()) {
+        formats.push_back(fmt::format("{} ({})", format.name, fmt::join(format.endings, ", ")));
+    }
+    return fmt::format("{}", fmt::join(formats, ", "));
 }
 
 }  // namespace
 
 Command add_import_command(CLI::App& app) {
     auto arguments = std::make_shared<ImportArguments>();
-    CLI::App* command = app.add_subcommand("import", "Turn a scene in the CIS 565 text format into a scene file");
-    command->add_option("FILE", arguments->file, "The text file")->required();
+    CLI::App* command = app.add_subcommand("import", "Turn another program's scene into a scene file");
+    command->add_option("FILE", arguments->file, "The scene: " + import_format_list())->required();
     command->add_option("--out", arguments->out, "Scene file to write (.json)")->required();
     const CLI::Option* name = command->add_option("--name", arguments->name, "The scene's name (default: the file's)");
     command->add_flag("--strict", arguments->strict, "Refuse a file that is not read exactly: warnings are errors");

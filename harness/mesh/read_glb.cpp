@@ -1,10 +1,14 @@
-// Binary glTF 2.0 (Khronos, ISO/IEC 12113), by tinygltf where the build has it: its JSON and chunks are the library's
-// business; that an accessor lies within its buffer, which tinygltf does not ask, and what nodes do to meshes is ours.
+// glTF 2.0 (Khronos, ISO/IEC 12113), binary or JSON with its data beside it, by tinygltf where the build has it: its
+// JSON and chunks are the library's business; that an accessor lies within its buffer, which tinygltf does not ask, and
+// what nodes do to meshes is ours.
 #include "harness/mesh/read_mesh.h"
+
+#include <filesystem>
 
 #include <fmt/format.h>
 
 #include "harness/error.h"
+#include "harness/json_reader.h"
 
 #ifdef PTBENCH_HAS_TINYGLTF
 
@@ -17,7 +21,7 @@
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
 
-// Pictures are not read, nor any file beside the one that was asked for.
+// Pictures are not read, and of files beside the one that was asked for only the data of a .gltf.
 #define TINYGLTF_IMPLEMENTATION
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
@@ -31,7 +35,24 @@ namespace pt {
 
 namespace {
 
-tinygltf::Model parse_model(std::string_view content, const std::string& file) {
+bool read_beside(std::vector<unsigned char>* data, std::string* message, const std::string& name, void*) {
+    try {
+        const std::string content = read_file(name, largest_mesh_file);
+        data->assign(content.begin(), content.end());
+        return true;
+    } catch (const InputError& error) {
+        *message += error.what();
+        return false;
+    }
+}
+
+bool is_beside(const std::string& name, void*) {
+    std::error_code error;
+    return std::filesystem::is_regular_file(name, error);
+}
+
+// `folder`: where the data of a .gltf is; without one, all data must be within.
+tinygltf::Model parse_model(std::string_view content, const std::string& file, const std::string& folder) {
     constexpr std::size_t largest = 0xffffffff;  // by the format
     if (content.size() > largest) {
         throw InputError(file, "file", fmt::format("{} bytes", content.size()), fmt::format("at most {}", largest));
@@ -44,21 +65,25 @@ tinygltf::Model parse_model(std::string_view content, const std::string& file) {
         [](const std::string&, void*) { return false; }, [](const std::string& name, void*) { return name; },
         [](std::vector<unsigned char>*, std::string*, const std::string&, void*) { return false; },
         [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; }, nullptr};
-    loader.SetFsCallbacks(no_files);
+    const tinygltf::FsCallbacks files_beside{is_beside, no_files.ExpandFilePath, read_beside, no_files.WriteWholeFile,
+                                             nullptr};
+    loader.SetFsCallbacks(folder.empty() ? no_files : files_beside);
     tinygltf::Model model;
     std::string errors, warnings;
     bool is_read = false;
     try {
-        is_read = loader.LoadBinaryFromMemory(&model, &errors, &warnings,
-                                              reinterpret_cast<const unsigned char*>(content.data()),
-                                              static_cast<unsigned int>(content.size()));
+        const auto size = static_cast<unsigned int>(content.size());
+        is_read = folder.empty()
+                      ? loader.LoadBinaryFromMemory(&model, &errors, &warnings,
+                                                    reinterpret_cast<const unsigned char*>(content.data()), size)
+                      : loader.LoadASCIIFromString(&model, &errors, &warnings, content.data(), size, folder);
     } catch (const std::exception& error) {
         errors = error.what();
     }
     if (!is_read) {
         throw InputError(file, "file",
                          errors.empty() ? "what tinygltf cannot read" : errors.substr(0, errors.find('\n')),
-                         "binary glTF 2.0 with its data in it");
+                         folder.empty() ? "binary glTF 2.0 with its data in it" : "glTF 2.0 with its data beside it");
     }
     return model;
 }
@@ -319,7 +344,14 @@ private:
 }  // namespace
 
 Mesh parse_glb(std::string_view content, const std::string& file) {
-    Mesh mesh = GlbReader(parse_model(content, file), file).read();
+    Mesh mesh = GlbReader(parse_model(content, file, ""), file).read();
+    check_mesh(mesh, file);
+    return mesh;
+}
+
+Mesh parse_gltf(std::string_view content, const std::string& file) {
+    const std::string folder = std::filesystem::path(file).parent_path().string();
+    Mesh mesh = GlbReader(parse_model(content, file, folder.empty() ? "." : folder), file).read();
     check_mesh(mesh, file);
     return mesh;
 }
@@ -334,6 +366,10 @@ namespace pt {
 
 Mesh parse_glb(std::string_view, const std::string& file) {
     throw InputError(file + ": this build has no reader for .glb: install libtinygltf-dev and build again");
+}
+
+Mesh parse_gltf(std::string_view, const std::string& file) {
+    throw InputError(file + ": this build has no reader for .gltf: install libtinygltf-dev and build again");
 }
 
 bool reads_glb() { return false; }

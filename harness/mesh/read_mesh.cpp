@@ -22,7 +22,10 @@ Mesh read_mesh(const std::filesystem::path& path) {
     if (ending == ".glb") {
         return parse_glb(read_file(file, largest_mesh_file), file);
     }
-    throw InputError(file, "file name", fmt::format("the ending \"{}\"", ending), ".obj, .ply or .glb");
+    if (ending == ".gltf") {
+        return parse_gltf(read_file(file, largest_mesh_file), file);
+    }
+    throw InputError(file, "file name", fmt::format("the ending \"{}\"", ending), ".obj, .ply, .glb or .gltf");
 }
 
 }  // namespace pt

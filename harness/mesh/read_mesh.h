@@ -1,5 +1,5 @@
-// Reads triangle meshes from files: Wavefront .obj, Stanford .ply (ascii and both binary formats), binary glTF 2
-// (.glb). Faces of more than three corners become fans around their first corner. Materials, colours, texture
+// Reads triangle meshes from files: Wavefront .obj, Stanford .ply (ascii and both binary formats), glTF 2, binary
+// (.glb) or as JSON with its data in files beside it (.gltf). Faces of more than three corners become fans around their first corner. Materials, colours, texture
 // coordinates and whatever else a file has beside its triangles and vertex normals are passed over.
 #pragma once
 
@@ -21,6 +21,8 @@ Mesh read_mesh(const std::filesystem::path& path);
 Mesh parse_ply(std::string_view content, const std::string& file);
 Mesh parse_obj(std::string_view content, const std::string& file);
 Mesh parse_glb(std::string_view content, const std::string& file);
+// Reads the files of data that it names, from the folder of `file`.
+Mesh parse_gltf(std::string_view content, const std::string& file);
 
 // Whether the build found what reads .glb (tinygltf); without it parse_glb throws InputError that says so.
 bool reads_glb();

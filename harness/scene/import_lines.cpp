@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "harness/nearest_name.h"
+#include "harness/scene/course_words.h"
 
 namespace pt {
 
@@ -17,22 +18,25 @@ namespace {
 
 constexpr std::size_t longest_text = 80;  // bytes of a line that a message quotes
 
-const std::map<std::string, std::vector<std::string>>& keys_of_sections() {
-    static const std::map<std::string, std::vector<std::string>> keys{
-        {"MATERIAL", {"RGB", "SPECEX", "SPECRGB", "REFL", "REFR", "REFRIOR", "EMITTANCE", "SIGMAA", "SIGMAS"}},
-        {"CAMERA", {"RES", "FOVY", "ITERATIONS", "DEPTH", "FILE", "EYE", "LOOKAT", "VIEW", "UP"}},
-        {"OBJECT", {"cube", "sphere", "material", "TRANS", "ROTAT", "SCALE", "VEL"}},
-    };
-    return keys;
-}
-
-bool contains(const std::vector<std::string>& list, const std::string& word) {
-    return std::find(list.begin(), list.end(), word) != list.end();
-}
-
 bool is_key_of_any_section(const std::string& word) {
-    const auto& sections = keys_of_sections();
-    return std::any_of(sections.begin(), sections.end(), [&](const auto& s) { return contains(s.second, word); });
+    return find_course_word("MATERIAL", word) != nullptr || find_course_word("CAMERA", word) != nullptr ||
+           find_course_word("OBJECT", word) != nullptr;
+}
+
+bool is_section(const std::string& word) {
+    return word == "MATERIAL" || word == "CAMERA" || word == "OBJECT" || word == "SETTINGS";
+}
+
+bool is_shape(const std::string& key) { return key == "cube" || key == "sphere" || key == "rect" || key == "mesh"; }
+
+// The name of a mesh's file stands alone on its line in some dialects.
+bool is_file_name(const std::string& word) {
+    for (const char* ending : {".obj", ".gltf", ".glb", ".ply"}) {
+        if (word.ends_with(ending)) {
+            return true;
+        }
+    }
+    return false;
 }
 
 // The key that may not stand beside this one; empty: there is none.
@@ -43,33 +47,45 @@ std::string rival_of(const std::string& key) {
     return found == rivals.end() ? "" : found->second;
 }
 
+// 0.5, and a comma: as programs read it that stop at what is no number.
+bool is_of_number(char c) { return (c >= '0' && c <= '9') || c == '.'; }
+
 class LineSorter {
 public:
-    explicit LineSorter(ImportFindings& problems) : problems_(&problems) {}
+    explicit LineSorter(ImportResult& result) : result_(&result) {}
 
-    void add(const Cis565Line& line);
+    // `is_first`: behind an empty line or a comment, where sections start.
+    void add(const Cis565Line& line, bool is_first);
     Cis565File take() { return std::move(file_); }
 
 private:
     void fail(const Cis565Line& line, const std::string& allowed) {
-        problems_->add(line.number, fmt::format("found \"{}\", allowed: {}", line.text(), allowed));
+        result_->problems.add(line.number, fmt::format("found \"{}\", allowed: {}", line.text(), allowed));
     }
+    bool starts_section(const Cis565Line& line, bool is_first) const;
     // Null for a second camera: nobody knows whose the lines behind it are.
     Cis565Section* start_section(const Cis565Line& line);
     Cis565Section* start_camera(const Cis565Line& line);
-    bool start_numbered(const Cis565Line& line, std::vector<Cis565Section>& sections, std::size_t& next);
+    void start_numbered(const Cis565Line& line, std::vector<Cis565Section>& sections);
+    void add_label(const Cis565Line& line);
     void add_outside(const Cis565Line& line);
     void add_to(Cis565Section& section, const Cis565Line& line);
 
-    ImportFindings* problems_;
+    ImportResult* result_;
     Cis565File file_;
     Cis565Section* section_ = nullptr;
-    std::size_t next_material_ = 0, next_object_ = 0;
     bool is_outside_ = false;  // a line was, before the first section
 };
 
-void LineSorter::add(const Cis565Line& line) {
-    if (keys_of_sections().contains(line.words[0])) {
+// MATERIAL within an object names its material, in some dialects.
+bool LineSorter::starts_section(const Cis565Line& line, bool is_first) const {
+    const bool is_of_object = !is_first && section_ != nullptr && section_->kind == "OBJECT" &&
+                              line.words[0] == "MATERIAL" && !section_->lines.contains("material");
+    return is_section(line.words[0]) && !is_of_object;
+}
+
+void LineSorter::add(const Cis565Line& line, bool is_first) {
+    if (starts_section(line, is_first)) {
         section_ = start_section(line);
     } else if (section_ != nullptr) {
         add_to(*section_, line);
@@ -82,11 +98,15 @@ Cis565Section* LineSorter::start_section(const Cis565Line& line) {
     if (line.words[0] == "CAMERA") {
         return start_camera(line);
     }
+    if (line.words[0] == "SETTINGS") {
+        return &file_.settings;
+    }
     if (line.words[0] == "MATERIAL") {
-        file_.has_all_materials &= start_numbered(line, file_.materials, next_material_);
+        start_numbered(line, file_.materials);
+        add_label(line);
         return &file_.materials.back();
     }
-    start_numbered(line, file_.objects, next_object_);
+    start_numbered(line, file_.objects);
     return &file_.objects.back();
 }
 
@@ -98,22 +118,31 @@ Cis565Section* LineSorter::start_camera(const Cis565Line& line) {
     if (line.words.size() != 1) {
         fail(line, "CAMERA alone on its line");
     }
-    return &file_.camera.emplace(Cis565Section{.head = line, .lines = {}});
+    return &file_.camera.emplace(Cis565Section{.kind = "CAMERA", .head = line, .lines = {}});
 }
 
-// Returns whether the number is `next`. After a wrong one counting goes on from there: a gap is one problem.
-bool LineSorter::start_numbered(const Cis565Line& line, std::vector<Cis565Section>& sections, std::size_t& next) {
-    const bool is_next = line.words.size() == 2 && line.words[1] == std::to_string(next);
-    if (!is_next) {
-        fail(line, fmt::format("{} {} (they count up from 0)", line.words[0], next));
+// Sections count up from 0 in the course; its programs leave out what does not, and students' do not.
+void LineSorter::start_numbered(const Cis565Line& line, std::vector<Cis565Section>& sections) {
+    const std::string next = std::to_string(sections.size());
+    const std::string label = line.words.size() == 2 ? line.words[1] : "";
+    if (label.empty()) {
+        fail(line, fmt::format("{} {}", line.words[0], next));
+    } else if (label != next) {
+        result_->warnings.add(line.number, fmt::format("{} stands where {} {} does: it is not left out", line.text(),
+                                                       line.words[0], next));
     }
-    std::size_t number = next;
-    if (line.words.size() >= 2) {
-        std::from_chars(line.words[1].data(), line.words[1].data() + line.words[1].size(), number);
+    sections.push_back({.kind = line.words[0], .head = line, .lines = {}, .label = label.empty() ? next : label});
+}
+
+// Objects mean a material by its label.
+void LineSorter::add_label(const Cis565Line& line) {
+    std::string& label = file_.materials.back().label;
+    const auto [first, is_new] = file_.materials_by_word.emplace(label, file_.materials.size() - 1);
+    if (!is_new) {
+        result_->warnings.add(line.number, fmt::format("{} is not used: line {} has it", line.text(),
+                                                       file_.materials[first->second].head.number));
+        label += fmt::format("_{}", line.number);
     }
-    next = number + 1;
-    sections.push_back({.head = line, .lines = {}});
-    return is_next;
 }
 
 // The keys behind a section's head that was not known follow from that: they are no problems of their own.
@@ -127,29 +156,33 @@ void LineSorter::add_outside(const Cis565Line& line) {
 }
 
 void LineSorter::add_to(Cis565Section& section, const Cis565Line& line) {
-    const std::string& key = line.words[0];
-    const std::string& kind = section.head.words[0];
-    const std::vector<std::string>& keys = keys_of_sections().at(kind);
-    const auto refuse = [&](const std::string& allowed) {
-        fail(line, allowed);
-        section.is_whole = false;
-    };
-    if (!contains(keys, key)) {
-        refuse(fmt::format("in {}: {}{}", kind, fmt::join(keys, ", "), did_you_mean(key, keys)));
+    const std::string& word = line.words[0];
+    const CourseWord* known = find_course_word(section.kind, word);
+    if (section.kind == "OBJECT" && known == nullptr && is_file_name(line.words.back())) {
+        add_course_line(section, "FILE", line, *result_);
         return;
     }
-    const std::string rival = rival_of(key);
-    for (const std::string& other : {key, rival}) {
+    const bool is_of_shape = known != nullptr && is_shape(known->key) && line.words.size() != 1;
+    if (is_of_shape && known->key == "mesh") {  // GLTF and a path
+        add_course_line(section, "FILE", line, *result_);
+    } else if (is_of_shape) {
+        fail(line, word + " alone on its line");
+        section.is_whole = false;
+    }
+    add_course_line(section, word, line, *result_);
+}
+
+// Whether a word stands a second time, or beside one that says the same in another way.
+bool stands_twice(const Cis565Section& section, const std::string& key, const Cis565Line& line, ImportResult& result) {
+    for (const std::string& other : {key, rival_of(key)}) {
         if (const auto found = section.lines.find(other); found != section.lines.end()) {
-            refuse(fmt::format("{} once; line {} has {}", key == other ? key : key + " or " + other,
-                               found->second.number, other));
-            return;
+            result.problems.add(line.number,
+                                fmt::format("found \"{}\", allowed: {} once; line {} has {}", line.text(),
+                                            key == other ? key : key + " or " + other, found->second.number, other));
+            return true;
         }
     }
-    if ((key == "cube" || key == "sphere") && line.words.size() != 1) {
-        refuse(key + " alone on its line");
-    }
-    section.lines.emplace(key, line);
+    return false;
 }
 
 }  // namespace
@@ -166,23 +199,59 @@ std::string Cis565Line::text() const {
     return text.substr(0, cut) + "...";
 }
 
-Cis565File read_cis565_file(const std::string& text, ImportFindings& problems) {
-    LineSorter sorter(problems);
+void add_course_line(Cis565Section& section, const std::string& word, const Cis565Line& line, ImportResult& result) {
+    const CourseWord* known = find_course_word(section.kind, word);
+    const bool is_off = is_course_off(known == nullptr ? word : known->key, line.values());
+    if (known == nullptr && is_off && line.words.size() > 1) {
+        result.notes.add(line.number, fmt::format("{} is left out: no known key, and off", line.text()));
+        return;
+    }
+    const auto refuse = [&](const std::string& allowed) {
+        result.problems.add(line.number, fmt::format("found \"{}\", allowed: {}", line.text(), allowed));
+        section.is_whole = false;
+    };
+    if (known == nullptr) {
+        const std::vector<std::string>& keys = course_keys(section.kind);
+        refuse(fmt::format("in {}: {}{}", section.kind, fmt::join(keys, ", "), did_you_mean(word, keys)));
+        return;
+    }
+    if (known->use == CourseUse::value) {
+        section.is_whole &= !stands_twice(section, known->key, line, result);
+        section.lines.emplace(known->key, line);
+        return;
+    }
+    if (known->use == CourseUse::remark || (is_off && (section.kind != "OBJECT" || line.words.size() > 1))) {
+        return;
+    }
+    if (known->use == CourseUse::run) {
+        result.notes.add(line.number, fmt::format("{} is left out: it belongs to a run of the program", line.text()));
+    } else if (known->use == CourseUse::lost) {
+        result.warnings.add(line.number, fmt::format("{} is lost: scene files have nothing like it", line.text()));
+    } else {
+        refuse(missing_for(known->use));
+    }
+}
+
+Cis565File read_cis565_file(const std::string& text, ImportResult& result) {
+    LineSorter sorter(result);
     std::istringstream stream(text);
     std::string content;
+    bool is_first = true;
     for (std::size_t number = 1; std::getline(stream, content); ++number) {
         Cis565Line line{number, {}};
         std::istringstream words(content);  // white space includes the \r of files from Windows
-        for (std::string word; words >> word;) {
-            line.words.push_back(word);
+        for (std::string word; words >> word && !word.starts_with("//") && word[0] != '#';) {
+            const bool is_listed = word.size() > 1 && word.back() == ',' && is_of_number(word[word.size() - 2]);
+            line.words.push_back(is_listed ? word.substr(0, word.size() - 1) : word);
         }
-        if (!line.words.empty() && !line.words[0].starts_with("//")) {
-            sorter.add(line);
+        if (!line.words.empty()) {
+            sorter.add(line, is_first);
         }
+        is_first = line.words.empty();
     }
     Cis565File file = sorter.take();
     if (!file.camera) {
-        problems.add(0, "found no CAMERA, allowed: one");
+        result.problems.add(0, "found no CAMERA, allowed: one");
     }
     return file;
 }

@@ -1,6 +1,7 @@
 // What a MATERIAL section is read as: harness/scene/import_cis565.h says it in words.
 #include <fmt/format.h>
 
+#include "harness/scene/course_type.h"
 #include "harness/scene/import_parts.h"
 
 namespace pt {
@@ -8,11 +9,11 @@ namespace pt {
 namespace {
 
 constexpr const char* black = "[0, 0, 0]";
+constexpr double common_index = 1.5;  // of glass
 
 class MaterialImporter {
 public:
-    MaterialImporter(const Cis565Section& section, std::size_t index, ImportFindings& problems,
-                     ImportFindings& warnings);
+    MaterialImporter(const Cis565Section& section, ImportFindings& problems, ImportFindings& warnings);
 
     ScenePart part();
 
@@ -24,11 +25,15 @@ private:
     ScenePart mix();
     ScenePart diffuse();
 
+    void apply_type();
+    void apply_layers();
     bool refuse();
     ScenePart start(const std::string& type, const std::string& what);
     void add_colour(ScenePart& part, const std::string& member, const std::string& key) const;
+    void add_roughness(ScenePart& part);
 
     const Cis565Line& line(const std::string& key) const { return *reader_.line(key); }
+    bool has(const std::string& key) const { return reader_.line(key) != nullptr; }
     const Vec3d& colour(const std::string& key) const { return values_.at(key); }
     double number(const std::string& key) const { return values_.at(key).x; }
     bool is_set(const std::string& key) const { return values_.at(key) != Vec3d(0.0); }
@@ -42,23 +47,35 @@ private:
     void warn_of_no_specular(const std::string& asking_key);
 
     const Cis565Section* section_;
-    std::size_t index_;
+    std::string label_;  // e.g. "material 2"
     Cis565SectionReader reader_;
     ImportFindings* warnings_;
     std::map<std::string, Vec3d> values_;  // by key; a number is x; 0 where there is no such line
     std::string what_;                     // e.g. "material 2 is a mirror"
+    CourseType type_ = CourseType::by_values;
 };
 
-MaterialImporter::MaterialImporter(const Cis565Section& section, std::size_t index, ImportFindings& problems,
-                                   ImportFindings& warnings)
-    : section_(&section), index_(index), reader_(section, problems), warnings_(&warnings) {
-    values_["RGB"] = reader_.required_vector("RGB").value_or(Vec3d(0.0));
+MaterialImporter::MaterialImporter(const Cis565Section& section, ImportFindings& problems, ImportFindings& warnings)
+    : section_(&section),
+      label_(section.name.empty() ? "material " + section.label : fmt::format("\"{}\"", section.name)),
+      reader_(section, problems),
+      warnings_(&warnings) {
+    if (reader_.line("TYPE") != nullptr) {
+        type_ = read_course_type(reader_, line("TYPE"));
+    }
+    values_["RGB"] = reader_.is_whole() ? reader_.required_vector("RGB").value_or(Vec3d(0.0)) : reader_.vector("RGB");
     for (const char* key : {"SPECRGB", "SIGMAA", "SIGMAS"}) {
         values_[key] = reader_.vector(key);
     }
-    for (const char* key : {"SPECEX", "REFL", "REFR", "REFRIOR", "EMITTANCE"}) {
+    for (const char* key : {"SPECEX", "REFL", "REFR", "REFRIOR"}) {
         values_[key] = {reader_.number(key), 0, 0};
     }
+    for (const char* key : {"ROUGHNESS", "METALLIC"}) {
+        const bool is_unset = has(key) && line(key).words.size() == 2 && line(key).words[1].starts_with("-1");
+        values_[key] = {is_unset ? 0 : reader_.number(key), 0, 0};
+    }
+    const bool has_three = has("EMITTANCE") && line("EMITTANCE").words.size() == 4;
+    values_["EMITTANCE"] = has_three ? reader_.vector("EMITTANCE") : Vec3d(reader_.number("EMITTANCE"));
 }
 
 void MaterialImporter::warn(const std::string& key, const std::string& what) {
@@ -67,7 +84,7 @@ void MaterialImporter::warn(const std::string& key, const std::string& what) {
 
 void MaterialImporter::warn_unused(const std::vector<std::string>& keys) {
     for (const std::string& key : keys) {
-        if (is_set(key)) {
+        if (is_set(key) && has(key)) {
             warn(key, "is not used: " + what_);
         }
     }
@@ -92,32 +109,43 @@ void MaterialImporter::warn_of_rgb() {
     }
 }
 
+// A material with a TYPE has RGB for its colour, whatever it is.
 void MaterialImporter::warn_of_no_specular(const std::string& asking_key) {
-    if (!is_set("SPECRGB") && is_set("RGB")) {
-        const bool has_line = reader_.line("SPECRGB") != nullptr;
-        warn(
-            has_line ? "SPECRGB" : asking_key,
-            fmt::format("{}: {} of colour {}", has_line ? "is not used" : "has no SPECRGB", what_, line("RGB").text()));
+    if (is_set("SPECRGB") || !is_set("RGB") || type_ != CourseType::by_values) {
+        return;
     }
+    const bool has_line = has("SPECRGB");
+    warn(has_line ? "SPECRGB" : asking_key,
+         fmt::format("{}: {} of colour {}", has_line ? "is not used" : "has no SPECRGB", what_, line("RGB").text()));
 }
 
 ScenePart MaterialImporter::start(const std::string& type, const std::string& what) {
-    what_ = fmt::format("material {} is {}", index_, what);
-    ScenePart part{.place = "$.materials." + material_name(index_), .head = &section_->head, .members = {}};
+    what_ = fmt::format("{} is {}", label_, what);
+    const std::string name = material_name(*section_);
+    ScenePart part{.place = "$.materials." + name, .name = name, .head = &section_->head, .members = {}};
     part.add("type", json_of(type), nullptr);
     return part;
 }
 
 void MaterialImporter::add_colour(ScenePart& part, const std::string& member, const std::string& key) const {
-    part.add(member, json_of(colour(key)), &line(key), black);
+    part.add(member, json_of(colour(key)), reader_.line(key), black);
+}
+
+// Roughness is the square root of the width of GGX here; the course's programs have it as they like.
+void MaterialImporter::add_roughness(ScenePart& part) {
+    part.add("roughness", json_of(number("ROUGHNESS")), reader_.line("ROUGHNESS"), "0");
+    warn("ROUGHNESS", fmt::format("is read as GGX of the width {:.4g}, its square: programs differ",
+                                  number("ROUGHNESS") * number("ROUGHNESS")));
 }
 
 ScenePart MaterialImporter::emitter() {
-    ScenePart part = start("emitter", fmt::format("an emitter ({})", line("EMITTANCE").text()));
-    warn_unused({"SPECEX", "SPECRGB", "REFL", "REFR", "REFRIOR", "SIGMAA", "SIGMAS"});
+    const std::string strength = has("EMITTANCE") ? line("EMITTANCE").text() : "of its RGB";
+    ScenePart part = start("emitter", fmt::format("an emitter ({})", strength));
+    warn_unused({"SPECEX", "SPECRGB", "REFL", "REFR", "REFRIOR", "SIGMAA", "SIGMAS", "ROUGHNESS", "METALLIC"});
     const Vec3d& rgb = colour("RGB");
     const bool is_negative = rgb.x < 0 || rgb.y < 0 || rgb.z < 0;
-    part.add("radiance", json_of(rgb * number("EMITTANCE")), &line(is_negative ? "RGB" : "EMITTANCE"), black);
+    part.add("radiance", json_of(rgb * colour("EMITTANCE")),
+             reader_.line(is_negative || !has("EMITTANCE") ? "RGB" : "EMITTANCE"), black);
     return part;
 }
 
@@ -127,13 +155,13 @@ ScenePart MaterialImporter::subsurface() {
     if (is_set("SPECRGB")) {
         warn_unless_white("SPECRGB");
     }
+    warn_unused({"ROUGHNESS", "METALLIC"});
     warn_unless_one("REFR");
     if (is_set("REFR") && !is_set("REFRIOR")) {
-        warn("REFR",
-             fmt::format("without a REFRIOR above 0 is read as the index 1: material {} is a subsurface body", index_));
+        warn("REFR", fmt::format("without a REFRIOR above 0 is read as the index 1: {} is a subsurface body", label_));
     }
     if (!is_set("REFR") && is_set("REFRIOR") && number("REFRIOR") != 1) {
-        warn("REFRIOR", fmt::format("is used although REFR is 0: material {} is a subsurface body", index_));
+        warn("REFRIOR", fmt::format("is used although REFR is 0: {} is a subsurface body", label_));
     }
     if (is_set("REFRIOR")) {
         part.add("ior", json_of(number("REFRIOR")), &line("REFRIOR"), "1");
@@ -145,14 +173,26 @@ ScenePart MaterialImporter::subsurface() {
     return part;
 }
 
+// REFL beside REFR is the course's glass, which reflects by Fresnel's equations, as every dielectric does.
 ScenePart MaterialImporter::dielectric() {
-    ScenePart part = start("dielectric", "a dielectric");
+    const bool is_rough = is_set("ROUGHNESS");
+    ScenePart part = start(is_rough ? "rough_dielectric" : "dielectric", "a dielectric");
     warn_unless_one("REFR");
-    warn_unused({"SPECEX"});
+    warn_unless_one("REFL");
+    warn_unused({"SPECEX", "METALLIC"});
     warn_of_rgb();
     warn_of_no_specular("REFR");
-    const bool has_index = reader_.line("REFRIOR") != nullptr;
-    part.add("ior", json_of(number("REFRIOR")), &line(has_index ? "REFRIOR" : "REFR"), "1");
+    const bool has_index = has("REFRIOR"), is_typed = type_ != CourseType::by_values;
+    if (!has_index && is_typed) {
+        warnings_->add(section_->head.number, fmt::format("{} has no index of refraction: {} of index {}",
+                                                          section_->head.text(), what_, common_index));
+        part.add("ior", json_of(common_index), nullptr);
+    } else {
+        part.add("ior", json_of(number("REFRIOR")), reader_.line(has_index ? "REFRIOR" : "REFR"), "1");
+    }
+    if (is_rough) {
+        add_roughness(part);
+    }
     if (colour(specular_key()) != Vec3d(1.0)) {
         add_colour(part, "tint", specular_key());
     }
@@ -163,19 +203,26 @@ ScenePart MaterialImporter::dielectric() {
 }
 
 ScenePart MaterialImporter::mirror() {
-    ScenePart part = start("mirror", "a mirror");
+    const bool is_rough = is_set("ROUGHNESS");
+    ScenePart part = start(is_rough ? "rough_conductor" : "mirror", is_rough ? "a rough conductor" : "a mirror");
     warn_unless_one("REFL");
     warn_unused({"SPECEX", "REFRIOR", "SIGMAA"});
+    if (number("METALLIC") != 1) {
+        warn_unused({"METALLIC"});
+    }
     warn_of_rgb();
     warn_of_no_specular("REFL");
     add_colour(part, "reflectance", specular_key());
+    if (is_rough) {
+        add_roughness(part);
+    }
     return part;
 }
 
 ScenePart MaterialImporter::mix() {
     ScenePart part = start("mix", "a mix of diffuse and a mirror");
     warn("SPECEX", "is read as a mix, a mirror with probability 0.5 and else diffuse; the exponent's size is lost");
-    warn_unused({"REFRIOR", "SIGMAA"});
+    warn_unused({"REFRIOR", "SIGMAA", "ROUGHNESS", "METALLIC"});
     warn_of_no_specular("SPECEX");
     add_colour(part, "albedo", "RGB");
     add_colour(part, "reflectance", specular_key());
@@ -185,9 +232,69 @@ ScenePart MaterialImporter::mix() {
 
 ScenePart MaterialImporter::diffuse() {
     ScenePart part = start("diffuse", "diffuse");
-    warn_unused({"SPECRGB", "REFRIOR", "SIGMAA"});
+    warn_unused({"SPECRGB", "REFRIOR", "SIGMAA", "METALLIC"});
+    if (number("ROUGHNESS") != 1) {
+        warn_unused({"ROUGHNESS"});
+    }
     add_colour(part, "albedo", "RGB");
     return part;
+}
+
+// A type says which of REFL and REFR there are, where the lines do not.
+void MaterialImporter::apply_type() {
+    if (type_ == CourseType::emitter && !has("EMITTANCE")) {
+        warnings_->add(section_->head.number, fmt::format("{} has no EMITTANCE: read as 1", section_->head.text()));
+        values_["EMITTANCE"] = Vec3d(1.0);
+    }
+    if (type_ == CourseType::diffuse || type_ == CourseType::emitter) {
+        what_ = label_ + (type_ == CourseType::diffuse ? " is diffuse" : " is an emitter");
+        warn_unused({"REFL", "REFR"});
+        values_["REFL"] = values_["REFR"] = Vec3d(0.0);
+    }
+    const bool is_glass = type_ == CourseType::glass || (type_ == CourseType::specular && is_set("REFR"));
+    if (is_glass && !is_set("REFR")) {
+        values_["REFR"] = {1, 0, 0};
+    }
+    if (type_ == CourseType::specular && !is_set("REFR") && !is_set("REFL")) {
+        values_["REFL"] = {1, 0, 0};
+    }
+    const bool has_layers =
+        type_ == CourseType::layered || (type_ == CourseType::by_values && !is_set("REFL") && !is_set("REFR") &&
+                                         (is_set("METALLIC") || (has("METALLIC") && !section_->name.empty())));
+    if (has_layers && !is_set("EMITTANCE")) {
+        type_ = CourseType::layered;
+        apply_layers();
+    }
+}
+
+// Glass, metal or a diffuse surface, whichever there is most of: scene files have no blend of them.
+void MaterialImporter::apply_layers() {
+    if (number("REFR") >= 0.5) {
+        return;
+    }
+    if (is_set("REFR")) {
+        warn("REFR", "is read as 0");
+        values_["REFR"] = Vec3d(0.0);
+    }
+    if (number("METALLIC") >= 0.5) {
+        if (number("METALLIC") < 1) {
+            warn("METALLIC", "is read as 1: all metal");
+        }
+        values_["METALLIC"] = values_["REFL"] = {1, 0, 0};
+        values_["REFRIOR"] = Vec3d(0.0);
+        return;
+    }
+    if (is_set("METALLIC")) {
+        warn("METALLIC", "is read as 0: no metal");
+    }
+    const std::string found = has("ROUGHNESS") ? line("ROUGHNESS").text() : section_->head.text();
+    if (number("ROUGHNESS") != 1) {
+        warnings_->add(has("ROUGHNESS") ? line("ROUGHNESS").number : section_->head.number,
+                       fmt::format("{} is not used: {} is diffuse, and the gloss over it is lost", found, label_));
+    }
+    for (const char* key : {"METALLIC", "ROUGHNESS", "REFRIOR"}) {
+        values_[key] = Vec3d(0.0);
+    }
 }
 
 // Whether it is what no material of a scene file is.
@@ -195,9 +302,8 @@ bool MaterialImporter::refuse() {
     if (is_set("EMITTANCE")) {
         return false;
     }
-    if (is_set("REFL") && is_set("REFR")) {
-        reader_.fail(line("REFR"), fmt::format("REFL {} and REFR {} in one material", number("REFL"), number("REFR")),
-                     "one of them above 0 (a dielectric reflects by itself, by Fresnel's equations)");
+    if (type_ == CourseType::subsurface && !is_set("SIGMAS")) {
+        reader_.fail(line("TYPE"), "a subsurface body with SIGMA_S, in 1 / unit (what else scatters has no measure)");
     }
     if (is_set("SIGMAS") && (is_set("REFL") || is_set("SPECEX"))) {
         reader_.fail(line("SIGMAS"), fmt::format("SIGMAS together with {}", is_set("REFL") ? "REFL" : "SPECEX"),
@@ -212,6 +318,7 @@ ScenePart MaterialImporter::part() {
         part.is_whole = false;
         return part;
     }
+    apply_type();
     return is_set("EMITTANCE") ? emitter()
            : is_set("SIGMAS")  ? subsurface()
            : is_set("REFR")    ? dielectric()
@@ -222,9 +329,8 @@ ScenePart MaterialImporter::part() {
 
 }  // namespace
 
-ScenePart import_material(const Cis565Section& section, std::size_t index, ImportFindings& problems,
-                          ImportFindings& warnings) {
-    return MaterialImporter(section, index, problems, warnings).part();
+ScenePart import_material(const Cis565Section& section, ImportFindings& problems, ImportFindings& warnings) {
+    return MaterialImporter(section, problems, warnings).part();
 }
 
 }  // namespace pt

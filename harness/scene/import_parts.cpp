@@ -37,13 +37,13 @@ struct SceneError {
     std::string place, found, allowed;
 };
 
-std::optional<SceneError> error_of(const std::string& scene) {
-    const std::string file = "scene";
+std::optional<SceneError> error_of(const std::string& scene, const std::string& file) {
     try {
         parse_scene(scene, file);
         return std::nullopt;
     } catch (const InputError& error) {
-        const std::string message = std::string(error.what()).substr(file.size() + 2);
+        const std::string whole = error.what(), start_of_file = file + ": ";
+        const std::string message = whole.starts_with(start_of_file) ? whole.substr(start_of_file.size()) : whole;
         const std::string before_found = ": found ", before_allowed = ", allowed: ";
         const std::size_t found = message.find(before_found);
         const std::size_t allowed = message.rfind(before_allowed);
@@ -78,7 +78,8 @@ using SceneOf = std::function<std::string(const ScenePart&)>;
 
 class PartsChecker {
 public:
-    PartsChecker(const SceneParts& parts, ImportFindings& problems) : parts_(parts), problems_(&problems) {}
+    PartsChecker(const SceneParts& parts, const std::string& file, ImportFindings& problems)
+        : parts_(parts), file_(file), problems_(&problems) {}
 
     void check_all();
 
@@ -90,6 +91,7 @@ private:
     void check_object(const ScenePart& object);
 
     SceneParts parts_;
+    std::string file_;
     ImportFindings* problems_;
     bool has_camera_ = false;                            // a good one
     std::map<std::string, std::string> good_materials_;  // by their names in JSON
@@ -101,7 +103,7 @@ bool PartsChecker::check(const ScenePart& part, const std::string& place, const 
     ScenePart tried = part;
     tried.place = place;
     for (std::size_t attempt = 0; attempt <= part.members.size(); ++attempt) {
-        const std::optional<SceneError> error = error_of(scene_of(tried));
+        const std::optional<SceneError> error = error_of(scene_of(tried), file_);
         if (!error) {
             return attempt == 0;
         }
@@ -146,7 +148,7 @@ void PartsChecker::check_camera() {
 // What an unreadable line would have made of the others, nobody knows.
 void PartsChecker::check_material(std::size_t index) {
     const ScenePart& material = parts_.materials[index];
-    const std::string name = json_of(material_name(index));
+    const std::string name = json_of(material.name);
     const bool is_good = material.is_whole && check(material, material.place, [&](const ScenePart& tried) {
                              return scene_text(other_root, other_camera, name + ": " + tried.json(), "");
                          });
@@ -174,7 +176,7 @@ void PartsChecker::check_object(const ScenePart& object) {
 
 void PartsChecker::check_all() {
     const bool has_problems = problems_->count() > 0;
-    const std::optional<SceneError> error = has_problems ? std::nullopt : error_of(parts_.json());
+    const std::optional<SceneError> error = has_problems ? std::nullopt : error_of(parts_.json(), file_);
     if (!has_problems && !error) {
         return;
     }
@@ -209,7 +211,9 @@ std::string json_of(const std::string& text) {
     return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-std::string material_name(std::size_t index) { return fmt::format("material_{}", index); }
+std::string material_name(const Cis565Section& section) {
+    return section.name.empty() ? "material_" + section.label : section.name;
+}
 
 std::string ScenePart::members_json(const std::string& separator) const {
     std::string json;
@@ -225,8 +229,8 @@ std::string ScenePart::json() const { return fmt::format("{{{}}}", members_json(
 
 std::string SceneParts::json() const {
     std::vector<std::string> material_texts, object_texts;
-    for (std::size_t i = 0; i < materials.size(); ++i) {
-        material_texts.push_back(fmt::format("    {}: {}", json_of(material_name(i)), materials[i].json()));
+    for (const ScenePart& material : materials) {
+        material_texts.push_back(fmt::format("    {}: {}", json_of(material.name), material.json()));
     }
     for (const ScenePart& object : objects) {
         object_texts.push_back("    " + object.json());
@@ -236,6 +240,8 @@ std::string SceneParts::json() const {
                        fmt::join(object_texts, ",\n"));
 }
 
-void check_parts(const SceneParts& parts, ImportFindings& problems) { PartsChecker(parts, problems).check_all(); }
+void check_parts(const SceneParts& parts, const std::string& file, ImportFindings& problems) {
+    PartsChecker(parts, file, problems).check_all();
+}
 
 }  // namespace pt

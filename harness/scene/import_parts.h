@@ -19,6 +19,7 @@ struct SceneMember {
 
 struct ScenePart {
     std::string place;                 // e.g. "$.camera"
+    std::string name = "";             // of a material
     const Cis565Line* head = nullptr;  // of its section
     bool is_whole = true;              // false: a line could not be read, and its member is not there
     std::vector<SceneMember> members;
@@ -44,13 +45,14 @@ struct SceneParts {
 std::string json_of(double value);
 std::string json_of(const Vec3d& v);
 std::string json_of(const std::string& text);
-std::string material_name(std::size_t index);
+// In the scene file: its name, or material_LABEL.
+std::string material_name(const Cis565Section& section);
 
 // The material that a MATERIAL section is read as. Readings that lose something are warnings.
-ScenePart import_material(const Cis565Section& section, std::size_t index, ImportFindings& problems,
-                          ImportFindings& warnings);
+ScenePart import_material(const Cis565Section& section, ImportFindings& problems, ImportFindings& warnings);
 
-// What scene files do not allow is a problem of the line that it comes from.
-void check_parts(const SceneParts& parts, ImportFindings& problems);
+// What scene files do not allow is a problem of the line that it comes from. `file`: the scene's, which names of meshes
+// are relative to.
+void check_parts(const SceneParts& parts, const std::string& file, ImportFindings& problems);
 
 }  // namespace pt

@@ -5,16 +5,13 @@
 #include <filesystem>
 
 #include "harness/scene/import_cis565.h"
+#include "harness/scene/import_course_json.h"
 
 namespace pt {
 
 namespace {
 
 bool is_any_text(const std::string&) { return true; }
-
-ImportResult import_cis565(const ImportSource& source) {
-    return import_cis565_scene(source.text, source.file, source.name);
-}
 
 std::string ending_of(const std::string& file) {
     std::string ending = std::filesystem::path(file).extension().string();
@@ -28,6 +25,7 @@ std::string ending_of(const std::string& file) {
 // A further format is a line here, before the last.
 const std::vector<ImportFormat>& import_formats() {
     static const std::vector<ImportFormat> formats{
+        {"CIS 565 JSON", {".json"}, is_like_json, import_course_json},
         {"CIS 565 text", {".txt"}, is_any_text, import_cis565},
     };
     return formats;

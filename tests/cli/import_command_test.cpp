@@ -40,7 +40,7 @@ TEST(ImportCommandTest, AnExactTextIsTalliedAndNoMore) {
 TEST(ImportCommandTest, WarningsAndNotesGoToStandardError) {
     const Imported imported(inexact, {});
     EXPECT_EQ(imported.command.exit_code, 0);
-    EXPECT_EQ(imported.command.out, "box.txt: 1 object, 1 material, 1 warning -> box.json\n");
+    EXPECT_EQ(imported.command.out, "box.txt: 1 object, 1 material, 1 warning, 1 note -> box.json\n");
     EXPECT_EQ(
         imported.command.err,
         "ptbench: box.txt:4: warning: SPECEX 25 is read as a mix, a mirror with probability 0.5 and else diffuse; "

@@ -12,6 +12,7 @@
 extern "C" {
 int fuzz_scene(const std::uint8_t* data, std::size_t size);
 int fuzz_import_cis565(const std::uint8_t* data, std::size_t size);
+int fuzz_import_course_json(const std::uint8_t* data, std::size_t size);
 int fuzz_suite(const std::uint8_t* data, std::size_t size);
 int fuzz_journal(const std::uint8_t* data, std::size_t size);
 int fuzz_mesh_ply(const std::uint8_t* data, std::size_t size);
@@ -23,9 +24,13 @@ namespace pt {
 namespace {
 
 using Target = int (*)(const std::uint8_t*, std::size_t);
-const std::map<std::string, Target> targets{{"scene", fuzz_scene},       {"import_cis565", fuzz_import_cis565},
-                                            {"suite", fuzz_suite},       {"journal", fuzz_journal},
-                                            {"mesh_ply", fuzz_mesh_ply}, {"mesh_obj", fuzz_mesh_obj},
+const std::map<std::string, Target> targets{{"scene", fuzz_scene},
+                                            {"import_cis565", fuzz_import_cis565},
+                                            {"import_course_json", fuzz_import_course_json},
+                                            {"suite", fuzz_suite},
+                                            {"journal", fuzz_journal},
+                                            {"mesh_ply", fuzz_mesh_ply},
+                                            {"mesh_obj", fuzz_mesh_obj},
                                             {"mesh_glb", fuzz_mesh_glb}};
 const std::filesystem::path corpus = std::filesystem::path(PTBENCH_SOURCE_DIR) / "tests/fuzz/corpus";
 

@@ -257,6 +257,21 @@ TEST_F(GlbTest, StripsAndFansAreTriangles) {
     EXPECT_EQ(quad.mesh().triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}}));
 }
 
+TEST_F(GlbTest, AGltfHasItsDataBesideIt) {
+    const test::TemporaryFolder folder;
+    GlbQuad quad;
+    const Mesh binary = quad.mesh();
+    quad.json["buffers"][0]["uri"] = "quad.bin";
+    test::write_text(folder.file("quad.gltf"), quad.json.dump());
+    EXPECT_THROW(read_mesh(folder.file("quad.gltf")), InputError);  // nor is its data there
+    test::write_text(folder.file("quad.bin"),
+                     bytes_of_all(quad.positions) + bytes_of_all(quad.normals) + bytes_of_all(quad.indices));
+    const Mesh beside = read_mesh(folder.file("quad.gltf"));
+    EXPECT_EQ(beside.vertices, binary.vertices);
+    EXPECT_EQ(beside.normals, binary.normals);
+    EXPECT_EQ(beside.triangles, binary.triangles);
+}
+
 TEST_F(GlbTest, EachFaultHasItsLine) {
     const auto fault = [](const auto& change) {
         GlbQuad quad;

@@ -84,7 +84,7 @@ TEST(SceneMeshTest, FaultsAreToldWithTheirPlace) {
     EXPECT_NE(error_of(mesh_with(R"("generate": {"mesh": "tor", "size": 1})")).find("(did you mean \"tori\"?)"),
               std::string::npos);
     EXPECT_EQ(error_of(mesh_with(R"("file": "a.stl")")),
-              "a.stl: file name: found the ending \".stl\", allowed: .obj, .ply or .glb");
+              "a.stl: file name: found the ending \".stl\", allowed: .obj, .ply, .glb or .gltf");
     EXPECT_EQ(error_of(R"({"shape": "sphere", "material": "white", )" + ball + "}").find("s.json: $.objects[0]"), 0u);
 }
 

@@ -1,0 +1,36 @@
+// What the sections of a scene of CIS 565 become: harness/scene/import_cis565.h says it in words.
+#pragma once
+
+#include <set>
+
+#include "harness/scene/course_mesh.h"
+#include "harness/scene/import_parts.h"
+
+namespace pt {
+
+// The line that has the shutter open, and how.
+struct CourseMotion {
+    const Cis565Line* first = nullptr;
+    bool is_late = false;
+};
+
+struct CourseImport {
+    const Cis565File* sections = nullptr;
+    const ImportSource* source = nullptr;
+    ImportResult* result = nullptr;
+    CourseMeshFinder meshes;
+    CourseMotion motion = {};
+    std::set<std::size_t> used_materials = {};
+};
+
+// Where a line cannot be read, a value that is right stands for it, so that the others can be checked.
+ScenePart import_object(CourseImport& import, std::size_t index);
+ScenePart import_camera(const CourseImport& import);
+
+// The scene file that names of meshes are relative to.
+std::string course_scene_file(const ImportSource& source);
+
+// The whole scene file, or the problems that it has.
+void import_course(const Cis565File& sections, const ImportSource& source, ImportResult& result);
+
+}  // namespace pt

@@ -1,0 +1,104 @@
+#include "harness/scene/json_lines.h"
+
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "harness/json_reader.h"
+
+namespace pt {
+
+namespace {
+
+class LineFinder {
+public:
+    explicit LineFinder(const std::string& text) : text_(&text) {}
+
+    std::map<std::string, std::size_t> lines();
+
+private:
+    struct Level {
+        std::string path;
+        bool is_object = false, has_key = false;
+        std::string key = "";
+        std::size_t index = 0;
+    };
+
+    std::string place() const;
+    void read_string();
+    void open(bool is_object);
+    void next();
+
+    const std::string* text_;
+    std::size_t at_ = 0, line_ = 1;
+    std::vector<Level> levels_;
+    std::map<std::string, std::size_t> lines_;
+};
+
+// Of the value that comes next.
+std::string LineFinder::place() const {
+    if (levels_.empty()) {
+        return "$";
+    }
+    const Level& level = levels_.back();
+    return level.is_object ? level.path + "." + level.key : fmt::format("{}[{}]", level.path, level.index);
+}
+
+// From its first quotation mark to its last. A key, where one comes next.
+void LineFinder::read_string() {
+    const std::size_t start = at_;
+    for (++at_; (*text_)[at_] != '"'; ++at_) {
+        at_ += (*text_)[at_] == '\\' ? 1 : 0;
+    }
+    if (!levels_.empty() && levels_.back().is_object && !levels_.back().has_key) {
+        levels_.back().key = Json::parse(text_->substr(start, at_ - start + 1)).get<std::string>();
+        levels_.back().has_key = true;
+        lines_.emplace(place(), line_);
+    }
+}
+
+void LineFinder::open(bool is_object) {
+    const std::string path = place();
+    if (is_object) {
+        lines_.emplace(path, line_);
+    }
+    levels_.push_back({.path = path, .is_object = is_object});
+}
+
+void LineFinder::next() {
+    switch ((*text_)[at_]) {
+        case '\n':
+            line_ += 1;
+            break;
+        case '"':
+            read_string();
+            break;
+        case '{':
+        case '[':
+            open((*text_)[at_] == '{');
+            break;
+        case '}':
+        case ']':
+            levels_.pop_back();
+            break;
+        case ',':
+            levels_.back().has_key = false;
+            levels_.back().index += 1;
+            break;
+        default:
+            break;
+    }
+}
+
+std::map<std::string, std::size_t> LineFinder::lines() {
+    for (; at_ < text_->size(); ++at_) {
+        next();
+    }
+    return lines_;
+}
+
+}  // namespace
+
+std::map<std::string, std::size_t> lines_of_json(const std::string& text) { return LineFinder(text).lines(); }
+
+}  // namespace pt
