@@ -20,7 +20,7 @@ from ptbench.findings.errors import FindingError
 from ptbench.findings.page import read_page, render, source_of
 from ptbench.findings.peers import PeersSource
 from ptbench.io.validate import complaints, validate
-from ptbench.peers.document import scenes_of
+from ptbench.peers.document import Peer, scenes_of
 from ptbench.peers.options import mitsubas, own_variants
 from ptbench.peers.process import PeerFailed, Talker
 from ptbench.peers.statistics import Measured, by_round, variance_of_seeds
@@ -202,6 +202,18 @@ def test_variance_is_that_of_one_sample():
 def test_a_round_counts_once():
     samples = [{"round": 2, "ms": ms, "spp": 2} for ms in (6.0, 2.0, 4.0)] + [{"round": 1, "ms": 3.0, "spp": 1}]
     assert by_round(samples).tolist() == [3.0, 2.0]
+
+
+def sample(ms: float, device_ms: float | None, foreign_cpu_ms: float | None) -> dict:
+    return {"ms": ms, "wall_ms": ms, "device_ms": device_ms, "foreign_cpu_ms": foreign_cpu_ms}
+
+
+def test_other_processes_disturb_a_gpu_only_where_the_host_was_late():
+    alone, shared, unknown = sample(200, 200, 0), sample(200, 199, 90), sample(200, None, None)
+    late = sample(200, 150, 90)
+    value = {"samples": [alone, shared, unknown, late]}
+    assert Peer(value, on_gpu=False).disturbed == 3
+    assert Peer(value, on_gpu=True).disturbed == 1
 
 
 def test_cost_is_variance_times_time():

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ptbench.crosscheck.document import AGREES
+from ptbench.io.cells import GPU_BACKEND, MOST_HOST_SHARE
 from ptbench.numbers import figures, interval
 from ptbench.peers.statistics import Measured, by_round
 from ptbench.stats.estimates import Estimate, interval_of_ratio
@@ -23,6 +24,7 @@ class Peer:
     """A peer in one scene, as the file has it."""
 
     value: dict
+    on_gpu: bool
 
     @property
     def name(self) -> str:
@@ -64,11 +66,14 @@ class Peer:
     @property
     def disturbed(self) -> int:
         """Of its renders, those from which other processes took processors; unknown ones count."""
-        return sum(_is_disturbed(sample) for sample in self.value["samples"])
+        return sum(_is_disturbed(sample, self.on_gpu) for sample in self.value["samples"])
 
 
-def _is_disturbed(sample: dict) -> bool:
-    foreign = sample["foreign_cpu_ms"]
+def _is_disturbed(sample: dict, on_gpu: bool) -> bool:
+    foreign, device = sample["foreign_cpu_ms"], sample["device_ms"]
+    # Other processes can only make a GPU's host late; a peer that counts its kernels alone does not notice.
+    if on_gpu and (device is None or 1 - device / sample["ms"] <= MOST_HOST_SHARE):
+        return False
     # A tick of the system's clock is no evidence.
     return foreign is None or foreign > max(10.0, MOST_FOREIGN * sample["wall_ms"])
 
@@ -78,6 +83,7 @@ class Scene:
     """All peers of one scene."""
 
     value: dict
+    on_gpu: bool
 
     @property
     def name(self) -> str:
@@ -87,7 +93,7 @@ class Scene:
     @cached_property
     def peers(self) -> tuple[Peer, ...]:
         """In the order asked for: the first is the reference."""
-        return tuple(map(Peer, self.value["peers"]))
+        return tuple(Peer(value, self.on_gpu) for value in self.value["peers"])
 
     @property
     def reference(self) -> Peer:
@@ -111,7 +117,8 @@ class Scene:
 
 def scenes_of(document: dict) -> list[Scene]:
     """In the file's order."""
-    return [Scene(value) for value in document["scenes"]]
+    on_gpu = document["settings"]["backend"] == GPU_BACKEND
+    return [Scene(value, on_gpu) for value in document["scenes"]]
 
 
 def shown_ratio(estimate: Estimate | None) -> str:

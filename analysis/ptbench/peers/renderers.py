@@ -36,6 +36,7 @@ class Timed:
     ms: float
     wall_ms: float
     compile_ms: float
+    device_ms: float | None  # the part of it in which the device worked, where it has a clock
     foreign_cpu_ms: float | None
 
 
@@ -60,11 +61,7 @@ class OwnVariant:
     def times(self, spp: int, seed: int, repetitions: int) -> list[Timed]:
         """The first render of a process warms up."""
         summary = self._rendered(spp, seed, repetitions)
-        compiled = 1e3 * summary["compile_seconds"]
-        return [
-            Timed(*2 * (1e3 * one["render_seconds"],), compiled, 1e3 * one["foreign_cpu_seconds"])
-            for one in summary["repetitions"]
-        ]
+        return [_timed_here(one, 1e3 * summary["compile_seconds"]) for one in summary["repetitions"]]
 
     def close(self) -> None:
         """Nothing stays."""
@@ -86,6 +83,11 @@ class OwnVariant:
         summary = json.loads(done.stdout)
         self.about = {name: summary[name] for name in ("scene_hash", "variant", "variant_id", "backend", "depth")}
         return summary
+
+
+def _timed_here(said: dict, compile_ms: float) -> Timed:
+    wall, device, foreign = (1e3 * said[f"{name}_seconds"] for name in ("render", "device", "foreign_cpu"))
+    return Timed(wall, wall, compile_ms, device, foreign)
 
 
 class Talking:
@@ -156,7 +158,7 @@ def _timed(said: object, foreign: float | None) -> Timed:
     ms, wall, compiled = (_number(said, name) for name in _FIELDS)
     if ms <= 0 or wall <= 0:
         raise PeerFailed(f"a render that took {min(ms, wall):g} ms")
-    return Timed(ms, wall, compiled, None if foreign is None else foreign * wall)
+    return Timed(ms, wall, compiled, None, None if foreign is None else foreign * wall)
 
 
 def _number(said: dict, name: str) -> float:
