@@ -171,6 +171,7 @@ def _run_of(definition: Definition, result: Result, seconds: float) -> Run:
             return {**base, "failed": why}
         sides.append(found[0])
     choice, over = sides
+    base |= _counts_of(over)
     if definition.of_error:
         ratio = cost_ratio(definition["statistic"], assess(result), choice, over)
         if ratio is None:
@@ -181,6 +182,15 @@ def _run_of(definition: Definition, result: Result, seconds: float) -> Run:
     if definition["statistic"] == TO_IMAGE:
         run |= {"choice_build_ms": _build(choice), "over_build_ms": _build(over)}
     return run
+
+
+def _counts_of(cell: Cell) -> dict[str, float]:
+    """What the scene's paths are like, for whoever looks for scenes that are alike."""
+    if cell.instrumented is None or not cell.instrumented.paths:
+        return {}
+    segments = sum(cell.instrumented.live_paths) / cell.instrumented.paths
+    triangles = 0 if cell.meshes is None else cell.meshes.triangles
+    return {"segments": round(segments, 6), "triangles": triangles, "depth": cell.depth, "pixels": cell.pixels}
 
 
 def _is(cell: Cell, wanted: Mapping) -> bool:
