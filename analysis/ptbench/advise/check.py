@@ -66,9 +66,8 @@ def judged(cells: Sequence[Cell], advised: Mapping[str, str]) -> Checked:
     if own is None:
         return Checked(text, "", None, OPEN, len(measured), "the advised variant has no times here")
     best = min(measured, key=lambda cell: sorted(cell.ms_per_spp)[len(cell.samples) // 2])
-    if best is own:
-        return Checked(own.variant, own.variant, Estimate(1.0, 1.0, 1.0, len(own.samples)), GOOD, len(measured))
-    ratio = ratio_estimate(own.ms_per_spp, best.ms_per_spp)
+    count = len(own.samples)
+    ratio = Estimate(1.0, 1.0, 1.0, count) if best is own else ratio_estimate(own.ms_per_spp, best.ms_per_spp)
     if busy := [cell for cell in (own, best) if is_contended(cell)]:
         return Checked(own.variant, best.variant, ratio, OPEN, len(measured), f"{busy[0].variant} was disturbed")
     return Checked(own.variant, best.variant, ratio, _word(ratio), len(measured))

@@ -12,11 +12,14 @@ from ptbench.advise.check import Checked, check
 from ptbench.advise.evidence import Book, read_book, results_of
 from ptbench.advise.model import WITHIN
 from ptbench.advise.probe import Probed, file_of, probe
+from ptbench.advise.trying import Asked, try_advice
 from ptbench.errors import InputError, bad_value
 from ptbench.numbers import figures, interval
 from ptbench.program import Program
 from ptbench.terminal import say
 
+ADVICE = "advice.json"
+_TRIED_AT = (96, 96)
 _OTHERS = 3  # alternatives that `--measure` runs beside the advised choice
 
 
@@ -34,13 +37,21 @@ class Call:
     root: Path = Path()
     results: Path | None = None  # None: the checkout's own
     binary: Path | None = None  # None: the checkout's own
+    tried: int | None = None  # how many made scenes to try it on, instead of the scene
+    seed: int = 1
+    loaded: bool = False
+    out: Path | None = None  # of the try
 
 
 def advise(call: Call) -> int:
-    """Exit code: 0 told, 1 a measurement says that the advice was not within 5 % of the best."""
+    """Exit code: 0 told, 1 a measurement says that the advice was not within 5 % of the best, or too rarely."""
     program = Program(call.binary or call.root / "build" / "ptbench")
     results = call.results or call.root / "results"
     machine, backend, note = machine_of(results, program, call.gpu, cpu=call.cpu)
+    if call.tried is not None:
+        out = call.out or results / program.machine() / ADVICE
+        asked = Asked(call.tried, call.seed, call.resolution or _TRIED_AT, call.spp, out, call.loaded)
+        return try_advice(program, call.root, results, machine, backend, asked)
     probed = probe(program, file_of(call.scene, call.root), backend, call.depth, call.resolution)
     book = read_book(call.root, results, machine, backend)
     say(f"{probed.name}: {probed.features.text()}")

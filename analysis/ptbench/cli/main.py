@@ -145,7 +145,11 @@ def _add_advise(commands: argparse._SubParsersAction) -> None:
     advise = commands.add_parser(
         "advise", help="which choices to take for a scene, what each is expected to bring, and from which measurements"
     )
-    advise.add_argument("scene", metavar="SCENE", help="a scene's file, or its name in scenes/")
+    advise.add_argument("scene", metavar="SCENE", nargs="?", help="a scene's file, or its name in scenes/")
+    advise.add_argument("--try", dest="tried", type=_positive, metavar="N", help="instead: try it on N made scenes")
+    advise.add_argument("--seed", type=_positive, default=1, metavar="N", help="of those scenes (default: 1)")
+    advise.add_argument("--loaded", action="store_true", help="try it although other processes use the machine")
+    advise.add_argument("--out", type=Path, metavar="FILE", help="of --try (default: results/MACHINE/advice.json)")
     machine = advise.add_mutually_exclusive_group()
     machine.add_argument("--gpu", metavar="MODEL", help="a GPU of results/, such as h200 (default: this machine)")
     machine.add_argument("--cpu", action="store_true", help="ask what was measured on CPUs")
@@ -230,9 +234,13 @@ def _map(options: argparse.Namespace, program: str) -> int:
 def _advise(options: argparse.Namespace, program: str) -> int:
     from ptbench.advise.command import Call, advise
 
+    if (options.scene is None) == (options.tried is None):
+        found = "both" if options.scene else "neither"
+        print(f"{program} advise: found {found}, allowed: SCENE or --try N; see --help", file=sys.stderr)
+        return 2
     call = Call(
-        options.scene, options.gpu, options.cpu, options.measure, options.depth, options.resolution, options.spp,
-        options.root, options.results, options.binary,
+        options.scene or "", options.gpu, options.cpu, options.measure, options.depth, options.resolution, options.spp,
+        options.root, options.results, options.binary, options.tried, options.seed, options.loaded, options.out,
     )  # fmt: skip
     try:
         return advise(call)

@@ -10,7 +10,7 @@ import pytest
 from builder import Builder
 
 from ptbench.advise.advice import advise_on, lines_of, models_of, settings_of
-from ptbench.advise.check import GOOD, NOT_GOOD, judged
+from ptbench.advise.check import GOOD, NOT_GOOD, OPEN, judged
 from ptbench.advise.command import machine_of
 from ptbench.advise.evidence import DECISIONS, SCHEDULE, choice_text, read_book
 from ptbench.advise.features import Content, Features, content_of, distance, features_of
@@ -219,6 +219,14 @@ def test_the_check_is_within_five_per_cent_of_the_best(tmp_path, times, word):
     cells = load(cells_of(times).write(tmp_path / "a.json")).cells
     checked = judged(cells, {"integrator": "persistent"})
     assert (checked.word, checked.measured) == (word, len(times))
+
+
+def test_a_disturbed_check_decides_nothing(tmp_path):
+    builder = cells_of({})
+    for integrator in ("persistent", "megakernel"):
+        builder.cell("advice", "s", 1.0, axes={"integrator": integrator}, contended=9, device_share=0.5)
+    cells = load(builder.write(tmp_path / "a.json")).cells
+    assert judged(cells, {"integrator": "persistent"}).word == OPEN
 
 
 def test_the_check_needs_times_of_the_advised(tmp_path):

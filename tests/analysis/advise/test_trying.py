@@ -1,0 +1,93 @@
+"""advise --try: drawn scenes, all variants, and what is counted."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+
+import pytest
+from builder import Builder
+
+from ptbench.advise.trying import MOST_LOAD, RANGES, drawn_scenes, everything, summary_of
+from ptbench.maps.scenes import RULES
+
+
+def test_scenes_are_the_same_for_a_seed_and_within_their_ranges():
+    assert list(drawn_scenes(8, 3)) == list(drawn_scenes(8, 3))
+    assert list(drawn_scenes(8, 3)) != list(drawn_scenes(8, 4))
+    names = [scene["name"] for scene, _ in drawn_scenes(50, 1)]
+    assert len(set(names)) == 50
+    assert RANGES.keys() <= RULES.keys()
+
+
+def test_trees_are_measured_in_scenes_with_meshes_only():
+    plain, meshes = (everything("cpu", has_mesh=has_mesh) for has_mesh in (False, True))
+    assert len(meshes) == 4 * len(plain)
+    assert not [one for one in plain if "accelerator" in one]
+
+
+def fake(folder: Path, times: dict[str, float]) -> Path:
+    """A program that knows any scene, and whose renders take these times."""
+    probe, advice = Builder("probe"), Builder("advice")
+    probe.cell(None, "s", 1.0, n=1, axes={"integrator": "depth_first"}, live_paths=[100, 50, 25])
+    for integrator, ms in times.items():
+        advice.cell(None, "s", ms, noise=0.0, axes={"integrator": integrator})
+    files = {one.context["ptbench.suite"]: str(one.write(folder / f"{one.context['ptbench.suite']}.json"))
+             for one in (probe, advice)}  # fmt: skip
+    about = {"name": "s", "max_depth": 8, "resolution": [200, 200], "features": [], "not_applicable_on": {}}
+    file = folder / "ptbench"
+    file.write_text(
+        f"#!{sys.executable}\nimport json, shutil, sys\n"
+        f"if sys.argv[1] == 'machine': print('amd-epyc-2-threads')\n"
+        f"elif sys.argv[1] == 'list': print(json.dumps({{'scenes': [{about!r}]}}))\n"
+        "else:\n    named = dict(zip(sys.argv, sys.argv[1:]))\n"
+        f"    shutil.copy({files!r}[json.load(open(named['--suite']))['name']], named['--out'])\n"
+    )
+    file.chmod(0o755)
+    return file
+
+
+@pytest.fixture
+def house(tmp_path) -> Path:
+    """One scene in which packets are fast: the advice is packets, or the reference where one scene is too few."""
+    folder = tmp_path / "results" / "amd-epyc-2-threads"
+    folder.mkdir(parents=True)
+    (tmp_path / "scenes").mkdir()
+    builder = Builder("packet")
+    for index in range(3):
+        about = {"name": f"box_{index}", "max_depth": 8, "materials": {}, "objects": [{"shape": "box", "material": ""}]}
+        (tmp_path / "scenes" / f"box_{index}.json").write_text(json.dumps(about))
+        for integrator, ms in (("wavefront", 4.0), ("packet", 1.0), ("depth_first", 2.0)):
+            builder.cell(None, f"box_{index}", ms, axes={"integrator": integrator}, live_paths=[100, 50, 25])
+    builder.write(folder / "packet.json")
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("times", "good", "code"),
+    [({"packet": 1.0, "wavefront": 2.0}, 3, 0), ({"packet": 1.0, "depth_first": 0.5}, 0, 1)],
+)
+def test_it_counts_where_the_advice_was_within_five_per_cent(house, analysis, times, good, code):
+    program = fake(house, times)
+    file = house / "advice.json"
+    call = ["advise", "--try", "3", "--cpu", "--root", house, "--binary", program, "--loaded", "--out", file]
+    found, out, err = analysis(*call)
+    assert (found, err) == (code, "")
+    document = json.loads(file.read_text())
+    assert (document["good"], document["of"], document["not_good"]) == (good, 3, 3 - good)
+    assert {row["advised"] for row in document["scenes"]} == {"packet"}
+    assert out.splitlines()[-1] == summary_of(document)
+
+
+def test_a_loaded_machine_is_refused(house, analysis, monkeypatch):
+    monkeypatch.setattr(os, "getloadavg", lambda: (MOST_LOAD, 0.0, 0.0))
+    program = fake(house, {"packet": 1.0})
+    code, _, err = analysis("advise", "--try", "1", "--cpu", "--root", house, "--binary", program)
+    assert (code, "found 0.50, allowed: below 0.5" in err) == (2, True)
+
+
+def test_a_scene_or_a_try(analysis):
+    assert analysis("advise")[0] == 2
+    assert analysis("advise", "s", "--try", "3")[0] == 2
