@@ -9,7 +9,8 @@ from pathlib import Path
 
 from ptbench.advise.advice import Advised, advise_on, alternatives, is_timed, lines_of, models_of, settings_of
 from ptbench.advise.check import Checked, check
-from ptbench.advise.evidence import Book, read_book, results_of
+from ptbench.advise.evidence import Book, results_of
+from ptbench.advise.mapped import whole_book
 from ptbench.advise.model import WITHIN
 from ptbench.advise.probe import Probed, file_of, probe
 from ptbench.advise.trying import Asked, try_advice
@@ -53,7 +54,7 @@ def advise(call: Call) -> int:
         asked = Asked(call.tried, call.seed, call.resolution or _TRIED_AT, call.spp, out, call.loaded)
         return try_advice(program, call.root, results, machine, backend, asked)
     probed = probe(program, file_of(call.scene, call.root), backend, call.depth, call.resolution)
-    book = read_book(call.root, results, machine, backend)
+    book = whole_book(call.root, results, machine, backend)
     say(f"{probed.name}: {probed.features.text()}")
     say(f"from the results of {book.device} (results/{machine}){note}")
     advised = advise_on(models_of(book), probed.features, probed.barred, book.baselines)

@@ -55,7 +55,7 @@ DECISIONS = tuple(
     for one in json.loads(FILE.read_text(encoding="utf-8"))["decisions"]
 )
 # A cost that was put into the shading on purpose: another scene, so to speak.
-_INJECTED = "shading_fmas"
+INJECTED = "shading_fmas"
 _OF_A_COMMIT = re.compile(r"_[0-9a-f]{7}\.json(\.gz)?$")
 
 
@@ -244,7 +244,7 @@ def _setting(cell: Cell) -> str:
 
 
 def _may_be_asked(cell: Cell, decision: Decision) -> bool:
-    if is_contended(cell) or _INJECTED in cell.tuned or (decision.of_meshes and cell.meshes is None):
+    if is_contended(cell) or INJECTED in cell.tuned or (decision.of_meshes and cell.meshes is None):
         return False
     return all(cell.axes.get(axis) == choice for axis, choice in decision.only.items())
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ptbench.io.cells import Cell
-from ptbench.io.nodes import read_json
+from ptbench.io.nodes import Node, read_json
 
 # Features with the size of their unit: doublings of what is counted, plain steps of the others.
 DOUBLINGS = {"objects": 3.0, "triangles": 4.0, "materials": 2.0, "depth": 1.0, "pixels": 2.0, "lamps": 2.0,
@@ -80,7 +80,11 @@ def farthest(one: Features, other: Features, names: Sequence[str]) -> str:
 
 def content_of(path: Path) -> Content:
     """Reads a scene's file, which ptbench itself checks; raises InputError for what is no scene at all."""
-    root = read_json(path)
+    return content_in(read_json(path))
+
+
+def content_in(root: Node) -> Content:
+    """Of a scene's document."""
     materials = root.need("materials").fields()
     objects = [node.fields() for node in root.need("objects").items()]
     types = {name: _type(about) for name, about in materials.items()}

@@ -18,7 +18,8 @@ from pathlib import Path
 
 from ptbench.advise.advice import advise_on, is_timed, models_of, settings_of
 from ptbench.advise.check import GOOD, NOT_GOOD, OPEN, Checked, check
-from ptbench.advise.evidence import FILE, read_book
+from ptbench.advise.evidence import FILE
+from ptbench.advise.mapped import whole_book
 from ptbench.advise.probe import probe
 from ptbench.errors import InputError
 from ptbench.io.files import write_text
@@ -77,7 +78,7 @@ def try_advice(program: Program, root: Path, results: Path, machine: str, backen
     load = os.getloadavg()[0]
     if load >= MOST_LOAD and not asked.loaded:
         raise InputError(f"this machine: load: found {load:.2f}, allowed: below {MOST_LOAD} (--loaded: nonetheless)")
-    book = read_book(root, results, machine, backend)
+    book = whole_book(root, results, machine, backend)
     models = models_of(book)
     rows = []
     for scene, depth in drawn_scenes(asked.scenes, asked.seed):

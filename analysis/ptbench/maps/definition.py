@@ -85,7 +85,11 @@ def read_map(path: Path) -> Definition:
     root = read_json(path)
     if found := list(complaints(root.value, "map")):
         raise InputError(f"{path}: {found[0]}")
-    document = root.value
+    return definition_of(path, root.value)
+
+
+def definition_of(path: Path, document: dict) -> Definition:
+    """A map's document, which is as its schema says, with what the schema does not; raises InputError."""
     if document["scene"]["rule"] not in RULES:
         raise bad_value(path, "$.scene.rule", shown(document["scene"]["rule"]), ", ".join(RULES))
     axes = tuple(_axis(path, document, key) for key in ("x", "y"))

@@ -8,15 +8,19 @@ from pathlib import Path
 
 import pytest
 from builder import Builder
+from conftest import ROOT
 
 from ptbench.advise.advice import advise_on, lines_of, models_of, settings_of
 from ptbench.advise.check import GOOD, NOT_GOOD, OPEN, judged
 from ptbench.advise.command import machine_of
 from ptbench.advise.evidence import DECISIONS, SCHEDULE, choice_text, read_book
 from ptbench.advise.features import Content, Features, content_of, distance, features_of
+from ptbench.advise.mapped import whole_book
 from ptbench.advise.model import model_of
 from ptbench.errors import InputError
 from ptbench.io.results import load
+from ptbench.maps.definition import read_map
+from ptbench.maps.measuring import Sheet, write_sheet
 from ptbench.program import Program
 
 NONE = frozenset()
@@ -198,6 +202,35 @@ def test_decisions_without_data_say_so_and_trees_are_for_meshes(house):
 
 def test_a_choice_is_told_as_the_program_takes_it():
     assert choice_text((("layout", "soa"), ("block", "64")), DECISIONS[0]) == "integrator=wavefront layout=soa block=64"
+
+
+def map_in(house: House, name: str, machine: str, **run) -> None:
+    """A committed map, every cell of whose coarse grid has the same run."""
+    sheet = Sheet(read_map(ROOT / "maps" / f"{name}.json"))
+    counts = {"segments": 2.0, "triangles": 0, "depth": 4, "pixels": 256}
+    sheet.runs = {"a": {"seconds": 1.0, "failed": "", "disturbed": False, **counts, **run}}
+    sheet.cells = {(x, y): "a" for x in sheet.definition.axes[0].grid for y in sheet.definition.axes[1].grid}
+    write_sheet(sheet, house.results / machine / "maps" / f"{name}.json")
+
+
+def test_maps_are_measurements_too(house):
+    house.measured(LAW)
+    times = {"choice_ms": [1.0] * 9, "over_ms": [4.0] * 9}
+    map_in(house, "compaction", "nvidia-h200", **times)
+    map_in(house, "sorting", "nvidia-h200", **times)  # its shading has a cost put in
+    map_in(house, "regeneration", "nvidia-h200", **times)  # over no reference
+    map_in(house, "connections_cpu", "another", ratio={"value": 0.5, "low": 0.4, "high": 0.6, "n": 9})
+    map_in(house, "compaction_cpu", "another", **times)
+    book = whole_book(house.root, house.results, "nvidia-h200", "cuda")
+    found = {name: {(point.choice, point.ratio.value, point.file) for point in points}
+             for name, points in book.points.items() if points and name != SCHEDULE}  # fmt: skip
+    assert found == {
+        "compaction of a queue": {((("compaction", "cub_select_flagged"),), 0.25, "nvidia-h200/maps/compaction.json")},
+        "direct light": {((("direct_light", "nee"),), 0.5, "another/maps/connections_cpu.json")},
+    }
+    point = book.points["direct light"][0]
+    assert point.features.content.lamps == 1
+    assert (point.features.depth, point.features.length, point.setting) == (4, 0.5, "depth 4, 16x16")
 
 
 def cells_of(times: dict[str, float], noise: float = 0.0):
