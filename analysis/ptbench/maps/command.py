@@ -15,6 +15,7 @@ from ptbench.figures.saving import svg_of
 from ptbench.findings.errors import FindingError
 from ptbench.io.cells import Result
 from ptbench.io.files import write_text
+from ptbench.io.nodes import read_json
 from ptbench.maps.definition import Definition, maps_in
 from ptbench.maps.figure import can_be_drawn, draw, words_of
 from ptbench.maps.measuring import Sheet, measured_by, refine, sheet_of, write_sheet
@@ -150,7 +151,13 @@ def _span_text(sheet: Sheet, one: Bracket) -> str:
     )
 
 
-def pages_of(root: Path, told: Sequence[Told]) -> dict[str, str]:
+def advice_in(results: Path) -> list[dict]:
+    """What `advise --try` wrote, of every machine."""
+    files = sorted(results.glob("*/advice.json"))
+    return [{**read_json(file).fields(), "file": file.relative_to(results).as_posix()} for file in files]
+
+
+def pages_of(root: Path, told: Sequence[Told], advice: Sequence[dict]) -> dict[str, str]:
     """Every file of docs/maps by its name."""
     template = root / "docs" / "templates" / "maps" / "README.md"
     environment = Environment(
@@ -158,7 +165,7 @@ def pages_of(root: Path, told: Sequence[Told]) -> dict[str, str]:
     )
     try:
         page = environment.from_string(template.read_text(encoding="utf-8")).render(
-            told=told, confidence=f"{CONFIDENCE:.0%}".replace("%", " %")
+            told=told, advice=advice, confidence=f"{CONFIDENCE:.0%}".replace("%", " %")
         )
     except (OSError, TemplateError) as error:
         raise FindingError(f"{template}: {error}") from error
@@ -169,7 +176,7 @@ def pages_of(root: Path, told: Sequence[Told]) -> dict[str, str]:
 
 def _pages(call: Call, told: Sequence[Told]) -> int:
     folder = call.root / "docs" / "maps"
-    pages = pages_of(call.root, told)
+    pages = pages_of(call.root, told, advice_in(call.results or call.root / "results"))
     there = {path.name for path in folder.glob("*") if path.suffix in (".md", ".svg")}
     if call.write:
         folder.mkdir(parents=True, exist_ok=True)

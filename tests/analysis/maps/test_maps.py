@@ -332,7 +332,12 @@ def test_the_whole_command(tmp_path, analysis):
     page = (root / "docs/maps/README.md").read_text()
     assert "sorting_nvidia-h200.svg" in page
     assert "<svg" in (root / "docs/maps/sorting_nvidia-h200.svg").read_text()
+    assert "was not measured yet" in page
     assert analysis(*call, "--check")[0] == 0
+    advice = {"good": 45, "of": 50, "not_good": 4, "undecided": 1, "advised_from": "nvidia-h200"}
+    (root / "results/nvidia-h200/advice.json").write_text(json.dumps(advice))
+    assert analysis(*call, "--write")[0] == 0
+    assert "within 5 % of the best on 45 of 50 scenes" in (root / "docs/maps/README.md").read_text()
     (root / "docs/maps/README.md").write_text("typed")
     assert analysis(*call, "--check")[0] == 1
     assert analysis("map", "gone", "--root", root)[0] == 2
