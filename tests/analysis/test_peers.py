@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from builder import small
 from conftest import ROOT
 from peers_fakes import Fakes
 
@@ -24,6 +25,7 @@ from ptbench.peers.document import Peer, scenes_of
 from ptbench.peers.options import mitsubas, own_variants
 from ptbench.peers.process import PeerFailed, Talker
 from ptbench.peers.statistics import Measured, by_round, variance_of_seeds
+from ptbench.report.sources import find_sources
 
 BINARY = ROOT / "build/ptbench"
 TEMPLATE = ROOT / "docs/templates/peers.md"
@@ -298,3 +300,11 @@ def test_a_real_mitsuba_takes_part(tmp_path, capsys, monkeypatch):
     assert peer.verdict == "agrees"
     assert scene.time_over(peer).value > 0
     assert validate(fakes.out) == []
+
+
+def test_a_report_of_its_folder_passes_it_over(fakes):
+    fakes.out = fakes.folder / "results" / "peers.json"
+    assert fakes.call("--mitsuba", "good_rgb") == 0
+    result = small().write(fakes.folder / "results" / "quick.json")
+    found = find_sources([fakes.folder / "results"])
+    assert (found.paths, found.passed_over) == ((result,), (fakes.out,))

@@ -14,6 +14,9 @@ from ptbench.io.results import result_of
 from ptbench.io.stability import Stability, is_stability, stability_of
 from ptbench.terminal import visible
 
+# Comparisons with other renderers and searches for leaks lie beside results, and have pages of their own.
+_NO_RESULTS = ("ptbench-crosscheck-", "ptbench-peers-", "ptbench-leaks-")
+
 
 @dataclass(frozen=True)
 class Sources:
@@ -52,7 +55,11 @@ def find_sources(named: Sequence[Path]) -> Sources:
 def _is_result(root: Node) -> bool:
     """By its keys: a broken result file is one, and an error; other JSON beside results is not."""
     value = root.value
-    return isinstance(value, dict) and ("schema" in value or {"benchmarks", "ptbench"} <= value.keys())
+    if not isinstance(value, dict):
+        return False
+    if str(value.get("schema", "")).startswith(_NO_RESULTS):
+        return False
+    return "schema" in value or {"benchmarks", "ptbench"} <= value.keys()
 
 
 def _titles(paths: Sequence[Path]) -> list[str]:
