@@ -18,8 +18,8 @@ from conftest import PACKAGE, ROOT
 from packaging.requirements import Requirement
 
 from ptbench import __version__
+from ptbench.flat import PYARROW
 from ptbench.io.files import read_stored
-from ptbench.tidy.flat import PYARROW
 
 if sys.version_info >= (3, 11):
     import tomllib

@@ -20,7 +20,7 @@ MOST_LINES = 400
 LAYERS = (
     "terminal", "errors", "git", "numbers", "io", "program", "tables", "stats", "studies", "convergence", "stability",
     "crosscheck", "peers", "figures", "findings", "claims", "maps", "advise", "explain", "compare", "plots", "gallery",
-    "report", "tidy", "frames", "measured", "__init__", "cli", "__main__",
+    "report", "tidy", "frames", "measured", "flat", "__init__", "cli", "__main__",
 )  # fmt: skip
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 

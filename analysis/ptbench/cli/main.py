@@ -250,7 +250,7 @@ def _advise(options: argparse.Namespace, program: str) -> int:
 
 
 def _flat(options: argparse.Namespace, program: str) -> int:
-    from ptbench.tidy.flat import flat
+    from ptbench.flat import flat
 
     try:
         return flat(options.results, options.out, options.table)
