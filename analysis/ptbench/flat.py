@@ -8,22 +8,20 @@ from pathlib import Path
 
 from ptbench.errors import bad_value
 from ptbench.io.files import check_output_file, write_whole
-from ptbench.measured import Measured
 from ptbench.report.sources import find_sources
 from ptbench.tidy.columns import CATEGORY, FLAG, INTEGER, NUMBER
 from ptbench.tidy.descriptions import meaning_of
-from ptbench.tidy.rows import Rows, load_files
+from ptbench.tidy.rows import Rows, load_files, table_of
 
 PYARROW = "pyarrow==22.0.0"  # as the extra `parquet` in pyproject.toml has it
 _LARGEST_SIGNED = (1 << 63) - 1
 
 
 def flat(results: Sequence[Path], out: Path, table: str) -> int:
-    """Writes the rows, one table's, and says how many; raises InputError. `table` empty: as `Measured` chooses."""
+    """Writes the rows, one table's, and says how many; raises InputError. `table` empty: as `table_of` chooses."""
     write = _writer(out)
     check_output_file(out)
-    measured = Measured(load_files(find_sources(results).paths))
-    rows = measured.table(table)
+    rows = table_of(load_files(find_sources(results).paths), table)
     write_whole(out, lambda temporary: write(rows, temporary))
     print(f"{out}: {len(rows.rows)} rows, {len(rows.types)} columns")
     return 0

@@ -9,10 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ptbench.errors import InputError
-from ptbench.io.rays import Rays
-from ptbench.io.stability import Stability
-from ptbench.tidy.rows import TABLES, Loaded, Rows, load_files
+from ptbench.tidy.rows import Loaded, Rows, load_files, table_of
 
 
 @dataclass(frozen=True)
@@ -44,11 +41,7 @@ class Measured:
 
     def table(self, name: str = "") -> Rows:
         """The rows with the types of all their columns."""
-        kinds = {type(file) for file in self.files}
-        name = name or ("stability" if Stability in kinds else "rays" if Rays in kinds else "samples")
-        if name not in TABLES:
-            raise InputError(f'found the table "{name}", allowed: {", ".join(TABLES)}')
-        return TABLES[name](self.files)
+        return table_of(self.files, name)
 
 
 def load(paths: Path | str | Iterable[Path | str]) -> Measured:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ptbench.errors import bad_value
+from ptbench.errors import InputError, bad_value
 from ptbench.io.cells import WORK_COUNTERS, Cell, Result, Sample
 from ptbench.io.convergence import Checkpoint
 from ptbench.io.nodes import read_json, shown
@@ -235,6 +235,15 @@ def _verdict(study: str, row: studies.Row) -> dict:
 
 def _rows(rows: Sequence[dict], table: str) -> Rows:
     return Rows(tuple(rows), types_of(rows, *GROUPS[table]))
+
+
+def table_of(files: tuple[Loaded, ...], name: str = "") -> Rows:
+    """The table of that name; without one "samples", or "stability" or "rays" of such files. Raises InputError."""
+    kinds = {type(file) for file in files}
+    name = name or ("stability" if Stability in kinds else "rays" if Rays in kinds else "samples")
+    if name not in TABLES:
+        raise InputError(f'found the table "{name}", allowed: {", ".join(TABLES)}')
+    return TABLES[name](files)
 
 
 def load_files(files: Files) -> tuple[Loaded, ...]:
