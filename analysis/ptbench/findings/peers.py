@@ -34,7 +34,8 @@ class PeersSource:
     @property
     def folder(self) -> str:
         """Where its figures lie, under results/."""
-        return str(Path(self._shown).parent)
+        file = Path(self._shown)
+        return f"{file.parent}/figures/{file.name.partition('.')[0]}"
 
     @property
     def settings(self) -> str:

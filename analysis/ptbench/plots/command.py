@@ -57,7 +57,8 @@ def plots(path: Path, out: Path | None) -> int:
         return rays_plots(*load_rays_folder(path), out if out is not None else path.parent / "figures" / path.name)
     root = read_json(path)
     if is_peers(root.value):
-        return peers_plots(root.value, out if out is not None else path.parent / "figures" / path.stem)
+        stem = path.name.partition(".")[0]
+        return peers_plots(root.value, out if out is not None else path.parent / "figures" / stem)
     if is_rays(root):
         rays = rays_of(root)
         return rays_plots([rays], [], out if out is not None else path.parent / "figures" / path.stem)
