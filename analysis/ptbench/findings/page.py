@@ -26,6 +26,8 @@ from jinja2 import Environment, StrictUndefined, TemplateError
 from ptbench.findings.crosscheck import SCHEMA as CROSSCHECK
 from ptbench.findings.crosscheck import CrosscheckSource
 from ptbench.findings.errors import FindingError
+from ptbench.findings.imports import SCHEMA as IMPORTS
+from ptbench.findings.imports import ImportsSource
 from ptbench.findings.peers import SCHEMA as PEERS
 from ptbench.findings.peers import PeersSource
 from ptbench.findings.quantities import span
@@ -50,7 +52,17 @@ _CODE = re.compile(r"^```.*?^```|`[^`\n]*`", re.DOTALL | re.MULTILINE)
 _TARGET = re.compile(r"\]\([^)]*\)")
 
 
-AnySource = Source | RaysFolder | Inspection | StabilitySource | Record | Transcript | CrosscheckSource | PeersSource
+AnySource = (
+    Source
+    | RaysFolder
+    | Inspection
+    | StabilitySource
+    | Record
+    | Transcript
+    | CrosscheckSource
+    | PeersSource
+    | ImportsSource
+)
 
 
 @dataclass(frozen=True)
@@ -91,6 +103,8 @@ def _opened(results: Path, file: str, where: str) -> AnySource:
         return Inspection(results, file)
     if root.value.get("schema") == CROSSCHECK:
         return CrosscheckSource(results, file)
+    if root.value.get("schema") == IMPORTS:
+        return ImportsSource(results, file)
     if root.value.get("schema") == PEERS:
         return PeersSource(results, file)
     if is_stability(root):
