@@ -30,6 +30,15 @@ if(NOT OpenEXR_FOUND)
   message(STATUS "OpenEXR 3: not found: no .exr images (libopenexr-dev)")
 endif()
 
+option(PTBENCH_MPI "Use MPI where it is found (off in packages: GPU machines need not have it)" ON)
+if(PTBENCH_MPI)
+  set(MPI_CXX_SKIP_MPICXX ON)
+  find_package(MPI QUIET COMPONENTS CXX)
+  if(NOT MPI_CXX_FOUND)
+    message(STATUS "MPI: not found: no runs on several hosts by mpirun (libopenmpi-dev)")
+  endif()
+endif()
+
 # Thrust: the CUDA toolkit's where there is one, the distribution's (libthrust-dev) where not.
 find_program(PTBENCH_NVCC nvcc HINTS $ENV{CUDA_HOME}/bin /usr/local/cuda/bin)
 if(PTBENCH_NVCC)

@@ -45,6 +45,12 @@ endfunction()
 # statistics. (A sine of a constant is rounded by the compiler where it can be evaluated, else by the C library, and they
 # differ in the last bit.) The rest of harness/ reads, writes, counts, or waits for a device: there the compiler's time
 # counts more.
+if(PTBENCH_MPI AND MPI_CXX_FOUND)
+  list(FILTER harness_sources EXCLUDE REGEX "/ranks/without_mpi\\.cpp$")
+else()
+  list(FILTER harness_sources EXCLUDE REGEX "/ranks/mpi\\.cpp$")
+endif()
+
 set(rendering_sources ${harness_sources})
 list(FILTER rendering_sources INCLUDE REGEX "/harness/(render|scene|mesh|rays|error|stability)/|/harness/bench/cpu_clock\\.cpp$")
 list(REMOVE_ITEM harness_sources ${rendering_sources})
@@ -65,6 +71,10 @@ file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/cccl_version.h CONTENT
 # As the double_intersection kernels in variants.cmake.
 set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/stability/replay.cpp PROPERTIES COMPILE_OPTIONS
                             "$<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>")
+if(PTBENCH_MPI AND MPI_CXX_FOUND)
+  target_link_libraries(ptbench_harness PUBLIC MPI::MPI_CXX)
+  set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/ranks/mpi.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endif()
 # tinygltf is compiled in this file alone.
 set(glb_reader ${PROJECT_SOURCE_DIR}/harness/mesh/read_glb.cpp)
 set_source_files_properties(${glb_reader} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <functional>
 #include <iostream>
 
 #include <fmt/format.h>
@@ -16,6 +17,7 @@
 #include "harness/cli/short_waits.h"
 #include "harness/error.h"
 #include "harness/nearest_name.h"
+#include "harness/ranks/ranks.h"
 
 namespace {
 
@@ -69,6 +71,15 @@ std::string in_words(const CLI::ParseError& error) {
                                                     message.substr(message.find_last_of(' ') + 1));
 }
 
+// The others would leave all ranks but one with nothing to do, and time the one.
+void check_ranks(const std::string& command) {
+    if (pt::ranks().count > 1 && command != "run" && command != "render") {
+        throw pt::InputError(
+            "command line", "processes", fmt::format("{}", pt::ranks().count),
+            fmt::format("one for `ptbench {}`; `ptbench run` and `ptbench render` take several", command));
+    }
+}
+
 int run(int argc, char** argv) {
     CLI::App app("ptbench: does a path tracing optimisation pay? Measured, with the images compared first.", "ptbench");
     app.set_version_flag("--version", "ptbench " + pt::version_text());
@@ -102,6 +113,7 @@ int run(int argc, char** argv) {
     }
     for (const auto& [name, command] : commands) {
         if (app.got_subcommand(name)) {
+            check_ranks(name);
             return command();
         }
     }
@@ -120,14 +132,10 @@ int check_output(int exit_code) {
     return exit_code;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-    // A file that grows beyond the process's limit is a write that fails, like one on a full disk.
-    std::signal(SIGXFSZ, SIG_IGN);
-    pt::shorten_waits(argv);
+// The exit code of `program`; what it throws is said in one line.
+int guarded(const std::function<int()>& program) {
     try {
-        return check_output(run(argc, argv));
+        return program();
     } catch (const pt::InputError& error) {
         fmt::print(stderr, "ptbench: {}\n", error.what());
         return pt::exit_bad_input;
@@ -138,4 +146,14 @@ int main(int argc, char** argv) {
         fmt::print(stderr, "ptbench: internal error: {}\n", error.what());
         return pt::exit_machine_failed;
     }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    // A file that grows beyond the process's limit is a write that fails, like one on a full disk.
+    std::signal(SIGXFSZ, SIG_IGN);
+    pt::shorten_waits(argv);
+    const auto program = [&] { return guarded([&] { return check_output(run(argc, argv)); }); };
+    return guarded([&] { return pt::run_on_ranks(program); });
 }

@@ -137,6 +137,16 @@ setup_openexr() {
     }
 }
 
+setup_mpi() {
+    local stamp=$build_dir/without-libopenmpi-dev
+    [[ ${PTBENCH_PACKAGES:-} != skip && ! -e $stamp ]] || return 0
+    { is_installed libopenmpi-dev && is_installed openmpi-bin; } || try_to_install libopenmpi-dev openmpi-bin || {
+        say "no libopenmpi-dev: this build does not run on several hosts by mpirun"
+        mkdir -p -- "$build_dir"
+        touch -- "$stamp"
+    }
+}
+
 # The report's tests look at its page in a browser. Not every system has one as a package: without it they are skipped.
 setup_browser() {
     command -v chromium >/dev/null || try_to_install chromium ||
@@ -181,6 +191,7 @@ setup_compilers() {
     setup_mesh_readers
     setup_embree
     setup_openexr
+    setup_mpi
     [[ -n $nvcc ]] || say "no nvcc found: CPU backend only"
 }
 

@@ -12,6 +12,7 @@
 #include "harness/bench/convergence_study.h"
 #include "harness/bench/machine.h"
 #include "harness/cuda/backend.h"
+#include "harness/ranks/ranks.h"
 #include "harness/variant_json.h"
 #include "variants/variant_name.h"
 
@@ -37,6 +38,9 @@ OrderedJson context(const RunFacts& facts) {
     }
     json["load_avg"] = cpu.load_avg;
     json.update(machine_json(facts.backend));
+    if (ranks().count > 1) {
+        json["ptbench.rank_hosts"] = ranks().hosts;
+    }
     json["ptbench.command_line"] = facts.command_line;
     json["ptbench.suite"] = facts.suite;
     json["ptbench.backend"] = to_string(facts.backend);
@@ -250,6 +254,10 @@ nlohmann::ordered_json machine_json(Backend backend) {
         }
         json["ptbench.machine"] = cuda::machine_name();
         json["ptbench.clock"] = "a kernel that reads the multiprocessor's cycles and nanoseconds";
+    }
+    if (ranks().count > 1) {
+        json["ptbench.ranks"] = std::to_string(ranks().count);
+        json["ptbench.machine"] = on_ranks(json["ptbench.machine"]);
     }
     return json;
 }

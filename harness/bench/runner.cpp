@@ -20,6 +20,8 @@
 #include "harness/bench/time_cells.h"
 #include "harness/cuda/backend.h"
 #include "harness/interrupt.h"
+#include "harness/ranks/ranks.h"
+#include "harness/ranks/render_on_ranks.h"
 #include "harness/write_file.h"
 #include "variants/variant_name.h"
 
@@ -137,11 +139,28 @@ void check_sample_seeds(const Plan& plan, const Journal& journal, std::uint64_t 
     }
 }
 
+// Several ranks: whatever cannot be run so is said before anything is.
+void check_ranks(const Plan& plan) {
+    for (const Cell& cell : plan.cells) {
+        const std::string reason = why_not_split(cell.variant, cell.backend);
+        if (ranks().count > 1 && !reason.empty()) {
+            throw InputError(cell.name, "ranks", fmt::format("{}", ranks().count), "one: " + reason);
+        }
+    }
+    require_equal_machines(plan.cells.front().backend);
+}
+
+// A launcher kills what has not ended a second after Ctrl-C.
+std::chrono::milliseconds grace_of(const RunOptions& options) {
+    constexpr std::chrono::milliseconds most_under_a_launcher(200);
+    return ranks().count > 1 ? std::min(options.grace, most_under_a_launcher) : options.grace;
+}
+
 // Runs the plan of `ending`, a part of the run of this identity.
 int run_part(const RunEnding& ending, const Json& identity, const RunOptions& options) {
     const Plan& plan = ending.plan;
     const Progress::Lines lines = options.quiet ? Progress::Lines::hidden : Progress::Lines::shown;
-    Interrupt interrupt(options.grace);
+    Interrupt interrupt(grace_of(options));
     RunJournal journal(journal_of(options), identity, options.resume, that_may_differ(options));
     ErrorBook errors(plan, ReferenceMaker(options.reference_cache, {.is_stopped = [&] { return interrupt.requested(); },
                                                                     .says = say_below_progress}));
@@ -204,6 +223,7 @@ int run_suite(const Suite& suite, const RunOptions& options) {
     check_output_file(journal_of(options));
     const int repetitions = options.repetitions > 0 ? options.repetitions : suite.repetitions;
     check_seeds(whole, options.seed, repetitions);
+    check_ranks(whole);
     initialize_benchmark(repetitions, options.benchmark_flags);
     const Json identity = identity_of(whole, {.suite = suite.name,
                                               .backend = options.backend,

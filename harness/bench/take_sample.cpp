@@ -9,6 +9,8 @@
 #include "harness/bench/machine.h"
 #include "harness/bench/progress.h"
 #include "harness/cuda/backend.h"
+#include "harness/ranks/ranks.h"
+#include "harness/ranks/render_on_ranks.h"
 
 namespace pt {
 
@@ -20,7 +22,7 @@ std::optional<double> clock_mhz(Backend backend) {
 }
 
 struct TimedRender {
-    RenderResult result;
+    RankedRender rendered;
     double end_to_end_ms = 0;
     std::optional<double> clock_before, clock_after;
     ForeignLoad foreign;
@@ -30,17 +32,18 @@ TimedRender time_render(const Scene& scene, const RenderRequest& request) {
     const std::optional<double> clock_before = clock_mhz(request.backend);
     const ForeignLoad load_before = ForeignLoad::now();
     const auto begin = std::chrono::steady_clock::now();
-    RenderResult result = render(scene, request);
+    RankedRender rendered = render_on_ranks(scene, request);
     const double end_to_end =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-    const ForeignLoad foreign = ForeignLoad::now() - load_before;
+    ForeignLoad foreign = ForeignLoad::now() - load_before;
+    foreign.cpu_ms -= rendered.ranks.neighbours_cpu_ms;
     const std::optional<double> clock_after = clock_mhz(request.backend);
-    return {std::move(result), end_to_end, clock_before, clock_after, foreign};
+    return {std::move(rendered), end_to_end, clock_before, clock_after, foreign};
 }
 
 Json facts_of_sample(const RenderRequest& request, const TimedRender& timed, const std::string& hash,
                      std::uint64_t order) {
-    const RenderResult& result = timed.result;
+    const RenderResult& result = timed.rendered.result;
     const bool has_clock = timed.clock_before && timed.clock_after;
     Json facts{{"pt_wall_ms", result.wall_ms},
                {"pt_device_ms", result.device_ms},
@@ -64,6 +67,12 @@ Json facts_of_sample(const RenderRequest& request, const TimedRender& timed, con
     if (has_clock) {
         facts["pt_clock_mhz_before"] = *timed.clock_before;
         facts["pt_clock_mhz_after"] = *timed.clock_after;
+    }
+    if (const RankFacts& ranked = timed.rendered.ranks; ranked.count > 1) {
+        facts["pt_ranks"] = ranked.count;
+        facts["pt_slowest_rank_ms"] = ranked.slowest_ms;
+        facts["pt_fastest_rank_ms"] = ranked.fastest_ms;
+        facts["pt_reduce_ms"] = ranked.reduce_ms;
     }
     return facts;
 }
@@ -101,8 +110,9 @@ TakenSample SampleTaker::render_sample(const Cell& cell, std::size_t index) {
         };
     }
     const TimedRender timed = time_render(*cell.scene, request);
-    const std::string hash = timed.result.film.hash();
-    sample.error = fault(cell, index, timed.result, hash);
+    const RenderResult& result = timed.rendered.result;
+    const std::string hash = result.film.hash();
+    sample.error = fault(cell, index, result, hash);
     if (!sample.error.empty()) {
         return sample;
     }
@@ -116,16 +126,17 @@ TakenSample SampleTaker::render_sample(const Cell& cell, std::size_t index) {
 
 void SampleTaker::warm_up(const Cell& cell, RenderRequest request) {
     if (warm_.insert(cell.name).second) {
-        request.samples = 1;
-        (void)render(*cell.scene, request);
+        request.samples = static_cast<std::uint32_t>(ranks().count);  // one each
+        (void)render_on_ranks(*cell.scene, request);
     }
 }
 
 // What is wrong with a sample's film or counters, or nothing.
 std::string SampleTaker::fault(const Cell& cell, std::size_t index, const RenderResult& result,
                                const std::string& hash) {
+    // Several ranks have each checked their own.
     if (const std::string missing = check_counters(cell.variant, result.work, cell.spp, cell.backend);
-        !missing.empty()) {
+        ranks().count == 1 && !missing.empty()) {
         return missing;
     }
     // At full size too, every film of a group has the same bits, seed by seed.

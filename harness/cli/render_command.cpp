@@ -15,6 +15,8 @@
 #include "harness/cli/commands.h"
 #include "harness/cli/render_aovs.h"
 #include "harness/places.h"
+#include "harness/ranks/ranks.h"
+#include "harness/ranks/render_on_ranks.h"
 #include "harness/render/checkpoints.h"
 #include "harness/render/image.h"
 #include "harness/variant_json.h"
@@ -53,7 +55,7 @@ std::optional<double> expected_seconds(const Scene& scene, RenderRequest request
         return std::nullopt;
     }
     request.samples = 1;
-    const auto measured = [&] { return 1e-3 * render(scene, request).wall_ms * samples; };
+    const auto measured = [&] { return 1e-3 * render(scene, request).wall_ms * samples / ranks().count; };
     const double cold = measured();
     return cold < shortest_to_mention ? cold : measured();
 }
@@ -76,20 +78,21 @@ std::vector<std::uint32_t> stops_of(const RenderRequest& request, std::optional<
 }
 
 // Says on standard error what a long render will take, and then how far it is. `variance`: fed from the stops; or null.
-RenderResult render_aloud(const Scene& scene, RenderRequest request, PixelVariance* variance) {
+RankedRender render_aloud(const Scene& scene, RenderRequest request, PixelVariance* variance) {
     const std::optional<double> seconds = expected_seconds(scene, request);
     const double samples = static_cast<double>(request.settings.width) * request.settings.height * request.samples;
     const bool is_short = seconds ? *seconds < shortest_to_mention : samples < most_samples_unmentioned;
     if (is_short && variance == nullptr) {
-        return render(scene, request);
+        return render_on_ranks(scene, request);
     }
     if (!is_short) {
         fmt::print(stderr, "render: {}x{}, {} spp, {}{}\n", request.settings.width, request.settings.height,
                    request.samples, shown_name(request.variant, request.backend),
                    seconds ? ": about " + clock_text(*seconds) : "");
     }
-    if (stops_change_film(request.variant, request.backend)) {
-        return render(scene, request);
+    // Several ranks would meet at each stop.
+    if (stops_change_film(request.variant, request.backend) || (ranks().count > 1 && variance == nullptr)) {
+        return render_on_ranks(scene, request);
     }
     request.checkpoints = variance != nullptr ? variance_stops(request.samples) : stops_of(request, seconds);
     Progress progress("render", request.checkpoints.size(),
@@ -100,7 +103,7 @@ RenderResult render_aloud(const Scene& scene, RenderRequest request, PixelVarian
         }
         progress.step(fmt::format("{} of {} spp", checkpoint.samples, request.samples));
     };
-    return render(scene, request);
+    return render_on_ranks(scene, request);
 }
 
 // What the call names; the fastest integrator that goes with it, where it names none.
@@ -139,8 +142,9 @@ std::string chosen_by(const RenderArguments& arguments) {
 // The same render once more, warm: for whoever times other programs beside this one.
 nlohmann::ordered_json timed_again(const Scene& scene, const RenderRequest& request) {
     const ForeignLoad before = ForeignLoad::now();
-    const RenderResult result = render(scene, request);
-    const ForeignLoad foreign = ForeignLoad::now() - before;
+    const auto [result, ranked] = render_on_ranks(scene, request);
+    ForeignLoad foreign = ForeignLoad::now() - before;
+    foreign.cpu_ms -= ranked.neighbours_cpu_ms;
     return {{"render_seconds", 1e-3 * result.wall_ms},
             {"device_seconds", 1e-3 * result.device_ms},
             {"foreign_cpu_seconds", 1e-3 * foreign.cpu_ms}};
@@ -198,6 +202,14 @@ nlohmann::ordered_json summary_of(const Scene& scene, const RenderRequest& reque
     };
 }
 
+void add_ranks(nlohmann::ordered_json& summary, const RankFacts& ranked) {
+    if (ranked.count > 1) {
+        summary["ranks"] = ranked.count;
+        summary["slowest_rank_seconds"] = 1e-3 * ranked.slowest_ms;
+        summary["reduce_seconds"] = 1e-3 * ranked.reduce_ms;
+    }
+}
+
 int run(const RenderArguments& arguments) {
     check_image_name(arguments.out);
     check_output_file(arguments.out);
@@ -217,8 +229,10 @@ int run(const RenderArguments& arguments) {
         request.settings.depth = arguments.depth;
     }
     aovs.check(arguments.out, request);
-    const RenderResult result = render_aloud(scene, request, aovs.variance());
+    const RankedRender rendered = render_aloud(scene, request, aovs.variance());
+    const RenderResult& result = rendered.result;
     nlohmann::ordered_json summary = summary_of(scene, request, arguments, result);
+    add_ranks(summary, rendered.ranks);
     if (arguments.out.ends_with(".exr")) {
         std::vector<ExrLayer> layers = aovs.layers(scene, request, result, summary);
         layers.push_back({"", "RGB", result.film.radiance()});

@@ -10,6 +10,7 @@
 #include "harness/cuda/backend.h"
 #include "harness/nearest_name.h"
 #include "harness/places.h"
+#include "harness/ranks/ranks.h"
 
 namespace pt {
 
@@ -181,9 +182,9 @@ int run(const RunArguments& arguments, const CLI::App& command, const std::strin
     require_backend(backend);
     if (options.out.empty()) {
         const Shard& shard = options.shard;
-        options.out =
-            fmt::format("results/{}/{}{}.json", backend == Backend::cuda ? cuda::machine_name() : machine_name(),
-                        suite.name, shard.is_whole() ? "" : fmt::format(".shard-{}-of-{}", shard.index, shard.count));
+        options.out = fmt::format(
+            "results/{}/{}{}.json", on_ranks(backend == Backend::cuda ? cuda::machine_name() : machine_name()),
+            suite.name, shard.is_whole() ? "" : fmt::format(".shard-{}-of-{}", shard.index, shard.count));
     }
     const int exit_code = run_suite(suite, options);
     if (exit_code == exit_good && arguments.suite.empty() && arguments.axes.empty() && !arguments.quiet) {

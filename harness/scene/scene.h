@@ -75,6 +75,7 @@ struct SceneObject {
 
 struct Scene {
     std::string name;
+    std::string file;  // that it was read from, with its whole path; empty: none
     std::string description;
     std::uint32_t max_depth = 1;
     Vec3d environment{0.0};

@@ -450,6 +450,10 @@ Scene parse_scene(const std::string& text, const std::string& file) {
     return scene;
 }
 
-Scene load_scene(const std::string& file) { return parse_scene(read_file(file), file); }
+Scene load_scene(const std::string& file) {
+    Scene scene = parse_scene(read_file(file), file);
+    scene.file = std::filesystem::absolute(file).string();
+    return scene;
+}
 
 }  // namespace pt

@@ -17,6 +17,7 @@ from ptbench.crosscheck.options import add_crosscheck
 from ptbench.errors import InputError
 from ptbench.io.files import package_file
 from ptbench.peers.options import add_peers
+from ptbench.submit.options import add_submit
 from ptbench.terminal import visible_output
 from ptbench.tidy.columns import GROUPS as TABLES
 
@@ -49,7 +50,8 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(
         dest="command",
         required=True,
-        metavar="plots|report|compare|crosscheck|peers|explain|findings|claims|map|advise|gallery|flat|validate",
+        metavar="plots|report|compare|crosscheck|peers|explain|findings|claims|map|advise|gallery|flat|validate|"
+        "submit|collect",
     )
     plots = commands.add_parser("plots", help="every study's figure and summary.md, from a result file alone")
     plots.add_argument("result", type=Path, metavar="RESULT.json", help="or a folder of files of `ptbench rays`")
@@ -103,6 +105,7 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
     check.add_argument(
         "files", type=Path, nargs="+", metavar="FILE", help="of run, merge, stability, inspect, autotune, or a journal"
     )
+    add_submit(commands)
     return parser
 
 
@@ -259,8 +262,20 @@ def _flat(options: argparse.Namespace, program: str) -> int:
         return 2
 
 
+def _cluster(options: argparse.Namespace, program: str) -> int:
+    from ptbench.submit.command import collect_command, submit_command
+
+    try:
+        return submit_command(options) if options.command == "submit" else collect_command(options.folder)
+    except InputError as error:
+        print(f"{program}: {error}", file=sys.stderr)
+        return 2
+
+
 def _main(arguments: list[str], program: str) -> int:
     options = parser_of(program).parse_args(arguments)
+    if options.command in ("submit", "collect"):
+        return _cluster(options, program)
     if options.command == "validate":
         from ptbench.io.validate import validate_command
 

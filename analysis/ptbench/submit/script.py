@@ -1,0 +1,71 @@
+"""The file that sbatch is given: to be read, and changed where a centre needs it otherwise."""
+
+from __future__ import annotations
+
+import shlex
+from string import Template
+
+from ptbench.submit.submission import ANY, Array, Submission
+
+# 130: interrupted, by the time limit or by a preemption; 3: the machine failed, another task still writes the journal,
+# or a rank died; from 128 on: killed. What is wrong with the call (2) would be wrong again.
+_SCRIPT = Template("""#!/bin/bash
+# $title. Written by `python3 -m ptbench submit`, which leaves it as it is from then on.
+# Each task runs one shard. It keeps what it measured in a journal beside its result: ended by its time limit or with its
+# node, it goes on wherever Slurm starts it again, and takes no sample twice.
+$options
+set -u
+shard=$$SLURM_ARRAY_TASK_ID
+task=$${SLURM_ARRAY_JOB_ID}_$$SLURM_ARRAY_TASK_ID
+echo "task $$task, start $$((1 + $${SLURM_RESTART_COUNT:-0})), on $$SLURMD_NODENAME"
+
+$call$part \\
+    --out $folder/"shard-$$shard-of-$shards.json" --resume --other-host --quiet &
+program=$$!
+# Sent before the time is up: ptbench ends its sample and keeps the rest for the next start.
+trap 'kill -TERM "$$program"' TERM
+wait "$$program"
+code=$$?
+while kill -0 "$$program" 2>/dev/null; do
+    wait "$$program"
+    code=$$?
+done
+echo "shard $$shard of $shards: exit code $$code"
+if ((code == 3 || code >= 128)) && (($${SLURM_RESTART_COUNT:-0} < $most_starts - 1)); then
+    trap - TERM
+    scontrol requeue "$$task"
+    sleep 60 # until Slurm takes the task away
+fi
+exit "$$code"
+""")
+_MOST_STARTS = 20
+_SECONDS_TO_END = 30
+
+
+def script_of(submission: Submission, array: Array, suite: str, time: str, extra: list[str]) -> str:
+    """The whole text."""
+    is_cpu = "cpu" in submission.call
+    folder = (submission.folder / array.name).resolve()
+    resource = "--exclusive" if is_cpu else f"--gres=gpu:{'' if array.name == ANY else array.name + ':'}1"
+    options = [
+        f"--job-name=ptbench-{suite}",
+        f"--array=1-{submission.shards}",
+        "--nodes=1",
+        "--ntasks=1",
+        resource,
+        f"--time={time}",
+        "--requeue",
+        f"--signal=B:TERM@{_SECONDS_TO_END}",
+        "--open-mode=append",
+        f"--output={folder}/shard-%a.log",
+        *extra,
+    ]
+    return _SCRIPT.substitute(
+        title=f"The suite {suite} in {submission.shards} shards, {'one CPU node' if is_cpu else 'one GPU'} a task",
+        options="\n".join(f"#SBATCH {option}" for option in options),
+        call=" ".join(shlex.quote(word) for word in [submission.binary, *submission.call]),
+        part="" if submission.shards == 1 else f' --shard "$shard/{submission.shards}"',
+        folder=shlex.quote(str(folder)),
+        shards=submission.shards,
+        most_starts=_MOST_STARTS,
+    )

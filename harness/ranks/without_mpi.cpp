@@ -1,0 +1,20 @@
+// In the place of mpi.cpp in a build without MPI.
+#include <stdexcept>
+
+#include "harness/ranks/mpi.h"
+
+namespace pt::mpi {
+
+namespace {
+[[noreturn]] void refuse() { throw std::logic_error("this build has no MPI"); }
+}  // namespace
+
+bool is_built() { return false; }
+Ranks start() { refuse(); }
+void finish() { refuse(); }
+std::string broadcast(const std::string&) { refuse(); }
+std::vector<std::string> gather(const std::string&) { refuse(); }
+void barrier() { refuse(); }
+void add_to_rank_0(std::span<std::int64_t>) { refuse(); }
+
+}  // namespace pt::mpi
