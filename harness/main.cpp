@@ -35,7 +35,7 @@ std::string quoted(const std::string& argument) {
 }
 
 std::string join_arguments(int argc, char** argv) {
-    std::string joined;
+    std::string joined = pt::ranks().count > 1 ? fmt::format("mpirun -n {} ", pt::ranks().count) : "";
     for (int i = 0; i < argc; ++i) {
         joined += (i == 0 ? "" : " ") + quoted(argv[i]);
     }

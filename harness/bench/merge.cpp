@@ -20,7 +20,8 @@ constexpr const char* a_shard = "a result of `ptbench run --shard`";
 
 // What is a process's or a moment's own, and may differ between the shards of a run.
 bool is_own(const std::string& context_key) {
-    static const std::set<std::string> keys{"date", "host_name", "mhz_per_cpu", "load_avg", "ptbench.command_line"};
+    static const std::set<std::string> keys{"date", "host_name", "mhz_per_cpu",
+                                            "load_avg", "ptbench.rank_hosts", "ptbench.command_line"};
     return keys.contains(context_key);
 }
 
@@ -222,6 +223,7 @@ OrderedJson merged_context(const std::vector<ShardResult>& shards, const std::st
     context["date"] = date;  // of the run's end
     context["host_name"] = fmt::format("{}", fmt::join(hosts, ", "));
     context["ptbench.command_line"] = command_line;
+    context.erase("ptbench.rank_hosts");  // each shard's
     return context;
 }
 

@@ -11,6 +11,7 @@
 
 #include "harness/bench/machine.h"
 #include "harness/error.h"
+#include "harness/interrupt.h"
 #include "harness/json_reader.h"
 #include "harness/ranks/launch.h"
 #include "harness/ranks/mpi.h"
@@ -42,6 +43,9 @@ int wait_for(pid_t child, const Launch& launch) {
     }
     if (WIFEXITED(status)) {
         return WEXITSTATUS(status);
+    }
+    if (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM) {  // somebody ends the whole call
+        return exit_interrupted;
     }
     fmt::print(stderr, "ptbench: rank {} of {} on {} was killed: {}\n", launch.rank, launch.count, host_of_this_rank(),
                ::strsignal(WTERMSIG(status)));
@@ -81,6 +85,8 @@ int lead_or_serve(const std::function<int()>& program) {
     }
     if (ranks().rank == 0) {
         const int exit_code = program();
+        // The first rank that ends with a code that is not 0 has the launcher end the others.
+        std::signal(SIGTERM, SIG_IGN);
         end_ranks(exit_code);
         return exit_code;
     }

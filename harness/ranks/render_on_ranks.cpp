@@ -65,6 +65,7 @@ RenderResult render_and_check(const Scene& scene, const RenderRequest& share) {
 // What a rank says of its share.
 struct Share {
     std::optional<RenderResult> result;  // none where there was no sample for it, or it failed
+    std::vector<std::int64_t> sums;      // of its film
     Json facts;
 };
 
@@ -77,8 +78,10 @@ Share render_share(const SceneOf& scene, const RenderRequest& whole) {
     };
     try {
         const RenderRequest request = share_of(whole);
+        share.sums.resize(std::size_t{3} * whole.settings.width * whole.settings.height);
         if (request.samples > 0) {
             share.result = render_and_check(scene(), request);
+            share.sums = share.result->film.sums();
             const FilmFaults& faults = share.result->film.faults();
             share.facts = {{"wall_ms", share.result->wall_ms},
                            {"device_ms", share.result->device_ms},
@@ -90,6 +93,8 @@ Share render_share(const SceneOf& scene, const RenderRequest& whole) {
         failed("input", error);
     } catch (const MachineError& error) {
         failed("machine", error);
+    } catch (const std::bad_alloc&) {
+        failed("machine", MachineError("out of memory"));
     } catch (const std::exception& error) {
         failed("render", error);
     }
@@ -175,24 +180,18 @@ RankedRender render_part(const Scene& scene, const RenderRequest& request) {
     (void)mpi::broadcast(task_of(scene, request).dump());
     Share share = render_share([&]() -> const Scene& { return scene; }, request);
     const std::vector<Json> all = agree(share).value();
-    std::vector<std::int64_t> sums = share.result->film.sums();
-    const double reduction_ms = reduce_ms(sums);
+    const double reduction_ms = reduce_ms(share.sums);
     RankedRender mine{std::move(*share.result), {}};
-    add_ranks(mine, all, std::move(sums), reduction_ms);
+    add_ranks(mine, all, std::move(share.sums), reduction_ms);
     return mine;
 }
 
 void serve_part(const Json& task) {
     const RenderRequest request = request_in(task);
-    const Share share = render_share([&]() -> const Scene& { return scene_in(task); }, request);
-    if (!agree(share)) {
-        return;
+    Share share = render_share([&]() -> const Scene& { return scene_in(task); }, request);
+    if (agree(share)) {
+        (void)reduce_ms(share.sums);
     }
-    std::vector<std::int64_t> sums(std::size_t{3} * request.settings.width * request.settings.height);
-    if (share.result) {
-        sums = share.result->film.sums();
-    }
-    (void)reduce_ms(sums);
 }
 
 // The next part of a render, added to those before it.

@@ -128,8 +128,8 @@ TEST_F(RanksTest, ARankWithoutASampleAddsNothing) {
 // Every integrator, with queues that hold several samples, and errors at checkpoints.
 TEST_F(RanksTest, ARunHasTheFilmsOfOneProcess) {
     write_text(folder.file("suite.json"), R"({
-        "name": "ranks", "description": "d", "repetitions": 2, "studies": [
-        {"name": "t", "title": "t", "figure": "integrator", "scenes": ["cornell_open"], "axes": {"integrator": "all"},
+        "name": "ranks", "description": "d", "repetitions": 8, "studies": [
+        {"name": "t", "title": "t", "figure": "integrator", "scenes": ["cornell_open"], "axes": {"integrator": ["depth_first", "wavefront", "packet"], "compaction": ["thrust_partition"]},
          "resolution": [9, 7], "depth": 4, "spp": 6},
         {"name": "e", "title": "e", "figure": "convergence", "type": "convergence", "scenes": ["cornell_open"],
          "axes": {"integrator": ["depth_first"]}, "resolution": [4, 4], "depth": 3, "spp": 8,
@@ -181,7 +181,7 @@ TEST_F(RanksTest, RanksOnMachinesThatDifferAreRefused) {
     const CommandResult result = run_command(arguments, for_ranks());
     EXPECT_EQ(result.exit_code, 2) << result.err;
     EXPECT_EQ(count_of(result.err, "ptbench: rank 1 on "), 1u) << result.err;
-    EXPECT_NE(result.err.find("ptbench.openmp_environment: found "), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("ptbench.machine: found "), std::string::npos) << result.err;
     EXPECT_EQ(folder.content(), Arguments{});
 }
 

@@ -165,7 +165,7 @@ class Cluster:
                     continue
                 jobs.append(int(folder.name))
                 parent = _parent_of(jobs[-1])
-                if _program_of(parent) == "slurmstepd" and parent not in steps:
+                if _program_of(parent).startswith("slurmstepd") and parent not in steps:
                     steps.append(parent)
             except OSError:
                 continue

@@ -1,11 +1,12 @@
-"""A study on a Slurm cluster of four nodes on this machine, with what goes wrong on clusters: nothing lost, nothing double.
+"""A study on a Slurm cluster of four nodes on this machine, with what goes wrong on clusters.
 
     .venv/bin/python tests/slurm/study.py [--binary build/ptbench] [--out results/slurm_study.json]
 
-200 cells in 4 tasks. In the middle one node is cut off with all that runs on it, on another the program is killed, and on
-a third it stands still until its time limit is over. What is missing is submitted again; one shard is then run once more,
-and comes back from elsewhere too. Exit code 0 where the study is complete, with each cell and sample once and the films of
-a run without a cluster; --out keeps the tally. Needs root, slurm-wlm and munge, and takes a few minutes.
+200 cells in 4 tasks. In the middle one node is cut off with all that runs on it, on another the program is killed, on a
+third it stands still until its time limit is over, and the fourth's task is cancelled. What is missing is submitted
+again; one shard is then run once more, and comes back from elsewhere too. Exit code 0 where nothing is lost and nothing
+double: the study is complete, each cell and sample is there once, with the films of a run without a cluster. --out
+keeps the tally. Needs root, slurm-wlm and munge, and takes a few minutes.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ _ROOT = _HERE.parents[1]
 _SUITE = _HERE / "study.json"
 _SHARDS = 4
 _LONGEST = 900  # seconds
+_IN_THE_MIDDLE = 15  # samples of a shard's 150
 
 
 class Failed(Exception):
@@ -74,44 +76,66 @@ def _nodes_of_shards(study: Path) -> dict[int, str]:
     return nodes
 
 
+def _stop_in_the_middle(cluster: Cluster, study: Path) -> dict[str, int]:
+    """Has each task's program stand still once it has taken some samples. Returns the shards by node."""
+    waiting = set(range(1, _SHARDS + 1))
+
+    def all_stand() -> bool:
+        nodes = _nodes_of_shards(study)
+        for shard in sorted(waiting):
+            if _samples(study, shard) >= _IN_THE_MIDDLE:
+                for process in cluster.processes_on(nodes[shard], "ptbench"):
+                    kill(process, signal.SIGSTOP)
+                waiting.remove(shard)
+        return not waiting
+
+    wait_until(all_stand, _LONGEST, f"{_IN_THE_MIDDLE} samples in each shard")
+    shards = {node: shard for shard, node in _nodes_of_shards(study).items()}
+    _expect(sorted(shards) == sorted(NODES), "four tasks run on four nodes")
+    return shards
+
+
+def _job(study: Path) -> str:
+    """Slurm's number of the array."""
+    return json.loads((study / "submission.json").read_text())["arrays"][0]["jobs"][0]
+
+
 def _go_wrong(cluster: Cluster, study: Path) -> dict[str, int]:
-    """Waits for the middle of the study, and then does to three tasks what clusters do. Returns their shards."""
-    wait_until(
-        lambda: all(_samples(study, shard) >= 15 for shard in range(1, _SHARDS + 1)),
-        _LONGEST,
-        "15 samples in each shard",
-    )
-    shard_on = {node: shard for shard, node in _nodes_of_shards(study).items()}
-    _expect(sorted(shard_on) == sorted(NODES), "four tasks run on four nodes")
-    cut_off, killed, stopped = NODES[1:]
+    """Does to three tasks in the middle of the study what clusters do. Returns their shards."""
+    shard_on = _stop_in_the_middle(cluster, study)
+    cancelled, cut_off, killed, stopped = NODES
     cluster.kill_node(cut_off)
     for process in cluster.processes_on(killed, "ptbench"):
         kill(process)
-    for process in cluster.processes_on(stopped, "ptbench"):
-        kill(process, signal.SIGSTOP)
-    return {"cut_off": shard_on[cut_off], "killed": shard_on[killed], "over_time": shard_on[stopped]}
+    cluster.called("scancel", f"{_job(study)}_{shard_on[cancelled]}")
+    return {
+        "cut_off": shard_on[cut_off],
+        "killed": shard_on[killed],
+        "over_time": shard_on[stopped],
+        "cancelled": shard_on[cancelled],
+    }
 
 
 def _study(cluster: Cluster, binary: Path, study: Path) -> dict:
     call = ["submit", "--suite", str(_SUITE), "--slurm", "--backend", "cpu", "--shards", str(_SHARDS)]
     call += ["--time", "2", "--binary", str(binary), "--out", str(study)]
     _expect(_ptbench(cluster, *call).returncode == 0, "the study is submitted")
-    wrong = _go_wrong(cluster, study)
-    print(f"went wrong: {wrong}", flush=True)
     again = _ptbench(cluster, *call)
     _expect(
         again.returncode == 0 and "nothing to submit" in again.stdout, "what is queued or runs is not submitted again"
     )
+    wrong = _go_wrong(cluster, study)
+    print(f"went wrong: {wrong}", flush=True)
     wait_until(cluster.is_idle, _LONGEST, "all tasks ended, or given up by Slurm")
     first = _ptbench(cluster, "collect", str(study))
     _expect(
-        first.returncode == 1 and f"missing: shard {wrong['over_time']} (" in first.stdout,
-        "the shard whose time limit was over is missing, and collect says so",
+        first.returncode == 1 and f"missing: shard {wrong['cancelled']} (" in first.stdout,
+        "the shard that was cancelled is missing, and collect says so",
     )
     _expect(first.stdout.count("missing: shard") == 1, "no other shard is missing")
     cluster.start_node(NODES[1])
     again = _ptbench(cluster, *call)
-    _expect(f": shards {wrong['over_time']} of {_SHARDS} " in again.stdout, "it alone is submitted again")
+    _expect(f": shards {wrong['cancelled']} of {_SHARDS} " in again.stdout, "it alone is submitted again")
     wait_until(cluster.is_idle, _LONGEST, "it ended")
     _expect(_ptbench(cluster, "collect", str(study)).returncode == 0, "the study is complete")
     _come_back_twice(cluster, binary, study)

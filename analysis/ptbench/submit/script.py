@@ -11,8 +11,8 @@ from ptbench.submit.submission import ANY, Array, Submission
 # or a rank died; from 128 on: killed. What is wrong with the call (2) would be wrong again.
 _SCRIPT = Template("""#!/bin/bash
 # $title. Written by `python3 -m ptbench submit`, which leaves it as it is from then on.
-# Each task runs one shard. It keeps what it measured in a journal beside its result: ended by its time limit or with its
-# node, it goes on wherever Slurm starts it again, and takes no sample twice.
+# Each task runs one shard. It keeps what it measured in a journal beside its result: ended by its time limit or with
+# its node, it goes on wherever Slurm starts it again, and takes no sample twice.
 $options
 set -u
 shard=$$SLURM_ARRAY_TASK_ID
@@ -22,8 +22,11 @@ echo "task $$task, start $$((1 + $${SLURM_RESTART_COUNT:-0})), on $$SLURMD_NODEN
 $call$part \\
     --out $folder/"shard-$$shard-of-$shards.json" --resume --other-host --quiet &
 program=$$!
-# Sent before the time is up: ptbench ends its sample and keeps the rest for the next start.
-trap 'kill -TERM "$$program"' TERM
+# Slurm sends USR1 before the time is up: ptbench ends its sample and leaves the rest to the next start. TERM alone
+# comes from scancel.
+is_late=0 is_cancelled=0
+trap 'is_late=1; kill -TERM "$$program"' USR1
+trap 'is_cancelled=1; kill -TERM "$$program"' TERM
 wait "$$program"
 code=$$?
 while kill -0 "$$program" 2>/dev/null; do
@@ -31,7 +34,8 @@ while kill -0 "$$program" 2>/dev/null; do
     code=$$?
 done
 echo "shard $$shard of $shards: exit code $$code"
-if ((code == 3 || code >= 128)) && (($${SLURM_RESTART_COUNT:-0} < $most_starts - 1)); then
+is_cut_short=$$((code == 3 || code >= 128)) is_wanted=$$((is_late || !is_cancelled))
+if ((is_cut_short && is_wanted && $${SLURM_RESTART_COUNT:-0} < $most_starts - 1)); then
     trap - TERM
     scontrol requeue "$$task"
     sleep 60 # until Slurm takes the task away
@@ -55,7 +59,7 @@ def script_of(submission: Submission, array: Array, suite: str, time: str, extra
         resource,
         f"--time={time}",
         "--requeue",
-        f"--signal=B:TERM@{_SECONDS_TO_END}",
+        f"--signal=B:USR1@{_SECONDS_TO_END}",
         "--open-mode=append",
         f"--output={folder}/shard-%a.log",
         *extra,
