@@ -16,6 +16,7 @@ namespace pt {
 namespace {
 
 constexpr std::array<std::string_view, 6> aov_names{"albedo", "normal", "depth", "coverage", "samples", "variance"};
+constexpr std::uint64_t most_rays_unmentioned = 1 << 23;  // more take seconds
 constexpr std::array<std::string_view, 4> aovs_of_first_hits{"albedo", "normal", "depth", "coverage"};
 
 // A first-bounce cache of several camera rays shares them between samples, and low-discrepancy samples know of each
@@ -83,6 +84,12 @@ std::vector<ExrLayer> RenderAovs::layers(const Scene& scene, const RenderRequest
     }
     nlohmann::ordered_json facts{{"names", names_}};
     if (std::any_of(aovs_of_first_hits.begin(), aovs_of_first_hits.end(), [&](auto name) { return has(name); })) {
+        const std::uint64_t pixels = std::uint64_t{result.film.width()} * result.film.height();
+        if (const std::uint64_t rays = pixels * std::min(request.samples, most_first_hit_rays);
+            rays > most_rays_unmentioned) {
+            fmt::print(stderr, "render: what {:.0f} million camera rays meet first, on the CPU\n",
+                       1e-6 * static_cast<double>(rays));
+        }
         const auto start = std::chrono::steady_clock::now();
         FirstHits hits = first_hits(scene, request);
         facts["camera_rays"] = hits.rays;
