@@ -1,6 +1,6 @@
 """A study on a Slurm cluster of four nodes on this machine, with what goes wrong on clusters.
 
-    .venv/bin/python tests/slurm/study.py [--binary build/ptbench] [--out results/slurm_study.json]
+    .venv/bin/python tests/slurm/study.py [--binary build/ptbench] [--out tests/slurm/tally.json]
 
 200 cells in 4 tasks. In the middle one node is cut off with all that runs on it, on another the program is killed, on a
 third it stands still until its time limit is over, and the fourth's task is cancelled. What is missing is submitted
@@ -174,7 +174,7 @@ def _tally(study: Path, wrong: dict, alone: Path) -> dict:
     }
     return {
         "schema": "ptbench-slurm-study-1",
-        "slurm": subprocess.run(["sbatch", "--version"], capture_output=True, text=True, check=True).stdout.split()[-1],
+        "slurm": subprocess.run(["slurmctld", "-V"], capture_output=True, text=True, check=True).stdout.split()[-1],
         "tasks": _SHARDS,
         "nodes": len(NODES),
         "complete": tally["complete"],
@@ -207,7 +207,8 @@ def main() -> int:
     if lacking:
         print(f"study.py: found no {', '.join(lacking)}, allowed: slurm-wlm and munge, as root", file=sys.stderr)
         return 2
-    os.environ |= {"PTBENCH_HOME": str(_ROOT), "OMP_NUM_THREADS": "1"}
+    path = f"{os.environ['PATH']}:/usr/sbin"
+    os.environ |= {"PTBENCH_HOME": str(_ROOT), "OMP_NUM_THREADS": "1", "PATH": path}
     folder = Path(tempfile.mkdtemp(prefix="ptbench_slurm_"))
     print(f"in {folder}", flush=True)
     try:
