@@ -20,7 +20,7 @@ constexpr const char* a_shard = "a result of `ptbench run --shard`";
 
 // What is a process's or a moment's own, and may differ between the shards of a run.
 bool is_own(const std::string& context_key) {
-    static const std::set<std::string> keys{"date", "host_name", "mhz_per_cpu",
+    static const std::set<std::string> keys{"date",     "host_name",          "mhz_per_cpu",
                                             "load_avg", "ptbench.rank_hosts", "ptbench.command_line"};
     return keys.contains(context_key);
 }

@@ -65,9 +65,9 @@ protected:
     TemporaryFolder folder;
 
     Arguments render(const std::string& out, const Arguments& more = {}) const {
-        return joined({"render", "--scene", "ball_glass", "--backend", "cpu", "--resolution", "13x11", "--out",
-                       folder.file(out)},
-                      more);
+        return joined(
+            {"render", "--scene", "ball_glass", "--backend", "cpu", "--resolution", "13x11", "--out", folder.file(out)},
+            more);
     }
     Arguments run(const std::string& out, const Arguments& more = {}) const {
         return joined({"run", "--backend", "cpu", "--quiet", "--out", folder.file(out)}, more);
