@@ -15,6 +15,13 @@ if(NOT PTBENCH_TINYGLTF_INCLUDE)
   message(STATUS "tinygltf: not found: no reader for .glb meshes (libtinygltf-dev)")
 endif()
 
+# The archive, not the shared library: a package then needs nothing more where it runs.
+find_path(PTBENCH_PUGIXML_INCLUDE pugixml.hpp)
+find_library(PTBENCH_PUGIXML_LIBRARY NAMES libpugixml.a)
+if(NOT PTBENCH_PUGIXML_INCLUDE OR NOT PTBENCH_PUGIXML_LIBRARY)
+  message(STATUS "pugixml: not found: no import of Mitsuba's XML (libpugixml-dev)")
+endif()
+
 option(PTBENCH_EMBREE "Use Embree 3 where it is found (off in packages: its library would be most of their bytes)" ON)
 if(PTBENCH_EMBREE)
   # By hand: Debian's package configuration asks for TBB's headers, which nothing here needs.

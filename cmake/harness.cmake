@@ -75,8 +75,9 @@ if(PTBENCH_MPI AND MPI_CXX_FOUND)
   target_link_libraries(ptbench_harness PUBLIC MPI::MPI_CXX)
   set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/ranks/mpi.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endif()
-# tinygltf is compiled in this file alone.
-set(glb_reader ${PROJECT_SOURCE_DIR}/harness/mesh/read_glb.cpp)
+# tinygltf is compiled in the first of these files, and asked for in no others.
+set(glb_reader ${PROJECT_SOURCE_DIR}/harness/mesh/gltf_model.cpp ${PROJECT_SOURCE_DIR}/harness/mesh/read_glb.cpp
+    ${PROJECT_SOURCE_DIR}/harness/scene/import_gltf.cpp ${PROJECT_SOURCE_DIR}/harness/scene/import_gltf_material.cpp)
 set_source_files_properties(${glb_reader} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
 if(PTBENCH_TINYGLTF_INCLUDE)
   set_source_files_properties(${glb_reader} PROPERTIES COMPILE_DEFINITIONS PTBENCH_HAS_TINYGLTF)
@@ -92,6 +93,13 @@ if(OpenEXR_FOUND)
   endforeach()
   # To link only: its options would keep other files from the precompiled headers.
   target_link_libraries(ptbench_rendering INTERFACE $<LINK_ONLY:OpenEXR::OpenEXR>)
+endif()
+# So is pugixml.
+set(xml_reader ${PROJECT_SOURCE_DIR}/harness/scene/xml_document.cpp)
+if(PTBENCH_PUGIXML_INCLUDE AND PTBENCH_PUGIXML_LIBRARY)
+  set_source_files_properties(${xml_reader} PROPERTIES COMPILE_DEFINITIONS PTBENCH_HAS_PUGIXML SKIP_UNITY_BUILD_INCLUSION ON)
+  target_include_directories(ptbench_rendering SYSTEM PRIVATE ${PTBENCH_PUGIXML_INCLUDE})
+  target_link_libraries(ptbench_rendering INTERFACE ${PTBENCH_PUGIXML_LIBRARY})
 endif()
 set(PTBENCH_HARNESS_OPTIMISATION "" CACHE STRING
     "Optimisation of the parts of harness/ that time and compute nothing (empty: -O1 in a release build, else the build type's)")

@@ -117,6 +117,16 @@ setup_mesh_readers() {
     }
 }
 
+setup_xml_reader() {
+    local stamp=$build_dir/without-libpugixml-dev
+    [[ ${PTBENCH_PACKAGES:-} != skip && ! -e $stamp ]] || return 0
+    is_installed libpugixml-dev || try_to_install libpugixml-dev || {
+        say "no libpugixml-dev: this build imports no scenes in Mitsuba's XML"
+        mkdir -p -- "$build_dir"
+        touch -- "$stamp"
+    }
+}
+
 setup_embree() {
     local stamp=$build_dir/without-libembree-dev
     [[ ${PTBENCH_PACKAGES:-} != skip && ! -e $stamp ]] || return 0
@@ -189,6 +199,7 @@ setup_compilers() {
     cuda_thrust=$(find_cuda_thrust)
     setup_packages
     setup_mesh_readers
+    setup_xml_reader
     setup_embree
     setup_openexr
     setup_mpi

@@ -6,6 +6,7 @@
 #include "harness/bench/kept_result.h"
 #include "harness/cli/commands.h"
 #include "harness/json_reader.h"
+#include "harness/mesh/write_mesh.h"
 #include "harness/scene/import_scene.h"
 #include "harness/write_file.h"
 
@@ -50,9 +51,16 @@ int refuse_import(const ImportResult& result, const ImportArguments& arguments) 
     return exit_bad_input;
 }
 
+// Before the scene: who finds that finds its meshes too.
+void write_meshes(const ImportResult& result, const std::string& out) {
+    for (const ImportedMesh& imported : result.meshes) {
+        write_mesh(imported.mesh, (std::filesystem::path(out).parent_path() / imported.file).string());
+    }
+}
+
 int import_file(const ImportArguments& arguments) {
     check_import_arguments(arguments);
-    const ImportResult result = import_scene({.text = read_file(arguments.file, largest_import),
+    const ImportResult result = import_scene({.text = read_file(arguments.file, largest_import_of(arguments.file)),
                                               .file = arguments.file,
                                               .out = arguments.out,
                                               .name = arguments.name});
@@ -65,6 +73,7 @@ int import_file(const ImportArguments& arguments) {
         return refuse_import(result, arguments);
     }
     print_findings(result.notes, arguments.file, "note");
+    write_meshes(result, arguments.out);
     write_file(arguments.out, result.json);
     const std::string notes = result.notes.count() > 0 ? ", " + counted(result.notes.count(), "note") : "";
     fmt::print("{}: {}, {}, {}{} -> {}\n", one_line(arguments.file), counted(result.objects, "object"),

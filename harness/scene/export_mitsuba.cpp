@@ -185,7 +185,8 @@ private:
         }
         if (!is_black(material.sigma_a)) {
             const Vec3d& sigma = material.sigma_a;
-            const double largest = std::max({sigma.x, sigma.y, sigma.z});  // Mitsuba's colours end at 1
+            // Mitsuba's colours end at 1; a power of two rounds nothing.
+            const double largest = std::exp2(std::ceil(std::log2(std::max({sigma.x, sigma.y, sigma.z}))));
             xml_.open("medium", {{"name", "interior"}, {"type", "homogeneous"}});
             rgb("sigma_t", sigma * (1 / largest));
             real("scale", largest / settings_.scale);

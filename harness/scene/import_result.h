@@ -3,7 +3,9 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
+#include "harness/mesh/mesh.h"
 #include "harness/scene/import_findings.h"
 
 namespace pt {
@@ -15,13 +17,22 @@ struct ImportSource {
     std::string name;  // of the scene; empty: what the file says
 };
 
+// A mesh that the scene file names and that no file has yet.
+struct ImportedMesh {
+    std::string file;  // .ply, in the scene file's folder
+    Mesh mesh;
+};
+
 struct ImportResult {
     std::string json;  // the scene file's text; empty where there are problems
+    std::vector<ImportedMesh> meshes;
     ImportFindings problems, warnings, notes;
     std::size_t objects = 0, materials = 0;
 };
 
 // Texts beyond this size are not read, in bytes: it holds 10^5 objects.
 inline constexpr std::size_t largest_import = std::size_t{16} << 20;
+// glTF holds meshes, or has them beside it.
+inline constexpr std::size_t largest_gltf = std::size_t{1} << 30;
 
 }  // namespace pt

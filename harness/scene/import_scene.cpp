@@ -6,6 +6,8 @@
 
 #include "harness/scene/import_cis565.h"
 #include "harness/scene/import_course_json.h"
+#include "harness/scene/import_gltf.h"
+#include "harness/scene/import_mitsuba.h"
 
 namespace pt {
 
@@ -20,24 +22,37 @@ std::string ending_of(const std::string& file) {
     return ending;
 }
 
+// Null where no format has it.
+const ImportFormat* format_by_ending(const std::string& file) {
+    const std::vector<ImportFormat>& formats = import_formats();
+    const std::string ending = ending_of(file);
+    const auto named = std::find_if(formats.begin(), formats.end(), [&](const ImportFormat& format) {
+        return std::find(format.endings.begin(), format.endings.end(), ending) != format.endings.end();
+    });
+    return named != formats.end() ? &*named : nullptr;
+}
+
 }  // namespace
 
 // A further format is a line here, before the last.
 const std::vector<ImportFormat>& import_formats() {
     static const std::vector<ImportFormat> formats{
         {"CIS 565 JSON", {".json"}, is_like_json, import_course_json},
+        {"glTF 2", {".gltf", ".glb"}, is_like_gltf, import_gltf, largest_gltf},
+        {"Mitsuba 3 XML", {".xml"}, is_like_mitsuba, import_mitsuba},
         {"CIS 565 text", {".txt"}, is_any_text, import_cis565},
     };
     return formats;
 }
 
+std::size_t largest_import_of(const std::string& file) {
+    const ImportFormat* named = format_by_ending(file);
+    return named != nullptr ? named->largest : largest_import;
+}
+
 const ImportFormat& import_format_of(const ImportSource& source) {
     const std::vector<ImportFormat>& formats = import_formats();
-    const std::string ending = ending_of(source.file);
-    const auto named = std::find_if(formats.begin(), formats.end(), [&](const ImportFormat& format) {
-        return std::find(format.endings.begin(), format.endings.end(), ending) != format.endings.end();
-    });
-    if (named != formats.end()) {
+    if (const ImportFormat* named = format_by_ending(source.file)) {
         return *named;
     }
     return *std::find_if(formats.begin(), formats.end(),

@@ -13,6 +13,7 @@ struct ImportFormat {
     std::vector<std::string> endings;          // of file names, in lower case, with their dots
     bool (*is_like)(const std::string& text);  // a look at the first bytes, for other endings
     ImportResult (*import)(const ImportSource& source);
+    std::size_t largest = largest_import;  // bytes of a file with such an ending
 };
 
 const std::vector<ImportFormat>& import_formats();
@@ -20,6 +21,9 @@ const std::vector<ImportFormat>& import_formats();
 // By the file name's ending; where no format has that, the first that the text is like. Never null: the last is like
 // any text.
 const ImportFormat& import_format_of(const ImportSource& source);
+
+// What a file may hold, by its name.
+std::size_t largest_import_of(const std::string& file);
 
 ImportResult import_scene(const ImportSource& source);
 

@@ -57,7 +57,16 @@ bool is_closed(const std::vector<Triangle<float>>& triangles) {
 // A closed mesh may have this many triangles where its sides are asked for: who is inside takes every one in turn.
 constexpr std::size_t most_triangles_with_sides = 1u << 24;
 
+MeshesToBe::Meshes& meshes_to_be() {
+    static MeshesToBe::Meshes meshes;
+    return meshes;
+}
+
 }  // namespace
+
+MeshesToBe::MeshesToBe(Meshes meshes) { meshes_to_be() = std::move(meshes); }
+
+MeshesToBe::~MeshesToBe() { meshes_to_be().clear(); }
 
 std::shared_ptr<const SceneMesh> make_scene_mesh(const Mesh& mesh, const std::string& source) {
     auto made = std::make_shared<SceneMesh>();
@@ -85,6 +94,9 @@ std::shared_ptr<const SceneMesh> make_scene_mesh(const Mesh& mesh, const std::st
 std::shared_ptr<const SceneMesh> mesh_from_file(const std::filesystem::path& file) {
     using Stamp = std::pair<std::filesystem::file_time_type, std::uintmax_t>;
     static std::map<std::string, std::pair<Stamp, std::shared_ptr<const SceneMesh>>> known;
+    if (const auto to_be = meshes_to_be().find(file.string()); to_be != meshes_to_be().end()) {
+        return to_be->second;
+    }
     std::error_code error;
     const Stamp stamp{std::filesystem::last_write_time(file, error), std::filesystem::file_size(file, error)};
     auto& [known_stamp, mesh] = known[file.string()];

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <string>
 
 #include "harness/mesh/mesh.h"
 #include "harness/scene/scene.h"
@@ -16,6 +18,16 @@ std::shared_ptr<const SceneMesh> make_scene_mesh(const Mesh& mesh, const std::st
 // InputError for a file or a size that is none.
 std::shared_ptr<const SceneMesh> mesh_from_file(const std::filesystem::path& file);
 std::shared_ptr<const SceneMesh> mesh_from_generator(const std::string& name, std::uint32_t size);
+
+// While one lives, mesh_from_file has these meshes, by path, whether or not they are written yet. One at a time.
+class MeshesToBe {
+public:
+    using Meshes = std::map<std::string, std::shared_ptr<const SceneMesh>>;
+    explicit MeshesToBe(Meshes meshes);
+    ~MeshesToBe();
+    MeshesToBe(const MeshesToBe&) = delete;
+    MeshesToBe& operator=(const MeshesToBe&) = delete;
+};
 
 // The triangles of a mesh where an object stands, relative to the eye: transformed in double, rounded once.
 std::vector<Triangle<float>> placed_triangles(const SceneMesh& mesh, const Placement& placement);

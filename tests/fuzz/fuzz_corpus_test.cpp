@@ -13,6 +13,8 @@ extern "C" {
 int fuzz_scene(const std::uint8_t* data, std::size_t size);
 int fuzz_import_cis565(const std::uint8_t* data, std::size_t size);
 int fuzz_import_course_json(const std::uint8_t* data, std::size_t size);
+int fuzz_import_mitsuba(const std::uint8_t* data, std::size_t size);
+int fuzz_import_gltf(const std::uint8_t* data, std::size_t size);
 int fuzz_suite(const std::uint8_t* data, std::size_t size);
 int fuzz_journal(const std::uint8_t* data, std::size_t size);
 int fuzz_mesh_ply(const std::uint8_t* data, std::size_t size);
@@ -27,6 +29,8 @@ using Target = int (*)(const std::uint8_t*, std::size_t);
 const std::map<std::string, Target> targets{{"scene", fuzz_scene},
                                             {"import_cis565", fuzz_import_cis565},
                                             {"import_course_json", fuzz_import_course_json},
+                                            {"import_mitsuba", fuzz_import_mitsuba},
+                                            {"import_gltf", fuzz_import_gltf},
                                             {"suite", fuzz_suite},
                                             {"journal", fuzz_journal},
                                             {"mesh_ply", fuzz_mesh_ply},

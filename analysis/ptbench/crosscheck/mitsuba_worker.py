@@ -30,6 +30,7 @@ def main() -> int:
     job = json.load(sys.stdin)
     variant = _variant(mitsuba, job["variant"])
     mitsuba.set_variant(variant)
+    mitsuba.set_log_level(mitsuba.LogLevel.Error)  # it warns on standard output, which the answer goes to
     begun = time.perf_counter()
     if "xml" in job:
         scene = mitsuba.load_file(job["xml"])

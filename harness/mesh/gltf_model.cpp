@@ -1,0 +1,266 @@
+// glTF 2.0 (Khronos, ISO/IEC 12113) by tinygltf: its JSON and chunks are the library's business.
+#ifdef PTBENCH_HAS_TINYGLTF
+
+#define TINYGLTF_IMPLEMENTATION
+#include "harness/mesh/gltf_model.h"
+
+#include <cstring>
+#include <set>
+
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+
+namespace pt {
+
+namespace {
+
+bool read_for_tinygltf(std::vector<unsigned char>* content, std::string* error, const std::string& name, void* user) {
+    try {
+        const std::string text = (*static_cast<GltfFileReader*>(user))(name);
+        content->assign(text.begin(), text.end());
+        return true;
+    } catch (const InputError& wrong) {
+        *error += wrong.what();
+        return false;
+    }
+}
+
+}  // namespace
+
+tinygltf::Model parse_gltf_model(std::string_view content, const std::string& file, const GltfFileReader& read) {
+    constexpr std::size_t largest = 0xffffffff;  // by the format
+    if (content.size() > largest) {
+        throw InputError(file, "file", fmt::format("{} bytes", content.size()), fmt::format("at most {}", largest));
+    }
+    tinygltf::TinyGLTF loader;
+    loader.SetImageLoader([](tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*,
+                             int, void*) { return true; },
+                          nullptr);
+    GltfFileReader reader = read;
+    const tinygltf::FsCallbacks files{
+        [](const std::string&, void* user) { return bool(*static_cast<GltfFileReader*>(user)); },
+        [](const std::string& name, void*) { return name; }, read_for_tinygltf,
+        [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; }, &reader};
+    loader.SetFsCallbacks(files);
+    tinygltf::Model model;
+    std::string errors, warnings;
+    bool is_read = false;
+    try {
+        const bool is_binary = content.starts_with("glTF") || !read;
+        const auto size = static_cast<unsigned int>(content.size());
+        is_read = is_binary ? loader.LoadBinaryFromMemory(&model, &errors, &warnings,
+                                                          reinterpret_cast<const unsigned char*>(content.data()), size)
+                            : loader.LoadASCIIFromString(&model, &errors, &warnings, content.data(), size, "");
+    } catch (const std::exception& error) {
+        errors = error.what();
+    }
+    if (!is_read) {
+        throw InputError(file, "file",
+                         errors.empty() ? "what tinygltf cannot read" : errors.substr(0, errors.find('\n')),
+                         read ? "glTF 2.0 with its data beside it" : "binary glTF 2.0 with its data in it");
+    }
+    return model;
+}
+
+// The numbers of an accessor, held to lie within its buffer.
+struct GltfMeshMaker::AccessorView {
+    const unsigned char* data = nullptr;
+    std::size_t count = 0, stride = 0;
+    int component_type = 0;
+
+    float real(std::size_t i, std::size_t component) const {
+        float value;
+        std::memcpy(&value, data + i * stride + component * sizeof(float), sizeof(float));
+        return value;
+    }
+    std::uint32_t whole(std::size_t i) const {
+        const unsigned char* from = data + i * stride;
+        switch (component_type) {
+            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+                return *from;
+            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+                return from[0] | from[1] << 8;
+            default:
+                return from[0] | from[1] << 8 | from[2] << 16 | static_cast<std::uint32_t>(from[3]) << 24;
+        }
+    }
+};
+
+// Of the scene that is shown first; without a scene, the nodes that no other has.
+std::vector<int> GltfMeshMaker::roots() const {
+    if (!model_.scenes.empty()) {
+        return element(model_.scenes, std::max(model_.defaultScene, 0), "scene").nodes;
+    }
+    std::set<int> children;
+    for (const tinygltf::Node& node : model_.nodes) {
+        children.insert(node.children.begin(), node.children.end());
+    }
+    std::vector<int> roots;
+    for (int i = 0; i < static_cast<int>(model_.nodes.size()); ++i) {
+        if (!children.contains(i)) {
+            roots.push_back(i);
+        }
+    }
+    return roots;
+}
+
+glm::dmat4 GltfMeshMaker::matrix_of(const tinygltf::Node& node) {
+    glm::dmat4 matrix(1.0);
+    if (node.matrix.size() == 16) {
+        for (int i = 0; i < 16; ++i) {
+            matrix[i / 4][i % 4] = node.matrix[i];
+        }
+        return matrix;
+    }
+    if (node.rotation.size() == 4) {
+        const double x = node.rotation[0], y = node.rotation[1], z = node.rotation[2], w = node.rotation[3];
+        matrix[0] = {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0};
+        matrix[1] = {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0};
+        matrix[2] = {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0};
+    }
+    for (int i = 0; i < 3; ++i) {
+        matrix[i] *= node.scale.size() == 3 ? node.scale[i] : 1.0;
+        matrix[3][i] = node.translation.size() == 3 ? node.translation[i] : 0.0;
+    }
+    return matrix;
+}
+
+bool GltfMeshMaker::is_surface(const tinygltf::Primitive& primitive) {
+    const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+    return (mode == TINYGLTF_MODE_TRIANGLES || mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
+            mode == TINYGLTF_MODE_TRIANGLE_FAN) &&
+           primitive.attributes.contains("POSITION");
+}
+
+GltfMeshMaker::AccessorView GltfMeshMaker::view(int index, int type, const std::string& place) const {
+    const tinygltf::Accessor& accessor = element(model_.accessors, index, place + ", accessor");
+    const std::string at = fmt::format("accessor {}", index);
+    if (accessor.sparse.isSparse || accessor.type != type) {
+        fail(at, accessor.sparse.isSparse ? "a sparse one" : fmt::format("type {}", accessor.type),
+             fmt::format("{}, not sparse", type == TINYGLTF_TYPE_VEC3 ? "VEC3" : "SCALAR"));
+    }
+    const tinygltf::BufferView& part = element(model_.bufferViews, accessor.bufferView, at + ", bufferView");
+    const tinygltf::Buffer& buffer = element(model_.buffers, part.buffer, at + ", buffer");
+    const int size = tinygltf::GetComponentSizeInBytes(accessor.componentType) * (type == TINYGLTF_TYPE_VEC3 ? 3 : 1);
+    AccessorView view;
+    view.count = accessor.count;
+    view.component_type = accessor.componentType;
+    view.stride = part.byteStride > 0 ? part.byteStride : static_cast<std::size_t>(std::max(size, 1));
+    // In this order, no sum can leave its range: counts are below 2^32 first.
+    const bool fits =
+        size > 0 && accessor.count > 0 && accessor.count <= most_triangles * 3 && view.stride <= 4096 &&
+        part.byteOffset <= buffer.data.size() && part.byteLength <= buffer.data.size() - part.byteOffset &&
+        accessor.byteOffset <= part.byteLength &&
+        (accessor.count - 1) * view.stride + static_cast<std::size_t>(size) <= part.byteLength - accessor.byteOffset;
+    if (!fits) {
+        fail(at,
+             fmt::format("{} elements of {} bytes each {} bytes from byte {} on", accessor.count, size, view.stride,
+                         accessor.byteOffset),
+             fmt::format("at least one, within its bufferView ({} bytes) and buffer ({} bytes)", part.byteLength,
+                         buffer.data.size()));
+    }
+    view.data = buffer.data.data() + part.byteOffset + accessor.byteOffset;
+    return view;
+}
+
+GltfMeshMaker::AccessorView GltfMeshMaker::vectors(int index, const std::string& place) const {
+    const AccessorView found = view(index, TINYGLTF_TYPE_VEC3, place);
+    if (found.component_type != TINYGLTF_COMPONENT_TYPE_FLOAT) {
+        fail(fmt::format("accessor {}", index), fmt::format("component type {}", found.component_type), "float (5126)");
+    }
+    return found;
+}
+
+GltfMeshMaker::AccessorView GltfMeshMaker::indices(int index, const std::string& place) const {
+    const AccessorView found = view(index, TINYGLTF_TYPE_SCALAR, place);
+    if (found.component_type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE &&
+        found.component_type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
+        found.component_type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) {
+        fail(fmt::format("accessor {}", index), fmt::format("component type {}", found.component_type),
+             "unsigned byte, short or int (5121, 5123, 5125)");
+    }
+    return found;
+}
+
+void GltfMeshMaker::add_primitive(const tinygltf::Primitive& primitive, const glm::dmat4& matrix,
+                                  const std::string& place) {
+    const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+    const auto position = primitive.attributes.find("POSITION"), normal = primitive.attributes.find("NORMAL");
+    const bool is_surface =
+        mode == TINYGLTF_MODE_TRIANGLES || mode == TINYGLTF_MODE_TRIANGLE_STRIP || mode == TINYGLTF_MODE_TRIANGLE_FAN;
+    if (!is_surface || position == primitive.attributes.end()) {
+        return;  // points and lines, and what has no place
+    }
+    const AccessorView positions = vectors(position->second, place);
+    const auto first = static_cast<std::uint32_t>(mesh_.vertices.size());
+    if (mesh_.vertices.size() + positions.count > most_vertices) {
+        fail(place, "more vertices", fmt::format("at most {}", most_vertices));
+    }
+    for (std::size_t i = 0; i < positions.count; ++i) {
+        const glm::dvec4 moved =
+            matrix * glm::dvec4(positions.real(i, 0), positions.real(i, 1), positions.real(i, 2), 1.0);
+        mesh_.vertices.push_back(
+            {static_cast<float>(moved.x), static_cast<float>(moved.y), static_cast<float>(moved.z)});
+    }
+    has_normals_ = has_normals_ && normal != primitive.attributes.end();
+    if (has_normals_) {
+        add_normals(vectors(normal->second, place), positions.count, matrix, place);
+    }
+    add_triangles(primitive, mode, first, positions.count, glm::determinant(glm::dmat3(matrix)) < 0.0, place);
+}
+
+// By the matrix's cofactors: right for scales that differ and mirrors, too.
+void GltfMeshMaker::add_normals(const AccessorView& normals, std::size_t vertices, const glm::dmat4& matrix,
+                                const std::string& place) {
+    if (normals.count != vertices) {
+        fail(place, fmt::format("{} normals", normals.count), fmt::format("one for each of {} vertices", vertices));
+    }
+    const glm::dvec3 x(matrix[0]), y(matrix[1]), z(matrix[2]);
+    const double side = glm::determinant(glm::dmat3(matrix)) < 0.0 ? -1.0 : 1.0;
+    for (std::size_t i = 0; i < vertices; ++i) {
+        const glm::dvec3 turned = side * (static_cast<double>(normals.real(i, 0)) * glm::cross(y, z) +
+                                          static_cast<double>(normals.real(i, 1)) * glm::cross(z, x) +
+                                          static_cast<double>(normals.real(i, 2)) * glm::cross(x, y));
+        mesh_.normals.push_back(
+            {static_cast<float>(turned.x), static_cast<float>(turned.y), static_cast<float>(turned.z)});
+    }
+}
+
+void GltfMeshMaker::add_triangles(const tinygltf::Primitive& primitive, int mode, std::uint32_t first,
+                                  std::size_t vertices, bool is_mirrored, const std::string& place) {
+    const bool has_indices = primitive.indices >= 0;
+    const AccessorView list = has_indices ? indices(primitive.indices, place) : AccessorView{};
+    const std::size_t count = has_indices ? list.count : vertices;
+    const auto corner = [&](std::size_t i) {
+        const std::uint32_t index = has_indices ? list.whole(i) : static_cast<std::uint32_t>(i);
+        if (index >= vertices) {
+            fail(place, fmt::format("vertex {}", index), fmt::format("0 to {}", vertices - 1));
+        }
+        return first + index;
+    };
+    const std::size_t step = mode == TINYGLTF_MODE_TRIANGLES ? 3 : 1;
+    if (mode == TINYGLTF_MODE_TRIANGLES && count % 3 != 0) {
+        fail(place, fmt::format("{} corners", count), "three for each triangle");
+    }
+    for (std::size_t i = 0; i + 2 < count; i += step) {
+        const bool is_turned = is_mirrored != (mode == TINYGLTF_MODE_TRIANGLE_STRIP && i % 2 == 1);
+        const std::uint32_t a = corner(mode == TINYGLTF_MODE_TRIANGLE_FAN ? 0 : i), b = corner(i + 1),
+                            c = corner(i + 2);
+        if (mesh_.triangles.size() >= most_triangles) {
+            fail(place, "more triangles", fmt::format("at most {}", most_triangles));
+        }
+        mesh_.triangles.push_back(is_turned ? std::array{a, c, b} : std::array{a, b, c});
+    }
+}
+
+Mesh GltfMeshMaker::take() {
+    if (!has_normals_) {
+        mesh_.normals.clear();
+    }
+    return std::move(mesh_);
+}
+
+}  // namespace pt
+
+#endif

@@ -1,0 +1,211 @@
+#include "harness/scene/import_draft.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "harness/error.h"
+#include "harness/mesh/check_mesh.h"
+#include "harness/mesh/read_mesh.h"
+#include "harness/scene/scene_mesh.h"
+
+namespace pt {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Columns that meet at other than right angles by less are a matter of a file's digits.
+constexpr double slight_shear = 1e-6, shear_of_rounding = 1e-12;
+
+// Letters, digits, '_' and '-' of a text, up to 64 of them.
+std::string plain_part_of(const std::string& text) {
+    std::string plain;
+    for (const char c : text.substr(0, 64)) {
+        plain += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' ? c : '_';
+    }
+    return plain;
+}
+
+// Where a map mirrors, triangles go round the other way, so that their outside stays outside.
+Mesh mesh_placed_by(const Mesh& mesh, const Affine& map) {
+    Mesh made;
+    for (const auto& vertex : mesh.vertices) {
+        const Vec3d p = map.point({vertex[0], vertex[1], vertex[2]});
+        made.vertices.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+    }
+    made.triangles = mesh.triangles;
+    if (determinant(map) < 0) {
+        for (auto& triangle : made.triangles) {
+            std::swap(triangle[1], triangle[2]);
+        }
+    }
+    return made;
+}
+
+std::string folder_of_file(const std::string& file) { return fs::path(file).parent_path().string(); }
+
+}  // namespace
+
+const Cis565Line* ImportDraft::place(std::size_t line, const std::string& text) {
+    places_.push_back({.number = line, .words = {text}});
+    return &places_.back();
+}
+
+void ImportDraft::refuse(const Cis565Line& place, const std::string& allowed) {
+    problems().add(place.number, fmt::format("found {}, allowed: {}", place.text(), allowed));
+}
+
+void ImportDraft::begin(const std::string& wanted, const Cis565Line* head) {
+    const std::string name = plain_part_of(wanted);
+    parts.root = {.place = "$", .head = head, .members = {}};
+    parts.root.add("name", json_of(!source_.name.empty() ? source_.name : name.empty() ? "imported" : name), nullptr);
+    parts.root.add("description", json_of("Imported from " + fs::path(source_.file).filename().string() + "."),
+                   nullptr);
+    parts.camera = {.place = "$.camera", .head = head, .members = {}};
+}
+
+std::size_t ImportDraft::add_material(ScenePart part, const std::string& name) {
+    const std::string start = name.empty() ? "material" : name;
+    part.name = start;
+    while (!names_.try_emplace(part.name, 2).second) {
+        part.name = fmt::format("{}_{}", start, names_[start]++);
+    }
+    part.place = "$.materials." + part.name;
+    parts.materials.push_back(std::move(part));
+    return parts.materials.size() - 1;
+}
+
+ScenePart ImportDraft::object(const std::string& shape, std::size_t material, const Cis565Line* at) const {
+    ScenePart object{.place = fmt::format("$.objects[{}]", parts.objects.size()), .head = at, .members = {}};
+    object.add("shape", json_of(shape), nullptr);
+    object.add("material", json_of(material_name_of(material)), at);
+    return object;
+}
+
+void ImportDraft::add_placement(ScenePart& object, const TranslateRotateScale& placement, const Cis565Line* at) {
+    if (placement.is_straightened) {
+        notes().add(at->number,
+                    fmt::format("{} is turned to the nearest quarter turns, [{}, {}, {}] degrees, less than "
+                                "1e-5 degrees away",
+                                at->text(), placement.rotate_degrees.x, placement.rotate_degrees.y,
+                                placement.rotate_degrees.z));
+    }
+    const auto add = [&](const char* key, const Vec3d& value, double neutral, const char* stand_in) {
+        if (value != Vec3d(neutral)) {
+            const bool is_uniform = neutral == 1 && value.x == value.y && value.y == value.z;
+            object.add(key, is_uniform ? json_of(value.x) : json_of(value), at, stand_in);
+        }
+    };
+    add("translate", placement.translate, 0, "[0, 0, 0]");
+    add("rotate_degrees", placement.rotate_degrees, 0, "[0, 0, 0]");
+    add("scale", placement.scale, 1, "1");
+}
+
+bool ImportDraft::is_placeable(const Affine& map, const Cis565Line* at) {
+    const bool is_flat =
+        std::any_of(std::begin(map.column), std::end(map.column), [](const Vec3d& v) { return !(dot(v, v) >= 1e-36); });
+    if (!is_finite(map) || is_flat) {
+        refuse(*at, "a placement by finite numbers that scales no axis below 1e-18");
+        return false;
+    }
+    return true;
+}
+
+bool ImportDraft::add_shape(const std::string& shape, const Affine& map, std::size_t material, const Cis565Line* at) {
+    if (!is_placeable(map, at)) {
+        return false;
+    }
+    const double shear = shear_of(map);
+    if (shear > slight_shear) {
+        refuse(*at,
+               fmt::format("for a {}, a placement that shears nothing: its axes must meet at right angles", shape));
+        return false;
+    }
+    if (shear > shear_of_rounding) {
+        notes().add(at->number, fmt::format("{} is sheared by {:.2g} and read as if it were not", at->text(), shear));
+    }
+    ScenePart made = object(shape, material, at);
+    add_placement(made, take_apart(map), at);
+    parts.objects.push_back(std::move(made));
+    return true;
+}
+
+bool ImportDraft::add_mesh(const std::string& file, const Affine& map, std::size_t material, const Cis565Line* at) {
+    if (!is_placeable(map, at)) {
+        return false;
+    }
+    std::string name = name_in_scene(file);
+    TranslateRotateScale placement;
+    if (shear_of(map) > shear_of_rounding || determinant(map) < 0) {
+        try {
+            if (!read_.contains(file)) {
+                read_[file] = read_mesh(file);
+            }
+            Mesh anew = mesh_placed_by(read_[file], map);
+            check_mesh(anew, at->text());
+            name = name_in_scene(keep_mesh(anew));
+        } catch (const InputError& error) {
+            problems().add(at->number, error.what());
+            return false;
+        }
+        notes().add(at->number,
+                    fmt::format("{} is sheared or mirrored: its mesh, placed, is written as {}", at->text(), name));
+    } else {
+        placement = take_apart(map);
+    }
+    ScenePart made = object("mesh", material, at);
+    made.add("file", json_of(name), at);
+    add_placement(made, placement, at);
+    parts.objects.push_back(std::move(made));
+    return true;
+}
+
+std::string ImportDraft::keep_mesh(const Mesh& mesh) {
+    const fs::path out(source_.out.empty() ? source_.file : source_.out);
+    const std::string name = fmt::format("{}_mesh_{}.ply", out.stem().string(), result_->meshes.size());
+    result_->meshes.push_back({.file = name, .mesh = mesh});
+    const std::string path = (out.parent_path() / name).string();
+    read_[path] = mesh;
+    return path;
+}
+
+std::string ImportDraft::path_of(const std::string& named) const {
+    const fs::path path(named);
+    return (path.is_absolute() ? path : fs::path(folder_of_file(source_.file)) / path).string();
+}
+
+std::string ImportDraft::name_in_scene(const std::string& path) const {
+    const std::string folder = folder_of_file(source_.out.empty() ? source_.file : source_.out);
+    if (fs::path(path).is_absolute() && folder.empty()) {
+        return path;
+    }
+    std::error_code error;
+    const fs::path near =
+        fs::proximate(fs::absolute(path, error), fs::absolute(folder.empty() ? "." : folder, error), error);
+    return error ? path : near.generic_string();
+}
+
+std::optional<Scene> ImportDraft::checked() {
+    const std::string file = source_.out.empty() ? source_.file : source_.out;
+    MeshesToBe::Meshes meshes;
+    for (const ImportedMesh& imported : result_->meshes) {
+        meshes[(fs::path(file).parent_path() / imported.file).string()] = make_scene_mesh(imported.mesh, imported.file);
+    }
+    const MeshesToBe to_be(std::move(meshes));
+    check_parts(parts, file, problems());
+    return problems().count() == 0 ? std::optional(parse_scene(parts.json(), file)) : std::nullopt;
+}
+
+void ImportDraft::finish() {
+    result_->objects = parts.objects.size();
+    result_->materials = parts.materials.size();
+    if (problems().count() == 0) {
+        result_->json = parts.json();
+    }
+}
+
+}  // namespace pt

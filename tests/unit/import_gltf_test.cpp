@@ -1,0 +1,301 @@
+// glTF scenes of a few bytes: where every vertex stands, what each material is read as, and what is told.
+#include "harness/scene/import_gltf.h"
+
+#include <cmath>
+#include <cstring>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "harness/mesh/read_mesh.h"
+#include "harness/scene/import_scene.h"
+#include "harness/scene/scene_mesh.h"
+#include "tests/support/command.h"
+
+namespace pt::test {
+namespace {
+
+using Json = nlohmann::json;
+using Lines = std::vector<std::string>;
+
+std::string base64(const std::string& bytes) {
+    constexpr const char* letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        std::uint32_t three = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            three = three << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+        }
+        for (std::size_t k = 0; k < 4; ++k) {
+            text += i + k > bytes.size() ? '=' : letters[three >> (18 - 6 * k) & 63u];
+        }
+    }
+    return text;
+}
+
+template <class T>
+std::string bytes_of(const std::vector<T>& values) {
+    std::string bytes(values.size() * sizeof(T), '\0');
+    std::memcpy(bytes.data(), values.data(), bytes.size());
+    return bytes;
+}
+
+// A triangle, in one buffer of positions and indices: (0, 0, 0), (1, 0, 0), (0, 2, 0).
+const std::string buffer = bytes_of<float>({0, 0, 0, 1, 0, 0, 0, 2, 0}) + bytes_of<std::uint16_t>({0, 1, 2});
+
+// Node 0 looks at what node 1 shows.
+Json document() {
+    return Json::parse(R"({
+      "asset": {"version": "2.0"},
+      "scene": 0, "scenes": [{"nodes": [0, 1]}],
+      "nodes": [{"camera": 0, "translation": [0, 0, 5]}, {"mesh": 0}],
+      "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "aspectRatio": 2, "znear": 0.1}}],
+      "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+      "materials": [{"name": "lamp", "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1], "metallicFactor": 0},
+                     "emissiveFactor": [1, 0.5, 0.25],
+                     "extensions": {"KHR_materials_specular": {"specularFactor": 0}}}],
+      "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+                    {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"}],
+      "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 6}],
+      "buffers": [{"byteLength": 42, "uri": ""}]})");
+}
+
+struct Gltf {
+    explicit Gltf(Json json) {
+        if (json.at("buffers")[0].value("uri", "") == "") {
+            json["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64(buffer);
+        }
+        read(json.dump());
+    }
+    explicit Gltf(const std::string& text) { read(text); }
+
+    void read(const std::string& text) {
+        result = import_gltf({.text = text, .file = "in/small.gltf", .out = "back.json", .name = ""});
+        MeshesToBe::Meshes meshes;
+        for (const ImportedMesh& imported : result.meshes) {
+            meshes[imported.file] = make_scene_mesh(imported.mesh, imported.file);
+        }
+        const MeshesToBe to_be(std::move(meshes));
+        if (!result.json.empty()) {
+            scene = parse_scene(result.json, "back.json");
+        }
+    }
+    Lines problems() const { return result.problems.messages("f", ""); }
+    Lines warnings() const { return result.warnings.messages("f", ""); }
+    Lines notes() const { return result.notes.messages("f", ""); }
+    const SceneMaterial& material(std::size_t object = 0) const {
+        return scene.materials[scene.objects.at(object).material];
+    }
+    // The corners of an object's first triangle, where it stands.
+    std::vector<Vec3d> corners(std::size_t object) const {
+        const SceneObject& shown = scene.objects.at(object);
+        const Triangle<float> t = placed_triangles(*scene.meshes[shown.mesh], placement_of(shown, Vec3d(0.0))).front();
+        return {Vec3d(t.a), Vec3d(t.b), Vec3d(t.c)};
+    }
+
+    ImportResult result;
+    Scene scene;
+};
+
+class ImportGltfTest : public testing::Test {
+protected:
+    void SetUp() override {
+        if (!reads_glb()) {
+            GTEST_SKIP() << "this build has no reader for glTF";
+        }
+    }
+};
+
+TEST_F(ImportGltfTest, AWholeSceneAndWhatGltfLeavesOpen) {
+    const Gltf read(document());
+    EXPECT_EQ(read.problems(), Lines());
+    EXPECT_EQ(read.warnings(), Lines());
+    EXPECT_EQ(read.notes(), (Lines{"f: max_depth is 8: glTF has none",
+                                   "f: /cameras/0 gets a picture of 1200 x 600 pixels: glTF has no number of them"}));
+    EXPECT_EQ(read.scene.name, "small");
+    EXPECT_EQ(read.scene.camera.eye, Vec3d(0, 0, 5));
+    EXPECT_EQ(read.scene.camera.look_at, Vec3d(0, 0, 4));
+    EXPECT_EQ(read.scene.camera.up, Vec3d(0, 1, 0));
+    EXPECT_NEAR(read.scene.camera.vertical_fov_degrees, 0.5 * 180 / pi<double>, 1e-12);
+    EXPECT_EQ(read.scene.camera.width, 1200u);
+    EXPECT_EQ(read.scene.camera.height, 600u);
+    EXPECT_EQ(read.material().type, MaterialType::emitter);
+    EXPECT_EQ(read.material().name, "lamp");
+    EXPECT_EQ(read.material().emission, Vec3d(1, 0.5, 0.25));
+    ASSERT_EQ(read.result.meshes.size(), 1u);
+    EXPECT_EQ(read.result.meshes[0].file, "back_mesh_0.ply");
+    EXPECT_EQ(read.corners(0), (std::vector<Vec3d>{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}}));
+}
+
+TEST_F(ImportGltfTest, NodesPlaceWhatIsBelowThem) {
+    Json json = document();
+    const double half = std::sqrt(0.5);
+    json["nodes"] =
+        Json::array({Json{{"camera", 0}, {"translation", {0, 0, 5}}},
+                     Json{{"children", {2, 3}}, {"translation", {10, 0, 0}}, {"scale", {2, 2, 2}}},
+                     // A quarter turn about z, as single precision has it.
+                     Json{{"mesh", 0}, {"rotation", {0, 0, 0.70710677, 0.70710677}}, {"translation", {0, 1, 0}}},
+                     Json{{"mesh", 0}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1}}}});
+    const Gltf read(json);
+    EXPECT_EQ(read.problems(), Lines());
+    EXPECT_LT(std::abs(half - 0.70710677), 1e-7);
+    ASSERT_EQ(read.scene.objects.size(), 2u);
+    EXPECT_EQ(read.scene.meshes.size(), 1u);  // instances
+    EXPECT_EQ(read.scene.objects[0].translate, Vec3d(10, 2, 0));
+    EXPECT_EQ(read.scene.objects[0].rotate_degrees, Vec3d(0, 0, 90));
+    EXPECT_EQ(read.scene.objects[0].scale, Vec3d(2.0));
+    EXPECT_EQ(read.corners(0), (std::vector<Vec3d>{{10, 2, 0}, {10, 4, 0}, {6, 2, 0}}));
+    EXPECT_EQ(read.corners(1), (std::vector<Vec3d>{{20, 12, 14}, {22, 12, 14}, {20, 16, 14}}));
+}
+
+TEST_F(ImportGltfTest, AMirroredNodeIsAMeshOfItsOwn) {
+    Json json = document();
+    json["nodes"][1]["scale"] = {-1, 1, 1};
+    const Gltf read(json);
+    EXPECT_EQ(read.problems(), Lines());
+    EXPECT_EQ(read.scene.objects[0].scale, Vec3d(1.0));
+    // Its front still faces +z: it goes round counter-clockwise.
+    EXPECT_EQ(read.corners(0), (std::vector<Vec3d>{{-1, 0, 0}, {0, 0, 0}, {0, 2, 0}}));
+    json["nodes"][1].erase("scale");
+    json["nodes"][1]["matrix"] = {1, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    EXPECT_EQ(Gltf(json).corners(0), (std::vector<Vec3d>{{0, 0, 0}, {1, 0, 0}, {2, 2, 0}}));
+}
+
+TEST_F(ImportGltfTest, MetalIsARoughConductor) {
+    Json json = document();
+    json["materials"] = Json::parse(R"([{"pbrMetallicRoughness": {"baseColorFactor": [0.25, 0.5, 1, 1],
+        "metallicFactor": 1, "roughnessFactor": 0.375}}])");
+    const Gltf read(json);
+    EXPECT_EQ(read.material().type, MaterialType::rough_conductor);
+    EXPECT_EQ(read.material().reflectance, Vec3d(0.25, 0.5, 1));
+    EXPECT_EQ(read.material().roughness, 0.375);
+    EXPECT_EQ(read.warnings(), Lines{"f: /materials has none that emits: the environment is [1, 1, 1]"});
+    EXPECT_EQ(read.scene.environment, Vec3d(1.0));
+    json["materials"] = Json::parse("[{}]");  // white, metal and rough: what the format says
+    EXPECT_EQ(Gltf(json).material().roughness, 1);
+    json["materials"][0] = Json::parse(R"({"pbrMetallicRoughness": {"metallicFactor": 0.5}})");
+    EXPECT_EQ(Gltf(json).problems(), Lines{"f: found /materials/0/pbrMetallicRoughness/metallicFactor: 0.5, allowed: 0 "
+                                           "or 1: nothing between metal and not"});
+}
+
+TEST_F(ImportGltfTest, WhatIsNoMetalIsDiffuseAndItsCoatIsTold) {
+    Json json = document();
+    json["materials"] = Json::parse(R"([{"pbrMetallicRoughness": {"baseColorFactor": [0.25, 0.5, 1, 1],
+        "metallicFactor": 0}, "emissiveFactor": [1, 1, 0.5],
+        "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 8}}}])");
+    const Gltf read(json);
+    EXPECT_EQ(read.material().type, MaterialType::diffuse);
+    EXPECT_EQ(read.material().albedo, Vec3d(0.25, 0.5, 1));
+    EXPECT_EQ(read.material().emission, Vec3d(8, 8, 4));
+    EXPECT_EQ(read.warnings(),
+              Lines{"f: /materials/0 is read as diffuse: its clear coat, which reflects 0.04 at normal incidence and "
+                    "more at grazing angles, is left out (specularFactor 0 has none)"});
+}
+
+// A tetrahedron: glass needs an inside.
+Json with_tetrahedron(const Json& material) {
+    Json json = document();
+    const std::string solid = bytes_of<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}) +
+                              bytes_of<std::uint16_t>({0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3});
+    json["buffers"][0] = {{"byteLength", solid.size()},
+                          {"uri", "data:application/octet-stream;base64," + base64(solid)}};
+    json["accessors"][0]["count"] = 4;
+    json["accessors"][1]["count"] = 12;
+    json["bufferViews"][0]["byteLength"] = 48;
+    json["bufferViews"][1] = {{"buffer", 0}, {"byteOffset", 48}, {"byteLength", 24}};
+    json["materials"][0] = material;
+    return json;
+}
+
+TEST_F(ImportGltfTest, TransmissionIsGlass) {
+    const Gltf read(with_tetrahedron(Json::parse(R"({"pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 1, 1],
+        "metallicFactor": 0, "roughnessFactor": 0}, "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1},
+        "KHR_materials_ior": {"ior": 1.25}, "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 2,
+        "attenuationColor": [1, 0.5, 0.25]}}})")));
+    EXPECT_EQ(read.problems(), Lines());
+    EXPECT_EQ(read.warnings().size(), 1u);  // of the environment
+    EXPECT_EQ(read.material().type, MaterialType::dielectric);
+    EXPECT_EQ(read.material().ior, 1.25);
+    EXPECT_EQ(read.material().tint, Vec3d(0.5, 1, 1));
+    // exp(-2 sigma) is the colour after 2.
+    EXPECT_EQ(read.material().sigma_a.x, 0);
+    EXPECT_NEAR(std::exp(-2 * read.material().sigma_a.y), 0.5, 1e-15);
+    EXPECT_NEAR(std::exp(-2 * read.material().sigma_a.z), 0.25, 1e-15);
+    const Gltf thin(
+        with_tetrahedron(Json::parse(R"({"pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0.5},
+        "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}})")));
+    EXPECT_EQ(thin.material().type, MaterialType::rough_dielectric);
+    EXPECT_EQ(thin.material().roughness, 0.5);
+    EXPECT_EQ(thin.material().ior, 1.5);
+    ASSERT_EQ(thin.warnings().size(), 2u);
+    EXPECT_NE(thin.warnings()[0].find("thin wall"), std::string::npos);
+}
+
+TEST_F(ImportGltfTest, EverythingThatIsNotReadIsListedAtOnce) {
+    Json json = document();
+    json["extensionsUsed"] = {"KHR_lights_punctual", "KHR_draco_mesh_compression"};
+    json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+    json["extensions"]["KHR_lights_punctual"]["lights"] = Json::array({Json{{"type", "point"}}});
+    json["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 0;
+    json["materials"][0] = Json::parse(R"({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0},
+        "metallicFactor": 0, "baseColorFactor": [1, 1, 1, 0.5]}, "alphaMode": "BLEND",
+        "extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1}}})");
+    json["textures"] = Json::array({Json{{"source", 0}}});
+    json["images"] = Json::array({Json{{"uri", "missing.png"}}});
+    json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = 0;
+    const Gltf read(json);
+    EXPECT_EQ(read.result.json, "");
+    Lines starts;
+    for (const std::string& problem : read.problems()) {
+        starts.push_back(problem.substr(0, problem.find(", allowed")));
+    }
+    EXPECT_EQ(starts, (Lines{"f: found /extensionsRequired/0: KHR_draco_mesh_compression",
+                             "f: found /extensions/KHR_lights_punctual/lights/0: point light",
+                             "f: found /meshes/0/primitives/0/attributes/COLOR_0: colours of vertices",
+                             "f: found /materials/0/pbrMetallicRoughness/baseColorTexture: texture 0",
+                             "f: found /materials/0/extensions/KHR_materials_clearcoat: an extension",
+                             "f: found /materials/0/alphaMode: BLEND with alpha 0.5"}));
+}
+
+TEST_F(ImportGltfTest, WithoutACameraOneIsPutBeforeAll) {
+    Json json = document();
+    json["nodes"][0].erase("camera");
+    const Gltf read(json);
+    EXPECT_EQ(read.problems(), Lines());
+    ASSERT_EQ(read.warnings().size(), 1u);
+    const SceneCamera& camera = read.scene.camera;
+    EXPECT_NEAR(camera.look_at.x, 0.5, 1e-6);
+    EXPECT_NEAR(camera.look_at.y, 1, 1e-6);
+    // A ball of radius sqrt(5) / 2 fits into 45 degrees.
+    EXPECT_NEAR(camera.eye.z, std::sqrt(1.25) / std::sin(22.5 * (pi<double> / 180)), 1e-5);
+    EXPECT_EQ(camera.vertical_fov_degrees, 45);
+    EXPECT_EQ(camera.width, 800u);
+}
+
+TEST_F(ImportGltfTest, BuffersMayLieBesideIt) {
+    const TemporaryFolder folder;
+    Json json = document();
+    json["buffers"][0]["uri"] = "data.bin";
+    write_text(folder.file("data.bin"), buffer);
+    const auto import = [&] {
+        return import_gltf(
+            {.text = json.dump(), .file = folder.file("s.gltf"), .out = folder.file("s.json"), .name = "n"});
+    };
+    EXPECT_NE(import().json, "");
+    std::filesystem::remove(folder.file("data.bin"));
+    const ImportResult missing = import();
+    EXPECT_EQ(missing.json, "");
+    EXPECT_EQ(missing.problems.count(), 1u);
+}
+
+TEST_F(ImportGltfTest, WhatIsNoGltfIsOneLine) {
+    for (const std::string text :
+         {"", "{}", "glTF", "{\"asset\": {\"version\": \"2.0\"}, \"nodes\": [{\"children\": [0]}]}"}) {
+        EXPECT_GE(Gltf(text).problems().size(), 1u) << text;
+    }
+    EXPECT_TRUE(is_like_gltf("glTF\x02"));
+    EXPECT_STREQ(import_format_of({.text = "", .file = "a.gltf", .out = "", .name = ""}).name, "glTF 2");
+}
+
+}  // namespace
+}  // namespace pt::test

@@ -1,0 +1,147 @@
+// What `ptbench export --format mitsuba` wrote of a shipped scene is imported as the scene that it was: every number to
+// the last bit, and so every bit of the film.
+#include <algorithm>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "harness/mesh/write_mesh.h"
+#include "harness/scene/export_mitsuba.h"
+#include "harness/scene/import_mitsuba.h"
+#include "harness/scene/mitsuba_limits.h"
+#include "harness/scene/scene_mesh.h"
+#include "harness/scene/xml_document.h"
+#include "tests/support/command.h"
+#include "tests/support/render.h"
+
+namespace pt::test {
+namespace {
+
+// The shipped scenes that Mitsuba can express; of those with meshes, one of each kind that is quick to read.
+std::vector<std::string> scenes_to_export() {
+    std::vector<std::string> names{"scenes/meshes/menger_room.json", "scenes/meshes/sphereflake_room.json"};
+    const std::filesystem::path source(PTBENCH_SOURCE_DIR);
+    for (const auto& entry : std::filesystem::directory_iterator(source / "scenes")) {
+        if (entry.path().extension() == ".json" && mitsuba_problems(load_scene(entry.path().string()), "").empty()) {
+            names.push_back(entry.path().lexically_relative(source).string());
+        }
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+class MitsubaRoundTripTest : public testing::TestWithParam<std::string> {
+protected:
+    // Exported into the folder and imported from it.
+    Scene there_and_back(const Scene& scene) {
+        const MitsubaScene exported = mitsuba_scene(scene,
+                                                    {.width = scene.camera.width,
+                                                     .height = scene.camera.height,
+                                                     .depth = scene.max_depth,
+                                                     .samples = 64,
+                                                     .scale = 1},
+                                                    "there");
+        for (std::size_t i = 0; i < exported.meshes.size(); ++i) {
+            write_mesh(indexed_mesh(*scene.meshes[exported.meshes[i]]), folder.file(exported.mesh_files[i]));
+        }
+        result = import_mitsuba({.text = exported.xml,
+                                 .file = folder.file("there.xml"),
+                                 .out = folder.file("back.json"),
+                                 .name = scene.name});
+        for (const std::string& problem : result.problems.messages("there.xml", "")) {
+            ADD_FAILURE() << problem;
+        }
+        return result.json.empty() ? Scene() : parse_scene(result.json, folder.file("back.json"));
+    }
+
+    TemporaryFolder folder;
+    ImportResult result;
+};
+
+// Columns of the matrix that places it.
+std::vector<Vec3d> placement(const SceneObject& object) {
+    const Rotation rotation = rotation_of(object.rotate_degrees);
+    const bool is_round = object.shape == Shape::sphere;  // however it is turned
+    std::vector<Vec3d> columns{object.translate};
+    for (int i = 0; i < 3; ++i) {
+        columns.push_back((is_round ? Vec3d(0.0) : rotation.column[i]) * object.scale[i]);
+    }
+    columns.push_back(is_round ? object.scale : Vec3d(0.0));
+    return columns;
+}
+
+void expect_same_material(const SceneMaterial& was, const SceneMaterial& is) {
+    // A mix whose mirror has the probability 0 or 1 is one of its parts.
+    const bool is_part = was.type == MaterialType::mix;
+    EXPECT_TRUE(is.type == was.type || is_part) << was.name;
+    if (!is_part || was.mirror_probability == 0) {
+        EXPECT_EQ(is.albedo, was.albedo) << was.name;
+    }
+    if (!is_part || was.mirror_probability == 1) {
+        EXPECT_EQ(is.reflectance, was.reflectance) << was.name;
+    }
+    EXPECT_EQ(is.emission, was.emission) << was.name;
+    EXPECT_EQ(is.tint, was.tint) << was.name;
+    EXPECT_EQ(is.sigma_a, was.sigma_a) << was.name;
+    EXPECT_EQ(is.ior, was.ior) << was.name;
+}
+
+TEST_P(MitsubaRoundTripTest, EveryNumberComesBack) {
+    if (!reads_xml()) {
+        GTEST_SKIP() << "this build has no reader for XML";
+    }
+    const Scene scene = load_scene((std::filesystem::path(PTBENCH_SOURCE_DIR) / GetParam()).string());
+    const Scene back = there_and_back(scene);
+    EXPECT_EQ(result.warnings.messages("there.xml", ""), std::vector<std::string>());
+    EXPECT_EQ(back.name, scene.name);
+    EXPECT_EQ(back.max_depth, scene.max_depth);
+    EXPECT_EQ(back.environment, scene.environment);
+    EXPECT_EQ(back.camera.eye, scene.camera.eye);
+    EXPECT_EQ(back.camera.look_at, scene.camera.look_at);
+    EXPECT_EQ(back.camera.up, scene.camera.up);
+    EXPECT_EQ(back.camera.vertical_fov_degrees, scene.camera.vertical_fov_degrees);
+    EXPECT_EQ(back.camera.aperture_radius, scene.camera.aperture_radius);
+    if (scene.camera.aperture_radius > 0) {
+        EXPECT_EQ(back.camera.focus_distance, scene.camera.focus_distance);
+    }
+    EXPECT_EQ(back.camera.width, scene.camera.width);
+    EXPECT_EQ(back.camera.height, scene.camera.height);
+    ASSERT_EQ(back.objects.size(), scene.objects.size());
+    for (std::size_t i = 0; i < scene.objects.size() && !HasFailure(); ++i) {
+        const SceneObject &was = scene.objects[i], &is = back.objects[i];
+        EXPECT_EQ(name_of(is.shape), name_of(was.shape));
+        SceneObject standing = was;
+        standing.translate = place_of(scene, was);
+        EXPECT_EQ(placement(is), placement(standing)) << i;
+        expect_same_material(scene.materials[was.material], back.materials[is.material]);
+        ASSERT_EQ(is.mesh == SceneObject::no_mesh, was.mesh == SceneObject::no_mesh);
+        if (was.mesh != SceneObject::no_mesh) {
+            EXPECT_EQ(back.meshes[is.mesh]->hash, scene.meshes[was.mesh]->hash);
+        }
+    }
+}
+
+TEST_P(MitsubaRoundTripTest, EveryBitOfTheFilmComesBack) {
+    if (!reads_xml()) {
+        GTEST_SKIP() << "this build has no reader for XML";
+    }
+    Scene scene = load_scene((std::filesystem::path(PTBENCH_SOURCE_DIR) / GetParam()).string());
+    Scene back = there_and_back(scene);
+    scene.camera.width = scene.camera.height = back.camera.width = back.camera.height = 12;
+    const RenderOptions options{.samples = 2};
+    const std::string accelerator = scene.meshes.empty() ? "" : "accelerator";
+    EXPECT_EQ(render_variant(back, options, accelerator, "bvh2").hash(),
+              render_variant(scene, options, accelerator, "bvh2").hash());
+}
+
+INSTANTIATE_TEST_SUITE_P(Shipped, MitsubaRoundTripTest, testing::ValuesIn(scenes_to_export()), [](const auto& scene) {
+    std::string name = scene.param;
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return c == '/' || c == '.' || c == '-'; }, '_');
+    return name;
+});
+
+TEST(MitsubaRoundTripScenesTest, ThereAreManyScenes) { EXPECT_GE(scenes_to_export().size(), 20u); }
+
+}  // namespace
+}  // namespace pt::test
