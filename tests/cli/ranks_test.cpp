@@ -236,7 +236,7 @@ TEST_P(KilledRankTest, EndsTheRunInSecondsAndItGoesOn) {
         const pid_t rank = process_of(GetParam(), mark);
         ASSERT_GT(rank, 0);
         ::kill(rank, SIGKILL);
-        ASSERT_TRUE(wait_until([&] { return !running.is_running(); }, std::chrono::seconds(10)));
+        ASSERT_TRUE(wait_until([&] { return !running.is_running(); }, std::chrono::seconds(30)));
         const CommandResult killed = running.wait();
         EXPECT_EQ(killed.exit_code, 3) << killed.err;
         EXPECT_EQ(count_of(killed.err, "was killed: Killed"), 1u) << killed.err;
