@@ -15,6 +15,9 @@ namespace pt {
 
 namespace {
 
+// Mitsuba's word, and no choice of light_sampling.
+constexpr std::string_view mitsuba_area_emitter = "area";
+
 // Instances of groups of instances can be without end.
 constexpr std::size_t most_shapes = 100000;
 
@@ -74,7 +77,7 @@ bool MitsubaShapes::read_surface(MitsubaObject& object, MitsubaSurface& surface)
     }
     surface.bsdf = bsdfs.empty() ? nullptr : bsdfs.front();
     surface.emitter = emitters.empty() ? nullptr : emitters.front();
-    if (surface.emitter != nullptr && surface.emitter->value_of("type") != "area") {
+    if (surface.emitter != nullptr && surface.emitter->value_of("type") != mitsuba_area_emitter) {
         object.fail(*surface.emitter, "of a shape, an emitter of type area");
         return false;
     }
