@@ -9,6 +9,7 @@ from ptbench.figures import peers, style
 from ptbench.figures.saving import save_figure
 from ptbench.io.files import make_folder, write_text
 from ptbench.peers.document import HEAD, RULE, SCHEMA, row_of, scenes_of
+from ptbench.studies.withdrawn import withdrawals
 from ptbench.tables import Lines, markdown, table_of
 from ptbench.terminal import say
 
@@ -49,6 +50,10 @@ def _summary(document: dict, not_drawn: str) -> str:
         RULE,
         "",
     ]
+    estimators = {peer.value["estimator"] for scene in scenes_of(document) for peer in scene.peers}
+    for entry in withdrawals():
+        if settings["backend"] in entry.backends and estimators & set(entry.choices):
+            lines += [f"Withdrawn: {entry.full}", ""]
     if not_drawn:
         lines += [f"Not drawn: {not_drawn}", ""]
     for scene in scenes_of(document):
