@@ -24,13 +24,26 @@ from ptbench.io.nodes import Node, parse, read_json, shown
 from ptbench.terminal import say, visible
 
 SCHEMAS = package_file("schema")
-KINDS = ("result", "stability", "rays", "leaks", "crosscheck", "peers", "imports", "inspect", "tuning", "journal")
+KINDS = (
+    "result",
+    "stability",
+    "rays",
+    "leaks",
+    "crosscheck",
+    "peers",
+    "imports",
+    "advice",
+    "inspect",
+    "tuning",
+    "journal",
+)
 # Files that people write: checked like the others, no part of the tables of what ptbench writes.
 WRITTEN_BY_HAND = ("claim", "map")
 _BY_SCHEMA = {
     "ptbench-crosscheck-1": "crosscheck",
     "ptbench-peers-1": "peers",
     "ptbench-imports-1": "imports",
+    "ptbench-advice-1": "advice",
     "ptbench-map-1": "map",
 }
 _WRITTEN_BY_US = (
