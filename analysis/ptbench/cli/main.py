@@ -8,6 +8,8 @@ from __future__ import annotations
 import argparse
 import re
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from ptbench import __version__
@@ -174,124 +176,123 @@ def main(arguments: list[str] | None = None, program: str = "") -> int:
         return _main(sys.argv[1:] if arguments is None else arguments, program or _program())
 
 
-def _findings(options: argparse.Namespace, program: str) -> int:
+@contextmanager
+def _packages_of(command: str) -> Iterator[None]:
+    """Round a command's imports: a package that is not there is named in one line."""
     try:
-        from ptbench.findings.command import findings
+        yield
     except ModuleNotFoundError as error:
-        print(f"{program}: findings needs the Python package {error.name} (analysis/requirements.txt)", file=sys.stderr)
-        return 2
-    try:
-        return findings(options.root, options.names, check=options.check)
-    except InputError as error:
-        print(f"{program}: {error}", file=sys.stderr)
-        return 2
+        raise InputError(f"{command} needs the Python package {error.name} (analysis/requirements.txt)") from error
 
 
-def _peers(options: argparse.Namespace, program: str) -> int:
+def _findings(options: argparse.Namespace) -> int:
+    with _packages_of("findings"):
+        from ptbench.findings.command import findings
+
+    return findings(options.root, options.names, check=options.check)
+
+
+def _peers(options: argparse.Namespace) -> int:
     # Needs neither what draws nor what checks schemas: it runs on machines that have little.
     from ptbench.peers.command import peers_command
 
-    try:
-        return peers_command(options)
-    except InputError as error:
-        print(f"{program}: {error}", file=sys.stderr)
-        return 2
+    return peers_command(options)
 
 
-def _claims(options: argparse.Namespace, program: str) -> int:
-    try:
+def _claims(options: argparse.Namespace) -> int:
+    with _packages_of("claims"):
         from ptbench.claims.command import Call, claims
-    except ModuleNotFoundError as error:
-        print(f"{program}: claims needs the Python package {error.name} (analysis/requirements.txt)", file=sys.stderr)
-        return 2
-    try:
-        return claims(
-            Call(
-                options.root, tuple(options.names), options.results, options.binary,
-                run=options.run, write=options.write, check=options.check,
-            )
-        )  # fmt: skip
-    except InputError as error:
-        print(f"{program}: {error}", file=sys.stderr)
-        return 2
+
+    return claims(
+        Call(
+            options.root, tuple(options.names), options.results, options.binary,
+            run=options.run, write=options.write, check=options.check,
+        )
+    )  # fmt: skip
 
 
-def _map(options: argparse.Namespace, program: str) -> int:
-    try:
+def _map(options: argparse.Namespace) -> int:
+    with _packages_of("map"):
         from ptbench.findings.errors import FindingError
         from ptbench.maps.command import Call, maps
-    except ModuleNotFoundError as error:
-        print(f"{program}: map needs the Python package {error.name} (analysis/requirements.txt)", file=sys.stderr)
-        return 2
+
     call = Call(
         options.root, tuple(options.names), options.results, options.binary, options.budget,
         run=options.run, write=options.write, check=options.check,
     )  # fmt: skip
     try:
         return maps(call)
-    except (InputError, FindingError) as error:
-        print(f"{program}: {error}", file=sys.stderr)
-        return 2
+    except FindingError as error:
+        raise InputError(str(error)) from error
 
 
-def _advise(options: argparse.Namespace, program: str) -> int:
+def _advise(options: argparse.Namespace) -> int:
     from ptbench.advise.command import Call, advise
 
-    if (options.scene is None) == (options.tried is None):
-        found = "both" if options.scene else "neither"
-        print(f"{program} advise: found {found}, allowed: SCENE or --try N; see --help", file=sys.stderr)
-        return 2
-    call = Call(
-        options.scene or "", options.gpu, options.cpu, options.measure, options.depth, options.resolution, options.spp,
-        options.root, options.results, options.binary, options.tried, options.seed, options.loaded, options.out,
+    return advise(
+        Call(
+            options.scene or "", options.gpu, options.cpu, options.measure, options.depth, options.resolution,
+            options.spp, options.root, options.results, options.binary, options.tried, options.seed, options.loaded,
+            options.out,
+        )
     )  # fmt: skip
-    try:
-        return advise(call)
-    except InputError as error:
-        print(f"{program}: {error}", file=sys.stderr)
-        return 2
 
 
-def _flat(options: argparse.Namespace, program: str) -> int:
+def _crosscheck(options: argparse.Namespace) -> int:
+    from ptbench.crosscheck.command import crosscheck_command
+
+    return crosscheck_command(options)
+
+
+def _flat(options: argparse.Namespace) -> int:
     from ptbench.flat import flat
 
-    try:
-        return flat(options.results, options.out, options.table)
-    except InputError as error:
-        print(f"{program}: {error}", file=sys.stderr)
-        return 2
+    return flat(options.results, options.out, options.table)
 
 
-def _cluster(options: argparse.Namespace, program: str) -> int:
-    from ptbench.submit.command import collect_command, submit_command
+def _submit(options: argparse.Namespace) -> int:
+    from ptbench.submit.command import submit_command
 
-    try:
-        return submit_command(options) if options.command == "submit" else collect_command(options.folder)
-    except InputError as error:
-        print(f"{program}: {error}", file=sys.stderr)
-        return 2
+    return submit_command(options)
+
+
+def _collect(options: argparse.Namespace) -> int:
+    from ptbench.submit.command import collect_command
+
+    return collect_command(options.folder)
+
+
+_COMMANDS = {
+    "advise": _advise,
+    "claims": _claims,
+    "collect": _collect,
+    "crosscheck": _crosscheck,
+    "findings": _findings,
+    "flat": _flat,
+    "map": _map,
+    "peers": _peers,
+    "submit": _submit,
+}
 
 
 def _main(arguments: list[str], program: str) -> int:
     options = parser_of(program).parse_args(arguments)
-    if options.command in ("submit", "collect"):
-        return _cluster(options, program)
     if options.command == "validate":
         from ptbench.io.validate import validate_command
 
         return validate_command(options.files, program)
-    if options.command == "peers":
-        return _peers(options, program)
-    if options.command == "findings":
-        return _findings(options, program)
-    if options.command == "claims":
-        return _claims(options, program)
-    if options.command == "map":
-        return _map(options, program)
-    if options.command == "advise":
-        return _advise(options, program)
-    if options.command == "flat":
-        return _flat(options, program)
+    if options.command == "advise" and (options.scene is None) == (options.tried is None):
+        found = "both" if options.scene else "neither"
+        print(f"{program} advise: found {found}, allowed: SCENE or --try N; see --help", file=sys.stderr)
+        return 2
+    try:
+        return _COMMANDS.get(options.command, _draw)(options)
+    except InputError as error:
+        print(f"{program}: {error}", file=sys.stderr)
+        return 2
+
+
+def _draw(options: argparse.Namespace) -> int:
     # Drawing libraries take a moment to load; a wrong call should not wait for them.
     from ptbench.compare.command import compare_command
     from ptbench.explain.command import explain
@@ -300,21 +301,13 @@ def _main(arguments: list[str], program: str) -> int:
     from ptbench.plots.command import plots
     from ptbench.report.command import report
 
-    try:
-        if options.command == "report":
-            return report(options.results, options.out, options.binary, options.spp, options.side)
-        if options.command == "plots":
-            return plots(options.result, options.out)
-        if options.command == "compare":
-            return compare_command(options)
-        if options.command == "crosscheck":
-            from ptbench.crosscheck.command import crosscheck_command
-
-            return crosscheck_command(options)
-        if options.command == "explain":
-            choice = Choice(options.scene, options.depth, options.resolution)
-            return explain(options.result, options.a, options.b, choice, options.counters, options.out)
-        return gallery(options.binary, options.spec, options.out, options.spp, options.resolution)
-    except InputError as error:
-        print(f"{program}: {error}", file=sys.stderr)
-        return 2
+    if options.command == "report":
+        return report(options.results, options.out, options.binary, options.spp, options.side)
+    if options.command == "plots":
+        return plots(options.result, options.out)
+    if options.command == "compare":
+        return compare_command(options)
+    if options.command == "explain":
+        choice = Choice(options.scene, options.depth, options.resolution)
+        return explain(options.result, options.a, options.b, choice, options.counters, options.out)
+    return gallery(options.binary, options.spec, options.out, options.spp, options.resolution)
