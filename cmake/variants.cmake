@@ -146,7 +146,7 @@ ptbench_precompile_headers(ptbench_variants)
 # namespace of its own. What renders on the CPU stays single: its machine code is that of its file alone.
 if(PTBENCH_GROUP_SOURCES)
   set_target_properties(ptbench_variants PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  set(registering_axes arithmetic direct_light first_bounce launch light_sampling precision robustness russian_roulette sampler sort_key specialisation traversal traversal_stack)
+  set(registering_axes arithmetic devices direct_light first_bounce launch light_sampling light_selection partition precision robustness russian_roulette sampler sort_key specialisation traversal traversal_stack)
   list(JOIN registering_axes "|" registering_axes)
   foreach(source ${variant_sources})
     if(source MATCHES "/variants/((${registering_axes})/[a-z0-9_]+|[a-z_]+/none)\\.cpp$")

@@ -22,8 +22,8 @@ using FeatureSet = std::uint64_t;
 namespace feature_bit {
 inline constexpr FeatureSet camera = FeatureSet{1} << 0;      // 8 bits
 inline constexpr FeatureSet shape = FeatureSet{1} << 8;       // 16 bits
-inline constexpr FeatureSet material = FeatureSet{1} << 24;   // 16 bits
-inline constexpr FeatureSet light = FeatureSet{1} << 40;      // 8 bits
+inline constexpr FeatureSet material = FeatureSet{1} << 24;   // 13 bits
+inline constexpr FeatureSet light = FeatureSet{1} << 37;      // 11 bits
 inline constexpr FeatureSet sampling = FeatureSet{1} << 48;   // 8 bits
 inline constexpr FeatureSet traversal = FeatureSet{1} << 56;  // 8 bits
 }  // namespace feature_bit
@@ -62,6 +62,14 @@ enum class Feature : FeatureSet {
     area_sampling = feature_bit::light << 4,
     projected_sampling = feature_bit::light << 5,
     automatic_sampling = feature_bit::light << 6,
+    // Which light is drawn (kernels/light_selection.h). A kernel with neither draws uniformly, one with one of them so,
+    // and one with both chooses at run time (SceneView::light_selection).
+    power_selection = feature_bit::light << 7,
+    tree_selection = feature_bit::light << 8,
+    // A connection or light that is met, one of the two, chosen at random (SceneView::one_sample).
+    one_sample = feature_bit::light << 9,
+    // An environment that is drawn as lights are (kernels/environment_map.h): an image, or one number all round.
+    environment_map = feature_bit::light << 10,
     russian_roulette = feature_bit::sampling << 0,
     // Sources of random numbers other than pcg4d. A kernel with none of them has pcg4d, one with a single one has that,
     // and one with several chooses at run time among all (RandomSeed::sampler).
@@ -83,8 +91,9 @@ enum class Feature : FeatureSet {
     flat_tree = feature_bit::traversal << 4,
 };
 
-// Of the features above, the one that a variant asks for.
+// Of the features above, the ones that a variant asks for.
 enum class LightSampling : std::uint16_t { solid_angle, area, projected, automatic };
+enum class LightSelection : std::uint32_t { uniform, power, tree };
 
 template <class... Features>
 PT_HD constexpr FeatureSet set_of(Features... features) {
@@ -101,11 +110,14 @@ inline constexpr FeatureSet material_features =
            Feature::rough_dielectric, Feature::multiple_scattering);
 inline constexpr FeatureSet light_samplings =
     set_of(Feature::area_sampling, Feature::projected_sampling, Feature::automatic_sampling);
+inline constexpr FeatureSet light_selections = set_of(Feature::power_selection, Feature::tree_selection);
 // What a scene or an estimator may need: a kernel with all of these renders any scene without meshes.
 inline constexpr FeatureSet all_features =
     (shape_features & ~static_cast<FeatureSet>(Feature::mesh)) | material_features | light_samplings |
-    set_of(Feature::near_sphere, Feature::motion, Feature::environment, Feature::jitter, Feature::lens,
-           Feature::final_bounce, Feature::next_event, Feature::multiple_importance, Feature::russian_roulette);
+    light_selections |
+    set_of(Feature::near_sphere, Feature::motion, Feature::environment, Feature::environment_map, Feature::jitter,
+           Feature::lens, Feature::final_bounce, Feature::next_event, Feature::multiple_importance, Feature::one_sample,
+           Feature::russian_roulette);
 inline constexpr FeatureSet shortcuts = set_of(Feature::enclosure);
 inline constexpr FeatureSet samplers = set_of(Feature::philox, Feature::sobol_owen, Feature::minstd,
                                               Feature::sobol_rotated, Feature::pmj02, Feature::halton);
@@ -129,6 +141,12 @@ PT_HD constexpr LightSampling light_sampling_in(FeatureSet set) {
            : contains(set, Feature::projected_sampling) ? LightSampling::projected
            : contains(set, Feature::automatic_sampling) ? LightSampling::automatic
                                                         : LightSampling::solid_angle;
+}
+// Of a set with one of light_selections, or none.
+PT_HD constexpr LightSelection light_selection_in(FeatureSet set) {
+    return contains(set, Feature::power_selection)  ? LightSelection::power
+           : contains(set, Feature::tree_selection) ? LightSelection::tree
+                                                    : LightSelection::uniform;
 }
 PT_HD constexpr bool is_superset(FeatureSet set, FeatureSet subset) { return (set & subset) == subset; }
 

@@ -1,10 +1,12 @@
 // Points on lights, and the connection of a path's last vertex to one of them (next-event estimation at the last
 // vertex). A light is chosen uniformly, a point on it by area; the estimate is BSDF * cos * cos' / (distance^2 *
 // density) * radiance where the point is visible (Veach 1997, eq. 8.9 with one sample). Where the scene has an
-// environment, it is chosen as one more light and sampled by the cosine.
+// environment, it is chosen as one more light: one of one number is sampled by the cosine, one of
+// Feature::environment_map as kernels/environment_map.h has it.
 #pragma once
 
 #include "kernels/dielectric.h"
+#include "kernels/environment_map.h"
 
 namespace pt {
 
@@ -20,6 +22,30 @@ PT_HD inline LightSample<typename Config::Real> sample_light(const SceneView<typ
     return sample;
 }
 
+// The part of `connect` for an environment that is drawn, one of `choices` lights.
+template <class Config>
+PT_HD inline std::uint32_t connect_to_environment(const SceneView<typename Config::Real>& scene,
+                                                  const SceneView<typename Config::Real>& traced,
+                                                  Path<typename Config::Real>& path,
+                                                  const Vertex<typename Config::Real>& vertex,
+                                                  const Vec3<typename Config::Real>& albedo, const RandomWords& words,
+                                                  std::uint32_t choices) {
+    using Real = typename Config::Real;
+    const EnvironmentSample<Real> sample = sample_environment(*scene.environment_map, words.y, words.z, words.w);
+    const Real cosine = dot(sample.direction, vertex.normal());
+    if (!(cosine > Real(0))) {
+        return 0;
+    }
+    const Ray<Real> ray{vertex.position, sample.direction, path.time, SurfaceId::of(vertex.object, vertex.inside),
+                        vertex.primitive};
+    if (!closest_hit<Config>(traced, ray).side.exists()) {
+        const Real inverse_pdf = sample.place.inverse_pdf * static_cast<Real>(choices);
+        const Real weight = cosine * inverse_pdf * (Real(1) / pi<Real>);
+        path.radiance += path.throughput * albedo * sample.place.radiance * weight;
+    }
+    return 1;
+}
+
 // The last vertex's expected light from one random light point, added to path.radiance; ends nothing itself.
 // Returns the number of rays traced (0 or 1). `albedo` is the diffuse lobe's; `traced` is the same scene, as rays walk
 // through it.
@@ -32,8 +58,11 @@ PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene
                                    const Vertex<typename Config::Real>& vertex,
                                    const Vec3<typename Config::Real>& albedo, const RandomWords& direction_words) {
     using Real = typename Config::Real;
-    const std::uint32_t environment_light =
+    std::uint32_t environment_light =
         has<Config>(Feature::environment) && scene.environment != Vec3<Real>(Real(0)) ? 1u : 0u;
+    if constexpr (has<Config>(Feature::environment_map)) {
+        environment_light |= scene.environment_map != nullptr ? 1u : 0u;
+    }
     const std::uint32_t choices = scene.lights.size + environment_light;
     if (choices == 0) {
         return 0;
@@ -42,6 +71,11 @@ PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene
         random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::light});
     const std::uint32_t choice = static_cast<std::uint32_t>((static_cast<std::uint64_t>(words.x) * choices) >> 32);
     if (choice == scene.lights.size) {
+        if constexpr (has<Config>(Feature::environment_map)) {
+            if (scene.environment_map != nullptr) {
+                return connect_to_environment<Config>(scene, traced, path, vertex, albedo, words, choices);
+            }
+        }
         scatter_diffuse<Config>(path, vertex, albedo, unit_interval<Real>(direction_words.y),
                                 unit_interval<Real>(direction_words.z));
         if (!closest_hit<Config>(traced, ray_of(path)).side.exists()) {

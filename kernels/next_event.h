@@ -1,13 +1,17 @@
-// Next-event estimation: at every diffuse or rough vertex but the last one light is chosen uniformly and a direction
-// towards it drawn: by solid angle (kernels/solid_angle.h) or as Feature::area_sampling and its like say. Light that
-// the path then meets from such a vertex does not count again, or, with multiple importance sampling, both count by
-// their share of the densities (Veach 1997, ch. 9): with the ratio r = density of the scattered direction / density of
-// the light's, a connection weighs 1 / (1 + r^b) and an encounter r^b / (1 + r^b); b = 1 is the balance heuristic, 2
-// the power heuristic. An environment is never connected to: rays that leave the scene always count.
+// Next-event estimation: at every diffuse or rough vertex but the last one light is chosen, uniformly or as
+// kernels/light_selection.h has it, and a direction towards it drawn: by solid angle (kernels/solid_angle.h) or as
+// Feature::area_sampling and its like say. Light that the path then meets from such a vertex does not count again, or,
+// with multiple importance sampling, both count by their share of the densities (Veach 1997, ch. 9): with the ratio r =
+// density of the scattered direction / density of the light's, a connection weighs 1 / (1 + r^b) and an encounter r^b /
+// (1 + r^b); b = 1 is the balance heuristic, 2 the power heuristic. Of one sample (Veach 1997, sec. 9.2.4) either is
+// chosen with probability 1/2, and counts twice as much. An environment of one number is never connected to: rays that
+// leave the scene always count. One of Feature::environment_map is one more light.
 #pragma once
 
 #include "kernels/dielectric.h"
+#include "kernels/environment_map.h"
 #include "kernels/ggx.h"
+#include "kernels/light_selection.h"
 #include "kernels/line_of_sight.h"
 
 namespace pt {
@@ -117,12 +121,78 @@ PT_HD inline typename Config::Real encounter_weight(const SceneView<typename Con
     }
     if constexpr (has<Config>(Feature::multiple_importance)) {
         if (scene.mis_exponent != 0) {
+            Real techniques = Real(1);
+            if constexpr (has<Config>(Feature::one_sample)) {
+                if (path.bsdf_pdf < Real(0)) {
+                    return Real(0);
+                }
+                techniques = scene.one_sample != 0 ? Real(2) : Real(1);
+            }
             const Real inverse_pdf = inverse_direction_pdf_to<Config>(scene, hit, ray_of(path));
-            return mis_weight_bsdf(path.bsdf_pdf * inverse_pdf * static_cast<Real>(scene.lights.size),
-                                   scene.mis_exponent);
+            Real inverse_weighing = inverse_light_weighing<Config>(scene, hit.side.object(), path.origin);
+            if constexpr (has<Config>(Feature::environment_map)) {
+                if (scene.environment_map != nullptr) {
+                    inverse_weighing *= scene.environment_map->inverse_object_probability;
+                }
+            }
+            const Real ratio = path.bsdf_pdf * inverse_pdf * inverse_weighing;
+            return techniques * mis_weight_bsdf(ratio, scene.mis_exponent);
         }
     }
     return Real(0);
+}
+
+// Chooses the connection or light that is met, where the kernel takes one sample of the two, and leaves the sign of
+// path.bsdf_pdf to say so; returns whether the vertex is to be connected.
+template <class Config>
+PT_HD inline bool is_to_be_connected(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+                                     const RandomWords& words) {
+    using Real = typename Config::Real;
+    if constexpr (has<Config>(Feature::one_sample)) {
+        if (scene.one_sample != 0) {
+            // Another hash of the light's numbers than the one by which kernels/light_selection.h goes on.
+            const bool connects = (pcg4d({words.w, words.z, words.y, words.x}).x >> 31) != 0;
+            path.bsdf_pdf = connects ? Real(-1) : Real(1);
+            return connects;
+        }
+    }
+    return true;
+}
+
+// The density of the scattered direction, as a path keeps it after connect_next_event.
+template <class Config>
+PT_HD inline typename Config::Real kept_pdf(const Path<typename Config::Real>& path, typename Config::Real pdf) {
+    if constexpr (has<Config>(Feature::one_sample)) {
+        return path.bsdf_pdf < 0 ? -pdf : pdf;
+    }
+    return pdf;
+}
+
+// What a ray brings that leaves the scene.
+template <class Config>
+PT_HD inline void meet_environment(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path) {
+    using Real = typename Config::Real;
+    if (scene.environment_map == nullptr) {
+        return;
+    }
+    const EnvironmentMap<Real>& map = *scene.environment_map;
+    const EnvironmentPlace<Real> place = environment_towards(map, path.direction);
+    Real weight = Real(1);
+    if constexpr (has<Config>(Feature::next_event)) {
+        if (path.bsdf_pdf != Real(0)) {
+            weight = Real(0);
+            if constexpr (has<Config>(Feature::multiple_importance)) {
+                if (scene.mis_exponent != 0) {
+                    weight = mis_weight_bsdf(max(path.bsdf_pdf, Real(0)) * place.inverse_pdf * map.inverse_probability,
+                                             scene.mis_exponent);
+                    if constexpr (has<Config>(Feature::one_sample)) {
+                        weight *= scene.one_sample != 0 ? Real(2) : Real(1);
+                    }
+                }
+            }
+        }
+    }
+    path.radiance += path.throughput * place.radiance * weight;
 }
 
 // The diffuse lobe, as a lobe is asked for.
@@ -162,6 +232,39 @@ PT_HD inline Hit<typename Config::Real> hit_of_light(const SceneView<typename Co
     return hit;
 }
 
+// As connect_next_event, to the environment: seen where the ray leaves the scene.
+template <class Config, class Lobe>
+PT_HD inline std::uint32_t connect_environment(const SceneView<typename Config::Real>& scene,
+                                               const SceneView<typename Config::Real>& traced,
+                                               Path<typename Config::Real>& path,
+                                               const Vertex<typename Config::Real>& vertex, const Lobe& lobe,
+                                               const RandomWords& words) {
+    using Real = typename Config::Real;
+    const EnvironmentMap<Real>& map = *scene.environment_map;
+    const EnvironmentSample<Real> sample = sample_environment(map, words.y, words.z, words.w);
+    const Real cosine = dot(sample.direction, vertex.normal());
+    const bool passes = Lobe::transmits && cosine < Real(0);
+    if (sample.place.radiance == Vec3<Real>(Real(0)) || !(cosine > Real(0) || passes)) {
+        return 0;
+    }
+    const Ray<Real> ray{vertex.position, sample.direction, path.time,
+                        SurfaceId::of(vertex.object, vertex.inside != passes), vertex.primitive};
+    if (closest_hit<Config>(traced, ray).side.exists()) {
+        return 1;
+    }
+    const LobeValue<Real> value = lobe.towards(sample.direction, cosine);
+    const Real ratio = value.pdf * sample.place.inverse_pdf * map.inverse_probability;
+    Real weight = ratio;
+    if constexpr (has<Config>(Feature::multiple_importance)) {
+        weight *= scene.mis_exponent != 0 ? mis_weight_light(ratio, scene.mis_exponent) : Real(1);
+        if constexpr (has<Config>(Feature::one_sample)) {
+            weight *= scene.one_sample != 0 ? Real(2) : Real(1);
+        }
+    }
+    path.radiance += path.throughput * value.weight * sample.place.radiance * weight;
+    return 1;
+}
+
 // Adds to path.radiance the light of one direction towards one light, seen by way of a lobe of the vertex.
 // Returns the number of rays traced (0 or 1). `traced`: the same scene, as rays walk through it. The light is seen if
 // it is the nearest object along the ray: a convex one shows each ray one point from outside, and none of its own.
@@ -171,10 +274,23 @@ PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::R
                                               Path<typename Config::Real>& path,
                                               const Vertex<typename Config::Real>& vertex, const Lobe& lobe) {
     using Real = typename Config::Real;
-    const RandomWords words =
-        random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::light});
-    const std::uint64_t scaled = static_cast<std::uint64_t>(words.x) * scene.lights.size;
-    const std::uint32_t object = scene.lights[static_cast<std::uint32_t>(scaled >> 32)].object;
+    RandomWords words = random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::light});
+    if (!is_to_be_connected<Config>(scene, path, words)) {
+        return 0;
+    }
+    if constexpr (has<Config>(Feature::environment_map)) {
+        if (scene.environment_map != nullptr && draws_environment(*scene.environment_map, words.x)) {
+            return connect_environment<Config>(scene, traced, path, vertex, lobe, words);
+        }
+    }
+    LightPick<Real> pick = pick_light<Config>(scene, vertex, Lobe::transmits, words);
+    if constexpr (has<Config>(Feature::environment_map)) {
+        if (scene.environment_map != nullptr) {
+            pick.inverse_probability *= scene.environment_map->inverse_object_probability;
+            pick.inverse_weighing *= scene.environment_map->inverse_object_probability;
+        }
+    }
+    const std::uint32_t object = scene.lights[pick.light].object;
     const DirectionSample<Real> sample =
         sample_direction_to<Config>(scene, object, vertex.position, path.time, unit_interval<Real>(words.y),
                                     unit_interval<Real>(words.z), unit_interval<Real>(words.w));
@@ -190,10 +306,17 @@ PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::R
         return 1;
     }
     const LobeValue<Real> value = lobe.towards(sample.direction, cosine);
-    const Real ratio = value.pdf * sample.inverse_pdf * static_cast<Real>(scene.lights.size);
+    const Real ratio = value.pdf * sample.inverse_pdf * pick.inverse_probability;
     Real weight = ratio;
     if constexpr (has<Config>(Feature::multiple_importance)) {
-        weight *= scene.mis_exponent != 0 ? mis_weight_light(ratio, scene.mis_exponent) : Real(1);
+        Real weighed = ratio;
+        if constexpr (has<Config>(Feature::tree_selection)) {
+            weighed = value.pdf * sample.inverse_pdf * pick.inverse_weighing;
+        }
+        weight *= scene.mis_exponent != 0 ? mis_weight_light(weighed, scene.mis_exponent) : Real(1);
+        if constexpr (has<Config>(Feature::one_sample)) {
+            weight *= scene.one_sample != 0 ? Real(2) : Real(1);
+        }
     }
     Vec3<Real> carried = path.throughput * value.weight;
     if constexpr (has<Config>(Feature::absorption)) {

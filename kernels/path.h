@@ -58,7 +58,8 @@ struct Path {
     SurfaceId origin_surface;  // the surface that the ray starts on
     std::uint32_t medium;      // material whose absorption the ray runs through, or no_medium
     // Density, by solid angle, with which the ray's direction was drawn where next-event estimation had its turn too;
-    // 0 where it had not: from the camera, a specular surface or a body. Lights met then count in full.
+    // 0 where it had not: from the camera, a specular surface or a body. Lights met then count in full. Of one sample
+    // (SceneView::one_sample) negative where the connection was chosen: lights met then do not count.
     Real bsdf_pdf;
     // Of origin_surface's object: the mesh's triangle that the ray starts on. Between intersection and shading in a
     // queue: the one that it met.

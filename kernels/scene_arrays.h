@@ -7,11 +7,12 @@
 namespace pt {
 
 enum class ArrayKind : std::uint32_t {
-    objects,  // of one kind; every ray reads them
-    traced,   // by object number; every ray reads it
-    matrix,   // by object number; every ray of a kernel with Feature::matrix reads it, others have no use for it
-    shading,  // by object number; read where a ray has hit
-    shared    // by numbers of its own; read where a ray has hit
+    objects,   // of one kind; every ray reads them
+    traced,    // by object number; every ray reads it
+    matrix,    // by object number; every ray of a kernel with Feature::matrix reads it, others have no use for it
+    shading,   // by object number; read where a ray has hit
+    shared,    // by numbers of its own; read where a ray has hit
+    selection  // read where a light is drawn by a kernel with one of light_selections, others have no use for it
 };
 
 struct SceneArray {
@@ -19,12 +20,12 @@ struct SceneArray {
     ArrayKind kind;
 
     PT_HD constexpr bool is_used(FeatureSet features) const {
-        return kind != ArrayKind::matrix || contains(features, Feature::matrix);
+        return kind == ArrayKind::matrix      ? contains(features, Feature::matrix)
+               : kind == ArrayKind::selection ? (features & light_selections) != 0
+                                              : true;
     }
     // Whether every ray reads it.
-    PT_HD constexpr bool is_traced(FeatureSet features) const {
-        return is_used(features) && kind != ArrayKind::shading && kind != ArrayKind::shared;
-    }
+    PT_HD constexpr bool is_traced(FeatureSet features) const { return is_used(features) && kind < ArrayKind::shading; }
 };
 
 // ARRAY(name, kind, word): the list for who needs the names in program text, a macro a kind. The word is in the name of
@@ -39,12 +40,17 @@ struct SceneArray {
 #define PT_SHARED_ARRAYS(ARRAY)        \
     ARRAY(materials, shared, material) \
     ARRAY(lights, shared, light)
+#define PT_SELECTION_ARRAYS(ARRAY)          \
+    ARRAY(object_light, selection, OBJECTS) \
+    ARRAY(light_slots, selection, light)    \
+    ARRAY(light_nodes, selection, light_nodes)
 #define PT_SCENE_ARRAYS(ARRAY) \
     PT_OBJECT_ARRAYS(ARRAY)    \
     PT_TRACED_ARRAYS(ARRAY)    \
     PT_MATRIX_ARRAYS(ARRAY)    \
     PT_SHADING_ARRAYS(ARRAY)   \
-    PT_SHARED_ARRAYS(ARRAY)
+    PT_SHARED_ARRAYS(ARRAY)    \
+    PT_SELECTION_ARRAYS(ARRAY)
 
 // Calls visit(SceneArray, array) for every array of a scene: a SceneView, or what has members of the same names.
 template <class Scene, class Visit>

@@ -16,6 +16,33 @@ struct Light {
     std::uint32_t object;
 };
 
+// A light in the alias table of all of them, and its way through their tree (kernels/light_selection.h).
+template <class Real>
+struct LightSlot {
+    std::uint32_t threshold;   // of 2^32: how much of the slot is its own light's; the rest is the alias's
+    std::uint32_t alias;       // a light
+    Real inverse_probability;  // by power
+    std::uint32_t way;         // from the root down: bits 4i to 4i + 3 say which child at level i
+};
+
+// A node of the tree over lights: the box round its lights, over the whole shutter, and how much of what all lights
+// radiate they show along each axis: projected area times radiance.
+template <class Real>
+struct alignas(16) LightNode {
+    Vec3<Real> centre;
+    std::uint32_t link;  // the first of its children, side by side, or leaf_bit and a light
+    Vec3<Real> half;     // half extents
+    std::uint32_t child_count;
+    Vec3<Real> shown;
+
+    static constexpr std::uint32_t leaf_bit = 0x80000000u;
+    // The way to a light is 32 bits.
+    static constexpr std::uint32_t most_children = 16;
+    static constexpr std::uint32_t most_levels = 8;
+    PT_HD bool is_leaf() const { return (link & leaf_bit) != 0; }
+    PT_HD std::uint32_t light() const { return link & ~leaf_bit; }
+};
+
 template <class Real>
 struct Ray;
 
@@ -27,6 +54,10 @@ template <class Real>
 struct SceneView;
 template <class Real>
 using MeetMeshes = void (*)(Hit<Real>&, const SceneView<Real>&, const Ray<Real>&);
+
+// Light from all round that is drawn as lights are.
+template <class Real>
+struct EnvironmentMap;
 
 // One tree over all triangles of all objects that show meshes, in the scene's space; slots name them.
 struct FlatSlot {
@@ -60,7 +91,10 @@ struct SceneView {
     View<Vec3<Real>> velocity;            // by object number, scene units a second
     View<Material<Real>> materials;
     View<Light> lights;
-    Vec3<Real> environment;  // radiance of rays that leave the scene
+    View<std::uint32_t> object_light;   // by object number: of a light its number; these three for light_selections
+    View<LightSlot<Real>> light_slots;  // by light
+    View<LightNode<Real>> light_nodes;  // the root first
+    Vec3<Real> environment;             // radiance of rays that leave the scene
     Camera<Real> camera;
     AxisAlignedEnclosure<Real> enclosure;  // that the axis boxes make
     RandomSeed seed;
@@ -71,9 +105,13 @@ struct SceneView {
     std::uint32_t roulette_start;  // Russian roulette from the vertex at the end of this segment on; 0: none
     LightSampling light_sampling;  // of boxes and quads that emit
     std::uint16_t near_light;      // automatic: by solid angle within so many hundredths of a light's half diagonal
+    LightSelection light_selection;
+    std::uint32_t one_sample;  // 1: of a connection and light that is met, one at random, with mis_exponent
 
     // Of a device: null unless its kernels have one of mesh_levels.
     const MeshSearch<Real>* mesh_search;
+    // Null: none.
+    const EnvironmentMap<Real>* environment_map;
 
     PT_HD std::uint32_t pixel_count() const { return camera.width * camera.height; }
     // Segments that the longest path can have: with a final bounce, a path whose last vertex is specular goes one

@@ -85,7 +85,7 @@ PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene,
     if (is_connected) {
         // Never 0, which says that there was no connection.
         constexpr Real least = Real(0x1p-60);
-        path.bsdf_pdf = max(dot(path.direction, vertex.normal()), least) * (Real(1) / pi<Real>);
+        path.bsdf_pdf = kept_pdf<Config>(path, max(dot(path.direction, vertex.normal()), least) * (Real(1) / pi<Real>));
     }
     return true;
 }
@@ -131,7 +131,7 @@ PT_HD inline bool shade_rough_conductor(const SceneView<typename Config::Real>& 
     path.throughput *= sample.value.weight;
     leave_on_same_side(path, vertex, sample.direction);
     if (is_connected) {
-        path.bsdf_pdf = sample.value.pdf;
+        path.bsdf_pdf = kept_pdf<Config>(path, sample.value.pdf);
     }
     return true;
 }
@@ -163,7 +163,7 @@ PT_HD inline bool shade_rough_dielectric(const SceneView<typename Config::Real>&
     if (is_connected) {
         // Never 0, which says that there was no connection.
         constexpr Real least = Real(0x1p-60);
-        path.bsdf_pdf = max(sample.value.pdf, least);
+        path.bsdf_pdf = kept_pdf<Config>(path, max(sample.value.pdf, least));
     }
     return true;
 }
@@ -251,6 +251,9 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
     if (!hit.side.exists()) {
         if constexpr (has<Config>(Feature::environment)) {
             path.radiance += path.throughput * scene.environment;
+        }
+        if constexpr (has<Config>(Feature::environment_map)) {
+            meet_environment<Config>(scene, path);
         }
         return false;
     }

@@ -49,6 +49,9 @@ inline constexpr Axis axis_table[] = {
     {"traversal_stack", "where nodes wait that a ray has yet to visit", "148f491", "local"},
     {"levels", "how a ray finds the objects that show meshes", "0f46c45", "each_object"},
     {"light_sampling", "how points on lights are drawn", "a7e8939", "solid_angle"},
+    {"devices", "how many GPUs of the host render one image", "14df631", "1"},
+    {"partition", "which of its samples or pixels each of them takes", "14df631", "samples"},
+    {"light_selection", "which of several lights is drawn", "48ac371", "uniform"},
 };
 inline constexpr std::size_t axis_count = std::size(axis_table);
 
@@ -111,6 +114,7 @@ struct RouletteTraits {
 
 struct SamplerTraits {
     bool is_in_every_kernel = false;  // it has no feature bit: every kernel contains it
+    bool is_by_position = false;      // a path's numbers follow from where it lies in the queue
 };
 
 struct LayoutTraits {
@@ -149,7 +153,7 @@ struct AcceleratorTraits {
     bool builds_itself = false;        // it has none of those, but one of its own
     bool checks_large_scenes = false;  // the reference where every triangle in turn would take too long
     bool has_steps = false;            // others may put its steps in order: variants/acceleration/walk.h
-    bool is_binary = false;
+    bool leaves_trail = false;         // a walk that has lost what waits finds it again: stacks.h
 };
 
 struct BuilderTraits {
@@ -173,12 +177,25 @@ struct LightSamplingTraits {
     bool is_by_solid_angle = true;  // as every shape's own function does it
 };
 
+struct DevicesTraits {
+    std::uint32_t count = 1;
+};
+
+struct PartitionTraits {
+    bool is_by_rows = false;  // each device has every sample of its own rows of pixels; otherwise of all pixels some
+    bool is_dynamic = false;  // a device that is done takes more
+};
+
+struct LightSelectionTraits {
+    bool is_uniform = true;
+};
+
 // What a descriptor holds: nothing (the defaults of its axis), or the traits of its axis; in the order of axis_table.
-using Traits =
-    std::variant<std::monostate, IntegratorTraits, CompactionTraits, SortingTraits, SortKeyTraits, FirstBounceTraits,
-                 DirectLightTraits, RouletteTraits, SamplerTraits, LayoutTraits, SpecialisationTraits, LaunchTraits,
-                 ArithmeticTraits, PrecisionTraits, RobustnessTraits, AcceleratorTraits, BuilderTraits, TraversalTraits,
-                 TraversalStackTraits, LevelsTraits, LightSamplingTraits>;
+using Traits = std::variant<std::monostate, IntegratorTraits, CompactionTraits, SortingTraits, SortKeyTraits,
+                            FirstBounceTraits, DirectLightTraits, RouletteTraits, SamplerTraits, LayoutTraits,
+                            SpecialisationTraits, LaunchTraits, ArithmeticTraits, PrecisionTraits, RobustnessTraits,
+                            AcceleratorTraits, BuilderTraits, TraversalTraits, TraversalStackTraits, LevelsTraits,
+                            LightSamplingTraits, DevicesTraits, PartitionTraits, LightSelectionTraits>;
 static_assert(std::variant_size_v<Traits> == axis_count + 1);
 
 // The traits of the choice that a variant has, and its name: for messages alone.
@@ -209,6 +226,9 @@ struct VariantTraits {
     Chosen<TraversalStackTraits> traversal_stack;
     Chosen<LevelsTraits> levels;
     Chosen<LightSamplingTraits> light_sampling;
+    Chosen<DevicesTraits> devices;
+    Chosen<PartitionTraits> partition;
+    Chosen<LightSelectionTraits> light_selection;
     std::map<std::string, std::uint32_t, std::less<>> tuning;  // Variant::tuning
 };
 

@@ -204,6 +204,9 @@ VariantTraits traits_of(const Variant& variant, Backend backend) {
         .traversal_stack = chosen<TraversalStackTraits>("traversal_stack", variant, backend),
         .levels = chosen<LevelsTraits>("levels", variant, backend),
         .light_sampling = chosen<LightSamplingTraits>("light_sampling", variant, backend),
+        .devices = chosen<DevicesTraits>("devices", variant, backend),
+        .partition = chosen<PartitionTraits>("partition", variant, backend),
+        .light_selection = chosen<LightSelectionTraits>("light_selection", variant, backend),
         .tuning = variant.tuning,
     };
 }

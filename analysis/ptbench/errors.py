@@ -14,6 +14,10 @@ class NotDrawable(Exception):
     """A study has nothing to draw; the message is the reason. The other studies are still drawn."""
 
 
+class FindingError(Exception):
+    """A sentence that its results contradict, a number that is not there, or results older than the page allows."""
+
+
 def bad_value(file: object, place: str, found: str, allowed: str) -> InputError:
     """The one form of every complaint about an input: file, place, what was found, what is allowed."""
     return InputError(f"{file}: {place}: found {found}, allowed: {allowed}")

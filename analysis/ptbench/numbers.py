@@ -24,6 +24,11 @@ def ratio(value: float) -> str:
     return f"{value:.3f}" if abs(value) < 10 else f"{value:.2f}"
 
 
+def share(value: float | None) -> str:
+    """A part of a whole, "47 %"; a dash where nobody measured it."""
+    return "—" if value is None else f"{figures(100 * value, 2)} %"
+
+
 def span(values: Iterable[int], unit: str = "") -> str:
     """ "4", "1 to 8": the range of a setting."""
     ordered = sorted(set(values))

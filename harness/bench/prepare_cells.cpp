@@ -71,7 +71,7 @@ private:
 
     void add_instrumented_pass(const Cell& cell, Json& facts) {
         // Queues grow and pages are touched in a first render: not in one whose stages are looked at.
-        (void)render(*cell.scene, request(cell, cell.variant, 1));
+        (void)render(*cell.scene, request(cell, cell.variant, traits_of(cell.variant, cell.backend).devices.count));
         RenderRequest instrumented = request(cell, cell.variant, cell.samples_to_prepare());
         instrumented.instrument = true;
         const RenderResult result = render(*cell.scene, instrumented);

@@ -156,34 +156,52 @@ void check_choices(const AxisChoices& axes, const std::string& file, const std::
     }
 }
 
+namespace {
+
+// `list`: choices with commas between them, or "all".
+void add_choices(AxisChoices& axes, const std::string& axis, const std::string& list, const char* option,
+                 Backend backend) {
+    std::vector<std::string> names;
+    std::size_t start = 0;
+    while (start <= list.size()) {
+        const std::size_t comma = std::min(list.find(',', start), list.size());
+        names.push_back(list.substr(start, comma - start));
+        check_once(names, option, "argument." + axis);
+        start = comma + 1;
+    }
+    if (names == std::vector<std::string>{"all"}) {
+        check_choices({{axis, {}}}, option, "argument");
+        names = names_of(Registry::instance().choices(axis, backend));
+    }
+    check_choices({{axis, names}}, option, "argument");
+    if (!axes.try_emplace(axis, names).second) {
+        throw InputError(option, "argument", axis + " twice", "once, with commas between its choices");
+    }
+}
+
+}  // namespace
+
 void add_axis_argument(AxisChoices& axes, const std::string& argument, Backend backend) {
     const std::size_t equals = argument.find('=');
     if (equals == std::string::npos || equals == 0 || equals + 1 == argument.size()) {
         throw InputError("--axis", "argument", "\"" + argument + "\"", "NAME=CHOICE or NAME=CHOICE,CHOICE");
     }
-    const std::string axis = argument.substr(0, equals);
-    std::vector<std::string> names;
-    std::size_t start = equals + 1;
-    while (start <= argument.size()) {
-        const std::size_t comma = std::min(argument.find(',', start), argument.size());
-        names.push_back(argument.substr(start, comma - start));
-        check_once(names, "--axis", "argument." + axis);
-        start = comma + 1;
-    }
-    if (names == std::vector<std::string>{"all"}) {
-        check_choices({{axis, {}}}, "--axis", "argument");
-        names = names_of(Registry::instance().choices(axis, backend));
-    }
-    check_choices({{axis, names}}, "--axis", "argument");
-    if (!axes.try_emplace(axis, names).second) {
-        throw InputError("--axis", "argument", axis + " twice", "once, with commas between its choices");
-    }
+    add_choices(axes, argument.substr(0, equals), argument.substr(equals + 1), "--axis", backend);
 }
 
 AxisChoices parse_axis_arguments(const std::vector<std::string>& arguments, Backend backend) {
     AxisChoices axes;
     for (const std::string& argument : arguments) {
         add_axis_argument(axes, argument, backend);
+    }
+    return axes;
+}
+
+AxisChoices parse_axis_arguments(const std::vector<std::string>& arguments, const std::string& devices,
+                                 Backend backend) {
+    AxisChoices axes = parse_axis_arguments(arguments, backend);
+    if (!devices.empty()) {
+        add_choices(axes, "devices", devices, "--devices", backend);
     }
     return axes;
 }

@@ -129,6 +129,9 @@ std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet featu
 // `axes` has already. "NAME=all": all choices of the backend.
 void add_axis_argument(AxisChoices& axes, const std::string& argument, Backend backend = Backend::cpu);
 AxisChoices parse_axis_arguments(const std::vector<std::string>& arguments, Backend backend = Backend::cpu);
+// And choices of the axis `devices` as --devices lists them; empty: none.
+AxisChoices parse_axis_arguments(const std::vector<std::string>& arguments, const std::string& devices,
+                                 Backend backend);
 // "NAME=v1,v2" -> adds to `tunables`; throws InputError, with what is allowed, for a value that is not and for a name
 // that `tunables` has already.
 void add_tunable_argument(TunableValues& tunables, const std::string& argument);

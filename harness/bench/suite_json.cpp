@@ -98,11 +98,25 @@ TunableValues read_tunables(const JsonValue& value) {
     return tunables;
 }
 
-// A number, or an object with one by backend: a GPU needs more samples than a CPU for a time that can be measured.
+// A number, an array of such, or an object with one by backend: a GPU needs more samples than a CPU for a time that can
+// be measured.
 void read_spp(const JsonValue& value, Study& study) {
     const auto count = [](const JsonValue& v) {
         return static_cast<std::uint32_t>(v.whole(1, 1000000, "a whole number from 1 to 1000000"));
     };
+    if (value.json().is_array()) {
+        std::vector<std::uint32_t> counts;
+        for (const JsonValue& element : value.elements()) {
+            counts.push_back(count(element));
+            check_once(counts, element.file(), element.path());
+        }
+        if (counts.empty()) {
+            value.fail("at least one number of samples");
+        }
+        study.spp = counts.front();
+        study.more_spp.assign(counts.begin() + 1, counts.end());
+        return;
+    }
     if (!value.json().is_object()) {
         study.spp = count(value);
         return;

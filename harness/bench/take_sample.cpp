@@ -73,6 +73,11 @@ Json facts_of_sample(const RenderRequest& request, const TimedRender& timed, con
         facts["pt_slowest_rank_ms"] = ranked.slowest_ms;
         facts["pt_fastest_rank_ms"] = ranked.fastest_ms;
         facts["pt_reduce_ms"] = ranked.reduce_ms;
+    } else if (result.devices.count > 1) {
+        facts["pt_devices"] = result.devices.count;
+        facts["pt_own_device_ms"] = result.devices.own_ms;
+        facts["pt_slowest_device_ms"] = result.devices.slowest_ms;
+        facts["pt_device_reduce_ms"] = result.devices.reduce_ms;
     }
     return facts;
 }
@@ -126,7 +131,9 @@ TakenSample SampleTaker::render_sample(const Cell& cell, std::size_t index) {
 
 void SampleTaker::warm_up(const Cell& cell, RenderRequest request) {
     if (warm_.insert(cell.name).second) {
-        request.samples = static_cast<std::uint32_t>(ranks().count);  // one each
+        // One for each rank, and of it for each device.
+        request.samples =
+            static_cast<std::uint32_t>(ranks().count) * traits_of(cell.variant, cell.backend).devices.count;
         (void)render_on_ranks(*cell.scene, request);
     }
 }

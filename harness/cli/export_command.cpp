@@ -75,6 +75,14 @@ void write_files(const Scene& scene, const MitsubaScene& exported, const std::ve
                 made.push_back(files[i]);
             }
         }
+        if (!exported.environment_file.empty()) {
+            const fs::path& file = files[exported.meshes.size()];
+            const bool is_new = !fs::exists(file);
+            write_file(file.string(), exported.environment);
+            if (is_new) {
+                made.push_back(file);
+            }
+        }
         write_file(files.back().string(), exported.xml);
     } catch (const MachineError&) {
         for (const fs::path& file : made) {
@@ -105,6 +113,9 @@ int run(const ExportArguments& arguments) {
     std::vector<fs::path> files;
     for (const std::string& mesh_file : exported.mesh_files) {
         files.push_back(xml.parent_path() / mesh_file);
+    }
+    if (!exported.environment_file.empty()) {
+        files.push_back(xml.parent_path() / exported.environment_file);
     }
     files.push_back(xml);
     refuse_what_is_there(files);

@@ -14,6 +14,7 @@
 #include "harness/nearest_name.h"
 #include "harness/rays/gpu_batch.h"
 #include "harness/rays/leak_study.h"
+#include "harness/rays/ray_counters.h"
 #include "harness/rays/ray_file.h"
 #include "harness/rays/ray_sets.h"
 #include "harness/rays/ray_study.h"
@@ -30,6 +31,7 @@ struct RaysArguments {
     int repetitions = 9, threads = 0;
     std::uint64_t first_ray = 0, seed = 1;
     bool leaks = false, overwrite = false;
+    bool counters = false, counted = false;  // counted: what --counters runs under ncu
     std::string command_line;
 };
 
@@ -169,11 +171,13 @@ void check_leak_arguments(const RaysArguments& arguments) {
         }
         return;
     }
+    const std::string counters = arguments.counters ? "asked for" : "";
     for (const auto& [flag, text] : {std::pair<const char*, const std::string&>{"--scene", arguments.scenes},
                                      {"--class", arguments.classes},
                                      {"--write-rays", arguments.write_rays},
                                      {"--read-rays", arguments.read_rays},
-                                     {"--write-mesh", arguments.write_mesh}}) {
+                                     {"--write-mesh", arguments.write_mesh},
+                                     {"--counters", counters}}) {
         if (!text.empty()) {
             throw InputError("rays", flag, "it with --leaks", "one of them");
         }
@@ -207,11 +211,55 @@ int find_leaks(const RaysArguments& arguments) {
     return leaks == 0 ? exit_good : exit_check_failed;
 }
 
+// What each mesh or scene of the call is asked for.
+template <class Each>
+void for_each_mesh(const RaysArguments& arguments, const Each& each) {
+    for (const std::string& name : names_or_none(arguments.meshes, "--mesh")) {
+        each(rays::mesh_for_rays(name));
+    }
+    for (const std::string& name : names_or_none(arguments.scenes, "--scene")) {
+        each(rays::scene_for_rays(name));
+    }
+}
+
+// The call that traces the same batches under ncu.
+std::vector<std::string> counted_call(const RaysArguments& arguments, const rays::RayStudy& study) {
+    std::vector<std::string> call{"--backend", "cuda", "--log2-rays", std::to_string(arguments.log2_rays)};
+    for (const auto& [flag, text] : {std::pair<const char*, std::string>{"--mesh", arguments.meshes},
+                                     {"--scene", arguments.scenes},
+                                     {"--read-rays", arguments.read_rays},
+                                     {"--class", fmt::format("{}", fmt::join(study.classes, ","))},
+                                     {"--accelerator", fmt::format("{}", fmt::join(study.accelerators, ","))},
+                                     {"--builder", fmt::format("{}", fmt::join(study.builders, ","))}}) {
+        if (!text.empty()) {
+            call.insert(call.end(), {flag, text});
+        }
+    }
+    if (arguments.threads > 0) {
+        call.insert(call.end(), {"--threads", std::to_string(arguments.threads)});
+    }
+    return call;
+}
+
+void check_counters(const RaysArguments& arguments, const rays::RayStudy& study) {
+    if ((arguments.counters || arguments.counted) && study.backend != Backend::cuda) {
+        throw InputError("rays", "--counters", "--backend cpu", "--backend cuda: counters are a GPU's");
+    }
+    if (arguments.counters) {
+        cuda::require_counters();
+    }
+}
+
 int measure_rays(const RaysArguments& arguments) {
     const std::vector<std::string> meshes = names_or_none(arguments.meshes, "--mesh"),
                                    scenes = names_or_none(arguments.scenes, "--scene");
     check_arguments(arguments, meshes.size() + scenes.size());
     const rays::RayStudy study = study_of(arguments);
+    check_counters(arguments, study);
+    if (arguments.counted) {
+        for_each_mesh(arguments, [&](const rays::RayMesh& mesh) { rays::trace_counted(mesh, study); });
+        return exit_good;
+    }
     nlohmann::ordered_json context = context_of(arguments, study), measured = nlohmann::ordered_json::array();
     bool agrees = true;
     const auto measure = [&](const rays::RayMesh& mesh) {
@@ -235,16 +283,23 @@ int measure_rays(const RaysArguments& arguments) {
         agrees = agrees && result.agrees;
         measured.push_back(std::move(result.json));
     };
-    for (const std::string& name : meshes) {
-        measure(rays::mesh_for_rays(name));
-    }
-    for (const std::string& name : scenes) {
-        measure(rays::scene_for_rays(name));
+    for_each_mesh(arguments, measure);
+    nlohmann::ordered_json ceilings;
+    if (arguments.counters) {
+        const auto counted = cuda::batch_counters(counted_call(arguments, study), rays::counted_batches(measured));
+        rays::add_counters(measured, counted["launches"]);
+        ceilings = counted["ceilings"];
+        for (const auto& mesh : measured) {
+            fmt::print("{}: counters\n{}", one_line(mesh["mesh"].get<std::string>()), rays::counters_table_of(mesh));
+        }
     }
     if (!arguments.out.empty()) {
-        const nlohmann::ordered_json result{{"schema", "ptbench-rays-1"},          {"context", std::move(context)},
-                                            {"backend", to_string(study.backend)}, {"threads", omp_get_max_threads()},
-                                            {"repetitions", study.repetitions},    {"meshes", std::move(measured)}};
+        nlohmann::ordered_json result{{"schema", "ptbench-rays-1"},          {"context", std::move(context)},
+                                      {"backend", to_string(study.backend)}, {"threads", omp_get_max_threads()},
+                                      {"repetitions", study.repetitions},    {"meshes", std::move(measured)}};
+        if (!ceilings.is_null()) {
+            result["ceilings"] = ceilings;
+        }
         write_file(arguments.out, result.dump(1) + "\n");
     }
     return agrees ? exit_good : exit_check_failed;
@@ -304,6 +359,10 @@ Command add_rays_command(CLI::App& app, const std::string& command_line) {
     add_text("--read-rays", arguments->read_rays, "Trace the rays of this file instead");
     add_text("--write-mesh", arguments->write_mesh, "Write the one mesh as it is traced (.ply or .obj)");
     add_text("--out", arguments->out, "Result file (JSON); none: print only");
+    command->add_flag("--counters", arguments->counters,
+                      "Also trace each batch once under ncu: active lanes, instructions and bytes a ray, issue, caches "
+                      "and memory as fractions of their ceilings");
+    command->add_flag("--counted", arguments->counted, "What --counters runs under ncu")->group("");
     command->add_flag("--overwrite", arguments->overwrite, "Replace a result that is there");
     return [arguments] { return run_rays(*arguments); };
 }

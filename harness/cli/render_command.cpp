@@ -30,6 +30,7 @@ namespace {
 struct RenderArguments {
     std::string scene;
     std::vector<std::string> axes;
+    std::string devices;
     std::vector<std::string> tunables;
     std::string backend;
     std::string resolution;
@@ -108,7 +109,7 @@ RankedRender render_aloud(const Scene& scene, RenderRequest request, PixelVarian
 
 // What the call names; the fastest integrator that goes with it, where it names none.
 Variant variant_of(const RenderArguments& arguments, const Scene& scene, Backend backend) {
-    const AxisChoices axes = parse_axis_arguments(arguments.axes, backend);
+    const AxisChoices axes = parse_axis_arguments(arguments.axes, arguments.devices, backend);
     const TunableValues tunables = parse_tunable_arguments(arguments.tunables);
     const std::vector<Variant> named = expand(axes, backend, tunables);
     if (named.size() != 1) {
@@ -265,6 +266,9 @@ Command add_render_command(CLI::App& app) {
         ->add_option("--axis", arguments->axes,
                      "AXIS=CHOICE, repeatable (default: the fastest integrator known, all else at its baseline)")
         ->allow_extra_args(false);
+    command
+        ->add_option("--devices", arguments->devices, "GPUs of this host that render it together: a number (default 1)")
+        ->check(check_not_empty);
     command->add_option("--tune", arguments->tunables, "TUNABLE=VALUE, repeatable")->allow_extra_args(false);
     command->add_option("--backend", arguments->backend, "cpu or cuda (default: cuda where it is available)");
     command->add_option("--resolution", arguments->resolution, "WxH (default: the scene's)");

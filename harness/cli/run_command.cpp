@@ -20,6 +20,7 @@ struct RunArguments {
     std::string suite;
     std::string scenes;
     std::vector<std::string> axes;
+    std::string devices;
     std::vector<std::string> tunables;
     std::string backend;
     std::string resolutions;
@@ -56,7 +57,7 @@ std::pair<T, std::vector<T>> first_and_others(const std::vector<T>& list) {
 
 // What the call names replaces what the suite says of it.
 void override_study(Study& study, const RunArguments& arguments, Backend backend) {
-    const AxisChoices axes = parse_axis_arguments(arguments.axes, backend);
+    const AxisChoices axes = parse_axis_arguments(arguments.axes, arguments.devices, backend);
     const TunableValues tunables = parse_tunable_arguments(arguments.tunables);
     const auto override_set = [&](AxisChoices& set_axes, TunableValues& set_tunables) {
         for (const auto& [axis, choices] : axes) {
@@ -151,7 +152,7 @@ RunOptions make_options(const RunArguments& arguments, const CLI::App& command, 
 
 int run(const RunArguments& arguments, const CLI::App& command, const std::string& command_line) {
     RunOptions options = make_options(arguments, command, command_line);
-    if (arguments.suite.empty() && arguments.scenes.empty() && arguments.axes.empty()) {
+    if (arguments.suite.empty() && arguments.scenes.empty() && arguments.axes.empty() && arguments.devices.empty()) {
         fmt::print("{}", what_run_compares(parse_backend(arguments.backend)));
         return exit_good;
     }
@@ -187,7 +188,8 @@ int run(const RunArguments& arguments, const CLI::App& command, const std::strin
             suite.name, shard.is_whole() ? "" : fmt::format(".shard-{}-of-{}", shard.index, shard.count));
     }
     const int exit_code = run_suite(suite, options);
-    if (exit_code == exit_good && arguments.suite.empty() && arguments.axes.empty() && !arguments.quiet) {
+    if (exit_code == exit_good && arguments.suite.empty() && arguments.axes.empty() && arguments.devices.empty() &&
+        !arguments.quiet) {
         fmt::print(stderr, "{}", nothing_to_compare(plan_run(suite, options)));
     }
     return exit_code;
@@ -202,6 +204,10 @@ Command add_run_command(CLI::App& app, const std::string& command_line) {
     command->add_option("--scene", arguments->scenes, "Scenes by name or .json file, comma-separated, or \"all\"");
     command->add_option("--axis", arguments->axes, "AXIS=CHOICE,CHOICE or AXIS=all, repeatable")
         ->allow_extra_args(false);
+    command
+        ->add_option("--devices", arguments->devices,
+                     "Numbers of GPUs of this host: N,N, as --axis devices=N,N (default 1)")
+        ->check(check_not_empty);
     command->add_option("--tune", arguments->tunables, "TUNABLE=VALUE,VALUE, repeatable")->allow_extra_args(false);
     command->add_option("--backend", arguments->backend, "cpu or cuda (default: cuda where it is available)");
     command->add_option("--resolution", arguments->resolutions, "WxH,WxH (default: the suite's or the scene's)");

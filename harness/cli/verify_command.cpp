@@ -19,6 +19,7 @@ namespace {
 struct VerifyArguments {
     std::string scenes;
     std::vector<std::string> axes;
+    std::string devices;
     std::vector<std::string> tunables;
     std::string backend;
     std::string resolution;  // empty and 0: the test's own
@@ -195,11 +196,11 @@ std::string plain_accelerator(const Scene& scene, Backend backend) {
 }
 
 // A product of all choices is small on the CPU backend but for roulette, samplers, robustness, accelerators,
-// builders, levels and light samplings, which multiply it by hundreds; on CUDA it is millions. So without --axis these
-// meet the rest in a covering set, in which every two choices of two axes meet, on CUDA all axes do, and of means each
-// choice is tested by itself.
+// builders, levels and ways to draw lights, which multiply it by hundreds; on CUDA it is millions. So without --axis
+// these meet the rest in a covering set, in which every two choices of two axes meet, on CUDA all axes do, and of means
+// each choice is tested by itself.
 std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backend backend, const Scene& scene) {
-    const bool none_named = arguments.axes.empty() && arguments.tunables.empty();
+    const bool none_named = arguments.axes.empty() && arguments.devices.empty() && arguments.tunables.empty();
     if (arguments.statistical && none_named) {
         return single_steps(backend);
     }
@@ -212,9 +213,10 @@ std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backen
         axes.erase("builder");
         axes.erase("levels");
         axes.erase("light_sampling");
+        axes.erase("light_selection");
         axes["accelerator"] = {plain_accelerator(scene, backend)};
     }
-    for (const auto& [axis, choices] : parse_axis_arguments(arguments.axes, backend)) {
+    for (const auto& [axis, choices] : parse_axis_arguments(arguments.axes, arguments.devices, backend)) {
         axes[axis] = choices;
     }
     const TunableValues tunables = parse_tunable_arguments(arguments.tunables);
@@ -302,6 +304,10 @@ Command add_verify_command(CLI::App& app) {
                      "accelerators, builders and levels by "
                      "pairs with the rest; on cuda a set in which every two choices meet)")
         ->allow_extra_args(false);
+    command
+        ->add_option("--devices", arguments->devices,
+                     "Numbers of GPUs of this host: N,N, as --axis devices=N,N (default 1)")
+        ->check(check_not_empty);
     command->add_option("--tune", arguments->tunables, "TUNABLE=VALUE,VALUE, repeatable")->allow_extra_args(false);
     command->add_option("--backend", arguments->backend, "cpu or cuda (default: cuda where it is available)");
     command->add_option("--resolution", arguments->resolution, "WxH (default 64x64; with --statistical 32x32)");

@@ -74,11 +74,15 @@ void add_queue_work(const Job& job, const DeviceCounts& counts, WorkCounters& wo
 }  // namespace
 
 void download_film(const Job& job, Film& film) {
-    std::vector<std::int64_t> sums(std::size_t{3} * job.pixels);
-    FilmFaults faults;
+    std::vector<std::int64_t> sums(std::size_t{3} * job.image_pixels);
     download(job, sums.data(), job.film.sums, sums.size());
+    film.set(std::move(sums), download_faults(job));
+}
+
+FilmFaults download_faults(const Job& job) {
+    FilmFaults faults;
     download(job, &faults, job.film.faults, 1);
-    film.set(std::move(sums), faults);
+    return faults;
 }
 
 DeviceCounts download_counts(const Job& job, const IntegratorTraits& integrator) {

@@ -8,6 +8,7 @@ namespace pt::cuda {
 
 // Each of these waits for the device.
 void download_film(const Job& job, Film& film);
+FilmFaults download_faults(const Job& job);
 
 struct DeviceCounts {
     Totals totals;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include <cuda_profiler_api.h>
 #include <fmt/format.h>
 
 #include "cccl_version.h"
@@ -10,9 +11,12 @@
 #include "harness/cuda/inspect.h"
 #include "harness/cuda/kernel_request.h"
 #include "harness/cuda/profile.h"
+#include "harness/cuda/several_devices.h"
 #include "harness/error.h"
 #include "harness/render/renderer.h"
+#include "variants/cuda/check.h"
 #include "variants/cuda/device.h"
+#include "variants/cuda/nccl.h"
 #include "variants/cuda/nvrtc.h"
 #include "variants/variant_name.h"
 
@@ -23,9 +27,18 @@ namespace {
 template <class Real>
 void render_in(const Scene& scene, const RenderRequest& request, const RenderSettings& settings,
                const KernelChoice& kernel, RenderResult& result) {
+    if (traits_of(request.variant, Backend::cuda).devices.count > 1) {
+        render_on_devices<Real>(scene, request, settings, kernel, result);
+        return;
+    }
     RenderCell<Real> cell(scene, request, settings, kernel, result.film.view());
     cell.run(result);
     cell.collect(result);
+}
+
+const Ceilings& ceilings_here() {
+    static const Ceilings ceilings = measure_ceilings();
+    return ceilings;
 }
 
 }  // namespace
@@ -76,26 +89,37 @@ nlohmann::ordered_json inspect_kernels(const Scene& scene, const Variant& varian
     return inspect(scene, variant, architecture.empty() ? device().architecture() : architecture);
 }
 
+void require_counters() {
+    if (!not_available().empty() || find_ncu().empty()) {
+        throw MachineError("counters: not available (" +
+                           (find_ncu().empty() ? "ncu is not found; set PTBENCH_NCU" : not_available()) + ")");
+    }
+}
+
 nlohmann::ordered_json kernel_counters(const std::vector<std::string>& arguments,
                                        const std::vector<std::string>& kernels, double rays) {
-    const std::string ncu = find_ncu();
-    if (!not_available().empty() || ncu.empty()) {
-        throw MachineError("counters: not available (" +
-                           (ncu.empty() ? "ncu is not found; set PTBENCH_NCU" : not_available()) + ")");
-    }
-    static const Ceilings ceilings = measure_ceilings();
-    nlohmann::ordered_json json{{"ceilings",
-                                 {{"issue_g_warp_instructions_per_second", 1e-9 * ceilings.issue},
-                                  {"fma_g_warp_instructions_per_second", 1e-9 * ceilings.fma},
-                                  {"alu_g_warp_instructions_per_second", 1e-9 * ceilings.alu},
-                                  {"xu_g_warp_instructions_per_second", 1e-9 * ceilings.xu},
-                                  {"memory_gb_per_second", 1e-9 * ceilings.memory}}},
-                                {"kernels", nlohmann::ordered_json::object()}};
-    for (const KernelCounters& counters : count_under_ncu(ncu, arguments, kernels)) {
+    require_counters();
+    const Ceilings& ceilings = ceilings_here();
+    nlohmann::ordered_json json{{"ceilings", ceilings_json(ceilings)}, {"kernels", nlohmann::ordered_json::object()}};
+    for (const KernelCounters& counters : count_under_ncu(find_ncu(), arguments, kernels)) {
         json["kernels"][counters.name] = counters_json(counters, ceilings, rays);
     }
     return json;
 }
+
+nlohmann::ordered_json batch_counters(const std::vector<std::string>& arguments,
+                                      const std::vector<std::pair<std::string, double>>& batches) {
+    require_counters();
+    std::vector<CountedBatch> wanted;
+    for (const auto& [function, rays] : batches) {
+        wanted.push_back({function, rays});
+    }
+    const Ceilings& ceilings = ceilings_here();
+    return {{"ceilings", ceilings_json(ceilings)},
+            {"launches", batch_counters_json(count_launches_under_ncu(find_ncu(), arguments), wanted, ceilings)}};
+}
+
+void switch_counting(bool on) { PT_CUDA_CHECK(on ? cudaProfilerStart() : cudaProfilerStop()); }
 
 void collect_programs(const Scene& scene, const Variant& variant, const std::string& architecture,
                       std::map<std::string, std::function<void()>>& programs) {
@@ -129,7 +153,7 @@ std::vector<std::pair<std::string, std::string>> context() {
         return {};
     }
     const Device& d = device();
-    return {
+    std::vector<std::pair<std::string, std::string>> facts{
         {"ptbench.cuda_device", d.name},
         {"ptbench.cuda_compute_capability", fmt::format("{}.{}", d.major, d.minor)},
         {"ptbench.cuda_multiprocessors", std::to_string(d.multiprocessors)},
@@ -146,6 +170,11 @@ std::vector<std::pair<std::string, std::string>> context() {
         {"ptbench.cuda_cccl", PTBENCH_CCCL_VERSION},
         {"ptbench.cuda_kernel_source_hash", kernel_source_hash()},
     };
+    if (equal_devices() > 1) {
+        facts.emplace_back("ptbench.cuda_devices", std::to_string(equal_devices()));
+        facts.emplace_back("ptbench.cuda_nccl", nccl_version().empty() ? "none" : nccl_version());
+    }
+    return facts;
 }
 
 }  // namespace pt::cuda

@@ -17,8 +17,8 @@ namespace pt::cuda {
 // Why CUDA cannot be used here (no toolkit at build time, no driver, no device, no NVRTC); empty: it can.
 std::string not_available();
 
-// Renders on the first device. Throws MachineError if the backend is not available, if memory runs out (with the size
-// asked for) or if a call fails.
+// Renders on the first device, or on as many as the variant says. Throws MachineError if the backend is not available,
+// if memory runs out (with the size asked for) or if a call fails.
 RenderResult render(const Scene& scene, const RenderRequest& request);
 
 // Compiles the kernels of a variant for an architecture ("sm_90"), without a device, a driver or the cache; the
@@ -34,6 +34,15 @@ nlohmann::ordered_json inspect_kernels(const Scene& scene, const Variant& varian
 // where there is no device or no ncu.
 nlohmann::ordered_json kernel_counters(const std::vector<std::string>& arguments,
                                        const std::vector<std::string>& kernels, double rays);
+
+// Throws MachineError where counters cannot be had: no device, no ncu.
+void require_counters();
+// The same of batches, whose arguments are those of `ptbench rays`: each of the kernel's function and the number of its
+// rays, in the order of the launches between calls of switch_counting. {"ceilings": .., "launches": [..]}.
+nlohmann::ordered_json batch_counters(const std::vector<std::string>& arguments,
+                                      const std::vector<std::pair<std::string, double>>& batches);
+// Under ncu: whether what is launched from here on is counted.
+void switch_counting(bool on);
 
 // Adds the programs that a variant of a scene needs and that are not in the cache on disk: name -> compiles it and puts
 // it there. For an architecture ("sm_90"), without a device or a driver; empty: for the device, and nothing is added if

@@ -69,7 +69,7 @@ std::vector<unsigned char> object_classes(const SceneView<Real>& scene) {
 
 template <class Real>
 RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, const RenderSettings& settings,
-                             const KernelChoice& kernel, const FilmView& film)
+                             const KernelChoice& kernel, const FilmView& film, const Rows& rows)
     : scene_(scene),
       request_(request),
       traits_(traits_of(request.variant, Backend::cuda)),
@@ -79,7 +79,8 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
       buffers_(scene, settings, Acceleration::of(request.variant, Backend::cuda)),
       device_scene_(buffers_.view(), buffers_.meshes(), buffers_.tree(), kernel.compiled,
                     hooks("specialisation", request.variant).bakes_scene),
-      host_film_(film) {
+      host_film_(film),
+      rows_(rows) {
     facts_.from_cache = true;
     job_.module = &loaded_module(module_request(scene, request.variant, device().architecture()), facts_);
     const auto start = std::chrono::steady_clock::now();
@@ -113,13 +114,17 @@ void RenderCell<Real>::make_handles() {
     stream_ = make_stream();
     begin_ = make_event();
     end_ = make_event();
+    for (Event& event : enqueued_) {
+        event = make_event();
+    }
     job_.stream = stream_.get();
 }
 
 template <class Real>
 void RenderCell<Real>::describe_job(const RenderSettings& settings) {
     const Variant& variant = request_.variant;
-    job_.pixels = settings.width * settings.height;
+    job_.pixels = settings.width * rows_.count(settings.height);
+    job_.image_pixels = settings.width * settings.height;
     job_.longest_path = buffers_.view().longest_path();
     job_.materials = buffers_.view().materials.size;
     job_.first_sample = request_.first_sample;
@@ -177,7 +182,7 @@ void RenderCell<Real>::reserve(Arena& arena) {
     device_scene_.reserve(arena);
     job_.scene = device_scene_.view();
     job_.film = host_film_;
-    job_.film.sums = arena.take<std::int64_t>(std::size_t{3} * job_.pixels);
+    job_.film.sums = arena.take<std::int64_t>(std::size_t{3} * job_.image_pixels);
     job_.film.faults = arena.take<FilmFaults>(1);
     job_.totals = arena.take<Totals>(counter_copies);
     job_.health = health_request(scene_, buffers_.file_index());
@@ -186,7 +191,7 @@ void RenderCell<Real>::reserve(Arena& arena) {
     const std::size_t segment_counts = std::size_t{job_.longest_path} * job_.segments.copies;
     job_.segments.live = arena.take<std::uint64_t>(segment_counts);
     job_.segments.in_play = arena.take<std::uint64_t>(segment_counts);
-    const std::size_t kept_hits = std::size_t{job_.pixels} * job_.kept_rays;
+    const std::size_t kept_hits = std::size_t{job_.image_pixels} * job_.kept_rays;
     job_.cache.hits = arena.take<StoredHit<Real>>(kept_hits);
     job_.cache.primitives = contains(features_, Feature::mesh) ? arena.take<std::uint32_t>(kept_hits) : nullptr;
     integrator_->reserve(arena);
@@ -195,7 +200,13 @@ void RenderCell<Real>::reserve(Arena& arena) {
 template <class Real>
 void RenderCell<Real>::upload() {
     device_scene_.upload(*job_.module, job_.stream);
-    clear(job_.film.sums, std::size_t{3} * job_.pixels * sizeof(std::int64_t), job_.stream);
+    if (traits_.partition.is_by_rows) {
+        const std::uint32_t rows[] = {rows_.first, rows_.step, job_.pixels};
+        PT_CUDA_CHECK(
+            cudaMemcpyAsync(job_.module->global("pt_rows"), rows, sizeof rows, cudaMemcpyHostToDevice, job_.stream));
+        PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));  // the host's copy ends here
+    }
+    clear(job_.film.sums, std::size_t{3} * job_.image_pixels * sizeof(std::int64_t), job_.stream);
     clear(job_.film.faults, sizeof(FilmFaults), job_.stream);
     clear(job_.totals, counter_copies * sizeof(Totals), job_.stream);
     static const HealthCounters healthy;
@@ -237,8 +248,39 @@ void RenderCell<Real>::run_part(const RenderPart& part, RenderResult& result) {
 }
 
 template <class Real>
+double RenderCell<Real>::run_pieces(const std::function<std::optional<SampleRange>()>& next) {
+    PT_CUDA_CHECK(cudaEventRecord(begin_.get(), job_.stream));
+    std::size_t pieces = 0;
+    for (std::optional<SampleRange> piece = next(); piece; piece = next()) {
+        job_.first_sample = piece->first;
+        job_.samples = piece->count;
+        integrator_->render();
+        PT_CUDA_CHECK(cudaEventRecord(enqueued_[pieces % 2].get(), job_.stream));
+        pieces += 1;
+        if (pieces > 1) {
+            PT_CUDA_CHECK(cudaEventSynchronize(enqueued_[pieces % 2].get()));
+        }
+    }
+    PT_CUDA_CHECK(cudaEventRecord(end_.get(), job_.stream));
+    PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
+    float milliseconds = 0;
+    PT_CUDA_CHECK(cudaEventElapsedTime(&milliseconds, begin_.get(), end_.get()));
+    return pieces > 0 ? milliseconds : 0.0;
+}
+
+template <class Real>
+FilmFaults RenderCell<Real>::faults() const {
+    return download_faults(job_);
+}
+
+template <class Real>
 void RenderCell<Real>::collect(RenderResult& result) {
     download_film(job_, result.film);
+    collect_counts(result);
+}
+
+template <class Real>
+void RenderCell<Real>::collect_counts(RenderResult& result) {
     const DeviceCounts counts = download_counts(job_, traits_.integrator);
     result.health = counts.health;
     result.work = work_of(job_, traits_.integrator, integrator_->device_work(), counts);

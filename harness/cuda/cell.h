@@ -2,10 +2,13 @@
 // one arena, the uploaded scene, the film, the integrator with the choices that work on its queue.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <optional>
 
 #include "harness/cuda/device_scene.h"
 #include "harness/render/checkpoints.h"
+#include "harness/render/device_shares.h"
 #include "harness/scene/scene_buffers.h"
 #include "variants/cuda/handles.h"
 #include "variants/cuda/integrator.h"
@@ -15,16 +18,24 @@ namespace pt::cuda {
 template <class Real>
 class RenderCell {
 public:
+    // On the current device, which is current whenever it is used. `rows`: those that it renders.
     RenderCell(const Scene& scene, const RenderRequest& request, const RenderSettings& settings,
-               const KernelChoice& kernel, const FilmView& film);
+               const KernelChoice& kernel, const FilmView& film, const Rows& rows = {});
     ~RenderCell();
     RenderCell(const RenderCell&) = delete;
     RenderCell& operator=(const RenderCell&) = delete;
 
     // Runs the integrator, in parts where the request has checkpoints, and adds up the times of `result`.
     void run(RenderResult& result);
+    // Renders what `next` hands out until it hands out nothing, and waits for the device. One piece is enqueued while
+    // the piece before it runs. Returns the time on the device, ms.
+    double run_pieces(const std::function<std::optional<SampleRange>()>& next);
     // Reads film and counters back.
     void collect(RenderResult& result);
+    // All but the film.
+    void collect_counts(RenderResult& result);
+    FilmFaults faults() const;
+    const JobOf<Real>& job() const { return job_; }
 
 private:
     void make_handles();
@@ -44,11 +55,13 @@ private:
     SceneBuffers<Real> buffers_;
     DeviceScene<Real> device_scene_;
     FilmView host_film_;
+    Rows rows_;
     CudaFacts facts_;
     std::uint64_t choice_launches_ = 0, choice_waits_ = 0;
     std::unique_ptr<Arena> arena_;
     Stream stream_;
     Event begin_, end_;
+    Event enqueued_[2];  // after the last piece, and the one before it
     StageEvents stages_;
     JobOf<Real> job_;
     std::unique_ptr<Integrator> integrator_;

@@ -1,5 +1,9 @@
 #include "harness/cuda/device_meshes.h"
 
+#include <map>
+
+#include "variants/cuda/on_device.h"
+
 namespace pt::cuda {
 
 namespace {
@@ -24,7 +28,8 @@ DeviceMesh::DeviceMesh(const MeshGeometry& host)
 
 std::shared_ptr<const DeviceMesh> device_mesh(const MeshGeometry& host) {
     // Never destroyed: the driver may be gone when the process ends.
-    static auto& kept = *new KeptCopies<DeviceMesh>;
+    static auto& kept_by_device = *new std::map<int, KeptCopies<DeviceMesh>>;
+    KeptCopies<DeviceMesh>& kept = kept_by_device[current_device()];
     if (const auto known = kept.find(host)) {
         return known;
     }
@@ -46,7 +51,8 @@ DeviceTree::DeviceTree(const std::shared_ptr<const SceneTree>& host)
 
 std::shared_ptr<const DeviceTree> device_tree(const std::shared_ptr<const SceneTree>& host) {
     // Never destroyed: the driver may be gone when the process ends.
-    static auto& kept = *new KeptCopies<DeviceTree>;
+    static auto& kept_by_device = *new std::map<int, KeptCopies<DeviceTree>>;
+    KeptCopies<DeviceTree>& kept = kept_by_device[current_device()];
     if (host == nullptr) {
         return nullptr;
     }

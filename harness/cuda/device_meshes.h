@@ -23,8 +23,8 @@ private:
     DeviceArrays arrays_;
 };
 
-// The copy that there is, or a new one. What was used longest ago is let go where all together pass a quarter of the
-// device's memory. Returns after the copy has been made.
+// The copy that there is on the current device, or a new one. What was used longest ago is let go where all together
+// pass a quarter of the device's memory. Returns after the copy has been made.
 std::shared_ptr<const DeviceMesh> device_mesh(const MeshGeometry& host);
 
 // The tree of the axis `levels` over them, kept likewise.

@@ -111,7 +111,7 @@ std::string baked_text(const SceneView<Real>& scene) {
     BakedText text;
     for_each_array(scene, [&](const SceneArray& array, const auto& view) {
         using Element = std::remove_cvref_t<decltype(*view.data)>;
-        if (array.kind != ArrayKind::matrix) {
+        if (array.kind != ArrayKind::matrix && array.kind != ArrayKind::selection) {
             text.add(array.name, is_baked<Element> ? view : View<Element>{});
         }
     });
@@ -159,6 +159,13 @@ void DeviceScene<Real>::reserve(Arena& arena) {
         view_.mesh_search = arena.take<MeshSearch<Real>>(1);
         search_ = {nullptr, nullptr, tree_->objects(), tree_->flat()};
     }
+    view_.environment_map = nullptr;
+    if (host_.environment_map != nullptr) {
+        view_.environment_map = arena.take<EnvironmentMap<Real>>(1);
+        environment_map_ = *host_.environment_map;
+        environment_map_.rows = placed(arena, environment_map_.rows);
+        environment_map_.texels = placed(arena, environment_map_.texels);
+    }
     instances_.assign(host_.meshes.data, host_.meshes.data + host_.meshes.size);
     for (std::size_t i = 0; i < instances_.size(); ++i) {
         const float* const light_areas = instances_[i].geometry.cumulative_area;
@@ -181,6 +188,11 @@ void DeviceScene<Real>::upload(const Module& module, cudaStream_t stream) const 
     copy_to_device(view_.meshes, host.meshes, stream);
     if (tree_ != nullptr) {
         copy_to_device(View<MeshSearch<Real>>{view_.mesh_search, 1}, View<MeshSearch<Real>>{&search_, 1}, stream);
+    }
+    if (host_.environment_map != nullptr) {
+        copy_to_device(environment_map_.rows, host_.environment_map->rows, stream);
+        copy_to_device(environment_map_.texels, host_.environment_map->texels, stream);
+        copy_to_device(View<EnvironmentMap<Real>>{view_.environment_map, 1}, {&environment_map_, 1}, stream);
     }
     const std::vector<unsigned char> constant = constant_scene(host, features_);
     if (!is_baked_ && !constant.empty() && constant.size() <= constant_bytes) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "harness/cuda/device_meshes.h"
+#include "kernels/environment_map.h"
 #include "kernels/scene_arrays.h"
 #include "variants/cuda/arena.h"
 #include "variants/cuda/module.h"
@@ -47,6 +48,7 @@ private:
     std::vector<std::shared_ptr<const DeviceMesh>> device_meshes_;
     std::shared_ptr<const DeviceTree> tree_;
     MeshSearch<Real> search_;                    // with pointers of the device
+    EnvironmentMap<Real> environment_map_ = {};  // likewise
     std::vector<MeshInstance<Real>> instances_;  // with pointers of the device
 };
 

@@ -63,6 +63,7 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
     const VariantTraits traits = traits_of(variant, Backend::cuda);
     const bool is_double = traits.precision.is_double();
     request.options = hooks("arithmetic", variant).options;
+    request.pixels = traits.partition.is_by_rows ? "by_row" : "all";
     request.config = {.features = choose_kernel(scene, variant, Backend::cuda).compiled,
                       .block = tunable(variant, "block", Backend::cuda),
                       .min_blocks = tuned(variant, "min_blocks", 0) / (is_double ? 2 : 1),

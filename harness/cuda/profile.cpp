@@ -21,16 +21,36 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* metrics[] = {"gpu__time_duration.sum",
-                                   "smsp__inst_executed.sum",
-                                   "smsp__thread_inst_executed.sum",
-                                   "sm__inst_executed_pipe_fma.sum",
-                                   "sm__inst_executed_pipe_alu.sum",
-                                   "sm__inst_executed_pipe_xu.sum",
-                                   "sm__inst_executed_pipe_lsu.sum",
-                                   "sm__inst_executed_pipe_fp64.sum",
-                                   "dram__bytes.sum",
-                                   "sm__warps_active.avg.pct_of_peak_sustained_active"};
+// Those in percent, which are weighted by time.
+constexpr std::pair<const char*, double KernelCounters::*> shares[] = {
+    {"sm__warps_active.avg.pct_of_peak_sustained_active", &KernelCounters::occupancy},
+    {"l1tex__throughput.avg.pct_of_peak_sustained_elapsed", &KernelCounters::l1},
+    {"lts__throughput.avg.pct_of_peak_sustained_elapsed", &KernelCounters::l2},
+    {"l1tex__t_sector_hit_rate.pct", &KernelCounters::l1_hit_rate},
+    {"lts__t_sector_hit_rate.pct", &KernelCounters::l2_hit_rate},
+    {"smsp__warp_issue_stalled_long_scoreboard_per_warp_active.pct", &KernelCounters::memory_stalls}};
+// Those that are summed over launches.
+constexpr std::pair<const char*, double KernelCounters::*> sums[] = {
+    {"gpu__time_duration.sum", &KernelCounters::seconds},
+    {"smsp__inst_executed.sum", &KernelCounters::instructions},
+    {"smsp__thread_inst_executed.sum", &KernelCounters::thread_instructions},
+    {"sm__inst_executed_pipe_fma.sum", &KernelCounters::fma},
+    {"sm__inst_executed_pipe_alu.sum", &KernelCounters::alu},
+    {"sm__inst_executed_pipe_xu.sum", &KernelCounters::xu},
+    {"sm__inst_executed_pipe_lsu.sum", &KernelCounters::lsu},
+    {"sm__inst_executed_pipe_fp64.sum", &KernelCounters::fp64},
+    {"dram__bytes.sum", &KernelCounters::memory_bytes}};
+
+std::string metric_names() {
+    std::string names;
+    for (const auto& [name, member] : sums) {
+        names += (names.empty() ? "" : ",") + std::string(name);
+    }
+    for (const auto& [name, member] : shares) {
+        names += "," + std::string(name);
+    }
+    return names;
+}
 
 // Fields of one line; a quoted field may hold commas, and two quotes for one.
 std::vector<std::string> csv_fields(const std::string& line) {
@@ -89,6 +109,30 @@ Finished run(const std::vector<std::string>& command) {
     return finished;
 }
 
+// The table that ncu writes of a call of this program.
+std::string csv_under_ncu(const std::string& ncu, const std::vector<std::string>& options,
+                          const std::vector<std::string>& call) {
+    const fs::path log = fs::temp_directory_path() / fmt::format("ptbench-{}.ncu.csv", ::getpid());
+    std::vector<std::string> command{ncu,         "--clock-control", "none", "--csv",      "--page",
+                                     "raw",       "--print-units",   "base", "--log-file", log.string(),
+                                     "--metrics", metric_names()};
+    command.insert(command.end(), options.begin(), options.end());
+    command.push_back(fs::read_symlink("/proc/self/exe").string());
+    command.insert(command.end(), call.begin(), call.end());
+    const Finished finished = run(command);
+    std::ostringstream csv;
+    csv << std::ifstream(log).rdbuf();
+    std::error_code ignored;
+    fs::remove(log, ignored);
+    if (finished.status != 0) {
+        throw MachineError(fmt::format("ncu failed: {}", csv.str().empty() ? finished.output : csv.str()));
+    }
+    if (parse_ncu_launches(csv.str()).empty()) {
+        throw MachineError("ncu counted no kernel: " + csv.str());
+    }
+    return csv.str();
+}
+
 }  // namespace
 
 std::string find_ncu() {
@@ -104,10 +148,10 @@ std::string find_ncu() {
     return is_program("/usr/local/cuda/bin/ncu") ? "/usr/local/cuda/bin/ncu" : "";
 }
 
-std::vector<KernelCounters> parse_ncu_csv(const std::string& csv) {
+std::vector<KernelCounters> parse_ncu_launches(const std::string& csv) {
     std::istringstream lines(csv);
     std::vector<std::string> names, units;
-    std::map<std::string, KernelCounters> by_name;
+    std::vector<KernelCounters> launches;
     for (std::string line; std::getline(lines, line);) {
         if (line.rfind('"', 0) != 0) {
             continue;  // ncu's own words
@@ -124,26 +168,38 @@ std::vector<KernelCounters> parse_ncu_csv(const std::string& csv) {
             }
             return static_cast<std::size_t>(found - names.begin());
         };
-        const auto value = [&](const std::string& name) { return number(fields[column(name)], units[column(name)]); };
-        const std::string kernel = fields[column("Kernel Name")].substr(0, fields[column("Kernel Name")].find('('));
-        KernelCounters& counters = by_name[kernel];
-        counters.name = kernel;
+        KernelCounters counters;
+        counters.name = fields[column("Kernel Name")].substr(0, fields[column("Kernel Name")].find('('));
+        counters.launches = 1;
+        for (const auto& [name, member] : sums) {
+            counters.*member = number(fields[column(name)], units[column(name)]);
+        }
+        for (const auto& [name, member] : shares) {
+            counters.*member = 1e-2 * number(fields[column(name)], units[column(name)]);
+        }
+        launches.push_back(counters);
+    }
+    return launches;
+}
+
+std::vector<KernelCounters> parse_ncu_csv(const std::string& csv) {
+    std::map<std::string, KernelCounters> by_name;
+    for (const KernelCounters& launch : parse_ncu_launches(csv)) {
+        KernelCounters& counters = by_name[launch.name];
+        counters.name = launch.name;
         counters.launches += 1;
-        const double seconds = value("gpu__time_duration.sum");
-        counters.seconds += seconds;
-        counters.instructions += value("smsp__inst_executed.sum");
-        counters.thread_instructions += value("smsp__thread_inst_executed.sum");
-        counters.fma += value("sm__inst_executed_pipe_fma.sum");
-        counters.alu += value("sm__inst_executed_pipe_alu.sum");
-        counters.xu += value("sm__inst_executed_pipe_xu.sum");
-        counters.lsu += value("sm__inst_executed_pipe_lsu.sum");
-        counters.fp64 += value("sm__inst_executed_pipe_fp64.sum");
-        counters.memory_bytes += value("dram__bytes.sum");
-        counters.occupancy += 1e-2 * value("sm__warps_active.avg.pct_of_peak_sustained_active") * seconds;
+        for (const auto& [name, member] : sums) {
+            counters.*member += launch.*member;
+        }
+        for (const auto& [name, member] : shares) {
+            counters.*member += launch.*member * launch.seconds;
+        }
     }
     std::vector<KernelCounters> all;
-    for (auto& [name, counters] : by_name) {
-        counters.occupancy /= counters.seconds;
+    for (auto& [kernel, counters] : by_name) {
+        for (const auto& [name, member] : shares) {
+            counters.*member /= counters.seconds;
+        }
         all.push_back(counters);
     }
     return all;
@@ -151,41 +207,41 @@ std::vector<KernelCounters> parse_ncu_csv(const std::string& csv) {
 
 std::vector<KernelCounters> count_under_ncu(const std::string& ncu, const std::vector<std::string>& arguments,
                                             const std::vector<std::string>& kernels) {
-    const fs::path log = fs::temp_directory_path() / fmt::format("ptbench-{}.ncu.csv", ::getpid());
     const fs::path image = fs::temp_directory_path() / fmt::format("ptbench-{}.pfm", ::getpid());
-    std::vector<std::string> command{ncu,
-                                     "--clock-control",
-                                     "none",
-                                     "--csv",
-                                     "--page",
-                                     "raw",
-                                     "--print-units",
-                                     "base",
-                                     "--log-file",
-                                     log.string(),
-                                     "--metrics",
-                                     fmt::format("{}", fmt::join(metrics, ",")),
-                                     "-k",
-                                     fmt::format("regex:^({})$", fmt::join(kernels, "|")),
-                                     fs::read_symlink("/proc/self/exe").string(),
-                                     "render",
-                                     "--untuned"};
-    command.insert(command.end(), arguments.begin(), arguments.end());
-    command.insert(command.end(), {"--out", image.string()});
-    const Finished finished = run(command);
-    std::ostringstream csv;
-    csv << std::ifstream(log).rdbuf();
-    std::error_code ignored;
-    fs::remove(log, ignored);
-    fs::remove(image, ignored);
-    if (finished.status != 0) {
-        throw MachineError(fmt::format("ncu failed: {}", csv.str().empty() ? finished.output : csv.str()));
+    std::vector<std::string> call{"render", "--untuned"};
+    call.insert(call.end(), arguments.begin(), arguments.end());
+    call.insert(call.end(), {"--out", image.string()});
+    const auto remove_image = [&] {
+        std::error_code ignored;
+        fs::remove(image, ignored);
+    };
+    std::vector<KernelCounters> counters;
+    try {
+        counters =
+            parse_ncu_csv(csv_under_ncu(ncu, {"-k", fmt::format("regex:^({})$", fmt::join(kernels, "|"))}, call));
+    } catch (...) {
+        remove_image();
+        throw;
     }
-    std::vector<KernelCounters> counters = parse_ncu_csv(csv.str());
-    if (counters.empty()) {
-        throw MachineError("ncu counted no kernel: " + csv.str());
-    }
+    remove_image();
     return counters;
+}
+
+std::vector<KernelCounters> count_launches_under_ncu(const std::string& ncu,
+                                                     const std::vector<std::string>& arguments) {
+    std::vector<std::string> call{"rays", "--counted"};
+    call.insert(call.end(), arguments.begin(), arguments.end());
+    // Caches as the launch before left them, as they are where batches are timed.
+    return parse_ncu_launches(csv_under_ncu(
+        ncu, {"--profile-from-start", "off", "--cache-control", "none", "--print-kernel-base", "function"}, call));
+}
+
+nlohmann::ordered_json ceilings_json(const Ceilings& ceilings) {
+    return {{"issue_g_warp_instructions_per_second", 1e-9 * ceilings.issue},
+            {"fma_g_warp_instructions_per_second", 1e-9 * ceilings.fma},
+            {"alu_g_warp_instructions_per_second", 1e-9 * ceilings.alu},
+            {"xu_g_warp_instructions_per_second", 1e-9 * ceilings.xu},
+            {"memory_gb_per_second", 1e-9 * ceilings.memory}};
 }
 
 nlohmann::ordered_json counters_json(const KernelCounters& c, const Ceilings& ceilings, double rays) {
@@ -193,6 +249,8 @@ nlohmann::ordered_json counters_json(const KernelCounters& c, const Ceilings& ce
                                                         {"fma", c.fma / c.seconds / ceilings.fma},
                                                         {"alu", c.alu / c.seconds / ceilings.alu},
                                                         {"xu", c.xu / c.seconds / ceilings.xu},
+                                                        {"l1", c.l1},
+                                                        {"l2", c.l2},
                                                         {"memory", c.memory_bytes / c.seconds / ceilings.memory}};
     nlohmann::ordered_json of_ceiling = nlohmann::ordered_json::object();
     for (const auto& [name, fraction] : fractions) {
@@ -212,8 +270,30 @@ nlohmann::ordered_json counters_json(const KernelCounters& c, const Ceilings& ce
             {"fp64_per_ray", c.fp64 / rays},
             {"memory_bytes_per_ray", c.memory_bytes / rays},
             {"achieved_occupancy", c.occupancy},
+            {"l1_hit_rate", c.l1_hit_rate},
+            {"l2_hit_rate", c.l2_hit_rate},
+            {"memory_stalls", c.memory_stalls},
             {"of_ceiling", of_ceiling},
             {"bound", bound->first}};
+}
+
+std::vector<nlohmann::ordered_json> batch_counters_json(const std::vector<KernelCounters>& launches,
+                                                        const std::vector<CountedBatch>& batches,
+                                                        const Ceilings& ceilings) {
+    std::vector<nlohmann::ordered_json> counted;
+    for (const KernelCounters& launch : launches) {
+        if (counted.size() < batches.size() &&
+            launch.name.find(batches[counted.size()].function) != std::string::npos) {
+            counted.push_back(counters_json(launch, ceilings, batches[counted.size()].rays));
+        } else {
+            throw MachineError(fmt::format("ncu counted {}, where batch {} of {} was to come", launch.name,
+                                           counted.size() + 1, batches.size()));
+        }
+    }
+    if (counted.size() != batches.size()) {
+        throw MachineError(fmt::format("ncu counted {} of {} batches", counted.size(), batches.size()));
+    }
+    return counted;
 }
 
 }  // namespace pt::cuda

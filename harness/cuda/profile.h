@@ -21,7 +21,17 @@ struct KernelCounters {
     double thread_instructions = 0;                      // instructions times the lanes that were active
     double fma = 0, alu = 0, xu = 0, lsu = 0, fp64 = 0;  // of the instructions, by pipe
     double memory_bytes = 0;                             // to and from device memory
-    double occupancy = 0;                                // achieved, of the most warps; weighted by time
+    // Weighted by time, 0 to 1. Of the caches: the busiest part of the unit, of its peak as ncu knows it.
+    double occupancy = 0;   // achieved, of the most warps
+    double l1 = 0, l2 = 0;  // throughput
+    double l1_hit_rate = 0, l2_hit_rate = 0;
+    double memory_stalls = 0;  // of the time of warps that are there: waiting for what they loaded
+};
+
+// One launch of a batch of rays, as `ptbench rays --counted` makes it.
+struct CountedBatch {
+    std::string function;  // of the kernel, without its templates' arguments
+    double rays = 0;
 };
 
 // Where ncu is: $PTBENCH_NCU, the PATH, the toolkit; empty: nowhere.
@@ -32,10 +42,22 @@ std::string find_ncu();
 std::vector<KernelCounters> count_under_ncu(const std::string& ncu, const std::vector<std::string>& arguments,
                                             const std::vector<std::string>& kernels);
 
-// Reads `ncu --csv --page raw`.
+// Runs `ptbench rays --counted` with these arguments under ncu: every launch between calls of switch_counting, in
+// order.
+std::vector<KernelCounters> count_launches_under_ncu(const std::string& ncu, const std::vector<std::string>& arguments);
+
+// Reads `ncu --csv --page raw`: an entry a launch, in their order.
+std::vector<KernelCounters> parse_ncu_launches(const std::string& csv);
+// The same, summed by kernel, by name.
 std::vector<KernelCounters> parse_ncu_csv(const std::string& csv);
 
+nlohmann::ordered_json ceilings_json(const Ceilings& ceilings);
 // The counters in figures that compare: a ray, and as fractions of the ceilings. `rays`: that the kernels traced.
 nlohmann::ordered_json counters_json(const KernelCounters& counters, const Ceilings& ceilings, double rays);
+
+// The same of each batch. Throws MachineError unless the launches are those of the batches, one each.
+std::vector<nlohmann::ordered_json> batch_counters_json(const std::vector<KernelCounters>& launches,
+                                                        const std::vector<CountedBatch>& batches,
+                                                        const Ceilings& ceilings);
 
 }  // namespace pt::cuda

@@ -18,6 +18,12 @@ nlohmann::ordered_json inspect_kernels(const Scene&, const Variant&, const std::
 nlohmann::ordered_json kernel_counters(const std::vector<std::string>&, const std::vector<std::string>&, double) {
     throw MachineError(reason);
 }
+void require_counters() { throw MachineError(reason); }
+nlohmann::ordered_json batch_counters(const std::vector<std::string>&,
+                                      const std::vector<std::pair<std::string, double>>&) {
+    throw MachineError(reason);
+}
+void switch_counting(bool) {}
 void collect_programs(const Scene&, const Variant&, const std::string&, std::map<std::string, std::function<void()>>&) {
 }
 std::string machine_name() { throw MachineError(reason); }

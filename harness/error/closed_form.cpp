@@ -152,7 +152,7 @@ std::optional<ClosedForm> of_furnace(const Scene& scene, const RenderSettings& s
 }  // namespace
 
 std::optional<ClosedForm> closed_form(const Scene& scene, const RenderSettings& settings) {
-    if (scene.objects.size() != 1) {
+    if (scene.objects.size() != 1 || scene.environment_map != nullptr) {
         return std::nullopt;
     }
     std::optional<ClosedForm> form = of_lit_quad(scene, settings);

@@ -149,17 +149,6 @@ Json clock_now(Backend backend) {
     return clock ? Json(*clock) : Json();
 }
 
-std::vector<RaySet> sets_for(const RayMesh& mesh, BatchTracer& tracer, const RayStudy& study) {
-    if (study.given.empty()) {
-        return make_ray_sets(mesh, tracer, study.classes, study.log2_rays);
-    }
-    std::vector<RaySet> sets;
-    std::copy_if(study.given.begin(), study.given.end(), std::back_inserter(sets), [&](const RaySet& set) {
-        return std::find(study.classes.begin(), study.classes.end(), set.name) != study.classes.end();
-    });
-    return sets;
-}
-
 }  // namespace
 
 std::shared_ptr<const SceneMesh> as_scene_mesh(const RayMesh& mesh, const std::string& hash) {
@@ -212,6 +201,17 @@ std::vector<std::pair<std::string, std::string>> trees_of(const RayStudy& study)
     return trees;
 }
 
+std::vector<RaySet> ray_sets_of(const RayMesh& mesh, BatchTracer& tracer, const RayStudy& study) {
+    if (study.given.empty()) {
+        return make_ray_sets(mesh, tracer, study.classes, study.log2_rays);
+    }
+    std::vector<RaySet> sets;
+    std::copy_if(study.given.begin(), study.given.end(), std::back_inserter(sets), [&](const RaySet& set) {
+        return std::find(study.classes.begin(), study.classes.end(), set.name) != study.classes.end();
+    });
+    return sets;
+}
+
 MeshResult measure(const RayMesh& mesh, const RayStudy& study) {
     const std::string hash = content_hash(mesh.mesh);
     const auto scene_mesh = as_scene_mesh(mesh, hash);
@@ -223,7 +223,7 @@ MeshResult measure(const RayMesh& mesh, const RayStudy& study) {
         const Tree tree = make_tree(scene_mesh, accelerator, builder, study.backend);
         const auto tracer = make_tracer(tree, study.backend);
         if (states.empty()) {
-            result.sets = sets_for(mesh, *tracer, study);
+            result.sets = ray_sets_of(mesh, *tracer, study);
             for (const RaySet& set : result.sets) {
                 states.push_back({expected_of(set, mesh, study), {}, 0, true});
             }

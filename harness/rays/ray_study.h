@@ -37,6 +37,9 @@ std::unique_ptr<BatchTracer> make_tracer(const Tree& tree, Backend backend);
 // One (accelerator, builder) each; an accelerator without a tree has no builder.
 std::vector<std::pair<std::string, std::string>> trees_of(const RayStudy& study);
 
+// The study's rays: those that it was given, or made by tracing.
+std::vector<RaySet> ray_sets_of(const RayMesh& mesh, BatchTracer& tracer, const RayStudy& study);
+
 struct MeshResult {
     nlohmann::ordered_json json;
     std::vector<RaySet> sets;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -23,5 +24,14 @@ bool has_openexr();
 // machine. Throws std::logic_error if a layer has another size, and where there is no library.
 std::string encode_exr(const std::vector<ExrLayer>& layers, std::uint32_t width, std::uint32_t height,
                        const std::vector<std::pair<std::string, std::string>>& texts = {});
+
+// Of the window that has data. These throw InputError for what is no image that can be read, in the name of `file`, and
+// std::logic_error where there is no library.
+struct ExrSize {
+    long long width = 0, height = 0;
+};
+ExrSize exr_size(std::string_view content, const std::string& file);
+// Channels R, G and B, or Y three times, row-major from the top.
+std::vector<float> decode_exr(std::string_view content, const std::string& file);
 
 }  // namespace pt

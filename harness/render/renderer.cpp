@@ -138,6 +138,8 @@ RenderSettings settings_for(const RenderRequest& request, const KernelChoice& ke
     if (settings.light_sampling == LightSampling::automatic) {
         settings.near_light = static_cast<std::uint16_t>(tunable(request.variant, "near_light", request.backend));
     }
+    settings.light_selection = light_selection_in(kernel.needed);
+    settings.one_sample = contains(kernel.needed, Feature::one_sample);
     settings.roulette_start = contains(kernel.needed, Feature::russian_roulette)
                                   ? tunable(request.variant, "roulette_start", request.backend)
                                   : 0;

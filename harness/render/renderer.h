@@ -55,6 +55,15 @@ struct CudaFacts {
     std::vector<std::string> options;  // for the compiler
 };
 
+// What several devices add to a render's facts; of one device `count` is 1 and all else empty.
+struct DeviceFacts {
+    std::uint32_t count = 1;
+    // Of each device: from the common start to the end of its own work, without the reduction; 0: it had none.
+    std::vector<double> own_ms;
+    double slowest_ms = 0;  // from the common start until the last one had rendered
+    double reduce_ms = 0;   // from there until the first device had the sum of the films
+};
+
 struct RenderResult {
     Film film;
     WorkCounters work;
@@ -67,6 +76,7 @@ struct RenderResult {
     CudaFacts cuda = {};                // of a render on CUDA
     MeshFacts meshes = {};              // of a scene that has some; else no triangles
     HealthCounters health = {};         // of an integrator that inspects its paths; else no paths
+    DeviceFacts devices = {};           // of several; wall_ms is slowest_ms and reduce_ms
 };
 
 // The kernel that a variant runs for a scene: what is needed, and what the kernel that was compiled contains.

@@ -30,6 +30,9 @@ ScenePart import_camera(const CourseImport& import);
 // The scene file that names of meshes are relative to.
 std::string course_scene_file(const ImportSource& source);
 
+// A file as a scene file names it: relative to its folder, or where that is not there yet the whole path.
+std::string name_beside(const std::filesystem::path& scene, const std::filesystem::path& file);
+
 // The whole scene file, or the problems that it has.
 void import_course(const Cis565File& sections, const ImportSource& source, ImportResult& result);
 

@@ -61,7 +61,8 @@ Words camera_words() {
     add_all(words, CourseUse::remark, {"FRAME", "INVRES", "NAME", "COMMENT"});
     add_all(words, CourseUse::run, {"SPP", "SAMPLES", "AA", "ANTIALIAS"});
     add_all(words, CourseUse::lost, {"ROTAT"});
-    add_all(words, CourseUse::texture, {"TEXTURE", "ENVMAP", "ENVIRONMENT", "SKYBOX"});
+    add(words, "ENVIRONMENT", CourseUse::value, {"ENVMAP", "ENVIRONMENT", "SKYBOX"});
+    add_all(words, CourseUse::texture, {"TEXTURE"});
     return words;
 }
 
@@ -103,7 +104,7 @@ Words root_words() {
     add(words, "Objects", CourseUse::value, {"OBJECTS"});
     add(words, "Meshes", CourseUse::value, {"MESHES"});
     add_all(words, CourseUse::remark, {"NAME", "COMMENT", "DESCRIPTION"});
-    add_all(words, CourseUse::texture, {"ENVIRONMENT", "ENVIRONMENTMAP", "ENVMAP", "BACKGROUND", "SKYBOX"});
+    add_all(words, CourseUse::environment, {"ENVIRONMENT", "ENVIRONMENTMAP", "ENVMAP", "BACKGROUND", "SKYBOX"});
     add_all(words, CourseUse::lights, {"LIGHTS", "GLTF"});
     return words;
 }

@@ -9,7 +9,8 @@ namespace pt {
 
 // What a word is for, besides its value.
 enum class CourseUse {
-    value,    // it has a place in a scene file
+    value,  // it has a place in a scene file
+    environment,
     remark,   // it changes nothing in the picture
     run,      // it belongs to a run of the program, not to the scene
     lost,     // it changes the picture, and a scene file has no place for it: a warning

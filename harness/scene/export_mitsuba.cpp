@@ -59,6 +59,9 @@ public:
             rgb("radiance", scene_.environment);
             xml_.close();
         }
+        if (scene_.environment_map != nullptr) {
+            write_environment(*scene_.environment_map);
+        }
         for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
             if (is_shown(i)) {
                 write_material(scene_.materials[i], i);
@@ -123,6 +126,43 @@ private:
         xml_.close();
         xml_.open("sampler", {{"type", "independent"}});
         whole("sample_count", settings_.samples);
+        xml_.close();
+        xml_.close();
+    }
+
+    // Mitsuba blends neighbouring texels, and lays the first and the last row on the poles (src/emitters/envmap.cpp):
+    // enlarged so far, light moves by a small part of a texel only, and, rows between two texels being their mean, no
+    // texel grows.
+    static EnvironmentImage enlarged(const EnvironmentImage& image) {
+        constexpr std::uint32_t least_width = 2048, most_factor = 32;
+        const std::uint32_t factor = std::clamp(least_width / image.width, 1u, most_factor);
+        EnvironmentImage larger{image.width * factor, image.height * factor + 1, {}};
+        for (std::uint32_t y = 0; y < larger.height; ++y) {
+            const std::uint32_t below = std::min(y / factor, image.height - 1);
+            const std::uint32_t above = y % factor == 0 && y > 0 ? y / factor - 1 : below;
+            for (std::uint32_t x = 0; x < larger.width; ++x) {
+                const auto texel = [&](std::uint32_t row) {
+                    return image.texels[std::size_t{row} * image.width + x / factor];
+                };
+                larger.texels.push_back((texel(above) + texel(below)) * 0.5f);
+            }
+        }
+        return larger;
+    }
+
+    void write_environment(const SceneEnvironment& environment) {
+        if (environment.file.empty()) {
+            xml_.open("emitter", {{"type", "constant"}});
+            rgb("radiance", Vec3d(environment.image.texels.front()));
+            xml_.close();
+            return;
+        }
+        made_.environment_file = stem_ + "_environment.exr";
+        made_.environment = encode_environment_exr(enlarged(environment.image));
+        xml_.open("emitter", {{"type", "envmap"}});
+        value("string", "filename", made_.environment_file);
+        xml_.open("transform", {{"name", "to_world"}});
+        xml_.leaf("rotate", {{"y", "1"}, {"angle", number(environment.rotation_degrees)}});
         xml_.close();
         xml_.close();
     }

@@ -9,6 +9,7 @@
 
 #include "harness/json_reader.h"
 #include "harness/scene/course_scene.h"
+#include "harness/scene/course_words.h"
 
 namespace pt {
 
@@ -34,6 +35,7 @@ public:
 private:
     void read_name(Cis565SectionReader& reader, ScenePart& root);
     ScenePart root();
+    void add_environment(ScenePart& root, CourseMeshFinder& files);
     void note_samples();
     void note_unused_materials(const std::set<std::size_t>& used);
 
@@ -89,6 +91,41 @@ ScenePart SceneImporter::root() {
     return root;
 }
 
+// Whatever else a dialect says of its environment: the file that its light is in.
+void SceneImporter::add_environment(ScenePart& root, CourseMeshFinder& files) {
+    const auto line = sections_->camera->lines.find("ENVIRONMENT");
+    if (line == sections_->camera->lines.end() || is_course_off("ENVIRONMENT", line->second.values())) {
+        return;
+    }
+    Cis565SectionReader reader(*sections_->camera, result_->problems);
+    const std::vector<std::string> values = line->second.values();
+    const auto name = std::find_if(values.begin(), values.end(), [](const std::string& value) {
+        return value.ends_with(".hdr") || value.ends_with(".exr");
+    });
+    const auto found = name != values.end() ? files.find(*name) : std::nullopt;
+    if (!found) {
+        reader.fail(line->second, "an image .hdr or .exr that is there, beside this file or in a folder above it");
+        return;
+    }
+    try {
+        (void)read_environment_image(*found);
+    } catch (const InputError& refusal) {
+        reader.fail(line->second, fmt::format("\"{}\", of which is said: {}", line->second.text(), refusal.what()),
+                    "an image that can be read");
+        return;
+    }
+    // The formula of learnopengl.com's "Diffuse irradiance", which most have: u is 1/2 + atan2(z, x) / 2 pi.
+    result_->warnings.add(
+        line->second.number,
+        fmt::format("{} has the direction -x at the image's left edge and +x in its middle{}; formats "
+                    "of the course do not say",
+                    line->second.text(), values.size() > 1 ? ", its other values are not used" : ""));
+    root.add(
+        "environment",
+        fmt::format("{{\"file\": {}, \"rotation\": 90}}", json_of(name_beside(course_scene_file(*source_), *found))),
+        &line->second, "[0, 0, 0]");
+}
+
 void SceneImporter::note_samples() {
     const auto& lines = sections_->camera->lines;
     if (const auto found = lines.find("ITERATIONS"); found != lines.end()) {
@@ -128,6 +165,7 @@ SceneParts SceneImporter::parts() {
     note_unused_materials(import.used_materials);
     if (sections_->camera) {
         parts.root = root();
+        add_environment(parts.root, import.meshes);
         parts.camera = import_camera(import);
         note_samples();
     }

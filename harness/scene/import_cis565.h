@@ -12,7 +12,8 @@
 // - Words have other spellings in students' dialects, and there are words that scene files have nothing for:
 //   course_words.cpp lists them. What is off (0, NULL, OFF; FRESNELPOW 5, SPP 1) changes nothing and is silent; what is
 //   on is lost with a warning where the scene stays what it is, and a problem for textures, procedural shapes and
-//   patterns, environment maps, and lists of lights.
+//   patterns, and lists of lights. An environment map (.hdr, .exr) is the scene's environment, turned by 90 degrees, as
+//   most have it who do not say (W).
 // - Objects mean a material by what is behind MATERIAL, which counts up from 0; where it does not, that is W. MATERIAL
 //   within an object, not behind an empty line, is its material.
 // - A lens: its radius (LENSRADIUS) and the distance along the view axis where it is sharp (FOCALDIST), or DOF with

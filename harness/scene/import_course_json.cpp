@@ -1,6 +1,7 @@
 #include "harness/scene/import_course_json.h"
 
 #include <filesystem>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -53,6 +54,7 @@ private:
     std::map<std::string, std::size_t> lines_;
     ImportResult* result_;
     Cis565File file_;
+    std::optional<Cis565Line> environment_;
 };
 
 Cis565Line CourseJsonReader::line(const std::string& place, const Json& value) const {
@@ -79,6 +81,8 @@ void CourseJsonReader::read_root() {
             fail(found, "Materials, Camera and Objects" + did_you_mean(key, course_keys("ROOT")));
         } else if (known->use == CourseUse::value && known->key != key) {
             fail(found, known->key);
+        } else if (known->use == CourseUse::environment) {
+            environment_ = found;
         } else if (known->use != CourseUse::value && known->use != CourseUse::remark &&
                    !is_course_off(key, found.values())) {
             fail(found, missing_for(known->use));
@@ -173,6 +177,9 @@ Cis565File CourseJsonReader::read() {
     read_materials();
     if (const Json* camera = member("Camera")) {
         file_.camera = section("CAMERA", *camera, "$.Camera");
+        if (environment_) {
+            file_.camera->lines.emplace("ENVIRONMENT", *environment_);
+        }
     }
     read_objects();
     return std::move(file_);

@@ -4,8 +4,8 @@
 // - A material's TYPE says what it is; keys of the text (REFL, REFRIOR, ..) count in any TYPE. A glass without an index
 //   has 1.5 (W).
 // - TRANS, ROTAT and SCALE may be missing, and are neutral then; FILE may be, and is the file's own name then.
-// - What is beside "Materials", "Camera" and "Objects" is an environment map, a light or a mesh of a dialect's own: a
-//   problem. "Meshes" are names for files, which objects call by them.
+// - What is beside "Materials", "Camera" and "Objects" is a light or a mesh of a dialect's own: a problem. "Meshes" are
+//   names for files, which objects call by them; an environment map is the camera's ENVIRONMENT.
 // - A line of a message is the member's, and its first word is the member's path.
 #pragma once
 

@@ -45,6 +45,7 @@ public:
 
     // Where a file that the source names lies; and by which name the scene has it.
     std::string path_of(const std::string& named) const;
+    std::string name_in_scene(const std::string& path) const;
 
     // Checks the parts; the scene where nothing is wrong with them.
     std::optional<Scene> checked();
@@ -54,7 +55,6 @@ private:
     ScenePart object(const std::string& shape, std::size_t material, const Cis565Line* at) const;
     void add_placement(ScenePart& object, const TranslateRotateScale& parts, const Cis565Line* at);
     bool is_placeable(const Affine& placed, const Cis565Line* at);
-    std::string name_in_scene(const std::string& path) const;
 
     const ImportSource& source_;
     ImportResult* result_;

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "harness/error.h"
 #include "harness/scene/import_mitsuba_shapes.h"
 
 namespace pt {
@@ -39,6 +40,7 @@ private:
     void read_field_of_view(MitsubaObject& sensor);
     void read_lens(MitsubaObject& sensor);
     void read_emitter(const XmlElement& element);
+    void read_envmap(const XmlElement& element);
     void read_top(const XmlElement& element);
     void note_unused();
     void add_view(const SensorView& view, const Cis565Line* at);
@@ -307,13 +309,58 @@ void MitsubaImporter::read_sensor(const XmlElement& element) {
     sensor.finish("what a " + type + " has here");
 }
 
+// An image from all round, turned about y alone.
+void MitsubaImporter::read_envmap(const XmlElement& element) {
+    MitsubaObject emitter(element, file_);
+    const std::string name = emitter.text("filename", "");
+    const double scale = emitter.number("scale", 1);
+    const Affine map = emitter.transform("to_world");
+    emitter.ignore({"mis_compensation"});
+    emitter.finish("filename, scale and to_world");
+    const double degrees = std::atan2(map.column[2].x, map.column[0].x) * (180 / pi<double>);
+    const Affine turn = rotation_about({0, 1, 0}, degrees);
+    double off = 0;
+    for (int i = 0; i < 3; ++i) {
+        const Vec3d difference = map.column[i] - turn.column[i];
+        off = std::max(off, dot(difference, difference));
+    }
+    if (!(off < 1e-20)) {
+        emitter.fail(element, "a to_world that turns about y alone");
+    }
+    if (name.empty()) {
+        emitter.fail(element, "a file name");
+    }
+    if (!emitter.is_good()) {
+        return;
+    }
+    const std::string file = draft_.path_of(name);
+    try {
+        (void)read_environment_image(file);
+    } catch (const InputError& error) {
+        emitter.fail(*emitter.property("filename"), fmt::format("an image that can be read ({})", error.what()));
+        return;
+    }
+    file_.warn(element, "has the nearest texel's light along each direction; Mitsuba blends it with its neighbours'");
+    draft_.parts.root.add(
+        "environment",
+        fmt::format("{{\"file\": {}, \"scale\": {}, \"rotation\": {}}}", json_of(draft_.name_in_scene(file)),
+                    json_of(scale), json_of(shortest_within(degrees, 1e-12))),
+        file_.place(element), "[0, 0, 0]");
+}
+
 void MitsubaImporter::read_emitter(const XmlElement& element) {
-    if (element.value_of("type") != "constant" || environment_ != nullptr) {
-        file_.refuse(element, environment_ != nullptr ? "one constant emitter"
-                                                      : "emitters of type constant, and of type area in shapes");
+    const std::string type = element.value_of("type");
+    if ((type != "constant" && type != "envmap") || environment_ != nullptr) {
+        file_.refuse(element, environment_ != nullptr
+                                  ? "one constant emitter or envmap"
+                                  : "emitters of type constant or envmap, and of type area in shapes");
         return;
     }
     environment_ = &element;
+    if (type == "envmap") {
+        read_envmap(element);
+        return;
+    }
     MitsubaObject emitter(element, file_);
     const double scale = emitter.number("scale", 1);
     const Vec3d radiance = emitter.optional_radiance("radiance").value_or(Vec3d(1.0)) * scale;

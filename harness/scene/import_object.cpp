@@ -82,16 +82,6 @@ std::string file_name_of(const Cis565Line& line) {
     return fmt::format("{}", fmt::join(line.words.begin() + static_cast<std::ptrdiff_t>(first), line.words.end(), " "));
 }
 
-// The mesh as a scene file names it: relative to its folder, or where that is not there yet the whole path.
-std::string name_beside(const std::filesystem::path& scene, const std::filesystem::path& mesh) {
-    std::error_code error;
-    const std::filesystem::path folder =
-        std::filesystem::canonical(std::filesystem::absolute(scene, error).parent_path(), error);
-    const std::filesystem::path found = std::filesystem::weakly_canonical(mesh);
-    const std::filesystem::path relative = error ? std::filesystem::path() : found.lexically_relative(folder);
-    return relative.empty() ? found.string() : relative.string();
-}
-
 void ObjectImporter::add_mesh() {
     part_.add("shape", "\"mesh\"", nullptr);
     const Cis565Line* line = reader_.required("FILE", "with the file of its mesh");
@@ -255,6 +245,15 @@ ScenePart ObjectImporter::part() {
 }
 
 }  // namespace
+
+std::string name_beside(const std::filesystem::path& scene, const std::filesystem::path& file) {
+    std::error_code error;
+    const std::filesystem::path folder =
+        std::filesystem::canonical(std::filesystem::absolute(scene, error).parent_path(), error);
+    const std::filesystem::path found = std::filesystem::weakly_canonical(file);
+    const std::filesystem::path relative = error ? std::filesystem::path() : found.lexically_relative(folder);
+    return relative.empty() ? found.string() : relative.string();
+}
 
 ScenePart import_object(CourseImport& import, std::size_t index) { return ObjectImporter(import, index).part(); }
 

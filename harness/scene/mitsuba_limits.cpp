@@ -1,5 +1,7 @@
 #include "harness/scene/mitsuba_limits.h"
 
+#include "harness/render/exr.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -213,6 +215,10 @@ Extent extent_of(const Scene& scene, const SceneObject& object) {
 std::vector<std::string> mitsuba_problems(const Scene& scene, const std::string& file) {
     Problems problems(file);
     check_camera(scene, problems);
+    if (scene.environment_map != nullptr && !scene.environment_map->file.empty() && !has_openexr()) {
+        problems.add("$.environment", "an image",
+                     "one number: this build cannot write the image's .exr (libopenexr-dev)");
+    }
     std::vector<bool> is_shown(scene.materials.size(), false);
     for (const SceneObject& object : scene.objects) {
         is_shown[object.material] = true;

@@ -228,6 +228,9 @@ FeatureSet features_of(const Scene& scene) {
     if (!is_black(scene.environment)) {
         features = features | Feature::environment;
     }
+    if (scene.environment_map != nullptr) {
+        features = features | Feature::environment_map;
+    }
     if (scene.camera.jitter) {
         features = features | Feature::jitter;
     }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/scene/environment_image.h"
 #include "kernels/material.h"
 #include "kernels/shapes.h"
 #include "variants/acceleration/binary_tree.h"
@@ -73,12 +74,21 @@ struct SceneObject {
     Vec3d translate{0.0}, rotate_degrees{0.0}, scale{1.0}, velocity{0.0};
 };
 
+// Light from all round that is drawn as lights are: an image, or one texel for one number.
+struct SceneEnvironment {
+    EnvironmentImage image;
+    double rotation_degrees = 0;  // about y, as an object's
+    std::string file;             // as the scene names it; empty: one number
+    std::string hash;             // of the texels: 16 hex digits
+};
+
 struct Scene {
     std::string name;
     std::string file;  // that it was read from, with its whole path; empty: none
     std::string description;
     std::uint32_t max_depth = 1;
-    Vec3d environment{0.0};
+    Vec3d environment{0.0};                                   // light from all round that is met, never drawn
+    std::shared_ptr<const SceneEnvironment> environment_map;  // null: none
     SceneCamera camera;
     std::vector<SceneMaterial> materials;  // sorted by name
     std::vector<SceneObject> objects;

@@ -133,6 +133,72 @@ void complete(Sphere<Real>& sphere, const SceneObject& object, const Vec3d& eye)
     }
 }
 
+template <class Shape>
+auto in_double(const Shape& shape) {
+    if constexpr (requires { widened(shape); }) {
+        return widened(shape);
+    } else {
+        return shape;
+    }
+}
+
+// The surface that emits, on both sides of a flat shape. Of an ellipsoid about as much: exact for a sphere, 16 % too
+// large for a disc.
+template <class Shape>
+double emitting_area(const Shape& shape) {
+    if constexpr (requires { area_of(shape); }) {
+        return area_of(shape) * (Shape::is_flat ? 2 : 1);
+    } else if constexpr (requires { shape.area; }) {
+        return static_cast<double>(shape.area);
+    } else {
+        const auto square = [&](int i) { return dot(shape.semi_axis[i], shape.semi_axis[i]); };
+        const double mean = (square(0) * square(1) + square(1) * square(2) + square(2) * square(0)) / 3;
+        return 4 * pi<double> * std::sqrt(mean);
+    }
+}
+
+// The area that a light shows along each axis. Of boxes and quads the sum over their faces, |normal| by axis, and of
+// spheres two thirds of the disc, since |x| + |y| + |z| of a direction is 3/2 in the mean. Others are taken for spheres
+// of their area.
+template <class Shape>
+Vec3d shown_area(const Shape& shape, const Placement& placement) {
+    const auto face = [&](int axis, double first, double second) {
+        const Vec3d& normal = placement.column[axis];
+        return Vec3d(std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)) * (first * second);
+    };
+    const Vec3d& size = placement.scale;
+    if constexpr (Shape::unit_shape == UnitShape::box) {
+        return face(0, size.y, size.z) + face(1, size.z, size.x) + face(2, size.x, size.y);
+    } else if constexpr (Shape::unit_shape == UnitShape::quad) {
+        return face(1, size.z, size.x);
+    } else if constexpr (Shape::unit_shape == UnitShape::sphere) {
+        const Vec3d discs[] = {face(0, size.y, size.z), face(1, size.z, size.x), face(2, size.x, size.y)};
+        Vec3d shown;
+        for (int axis = 0; axis < 3; ++axis) {
+            const Vec3d along{discs[0][axis], discs[1][axis], discs[2][axis]};
+            shown[axis] = pi<double> / 6 * std::sqrt(dot(along, along));
+        }
+        return shown;
+    } else {
+        return Vec3d(emitting_area(shape) / 6);
+    }
+}
+
+template <class Shape>
+LightExtent extent_of(const Shape& shape, const Scene& scene, const SceneObject& object, const Placement& placement) {
+    Bounds<double> bounds = bounds_of(shape);
+    const double times[] = {scene.camera.shutter_open, scene.camera.shutter_close};
+    const Bounds<double> at_rest = bounds;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double moved[] = {object.velocity[axis] * times[0], object.velocity[axis] * times[1]};
+        bounds.low[axis] = at_rest.low[axis] + std::min(moved[0], moved[1]);
+        bounds.high[axis] = at_rest.high[axis] + std::max(moved[0], moved[1]);
+    }
+    const Vec3d& emission = scene.materials[object.material].emission;
+    const double radiance = (emission.x + emission.y + emission.z) / 3;
+    return {bounds, emitting_area(shape) * radiance, shown_area(shape, placement) * radiance};
+}
+
 template <class Real>
 Transform<Real> make_transform(const SceneObject& object, const Placement& placement, UnitShape shape) {
     Transform<Real> transform{};
@@ -212,6 +278,14 @@ void SceneBuffers<Real>::add_object(const Scene& scene, std::uint32_t index, con
     }
     if (scene.materials[object.material].emission != Vec3d(0.0)) {
         arrays_.lights.push_back({static_cast<std::uint32_t>(arrays_.object_material.size())});
+        switch (classify(object)) {
+#define PT_EXTENT(name, array, Type)                                                                    \
+    case ShapeKind::name:                                                                               \
+        light_extents_.push_back(extent_of(in_double(arrays_.array.back()), scene, object, placement)); \
+        break;
+            PT_SHAPES(PT_EXTENT)
+#undef PT_EXTENT
+        }
     }
     arrays_.object_material.push_back(object.material);
     arrays_.velocity.push_back(narrow<Real>(object.velocity));
@@ -241,21 +315,43 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     for (const std::uint32_t index : arrays_.object_material) {
         arrays_.surfaces.push_back(surface_of(arrays_.materials[index]));
     }
+    if (settings.light_selection != LightSelection::uniform && !arrays_.lights.empty()) {
+        make_light_tables();
+    }
     for_each_array(view_, arrays_, [](const SceneArray&, auto& view, const auto& values) { view = view_of(values); });
     view_.environment = narrow<Real>(scene.environment);
+    if (scene.environment_map != nullptr) {
+        environment_ =
+            environment_table<Real>(*scene.environment_map, static_cast<std::uint32_t>(arrays_.lights.size()),
+                                    settings.light_selection == LightSelection::uniform);
+    }
+    view_.environment_map = environment_ != nullptr ? &environment_->map : nullptr;
     view_.camera = make_camera<Real>(scene, settings);
     view_.seed = RandomSeed::from(settings.seed);
     view_.depth = settings.depth;
     view_.seed.sampler = settings.sampler;
     view_.final_bounce = settings.final_bounce ? 1 : 0;
     // An emitter of no radiance is no light, so there may be none to connect to.
-    view_.next_event = settings.next_event && !arrays_.lights.empty() ? 1 : 0;
+    view_.next_event = settings.next_event && (!arrays_.lights.empty() || environment_ != nullptr) ? 1 : 0;
     view_.mis_exponent = settings.mis_exponent;
     view_.light_sampling = settings.light_sampling;
     view_.near_light = settings.near_light;
+    view_.light_selection = settings.light_selection;
+    view_.one_sample = settings.one_sample ? 1 : 0;
     view_.roulette_start = settings.roulette_start;
     view_.enclosure = find_enclosure(view_);
     make_search(acceleration);
+}
+
+template <class Real>
+void SceneBuffers<Real>::make_light_tables() {
+    LightTables<Real> tables = light_tables<Real>(light_extents_);
+    arrays_.light_slots = std::move(tables.slots);
+    arrays_.light_nodes = std::move(tables.nodes);
+    arrays_.object_light.resize(arrays_.object_material.size());
+    for (std::uint32_t light = 0; light < arrays_.lights.size(); ++light) {
+        arrays_.object_light[arrays_.lights[light].object] = light;
+    }
 }
 
 template <class Real>
@@ -279,31 +375,69 @@ void SceneBuffers<Real>::make_search(const Acceleration& acceleration) {
     view_.mesh_search = &search_;
 }
 
-double radiance_bound(const Scene& scene, const RenderSettings& settings) {
-    return radiance_bound(scene, settings.depth) * (settings.final_bounce || settings.next_event ? 1024 : 1);
+namespace {
+
+double brightest_channel(const Vec3d& v) { return std::max({v.x, v.y, v.z}); }
+
+// Lobes that scatter some directions by up to 3.3, none by more than 1 in the mean.
+double gain_of(const Scene& scene) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(),
+                       [](const SceneMaterial& material) { return material.multiple_scattering; })
+               ? 16
+               : 1;
 }
 
-double radiance_bound(const Scene& scene, std::uint32_t depth) {
-    double brightest = 0;
+// By what emits, and an environment that is not drawn.
+double bound_on_sources(const Scene& scene, std::uint32_t depth) {
+    double brightest = brightest_channel(scene.environment);
     double brightest_reflector = 0;
     double albedo = 0;
-    bool gains = false;  // lobes that scatter some directions by up to 3.3, none by more than 1 in the mean
-    const auto largest = [](const Vec3d& v) { return std::max({v.x, v.y, v.z}); };
     for (const SceneMaterial& material : scene.materials) {
-        brightest = std::max(brightest, largest(material.emission));
+        brightest = std::max(brightest, brightest_channel(material.emission));
         if (material.type != MaterialType::emitter) {
-            brightest_reflector = std::max(brightest_reflector, largest(material.emission));
+            brightest_reflector = std::max(brightest_reflector, brightest_channel(material.emission));
         }
-        gains = gains || material.multiple_scattering;
         // A rough conductor reflects all light at grazing angles.
         const double grazing = material.type == MaterialType::rough_conductor ? 1 : 0;
-        albedo = std::max({albedo, largest(material.albedo), largest(material.reflectance), grazing});
+        albedo =
+            std::max({albedo, brightest_channel(material.albedo), brightest_channel(material.reflectance), grazing});
     }
-    brightest = std::max(brightest, largest(scene.environment));
     // Only reflecting emitters can be met more than once: a geometric series, cut off at the depth.
     const double series =
         albedo < 1 ? std::min(1 / (1 - albedo), static_cast<double>(depth)) : static_cast<double>(depth);
-    const double bound = (brightest + brightest_reflector * series) * (gains ? 16 : 1);
+    return (brightest + brightest_reflector * series) * gain_of(scene);
+}
+
+// By an environment that is drawn. What a connection brings goes with the mean over all directions, for it is drawn in
+// proportion to its light: a sun takes no room from the film's fainter parts.
+double bound_on_environment(const Scene& scene, double room) {
+    if (scene.environment_map == nullptr) {
+        return 0;
+    }
+    const EnvironmentImage& image = scene.environment_map->image;
+    double most = 0, mean = 0;
+    for (std::uint32_t row = 0; row < image.height; ++row) {
+        const auto cosine = [&](std::uint32_t border) { return sin_cos_turn(border / (2.0 * image.height)).cosine; };
+        const double share = (cosine(row) - cosine(row + 1)) / (2.0 * image.width);
+        for (std::uint32_t column = 0; column < image.width; ++column) {
+            const double light = brightest_channel(Vec3d(image.texels[std::size_t{row} * image.width + column]));
+            most = std::max(most, light);
+            mean += light * share;
+        }
+    }
+    return std::max(most, mean * room) * gain_of(scene);
+}
+
+}  // namespace
+
+double radiance_bound(const Scene& scene, const RenderSettings& settings) {
+    const double room = settings.final_bounce || settings.next_event ? 1024 : 1;
+    const double bound = std::max(bound_on_sources(scene, settings.depth) * room, bound_on_environment(scene, room));
+    return bound > 0 ? bound : room;
+}
+
+double radiance_bound(const Scene& scene, std::uint32_t depth) {
+    const double bound = std::max(bound_on_sources(scene, depth), bound_on_environment(scene, 1));
     return bound > 0 ? bound : 1;
 }
 

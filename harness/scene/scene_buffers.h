@@ -5,6 +5,8 @@
 
 #include <optional>
 
+#include "harness/scene/environment_table.h"
+#include "harness/scene/light_tables.h"
 #include "harness/scene/mesh_search.h"
 #include "harness/scene/scene.h"
 #include "kernels/scene_view.h"
@@ -22,6 +24,8 @@ struct RenderSettings {
     std::uint32_t mis_exponent = 0;
     LightSampling light_sampling = LightSampling::solid_angle;
     std::uint16_t near_light = 0;
+    LightSelection light_selection = LightSelection::uniform;
+    bool one_sample = false;
     std::uint32_t roulette_start = 0;
     FeatureSet sampler = no_features;
 };
@@ -40,6 +44,9 @@ struct SceneStorage {
     std::vector<Material<Real>> materials;
     std::vector<Surface<Real>> surfaces;
     std::vector<Light> lights;
+    std::vector<std::uint32_t> object_light;
+    std::vector<LightSlot<Real>> light_slots;
+    std::vector<LightNode<Real>> light_nodes;
 };
 
 template <class Real>
@@ -64,14 +71,17 @@ private:
     void add_object(const Scene& scene, std::uint32_t index, const Acceleration& acceleration);
     void complete(MeshInstance<Real>& instance, const Scene& scene, const SceneObject& object,
                   const Placement& placement, const Acceleration& acceleration);
+    void make_light_tables();
     void make_search(const Acceleration& acceleration);
 
     SceneStorage<Real> arrays_;
     std::vector<std::uint32_t> file_index_;
     std::vector<std::uint32_t> shown_by_;  // by mesh of the scene: how many objects
     std::vector<MeshGeometry> meshes_;
+    std::vector<LightExtent> light_extents_;  // of arrays_.lights
     std::shared_ptr<const SceneTree> tree_;
     MeshSearch<Real> search_;
+    std::unique_ptr<const EnvironmentTable<Real>> environment_;
     SceneView<Real> view_;
 };
 

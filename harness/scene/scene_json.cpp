@@ -408,6 +408,42 @@ std::string text_of(const std::vector<SceneObject>& copies) {
     return text;
 }
 
+std::shared_ptr<const SceneEnvironment> environment_of(EnvironmentImage image, double scale, const JsonValue& value) {
+    auto environment = std::make_shared<SceneEnvironment>();
+    for (Vec3<float>& texel : image.texels) {
+        for (int channel = 0; channel < 3; ++channel) {
+            const double scaled = static_cast<double>(texel[channel]) * scale;
+            if (!(scaled <= largest_radiance)) {
+                value.fail(fmt::format("a scale that leaves every texel at 1e30 or below (one would be {})", scaled));
+            }
+            texel[channel] = static_cast<float>(scaled);
+        }
+    }
+    environment->hash = fmt::format("{:016x}", fnv1a(image.texels.data(), image.texels.size() * sizeof(Vec3<float>)));
+    environment->image = std::move(image);
+    return environment;
+}
+
+// {"radiance": [r, g, b]} or {"file": NAME, "scale": s, "rotation": degrees}; the name is relative to the scene's file.
+std::shared_ptr<const SceneEnvironment> read_environment(const JsonValue& value) {
+    if (value.json().contains("radiance")) {
+        const JsonObject object(value, {"radiance"});
+        return environment_of({1, 1, {Vec3<float>(radiance(object.at("radiance")))}}, 1, value);
+    }
+    const JsonObject object(value, {"file", "scale", "rotation"});
+    const std::filesystem::path named = object.required("file").text();
+    const double scale = object.has("scale") ? object.at("scale").number(0, 1e30, "a number from 0 to 1e30") : 1;
+    EnvironmentImage image =
+        read_environment_image(named.is_absolute() ? named : std::filesystem::path(value.file()).parent_path() / named);
+    auto environment = std::make_shared<SceneEnvironment>(
+        *environment_of(std::move(image), scale, object.has("scale") ? object.at("scale") : value));
+    environment->file = named.string();
+    if (object.has("rotation")) {
+        environment->rotation_degrees = object.at("rotation").number(-1e6, 1e6, "an angle from -1e6 to 1e6 degrees");
+    }
+    return environment;
+}
+
 }  // namespace
 
 Scene parse_scene(const std::string& text, const std::string& file) {
@@ -419,7 +455,11 @@ Scene parse_scene(const std::string& text, const std::string& file) {
     scene.description = root.has("description") ? root.at("description").text() : "";
     scene.max_depth =
         static_cast<std::uint32_t>(root.required("max_depth").whole(1, 1000000, "a whole number from 1 to 1000000"));
-    scene.environment = root.has("environment") ? radiance(root.at("environment")) : Vec3d(0.0);
+    if (root.has("environment") && root.at("environment").json().is_object()) {
+        scene.environment_map = read_environment(root.at("environment"));
+    } else if (root.has("environment")) {
+        scene.environment = radiance(root.at("environment"));
+    }
     scene.camera = read_camera(root.required("camera"));
     const JsonValue materials = root.required("materials");
     if (!materials.json().is_object()) {
@@ -445,7 +485,7 @@ Scene parse_scene(const std::string& text, const std::string& file) {
     for (const auto& mesh : scene.meshes) {
         canonical += mesh->hash;
     }
-    canonical += of_rules;
+    canonical += of_rules + (scene.environment_map != nullptr ? scene.environment_map->hash : "");
     scene.hash = fmt::format("{:016x}", fnv1a(canonical.data(), canonical.size()));
     return scene;
 }

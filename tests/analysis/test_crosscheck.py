@@ -53,6 +53,15 @@ def test_equal_renderers_are_told_apart_as_seldom_as_stated():
     assert FAMILY == 0.01
 
 
+def test_pixels_of_equal_renderers_have_no_z_on_average():
+    random = np.random.default_rng(1)
+    mean = np.ones((128, 128, 3))
+    pairs = ((rendered(random, mean, 2.0, seeds=4), rendered(random, mean, 2.0, seeds=4)) for _ in range(20))
+    z = np.array([compare(here, there).pixels.z for here, there in pairs])
+    # The mean of 20 standard normal numbers is beyond 0.7 once in 600. Weights that know a pixel's own noise give 1.4.
+    assert abs(z.mean()) < 0.7
+
+
 @pytest.mark.parametrize(("test", "seed"), [("image", 2), ("blocks", 3), ("pixels", 4)])
 def test_a_bias_is_found_at_the_stated_power(test, seed):
     random = np.random.default_rng(seed)

@@ -6,8 +6,8 @@ import json
 
 import pytest
 
+from ptbench.errors import FindingError
 from ptbench.findings.crosscheck import CrosscheckSource
-from ptbench.findings.errors import FindingError
 from ptbench.findings.page import source_of
 
 COMMIT = "0123456789abcdef0123456789abcdef01234567"

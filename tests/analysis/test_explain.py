@@ -436,10 +436,13 @@ LAST_AXES = {
     "traversal_stack": "local",
     "levels": "each_object",
     "light_sampling": "solid_angle",
+    "devices": "1",
+    "partition": "samples",
+    "light_selection": "uniform",
 }
 
 
-@pytest.mark.parametrize("known", [0, 1, 3, 5, 6, 7])
+@pytest.mark.parametrize("known", [0, 1, 3, 5, 6, 7, 9, 10])
 def test_counters_are_found_whichever_of_the_last_axes_a_file_is_too_old_to_name(known):
     result = load(H200 / "schedulers.json")
     (cell,) = (

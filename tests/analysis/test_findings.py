@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
+from ptbench.errors import FindingError
 from ptbench.findings import page as pages
 from ptbench.findings.command import House, findings
-from ptbench.findings.errors import FindingError
 from ptbench.findings.overview import overview_of
 from ptbench.findings.page import read_page, render, too_old, typed_by_hand
-from ptbench.findings.selection import parsed
 from ptbench.findings.source import Source
+from ptbench.studies.selection import parsed
 
 ROOT = Path(__file__).resolve().parents[2]
 HOUSE = House(ROOT)

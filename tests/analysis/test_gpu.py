@@ -710,5 +710,6 @@ def test_figures_are_the_ones_that_suites_may_name(tmp_path):
         "scaling_by_shading_fmas",
         *GPU_AXES,
         "robustness",
+        "devices",
         "convergence",
     ]

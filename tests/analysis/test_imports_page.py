@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from ptbench.findings.errors import FindingError
+from ptbench.errors import FindingError
 from ptbench.findings.imports import ImportsSource
 from ptbench.findings.page import source_of
 

@@ -11,12 +11,11 @@ from builder import Builder
 from conftest import ROOT
 from legibility import check_legible
 
-from ptbench.errors import NotDrawable
+from ptbench.errors import FindingError, NotDrawable
 from ptbench.figures import integrator_by_cost, series, time_to_image
 from ptbench.figures.registry import collect_study, draw_study, parts_of_study
 from ptbench.figures.time_to_image import GPU_BUILDERS, Way, crossings, sibling_meshes, ways
 from ptbench.findings.builders import built, crossed
-from ptbench.findings.errors import FindingError
 from ptbench.findings.source import Source
 from ptbench.io.results import load
 from ptbench.stats.estimates import Estimate

@@ -19,8 +19,8 @@ MOST_LINES = 400
 # From the bottom up: a folder or file at the top imports from those before it and from itself.
 LAYERS = (
     "terminal", "errors", "git", "numbers", "io", "program", "tables", "stats", "studies", "convergence", "stability",
-    "crosscheck", "peers", "figures", "findings", "claims", "maps", "advise", "submit", "explain", "compare", "plots",
-    "gallery", "report", "tidy", "frames", "measured", "flat", "__init__", "cli", "__main__",
+    "crosscheck", "peers", "figures", "compare", "fleet", "simulate", "findings", "claims", "maps", "advise", "submit",
+    "explain", "plots", "gallery", "report", "tidy", "frames", "measured", "flat", "__init__", "cli", "__main__",
 )  # fmt: skip
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 

@@ -15,9 +15,8 @@ from conftest import ROOT
 from peers_fakes import Fakes
 
 from ptbench.crosscheck.renders import WHEEL
-from ptbench.errors import NotDrawable
+from ptbench.errors import FindingError, NotDrawable
 from ptbench.figures import peers as figure
-from ptbench.findings.errors import FindingError
 from ptbench.findings.page import read_page, render, source_of
 from ptbench.findings.peers import PeersSource
 from ptbench.io.validate import complaints, validate
@@ -229,7 +228,7 @@ def test_cost_is_variance_times_time():
 def test_what_is_timed_by_default():
     names = [one.name for one in own_variants("cpu", has_meshes=True)]
     assert names == ["bvh8 nee_mis", "bvh8 off", "embree_native nee_mis", "embree_native off"]
-    assert [one.estimator for one in own_variants("cuda", has_meshes=False)] == ["nee_mis", "off"]
+    assert [one.estimator for one in own_variants("cuda", has_meshes=False)] == ["nee_mis", "nee_mis", "off"]
     on_gpu = mitsubas([], "cuda", Path("python3"))
     assert [one.name for one in on_gpu] == [
         "Mitsuba cuda_ad_rgb path", "Mitsuba cuda_ad_rgb bsdf", "Mitsuba cuda_ad_rgb path evaluated",

@@ -244,7 +244,7 @@ def test_an_output_name_that_is_taken_by_a_folder_leaves_no_half_files(tmp_path,
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ([], "plots|report|compare|crosscheck|peers|explain|findings|claims|map|advise|gallery|flat|validate"),
+        ([], "plots|report|compare|fleet|crosscheck|peers|explain|findings|claims|map|advise|gallery|flat|validate"),
         (["pie"], 'found the command "pie", allowed: plots, compare, '),
         (["plots"], "the following arguments are required: RESULT.json"),
         (["plots", "a.json", "--size", "3"], 'plots: found the option "--size", allowed: --help, --out'),

@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import ROOT
+from convergence_builder import Law, convergence_cell, convergence_study, on_gpu
 from legibility import check_legible
 
 import ptbench
 from ptbench.cli.main import main
-from ptbench.errors import InputError, NotDrawable
+from ptbench.errors import FindingError, InputError, NotDrawable
 from ptbench.figures import rays_by_triangles, series, style
-from ptbench.findings.errors import FindingError
 from ptbench.findings.page import read_page, render, source_of
 from ptbench.findings.rays import RaysFolder
 from ptbench.io.nodes import read_json
@@ -335,19 +335,129 @@ def results_linked(folder, left_out):
     return folder
 
 
+# --- counters ---
+
+
+def counters_of(lanes: float) -> dict:
+    return {
+        "launches": 1, "milliseconds": 2.5, "active_lanes": lanes, "warp_instructions_per_ray": 40,
+        "thread_instructions_per_ray": 1000, "fma_per_ray": 10, "alu_per_ray": 20, "xu_per_ray": 1, "lsu_per_ray": 5,
+        "fp64_per_ray": 0, "memory_bytes_per_ray": 64.5, "achieved_occupancy": 0.5, "l1_hit_rate": 0.75,
+        "l2_hit_rate": 0.625, "memory_stalls": 0.25,
+        "of_ceiling": {
+            "issue": 0.5, "fma": 0.25, "alu": lanes / 32, "xu": 0.0, "l1": 0.375, "l2": 0.125, "memory": 0.0625,
+        },
+        "bound": "alu" if lanes > 16 else "issue",
+    }  # fmt: skip
+
+
+CEILINGS = {
+    f"{name}_g_warp_instructions_per_second": 900.0 for name in ("issue", "fma", "alu", "xu")
+} | {"memory_gb_per_second": 4000.0}  # fmt: skip
+
+
+def counted(folder: Path) -> Path:
+    """A file with counters: of every second batch, so that some have none."""
+    value = ours() | {"ceilings": CEILINGS}
+    for tree in value["meshes"][0]["trees"]:
+        for i, batch in enumerate(tree["batches"][::2]):
+            batch["counters"] = counters_of(8.0 + 3 * i)
+    folder.mkdir(parents=True)
+    return written(folder, "ptbench_tori_4M.json", value)
+
+
+def test_counters_are_of_the_format(tmp_path):
+    path = counted(tmp_path / "counted")
+    value = json.loads(path.read_text(encoding="utf-8"))
+    assert list(complaints(value, "rays")) == []
+    value["meshes"][0]["trees"][0]["batches"][0]["counters"]["bound"] = "luck"
+    del value["ceilings"]["issue_g_warp_instructions_per_second"]
+    assert len(list(complaints(value, "rays"))) == 2
+    with pytest.raises(InputError, match=r'counters\.bound: found "luck", allowed: "issue"'):
+        rays_of(read_json(written(tmp_path, "wrong.json", value)))
+
+
+def test_counters_are_read_told_and_drawn_as_a_table(tmp_path):
+    path = counted(tmp_path / "counted")
+    rows = ptbench.load(path).rows("rays")
+    assert [row.get("active_lanes") for row in rows[:3]] == [8.0, None, 11.0]
+    assert rows[0]["bound"] == "issue"
+    assert main(["plots", str(path), "--out", str(tmp_path / "page")]) == 0
+    page = (tmp_path / "page/summary.md").read_text(encoding="utf-8")
+    line = next(line for line in page.splitlines() if "| 8.00 |" in line)
+    assert line.endswith("| 1000 | 64.5 | 50 % | 50 % | 25 % | 38 % | 12 % | 6.2 % | 75 % | 62 % | 25 % | issue |")
+
+
+def test_pages_ask_for_counters(tmp_path):
+    counted(tmp_path / "counted")
+    folder = RaysFolder(tmp_path, "counted")
+    assert len(folder.counted) == sum(len(tree.batches[::2]) for tree in folder.meshes[0].trees)
+    assert folder.counted[0].counters_row == (
+        "8.00 | 1000 | 64.5 | 50 % | 50 % | 25 % | 38 % | 12 % | 6.2 % | 25 % | issue"
+    )
+    assert folder.nearest_ceiling == "issue or ALU, 50 % to 62 %"
+    with pytest.raises(FindingError, match="no batch has counters"):
+        _ = RaysFolder(ROOT / "results", "nvidia-h200/rays").counted
+    with pytest.raises(FindingError, match="no counters"):
+        _ = RaysFolder(ROOT / "results", "nvidia-h200/rays").traced()[0].counters_row
+
+
+ROOMS = {
+    "counted": "Lanes and the bound of batches: not measured yet",
+    "levels": "The suite `levels`: not measured yet",
+    "errors": "Next-event estimation over meshes (suite `mesh_convergence`): not measured yet",
+    "cpu": "The suite `accelerators` on a CPU: not measured yet",
+    "other_traversal": "Not measured yet: all of this is one model of GPU",
+}
+
+
+def errors_over_meshes(path: Path) -> None:
+    """A result of the suite mesh_convergence: connections halve the variance and cost half as much again."""
+    builder = convergence_study(on_gpu("mesh_convergence"), "direct_light_meshes")
+    builder.axes |= {"arithmetic": "exact", "accelerator": "cwbvh", "light_sampling": "solid_angle"}
+    builder.baselines |= builder.axes
+    for scene in ("icosphere_room", "tori_4m_room"):
+        for direct, law, ms in (("off", Law(0.5), 2.0), ("nee", Law(0.25), 3.0), ("nee_mis", Law(0.25), 3.0)):
+            axes = {} if direct == "off" else {"direct_light": direct, "light_sampling": "auto"}
+            convergence_cell(builder, law, study="direct_light_meshes", scene=scene, ms_per_spp=ms, axes=axes)
+    builder.write(path)
+
+
 def test_the_page_of_meshes_takes_what_is_there(tmp_path):
-    optional = {"traversal.json.gz", "rays_accelerators", "nvidia-h100"}
+    optional = {
+        "traversal.json.gz", "rays_accelerators", "rays_counters", "nvidia-h100", "intel-r-xeon-r-processor-2-threads",
+        "levels.json", "levels.json.gz", "mesh_convergence.json", "mesh_convergence.json.gz",
+    }  # fmt: skip
     fewer = results_linked(tmp_path / "fewer", optional)
-    more = results_linked(tmp_path / "more", {"nvidia-h100"})
-    (more / "nvidia-h100").mkdir()
-    for name in ("accelerators.json.gz", "meshes.json.gz", "rays_accelerators"):
-        (more / "nvidia-h100" / name).symlink_to(ROOT / "results/nvidia-h200" / name)
+    more = results_linked(tmp_path / "more", optional - {"traversal.json.gz", "rays_accelerators"})
+    h100, h200, cpu = (
+        more / name for name in ("nvidia-h100", "nvidia-h200", "intel-r-xeon-r-processor-2-threads")
+    )  # fmt: skip
+    h100.mkdir()
+    cpu.mkdir()
+    for name in ("accelerators.json.gz", "meshes.json.gz", "rays_accelerators", "traversal.json.gz"):
+        (h100 / name).symlink_to(ROOT / "results/nvidia-h200" / name)
+    # What these show is asked of any machine's file.
+    (cpu / "accelerators.json.gz").symlink_to(ROOT / "results/nvidia-h200/accelerators.json.gz")
+    (h200 / "levels.json.gz").symlink_to(ROOT / "results/nvidia-h200/levels_sphereflake.json.gz")
+    errors_over_meshes(h200 / "mesh_convergence.json")
+    counted(h200 / "rays_counters")
     page = read_page(ROOT / "docs/templates/meshes.md")
     without, text, now = (render(page, results) for results in (fewer, more, ROOT / "results"))
     headings = [re.findall("^## (.*)$", one, re.MULTILINE) for one in (without, text)]
     assert [one for one in headings[1] if one not in headings[0]] == ["Traversals"]
+    for name, said in ROOMS.items():
+        assert said in without, name
+        assert said not in text, name
     assert "Not measured yet" in without
     assert "ot measured yet" not in text
+    assert "| sphereflake_room | 200x200 | `bvh2` |" in text
+    line = re.search(
+        r"^\| tori_4m_room \| `nee_mis` \| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \[.* FASTER", text, re.MULTILINE
+    )
+    assert [float(number) for number in line.groups()] == pytest.approx([2, 1.5, 4 / 3], rel=0.05)
+    assert re.search(r"^\| traversal, NVIDIA H200 \| 81 \| 1\.00 \[", text, re.MULTILINE)
+    assert "| tori_4M | primary | `cwbvh` | `persistent` |" in text
     assert "| mesh | builder | rays | `bvh2` | `bvh4` | `bvh8` | `cwbvh` |" in text
     assert re.search(r"^\| meshes, NVIDIA H200 \| 60 \| 1\.00 \[", text, re.MULTILINE)
     assert "of `bvh2`, `bvh4` and `bvh8`: 1.000 to 1.000" in text

@@ -290,7 +290,10 @@ INSPECTED = [path for path in COMMITTED if path.stem.startswith("inspect_")]
 @pytest.mark.parametrize("word", ["per", "a"])
 @pytest.mark.parametrize("path", INSPECTED, ids=lambda path: path.stem)
 def test_an_inspect_file_is_valid_by_either_word(path, word):
-    value = rates_named(json.loads(path.read_text(encoding="utf-8")), word)
+    value = json.loads(path.read_text(encoding="utf-8"))
+    if word == "a" and "variant_id" in value[0]:
+        return  # a newer key: no file of the former words has it
+    value = rates_named(value, word)
     assert f"threads_{word}_block" in value[0]["kernels"][0]
     assert list(complaints(value, "inspect")) == []
 
@@ -299,7 +302,7 @@ def _rates() -> list[tuple[str, str]]:
     """The fields X_per_Y: (where in a report, name)."""
     own = schema("inspect")["$defs"]
     objects = {"kernels[0]": own["kernel"], "kernels[0].counters": own["counters"]}
-    objects |= {"ceilings": own["report"]["properties"]["ceilings"]}
+    objects |= {"ceilings": own["ceilings"]}
     return [(place, key) for place, node in objects.items() for key in node["properties"] if "_per_" in key]
 
 
@@ -339,7 +342,7 @@ def test_reports_of_one_inspect_file_have_one_word(words):
         ),
         (lambda v: v[0].update(kernels=[]), "$[0].kernels: found [], allowed: 1 or more"),
         (lambda v: v[0].pop("spp"), "$[0].spp: found nothing, allowed: this key is required"),
-        (lambda v: v[0]["kernels"][0]["counters"].update(bound="l2"), '$[0].kernels[0].counters.bound: found "l2", '),
+        (lambda v: v[0]["kernels"][0]["counters"].update(bound="l3"), '$[0].kernels[0].counters.bound: found "l3", '),
         (lambda v: v.clear(), "$: found [], allowed: 1 or more"),
     ],
     ids=["registers", "no kernels", "no spp", "bound", "empty"],

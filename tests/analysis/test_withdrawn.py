@@ -75,6 +75,17 @@ def test_it_concerns_pairs_that_differ_in_the_choice(tmp_path, backend):
     assert backend in among([off, mis])[0].backends
 
 
+def test_ways_to_sample_a_light_that_are_not_dear_are_spared(tmp_path):
+    builder = connections()
+    for choice in ("nee", "nee_mis"):
+        builder.cell("lights", ms_per_spp=0.1, axes={"direct_light": choice, "light_sampling": "projected"})
+    off, nee, _, _, near, _ = load(builder.write(tmp_path / "r.json")).cells
+    assert between(off, near) == among([off, near]) == concerning([near]) == ()
+    # Beside one of solid angles it is withdrawn, in whichever order they stand.
+    assert len(among([off, near, nee])) == len(among([nee, near, off])) == 1
+    assert "Verdicts with light_sampling=area,projected,auto stand." in among([off, nee])[0].full
+
+
 def test_the_verdict_carries_it_on_its_line(tmp_path):
     result = load(connections().write(tmp_path / "r.json"))
     rows = measure(result, result.studies[0])

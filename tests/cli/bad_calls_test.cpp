@@ -207,6 +207,30 @@ TEST(BadCallsTest, Axes) {
         "the run has no cell: n/a: first_bounce=cached needs jitter off (camera.jitter is true in the scene)\n");
 }
 
+TEST(BadCallsTest, Devices) {
+    const std::string allowed = ", allowed: 1, 2, 3, 4, 5, 6, 7, 8\n";
+    const std::pair<std::string, std::string> cases[] = {
+        {"0", "--devices: argument.devices: found \"0\"" + allowed},
+        {"two", "--devices: argument.devices: found \"two\"" + allowed},
+        {"1,", "--devices: argument.devices: found \"\"" + allowed},
+        {"2,2", "--devices: argument.devices: found \"2\" twice, allowed: once\n"},
+    };
+    for (const auto& [argument, message] : cases) {
+        expect_refusal(render_with({"--devices", argument}), 2, message);
+        expect_refusal(run_with({"--scene", "cornell_open", "--devices", argument}), 2, message);
+        expect_refusal({"verify", "--scene", "cornell_open", "--devices", argument}, 2, message);
+    }
+    expect_refusal(render_with({"--devices", "1", "--axis", "devices=1"}), 2,
+                   "--devices: argument: found devices twice, allowed: once, with commas between its choices\n");
+    expect_refusal(render_with({"--devices", "1,2"}), 2,
+                   "--axis: argument: found 2 variants, allowed: one choice an axis and one value a tunable for "
+                   "render\n");
+    expect_refusal(render_with({"--devices", "2", "--backend", "cpu"}), 2,
+                   "n/a: wavefront devices=2 on cornell_open: devices=2 is not there on the backend cpu\n");
+    expect_refusal(run_with({"--scene", "cornell_open", "--devices", "2", "--backend", "cpu"}), 2,
+                   "the run has no cell: n/a: devices=2 is not there on the backend cpu\n");
+}
+
 Arguments inspect_with(const Arguments& added) {
     Arguments arguments{"inspect", "--scene", "cornell_open"};
     arguments.insert(arguments.end(), added.begin(), added.end());

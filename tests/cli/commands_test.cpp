@@ -318,14 +318,14 @@ TEST(VerifyCommandTest, QuietPrintsTheTallyOnly) {
     const std::size_t text = result.out.find(' ');
     ASSERT_NE(text, std::string::npos);
     EXPECT_EQ(result.out.substr(text),
-              " held, 0 failed, 12444 not applicable on cpu; 6x4 at 1 spp, scenes: jitter_off\n");
+              " held, 0 failed, 15555 not applicable on cpu; 6x4 at 1 spp, scenes: jitter_off\n");
 }
 
 TEST(VerifyCommandTest, NothingHeldIsNoSuccess) {
     const CommandResult result = ptbench(
         {"verify", "--scene", "cornell_open", "--resolution", "4x3", "--axis", "first_bounce=cached", "--quiet"});
     EXPECT_EQ(result.exit_code, 1);
-    EXPECT_EQ(result.out, "0 held, 0 failed, 4320 not applicable on cpu; 4x3 at 4 spp, scenes: cornell_open\n");
+    EXPECT_EQ(result.out, "0 held, 0 failed, 5400 not applicable on cpu; 4x3 at 4 spp, scenes: cornell_open\n");
 }
 
 // ---- verify --statistical ----

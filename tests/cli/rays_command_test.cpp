@@ -108,6 +108,12 @@ TEST(RaysCommandTest, ABadCallIsOneLineAndWritesNothing) {
     EXPECT_NE(refusal({"--mesh", "icosphere:1,icosphere:2", "--write-rays", "a.rays"}).find("allowed: one mesh"),
               std::string::npos);
     EXPECT_NE(refusal({"--mesh", "icosphere:1", "--log2-rays", "40"}).find("--log2-rays"), std::string::npos);
+    for (const char* flag : {"--counters", "--counted"}) {
+        EXPECT_EQ(refusal({"--mesh", "icosphere:1", flag}),
+                  "ptbench: rays: --counters: found --backend cpu, allowed: --backend cuda: counters are a GPU's\n");
+    }
+    EXPECT_EQ(refusal({"--leaks", "--mesh", "icosphere:1", "--counters"}),
+              "ptbench: rays: --counters: found it with --leaks, allowed: one of them\n");
     EXPECT_TRUE(folder.content().empty());
 }
 

@@ -176,6 +176,12 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
         add_by_turns(five, {{"light_sampling", sampling}, {"direct_light", "nee"}, {"precision", "double"}},
                      integrators.size());
     }
+    add_by_turns(five, {{"direct_light", "nee_one_sample"}, {"light_selection", "light_tree"}}, integrators.size());
+    for (const std::string& selection : choices_of("light_selection")) {
+        add_by_turns(five, {{"light_selection", selection}, {"direct_light", "nee_mis"}}, 6);
+        add_by_turns(room, {{"light_selection", selection}, {"direct_light", "nee"}, {"precision", "double"}},
+                     integrators.size());
+    }
     for (const std::string& accelerator : choices_of("accelerator")) {
         for (const std::string& traversal : choices_of("traversal")) {
             for (const std::string& stack : choices_of("traversal_stack")) {
@@ -198,6 +204,8 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
     }
     const Scene still = find_scene("cornell_open_unjittered");
     add_by_turns(still, {{"first_bounce", "cached"}}, 3);
+    add_by_turns(still, {{"first_bounce", "cached"}, {"devices", "2"}, {"partition", "tiles"}}, 3);
+    add_by_turns(room, {{"accelerator", "cwbvh"}, {"devices", "2"}, {"partition", "tiles"}}, 3);
     add_by_turns(still, {{"direct_light", "final_bounce"}}, 3);
     add_by_turns(still, {{"direct_light", "nee_mis"}, {"russian_roulette", "throughput"}, {"sampler", "sobol_owen"}},
                  2);

@@ -228,9 +228,13 @@ TEST_F(InspectTest, LeavingOutMakesAKernelSmaller) {
                                               "area_sampling",
                                               "projected_sampling",
                                               "automatic_sampling",
+                                              "power_selection",
+                                              "tree_selection",
+                                              "one_sample",
+                                              "environment_map",
                                               "russian_roulette",
                                               "near_sphere"}));
-        EXPECT_EQ(generic["features"].size(), 29u);
+        EXPECT_EQ(generic["features"].size(), 33u);
         EXPECT_EQ(generic["left_out"], Json::array());
         EXPECT_LT(features["code_bytes"], generic["code_bytes"]);
         for (const Json& report : {features, generic}) {

@@ -20,6 +20,7 @@ int fuzz_journal(const std::uint8_t* data, std::size_t size);
 int fuzz_mesh_ply(const std::uint8_t* data, std::size_t size);
 int fuzz_mesh_obj(const std::uint8_t* data, std::size_t size);
 int fuzz_mesh_glb(const std::uint8_t* data, std::size_t size);
+int fuzz_environment_hdr(const std::uint8_t* data, std::size_t size);
 }
 
 namespace pt {
@@ -35,7 +36,8 @@ const std::map<std::string, Target> targets{{"scene", fuzz_scene},
                                             {"journal", fuzz_journal},
                                             {"mesh_ply", fuzz_mesh_ply},
                                             {"mesh_obj", fuzz_mesh_obj},
-                                            {"mesh_glb", fuzz_mesh_glb}};
+                                            {"mesh_glb", fuzz_mesh_glb},
+                                            {"environment_hdr", fuzz_environment_hdr}};
 const std::filesystem::path corpus = std::filesystem::path(PTBENCH_SOURCE_DIR) / "tests/fuzz/corpus";
 
 class FuzzCorpusTest : public testing::TestWithParam<std::string> {};

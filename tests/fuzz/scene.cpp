@@ -35,6 +35,9 @@ bool needs_much(const Json& object) {
 
 bool needs_much(const std::string& text) {
     const Json scene = parse_json(text, "scene.json");
+    if (scene.is_object() && needs_much(scene.value("environment", Json()))) {
+        return true;
+    }
     const Json objects = scene.is_object() ? scene.value("objects", Json()) : Json();
     return objects.is_array() &&
            std::any_of(objects.begin(), objects.end(), [](const Json& object) { return needs_much(object); });

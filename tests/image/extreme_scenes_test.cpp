@@ -147,8 +147,9 @@ struct Kernel {
 
 // With the samplers' and the direct lights' code paths that read a scene's numbers.
 std::vector<Kernel> kernels() {
-    std::vector<Kernel> all{{"plain", {}}, {"final_bounce", {}}, {"next_event", {}}, {"mis", {}},
-                            {"area", {}},  {"projected", {}},    {"auto", {}}};
+    std::vector<Kernel> all{{"plain", {}},      {"final_bounce", {}}, {"next_event", {}}, {"mis", {}},
+                            {"area", {}},       {"projected", {}},    {"auto", {}},       {"power", {}},
+                            {"light_tree", {}}, {"one_sample", {}}};
     all[1].options.final_bounce = true;
     all[2].options.next_event = true;
     all[3].options.next_event = true;
@@ -160,6 +161,12 @@ std::vector<Kernel> kernels() {
         all[4 + i].options.light_sampling = samplings[i];
         all[4 + i].options.near_light = 20;
     }
+    all[7].options = all[3].options;
+    all[7].options.light_selection = LightSelection::power;
+    all[8].options = all[3].options;
+    all[8].options.light_selection = LightSelection::tree;
+    all[9].options = all[3].options;
+    all[9].options.one_sample = true;
     return all;
 }
 

@@ -35,6 +35,9 @@ public:
         if (chance(0.1)) {
             builder_.environment(random_.uniform(0.1, 1));
         }
+        if (chance(0.1)) {
+            builder_.environment_map(2, 2, {colour(), colour(), colour() * 9.0, colour()}, random_.uniform(0, 360));
+        }
         if (chance(0.15)) {
             builder_.scene.camera.aperture_radius = random_.uniform(0.01, 0.3);
             builder_.scene.camera.focus_distance = random_.uniform(2, 8);

@@ -23,6 +23,8 @@ Film film_of(const Scene& scene, FeatureSet asked) {
     settings.mis_exponent = contains(asked, Feature::multiple_importance) ? 2 : 0;
     settings.light_sampling = light_sampling_in(asked);
     settings.near_light = 100;
+    settings.light_selection = light_selection_in(asked);
+    settings.one_sample = contains(asked, Feature::one_sample);
     settings.roulette_start = contains(asked, Feature::russian_roulette) ? 2 : 0;
     settings.sampler = asked & samplers;
     const SceneBuffers<float> buffers(scene, settings);
@@ -127,6 +129,10 @@ const Case cases[] = {
     with<Feature::subsurface_boundary, Feature::subsurface>(
         "subsurface_boundary", [](Still& s) { make_ball(s, s.builder.subsurface(Vec3d(4), Vec3d(0.1), 0, 1.4)); }),
     with<Feature::environment>("environment", [](Still& s) { s.builder.environment(0.5); }),
+    with<Feature::environment_map>("environment_map",
+                                   [](Still& s) {
+                                       s.builder.environment_map(2, 1, {{0.5, 0.25, 0.125}, {2, 3, 4}});
+                                   }),
     with<Feature::jitter>("jitter", [](Still& s) { s.builder.scene.camera.jitter = true; }),
     with<Feature::lens>("lens",
                         [](Still& s) {
@@ -139,6 +145,9 @@ const Case cases[] = {
     asked_for<Feature::area_sampling, no_features | Feature::next_event>("area_sampling"),
     asked_for<Feature::projected_sampling, no_features | Feature::next_event>("projected_sampling"),
     asked_for<Feature::automatic_sampling, no_features | Feature::next_event>("automatic_sampling"),
+    asked_for<Feature::power_selection, no_features | Feature::next_event>("power_selection"),
+    asked_for<Feature::tree_selection, no_features | Feature::next_event>("tree_selection"),
+    asked_for<Feature::one_sample, Feature::next_event | Feature::multiple_importance>("one_sample"),
     asked_for<Feature::russian_roulette>("russian_roulette"),
     asked_for<Feature::philox>("philox"),
     asked_for<Feature::sobol_owen>("sobol_owen"),
@@ -161,9 +170,10 @@ TEST(FeatureMask, HasWhatTheSceneNeedsAndNothingElse) {
         const FeatureSet rest = mask & ~static_cast<FeatureSet>(c.feature);
         const bool on_another = c.feature == Feature::absorption || c.feature == Feature::subsurface_boundary ||
                                 c.feature == Feature::multiple_importance ||
-                                c.feature == Feature::multiple_scattering || contains(light_samplings, c.feature);
-        const FeatureSet stood_on =
-            set_of(Feature::dielectric, Feature::subsurface, Feature::next_event, Feature::rough_conductor);
+                                c.feature == Feature::multiple_scattering || c.feature == Feature::one_sample ||
+                                contains(light_samplings | light_selections, c.feature);
+        const FeatureSet stood_on = set_of(Feature::dielectric, Feature::subsurface, Feature::next_event,
+                                           Feature::multiple_importance, Feature::rough_conductor);
         EXPECT_EQ(rest & ~stood_on, base) << c.name;
         EXPECT_EQ((rest & stood_on) != 0, on_another) << c.name;
     }

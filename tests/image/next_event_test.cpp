@@ -85,6 +85,92 @@ TYPED_TEST(NextEventTest, BoxEllipsoidAndQuadLights) {
     }
 }
 
+// Whichever light is drawn: the mean of light_selection=uniform, of which the tests above have that it is right. Lights
+// of every shape, unlike in size, power and distance, one of them moving.
+TYPED_TEST(NextEventTest, WaysToChooseALightHaveOneMean) {
+    Scene scene = stage([](SceneBuilder& b) {
+        b.sphere(b.emitter({40, 30, 20}), {0.5, 2.8, -1}, 0.3);
+        b.ellipsoid(b.emitter({1, 2, 3}), {-1, 2.2, 0.5}, {0.9, 0.2, 0.4}, {20, 30, 40});
+        b.box(b.emitter({4, 5, 6}), {1.5, 0.3, 1}, {0.5, 0.3, 0.5});
+        b.box(b.emitter({3, 0.5, 0.1}), {-1.5, 0.7, 1}, {0.2, 0.9, 0.2}, {20, 30, 40});
+        b.quad(b.emitter({4, 5, 6}), {-1.2, 1.5, -0.5}, 0.5, 0.4, {80, 50, 0});
+        b.scene.objects.back().velocity = {0, 0.5, 0.2};
+        b.scene.camera.shutter_close = 1;
+    });
+    const auto usual =
+        block_means<TypeParam>(scene, {.samples = 150, .depth = 3, .seed = 41, .next_event = true, .mis_exponent = 2});
+    for (const LightSelection selection : {LightSelection::power, LightSelection::tree}) {
+        for (const std::uint32_t exponent : {0u, 1u, 2u}) {
+            expect_equal_means(usual,
+                               block_means<TypeParam>(scene, {.samples = 100,
+                                                              .depth = 3,
+                                                              .seed = 45 + exponent,
+                                                              .next_event = true,
+                                                              .mis_exponent = exponent,
+                                                              .light_selection = selection}),
+                               std::string(selection == LightSelection::power ? "power" : "light_tree") + " exponent " +
+                                   std::to_string(exponent));
+        }
+    }
+}
+
+// One sample of the two techniques: the mean of plain paths, with every way to choose a light.
+TYPED_TEST(NextEventTest, OneSampleOfTwoTechniques) {
+    const Scene scene = stage([](SceneBuilder& b) {
+        b.sphere(b.emitter({4, 3, 2}), {0.5, 2.8, -1}, 0.6);
+        b.box(b.emitter({4, 5, 6}), {1.5, 0.3, 1}, {0.5, 0.3, 0.5});
+    });
+    const auto off = block_means<TypeParam>(scene, {.samples = 300, .depth = 3, .seed = 61});
+    for (const LightSelection selection : {LightSelection::uniform, LightSelection::power, LightSelection::tree}) {
+        for (const std::uint32_t exponent : {1u, 2u}) {
+            expect_equal_means(
+                off,
+                block_means<TypeParam>(scene, {.samples = 100,
+                                               .depth = 3,
+                                               .seed = 62 + exponent,
+                                               .next_event = true,
+                                               .mis_exponent = exponent,
+                                               .light_selection = selection,
+                                               .one_sample = true}),
+                "selection " + std::to_string(static_cast<int>(selection)) + " exponent " + std::to_string(exponent));
+        }
+    }
+}
+
+// Of the numbers that are drawn the same for both, one sample counts twice what two samples count by the technique that
+// was chosen, and nothing by the other; each is chosen about as often.
+TYPED_TEST(NextEventTest, OneSampleCountsTheChosenTechniqueTwice) {
+    const Scene scene = stage(lamp);
+    RenderOptions both{.depth = 2, .seed = 5, .next_event = true, .mis_exponent = 1};
+    RenderOptions one = both;
+    one.one_sample = true;
+    test::Stages<TypeParam> of_both(scene, both), of_one(scene, one);
+    int vertices = 0, connected = 0, lit = 0;
+    for (std::uint32_t pixel = 0; pixel < of_one.view().pixel_count(); ++pixel) {
+        Path<TypeParam> path = of_both.generate(pixel, 0);
+        Path<TypeParam> chosen = path;
+        if (!of_both.shade(path, of_both.intersect(path)) || path.bsdf_pdf == 0) {
+            continue;
+        }
+        ASSERT_TRUE(of_one.shade(chosen, of_one.intersect(chosen)));
+        const Vec3d by_connection(path.radiance);
+        path.radiance = Vec3<TypeParam>(TypeParam(0));
+        of_both.finish(path);
+        const Vec3d by_meeting(path.radiance);
+        ++vertices;
+        connected += chosen.bsdf_pdf < 0;
+        const Vec3d expected = (chosen.bsdf_pdf < 0 ? by_connection : by_meeting) * 2.0;
+        of_one.finish(chosen);
+        for (int channel = 0; channel < 3; ++channel) {
+            ASSERT_EQ(static_cast<double>(chosen.radiance[channel]), expected[channel]) << pixel;
+        }
+        lit += expected.x > 0;
+    }
+    EXPECT_GT(vertices, 500);
+    EXPECT_GT(lit, 100);
+    EXPECT_NEAR(connected, vertices / 2.0, 4 * std::sqrt(vertices / 4.0));
+}
+
 // Points on lights however drawn: the mean of solid_angle, of which the tests above have that it is right. With
 // multiple importance sampling, since weights are not bounded without where a light is near.
 TYPED_TEST(NextEventTest, WaysToDrawLightsHaveOneMean) {

@@ -64,6 +64,7 @@ TEST_P(ShippedScene, HoldsTheClaimOfEveryVariant) {
     axes["builder"] = {"sah_binned"};
     axes["levels"] = {"each_object"};
     axes["light_sampling"] = {"solid_angle"};
+    axes["light_selection"] = {"uniform"};
     // The kernels of a scene are those of the first with its features: all of them there, every pair of choices here.
     const bool is_first = first_with(features) == GetParam();
     for (const Variant& variant : is_first ? expand(axes, Backend::cpu, {{"jitters", {16, 2}}})

@@ -18,6 +18,8 @@ RenderSettings settings_of(const Scene& scene, const RenderOptions& options) {
     settings.mis_exponent = options.mis_exponent;
     settings.light_sampling = options.light_sampling;
     settings.near_light = options.near_light;
+    settings.light_selection = options.light_selection;
+    settings.one_sample = options.one_sample;
     settings.roulette_start = options.roulette_start;
     settings.sampler = options.sampler;
     return settings;

@@ -23,6 +23,8 @@ struct RenderOptions {
     std::uint32_t mis_exponent = 0;
     LightSampling light_sampling = LightSampling::solid_angle;
     std::uint16_t near_light = 0;
+    LightSelection light_selection = LightSelection::uniform;
+    bool one_sample = false;
     std::uint32_t roulette_start = 0;
     FeatureSet sampler = no_features;
 };

@@ -37,6 +37,15 @@ SceneBuilder& SceneBuilder::environment(double radiance) {
     return *this;
 }
 
+SceneBuilder& SceneBuilder::environment_map(std::uint32_t width, std::uint32_t height, const std::vector<Vec3d>& texels,
+                                            double rotation_degrees) {
+    auto environment = std::make_shared<SceneEnvironment>();
+    environment->image = {width, height, {texels.begin(), texels.end()}};
+    environment->rotation_degrees = rotation_degrees;
+    scene.environment_map = std::move(environment);
+    return *this;
+}
+
 std::uint32_t SceneBuilder::add(SceneMaterial material) {
     material.name = "m" + std::to_string(scene.materials.size());
     scene.materials.push_back(material);
@@ -194,6 +203,13 @@ Scene scaled(Scene scene, double factor) {
 
 Scene brightened(Scene scene, double factor) {
     scene.environment *= factor;
+    if (scene.environment_map != nullptr) {
+        auto environment = std::make_shared<SceneEnvironment>(*scene.environment_map);
+        for (Vec3<float>& texel : environment->image.texels) {
+            texel *= static_cast<float>(factor);
+        }
+        scene.environment_map = std::move(environment);
+    }
     for (SceneMaterial& material : scene.materials) {
         material.emission *= factor;
     }

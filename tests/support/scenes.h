@@ -18,6 +18,9 @@ struct SceneBuilder {
     SceneBuilder& image(std::uint32_t width, std::uint32_t height, double fov_degrees, bool jitter);
     SceneBuilder& depth(std::uint32_t segments);
     SceneBuilder& environment(double radiance);
+    // One that is drawn: texels from the top, row by row.
+    SceneBuilder& environment_map(std::uint32_t width, std::uint32_t height, const std::vector<Vec3d>& texels,
+                                  double rotation_degrees = 0);
 
     // Each returns the material's index.
     std::uint32_t diffuse(const Vec3d& albedo, const Vec3d& emission = Vec3d(0.0));

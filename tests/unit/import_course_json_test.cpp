@@ -170,6 +170,23 @@ TEST(ImportCourseJson, MeshesByFileAndByTheirNames) {
     }
 }
 
+TEST(ImportCourseJson, EnvironmentsAreImagesWithAWarning) {
+    const std::string sky = PTBENCH_SOURCE_DIR "/scenes/environments/sky.hdr";
+    for (const std::string& said :
+         {R"("EnvMap": ")" + sky + "\"", R"("Background": {"type": "skybox", "path": ")" + sky + "\"}"}) {
+        const std::string text = replaced(plain, "\"Materials\":", said + ", \"Materials\":");
+        const ImportResult result = import_course_json({.text = text, .file = "box.json", .out = "", .name = ""});
+        EXPECT_EQ(result.problems.messages("a.json", ""), Lines()) << said;
+        EXPECT_EQ(result.warnings.count(), 1u);
+        const Scene scene = parse_scene(result.json, "box.json");
+        ASSERT_NE(scene.environment_map, nullptr);
+        EXPECT_EQ(scene.environment_map->rotation_degrees, 90);
+        EXPECT_EQ(scene.environment_map->image.width, 64u);
+    }
+    const std::string none = replaced(plain, "\"Materials\":", "\"EnvMap\": null, \"Materials\":");
+    EXPECT_EQ(problems_of(none), Lines());
+}
+
 TEST(ImportCourseJson, AllProblemsAreListedWithTheirLines) {
     std::string text =
         replaced(plain, "\"Materials\":", "\"Environment\": {\"FILE\": \"sky.hdr\"},\n    \"Materials\":");
@@ -181,8 +198,9 @@ TEST(ImportCourseJson, AllProblemsAreListedWithTheirLines) {
     EXPECT_EQ(
         problems_of(text),
         (Lines{
-            "box.json:2: found \"$.Environment sky.hdr\", allowed: no texture, bump or environment map (scene files "
-            "have none)",
+            "box.json:2: found \"$.Environment sky.hdr\", allowed: an image .hdr or .exr that is there, beside this "
+            "file "
+            "or in a folder above it",
             "box.json:5: found \"$.Materials.light.RGB 1.0 0.5\", allowed: $.Materials.light.RGB and 3 finite "
             "numbers",
             "box.json:8: found \"$.Materials.grey.TYPE Velvet\", allowed: Diffuse, Emitting, Specular, Mirror, "

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "harness/mesh/write_mesh.h"
+#include "harness/render/exr.h"
 #include "harness/scene/export_mitsuba.h"
 #include "harness/scene/import_mitsuba.h"
 #include "harness/scene/mitsuba_limits.h"
@@ -13,6 +14,7 @@
 #include "harness/scene/xml_document.h"
 #include "tests/support/command.h"
 #include "tests/support/render.h"
+#include "tests/support/scenes.h"
 
 namespace pt::test {
 namespace {
@@ -140,6 +142,54 @@ INSTANTIATE_TEST_SUITE_P(Shipped, MitsubaRoundTripTest, testing::ValuesIn(scenes
         name.begin(), name.end(), [](char c) { return c == '/' || c == '.' || c == '-'; }, '_');
     return name;
 });
+
+// Of an image the texels are many more in the file, for Mitsuba blends them, and lie where they lay.
+TEST(MitsubaEnvironmentTest, ComesBack) {
+    if (!reads_xml() || !has_openexr()) {
+        GTEST_SKIP() << "this build has no reader for XML, or no OpenEXR";
+    }
+    SceneBuilder builder;
+    builder.sphere(builder.diffuse(Vec3d(0.5)), {0, 3, 0}, 1);
+    builder.environment_map(
+        4, 2, {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {2, 3, 1}, {0, 1, 0}, {1, 0, 0}, {9, 9, 9}, {5, 5, 5}}, -37.5);
+    Scene scene = builder.scene;
+    auto named = std::make_shared<SceneEnvironment>(*scene.environment_map);
+    named->file = "sky.hdr";
+    scene.environment_map = named;
+    const MitsubaScene exported = mitsuba_scene(scene, {.width = 16, .height = 16, .depth = 3}, "there");
+    const TemporaryFolder folder;
+    EXPECT_EQ(exported.environment_file, "there_environment.exr");
+    write_text(folder.file(exported.environment_file), exported.environment);
+    const ImportResult result = import_mitsuba(
+        {.text = exported.xml, .file = folder.file("there.xml"), .out = folder.file("back.json"), .name = "back"});
+    EXPECT_EQ(result.problems.messages("f", ""), std::vector<std::string>());
+    EXPECT_EQ(result.warnings.count(), 1u);  // Mitsuba's blending
+    const Scene back = parse_scene(result.json, folder.file("back.json"));
+    ASSERT_NE(back.environment_map, nullptr);
+    EXPECT_EQ(back.environment_map->rotation_degrees, -37.5);
+    const EnvironmentImage& image = back.environment_map->image;
+    ASSERT_EQ(image.width, 4u * 32);
+    ASSERT_EQ(image.height, 2u * 32 + 1);
+    for (std::uint32_t y = 0; y < image.height; ++y) {
+        for (std::uint32_t x = 0; x < image.width; ++x) {
+            const auto& texels = named->image.texels;
+            const Vec3<float> upper = texels[x / 32], lower = texels[4 + x / 32];
+            const Vec3<float> expected = y < 32 ? upper : y > 32 ? lower : (upper + lower) * 0.5f;
+            ASSERT_EQ(image.texels[y * image.width + x], expected) << x << ", " << y;
+        }
+    }
+}
+
+TEST(MitsubaEnvironmentTest, OfOneNumberIsConstant) {
+    SceneBuilder builder;
+    builder.sphere(builder.diffuse(Vec3d(0.5)), {0, 3, 0}, 1);
+    builder.environment_map(1, 1, {{1, 0.5, 2}});
+    const MitsubaScene exported = mitsuba_scene(builder.scene, {.width = 16, .height = 16, .depth = 3}, "there");
+    EXPECT_EQ(exported.environment_file, "");
+    EXPECT_NE(exported.xml.find("<emitter type=\"constant\">\n    <rgb name=\"radiance\" value=\"1, 0.5, 2\"/>"),
+              std::string::npos)
+        << exported.xml;
+}
 
 TEST(MitsubaRoundTripScenesTest, ThereAreManyScenes) { EXPECT_GE(scenes_to_export().size(), 20u); }
 

@@ -388,6 +388,33 @@ TEST_F(ImportMitsubaTest, MeshesAreNamedFromTheSceneFileAndMirrorsAreWritten) {
     EXPECT_EQ(scene.meshes[scene.objects[1].mesh]->source, "s_mesh_0.ply");
 }
 
+TEST_F(ImportMitsubaTest, EnvironmentImages) {
+    const std::string sky = PTBENCH_SOURCE_DIR "/scenes/environments/sky.hdr";
+    const auto envmap = [](const std::string& name, const std::string& more = "") {
+        return scene_of("<emitter type=\"envmap\"><string name=\"filename\" value=\"" + name + "\"/>" + more +
+                        "</emitter>");
+    };
+    const Mitsuba read(envmap(
+        sky, R"(<float name="scale" value="0.5"/><transform name="to_world"><rotate y="1" angle="70"/></transform>)"));
+    EXPECT_EQ(read.problems(), Lines());
+    EXPECT_EQ(read.warnings().size(), 1u);
+    ASSERT_NE(read.scene.environment_map, nullptr);
+    EXPECT_EQ(read.scene.environment_map->image.width, 64u);
+    EXPECT_EQ(read.scene.environment_map->rotation_degrees, 70);
+    EXPECT_EQ(
+        Mitsuba(envmap(sky, R"(<transform name="to_world"><rotate x="1" angle="70"/></transform>)")).problems().size(),
+        1u);
+    const Lines missing = Mitsuba(envmap("nowhere.hdr")).problems();
+    ASSERT_EQ(missing.size(), 1u);
+    EXPECT_NE(missing[0].find("allowed: an image that can be read"), std::string::npos) << missing[0];
+    const Lines two = Mitsuba(scene_of(R"(<emitter type="constant"/><emitter type="envmap"/>)")).problems();
+    ASSERT_EQ(two.size(), 1u);
+    EXPECT_NE(two[0].find("allowed: one constant emitter or envmap"), std::string::npos) << two[0];
+    const Lines sun = Mitsuba(scene_of(R"(<emitter type="sunsky"/>)")).problems();
+    ASSERT_EQ(sun.size(), 1u);
+    EXPECT_NE(sun[0].find("emitters of type constant or envmap, and of type area in shapes"), std::string::npos);
+}
+
 TEST_F(ImportMitsubaTest, WhatIsNoXmlIsOneLine) {
     EXPECT_EQ(Mitsuba("<scene>\n<shape\n").problems().size(), 1u);
     EXPECT_EQ(Mitsuba("<mesh/>").problems(),

@@ -70,6 +70,30 @@ TEST(SceneJson, SceneDefaults) {
     EXPECT_EQ(scene.objects.size(), 1u);
 }
 
+TEST(SceneJson, EnvironmentsThatAreDrawn) {
+    const std::string folder = PTBENCH_SOURCE_DIR "/scenes/environments/";
+    const auto with = [&](const std::string& environment) {
+        return parse_scene(replaced(good, "\"max_depth\": 4", "\"max_depth\": 4, \"environment\": " + environment),
+                           folder + "s.json");
+    };
+    const Scene even = with("{\"radiance\": [1, 2, 3]}");
+    ASSERT_NE(even.environment_map, nullptr);
+    EXPECT_EQ(even.environment, Vec3d(0.0));
+    EXPECT_EQ(even.environment_map->image.texels, std::vector<Vec3<float>>{Vec3<float>(1, 2, 3)});
+    EXPECT_TRUE(contains(features_of(even), Feature::environment_map));
+    EXPECT_FALSE(contains(features_of(even), Feature::environment));
+    const Scene sky = with("{\"file\": \"sky.hdr\"}");
+    EXPECT_EQ(sky.environment_map->image.width, 64u);
+    EXPECT_EQ(sky.environment_map->image.height, 32u);
+    EXPECT_EQ(sky.environment_map->rotation_degrees, 0);
+    const Scene turned = with("{\"file\": \"sky.hdr\", \"scale\": 2, \"rotation\": -30}");
+    EXPECT_EQ(turned.environment_map->rotation_degrees, -30);
+    for (std::size_t i = 0; i < sky.environment_map->image.texels.size(); ++i) {
+        EXPECT_EQ(turned.environment_map->image.texels[i], sky.environment_map->image.texels[i] * 2.0f);
+    }
+    EXPECT_NE(turned.environment_map->hash, sky.environment_map->hash);  // which is part of the scene's
+}
+
 TEST(SceneJson, CameraDefaults) {
     const SceneCamera camera = parse(good).camera;
     EXPECT_EQ(camera.eye, Vec3d(0, 1, 5));
@@ -291,6 +315,16 @@ TEST(SceneJsonErrors, Scene) {
          "s.json: $.environment: found 1, allowed: an array of 3 numbers"},
         {"\"max_depth\": 4", "\"max_depth\": 4, \"environment\": [0, -1, 0]",
          "s.json: $.environment[1]: found -1, allowed: a number from 0 to 1e30"},
+        {"\"max_depth\": 4", "\"max_depth\": 4, \"environment\": {\"radiance\": [0, -1, 0]}",
+         "s.json: $.environment.radiance[1]: found -1, allowed: a number from 0 to 1e30"},
+        {"\"max_depth\": 4", "\"max_depth\": 4, \"environment\": {\"radiance\": [0, 1, 0], \"scale\": 2}",
+         "s.json: $.environment: found unknown key \"scale\", allowed: radiance"},
+        {"\"max_depth\": 4", "\"max_depth\": 4, \"environment\": {}",
+         "s.json: $.environment: found no key \"file\", allowed: it is required"},
+        {"\"max_depth\": 4", "\"max_depth\": 4, \"environment\": {\"file\": \"sky.hdr\", \"scale\": -1}",
+         "s.json: $.environment.scale: found -1, allowed: a number from 0 to 1e30"},
+        {"\"max_depth\": 4", "\"max_depth\": 4, \"environment\": {\"file\": \"sky.png\"}",
+         "sky.png: file name: found the ending \".png\", allowed: .hdr or .exr"},
         {"\"objects\": [", "\"objects\": {}, \"description\": [",
          "s.json: $.description: found an array of 1, allowed: a string"},
         {"[\n    " + object_line + "\n  ]", "{}", "s.json: $.objects: found an object, allowed: an array"},

@@ -1,5 +1,10 @@
-// Every shape of the list (kernels/shape_list.h): what it says of its size against the points that it gives.
+// Every shape of the list (kernels/shape_list.h): what it says of its size against the points that it gives, and of
+// densities against the directions.
+#include <algorithm>
+#include <cmath>
 #include <set>
+#include <type_traits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -143,6 +148,104 @@ TEST(ShapeListTest, FilesHaveThreeNamesForTheFirstFive) {
     EXPECT_EQ(names[2], "quad");
     EXPECT_EQ(shape_named("box"), Shape::box);
     EXPECT_EQ(name_of(Shape::quad), "quad");
+}
+
+// P-value of directions over the cap that holds the shape's box, against the density that they are said to have, summed
+// over cells of equal solid angle. Cells that the shape does not fill count as one.
+template <class Real, class Shape, class Draw, class InversePdf>
+double directions_p_value(const Shape& shape, const Vec3<Real>& observer, const Draw& draw,
+                          const InversePdf& inverse_pdf) {
+    constexpr int rows = 24, columns = 48, parts = 8, draws = 40000;
+    const Bounds<Real> bounds = bounds_of(shape);
+    const Vec3d to_centre = (Vec3d(bounds.low) + Vec3d(bounds.high)) * 0.5 - Vec3d(observer);
+    const Vec3d half = (Vec3d(bounds.high) - Vec3d(bounds.low)) * 0.5;
+    const double cap = 1 - std::sqrt(1 - dot(half, half) / dot(to_centre, to_centre));
+    const Frame<double> frame(normalize(to_centre));
+    std::vector<double> probabilities{0};  // the first is that of the cells that are not filled
+    std::vector<std::size_t> number(rows * columns, 0);
+    double sum = 0;
+    for (int cell = 0; cell < rows * columns; ++cell) {
+        double probability = 0;
+        int met_by = 0;
+        for (int part = 0; part < parts * parts; ++part) {
+            const double row = cell / columns + (part / parts + 0.5) / parts;
+            const double column = cell % columns + (part % parts + 0.5) / parts;
+            const double z = 1 - cap * row / rows, flat = std::sqrt(1 - z * z),
+                         turn = 2 * pi<double> * column / columns;
+            const Vec3<Real> direction(frame.to_world({flat * std::cos(turn), flat * std::sin(turn), z}));
+            const Interval<Real> met = interval(shape, observer, direction);
+            if (met.hits) {
+                const double area = 2 * pi<double> * cap / (rows * columns * parts * parts);
+                probability += area / static_cast<double>(inverse_pdf(direction, met.near));
+                met_by += 1;
+            }
+        }
+        if (met_by == parts * parts) {
+            number[static_cast<std::size_t>(cell)] = probabilities.size();
+            probabilities.push_back(probability);
+        } else {
+            probabilities[0] += probability;
+        }
+        sum += probability;
+    }
+    EXPECT_GT(probabilities.size(), 20u);
+    // Parts on the outline count whole or not at all.
+    EXPECT_NEAR(sum, 1, 0.01);
+    probabilities[0] += 1 - sum;
+    std::vector<std::uint64_t> counts(probabilities.size());
+    for (int i = 0; i < draws; ++i) {
+        const Vec3d direction(draw());
+        const double turn = std::atan2(dot(direction, frame.bitangent), dot(direction, frame.tangent));
+        const int row = static_cast<int>((1 - dot(direction, frame.normal)) / cap * rows);
+        const int column = static_cast<int>((turn / (2 * pi<double>)+1) * columns) % columns;
+        counts[number[static_cast<std::size_t>(std::clamp(row, 0, rows - 1) * columns + column)]] += 1;
+    }
+    return chi_square_test(counts, probabilities);
+}
+
+TYPED_TEST(ShapesTest, DirectionsFollowTheirDensity) {
+    using Real = TypeParam;
+    int boxes = 0;
+    for_each_shape<Real>([&](const auto& shape, ShapeKind) {
+        using Shape = std::decay_t<decltype(shape)>;
+        if constexpr (!std::is_same_v<Shape, MeshInstance<Real>>) {
+            const Bounds<Real> bounds = bounds_of(shape);
+            const Vec3<Real> size = bounds.high - bounds.low;
+            const Vec3<Real> observer = (bounds.low + bounds.high) * Real(0.5) +
+                                        Vec3<Real>(Real(0.5), Real(0.6), Real(0.7)) * square_root(dot(size, size));
+            Random random(5);
+            const auto unit = [&] { return static_cast<Real>(random.word() >> 8) * Real(0x1p-24); };
+            EXPECT_GT(directions_p_value<Real>(
+                          shape, observer,
+                          [&] { return sample_direction(shape, observer, unit(), unit(), unit()).direction; },
+                          [&](const Vec3<Real>& direction, Real distance) {
+                              return inverse_direction_pdf(shape, observer, direction, distance);
+                          }),
+                      chi_square_alpha);
+            if constexpr (IsBoxLike<Shape, Real>) {
+                for (const LightSampling sampling :
+                     {LightSampling::area, LightSampling::projected, LightSampling::automatic}) {
+                    boxes += 1;
+                    // Near is nearer than two and a half half diagonals.
+                    const Real near_light = Real(2.5);
+                    EXPECT_GT(directions_p_value<Real>(
+                                  shape, observer,
+                                  [&] {
+                                      return sample_box_light(shape, observer, sampling, near_light, unit(), unit(),
+                                                              unit())
+                                          .direction;
+                                  },
+                                  [&](const Vec3<Real>& direction, Real distance) {
+                                      return inverse_box_light_pdf(shape, observer, direction, distance, sampling,
+                                                                   near_light);
+                                  }),
+                              chi_square_alpha)
+                        << static_cast<int>(sampling);
+                }
+            }
+        }
+    });
+    EXPECT_GT(boxes, 8);
 }
 
 }  // namespace

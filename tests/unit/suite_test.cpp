@@ -63,7 +63,8 @@ const std::string known_axes =
     "integrator, compaction, sorting, sort_key, first_bounce, direct_light, russian_roulette, sampler, layout, "
     "specialisation, launch, "
     "arithmetic, "
-    "precision, robustness, accelerator, builder, traversal, traversal_stack, levels, light_sampling";
+    "precision, robustness, accelerator, builder, traversal, traversal_stack, levels, light_sampling, "
+    "devices, partition, light_selection";
 const std::string baseline_name = "wavefront";
 
 std::vector<std::string> cell_names(const Plan& plan) {
@@ -201,6 +202,9 @@ TEST_F(SuiteTest, RefusesBadFilesWithTheirPlace) {
          "$.studies[0].spp: found 0, allowed: a whole number from 1 to 1000000"},
         {R"({"name": "a", "scenes": ["still"], "spp": 1.0})",
          "$.studies[0].spp: found 1.0, allowed: a whole number from 1 to 1000000"},
+        {R"({"name": "a", "scenes": ["still"], "spp": []})",
+         "$.studies[0].spp: found [], allowed: at least one number of samples"},
+        {R"({"name": "a", "scenes": ["still"], "spp": [4, 4]})", "$.studies[0].spp[1]: found 4 twice, allowed: once"},
         {R"({"name": "a", "scenes": ["still"], "spp": {"cpu": 1}})",
          "$.studies[0].spp: found no key \"cuda\", allowed: it is required"},
         {R"({"name": "a", "scenes": ["still"], "spp": {"cpu": 1, "cuda": 0}})",
@@ -441,19 +445,28 @@ TEST_F(SuiteTest, ACellThatTwoStudiesShareIsOneCellOfBoth) {
               2u);
 }
 
+TEST_F(SuiteTest, SamplesMayBeAList) {
+    const Plan listed = plan(R"({"name": "a", "scenes": ["still"], "spp": [1, 16, 256]})");
+    ASSERT_EQ(listed.cells.size(), 3u);
+    EXPECT_EQ(listed.cells[0].spp, 1u);
+    EXPECT_EQ(listed.cells[1].spp, 16u);
+    EXPECT_EQ(listed.cells[2].spp, 256u);
+}
+
 TEST_F(SuiteTest, ExpansionCounts) {
     EXPECT_EQ(expand({}).size(), 1u);
     EXPECT_EQ(expand({})[0], Registry::instance().baseline());
     EXPECT_EQ(
         expand({{"layout", {"aos", "soa"}}, {"compaction", {"none", "thrust_partition", "thrust_remove_if"}}}).size(),
         6u);
-    // The axes that have one choice on the CPU (sort_key, launch, arithmetic) count for 1.
+    // The axes that have one choice on the CPU (sort_key, launch, arithmetic, devices) count for 1.
     AxisChoices axes = all_choices();
     axes.erase("accelerator");
     axes.erase("builder");
     axes.erase("levels");
     axes.erase("light_sampling");
-    EXPECT_EQ(expand(axes).size(), 4u * 5u * 3u * 3u * 4u * 2u * 7u * 2u * 3u * 3u * 2u);
+    axes.erase("light_selection");
+    EXPECT_EQ(expand(axes).size(), 4u * 5u * 3u * 3u * 5u * 2u * 7u * 2u * 3u * 3u * 2u);
 }
 
 TEST_F(SuiteTest, AxisArguments) {

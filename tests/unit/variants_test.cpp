@@ -15,6 +15,7 @@
 #include "tests/support/backends.h"
 #include "tests/support/render.h"
 #include "tests/support/scenes.h"
+#include "variants/devices/here.h"
 #include "variants/variant_name.h"
 
 namespace pt {
@@ -88,7 +89,8 @@ AxisChoices choices_of_paths() {
     axes.erase("accelerator");
     axes.erase("builder");
     axes.erase("levels");
-    axes.erase("light_sampling");  // of connections: three more of each
+    axes.erase("light_sampling");  // of connections: three and two more of each
+    axes.erase("light_selection");
     return axes;
 }
 
@@ -130,7 +132,7 @@ TEST(RegistryTest, HasEveryAxisAndChoice) {
             {"sorting", {"none", "bucket", "thrust_sort_by_key"}},
             {"sort_key", {"material"}},
             {"first_bounce", {"off", "cached", "cached_jitters"}},
-            {"direct_light", {"off", "final_bounce", "nee", "nee_mis"}},
+            {"direct_light", {"off", "final_bounce", "nee", "nee_mis", "nee_one_sample"}},
             {"russian_roulette", {"off", "throughput"}},
             {"sampler", {"pcg4d", "halton", "minstd_by_position", "philox", "pmj02", "sobol_owen", "sobol_rotated"}},
             {"layout", {"aos", "soa"}},
@@ -145,6 +147,9 @@ TEST(RegistryTest, HasEveryAxisAndChoice) {
             {"traversal_stack", {"local"}},
             {"levels", {"each_object", "flat", "two_level"}},
             {"light_sampling", {"solid_angle", "area", "auto", "projected"}},
+            {"devices", {"1"}},
+            {"partition", {"samples"}},
+            {"light_selection", {"uniform", "light_tree", "power"}},
         },
         Backend::cpu);
 }
@@ -163,7 +168,7 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
             {"sorting", {"none", "bucket", "cub_radix", "cub_radix_full", "per_material_queue", "thrust_sort_by_key"}},
             {"sort_key", {"material", "material_hit", "ray"}},
             {"first_bounce", {"off", "cached", "cached_jitters"}},
-            {"direct_light", {"off", "final_bounce", "nee", "nee_mis"}},
+            {"direct_light", {"off", "final_bounce", "nee", "nee_mis", "nee_one_sample"}},
             {"russian_roulette", {"off", "throughput"}},
             {"sampler", {"pcg4d", "halton", "minstd_by_position", "philox", "pmj02", "sobol_owen", "sobol_rotated"}},
             {"layout", {"aos", "packed", "soa"}},
@@ -178,6 +183,9 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
             {"traversal_stack", {"local", "shared", "short_restart"}},
             {"levels", {"each_object", "flat", "two_level"}},
             {"light_sampling", {"solid_angle", "area", "auto", "projected"}},
+            {"devices", {"1", "2", "3", "4", "5", "6", "7", "8"}},
+            {"partition", {"samples", "dynamic", "tiles"}},
+            {"light_selection", {"uniform", "light_tree", "power"}},
         },
         Backend::cuda);
 }
@@ -243,6 +251,7 @@ TEST(RegistryTest, WhatClaimsLessThanBits) {
                                           {"first_bounce=cached_jitters", Claim::biased},
                                           {"direct_light=nee", Claim::statistical},
                                           {"direct_light=nee_mis", Claim::statistical},
+                                          {"direct_light=nee_one_sample", Claim::statistical},
                                           {"sampler=philox", Claim::statistical},
                                           {"sampler=halton", Claim::statistical},
                                           {"sampler=pmj02", Claim::statistical},
@@ -253,6 +262,8 @@ TEST(RegistryTest, WhatClaimsLessThanBits) {
                                           {"light_sampling=area", Claim::statistical},
                                           {"light_sampling=auto", Claim::statistical},
                                           {"light_sampling=projected", Claim::statistical},
+                                          {"light_selection=light_tree", Claim::statistical},
+                                          {"light_selection=power", Claim::statistical},
                                           {"specialisation=matrix", Claim::statistical},
                                           {"arithmetic=precise", Claim::statistical},
                                           {"arithmetic=fast", Claim::statistical},
@@ -469,7 +480,7 @@ TEST(VariantTest, SpelledOutItSaysEveryChoiceAndTheTunablesThatAreNotAtTheirDefa
     Variant variant = baseline_with({{"first_bounce", "cached_jitters"}});
     const std::string choices =
         "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust.brute_force."
-        "sah_binned.while_while.local.each_object.solid_angle";
+        "sah_binned.while_while.local.each_object.solid_angle.1.samples.uniform";
     EXPECT_EQ(variant.spelled_out(), choices);
     variant.tuning["jitters"] = 4;
     variant.tuning["block"] = 256;
@@ -543,12 +554,13 @@ TEST(VariantTest, ReferenceIsThePlainestVariantOfTheSameExpectation) {
         const std::string first_bounce = variant["first_bounce"] == "cached_jitters" ? "cached_jitters" : "off";
         const std::string formula = variant["specialisation"] == "matrix" ? "matrix" : "generic";
         // Its film depends on every other choice: nothing but itself has it.
-        EXPECT_EQ(reference.spelled_out(),
-                  variant["sampler"] == "minstd_by_position"
-                      ? variant.spelled_out()
-                      : "depth_first.none.none.material." + first_bounce + "." + estimator_of(variant) + ".aos." +
-                            formula + ".stream.exact." + variant["precision"] + "." + variant["robustness"] +
-                            ".brute_force." + variant["builder"] + ".while_while.local.each_object.solid_angle");
+        EXPECT_EQ(reference.spelled_out(), variant["sampler"] == "minstd_by_position"
+                                               ? variant.spelled_out()
+                                               : "depth_first.none.none.material." + first_bounce + "." +
+                                                     estimator_of(variant) + ".aos." + formula + ".stream.exact." +
+                                                     variant["precision"] + "." + variant["robustness"] +
+                                                     ".brute_force." + variant["builder"] +
+                                                     ".while_while.local.each_object.solid_angle.1.samples.uniform");
         EXPECT_EQ(registry().reference(reference), reference);
         // Which do not go together.
         const bool has_formulas = variant["precision"] == "double_intersection" || variant["robustness"] == "naive";
@@ -566,7 +578,9 @@ TEST(VariantTest, ReferenceOnCudaIsThePlainestVariantOfTheSameExpectation) {
     if (!test::cuda_is_built()) {
         GTEST_SKIP() << "built without a CUDA toolkit";
     }
-    const std::vector<Variant> variants = covering_variants(all_choices(Backend::cuda), all_features, Backend::cuda);
+    AxisChoices axes = all_choices(Backend::cuda);
+    axes["devices"] = {"1", "2"};  // more of them go with what two go with
+    const std::vector<Variant> variants = covering_variants(axes, all_features, Backend::cuda);
     ASSERT_FALSE(variants.empty());
     for (const Variant& variant : variants) {
         const Variant reference = registry().reference(variant, Backend::cuda);
@@ -579,7 +593,7 @@ TEST(VariantTest, ReferenceOnCudaIsThePlainestVariantOfTheSameExpectation) {
                       : "megakernel.none.none.material." + first_bounce + "." + estimator_of(variant) + ".aos." +
                             formula + ".stream." + variant["arithmetic"] + "." + variant["precision"] + "." +
                             variant["robustness"] + ".brute_force.sah_binned.while_while.local.each_object." +
-                            variant["light_sampling"]);
+                            variant["light_sampling"] + ".1.samples." + variant["light_selection"]);
         EXPECT_EQ(registry().reference(reference, Backend::cuda), reference);
         EXPECT_EQ(why_not_applicable(reference, all_features, Backend::cuda), "") << reference.spelled_out();
     }
@@ -642,7 +656,7 @@ TEST(VariantTest, FeatureNamesAreInTheOrderOfResults) {
     EXPECT_TRUE(feature_names(no_features).empty());
     EXPECT_EQ(feature_names(Feature::jitter | Feature::sphere), (std::vector<std::string>{"sphere", "jitter"}));
     const std::vector<std::string> all = feature_names(all_features);
-    EXPECT_EQ(all.size(), 29u);
+    EXPECT_EQ(all.size(), 33u);
     EXPECT_EQ(all.back(), "near_sphere");
     EXPECT_EQ(feature_names(samplers),
               (std::vector<std::string>{"philox", "sobol_owen", "minstd", "sobol_rotated", "pmj02", "halton"}));
@@ -687,10 +701,11 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApply) {
          "precision=double is compiled with every feature only: needs specialisation=generic, not features"},
         {{{"direct_light", "nee"}},
          Feature::sphere | Feature::environment | Feature::diffuse,
-         "direct_light=nee needs an object that emits: an environment is not sampled"},
+         "direct_light=nee needs an object that emits, or an environment that is drawn (docs/scene_format.md)"},
         {{{"direct_light", "nee_mis"}},
          plain_features,
          "direct_light=nee_mis needs a diffuse or rough surface to connect"},
+        {{{"direct_light", "nee"}}, Feature::sphere | Feature::environment_map | Feature::diffuse, ""},
         {{{"direct_light", "nee_mis"}}, plain_features | Feature::diffuse, ""},
         {{{"direct_light", "nee"}}, plain_features | Feature::mix, ""},
         {{{"direct_light", "nee"}}, plain_features | Feature::rough_conductor, ""},
@@ -810,9 +825,11 @@ TEST(ApplicabilityTest, SaysWordForWordWhichTraversalsDoNotApply) {
         {{{"traversal_stack", "shared"}},
          with_mesh,
          "traversal_stack=shared has nothing to do: accelerator=brute_force needs no tree"},
-        {{{"accelerator", "cwbvh"}, {"traversal_stack", "short_restart"}},
+        {{{"accelerator", "cwbvh"}, {"traversal", "if_if"}, {"traversal_stack", "short_restart"}}, with_mesh, ""},
+        {{{"accelerator", "bvh8"}, {"traversal_stack", "short_restart"}},
          with_mesh,
-         "traversal_stack=short_restart finds its way by a bit a level: needs a binary tree, not accelerator=cwbvh"},
+         "traversal_stack=short_restart finds its way by a trail: needs two children a node or an order of children "
+         "that no hit changes, not accelerator=bvh8"},
         {{{"accelerator", "cwbvh"}, {"traversal", "persistent"}, {"integrator", "megakernel_regen"}},
          with_mesh,
          "traversal=persistent needs an integrator that traces in a kernel of its own, not "
@@ -877,7 +894,21 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApplyOnCuda) {
         {{{"precision", "double"}, {"layout", "soa"}}, ""},
         {{{"precision", "double"}, {"layout", "packed"}},
          "layout=packed packs single-precision fields: needs precision=float"},
+        {{{"partition", "tiles"}}, "partition=tiles splits work between GPUs: needs devices=2 or more, not 1"},
+        {{{"partition", "dynamic"}}, "partition=dynamic splits work between GPUs: needs devices=2 or more, not 1"},
+        {{{"devices", "2"}}, ""},
+        {{{"devices", "8"}, {"partition", "tiles"}, {"launch", "graph"}}, ""},
+        {{{"devices", "2"}, {"integrator", "megakernel"}, {"robustness", "naive"}},
+         "devices=2 needs robustness=robust: the textbook's film sums samples in their order"},
+        {{{"devices", "2"}, {"sampler", "minstd_by_position"}},
+         "devices=2 needs numbers by pixel and sample, not sampler=minstd_by_position"},
+        {{{"devices", "4"}, {"first_bounce", "cached"}},
+         "devices=4 keeps a pixel's first hits for all of its samples: needs partition=tiles, not samples"},
+        {{{"devices", "4"}, {"first_bounce", "cached"}, {"partition", "dynamic"}},
+         "devices=4 keeps a pixel's first hits for all of its samples: needs partition=tiles, not dynamic"},
+        {{{"devices", "4"}, {"first_bounce", "cached"}, {"partition", "tiles"}}, ""},
     };
+    const LookForDevices before = set_look_for_devices(nullptr);
     for (const auto& c : cases) {
         const Variant variant = baseline_with(c.choices, Backend::cuda);
         EXPECT_EQ(why_not_applicable(variant, plain_features, Backend::cuda), c.reason) << variant.spelled_out();
@@ -886,6 +917,25 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApplyOnCuda) {
     reading_back.tuning["read_back"] = 1;
     EXPECT_EQ(why_not_applicable(reading_back, plain_features, Backend::cuda),
               "launch=graph cannot hold read_back=1, which waits for the device");
+    set_look_for_devices(before);
+}
+
+TEST(ApplicabilityTest, SeveralDevicesNeedWhatTheMachineMayLack) {
+    EXPECT_TRUE(why_not_on({.count = 1}, 1).empty());
+    EXPECT_TRUE(why_not_on({.count = 0}, 8).empty());  // not known: a plan may be listed anywhere
+    EXPECT_TRUE(why_not_on({.count = 2}, 2).empty());
+    EXPECT_EQ(why_not_on({.count = 2}, 4).code, "needs_devices");
+    EXPECT_EQ(why_not_on({.count = 2}, 4).text, "needs 4 GPUs that are alike; found here: 2");
+    EXPECT_EQ(why_not_on({.count = 2, .missing = "no library"}, 2).text, "needs NCCL: no library");
+    EXPECT_TRUE(why_not_on({.count = 2, .missing = "no library"}, 1).empty());
+    if (!test::cuda_is_built()) {
+        GTEST_SKIP() << "built without a CUDA toolkit";
+    }
+    const LookForDevices before = set_look_for_devices([]() -> DevicesHere { return {.count = 2}; });
+    EXPECT_EQ(why_not_applicable(baseline_with({{"devices", "2"}}, Backend::cuda), plain_features, Backend::cuda), "");
+    EXPECT_EQ(why_not_applicable(baseline_with({{"devices", "3"}}, Backend::cuda), plain_features, Backend::cuda),
+              "devices=3 needs 3 GPUs that are alike; found here: 2");
+    set_look_for_devices(before);
 }
 
 // ---- What a choice left undone ----
@@ -1208,6 +1258,7 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
     axes["builder"] = {"sah_binned"};
     axes["levels"] = {"each_object"};
     axes["light_sampling"] = {"solid_angle"};
+    axes["light_selection"] = {"uniform"};
     for (const Variant& variant : expand(axes, Backend::cpu, {{"jitters", {16, 2}}})) {
         if (!why_not_applicable(variant, features).empty()) {
             continue;

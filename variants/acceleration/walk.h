@@ -27,6 +27,7 @@ struct SlotRange {
 // A child that waits, and where the ray enters it.
 template <class Real>
 struct OpenLink {
+    static constexpr bool is_group = false;
     Real entry;
     std::uint32_t link;
 

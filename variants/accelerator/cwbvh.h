@@ -232,11 +232,17 @@ PT_HD inline std::uint32_t by_octant(std::uint32_t bits, std::uint32_t flip) {
 // Children of one node that are yet to be visited: bits 24 to 31 in the order of the octant; bits 0 to 7: which
 // children are nodes.
 struct NodeGroup {
+    static constexpr bool is_group = true;
     std::uint32_t base = 0;
     std::uint32_t bits = 0;
 
     PT_HD static NodeGroup root() { return {0, 1u << 31}; }
     PT_HD bool empty() const { return bits < (1u << 24); }
+    // In the order of the octant, 7 the first.
+    PT_HD std::uint32_t nearest() const { return highest_bit(bits) - 24u; }
+    PT_HD void keep_up_to(std::uint32_t position, bool inclusive) {
+        bits &= (1u << (24u + position)) * (inclusive ? 2u : 1u) - 1u;
+    }
     PT_HD std::uint32_t take_nearest(std::uint32_t flip) {
         const std::uint32_t bit = highest_bit(bits), slot = (bit - 24u) ^ flip;
         bits &= ~(1u << bit);
@@ -329,15 +335,15 @@ public:
     }
     template <class Stack, class Counter>
     PT_HD void visit_node(const Real& best_t, Stack& stack, Counter& counter) {
+        const std::uint32_t position = group_.nearest();
         const LoadedNode node = LoadedNode::of(nodes_, group_.take_nearest(ray_.flip));
-        if (!group_.empty()) {
-            stack.push(group_);
-        }
+        const bool was_here = stack.enter(position, group_);
         counter.node();
         counter.boxes(bits_in(node.contents() & 0xff249249u));
         const std::uint32_t hits = boxes_hit(node, ray_, limit_of(best_t));
-        leaf_ = {hits & 0xffffffu, node.contents(), node.slot_base()};
+        leaf_ = {was_here ? 0u : hits & 0xffffffu, node.contents(), node.slot_base()};
         group_ = NodeGroup::of(node, hits, ray_.flip);
+        stack.narrow(group_);
         if (group_.empty() && !stack.pop(group_)) {
             group_ = {};
         }

@@ -12,7 +12,8 @@ namespace pt::lanes {
 template <class Config>
 inline constexpr bool shades_in_lanes = (Config::features &
                                          (Feature::emission | Feature::absorption | Feature::environment |
-                                          Feature::final_bounce | light_samplings | Feature::russian_roulette |
+                                          Feature::environment_map | Feature::final_bounce | light_samplings |
+                                          light_selections | Feature::one_sample | Feature::russian_roulette |
                                           Feature::matrix | samplers)) == 0;
 
 // Loads at addresses that depend on the lane: no vectors. A lane that hit nothing reads object 0.

@@ -47,6 +47,14 @@ bool has_multi_process_service() {
     return false;
 }
 
+bool is_like_first(int other) {
+    cudaDeviceProp properties{};
+    PT_CUDA_CHECK(cudaGetDeviceProperties(&properties, other));
+    const Device& first = device();
+    return properties.name == first.name && properties.major == first.major && properties.minor == first.minor &&
+           properties.multiProcessorCount == first.multiprocessors && properties.totalGlobalMem == first.memory_bytes;
+}
+
 Device read_device() {
     Device d;
     cudaDeviceProp properties{};
@@ -68,6 +76,18 @@ Device read_device() {
 }
 
 }  // namespace
+
+int equal_devices() {
+    static const int count = [] {
+        int all = 0, alike = 1;
+        PT_CUDA_CHECK(cudaGetDeviceCount(&all));
+        for (int other = 1; other < all && is_like_first(other); ++other) {
+            alike += 1;
+        }
+        return alike;
+    }();
+    return count;
+}
 
 const Device& device() {
     static const Device first = read_device();

@@ -1,4 +1,4 @@
-// The GPU that the CUDA backend runs on: the first one.
+// The GPU that the CUDA backend runs on: the first one. Where several render together, the others are like it.
 #pragma once
 
 #include <string>
@@ -23,6 +23,9 @@ std::string device_missing();
 
 // Precondition: device_missing() is empty.
 const Device& device();
+
+// How many devices there are from the first on that are like it. Precondition: device_missing() is empty.
+int equal_devices();
 
 // "13.0" of 13000.
 std::string version_text(int version);

@@ -8,9 +8,10 @@ PT_UNBOUNDED_KERNEL(fill_cache, pt::cuda::FillCacheParameters<Real>,
                     (Scene parameter, HitCache cache, std::uint32_t first_sample, std::uint32_t samples,
                      Totals* totals)) {
     const SceneViews scene(parameter);
-    const std::uint32_t pixel = pt::cuda::thread_number();
+    const std::uint32_t own = pt::cuda::thread_number();
     std::uint32_t fills = 0;
-    if (pixel < scene.shade.pixel_count()) {
+    if (own < pt::cuda::own_pixels(scene.shade)) {
+        const std::uint32_t pixel = pt::cuda::image_pixel(own, scene.shade.camera.width);
         for (std::uint32_t i = 0; i < samples; ++i) {
             const std::uint32_t ray = (first_sample + i) % cache.rays;
             const Path path = pt::generate<Configuration>(scene.shade, pixel, ray, ray);

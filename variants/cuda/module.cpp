@@ -165,10 +165,11 @@ std::string program_text(const ModuleRequest& request) {
         "#include \"variants/accelerator/{3}.h\"\n"
         "{4}"
         "#include \"variants/cuda/scene_{2}.cuh\"\n"
+        "#include \"variants/cuda/pixels_{5}.cuh\"\n"
         "#include \"variants/cuda/device.cuh\"\n"
         "#include \"variants/sort_key/{1}.cuh\"\n"
         "namespace sort_key = pt::sort_key::{1};\n",
-        request.layout, request.sort_key, request.scene, request.accelerator, traversal_text(request));
+        request.layout, request.sort_key, request.scene, request.accelerator, traversal_text(request), request.pixels);
     if (request.config.keeps_first_hits) {
         text += "#include \"variants/cuda/fill_cache.cuh\"\n";
     }
@@ -266,7 +267,12 @@ ModuleImage compile_module(const ModuleRequest& request) {
 }
 
 CompilerReport compiler_report(const ModuleRequest& request) {
-    Compilation compilation = compiled(request, {"--ptxas-options=-v"});
+    // What NVRTC takes from a cache of its own comes without the report; versions before 13 do not know the option.
+    std::vector<std::string> reporting{"--ptxas-options=-v"};
+    if (std::atoi(nvrtc_version().c_str()) >= 13) {
+        reporting.emplace_back("-no-cache");
+    }
+    Compilation compilation = compiled(request, reporting);
     return {.cubin = std::move(compilation.cubin),
             .kernels = parse_ptxas_log(compilation.log),
             .compile_seconds = compilation.seconds,

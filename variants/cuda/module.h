@@ -23,6 +23,7 @@ struct ModuleRequest {
     std::string traversal = "";
     std::string traversal_stack = "";
     std::string scene = "in_global";  // where its arrays lie: variants/cuda/scene_*.cuh
+    std::string pixels = "all";       // which of them it renders: variants/cuda/pixels_*.cuh
     KernelConfig config = {};
     std::vector<KernelConstant> constants = {};  // of the integrator: tuned::NAME
     std::vector<KernelSignature> kernels = {};   // what is launched

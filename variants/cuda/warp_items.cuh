@@ -8,8 +8,9 @@
 // (i / 32) * sample_stride. A strip may reach beyond the last pixel; such items are passed over.
 struct Items {
     std::uint32_t count;
-    std::uint32_t pixels, width;  // of the image
-    pt::PixelPlace first;
+    std::uint32_t pixels;  // the device's own
+    std::uint32_t width;   // of the image
+    pt::PixelPlace first;  // among its own
     std::uint32_t first_sample, sample_stride;
 
     __device__ bool exists(std::uint32_t item) const { return item < count && first.index + item % warp_size < pixels; }
@@ -52,7 +53,8 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
                 const std::uint32_t item = next + __popc(~living & ((1u << pt::cuda::lane()) - 1u));
                 alive = holds = items.exists(item);
                 if (alive) {
-                    path = first_path(scene.shade, items.place(item), items.sample(item), cache);
+                    path = first_path(scene.shade, pt::cuda::in_image(items.place(item), items.width),
+                                      items.sample(item), cache);
                 }
             }
             // Of 32 free lanes one takes an item that exists, so none is left behind where a strip is cut.

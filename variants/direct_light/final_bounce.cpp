@@ -19,7 +19,8 @@ const Registration registration(
         .mean_at_extra_depth = 1,
         .backends = on_every_backend,
         .unsupported_reason = [](FeatureSet scene, const VariantTraits&) -> Reason {
-            const FeatureSet lights = Feature::emitter | Feature::emission | Feature::environment;
+            const FeatureSet lights =
+                set_of(Feature::emitter, Feature::emission, Feature::environment, Feature::environment_map);
             return (scene & lights) != 0 ? Reason{} : Reason{"needs_light", "needs a light in the scene"};
         },
     },

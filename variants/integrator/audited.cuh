@@ -39,8 +39,9 @@ PT_KERNEL(audited, pt::cuda::AuditedParameters<Real>,
     PathCounters counters;
     pt::HealthCounters mine;
     pt::PixelSum<Configuration> sum;
-    const std::uint32_t pixel = pt::cuda::thread_number() % scene.shade.pixel_count();
-    const std::uint32_t part = pt::cuda::thread_number() / scene.shade.pixel_count();
+    const std::uint32_t pixels = pt::cuda::own_pixels(scene.shade);
+    const std::uint32_t pixel = pt::cuda::image_pixel(pt::cuda::thread_number() % pixels, scene.shade.camera.width);
+    const std::uint32_t part = pt::cuda::thread_number() / pixels;
     if (part < stride) {
         for (std::uint32_t i = part; i < samples; i += stride) {
             Path path = pt::generate<Configuration>(scene.shade, pixel, first_sample + i);

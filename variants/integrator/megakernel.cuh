@@ -13,8 +13,9 @@ PT_KERNEL(megakernel, pt::cuda::MegakernelParameters<Real>,
     const SceneViews scene(parameter);
     PathCounters counters;
     pt::PixelSum<Configuration> sum;
-    const std::uint32_t pixel = pt::cuda::thread_number() % scene.shade.pixel_count();
-    const std::uint32_t part = pt::cuda::thread_number() / scene.shade.pixel_count();
+    const std::uint32_t pixels = pt::cuda::own_pixels(scene.shade);
+    const std::uint32_t pixel = pt::cuda::image_pixel(pt::cuda::thread_number() % pixels, scene.shade.camera.width);
+    const std::uint32_t part = pt::cuda::thread_number() / pixels;
     if (part < stride) {
         for (std::uint32_t i = part; i < samples; i += stride) {
             Path path = first_path(scene.shade, pixel, first_sample + i, cache);

@@ -15,7 +15,7 @@ PT_KERNEL(megakernel_regen, pt::cuda::MegakernelRegenParameters<Real>,
            HitCache cache, Totals* totals, std::uint64_t* ended)) {
     const SceneViews scene(parameter);
     PathCounters counters;
-    const std::uint32_t pixels = scene.shade.pixel_count();
+    const std::uint32_t pixels = pt::cuda::own_pixels(scene.shade);
     const std::uint32_t strips = (pixels + warp_size - 1) / warp_size;
     const std::uint32_t warp = pt::cuda::thread_number() / warp_size;
     const pt::PixelPlace first = pt::PixelPlace::of(warp % strips * warp_size, scene.shade.camera.width);

@@ -12,7 +12,7 @@ PT_KERNEL(persistent, pt::cuda::PersistentParameters<Real>,
            Totals* totals, std::uint64_t* ended, std::uint32_t samples_per_piece, std::uint64_t* next_piece)) {
     const SceneViews scene(parameter);
     PathCounters counters;
-    const std::uint32_t pixels = scene.shade.pixel_count();
+    const std::uint32_t pixels = pt::cuda::own_pixels(scene.shade);
     const std::uint32_t strips = (pixels + warp_size - 1) / warp_size;
     const std::uint32_t pieces = strips * ((samples + samples_per_piece - 1) / samples_per_piece);
     const auto take_piece = [&] {

@@ -23,9 +23,10 @@ PT_KERNEL(generate_paths, pt::cuda::GeneratePathsParameters<Real>,
         *count = pool;
     }
     if (i < pool) {
-        const std::uint32_t pixels = scene.shade.pixel_count();
+        const std::uint32_t pixels = pt::cuda::own_pixels(scene.shade);
         const std::uint32_t first = cursor != nullptr ? *cursor : first_sample;
-        Paths(store).put<carried_fields>(i, first_path(scene.shade, i % pixels, first + i / pixels, cache));
+        const std::uint32_t pixel = pt::cuda::image_pixel(i % pixels, scene.shade.camera.width);
+        Paths(store).put<carried_fields>(i, first_path(scene.shade, pixel, first + i / pixels, cache));
     }
 }
 

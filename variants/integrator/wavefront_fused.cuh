@@ -97,9 +97,10 @@ PT_KERNEL(first_bounce, pt::cuda::FirstBounceParameters<Real>,
     bool alive = false;
     Path path;
     if (mine) {
-        const std::uint32_t pixels = scene.shade.pixel_count();
+        const std::uint32_t pixels = pt::cuda::own_pixels(scene.shade);
         const std::uint32_t first = cursor != nullptr ? *cursor : first_sample;
-        path = first_path(scene.shade, i % pixels, first + i / pixels, cache);
+        const std::uint32_t pixel = pt::cuda::image_pixel(i % pixels, scene.shade.camera.width);
+        path = first_path(scene.shade, pixel, first + i / pixels, cache);
         alive = bounce(scene, film, path, first_hit(scene, path, cache), counters);
     }
     put_path<true>(path, mine, alive, i, out, out_count);

@@ -34,6 +34,7 @@ const Registration registration(
                       "the order of the queue",
         .depends_on_order = true,
         .has_independent_samples = false,
+        .traits = SamplerTraits{.is_by_position = true},
         .backends = on_every_backend,
         .unsupported_reason = unsupported_reason,
     },

@@ -10,9 +10,11 @@ constexpr Tunable tunables[] = {
 
 Reason unsupported_reason(FeatureSet scene, const VariantTraits& variant) {
     Reason reason = needs_steps(scene, variant);
-    if (reason.empty() && !variant.accelerator.is_binary) {
-        return {"needs_binary_tree", "finds its way by a bit a level: needs a binary tree, not accelerator=" +
-                                         std::string(variant.accelerator.name)};
+    if (reason.empty() && !variant.accelerator.leaves_trail) {
+        return {"needs_trail",
+                "finds its way by a trail: needs two children a node or an order of children that no hit "
+                "changes, not accelerator=" +
+                    std::string(variant.accelerator.name)};
     }
     return reason;
 }

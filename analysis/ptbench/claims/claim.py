@@ -12,11 +12,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ptbench.errors import InputError, bad_value
-from ptbench.findings.errors import FindingError
-from ptbench.findings.selection import parsed
+from ptbench.errors import FindingError, InputError, bad_value
 from ptbench.io.nodes import read_json, shown
 from ptbench.io.validate import complaints
+from ptbench.studies.selection import parsed
 
 # What a prediction is made of: whoever changes one of these predicts anew.
 _PREDICTED = ("claim", "number", "rule", "prediction", "experiment")

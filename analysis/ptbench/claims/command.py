@@ -14,8 +14,7 @@ from ptbench.claims.evidence import evidence_of
 from ptbench.claims.history import UNKNOWN, Order, order_of
 from ptbench.claims.judging import judge
 from ptbench.claims.pages import Told, measured_text, pages_of, span_text, word_text
-from ptbench.errors import InputError
-from ptbench.findings.errors import FindingError
+from ptbench.errors import FindingError, InputError
 from ptbench.io.files import write_text
 from ptbench.io.nodes import read_json
 

@@ -11,8 +11,7 @@ import numpy as np
 from ptbench.claims.claim import Claim, Condition, Experiment
 from ptbench.claims.history import Measured
 from ptbench.convergence.fit import Curve, fit_of
-from ptbench.findings.errors import FindingError
-from ptbench.findings.selection import parsed
+from ptbench.errors import FindingError
 from ptbench.findings.source import Source
 from ptbench.io.cells import Cell
 from ptbench.io.nodes import Node, read_json
@@ -21,6 +20,7 @@ from ptbench.io.rays import Batch, RayMesh, Rays, Tree, rays_of
 from ptbench.stats.estimates import Estimate, geometric_mean_of_ratios, ratio_estimate
 from ptbench.stats.intervals import bootstrap_interval, resampled
 from ptbench.studies.rows import CONTENDED, is_contended
+from ptbench.studies.selection import parsed
 
 BOUNCES = 7  # of the statistic alive_after_7
 # A part of a tree, for the statistic `bytes`.

@@ -14,9 +14,9 @@ from ptbench.claims.evidence import Evidence
 from ptbench.claims.figure import draw, draw_all
 from ptbench.claims.history import Order
 from ptbench.claims.judging import NOT_REACHED, RULE, VERDICTS, Judged, Verdict
+from ptbench.errors import FindingError
 from ptbench.figures import style
 from ptbench.figures.saving import svg_of
-from ptbench.findings.errors import FindingError
 from ptbench.numbers import figures
 from ptbench.stats.estimates import CONFIDENCE, Estimate
 

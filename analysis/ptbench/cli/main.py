@@ -17,8 +17,10 @@ from ptbench.cli.parser import Parser
 from ptbench.compare.options import add_compare
 from ptbench.crosscheck.options import add_crosscheck
 from ptbench.errors import InputError
+from ptbench.fleet.options import add_fleet
 from ptbench.io.files import package_file
 from ptbench.peers.options import add_peers
+from ptbench.simulate.options import add_simulate
 from ptbench.submit.options import add_submit
 from ptbench.terminal import visible_output
 from ptbench.tidy.columns import GROUPS as TABLES
@@ -52,13 +54,14 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(
         dest="command",
         required=True,
-        metavar="plots|report|compare|crosscheck|peers|explain|findings|claims|map|advise|gallery|flat|validate|"
-        "submit|collect",
+        metavar="plots|report|compare|fleet|crosscheck|peers|explain|findings|claims|map|advise|gallery|flat|validate|"
+        "submit|collect|simulate",
     )
     plots = commands.add_parser("plots", help="every study's figure and summary.md, from a result file alone")
     plots.add_argument("result", type=Path, metavar="RESULT.json", help="or a folder of files of `ptbench rays`")
     plots.add_argument("--out", type=Path, metavar="DIR", help="default: figures/SUITE beside the result file")
     add_compare(commands)
+    add_fleet(commands)
     add_crosscheck(commands)
     add_peers(commands)
     explain = commands.add_parser("explain", help="where the time of two variants differs, and what goes with that")
@@ -108,6 +111,7 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
         "files", type=Path, nargs="+", metavar="FILE", help="of run, merge, stability, inspect, autotune, or a journal"
     )
     add_submit(commands)
+    add_simulate(commands)
     return parser
 
 
@@ -213,7 +217,7 @@ def _claims(options: argparse.Namespace) -> int:
 
 def _map(options: argparse.Namespace) -> int:
     with _packages_of("map"):
-        from ptbench.findings.errors import FindingError
+        from ptbench.errors import FindingError
         from ptbench.maps.command import Call, maps
 
     call = Call(
@@ -250,6 +254,24 @@ def _flat(options: argparse.Namespace) -> int:
     return flat(options.results, options.out, options.table)
 
 
+def _fleet(options: argparse.Namespace) -> int:
+    with _packages_of("fleet"):
+        from ptbench.fleet.command import fleet_command
+
+    return fleet_command(options)
+
+
+def _simulate(options: argparse.Namespace) -> int:
+    with _packages_of("simulate"):
+        from ptbench.errors import FindingError
+        from ptbench.simulate.command import simulate_command
+
+    try:
+        return simulate_command(options)
+    except FindingError as error:
+        raise InputError(str(error)) from error
+
+
 def _submit(options: argparse.Namespace) -> int:
     from ptbench.submit.command import submit_command
 
@@ -268,9 +290,11 @@ _COMMANDS = {
     "collect": _collect,
     "crosscheck": _crosscheck,
     "findings": _findings,
+    "fleet": _fleet,
     "flat": _flat,
     "map": _map,
     "peers": _peers,
+    "simulate": _simulate,
     "submit": _submit,
 }
 

@@ -56,12 +56,15 @@ def as_markdown(title: str, sections: Iterable[Section]) -> str:
         lines += [f"## {section.heading}", ""]
         lines += [f"- {one_line(line)}" for line in section.lines] + ([""] if section.lines else [])
         if section.table is not None:
-            table = section.table
-            lines += [table_line(table.columns)]
-            lines += [table_line("---:" if name in table.numeric else "---" for name in table.columns)]
-            lines += [*map(table_line, table.rows), ""]
+            lines += [*table_markdown(section.table), ""]
         lines += [f"- {one_line(line)}" for line in section.after] + ([""] if section.after else [])
     return "\n".join(lines).rstrip() + "\n"
+
+
+def table_markdown(table: Table) -> list[str]:
+    """The lines of a table."""
+    sides = table_line("---:" if name in table.numeric else "---" for name in table.columns)
+    return [table_line(table.columns), sides, *map(table_line, table.rows)]
 
 
 def _aligned(table: Table) -> list[str]:

@@ -190,8 +190,7 @@ def _pixel_test(here: np.ndarray, there: np.ndarray, allowed: float) -> PixelTes
     still = (noise <= (ROUNDING * found.mean) ** 2).all(axis=-1)
     tolerance = (10 * ROUNDING + allowed) * found.mean
     still_beyond = still & (np.abs(found.difference) > tolerance).any(axis=-1)
-    # A weight for each block and channel: of single pixels, few seeds know the noise too badly.
-    variance = block_means(noise[None])[0].repeat(SIDE, axis=0).repeat(SIDE, axis=1)
+    variance = _variance_around(noise)
     weight = np.divide(1.0, variance, out=np.zeros_like(variance), where=variance > 0) * ~still[..., None]
     products = (pairs.sum(axis=0) ** 2 - (pairs**2).sum(axis=0)) / (seeds * (seeds - 1))
     terms = (weight * products).sum(axis=-1)
@@ -215,6 +214,16 @@ def _pixel_test(here: np.ndarray, there: np.ndarray, allowed: float) -> PixelTes
         histogram=_histogram(t),
         expected=_expected(freedom),
     )
+
+
+def _variance_around(noise: np.ndarray) -> np.ndarray:
+    """For each pixel and channel the mean noise of the others in its block.
+
+    Of a single pixel, few seeds know the noise too badly. Its own is left out: where it comes out too small by chance,
+    the products of its pairs come out too large, and a weight that knew it would make every equal pair differ a little.
+    """
+    of_blocks = block_means(noise[None])[0].repeat(SIDE, axis=0).repeat(SIDE, axis=1)
+    return (of_blocks * SIDE**2 - noise) / (SIDE**2 - 1)
 
 
 def _histogram(t: np.ndarray) -> tuple[int, ...]:

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from ptbench.errors import NotDrawable
 from ptbench.figures import (
+    devices,
     first_bounce_by_depth,
     integrator_by_cost,
     remaining_paths,
@@ -32,7 +33,7 @@ FIGURES = {
     **{figure: Scaling(figure) for figure in SWEEPS},
 }
 # The axes that have a figure of their own; any other axis is drawn by Choices.
-AXIS_FIGURES = {"robustness": CostOfRobustness()}
+AXIS_FIGURES = {"robustness": CostOfRobustness(), "devices": devices}
 # What a study of the figure "convergence" is drawn as: by what follows the study's name in a file's.
 CONVERGENCE_FIGURES = {
     "": error_against_time,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ptbench.errors import FindingError
 from ptbench.figures.time_to_image import BASELINE, Crossing, Way, crossings
-from ptbench.findings.errors import FindingError
 from ptbench.findings.quantities import Quantity, Ratio
 from ptbench.stats.estimates import Estimate
 from ptbench.studies.rows import time_ratio

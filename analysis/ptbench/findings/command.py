@@ -11,10 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ptbench.errors import bad_value
+from ptbench.errors import FindingError, bad_value
 from ptbench.figures import style
 from ptbench.figures.saving import png_of, svg_of
-from ptbench.findings.errors import FindingError
 from ptbench.findings.overview import draw, overview_of
 from ptbench.findings.page import Page, read_page, render, too_old, typed_by_hand
 from ptbench.io.files import write_text, write_whole

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from ptbench.findings.errors import FindingError
+from ptbench.errors import FindingError
 from ptbench.findings.quantities import link_to
 from ptbench.io.nodes import read_json
 from ptbench.numbers import figures

@@ -7,6 +7,7 @@ A template begins with a JSON object between two lines of `---`:
 
 Every source is a variable of the page (findings/source.py), and so is every constant: a number that nobody measured, an
 aim or a version, which a page may not hold in any other way. A folder is one of `ptbench rays`; a source with
+"against": [files of other GPUs], "inspect": [files] and "models": [GPUs that nobody has] is a fleet; a source with
 "optional": true that is not there is None. `kernels_behind` is how many commits to kernels/ and
 variants/ there may be since the result's; more, and the page must be looked at again.
 """
@@ -23,9 +24,10 @@ from pathlib import Path
 
 from jinja2 import Environment, StrictUndefined, TemplateError
 
+from ptbench.errors import FindingError
 from ptbench.findings.crosscheck import SCHEMA as CROSSCHECK
 from ptbench.findings.crosscheck import CrosscheckSource
-from ptbench.findings.errors import FindingError
+from ptbench.findings.fleet import FleetSource
 from ptbench.findings.imports import SCHEMA as IMPORTS
 from ptbench.findings.imports import ImportsSource
 from ptbench.findings.peers import SCHEMA as PEERS
@@ -33,6 +35,7 @@ from ptbench.findings.peers import PeersSource
 from ptbench.findings.quantities import span
 from ptbench.findings.rays import RaysFolder
 from ptbench.findings.records import Inspection, Record, StabilitySource, Transcript
+from ptbench.findings.simulation import WORK, SimulationSource
 from ptbench.findings.source import Source
 from ptbench.git import git
 from ptbench.io.nodes import read_json
@@ -62,6 +65,8 @@ AnySource = (
     | CrosscheckSource
     | PeersSource
     | ImportsSource
+    | FleetSource
+    | SimulationSource
 )
 
 
@@ -107,9 +112,16 @@ def _opened(results: Path, file: str, where: str) -> AnySource:
         return ImportsSource(results, file)
     if root.value.get("schema") == PEERS:
         return PeersSource(results, file)
+    if root.value.get("schema") == WORK:
+        return SimulationSource(results, file)
     if is_stability(root):
         return StabilitySource(results, file)
     return Source(results, file, where) if "ptbench" in root.fields() else Record(results, file)
+
+
+@cache
+def _fleet(results: Path, files: tuple[str, ...], inspected: tuple[str, ...], models: tuple[str, ...]) -> FleetSource:
+    return FleetSource(results, files, inspected, models)
 
 
 def source_of(results: Path, about: Mapping) -> AnySource | None:
@@ -117,6 +129,9 @@ def source_of(results: Path, about: Mapping) -> AnySource | None:
     file = results / about["file"]
     if about.get("optional") and not file.exists() and not Path(f"{file}.gz").exists():
         return None
+    if "against" in about:
+        others = tuple(tuple(about.get(name, ())) for name in ("inspect", "models"))
+        return _fleet(results, (about["file"], *about["against"]), *others)
     return _opened(results, about["file"], about.get("where", ""))
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from ptbench.findings.errors import FindingError
+from ptbench.errors import FindingError
 from ptbench.numbers import figures, ratio
 from ptbench.stats.estimates import Estimate, Verdict, interval_of_ratio
 

@@ -12,15 +12,20 @@ from pathlib import Path
 
 import numpy as np
 
+from ptbench.errors import FindingError
 from ptbench.figures.rays_by_triangles import family, measured_meshes, peer_name
-from ptbench.findings.errors import FindingError
 from ptbench.findings.quantities import Quantity, Ratio, Ratios
-from ptbench.findings.selection import parsed
 from ptbench.io.rays import Batch, RayMesh, Tree, load_rays_folder, peer_batch
+from ptbench.numbers import figures, share
 from ptbench.stats.estimates import Estimate, median_estimate, ratio_estimate, verdict_of_ratio
+from ptbench.studies.selection import parsed
 
 # Two programs' triangle tests may differ at an edge; more than one ray in a million is another scene.
 MOST_APART = 1e-6
+# As a reader knows them.
+CEILINGS = {
+    "issue": "issue", "fma": "multiply-adds", "alu": "ALU", "xu": "XU", "l1": "L1", "l2": "L2", "memory": "memory",
+}  # fmt: skip
 _NAMES = ("mesh", "class", "accelerator", "builder", "kernel")
 
 
@@ -31,6 +36,24 @@ class Traced:
     mesh: RayMesh
     tree: Tree
     batch: Batch
+
+    @property
+    def counters_row(self) -> str:
+        """Cells of a table: lanes, instructions and bytes a ray, occupancy, parts of ceilings, waiting, the nearest."""
+        one = self.batch.counters
+        if one is None:
+            raise FindingError(f"{self.text}: no counters")
+        counts = (one.active_lanes, one.thread_instructions_per_ray, one.memory_bytes_per_ray)
+        parts = (one.of_ceiling.get(name) for name in ("issue", "alu", "l1", "l2", "memory"))
+        return " | ".join(
+            (
+                *(figures(count, 3) for count in counts),
+                share(one.achieved_occupancy),
+                *map(share, parts),
+                share(one.memory_stalls),
+                CEILINGS[one.bound],
+            )
+        )
 
     @property
     def names(self) -> dict[str, str]:
@@ -155,6 +178,22 @@ class RaysFolder:
         """SAH cost of one builder's tree over another's."""
         one, base = (self.tree(mesh, accelerator, name).sah_cost for name in (builder, over))
         return Quantity(Estimate(one / base, None, None, 1), f"SAH cost of {builder} over {over}, {mesh}")
+
+    @property
+    def counted(self) -> list[Traced]:
+        """The batches with counters, in the files' order; FindingError where there is none."""
+        found = [one for one in self._traced if one.batch.counters is not None]
+        if not found:
+            raise FindingError(f"{self._shown}: no batch has counters")
+        return found
+
+    @property
+    def nearest_ceiling(self) -> str:
+        """Which share of which ceiling the batches with counters come to, each of its nearest: "ALU, 47 % to 71 %"."""
+        counters = [one.batch.counters for one in self.counted]
+        shares = [one.of_ceiling[one.bound] for one in counters]
+        names = " or ".join(dict.fromkeys(CEILINGS[one.bound] for one in counters))
+        return f"{names}, {' to '.join(dict.fromkeys((share(min(shares)), share(max(shares)))))}"
 
     @property
     def classes(self) -> list[str]:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ptbench.findings.errors import FindingError
+from ptbench.errors import FindingError
 from ptbench.findings.quantities import link_to
 from ptbench.io.inspection import Inspected, KernelCounters, load_inspected
 from ptbench.io.nodes import read_json
 from ptbench.io.stability import KNOWN_LIMIT, PASSED, Row, Stability, stability_of
-from ptbench.numbers import figures
+from ptbench.numbers import figures, share
 from ptbench.stability.layout import Layout, count, failures
 from ptbench.stability.summary import family_text
 
@@ -42,9 +42,9 @@ class Inspection:
         return " | ".join(
             (
                 str(one.registers),
-                f"{_percent(one.occupancy)}, {_percent(one.achieved_occupancy)}",
+                f"{share(one.occupancy)}, {share(one.achieved_occupancy)}",
                 *("—" if value is None else figures(value, 3) for value in counted),
-                *(_percent(ceiling.get(name)) for name in ("issue", "alu", "memory")),
+                *(share(ceiling.get(name)) for name in ("issue", "alu", "memory")),
             )
         )
 
@@ -55,10 +55,6 @@ class Inspection:
     def provenance(self) -> str:
         """A line of a list: the file and what it is."""
         return f"- {link_to(self._results, self._shown)}: `ptbench inspect --counters`, hardware counters."
-
-
-def _percent(share: float | None) -> str:
-    return "—" if share is None else f"{figures(100 * share, 2)} %"
 
 
 class Record:

@@ -13,11 +13,10 @@ from ptbench.convergence.assessment import Assessment, assess
 from ptbench.convergence.efficiency import baseline_among, by_place, time_to
 from ptbench.convergence.efficiency import compare as compare_errors
 from ptbench.convergence.fit import Fit
+from ptbench.errors import FindingError
 from ptbench.figures.time_to_image import Way, sibling_meshes, ways
 from ptbench.findings.builders import Built, Crossed, built, crossed
-from ptbench.findings.errors import FindingError
 from ptbench.findings.quantities import Quantity, Ratio, Ratios, link_to
-from ptbench.findings.selection import cell_of, cells_of, parsed
 from ptbench.io.cells import Cell, MeshFacts, Result
 from ptbench.io.results import load
 from ptbench.stats.estimates import (
@@ -29,8 +28,10 @@ from ptbench.stats.estimates import (
     median_estimate,
     word_of,
 )
+from ptbench.studies.devices import Scaled, strong, weak
 from ptbench.studies.questions import dimension
 from ptbench.studies.rows import Row, measure, time_ratio
+from ptbench.studies.selection import cell_of, cells_of, parsed
 from ptbench.studies.withdrawn import between
 
 
@@ -84,6 +85,15 @@ class Source:
         base = cell_of(self.result, {**self._chosen(selection), **parsed(over)})
         return _ratio(cell, base)
 
+    def ratio_if(self, selection: str, over: str) -> Ratio | None:
+        """The same, or None where one of the two was not measured."""
+        for side in (parsed(selection), {**parsed(selection), **parsed(over)}):
+            try:
+                cell_of(self.result, {**self._where, **side})
+            except FindingError:
+                return None
+        return self.ratio(selection, over)
+
     def ratios(self, selection: str, over: str) -> Ratios:
         """The same for every measured cell of a selection with `*`, each over its own baseline."""
         chosen = self._chosen(selection)
@@ -103,6 +113,14 @@ class Source:
         """Every measured cell of a study with its ratio to the study's baseline; none, where the file lacks it."""
         found = [one for one in self.result.studies if one.name == study]
         return [_told(row) for one in found for row in measure(self.result, one) if row.estimate is not None]
+
+    def strong(self) -> list[Scaled]:
+        """Every cell on several GPUs beside the same image on one."""
+        return strong(self.result.cells)
+
+    def weak(self) -> list[Scaled]:
+        """The same beside as many times fewer samples on one."""
+        return weak(self.result.cells)
 
     def built(self, selection: str) -> list[Built]:
         """What each builder's tree costs and is worth, in every cell of a selection with a mesh."""
@@ -236,6 +254,12 @@ class Source:
     def count(self) -> int:
         """Cells in the file."""
         return len(self.result.cells)
+
+    @property
+    def samples(self) -> str:
+        """Timed samples of a cell, "9" or "7 to 9"."""
+        counts = sorted({len(cell.samples) for cell in self.result.cells if cell.measured})
+        return f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
 
     @property
     def failed(self) -> int:

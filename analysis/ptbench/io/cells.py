@@ -55,11 +55,19 @@ class Sample:
     checkpoints: tuple[Checkpoint, ...] = ()  # of a convergence cell
     film_hash: str = ""  # of its film; older files have none
     work: dict[str, float] = field(default_factory=dict)  # "launches" and its like, where the file has them a sample
+    own_device_ms: tuple[float, ...] = ()  # of a render on several GPUs: each one's time without the reduction
+    slowest_device_ms: float | None = None  # until the last of them had rendered
+    device_reduce_ms: float | None = None  # from there to the sum of their films
 
     @property
     def ms_per_spp(self) -> float:
         """Milliseconds of wall time a sample per pixel."""
         return self.wall_ms / self.spp
+
+    @property
+    def render_ms(self) -> float:
+        """Wall time without the reduction of several GPUs' films."""
+        return self.slowest_device_ms or self.wall_ms
 
     @property
     def host_share(self) -> float:

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from ptbench.errors import bad_value
 from ptbench.io.cells import Cell
+from ptbench.io.counters import MEASURED, ceilings_reached
 from ptbench.io.names import tuned_in
 from ptbench.io.nodes import Node, read_json, shown
 from ptbench.io.older import before, filled_in
@@ -21,17 +22,21 @@ from ptbench.io.older import before, filled_in
 # What older files lack at the end of their choices, the last axis first.
 _LAST = tuple(
     before(axis)
-    for axis in ("light_sampling", "levels", "traversal_stack", "traversal", "builder", "accelerator", "robustness")
+    for axis in (
+        "light_selection",
+        "partition",
+        "devices",
+        "light_sampling",
+        "levels",
+        "traversal_stack",
+        "traversal",
+        "builder",
+        "accelerator",
+        "robustness",
+    )
 )
 # A field that is so much a ray or the like: X_per_Y, in files of commit ede9627 and before X_a_Y.
 _RATE = re.compile(r"_(a|per)_(?:ray|block|multiprocessor|second)$")
-_MEASURED = (
-    "achieved_occupancy",
-    "active_lanes",
-    "warp_instructions_per_ray",
-    "thread_instructions_per_ray",
-    "memory_bytes_per_ray",
-)
 
 
 @dataclass(frozen=True)
@@ -49,6 +54,8 @@ class KernelCounters:
     memory_bytes_per_ray: float | None = None
     of_ceiling: dict[str, float] | None = None
     bound: str = ""
+    milliseconds: float | None = None  # of all its launches in one render, under ncu
+    instructions: int | None = None  # of its machine code, where nvdisasm was there
 
 
 @dataclass(frozen=True)
@@ -61,6 +68,10 @@ class Inspected:
     file: Path
     choices: tuple[str, ...] = ()  # in the order of the axes that the file knows
     tuned: dict[str, str] = field(default_factory=dict)  # the tunables that are not at their choice's default
+    others: tuple[KernelCounters, ...] = ()  # libraries' kernels that ran
+    architecture: str = ""
+    rays_per_spp: float | None = None  # of the render that was counted, a sample in every pixel
+    ceilings: dict[str, float] = field(default_factory=dict)  # as the file has them, whatever their unit
 
 
 def load_inspected(path: Path) -> list[Inspected]:
@@ -81,7 +92,31 @@ def _inspected(node: Node, word: str, path: Path) -> Inspected:
         # An older file has no axes: its name spells the choices.
         choices=tuple(named.values()) if named else tuple(name.partition("+")[0].split(".")),
         tuned=tuned_in(name, named),
+        others=_others(node, word),
+        architecture=node.optional_text("architecture"),
+        rays_per_spp=_rays_per_spp(node),
+        ceilings=_ceilings(node),
     )
+
+
+def _others(node: Node, word: str) -> tuple[KernelCounters, ...]:
+    others = node.maybe("other_kernels")
+    if others is None:
+        return ()
+    return tuple(
+        KernelCounters(one.need("name").name(), 0, 0, 0.0, **_counted(one.need("counters"), word))
+        for one in others.items()
+    )
+
+
+def _rays_per_spp(node: Node) -> float | None:
+    rays, spp = node.optional_number("rays"), node.optional_number("spp")
+    return rays / spp if rays and spp else None
+
+
+def _ceilings(node: Node) -> dict[str, float]:
+    ceilings = node.maybe("ceilings")
+    return {} if ceilings is None else {key: ceilings.need(key).number() for key in ceilings.fields()}
 
 
 def _word_of_rates(root: Node) -> str:
@@ -106,23 +141,28 @@ def _with_rates(root: Node) -> Iterator[Node]:
 
 
 def _kernel(node: Node, word: str) -> KernelCounters:
+    code = node.maybe("instructions")
     static = {
         "name": node.need("name").name(),
         "registers": node.need("registers").integer(),
         "spill_bytes": (node.optional_integer("spill_store_bytes") or 0)
         + (node.optional_integer("spill_load_bytes") or 0),
         "occupancy": node.need("occupancy").number(),
+        "instructions": None if code is None else code.need("total").integer(),
     }
     counters = node.maybe("counters")
     if counters is None or not counters.fields():
         return KernelCounters(**static)
-    ceiling = counters.maybe("of_ceiling")
-    return KernelCounters(
-        **static,
-        **{name: counters.need(name.replace("_per_", f"_{word}_")).number() for name in _MEASURED},
-        of_ceiling=None if ceiling is None else {key: ceiling.need(key).number() for key in ceiling.fields()},
-        bound=counters.optional_text("bound"),
-    )
+    return KernelCounters(**static, **_counted(counters, word))
+
+
+def _counted(counters: Node, word: str) -> dict:
+    return {
+        **{name: counters.need(name.replace("_per_", f"_{word}_")).number() for name in MEASURED},
+        "of_ceiling": ceilings_reached(counters) or None,
+        "bound": counters.optional_text("bound"),
+        "milliseconds": counters.optional_number("milliseconds"),
+    }
 
 
 def inspected_of(cell: Cell, entries: list[Inspected]) -> Inspected | None:

@@ -45,6 +45,9 @@ _AXES: dict[str, dict[str, OlderAxis]] = {
         "traversal_stack": OlderAxis(before="local"),
         "levels": OlderAxis(before="each_object"),
         "light_sampling": OlderAxis(before="solid_angle"),
+        "devices": OlderAxis(before="1"),
+        "partition": OlderAxis(before="samples"),
+        "light_selection": OlderAxis(before="uniform"),
     },
 }
 # The same for files of `ptbench stability`, which name no baselines: the plainest formulas, by their schema.

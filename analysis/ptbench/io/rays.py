@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ptbench.errors import bad_value
+from ptbench.io.counters import Counters, counters_of
 from ptbench.io.nodes import Node, read_json, shown
 
 SCHEMA = "ptbench-rays-1"
@@ -33,6 +34,7 @@ class Batch:
     nodes_per_ray: float | None = None
     boxes_per_ray: float | None = None
     triangles_per_ray: float | None = None
+    counters: Counters | None = None  # of `ptbench rays --counters`
 
     @property
     def giga_rays_per_second(self) -> np.ndarray:
@@ -193,7 +195,7 @@ def _tree(node: Node, rays: dict[str, int]) -> Tree:
 
 
 def _batch(node: Node, rays: dict[str, int]) -> Batch:
-    ray_class = node.need("class").one_of(tuple(rays))
+    ray_class, counters = node.need("class").one_of(tuple(rays)), node.maybe("counters")
     return Batch(
         ray_class=ray_class,
         kernel=node.need("kernel").name(),
@@ -204,6 +206,7 @@ def _batch(node: Node, rays: dict[str, int]) -> Batch:
         nodes_per_ray=node.optional_number("nodes_per_ray"),
         boxes_per_ray=node.optional_number("boxes_per_ray"),
         triangles_per_ray=node.optional_number("triangles_per_ray"),
+        counters=None if counters is None else counters_of(counters),
     )
 
 

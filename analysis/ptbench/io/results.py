@@ -76,9 +76,14 @@ def _context(node: Node) -> dict[str, str]:
     if status is not None:
         status.one_of(RUN_STATUSES)
     ours = (key for key in node.fields() if key.startswith("ptbench."))
-    context = {key: node.need(key).text() for key in ours}
+    context = {key: _text_of(node.need(key)) for key in ours}
     context["date"] = node.optional_text("date")
     return context
+
+
+def _text_of(node: Node) -> str:
+    """A context value; the hosts of several ranks are an array."""
+    return ", ".join(item.text() for item in node.items()) if isinstance(node.value, list) else node.text()
 
 
 def _refuse_twins(array: Node, names: list[str], key: str) -> None:
@@ -143,6 +148,11 @@ def _sample(row: Node) -> Sample:
         film_hash=row.optional_text("film_hash"),
         low_clock=low is not None and low.number() != 0,
         contended=contended is not None and contended.number() != 0,
+        own_device_ms=tuple(node.number() for node in row.maybe("pt_own_device_ms").items())
+        if row.maybe("pt_own_device_ms") is not None
+        else (),
+        slowest_device_ms=row.optional_number("pt_slowest_device_ms"),
+        device_reduce_ms=row.optional_number("pt_device_reduce_ms"),
         work={key: row.need(f"pt_{key}").number() for key in WORK_COUNTERS if row.maybe(f"pt_{key}") is not None},
     )
 

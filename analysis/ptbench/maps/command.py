@@ -10,9 +10,9 @@ from pathlib import Path
 
 from jinja2 import Environment, StrictUndefined, TemplateError
 
+from ptbench.errors import FindingError
 from ptbench.figures import style
 from ptbench.figures.saving import svg_of
-from ptbench.findings.errors import FindingError
 from ptbench.io.cells import Result
 from ptbench.io.files import write_text
 from ptbench.io.nodes import read_json

@@ -55,7 +55,8 @@ def own_variants(backend: str, *, has_meshes: bool) -> list[Wanted]:
     if backend == "cuda":
         base = ("integrator=persistent", "arithmetic=precise")
         base += ("accelerator=cwbvh", "levels=two_level") if has_meshes else ()
-        return [_own(f"persistent {light}", *base, f"direct_light={light}") for light in (LIGHTS, CHANCE)]
+        by_area = _own(f"persistent {LIGHTS} projected", *base, f"direct_light={LIGHTS}", "light_sampling=projected")
+        return [by_area, *(_own(f"persistent {light}", *base, f"direct_light={light}") for light in (LIGHTS, CHANCE))]
     if not has_meshes:
         return [
             _own(f"{name} {light}", f"integrator={name}", f"direct_light={light}")

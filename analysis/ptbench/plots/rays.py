@@ -10,7 +10,7 @@ from ptbench.figures import rays_by_triangles, style
 from ptbench.figures.saving import save_figure
 from ptbench.io.files import make_folder, write_text
 from ptbench.io.rays import Peer, RayMesh, Rays, peer_batch
-from ptbench.numbers import figures, interval
+from ptbench.numbers import figures, interval, share
 from ptbench.stats.estimates import INTERVAL_TEXT, median_estimate
 from ptbench.tables import Lines, markdown, table_of
 from ptbench.terminal import say
@@ -23,6 +23,10 @@ _COLUMNS = (
 _TREES = (
     "Mesh", "Accelerator", "Builder", "SAH cost", "Nodes, MB", "Leaves, MB", "Build, ms", "Encode, ms",
     "Build on the GPU, ms", "Encode on the GPU, ms",
+)  # fmt: skip
+_COUNTERS = (
+    "Mesh", "Accelerator", "Builder", "Class", "Kernel", "Active lanes", "Instructions/ray", "Bytes/ray", "Occupancy",
+    "Issue", "ALU", "L1", "L2", "Memory", "L1 hits", "L2 hits", "Waiting for memory", "Nearest ceiling",
 )  # fmt: skip
 
 
@@ -62,6 +66,9 @@ def summary(files: Sequence[Rays], peers: Sequence[Peer], not_drawn: str = "") -
         lines += [f"Not drawn: {not_drawn}", ""]
     meshes = [mesh for file in files for mesh in file.meshes]
     lines += ["## Batches", "", table_of(_COLUMNS, _batches(meshes, peers), set(_COLUMNS[6:]) | {"Triangles"}), ""]
+    if counted := _counted(meshes):
+        about = "By ncu: parts of ceilings that the same call measured, of the caches of ncu's own peaks."
+        lines += ["## Counters", "", about, "", table_of(_COUNTERS, counted, set(_COUNTERS[5:-1])), ""]
     lines += ["## Trees", "", table_of(_TREES, _trees(meshes), set(_TREES[3:])), ""]
     return markdown(lines)
 
@@ -83,6 +90,25 @@ def _batches(meshes: Sequence[RayMesh], peers: Sequence[Peer]) -> list[tuple[str
                     )
                 )  # fmt: skip
     return rows
+
+
+def _counted(meshes: Sequence[RayMesh]) -> list[tuple[str, ...]]:
+    return [
+        (
+            mesh.name, tree.accelerator, tree.builder or "—", batch.ray_class, batch.kernel,
+            *(figures(value, 3) for value in (
+                counters.active_lanes, counters.thread_instructions_per_ray, counters.memory_bytes_per_ray,
+            )),
+            share(counters.achieved_occupancy),
+            *(share(counters.of_ceiling.get(name)) for name in ("issue", "alu", "l1", "l2", "memory")),
+            *(share(value) for value in (counters.l1_hit_rate, counters.l2_hit_rate, counters.memory_stalls)),
+            counters.bound,
+        )
+        for mesh in meshes
+        for tree in mesh.trees
+        for batch in tree.batches
+        if (counters := batch.counters) is not None
+    ]  # fmt: skip
 
 
 def _rate(values) -> float:

@@ -25,6 +25,7 @@ class Withdrawal:
     axis: str
     choices: tuple[str, ...]
     backends: tuple[str, ...]
+    spares: dict[str, tuple[str, ...]]  # choices of other axes with which the verdicts stand
     withdrawn: str  # which verdicts
     reason: str
     bound: dict[str, float]  # by choice; may be empty
@@ -55,11 +56,14 @@ class Withdrawal:
         """For a summary: everything."""
         where = f" ({self.source})" if self.source else ""
         body = self.short.removeprefix("Withdrawn: ").removesuffix(".")
-        return f"{body}{where}. What stays valid: {self.stays}. Withdrawn until {self.until}."
+        spared = "; ".join(f"{axis}={','.join(choices)}" for axis, choices in self.spares.items())
+        stand = f" Verdicts with {spared} stand." if spared else ""
+        return f"{body}{where}. What stays valid: {self.stays}.{stand} Withdrawn until {self.until}."
 
     def concerns(self, cell: Cell) -> bool:
         """Whether the cell has a choice whose verdicts are withdrawn."""
-        return cell.backend in self.backends and cell.axes.get(self.axis) in self.choices
+        is_spared = any(cell.axes.get(axis) in choices for axis, choices in self.spares.items())
+        return cell.backend in self.backends and cell.axes.get(self.axis) in self.choices and not is_spared
 
     def is_between(self, one: Cell, other: Cell) -> bool:
         """Whether it concerns a verdict on these two."""
@@ -74,6 +78,10 @@ def withdrawals_of(root: Node) -> tuple[Withdrawal, ...]:
             axis=node.need("axis").name(),
             choices=tuple(item.name() for item in node.need("choices").items()),
             backends=tuple(item.name() for item in node.need("backends").items()),
+            spares={
+                axis: tuple(item.name() for item in node.need("spares").need(axis).items())
+                for axis in node.need("spares").fields()
+            },
             withdrawn=node.need("withdrawn").name(),
             reason=node.need("reason").name(),
             bound={key: node.need("bound").need(key).number() for key in node.need("bound").fields()},
@@ -108,7 +116,7 @@ def among(cells: Sequence[Cell]) -> tuple[Withdrawal, ...]:
 
 
 def _one_a_choice(entry: Withdrawal, cells: Iterable[Cell]) -> list[Cell]:
-    return list({(cell.backend, cell.axes.get(entry.axis)): cell for cell in cells}.values())
+    return list({(cell.backend, cell.axes.get(entry.axis), entry.concerns(cell)): cell for cell in cells}.values())
 
 
 def concerning(cells: Sequence[Cell]) -> tuple[Withdrawal, ...]:

@@ -110,6 +110,9 @@ RAYS = {
     "nodes_per_ray": NUMBER,
     "boxes_per_ray": NUMBER,
     "triangles_per_ray": NUMBER,
+    "active_lanes": NUMBER,  # and the next two with --counters
+    "memory_stalls": NUMBER,
+    "bound": CATEGORY,
     "nodes": INTEGER,
     "node_bytes": INTEGER,
     "leaf_bytes": INTEGER,

@@ -218,6 +218,8 @@ def _batch(batch: Batch, mesh: RayMesh) -> dict:
     rate = median_estimate(batch.giga_rays_per_second)
     told = {name: getattr(batch, name) for name in ("kernel", "query", "rays")}
     told |= {name: getattr(batch, name) for name in ("nodes_per_ray", "boxes_per_ray", "triangles_per_ray")}
+    if batch.counters is not None:
+        told |= {name: getattr(batch.counters, name) for name in ("active_lanes", "memory_stalls", "bound")}
     told |= {"class": batch.ray_class, "repetitions": len(batch.ms), "agree": mesh.agree[batch.ray_class]}
     ends = {"giga_rays_per_second_low": rate.low, "giga_rays_per_second_high": rate.high}
     return told | {"giga_rays_per_second": rate.value} | ends

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ptbench.findings.errors import FindingError
+from ptbench.errors import FindingError
 from ptbench.io.cells import Cell, Result
 from ptbench.studies.questions import dimension, usual_baseline
 

@@ -1,0 +1,85 @@
+"""Which counters hold for which cell of a suite: its own variant's, or those of the nearest that was counted.
+
+Counters are of kernels. How the host launches them (the axis `launch`) is none of theirs, and whether the render that
+was counted was the cell's own shows in its rays a sample.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ptbench.errors import InputError
+from ptbench.fleet.gpus import Gpu
+from ptbench.fleet.model import KernelTime
+from ptbench.io.cells import Cell
+from ptbench.io.inspection import Inspected, inspected_of
+
+OWN, NEAR = "own", "near"
+_MEMORY_CEILING = "memory_gb_"
+_SAME_RAYS = 0.01
+# What is measured of a copy is below what the data sheet allows, and not far below.
+_PLAUSIBLE = (0.5, 1.0)
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Counters that speak for a cell; NEAR: of other tunables, or another depth or resolution, of the variant."""
+
+    kind: str
+    entry: Inspected
+    kernels: tuple[KernelTime, ...]
+
+
+def evidence_of(cell: Cell, entries: Sequence[Inspected]) -> Evidence | None:
+    """What was counted of the cell's variant in its scene; None: nothing."""
+    # The kernels are those of a launch by stream.
+    wanted = replace(cell, axes={**cell.axes, **({"launch": "stream"} if "launch" in cell.axes else {})})
+    counted = [entry for entry in entries if times_of(entry)]
+    own = inspected_of(wanted, counted)
+    if own is not None and _is_same_work(cell, own):
+        return Evidence(OWN, own, times_of(own))
+    alike = [entry for entry in counted if inspected_of(replace(wanted, tuned=entry.tuned), [entry]) is not None]
+    if not alike:
+        return None
+    nearest = min(alike, key=lambda entry: (_unlike(cell, entry), not _is_same_work(cell, entry)))
+    return Evidence(NEAR, nearest, times_of(nearest))
+
+
+def times_of(entry: Inspected) -> tuple[KernelTime, ...]:
+    """The kernels that ran and were counted."""
+    return tuple(
+        KernelTime(kernel.name, kernel.milliseconds, kernel.of_ceiling)
+        for kernel in (*entry.kernels, *entry.others)
+        if kernel.milliseconds and kernel.of_ceiling
+    )
+
+
+def check_gpu(entries: Sequence[Inspected], gpu: Gpu, of: str) -> None:
+    """Raises InputError where counters cannot be that GPU's: its memory is slower than the ceiling, or far faster."""
+    for entry in entries:
+        for key, value in entry.ceilings.items():
+            if not key.startswith(_MEMORY_CEILING):
+                continue
+            low, high = (share * gpu.gb_per_second for share in _PLAUSIBLE)
+            if not low <= value <= high:
+                raise InputError(
+                    f"{entry.file}: ceilings.{key}: found {value:.0f}, allowed: {low:.0f} to {high:.0f}, as counters "
+                    f"are of the GPU of the first result file ({gpu.name}, {of})"
+                )
+
+
+def _is_same_work(cell: Cell, entry: Inspected) -> bool:
+    if entry.rays_per_spp is None or not cell.samples:
+        return False
+    rays = float(np.median([sample.rays / sample.spp for sample in cell.samples]))
+    return abs(entry.rays_per_spp / rays - 1) <= _SAME_RAYS
+
+
+def _unlike(cell: Cell, entry: Inspected) -> int:
+    """Tunables that differ; one that only one of the two has counts twice, as it is at its standard in the other."""
+    names = cell.tuned.keys() | entry.tuned.keys()
+    differing = [name for name in names if cell.tuned.get(name) != entry.tuned.get(name)]
+    return sum(1 if name in cell.tuned and name in entry.tuned else 2 for name in differing)

@@ -1,0 +1,154 @@
+"""A suite on several models of GPU, with what was predicted of each cell and how far off that was."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ptbench.compare.compared import Compared, compare_files
+from ptbench.compare.verdicts import Comparison, Row
+from ptbench.fleet.evidence import OWN, Evidence, check_gpu, evidence_of
+from ptbench.fleet.gpus import Gpu, gpu_of_result, gpu_of_sheet
+from ptbench.fleet.model import EXPOSED, RULES, Rule, bound_of, predicted
+from ptbench.io.cells import Cell
+from ptbench.io.inspection import Inspected, load_inspected
+
+NEAR_ENOUGH = 0.05  # of a prediction, relative to what was measured
+BAR = 0.9  # of the variants must be predicted that well
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """A cell on another GPU; ratios are that GPU's time over the first one's."""
+
+    row: Row
+    evidence: Evidence
+    bound: str
+    shares: dict[str, float]
+    ratios: dict[str, float]  # by the name of the rule
+
+    @property
+    def cell(self) -> Cell:
+        """As the first file has it."""
+        return self.row.pair.reference
+
+    @property
+    def is_own(self) -> bool:
+        """Whether the very variant was counted, in the very render."""
+        return self.evidence.kind == OWN
+
+    def error(self, rule: Rule = EXPOSED) -> float:
+        """Of the predicted ratio, relative to the measured one."""
+        return self.ratios[rule.name] / self.row.ratio.value - 1
+
+
+@dataclass(frozen=True)
+class Score:
+    """How well a rule predicts."""
+
+    rule: Rule
+    count: int
+    within: int
+    mean: float  # of the errors' sizes
+    worst: float  # with its sign
+
+    @property
+    def share(self) -> float:
+        """Of the variants, those that are predicted well enough."""
+        return self.within / self.count
+
+
+@dataclass(frozen=True)
+class Other:
+    """Another GPU of the fleet against the first one; `rows` without counters are not predicted."""
+
+    gpu: Gpu
+    comparison: Comparison
+    predictions: tuple[Prediction, ...]
+    unpredicted: tuple[Row, ...]
+
+    def scores(self, *, own: bool, without: str = "") -> list[Score]:
+        """Of every rule, over what was itself counted or over all that has any counters; empty where nothing has.
+
+        `without`: a scene that does not count.
+        """
+        chosen = [one for one in self.predictions if (one.is_own or not own) and one.cell.scene != without]
+        return [_score(rule, chosen) for rule in RULES] if chosen else []
+
+
+@dataclass(frozen=True)
+class Unowned:
+    """A GPU of which there is a data sheet alone, and what is predicted of it."""
+
+    gpu: Gpu
+    ratios: dict[str, float]  # by the name of the cell, of those that were themselves counted
+
+
+@dataclass(frozen=True)
+class Fleet:
+    """All that the command tells."""
+
+    compared: Compared
+    first: Gpu
+    others: tuple[Other, ...]
+    unowned: tuple[Unowned, ...]
+    static: tuple[Inspected, ...]
+    evidence: dict[str, Evidence] = field(default_factory=dict)  # of the first file's cells, by name
+
+
+def fleet_of(results: Sequence[Path], inspected: Sequence[Path], models: Sequence[str] = ()) -> Fleet:
+    """Loads, compares and predicts; the first result file is of the GPU that counters are of. Raises InputError."""
+    compared = compare_files(results)
+    first = gpu_of_result(compared.results[0])
+    entries = [entry for path in inspected for entry in load_inspected(path)]
+    counted = [entry for entry in entries if entry.ceilings]
+    check_gpu(counted, first, str(results[0]))
+    cells = [cell for cell in compared.results[0].cells if cell.measured]
+    found = {cell.name: evidence for cell in cells if (evidence := evidence_of(cell, counted)) is not None}
+    return Fleet(
+        compared,
+        first,
+        tuple(_other(comparison, first, found) for comparison in compared.comparisons),
+        tuple(_unowned(gpu_of_sheet(model), first, cells, found) for model in models),
+        tuple(entry for entry in entries if not entry.ceilings),
+        found,
+    )
+
+
+def _other(comparison: Comparison, first: Gpu, found: dict[str, Evidence]) -> Other:
+    gpu = gpu_of_result(comparison.other)
+    with_counters = [row for row in comparison.rows if row.pair.reference.name in found]
+    return Other(
+        gpu,
+        comparison,
+        tuple(_prediction(row, found[row.pair.reference.name], first, gpu) for row in with_counters),
+        tuple(row for row in comparison.rows if row.pair.reference.name not in found),
+    )
+
+
+def _prediction(row: Row, evidence: Evidence, first: Gpu, gpu: Gpu) -> Prediction:
+    ratio_by = _ratio_by(row.pair.reference, evidence, first, gpu)
+    return Prediction(row, evidence, *bound_of(evidence.kernels), {rule.name: ratio_by(rule) for rule in RULES})
+
+
+def _unowned(gpu: Gpu, first: Gpu, cells: Sequence[Cell], found: dict[str, Evidence]) -> Unowned:
+    chosen = [cell for cell in cells if cell.name in found and found[cell.name].kind == OWN]
+    return Unowned(gpu, {cell.name: _ratio_by(cell, found[cell.name], first, gpu)(EXPOSED) for cell in chosen})
+
+
+def _ratio_by(cell: Cell, evidence: Evidence, first: Gpu, gpu: Gpu) -> Callable[[Rule], float]:
+    device = cell.device_share
+    return lambda rule: predicted(evidence.kernels, 1.0 if device is None else min(1.0, device), first, gpu, rule)
+
+
+def _score(rule: Rule, predictions: Sequence[Prediction]) -> Score:
+    errors = [one.error(rule) for one in predictions]
+    sizes = [abs(error) for error in errors]
+    return Score(
+        rule,
+        len(errors),
+        sum(size <= NEAR_ENOUGH for size in sizes),
+        sum(sizes) / len(sizes),
+        max(errors, key=abs),
+    )

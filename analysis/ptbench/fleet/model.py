@@ -1,0 +1,119 @@
+"""What a variant would take on another GPU, from its kernels' counters on one and both GPUs' data sheets.
+
+A kernel's counters say which part m of the memory's ceiling it reached, and which parts u_p of the pipes' and caches'.
+Of its time a share e scales with memory, and the rest goes by instructions:
+
+    t' / t = e B / B' + (1 - e) max_p(u_p R_p / R'_p) / max_p(u_p)
+
+with bandwidths B and rates R_p = multiprocessors x clock x instructions a clock of pipe p (of a cache: multiprocessors
+x clock); primes are the other GPU's. Three rules for e:
+
+- shares of time: e = m, as if memory and pipes never worked at once. The split of time into one that scales with memory
+  and one that scales with the core is that of models of frequency scaling (leading loads: Keramidas et al. 2010; CRISP:
+  Nath and Tullsen, MICRO 2015).
+- exposed memory: e = m (1 - u) / (1 - m u), u the nearest pipe's part. Both are busy, each by itself, m and u of the
+  time, so at once m u of it; whatever time that is belongs to each as the rest does, where memory alone has m (1 - u).
+- nearest ceiling: e is 1 where memory is nearest and else 0, as in the roofline (Williams et al. 2009).
+
+A variant's ratio is the mean of its kernels' by their time, and the host's part of a render stays as it is. Caches of
+another size are not modelled: bytes of memory stay what they were.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from ptbench.fleet.gpus import Gpu
+
+MEMORY = "memory"
+
+
+@dataclass(frozen=True)
+class KernelTime:
+    """One kernel's time in a render, in any unit, and what part of each ceiling it reached."""
+
+    name: str
+    time: float
+    shares: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A way to predict: a name, what it says, and a kernel's ratio of times."""
+
+    name: str
+    said: str
+    ratio: Callable[[KernelTime, Gpu, Gpu], float]
+
+
+def _core(kernel: KernelTime, one: Gpu, other: Gpu) -> float:
+    """Time that goes by instructions, over what it was: the nearest pipe's, once rates are the other GPU's."""
+    core = {name: share for name, share in kernel.shares.items() if name != MEMORY}
+    nearest = max(core.values())
+    if nearest == 0:
+        return one.rate("issue") / other.rate("issue")
+    return max(share * one.rate(name) / other.rate(name) for name, share in core.items()) / nearest
+
+
+def _bandwidth(one: Gpu, other: Gpu) -> float:
+    return one.gb_per_second / other.gb_per_second
+
+
+def _split(exposed: float, kernel: KernelTime, one: Gpu, other: Gpu) -> float:
+    return exposed * _bandwidth(one, other) + (1 - exposed) * _core(kernel, one, other)
+
+
+def _parts(kernel: KernelTime) -> tuple[float, float]:
+    """Of memory's ceiling and of the nearest other one."""
+    return min(1.0, kernel.shares[MEMORY]), max(share for name, share in kernel.shares.items() if name != MEMORY)
+
+
+def _shares_of_time(kernel: KernelTime, one: Gpu, other: Gpu) -> float:
+    return _split(_parts(kernel)[0], kernel, one, other)
+
+
+def _exposed_memory(kernel: KernelTime, one: Gpu, other: Gpu) -> float:
+    memory, core = _parts(kernel)
+    if memory == 1 or core >= 1:
+        return _split(float(memory == 1), kernel, one, other)
+    return _split(memory * (1 - core) / (1 - memory * core), kernel, one, other)
+
+
+def _nearest_ceiling(kernel: KernelTime, one: Gpu, other: Gpu) -> float:
+    memory, core = _parts(kernel)
+    return _split(float(memory > core), kernel, one, other)
+
+
+def _issue(_: KernelTime, one: Gpu, other: Gpu) -> float:
+    return one.rate("issue") / other.rate("issue")
+
+
+def _memory(_: KernelTime, one: Gpu, other: Gpu) -> float:
+    return _bandwidth(one, other)
+
+
+SHARES = Rule("shares of time", "memory's part of the time scales with bandwidth", _shares_of_time)
+EXPOSED = Rule("exposed memory", "the same, less what pipes do meanwhile", _exposed_memory)
+RULES = (
+    EXPOSED,
+    SHARES,
+    Rule("nearest ceiling", "all of the time scales with the nearest ceiling", _nearest_ceiling),
+    Rule("SMs x clock", "no counters, multiprocessors x clock alone", _issue),
+    Rule("bandwidth", "no counters, bandwidth alone", _memory),
+)
+
+
+def predicted(kernels: Sequence[KernelTime], device_share: float, one: Gpu, other: Gpu, rule: Rule = EXPOSED) -> float:
+    """Time on `other` over time on `one`; `device_share` of the render on `one` is the device's."""
+    total = sum(kernel.time for kernel in kernels)
+    device = sum(kernel.time * rule.ratio(kernel, one, other) for kernel in kernels) / total
+    return device_share * device + (1 - device_share)
+
+
+def bound_of(kernels: Sequence[KernelTime]) -> tuple[str, dict[str, float]]:
+    """The ceiling that the variant is nearest to, and its part of each: means of its kernels' by their time."""
+    total = sum(kernel.time for kernel in kernels)
+    names = dict.fromkeys(name for kernel in kernels for name in kernel.shares)
+    shares = {name: sum(kernel.time * kernel.shares.get(name, 0.0) for kernel in kernels) / total for name in names}
+    return max(shares, key=lambda name: shares[name]), shares

@@ -1,0 +1,114 @@
+"""Which optimisations have another verdict on another GPU, and the bandwidth at which two variants take equal time.
+
+Verdicts are those of a study's own table: a cell over its study's baseline, each file by itself. A crossover takes a
+variant's time to be a + b / B, B the bandwidth: two GPUs that differ in their memory alone give a and b of each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ptbench.compare.ranking import Change, Ranking
+from ptbench.compare.verdicts import Comparison
+from ptbench.fleet.gpus import Gpu
+from ptbench.io.cells import Cell, Result, Study
+from ptbench.stats.estimates import CONFIDENCE, FASTER, RESAMPLES, SAME, SEED, SLOWER, Estimate
+from ptbench.studies.questions import question_of
+from ptbench.studies.rows import Row, measure
+
+_DECISIVE = (FASTER, SLOWER, SAME)
+# Multiprocessors x clock of two GPUs that differ in their memory alone.
+_SAME_CORE = 0.01
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A cell of a study against the study's baseline, on both GPUs."""
+
+    study: Study
+    axis: str
+    baseline: str
+    first: Row
+    other: Row
+
+    @property
+    def is_decided(self) -> bool:
+        """Whether both verdicts say something."""
+        return self.first.verdict.word in _DECISIVE and self.other.verdict.word in _DECISIVE
+
+    @property
+    def is_changed(self) -> bool:
+        """Whether both verdicts say something, and not the same."""
+        return self.is_decided and self.first.verdict.word != self.other.verdict.word
+
+    @property
+    def is_turned(self) -> bool:
+        """FASTER on one and SLOWER on the other."""
+        return {self.first.verdict.word, self.other.verdict.word} == {FASTER, SLOWER}
+
+
+def verdict_pairs(comparison: Comparison) -> list[Pair]:
+    """Of every study that both files have, the cells that were paired, in the reference's order."""
+    partner = {row.pair.reference.name: row.pair.other.name for row in comparison.rows}
+    theirs = {study.name: study for study in comparison.other.studies}
+    found = []
+    for study in comparison.reference.studies:
+        if study.name not in theirs:
+            continue
+        question, other_question = (
+            question_of(comparison.reference, study),
+            question_of(comparison.other, theirs[study.name]),
+        )
+        if question is None or other_question is None or question != other_question:
+            continue
+        by_cell = {row.cell.name: row for row in measure(comparison.other, theirs[study.name])}
+        for row in measure(comparison.reference, study):
+            other = by_cell.get(partner.get(row.cell.name, ""))
+            if row.ratio is not None and other is not None and other.ratio is not None:
+                found.append(Pair(study, question.axis, question.baseline, row, other))
+    return found
+
+
+def have_one_core(one: Gpu, other: Gpu) -> bool:
+    """Whether the two differ in their memory alone, as far as a data sheet says."""
+    rates = one.rate("issue") / other.rate("issue")
+    return one.capability == other.capability and abs(rates - 1) <= _SAME_CORE
+
+
+def ran_one_program(results: Sequence[Result]) -> bool:
+    """Whether a difference between the files is the GPUs' alone: one commit's kernels."""
+    commits = {result.about("git_sha") for result in results}
+    return len(commits) == 1 and "unknown" not in commits
+
+
+def crossover(group: Ranking, change: Change, gpus: tuple[Gpu, ...]) -> Estimate | None:
+    """The bandwidth, GB/s, at which the two variants of a change take equal time; None: no such two GPUs.
+
+    The interval resamples all four sets of times.
+    """
+    one, two = gpus[change.at], gpus[change.turned_at]
+    if not have_one_core(one, two):
+        return None
+    files = (change.at, change.turned_at)
+    cells = [group.cells[variant][file] for variant in (change.ahead, change.behind) for file in files]
+    value = _crossing(*(float(np.median(cell.ms_per_spp)) for cell in cells), one=one, two=two)
+    random = np.random.default_rng(SEED)
+    drawn = _crossing(*(_medians(cell, random) for cell in cells), one=one, two=two)
+    tail = 50 * (1 - CONFIDENCE)
+    low, high = np.percentile(drawn, [tail, 100 - tail])
+    return Estimate(float(value), float(low), float(high), min(len(cell.samples) for cell in cells))
+
+
+def _medians(cell: Cell, random: np.random.Generator) -> np.ndarray:
+    times = cell.ms_per_spp
+    return np.median(times[random.integers(0, times.size, size=(RESAMPLES, times.size))], axis=1)
+
+
+def _crossing(ahead_one, ahead_two, behind_one, behind_two, *, one: Gpu, two: Gpu):
+    """Where the lines through the two variants' times meet, over 1 / bandwidth."""
+    x_one, x_two = 1 / one.gb_per_second, 1 / two.gb_per_second
+    gap_one, gap_two = ahead_one - behind_one, ahead_two - behind_two
+    return 1 / (x_one + (x_two - x_one) * gap_one / (gap_one - gap_two))

@@ -1,0 +1,91 @@
+"""How much faster several GPUs of a host are than one: efficiencies of cells that differ in `devices`.
+
+Strong scaling: the same image. Weak scaling: as many times the samples as GPUs. Either way the efficiency is how many
+times as many samples a second there are, over the number of GPUs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ptbench.io.cells import Cell
+from ptbench.stats.estimates import Estimate, median_estimate, ratio_estimate
+
+DEVICES, PARTITION, WHOLE = "devices", "partition", "samples"
+
+
+def devices_of(cell: Cell) -> int:
+    """How many GPUs rendered it."""
+    return int(cell.axes.get(DEVICES, "1"))
+
+
+@dataclass(frozen=True)
+class Scaled:
+    """A cell on several GPUs beside the one on one GPU that it is held against."""
+
+    cell: Cell
+    one: Cell
+
+    @property
+    def is_weak(self) -> bool:
+        """Whether it has more samples than the one on one GPU."""
+        return self.cell.spp != self.one.spp
+
+    @property
+    def efficiency(self) -> Estimate:
+        """With the reduction."""
+        return self._over(self.cell.ms_per_spp)
+
+    @property
+    def without_reduction(self) -> Estimate:
+        """As if adding up the films took no time."""
+        return self._over(np.array([sample.render_ms / sample.spp for sample in self.cell.samples]))
+
+    @property
+    def reduce_ms(self) -> Estimate:
+        """What adding up the films takes."""
+        return median_estimate(np.array([sample.device_reduce_ms or 0.0 for sample in self.cell.samples]))
+
+    @property
+    def idle_share(self) -> Estimate:
+        """What of the GPUs' time until the last one has rendered they are idle: the imbalance."""
+        return median_estimate(np.array([1 - np.mean(s.own_device_ms) / s.render_ms for s in self.cell.samples]))
+
+    @property
+    def has_same_films(self) -> bool:
+        """Whether every sample of a seed that both have left the same film, bit for bit; of strong scaling."""
+        theirs = {sample.seed: sample.film_hash for sample in self.one.samples}
+        both = [sample for sample in self.cell.samples if sample.seed in theirs]
+        return bool(both) and all(sample.film_hash == theirs[sample.seed] for sample in both)
+
+    def _over(self, ms_per_spp: np.ndarray) -> Estimate:
+        ratio, count = ratio_estimate(self.one.ms_per_spp, ms_per_spp), devices_of(self.cell)
+        ends = (None if end is None else end / count for end in (ratio.low, ratio.high))
+        return Estimate(ratio.value / count, *ends, ratio.n)
+
+
+def strong(cells: Sequence[Cell]) -> list[Scaled]:
+    """Every measured cell on several GPUs whose like on one GPU is measured, too."""
+    return _scaled(cells, lambda cell: cell.spp)
+
+
+def weak(cells: Sequence[Cell]) -> list[Scaled]:
+    """Every one whose like with that part of its samples is."""
+    return _scaled(cells, lambda cell: cell.spp / devices_of(cell))
+
+
+def _scaled(cells: Sequence[Cell], spp_of_one) -> list[Scaled]:
+    measured = [cell for cell in cells if cell.measured]
+    ones = {_setting(cell, cell.spp): cell for cell in measured if devices_of(cell) == 1}
+    several = [cell for cell in measured if devices_of(cell) > 1]
+    found = [(cell, ones.get(_setting(cell, spp_of_one(cell)))) for cell in several]
+    return [Scaled(cell, one) for cell, one in found if one is not None]
+
+
+def _setting(cell: Cell, spp: float) -> tuple:
+    axes = tuple(sorted((axis, of) for axis, of in cell.axes.items() if axis not in (DEVICES, PARTITION)))
+    tunables = tuple(sorted(cell.tunables.items()))
+    return cell.scene, cell.backend, cell.resolution, cell.depth, spp, axes, tunables

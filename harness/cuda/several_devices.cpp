@@ -1,0 +1,239 @@
+#include "harness/cuda/several_devices.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <ctime>
+#include <exception>
+#include <thread>
+
+#include "harness/cuda/accounting.h"
+#include "harness/cuda/cell.h"
+#include "variants/cuda/nccl.h"
+#include "variants/cuda/on_device.h"
+
+namespace pt::cuda {
+
+namespace {
+
+using SteadyClock = std::chrono::steady_clock;
+
+double process_cpu_ms_of_devices() {
+    timespec time{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+double milliseconds_between(SteadyClock::time_point begin, SteadyClock::time_point end) {
+    return std::chrono::duration<double, std::milli>(end - begin).count();
+}
+
+// A thread a device, the caller's for the first one. They are there before the clock starts, start together, and have
+// all ended their work when `run` returns the time at which they started. Waits turn in loops, for a wake-up takes as
+// long as a short render.
+class DeviceThreads {
+public:
+    // `work(device)` may throw: what the first of them threw is thrown here, after all have ended.
+    template <class Work>
+    static SteadyClock::time_point run(std::uint32_t devices, const Work& work) {
+        std::atomic<std::uint32_t> ready{0}, done{0};
+        std::atomic<bool> is_started{false};
+        std::vector<std::exception_ptr> failures(devices);
+        const auto guarded = [&](std::uint32_t device) {
+            try {
+                PT_CUDA_CHECK(cudaSetDevice(static_cast<int>(device)));
+                work(device);
+            } catch (...) {
+                failures[device] = std::current_exception();
+            }
+        };
+        std::vector<std::jthread> threads;
+        for (std::uint32_t device = 1; device < devices; ++device) {
+            threads.emplace_back([&, device] {
+                (void)cudaSetDevice(static_cast<int>(device));
+                ready += 1;
+                while (!is_started) {
+                    std::this_thread::yield();
+                }
+                guarded(device);
+                done += 1;
+            });
+        }
+        while (ready + 1 < devices) {
+            std::this_thread::yield();
+        }
+        const SteadyClock::time_point start = SteadyClock::now();
+        is_started = true;
+        guarded(0);
+        while (done + 1 < devices) {
+            std::this_thread::yield();
+        }
+        threads.clear();
+        for (const std::exception_ptr& failure : failures) {
+            if (failure != nullptr) {
+                std::rethrow_exception(failure);
+            }
+        }
+        return start;
+    }
+};
+
+template <class Real>
+class DeviceGroup {
+public:
+    DeviceGroup(const Scene& scene, const RenderRequest& request, const RenderSettings& settings,
+                const KernelChoice& kernel, const FilmView& film)
+        : request_(request),
+          traits_(traits_of(request.variant, Backend::cuda)),
+          film_words_(std::size_t{3} * settings.width * settings.height),
+          first_(0) {
+        const std::uint32_t used =
+            devices_at_work(traits_.partition, traits_.devices.count, request.samples, settings.height);
+        const SampleSource source(traits_.partition, used, {request.first_sample, request.samples});
+        // What a cell is made for: the most that it renders at once.
+        request_.samples = std::min(request.samples, source.most_at_once());
+        request_.checkpoints = {};
+        request_.on_checkpoint = {};
+        for (std::uint32_t device = 0; device < used; ++device) {
+            const OnDevice on(static_cast<int>(device));
+            cells_.push_back(std::make_unique<RenderCell<Real>>(scene, request_, settings, kernel, film,
+                                                                rows_of(traits_.partition, device, used)));
+        }
+        if (used > 1) {
+            connect();
+        }
+    }
+    ~DeviceGroup() {
+        for (std::size_t device = 0; device < cells_.size(); ++device) {
+            (void)cudaSetDevice(static_cast<int>(device));
+            cells_[device].reset();
+        }
+        (void)cudaSetDevice(0);
+    }
+    DeviceGroup(const DeviceGroup&) = delete;
+    DeviceGroup& operator=(const DeviceGroup&) = delete;
+
+    // Adds to the times of `result`.
+    void run(const SampleRange& samples, RenderResult& result) {
+        const auto devices = static_cast<std::uint32_t>(cells_.size());
+        SampleSource source(traits_.partition, devices, samples);
+        std::vector<double> device_ms(devices);
+        std::vector<SteadyClock::time_point> ends(devices);
+        const double cpu_start = process_cpu_ms_of_devices();
+        const SteadyClock::time_point start = DeviceThreads::run(devices, [&](std::uint32_t device) {
+            device_ms[device] = cells_[device]->run_pieces([&] { return source.next(device); });
+            ends[device] = SteadyClock::now();
+        });
+        add_up();
+        const SteadyClock::time_point end = SteadyClock::now();
+        const SteadyClock::time_point last = *std::max_element(ends.begin(), ends.end());
+        DeviceFacts& facts = result.devices;
+        for (std::uint32_t device = 0; device < devices; ++device) {
+            facts.own_ms[device] += device_ms[device] > 0 ? milliseconds_between(start, ends[device]) : 0;
+        }
+        facts.slowest_ms += milliseconds_between(start, last);
+        facts.reduce_ms += milliseconds_between(last, end);
+        result.wall_ms += milliseconds_between(start, end);
+        result.device_ms += *std::max_element(device_ms.begin(), device_ms.end()) + milliseconds_between(last, end);
+        result.cpu_ms += process_cpu_ms_of_devices() - cpu_start;
+    }
+
+    void download(Film& film) const {
+        FilmFaults faults;
+        for (std::size_t device = 0; device < cells_.size(); ++device) {
+            const OnDevice on(static_cast<int>(device));
+            faults += cells_[device]->faults();
+        }
+        std::vector<std::int64_t> summed(film_words_);
+        PT_CUDA_CHECK(cudaMemcpyAsync(summed.data(), cells_.size() > 1 ? sum_ : cells_[0]->job().film.sums,
+                                      summed.size() * sizeof(std::int64_t), cudaMemcpyDeviceToHost, stream_of(0)));
+        PT_CUDA_CHECK(cudaStreamSynchronize(stream_of(0)));
+        film.set(std::move(summed), faults);
+    }
+
+    // Counters are sums, and so are stages' times: what all devices spent.
+    void collect(RenderResult& result) {
+        cells_[0]->collect_counts(result);
+        for (std::size_t device = 1; device < cells_.size(); ++device) {
+            const OnDevice on(static_cast<int>(device));
+            RenderResult other{.film = Film(1, 1, 1, 1), .work = {}, .stages = {}};
+            cells_[device]->collect_counts(other);
+            result.work += other.work;
+            result.health.add(other.health);
+            add_stages(result.stages, other.stages);
+            result.cuda.prepare_ms += other.cuda.prepare_ms;
+        }
+    }
+
+private:
+    cudaStream_t stream_of(std::size_t device) const { return cells_[device]->job().stream; }
+
+    // Connects the devices and takes the reduction's memory; the films are still nought, and so is their sum.
+    void connect() {
+        memory_ = std::make_unique<Arena>(film_words_ * sizeof(std::int64_t));
+        sum_ = memory_->take<std::int64_t>(film_words_);
+        clear(sum_, film_words_ * sizeof(std::int64_t), stream_of(0));
+        add_up();
+        for (std::size_t device = 0; device < cells_.size(); ++device) {
+            PT_CUDA_CHECK(cudaStreamSynchronize(stream_of(device)));
+        }
+    }
+
+    // Returns when the first device has the sum.
+    void add_up() {
+        if (cells_.size() == 1) {
+            return;
+        }
+        std::vector<Addend> addends;
+        for (std::size_t device = 0; device < cells_.size(); ++device) {
+            addends.push_back({static_cast<int>(device), stream_of(device), cells_[device]->job().film.sums});
+        }
+        add_to_first(addends, sum_, film_words_);
+        PT_CUDA_CHECK(cudaStreamSynchronize(stream_of(0)));
+    }
+
+    static void add_stages(StageTimes& into, const StageTimes& from) {
+        for (const auto& [stage, milliseconds] : from.milliseconds) {
+            into.add(stage, milliseconds);
+        }
+        for (std::size_t segment = 0; segment < from.live_paths.size(); ++segment) {
+            into.add_live(segment, from.live_paths[segment]);
+        }
+    }
+
+    RenderRequest request_;  // as each cell has it; they keep a reference
+    VariantTraits traits_;
+    std::size_t film_words_;
+    OnDevice first_;  // what is not said to be on another device is on this one
+    std::unique_ptr<Arena> memory_;
+    std::int64_t* sum_ = nullptr;  // on the first device
+    std::vector<std::unique_ptr<RenderCell<Real>>> cells_;
+};
+
+}  // namespace
+
+template <class Real>
+void render_on_devices(const Scene& scene, const RenderRequest& request, const RenderSettings& settings,
+                       const KernelChoice& kernel, RenderResult& result) {
+    const std::uint32_t asked = traits_of(request.variant, Backend::cuda).devices.count;
+    result.devices.count = asked;
+    result.devices.own_ms.assign(asked, 0.0);
+    DeviceGroup<Real> group(scene, request, settings, kernel, result.film.view());
+    for (const RenderPart& part : parts_of(request)) {
+        group.run({request.first_sample + part.done, part.samples}, result);
+        if (is_shown(request)) {
+            group.download(result.film);
+            report_checkpoint(request, part, result);
+        }
+    }
+    group.download(result.film);
+    group.collect(result);
+}
+
+template void render_on_devices<float>(const Scene& scene, const RenderRequest& request, const RenderSettings& settings,
+                                       const KernelChoice& kernel, RenderResult& result);
+template void render_on_devices<double>(const Scene& scene, const RenderRequest& request,
+                                        const RenderSettings& settings, const KernelChoice& kernel,
+                                        RenderResult& result);
+
+}  // namespace pt::cuda

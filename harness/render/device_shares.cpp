@@ -1,0 +1,55 @@
+#include "harness/render/device_shares.h"
+
+#include <algorithm>
+
+namespace pt {
+
+std::uint32_t devices_at_work(const PartitionTraits& partition, std::uint32_t devices, std::uint32_t samples,
+                              std::uint32_t height) {
+    return std::max(1u, std::min(devices, partition.is_by_rows ? height : samples));
+}
+
+Rows rows_of(const PartitionTraits& partition, std::uint32_t device, std::uint32_t devices) {
+    return partition.is_by_rows ? Rows{device, devices} : Rows{};
+}
+
+SampleSource::SampleSource(const PartitionTraits& partition, std::uint32_t devices, const SampleRange& samples)
+    : partition_(partition), devices_(devices), samples_(samples), has_had_(devices) {}
+
+SampleRange SampleSource::share(std::uint32_t device) const {
+    if (partition_.is_by_rows) {
+        return samples_;
+    }
+    const std::uint32_t each = samples_.count / devices_;
+    const std::uint32_t more = samples_.count % devices_;
+    return {samples_.first + device * each + std::min(device, more), each + (device < more ? 1u : 0u)};
+}
+
+// A half of what would be an equal share of what is left, so that all devices end together, but not so small that its
+// launch would count: a sixteenth of a device's share, at most 16 samples.
+std::uint32_t SampleSource::chunk(std::uint32_t left) const {
+    constexpr std::uint32_t least_samples = 16, least_share = 16;
+    const std::uint32_t least = std::clamp(samples_.count / (least_share * devices_), 1u, least_samples);
+    const std::uint32_t half_of_share = left / (2 * devices_) / least * least;
+    return std::min(left, std::max(least, half_of_share));
+}
+
+std::uint32_t SampleSource::most_at_once() const {
+    return partition_.is_dynamic ? std::max(1u, chunk(samples_.count)) : std::max(1u, share(0).count);
+}
+
+std::optional<SampleRange> SampleSource::next(std::uint32_t device) {
+    const std::lock_guard lock(mutex_);
+    if (partition_.is_dynamic) {
+        const std::uint32_t count = chunk(samples_.count - taken_);
+        const SampleRange range{samples_.first + taken_, count};
+        taken_ += count;
+        return count > 0 ? std::optional(range) : std::nullopt;
+    }
+    const SampleRange range = share(device);
+    const bool is_new = !has_had_.at(device);
+    has_had_.at(device) = true;
+    return is_new && range.count > 0 ? std::optional(range) : std::nullopt;
+}
+
+}  // namespace pt

@@ -1,0 +1,195 @@
+#include "harness/scene/environment_image.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "harness/json_reader.h"
+#include "harness/render/exr.h"
+
+namespace pt {
+
+namespace {
+
+constexpr std::uint64_t largest_environment_file = std::uint64_t{1} << 30;
+
+void check_environment_size(long long width, long long height, const std::string& file) {
+    if (width < 1 || height < 1 || width > most_environment_columns || height > most_environment_rows) {
+        throw InputError(file, "size", fmt::format("{} x {} texels", width, height),
+                         fmt::format("1 x 1 to {} x {}", most_environment_columns, most_environment_rows));
+    }
+}
+
+void check_environment_texels(const EnvironmentImage& image, const std::string& file) {
+    for (std::size_t i = 0; i < image.texels.size(); ++i) {
+        for (int channel = 0; channel < 3; ++channel) {
+            const float value = image.texels[i][channel];
+            if (!(value >= 0 && value <= 1e30f)) {
+                throw InputError(file, fmt::format("texel {}, {}", i % image.width, i / image.width),
+                                 fmt::format("{}", value), "a number from 0 to 1e30");
+            }
+        }
+    }
+}
+
+// Ward's RGBE: three mantissas of 8 bits and an exponent (Graphics Gems II, chapter II.5), from the top row down, each
+// row as it is or by runs, a channel at a time. EXPOSURE is passed over, as other readers do. (stb_image reads a file
+// that ends early as if it did not.)
+class HdrReader {
+public:
+    HdrReader(std::string_view content, const std::string& file) : content_(content), file_(file) {}
+
+    EnvironmentImage read() {
+        read_header();
+        EnvironmentImage image{width_, height_, {}};
+        image.texels.reserve(std::min(std::size_t{width_} * height_, content_.size()));
+        for (std::uint32_t row = 0; row < height_; ++row) {
+            read_row(image.texels);
+        }
+        check_environment_texels(image, file_);
+        return image;
+    }
+
+private:
+    [[noreturn]] void refuse(const std::string& found) const {
+        throw InputError(file_, "content", found,
+                         "a whole Radiance image: #?RADIANCE, FORMAT=32-bit_rle_rgbe, -Y HEIGHT +X WIDTH, texels");
+    }
+    std::string_view line() {
+        const std::size_t end = content_.find('\n', place_);
+        if (end == std::string_view::npos || end - place_ > 1024) {
+            refuse("no header");
+        }
+        const std::string_view text = content_.substr(place_, end - place_);
+        place_ = end + 1;
+        return text.ends_with('\r') ? text.substr(0, text.size() - 1) : text;
+    }
+    void read_header() {
+        if (!line().starts_with("#?")) {
+            refuse("no #?RADIANCE at its beginning");
+        }
+        for (std::string_view text = line(); !text.empty(); text = line()) {
+            if (text.starts_with("FORMAT=") && text != "FORMAT=32-bit_rle_rgbe") {
+                refuse(fmt::format("\"{}\"", text));
+            }
+        }
+        const std::string_view size = line();
+        const char* const end = size.data() + size.size();
+        long long height = -1, width = -1;
+        constexpr std::string_view between = " +X ";
+        if (!size.starts_with("-Y ")) {
+            refuse(fmt::format("\"{}\"", size));
+        }
+        const char* const after = std::from_chars(size.data() + 3, end, height).ptr;
+        if (!std::string_view(after, end).starts_with(between) ||
+            std::from_chars(after + between.size(), end, width).ptr != end) {
+            refuse(fmt::format("\"{}\"", size));
+        }
+        check_environment_size(width, height, file_);
+        width_ = static_cast<std::uint32_t>(width);
+        height_ = static_cast<std::uint32_t>(height);
+    }
+    std::uint32_t byte() {
+        if (place_ >= content_.size()) {
+            refuse("a file that ends early");
+        }
+        return static_cast<unsigned char>(content_[place_++]);
+    }
+    // Whether the next row is by runs: it begins with 2, 2 and its width.
+    bool takes_run_head() {
+        if (width_ < 8 || content_.size() - place_ < 4) {
+            return false;
+        }
+        const std::string head{2, 2, static_cast<char>(width_ >> 8), static_cast<char>(width_ & 0xff)};
+        const bool is_by_runs = content_.substr(place_, 4) == head;
+        place_ += is_by_runs ? 4 : 0;
+        return is_by_runs;
+    }
+    void read_row(std::vector<Vec3<float>>& texels) {
+        std::vector<std::uint32_t> bytes(std::size_t{4} * width_);
+        if (takes_run_head()) {
+            for (std::size_t channel = 0; channel < 4; ++channel) {
+                read_runs(bytes, channel);
+            }
+        } else {
+            for (std::uint32_t& value : bytes) {
+                value = byte();
+            }
+        }
+        for (std::size_t i = 0; i < bytes.size(); i += 4) {
+            const int exponent = static_cast<int>(bytes[i + 3]) - 136;
+            const float scale = bytes[i + 3] == 0 ? 0.0f : std::ldexp(1.0f, exponent);
+            texels.emplace_back(static_cast<float>(bytes[i]) * scale, static_cast<float>(bytes[i + 1]) * scale,
+                                static_cast<float>(bytes[i + 2]) * scale);
+        }
+    }
+    void read_runs(std::vector<std::uint32_t>& bytes, std::size_t channel) {
+        std::size_t column = 0;
+        while (column < width_) {
+            const std::uint32_t code = byte();
+            const bool repeats = code > 128;
+            const std::size_t count = repeats ? code - 128 : code;
+            if (count == 0 || count > width_ - column) {
+                refuse("a run beyond its row");
+            }
+            std::uint32_t value = repeats ? byte() : 0;
+            for (std::size_t i = 0; i < count; ++i, ++column) {
+                value = repeats ? value : byte();
+                bytes[4 * column + channel] = value;
+            }
+        }
+    }
+
+    std::string_view content_;
+    const std::string& file_;
+    std::size_t place_ = 0;
+    std::uint32_t width_ = 0, height_ = 0;
+};
+
+}  // namespace
+
+EnvironmentImage parse_hdr(std::string_view content, const std::string& file) {
+    return HdrReader(content, file).read();
+}
+
+EnvironmentImage parse_exr(std::string_view content, const std::string& file) {
+    if (!has_openexr()) {
+        throw InputError(file, "file name", "the ending .exr, which this build cannot read (libopenexr-dev)", ".hdr");
+    }
+    const ExrSize size = exr_size(content, file);
+    check_environment_size(size.width, size.height, file);
+    EnvironmentImage image{static_cast<std::uint32_t>(size.width), static_cast<std::uint32_t>(size.height), {}};
+    const std::vector<float> values = decode_exr(content, file);
+    for (std::size_t i = 0; i < values.size(); i += 3) {
+        image.texels.emplace_back(values[i], values[i + 1], values[i + 2]);
+    }
+    check_environment_texels(image, file);
+    return image;
+}
+
+std::string encode_environment_exr(const EnvironmentImage& image) {
+    ExrLayer layer{"", "RGB", {}};
+    for (const Vec3<float>& texel : image.texels) {
+        layer.values.insert(layer.values.end(), {texel.x, texel.y, texel.z});
+    }
+    return encode_exr({layer}, image.width, image.height);
+}
+
+EnvironmentImage read_environment_image(const std::filesystem::path& path) {
+    const std::string file = path.string();
+    std::string ending = path.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    if (ending == ".hdr") {
+        return parse_hdr(read_file(file, largest_environment_file), file);
+    }
+    if (ending == ".exr") {
+        return parse_exr(read_file(file, largest_environment_file), file);
+    }
+    throw InputError(file, "file name", fmt::format("the ending \"{}\"", ending), ".hdr or .exr");
+}
+
+}  // namespace pt

@@ -1,0 +1,35 @@
+// Images that light comes from: Radiance .hdr, and .exr by OpenEXR 3, linear RGB.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kernels/math.h"
+
+namespace pt {
+
+struct EnvironmentImage {
+    std::uint32_t width = 0, height = 0;
+    std::vector<Vec3<float>> texels;  // row-major from the top
+};
+
+// Rows beyond it would be less than a rounding of a cosine apart at the poles.
+inline constexpr std::uint32_t most_environment_rows = 4096;
+inline constexpr std::uint32_t most_environment_columns = 8192;
+
+// By the file's ending. Throws InputError of one line for a file that is missing, of another kind, too large or broken,
+// and for a texel that is negative, no number or infinite.
+EnvironmentImage read_environment_image(const std::filesystem::path& path);
+
+// The same of a file's content; `file` is for the messages.
+EnvironmentImage parse_hdr(std::string_view content, const std::string& file);
+// Channels R, G and B, or Y alone, of whatever type.
+EnvironmentImage parse_exr(std::string_view content, const std::string& file);
+
+// As it is in a file that parse_exr reads.
+std::string encode_environment_exr(const EnvironmentImage& image);
+
+}  // namespace pt

@@ -1,0 +1,156 @@
+// Light from all round as an equirectangular image, y up, and directions towards it drawn in proportion to it: by a
+// piecewise-constant distribution, a row first and a texel of it then (Pharr, Jakob and Humphreys, "Physically Based
+// Rendering", 4th edition, sections 12.5 and A.5). A direction has the radiance of the texel that it is in, and within
+// a texel directions are drawn evenly by solid angle, so radiance over density is one number throughout a texel.
+// Probabilities are whole 2^-32nds, none 0: what is drawn and what is divided by are the same number. An even light is
+// an image of one texel, drawn uniformly over the sphere.
+//
+// The image's left edge is in the direction -z, a quarter of its width on is +x, as in Mitsuba's `envmap`.
+#pragma once
+
+#include "kernels/sampling.h"
+#include "kernels/scene_view.h"
+
+namespace pt {
+
+// Texels between two cosines to +y: from `top` down to the next row's, or -1.
+template <class Real>
+struct EnvironmentRow {
+    Real top;
+    Real inverse_pdf;     // of a direction to one of the row's texels that is drawn surely once the row is
+    std::uint32_t first;  // where the row's share of 2^32 begins; it ends at the next one's
+};
+
+template <class Real>
+struct EnvironmentTexel {
+    Vec3<Real> radiance;
+    std::uint32_t first;  // where the share of its row's 2^32 begins
+};
+
+template <class Real>
+struct EnvironmentMap {
+    View<EnvironmentRow<Real>> rows;      // from +y down
+    View<EnvironmentTexel<Real>> texels;  // row by row
+    std::uint32_t width;                  // texels in a row
+    Real turn;                            // where in the image, in widths, the direction -z is: its rotation about y
+    std::uint32_t object_share;           // of 2^32: below, one of the objects that emit is drawn
+    std::uint32_t stretch;                // 2^31 times 2^32 / object_share
+    Real inverse_probability;             // of the environment
+    Real inverse_object_probability;      // of any of the objects
+};
+
+// How the shares of 2^32 lie: the last of `count` entries that begins at or below `word`.
+template <class Entry>
+PT_HD inline std::uint32_t entry_at(const Entry* entries, std::uint32_t count, std::uint32_t word) {
+    std::uint32_t low = 0, high = count;
+    while (high - low > 1) {
+        const std::uint32_t middle = low + (high - low) / 2;
+        const bool is_above = entries[middle].first > word;
+        high = is_above ? middle : high;
+        low = is_above ? low : middle;
+    }
+    return low;
+}
+
+// Of 2^32, in units of 1: 2^32 itself for an only entry. The last one's end is 2^32, whose low word is 0.
+template <class Real, class Entry>
+PT_HD inline Real share_of_entry(const Entry* entries, std::uint32_t count, std::uint32_t i) {
+    const std::uint32_t end = i + 1 < count ? entries[i + 1].first : 0u;
+    return static_cast<Real>(end - entries[i].first - 1u) + Real(1);
+}
+
+// Where in its entry's share a word lies, in [0, 1]: between two words by 16 more bits, since a share may be one word.
+template <class Real, class Entry>
+PT_HD inline Real place_in_entry(const Entry& entry, Real share, std::uint32_t word, std::uint32_t more) {
+    const Real between = (static_cast<Real>(more & 0xffffu) + Real(0.5)) * Real(0x1p-16);
+    return min((static_cast<Real>(word - entry.first) + between) / share, Real(1));
+}
+
+// A texel, and 1 / density by solid angle with which directions to it are drawn.
+template <class Real>
+struct EnvironmentPlace {
+    Vec3<Real> radiance;
+    Real inverse_pdf;
+};
+
+template <class Real>
+PT_HD inline EnvironmentPlace<Real> place_at(const EnvironmentMap<Real>& map, std::uint32_t row, std::uint32_t column) {
+    const EnvironmentTexel<Real>* const texels = map.texels.data + static_cast<std::size_t>(row) * map.width;
+    const Real share = share_of_entry<Real>(texels, map.width, column);
+    return {texels[column].radiance, map.rows[row].inverse_pdf * (Real(0x1p32) / share)};
+}
+
+// The angle about y in turns, from 0 at -z by way of 1/4 at +x: up to rounding within [-1/4, 3/4].
+template <class Real>
+PT_HD inline Real azimuth_in_turns(const Vec3<Real>& direction) {
+    const Real along = -direction.z;
+    if (along == Real(0)) {
+        return direction.x < Real(0) ? Real(-0.25) : direction.x > Real(0) ? Real(0.25) : Real(0);
+    }
+    const Real angle = arc_tangent(direction.x / along) * (Real(0.5) / pi<Real>);
+    return along < Real(0) ? angle + Real(0.5) : angle;
+}
+
+// Of a number from -1 to 2, what is beyond a whole one.
+template <class Real>
+PT_HD inline Real fraction_of_turn(Real turns) {
+    const Real above = turns < Real(0) ? turns + Real(1) : turns;
+    return above >= Real(1) ? above - Real(1) : above;
+}
+
+template <class Real>
+PT_HD inline std::uint32_t row_at(const EnvironmentMap<Real>& map, Real cosine) {
+    std::uint32_t low = 0, high = map.rows.size;
+    while (high - low > 1) {
+        const std::uint32_t middle = low + (high - low) / 2;
+        const bool is_above = cosine > map.rows[middle].top;
+        high = is_above ? middle : high;
+        low = is_above ? low : middle;
+    }
+    return low;
+}
+
+// `direction`: unit.
+template <class Real>
+PT_HD inline EnvironmentPlace<Real> environment_towards(const EnvironmentMap<Real>& map, const Vec3<Real>& direction) {
+    const Real across = fraction_of_turn(azimuth_in_turns(direction) + map.turn) * static_cast<Real>(map.width);
+    const std::uint32_t column = min(static_cast<std::uint32_t>(across), map.width - 1u);
+    return place_at(map, row_at(map, direction.y), column);
+}
+
+template <class Real>
+struct EnvironmentSample {
+    Vec3<Real> direction;
+    EnvironmentPlace<Real> place;
+};
+
+template <class Real>
+PT_HD inline EnvironmentSample<Real> sample_environment(const EnvironmentMap<Real>& map, std::uint32_t row_word,
+                                                        std::uint32_t column_word, std::uint32_t more) {
+    const std::uint32_t row = entry_at(map.rows.data, map.rows.size, row_word);
+    const EnvironmentTexel<Real>* const texels = map.texels.data + static_cast<std::size_t>(row) * map.width;
+    const std::uint32_t column = entry_at(texels, map.width, column_word);
+    const Real down =
+        place_in_entry(map.rows[row], share_of_entry<Real>(map.rows.data, map.rows.size, row), row_word, more >> 16);
+    const Real across =
+        place_in_entry(texels[column], share_of_entry<Real>(texels, map.width, column), column_word, more);
+    const Real top = map.rows[row].top;
+    const Real bottom = row + 1 < map.rows.size ? map.rows[row + 1].top : Real(-1);
+    const Real cosine = clamp(top + (bottom - top) * down, Real(-1), Real(1));
+    const Real radius = square_root(max(Real(0), (Real(1) - cosine) * (Real(1) + cosine)));
+    const Real turns = (static_cast<Real>(column) + across) / static_cast<Real>(map.width) - map.turn;
+    const SinCos<Real> azimuth = sin_cos_turn(fraction_of_turn(turns));
+    return {{radius * azimuth.sine, cosine, -radius * azimuth.cosine}, place_at(map, row, column)};
+}
+
+// Whether a word draws the environment among all lights; if not, on return it is as even over all words as it was.
+template <class Real>
+PT_HD inline bool draws_environment(const EnvironmentMap<Real>& map, std::uint32_t& word) {
+    if (word >= map.object_share) {
+        return true;
+    }
+    word = static_cast<std::uint32_t>((static_cast<std::uint64_t>(word) * map.stretch) >> 31);
+    return false;
+}
+
+}  // namespace pt

@@ -1,0 +1,199 @@
+// Which of the lights a vertex is connected to, other than uniformly: in proportion to their power, by an alias table
+// (Walker 1977; Vose 1991), or by a tree over them of up to 16 children a node, a child in proportion to what it may
+// send to the vertex (Conty Estevez and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting",
+// PACMCGIT 1(2), 2018; boxes and areas by axis stand for its cones, wide nodes for its splitting). Probabilities are
+// whole 2^-32nds, so what is drawn and what is divided by are the same number. Multiple importance sampling weighs by
+// another density, which knows the vertex's place alone: where light is met, the normal is not known any more. Both
+// techniques weigh by it, so their weights add up to 1 (Veach 1997, sec. 9.2).
+#pragma once
+
+#include "kernels/diffuse.h"
+#include "kernels/random_words.h"
+
+namespace pt {
+
+// `light`: its number in SceneView::lights. `inverse_weighing`: of the density that multiple importance sampling weighs
+// by, inverse_light_weighing.
+template <class Real>
+struct LightPick {
+    std::uint32_t light;
+    Real inverse_probability;
+    Real inverse_weighing;
+};
+
+// Of lights of equal probability.
+template <class Real>
+PT_HD inline LightPick<Real> pick_uniformly(std::uint32_t count, std::uint32_t word) {
+    const Real inverse = static_cast<Real>(count);
+    return {static_cast<std::uint32_t>((static_cast<std::uint64_t>(word) * count) >> 32), inverse, inverse};
+}
+
+// By 64 bits, since one light of many may have a probability below 2^-32.
+template <class Real>
+PT_HD inline LightPick<Real> pick_by_power(const View<LightSlot<Real>>& slots, std::uint32_t word,
+                                           std::uint32_t low_word) {
+    const std::uint64_t low = static_cast<std::uint64_t>(low_word) * slots.size;
+    const std::uint64_t scaled = static_cast<std::uint64_t>(word) * slots.size + (low >> 32);
+    const std::uint32_t own = static_cast<std::uint32_t>(scaled >> 32);
+    const std::uint32_t light = static_cast<std::uint32_t>(scaled) < slots[own].threshold ? own : slots[own].alias;
+    return {light, slots[light].inverse_probability, slots[light].inverse_probability};
+}
+
+// A vertex that is to be connected. `two_sided`: to what is behind it too.
+template <class Real>
+struct LitVertex {
+    Vec3<Real> position, normal;
+    bool two_sided;
+};
+
+// A node as a place sees it.
+template <class Real>
+struct SeenNode {
+    Vec3<Real> to_centre;
+    Real inverse_square;  // of the distance, which is no less than half the box's diagonal
+    Real shown;           // towards the place, times the distance
+
+    PT_HD SeenNode(const LightNode<Real>& node, const Vec3<Real>& position) : to_centre(node.centre - position) {
+        inverse_square = Real(1) / max(dot(to_centre, to_centre), dot(node.half, node.half));
+        shown = node.shown.x * (absolute(to_centre.x) + node.half.x) +
+                node.shown.y * (absolute(to_centre.y) + node.half.y) +
+                node.shown.z * (absolute(to_centre.z) + node.half.z);
+    }
+    // What is shown over the square distance. Products of two in this order stay in range where distances' powers do
+    // not.
+    PT_HD Real sent() const { return shown * inverse_square * square_root(inverse_square); }
+    // The same times the most that the cosine to the normal can be within the box.
+    PT_HD Real sent_to(const LitVertex<Real>& vertex, const LightNode<Real>& node) const {
+        const Real height = dot(to_centre, vertex.normal);
+        const Real reach = absolute(vertex.normal.x) * node.half.x + absolute(vertex.normal.y) * node.half.y +
+                           absolute(vertex.normal.z) * node.half.z;
+        const Real highest = max(Real(0), (vertex.two_sided ? absolute(height) : height) + reach);
+        return (shown * inverse_square) * (highest * inverse_square);
+    }
+};
+
+// Of amounts that add up to `total` each one's share, in 2^-32nds: at least 2^-12, so that every light has one whatever
+// rounds to 0 or overflows. Together they are less than 1, and the last is given what is left.
+template <class Real>
+struct Shares {
+    static constexpr Real least = Real(0x1p20);
+    Real scale, floor;
+
+    PT_HD Shares(Real total, std::uint32_t count) {
+        const Real number = static_cast<Real>(count);
+        // Not so of 0 and what is not a number.
+        const bool is_known = total > Real(0x1p-80) && total < Real(0x1p80);
+        scale = is_known ? (Real(0x1p32) - (number + Real(1)) * least) / total : Real(0);
+        floor = is_known ? least : Real(0x1p32) / number - Real(0x1p9);
+    }
+    PT_HD Real of(Real amount) const { return scale > Real(0) ? amount * scale + floor : floor; }
+};
+
+// The first word decides at the root, where stratified numbers do the most; hashes of all four decide below.
+template <class Real>
+PT_HD inline LightPick<Real> pick_from_tree(const View<LightNode<Real>>& nodes, const LitVertex<Real>& vertex,
+                                            const RandomWords& words) {
+    RandomWords more = words;
+    LightNode<Real> node = nodes[0];
+    Real probability = Real(1);
+    Real weighing = Real(1);
+    for (std::uint32_t level = 0; !node.is_leaf(); ++level) {
+        const std::uint32_t first = node.link, last = node.child_count - 1;
+        Real total = Real(0), total_by_place = Real(0);
+        for (std::uint32_t i = 0; i <= last; ++i) {
+            const LightNode<Real> child = nodes[first + i];
+            const SeenNode<Real> seen(child, vertex.position);
+            total += seen.sent_to(vertex, child);
+            total_by_place += seen.sent();
+        }
+        const Shares<Real> shares(total, last + 1), shares_by_place(total_by_place, last + 1);
+        std::uint32_t drawn = more.x, left = 0;  // of 2^32, as which 0 is meant
+        for (std::uint32_t i = 0;; ++i) {
+            node = nodes[first + i];
+            const SeenNode<Real> seen(node, vertex.position);
+            const std::uint32_t share = static_cast<std::uint32_t>(shares.of(seen.sent_to(vertex, node)));
+            if (i == last || drawn < share) {
+                probability *= Real(0x1p-32) * (i < last   ? static_cast<Real>(share)
+                                                : last > 0 ? static_cast<Real>(left)
+                                                           : Real(0x1p32));
+                weighing *= Real(0x1p-32) * shares_by_place.of(seen.sent());
+                break;
+            }
+            drawn -= share;
+            left -= share;
+        }
+        more = level % 4 == 0 ? pcg4d(more) : RandomWords{more.y, more.z, more.w, more.x};
+    }
+    return {node.light(), Real(1) / probability, Real(1) / weighing};
+}
+
+// The inverse_weighing of a pick of the light to which `way` leads.
+template <class Real>
+PT_HD inline Real inverse_tree_weighing(const View<LightNode<Real>>& nodes, const Vec3<Real>& position,
+                                        std::uint32_t way) {
+    LightNode<Real> node = nodes[0];
+    Real weighing = Real(1);
+    while (!node.is_leaf()) {
+        const std::uint32_t first = node.link, count = node.child_count, chosen = way & 15u;
+        Real total = Real(0);
+        for (std::uint32_t i = 0; i < count; ++i) {
+            total += SeenNode<Real>(nodes[first + i], position).sent();
+        }
+        node = nodes[first + chosen];
+        weighing *= Real(0x1p-32) * Shares<Real>(total, count).of(SeenNode<Real>(node, position).sent());
+        way >>= 4;
+    }
+    return Real(1) / weighing;
+}
+
+// How the kernel chooses.
+template <class Config, class Scene>
+PT_HD inline LightSelection light_selection_of(const Scene& scene) {
+    constexpr FeatureSet compiled = Config::features & light_selections;
+    constexpr bool is_chosen_at_run_time = (compiled & (compiled - 1u)) != 0;
+    if constexpr (is_chosen_at_run_time) {
+        return scene.light_selection;
+    } else {
+        return light_selection_in(compiled);
+    }
+}
+
+// For a vertex. `two_sided`: it is connected to what is behind it too. `words`: of which the first is for the choice,
+// and the others for the point on the light.
+template <class Config>
+PT_HD inline LightPick<typename Config::Real> pick_light(const SceneView<typename Config::Real>& scene,
+                                                         const Vertex<typename Config::Real>& vertex, bool two_sided,
+                                                         const RandomWords& words) {
+    using Real = typename Config::Real;
+    if constexpr ((Config::features & light_selections) != 0) {
+        const LightSelection selection = light_selection_of<Config>(scene);
+        if (selection == LightSelection::power) {
+            return pick_by_power(scene.light_slots, words.x, pcg4d(words).x);
+        }
+        if (selection == LightSelection::tree) {
+            return pick_from_tree(scene.light_nodes, LitVertex<Real>{vertex.position, vertex.normal(), two_sided},
+                                  words);
+        }
+    }
+    return pick_uniformly<Real>(scene.lights.size, words.x);
+}
+
+// 1 / density of a light among all, from `position`, that multiple importance sampling weighs by: pick_light's
+// inverse_weighing. `object`: the light's.
+template <class Config>
+PT_HD inline typename Config::Real inverse_light_weighing(const SceneView<typename Config::Real>& scene,
+                                                          std::uint32_t object,
+                                                          const Vec3<typename Config::Real>& position) {
+    using Real = typename Config::Real;
+    if constexpr ((Config::features & light_selections) != 0) {
+        const LightSelection selection = light_selection_of<Config>(scene);
+        if (selection != LightSelection::uniform) {
+            const LightSlot<Real>& slot = scene.light_slots[scene.object_light[object]];
+            return selection == LightSelection::power ? slot.inverse_probability
+                                                      : inverse_tree_weighing(scene.light_nodes, position, slot.way);
+        }
+    }
+    return static_cast<Real>(scene.lights.size);
+}
+
+}  // namespace pt

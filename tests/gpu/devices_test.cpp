@@ -1,0 +1,133 @@
+// Renders on several GPUs: whatever the partition, the film is one GPU's. The pieces of a partition are tried on one
+// GPU as well, one after the other. Skipped where there is no GPU; what needs two, where there is one.
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "harness/cuda/backend.h"
+#include "harness/cuda/cell.h"
+#include "harness/places.h"
+#include "harness/render/device_shares.h"
+#include "variants/devices/here.h"
+
+namespace pt {
+namespace {
+
+constexpr std::uint32_t samples = 21;
+
+RenderRequest request_for(const Scene& scene, const Variant& variant) {
+    RenderRequest request{
+        .variant = variant, .backend = Backend::cuda, .settings = default_settings(scene), .samples = samples};
+    request.settings.width = 40;  // not a multiple of a warp
+    request.settings.height = 25;
+    request.settings.depth = 7;
+    return request;
+}
+
+Variant cuda_variant(const std::vector<std::pair<std::string, std::string>>& choices) {
+    Variant variant = Registry::instance().baseline(Backend::cuda);
+    variant.set("arithmetic", "exact");
+    for (const auto& [axis, choice] : choices) {
+        variant.set(axis, choice);
+    }
+    return variant;
+}
+
+std::vector<std::string> names_of(std::string_view axis) {
+    std::vector<std::string> names;
+    for (const Choice* choice : Registry::instance().choices(axis, Backend::cuda)) {
+        names.emplace_back(choice->descriptor.name);
+    }
+    return names;
+}
+
+// What the devices of a partition would add up, each rendered by the one GPU that there is.
+std::vector<std::int64_t> sum_of_pieces(const Scene& scene, RenderRequest request, std::uint32_t devices) {
+    const KernelChoice kernel = choose_kernel(scene, request.variant, Backend::cuda);
+    const RenderSettings settings = settings_for(request, kernel);
+    const PartitionTraits partition = traits_of(request.variant, Backend::cuda).partition;
+    SampleSource source(partition, devices, {0, samples});
+    std::vector<std::int64_t> sums(std::size_t{3} * settings.width * settings.height);
+    request.samples = source.most_at_once();
+    for (std::uint32_t device = 0; device < devices; ++device) {
+        Film film(settings.width, settings.height, radiance_bound(scene, settings), samples);
+        RenderResult result{.film = film, .work = {}, .stages = {}};
+        cuda::RenderCell<float> cell(scene, request, settings, kernel, result.film.view(),
+                                     rows_of(partition, device, devices));
+        cell.run_pieces([&] { return source.next(device); });
+        cell.collect(result);
+        std::transform(sums.begin(), sums.end(), result.film.sums().begin(), sums.begin(), std::plus<>());
+    }
+    return sums;
+}
+
+class DevicesTest : public testing::Test {
+protected:
+    void SetUp() override {
+        if (const std::string missing = cuda::not_available(); !missing.empty()) {
+            GTEST_SKIP() << missing;
+        }
+    }
+};
+
+TEST_F(DevicesTest, PiecesOfEveryPartitionAddUpToOneFilm) {
+    const Scene scene = find_scene("cornell_open_five");
+    for (const std::string& integrator : names_of("integrator")) {
+        const std::vector<std::int64_t> whole =
+            render(scene, request_for(scene, cuda_variant({{"integrator", integrator}}))).film.sums();
+        for (const std::string& partition : names_of("partition")) {
+            const Variant variant = cuda_variant({{"integrator", integrator}, {"partition", partition}});
+            EXPECT_EQ(sum_of_pieces(scene, request_for(scene, variant), 3), whole) << integrator << " " << partition;
+        }
+    }
+}
+
+TEST_F(DevicesTest, RowsOfAMeshAndOfAFirstBounceCacheAddUp) {
+    const Scene mesh = find_scene("meshes/icosphere_room");
+    const Scene still = find_scene("cornell_open_unjittered");
+    const std::pair<const Scene*, std::vector<std::pair<std::string, std::string>>> cases[] = {
+        {&mesh, {{"integrator", "persistent"}, {"accelerator", "cwbvh"}}},
+        {&still, {{"integrator", "megakernel_regen"}, {"first_bounce", "cached"}}},
+        {&still, {{"integrator", "wavefront"}, {"first_bounce", "cached"}, {"launch", "graph"}}}};
+    for (const auto& [scene, choices] : cases) {
+        Variant variant = cuda_variant(choices);
+        const std::vector<std::int64_t> whole = render(*scene, request_for(*scene, variant)).film.sums();
+        variant.set("partition", "tiles");
+        EXPECT_EQ(sum_of_pieces(*scene, request_for(*scene, variant), 2), whole) << variant.spelled_out();
+    }
+}
+
+TEST_F(DevicesTest, TwoDevicesLeaveTheFilmOfOne) {
+    if (const Reason reason = why_not_on(devices_here(), 2); !reason.empty()) {
+        GTEST_SKIP() << reason.text;
+    }
+    for (const char* const name : {"cornell_open_five", "meshes/icosphere_room"}) {
+        const Scene scene = find_scene(name);
+        for (const std::string& integrator : names_of("integrator")) {
+            const std::vector<std::pair<std::string, std::string>> choices{
+                {"integrator", integrator}, {"accelerator", scene.meshes.empty() ? "brute_force" : "cwbvh"}};
+            const RenderResult whole = render(scene, request_for(scene, cuda_variant(choices)));
+            for (const std::string& partition : names_of("partition")) {
+                Variant variant = cuda_variant(choices);
+                variant.set("devices", "2");
+                variant.set("partition", partition);
+                RenderRequest request = request_for(scene, variant);
+                const RenderResult split = render(scene, request);
+                EXPECT_EQ(split.film.sums(), whole.film.sums()) << name << " " << integrator << " " << partition;
+                EXPECT_EQ(split.work.paths, whole.work.paths);
+                EXPECT_EQ(split.work.rays, whole.work.rays);
+                EXPECT_EQ(check_counters(variant, split.work, samples, Backend::cuda), "");
+                EXPECT_EQ(split.devices.own_ms.size(), 2u);
+                EXPECT_NEAR(split.wall_ms, split.devices.slowest_ms + split.devices.reduce_ms, 1e-6);
+                request.checkpoints = {1, 2, 8, samples};
+                std::uint32_t seen = 0;
+                request.on_checkpoint = [&](const Checkpoint&) { seen += 1; };
+                EXPECT_EQ(render(scene, request).film.sums(), whole.film.sums()) << "with checkpoints";
+                EXPECT_EQ(seen, 4u);
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace pt

@@ -1,0 +1,14 @@
+// Why a partition of work between devices does not apply.
+#pragma once
+
+#include "variants/registry.h"
+
+namespace pt {
+
+inline Reason needs_several_devices(const VariantTraits& variant) {
+    return variant.devices.count > 1
+               ? Reason{}
+               : Reason{"needs_devices", "splits work between GPUs: needs devices=2 or more, not 1"};
+}
+
+}  // namespace pt
