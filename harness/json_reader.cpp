@@ -187,6 +187,11 @@ private:
 }  // namespace
 
 Json parse_json(const std::string& text, const std::string& file) {
+    // nlohmann's parser takes the byte 0 for the end of the text and would leave out, unseen, what comes after it.
+    if (const std::size_t zero = text.find('\0'); zero != std::string::npos) {
+        const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(zero), '\n');
+        throw InputError(file, fmt::format("line {}", line), "the byte 0", "text without it");
+    }
     Checker checker(file);
     Json::sax_parse(text, &checker);
     try {

@@ -26,8 +26,8 @@ inline constexpr std::uint64_t largest_result = std::uint64_t{1} << 30;
 // regular file, no permission or too large.
 std::string read_file(const std::string& path, std::uint64_t largest = largest_input);
 
-// Strict parse: no comments, no duplicate keys, no numbers beyond double, no more than 64 levels. `file` is for the
-// messages.
+// Strict parse: no comments, no byte 0, no duplicate keys, no numbers beyond double, no more than 64 levels. `file` is
+// for the messages.
 Json parse_json(const std::string& text, const std::string& file);
 
 // For a first look at a file that will be read strictly, and which that may refuse: its value, discarded where it is no

@@ -1,6 +1,8 @@
 // Scene files: every default, every range, and every message that a wrong file ends in.
+#include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "harness/error.h"
@@ -535,6 +537,14 @@ TEST(SceneJsonErrors, QuadsNeedNoInside) {
               message);
     EXPECT_EQ(error_of(replaced(quad, material_line, R"({"type": "subsurface", "sigma_s": [1, 1, 1]})")), message);
     EXPECT_EQ(error_of(quad), "");
+}
+
+// To the parser it is the end of the text, wherever it stands.
+TEST(SceneJsonErrors, ByteZero) {
+    const std::string message = "found the byte 0, allowed: text without it";
+    EXPECT_EQ(error_of(good + std::string("\n\0,", 3)),
+              fmt::format("s.json: line {}: {}", 2 + std::count(good.begin(), good.end(), '\n'), message));
+    EXPECT_EQ(error_of(std::string(1, '\0')), "s.json: line 1: " + message);
 }
 
 // The parser's words for it differ between its versions.
