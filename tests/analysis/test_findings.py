@@ -1,12 +1,15 @@
 """Pages of findings: every number from a result, every verdict the data's, nothing typed by hand, nothing too old."""
 
+import gzip
 import json
 import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
 
 from ptbench.errors import FindingError
+from ptbench.findings import commits
 from ptbench.findings import page as pages
 from ptbench.findings.command import House, findings
 from ptbench.findings.overview import overview_of
@@ -39,6 +42,53 @@ def test_committed_pages_are_what_their_results_say(name):
     assert target.read_text(encoding="utf-8") == render(page, HOUSE.results), "run python3 -m ptbench findings"
     assert typed_by_hand(page) == []
     assert too_old(page, HOUSE.results, ROOT) == []
+
+
+def page_of_a_commit(folder: Path, commit: str, allowed: int = 1000):
+    """A page of one result that is said to be measured at `commit`, and the folder of results it lies in."""
+    result = json.loads(gzip.decompress((HOUSE.results / f"{SOURCE['compaction']['file']}.gz").read_bytes()))
+    result["context"]["ptbench.git_sha"] = commit
+    (folder / "small.json").write_text(json.dumps(result), encoding="utf-8")
+    sources = {"small": {"file": "small.json", "kernels_behind": allowed}}
+    return read_page(template(folder, "", sources=sources)), folder
+
+
+def in_git(repository: Path, *arguments: str) -> str:
+    who = ["-c", "user.name=t", "-c", "user.email=t@t"]
+    return subprocess.run(
+        ["git", "-C", str(repository), *who, *arguments], check=True, capture_output=True, text=True
+    ).stdout.strip()
+
+
+def repository_of_two_changes(folder: Path) -> tuple[Path, str]:
+    """A repository whose kernels changed twice since the commit that is returned."""
+    (folder / "kernels").mkdir(parents=True)
+    in_git(folder.parent, "init", "-q", str(folder))
+    for change in range(3):
+        (folder / "kernels/a.h").write_text(f"{change}", encoding="utf-8")
+        in_git(folder, "add", "-A")
+        in_git(folder, "commit", "-q", "-m", f"{change}")
+    return folder, in_git(folder, "rev-parse", "HEAD~2")
+
+
+def test_a_result_ages_with_the_commits_to_the_kernels(tmp_path):
+    repository, first = repository_of_two_changes(tmp_path / "repository")
+    page, results = page_of_a_commit(tmp_path, first, allowed=2)
+    assert too_old(page, results, repository) == []
+    page, results = page_of_a_commit(tmp_path, first, allowed=1)
+    assert ["2 commits to kernels/" in fault for fault in too_old(page, results, repository)] == [True]
+
+
+def test_a_commit_that_the_history_has_not_must_be_named_as_lost(tmp_path):
+    repository, first = repository_of_two_changes(tmp_path / "repository")
+    lost = "0123456789" * 4
+    page, results = page_of_a_commit(tmp_path, lost, allowed=1)
+    (fault,) = too_old(page, results, repository)
+    assert "commit 0123456, which the history does not have" in fault
+    (results / "lost_commits.json").write_text(json.dumps({lost: {"within": first, "why": "a test"}}), encoding="utf-8")
+    assert ["2 commits to kernels/" in fault for fault in too_old(page, results, repository)] == [True]
+    source = Source(results, "small.json")
+    assert f"commit 0123456 ([lost](../../results/lost_commits.json), part of {first[:7]})" in source.provenance
 
 
 def test_the_committed_overview_is_what_its_results_say(capsys):
@@ -128,14 +178,14 @@ def test_the_overviews_words_hold_no_number():
 
 def test_old_results_are_told(tmp_path, monkeypatch):
     page = read_page(template(tmp_path, "", sources={"a": {**SOURCE["compaction"], "kernels_behind": 7}}))
-    monkeypatch.setattr(pages, "commits_since", lambda repository, commit: 7)
+    monkeypatch.setattr(commits, "commits_since", lambda repository, commit: 7)
     assert too_old(page, HOUSE.results, ROOT) == []
-    monkeypatch.setattr(pages, "commits_since", lambda repository, commit: 8)
+    monkeypatch.setattr(commits, "commits_since", lambda repository, commit: 8)
     assert "8 commits to kernels/ and variants/ ago, the page allows 7" in too_old(page, HOUSE.results, ROOT)[0]
 
 
 def test_an_overview_of_old_results_is_told(monkeypatch, capsys):
-    monkeypatch.setattr(pages, "commits_since", lambda repository, commit: 10**6)
+    monkeypatch.setattr(commits, "commits_since", lambda repository, commit: 10**6)
     assert findings(ROOT, ["overview"], check=True) == 1
     assert (
         "overview.json: compaction (nvidia-h200/compaction.json) was measured 1000000 commits"
@@ -146,8 +196,8 @@ def test_an_overview_of_old_results_is_told(monkeypatch, capsys):
 def test_commits_are_counted_in_git(tmp_path):
     if shutil.which("git") is None or not (ROOT / ".git").exists():
         pytest.skip("no git checkout")
-    assert pages.commits_since(ROOT, "HEAD") == 0
-    assert pages.commits_since(ROOT, "0" * 40) is None
+    assert commits.commits_since(ROOT, "HEAD") == 0
+    assert commits.commits_since(ROOT, "0" * 40) is None
 
 
 def test_withdrawn_verdicts_have_no_ratio(tmp_path):

@@ -9,7 +9,7 @@ Every source is a variable of the page (findings/source.py), and so is every con
 aim or a version, which a page may not hold in any other way. A folder is one of `ptbench rays`; a source with
 "against": [files of other GPUs], "inspect": [files] and "models": [GPUs that nobody has] is a fleet; a source with
 "optional": true that is not there is None. `kernels_behind` is how many commits to kernels/ and
-variants/ there may be since the result's; more, and the page must be looked at again.
+variants/ there may be since the result's (findings/commits.py); more, and the page must be looked at again.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from pathlib import Path
 from jinja2 import Environment, StrictUndefined, TemplateError
 
 from ptbench.errors import FindingError
+from ptbench.findings.commits import age_fault
 from ptbench.findings.crosscheck import SCHEMA as CROSSCHECK
 from ptbench.findings.crosscheck import CrosscheckSource
 from ptbench.findings.fleet import FleetSource
@@ -37,7 +38,6 @@ from ptbench.findings.rays import RaysFolder
 from ptbench.findings.records import Inspection, Record, StabilitySource, Transcript
 from ptbench.findings.simulation import WORK, SimulationSource
 from ptbench.findings.source import Source
-from ptbench.git import git
 from ptbench.io.nodes import read_json
 from ptbench.io.stability import is_stability
 from ptbench.stats.estimates import CONFIDENCE, FASTER, SAME, SLOWER, THRESHOLD, UNSURE
@@ -178,16 +178,7 @@ def too_old(page: Page, results: Path, repository: Path) -> list[str]:
     for name, about in page.sources.items():
         source = source_of(results, about)
         commit = "" if source is None else source.commit
-        behind = commits_since(repository, commit) if commit else None
-        if behind is not None and behind > about["kernels_behind"]:
-            found.append(
-                f"{page.template}: {name} ({about['file']}) was measured {behind} commits to kernels/ and variants/ "
-                f"ago, the page allows {about['kernels_behind']}: measure again, or say why it still holds"
-            )
+        fault = age_fault(repository, results, commit, about["kernels_behind"]) if commit else ""
+        if fault:
+            found.append(f"{page.template}: {name} ({about['file']}) {fault}")
     return found
-
-
-def commits_since(repository: Path, commit: str) -> int | None:
-    """Commits to kernels/ and variants/ since `commit`; None where git or the commit is not there."""
-    count = git(repository, "rev-list", "--count", f"{commit}..HEAD", "--", "kernels", "variants")
-    return None if count is None else int(count)

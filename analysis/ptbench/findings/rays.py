@@ -14,6 +14,7 @@ import numpy as np
 
 from ptbench.errors import FindingError
 from ptbench.figures.rays_by_triangles import family, measured_meshes, peer_name
+from ptbench.findings.commits import shown_commit
 from ptbench.findings.quantities import Quantity, Ratio, Ratios
 from ptbench.io.rays import Batch, RayMesh, Tree, load_rays_folder, peer_batch
 from ptbench.numbers import figures, share
@@ -242,7 +243,7 @@ class RaysFolder:
     @property
     def provenance(self) -> str:
         """A line of a list: the folder, what it holds, the commits."""
-        commits = ", ".join(dict.fromkeys(file.about("git_sha")[:7] for file in self.files))
+        commits = ", ".join(dict.fromkeys(shown_commit(self._results, file.about("git_sha")) for file in self.files))
         summary = f"{Path(self._shown).parent}/figures/{Path(self._shown).name}/summary.md"
         every_row = f" Every row: [summary](../../results/{summary})." if (self._results / summary).exists() else ""
         return (

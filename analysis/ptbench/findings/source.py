@@ -16,6 +16,7 @@ from ptbench.convergence.fit import Fit
 from ptbench.errors import FindingError
 from ptbench.figures.time_to_image import Way, sibling_meshes, ways
 from ptbench.findings.builders import Built, Crossed, built, crossed
+from ptbench.findings.commits import shown_commit
 from ptbench.findings.quantities import Quantity, Ratio, Ratios, link_to
 from ptbench.io.cells import Cell, MeshFacts, Result
 from ptbench.io.results import load
@@ -286,7 +287,7 @@ class Source:
         every_row = f" Every row: [summary](../../results/{summary})." if (self._results / summary).exists() else ""
         return (
             f"- {link_to(self._results, self._shown)}: suite `{self.result.suite}`, {self.count} cells, {failed}"
-            f"{disturbed}; commit {self.commit}, {self.date}.{every_row}"
+            f"{disturbed}; commit {shown_commit(self._results, self.commit)}, {self.date}.{every_row}"
         )
 
     def _ways(self, selection: str) -> list[Way]:
