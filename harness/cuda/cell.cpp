@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <type_traits>
 #include <utility>
 
@@ -11,18 +10,13 @@
 #include "harness/cuda/choices.h"
 #include "harness/cuda/kernel_request.h"
 #include "harness/cuda/loaded_modules.h"
+#include "harness/render/process_clock.h"
 #include "harness/scene/scene_mesh.h"
 #include "variants/cuda/device.h"
 
 namespace pt::cuda {
 
 namespace {
-
-double process_cpu_ms() {
-    timespec time{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <ctime>
 #include <exception>
 #include <thread>
 
 #include "harness/cuda/accounting.h"
 #include "harness/cuda/cell.h"
+#include "harness/render/process_clock.h"
 #include "variants/cuda/nccl.h"
 #include "variants/cuda/on_device.h"
 
@@ -17,12 +17,6 @@ namespace pt::cuda {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
-
-double process_cpu_ms_of_devices() {
-    timespec time{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
 
 double milliseconds_between(SteadyClock::time_point begin, SteadyClock::time_point end) {
     return std::chrono::duration<double, std::milli>(end - begin).count();
@@ -119,7 +113,7 @@ public:
         SampleSource source(traits_.partition, devices, samples);
         std::vector<double> device_ms(devices);
         std::vector<SteadyClock::time_point> ends(devices);
-        const double cpu_start = process_cpu_ms_of_devices();
+        const double cpu_start = process_cpu_ms();
         const SteadyClock::time_point start = DeviceThreads::run(devices, [&](std::uint32_t device) {
             device_ms[device] = cells_[device]->run_pieces([&] { return source.next(device); });
             ends[device] = SteadyClock::now();
@@ -135,7 +129,7 @@ public:
         facts.reduce_ms += milliseconds_between(last, end);
         result.wall_ms += milliseconds_between(start, end);
         result.device_ms += *std::max_element(device_ms.begin(), device_ms.end()) + milliseconds_between(last, end);
-        result.cpu_ms += process_cpu_ms_of_devices() - cpu_start;
+        result.cpu_ms += process_cpu_ms() - cpu_start;
     }
 
     void download(Film& film) const {

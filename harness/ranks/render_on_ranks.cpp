@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <ctime>
 #include <map>
 #include <optional>
 
@@ -13,6 +12,8 @@
 #include "harness/ranks/ranks.h"
 #include "harness/ranks/task.h"
 #include "harness/render/checkpoints.h"
+#include "harness/render/device_shares.h"
+#include "harness/render/process_clock.h"
 #include "variants/variant_name.h"
 
 namespace pt {
@@ -36,21 +37,14 @@ const Scene& scene_in(const Json& task) {
     return scenes.at(file);
 }
 
-// The samples of this rank: as many as any other's or one more, so that rank 0 has some.
+// The samples of this rank. Rank 0 has some.
 RenderRequest share_of(RenderRequest request) {
-    const auto rank = static_cast<std::uint32_t>(ranks().rank);
-    const auto count = static_cast<std::uint32_t>(ranks().count);
-    const std::uint32_t each = request.samples / count;
-    const std::uint32_t more = request.samples % count;
-    request.first_sample += rank * each + std::min(rank, more);
-    request.samples = each + (rank < more ? 1u : 0u);
+    const SampleRange share =
+        equal_share({request.first_sample, request.samples}, static_cast<std::uint32_t>(ranks().rank),
+                    static_cast<std::uint32_t>(ranks().count));
+    request.first_sample = share.first;
+    request.samples = share.count;
     return request;
-}
-
-double process_cpu_ms_of_rank() {
-    timespec time{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
 }
 
 RenderResult render_and_check(const Scene& scene, const RenderRequest& share) {
@@ -71,7 +65,7 @@ struct Share {
 
 template <class SceneOf>
 Share render_share(const SceneOf& scene, const RenderRequest& whole) {
-    const double cpu_start = process_cpu_ms_of_rank();
+    const double cpu_start = process_cpu_ms();
     Share share;
     const auto failed = [&](const char* kind, const std::exception& error) {
         share.facts = {{"failed", kind}, {"message", error.what()}};
@@ -98,7 +92,7 @@ Share render_share(const SceneOf& scene, const RenderRequest& whole) {
     } catch (const std::exception& error) {
         failed("render", error);
     }
-    share.facts["process_cpu_ms"] = process_cpu_ms_of_rank() - cpu_start;
+    share.facts["process_cpu_ms"] = process_cpu_ms() - cpu_start;
     return share;
 }
 

@@ -13,16 +13,17 @@ Rows rows_of(const PartitionTraits& partition, std::uint32_t device, std::uint32
     return partition.is_by_rows ? Rows{device, devices} : Rows{};
 }
 
+SampleRange equal_share(const SampleRange& samples, std::uint32_t taker, std::uint32_t takers) {
+    const std::uint32_t each = samples.count / takers;
+    const std::uint32_t more = samples.count % takers;
+    return {samples.first + taker * each + std::min(taker, more), each + (taker < more ? 1u : 0u)};
+}
+
 SampleSource::SampleSource(const PartitionTraits& partition, std::uint32_t devices, const SampleRange& samples)
     : partition_(partition), devices_(devices), samples_(samples), has_had_(devices) {}
 
 SampleRange SampleSource::share(std::uint32_t device) const {
-    if (partition_.is_by_rows) {
-        return samples_;
-    }
-    const std::uint32_t each = samples_.count / devices_;
-    const std::uint32_t more = samples_.count % devices_;
-    return {samples_.first + device * each + std::min(device, more), each + (device < more ? 1u : 0u)};
+    return partition_.is_by_rows ? samples_ : equal_share(samples_, device, devices_);
 }
 
 // A half of what would be an equal share of what is left, so that all devices end together, but not so small that its

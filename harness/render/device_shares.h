@@ -24,6 +24,10 @@ struct SampleRange {
     bool operator==(const SampleRange&) const = default;
 };
 
+// The part that number `taker` of `takers` has of the samples: as many as any other's or one more, which the first
+// have.
+SampleRange equal_share(const SampleRange& samples, std::uint32_t taker, std::uint32_t takers);
+
 // The devices that have anything to do: no more than there are samples, or rows.
 std::uint32_t devices_at_work(const PartitionTraits& partition, std::uint32_t devices, std::uint32_t samples,
                               std::uint32_t height);

@@ -1,6 +1,5 @@
 #include "harness/render/renderer.h"
 
-#include <ctime>
 #include <new>
 
 #include <fmt/format.h>
@@ -9,18 +8,13 @@
 #include "harness/cuda/backend.h"
 #include "harness/error.h"
 #include "harness/render/checkpoints.h"
+#include "harness/render/process_clock.h"
 #include "variants/cpu/parallel_for.h"
 #include "variants/variant_name.h"
 
 namespace pt {
 
 namespace {
-
-double process_cpu_ms() {
-    timespec time{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
 
 // One queue a layout for the whole process: a timed render finds its memory in place.
 PathQueue& queue_for(const Variant& variant) {

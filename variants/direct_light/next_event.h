@@ -1,4 +1,4 @@
-// What the choices with next-event estimation have in common.
+// What the choices with next-event estimation have in common, and what is asked by choices that need it.
 #pragma once
 
 #include "variants/registry.h"
@@ -14,6 +14,16 @@ inline Reason next_event_unsupported_reason(FeatureSet scene, const VariantTrait
     }
     if ((scene & set_of(Feature::diffuse, Feature::mix, Feature::rough_conductor, Feature::rough_dielectric)) == 0) {
         return {"needs_diffuse", "needs a diffuse or rough surface to connect"};
+    }
+    return {};
+}
+
+// Of a choice that says how connections are made: why there are none to make.
+inline Reason needs_connections_reason(const VariantTraits& variant) {
+    if (!variant.direct_light.connects_every_vertex) {
+        return {"needs_connections",
+                "needs vertices that are connected to lights: direct_light=nee, nee_mis or nee_one_sample, not " +
+                    std::string(variant.direct_light.name)};
     }
     return {};
 }

@@ -1,7 +1,7 @@
 // What the choices other than by solid angle have in common.
 #pragma once
 
-#include "variants/registry.h"
+#include "variants/direct_light/next_event.h"
 
 namespace pt {
 
@@ -10,10 +10,8 @@ inline constexpr std::string_view light_sampling_claim =
 
 inline Reason light_sampling_unsupported_reason(FeatureSet scene, const VariantTraits& variant) {
     constexpr FeatureSet boxes = Feature::axis_box | Feature::oriented_box | Feature::quad;
-    if (!variant.direct_light.connects_every_vertex) {
-        return {"needs_connections",
-                "needs vertices that are connected to lights: direct_light=nee, nee_mis or nee_one_sample, not " +
-                    std::string(variant.direct_light.name)};
+    if (const Reason reason = needs_connections_reason(variant); !reason.empty()) {
+        return reason;
     }
     if (variant.robustness.is_naive) {
         return {"needs_robust", "needs robustness=robust, not " + std::string(variant.robustness.name)};

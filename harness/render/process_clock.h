@@ -1,0 +1,15 @@
+// How long all threads of this process have computed: what a render's cpu_ms is a difference of.
+#pragma once
+
+#include <ctime>
+
+namespace pt {
+
+// In milliseconds, since the process began.
+inline double process_cpu_ms() {
+    timespec time{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+}  // namespace pt
