@@ -6,12 +6,14 @@
 #include <list>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <unordered_map>
 
 namespace pt {
 
 // Of what one Keeper keeps together; what was used longest ago goes first.
 inline constexpr std::size_t most_kept_bytes = std::size_t{6} << 30;
-inline constexpr std::size_t most_kept = 4096;
+inline constexpr std::size_t most_kept = 65536;
 
 // Kept by a key that says everything that it was made from. T says by kept_bytes() what it takes.
 template <class T>
@@ -19,17 +21,17 @@ class Keeper {
 public:
     template <class Make>
     std::shared_ptr<const T> get(const std::string& key, const Make& make) {
-        for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
-            if (entry->key == key) {
-                entries_.splice(entries_.begin(), entries_, entry);
-                return entry->value;
-            }
+        if (const auto known = by_key_.find(key); known != by_key_.end()) {
+            entries_.splice(entries_.begin(), entries_, known->second);
+            return known->second->value;
         }
         auto value = std::make_shared<T>(make());
         entries_.push_front({key, value, value->kept_bytes() + key.size()});
+        by_key_.emplace(entries_.front().key, entries_.begin());
         bytes_ += entries_.front().bytes;
         while ((bytes_ > most_kept_bytes || entries_.size() > most_kept) && entries_.size() > 1) {
             bytes_ -= entries_.back().bytes;
+            by_key_.erase(entries_.back().key);
             entries_.pop_back();
         }
         return value;
@@ -42,7 +44,8 @@ private:
         std::size_t bytes;
     };
 
-    std::list<Entry> entries_;
+    std::list<Entry> entries_;  // what was used last comes first
+    std::unordered_map<std::string_view, typename std::list<Entry>::iterator> by_key_;  // of keys in entries_
     std::size_t bytes_ = 0;
 };
 
