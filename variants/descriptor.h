@@ -37,6 +37,8 @@ struct Tunable {
     std::uint32_t multiple_of = 1;
     std::string_view summary = "";
     bool sets_work = false;  // it changes what is computed, not only how: autotune leaves it alone
+    // A shortcut that leaves the same film: the reference variant (Registry::reference) does without, at `lowest`.
+    bool is_shortcut = false;
     // Of a tunable that came after its choice was measured: the value that does what was done until then.
     std::optional<std::uint32_t> as_before = {};
     // The default value beside a specialisation that leaves nothing out, where the kernel is another program.

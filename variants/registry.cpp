@@ -178,6 +178,11 @@ Variant Registry::reference(const Variant& variant, Backend backend) const {
                 reference.set(axis, std::string(choice->descriptor.name));
             }
         }
+        for (const Tunable& tunable : at(axis, reference, backend).descriptor.tunables) {
+            if (tunable.is_shortcut) {
+                reference.tuning.insert_or_assign(std::string(tunable.name), tunable.lowest);
+            }
+        }
     }
     return reference;
 }
@@ -251,6 +256,38 @@ Variant exact_twin(const Variant& variant, Backend backend) {
         }
     }
     return twin;
+}
+
+Variant variant_of_mean(const Variant& variant, Backend backend) {
+    Variant plain = variant;
+    for (const std::string_view axis : axis_names) {
+        const Descriptor& descriptor = descriptor_at(axis, variant, backend);
+        if (descriptor.claim == Claim::statistical) {
+            plain.set(axis, std::string(descriptor.mean_of));
+        }
+    }
+    return plain;
+}
+
+Variant with_every_feature(const Variant& variant, Backend backend) {
+    const bool keeps_bits = descriptor_at("specialisation", variant, backend).claim == Claim::bitwise &&
+                            !depends_on_order(variant, backend);
+    Variant complete = variant;
+    for (const Choice* choice : Registry::instance().choices("specialisation", backend)) {
+        if (keeps_bits && traits_in<SpecialisationTraits>(choice->descriptor).is_generic) {
+            complete.set("specialisation", std::string(choice->descriptor.name));
+        }
+    }
+    return complete == variant ? variant : without_foreign_tunables(complete, backend);
+}
+
+Variant without_foreign_tunables(Variant variant, Backend backend) {
+    const std::vector<Tunable> known = tunables_of(variant, backend);
+    std::erase_if(variant.tuning, [&](const auto& tuned) {
+        return std::none_of(known.begin(), known.end(),
+                            [&](const Tunable& tunable) { return tunable.name == tuned.first; });
+    });
+    return variant;
 }
 
 bool depends_on_order(const Variant& variant, Backend backend) {

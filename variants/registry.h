@@ -74,8 +74,8 @@ public:
     // Every axis at its baseline.
     Variant baseline(Backend backend = Backend::cpu) const;
     // The variant that `variant` must equal bit for bit: every axis whose choices claim `bitwise` goes to the plainest
-    // choice (Descriptor::reference, else the baseline) and its tunables to their standards, the others stay. Itself,
-    // if its film depends on the order of the queue.
+    // choice (Descriptor::reference, else the baseline) and its tunables to their standards, shortcuts to none
+    // (Tunable::is_shortcut), the others stay. Itself, if its film depends on the order of the queue.
     Variant reference(const Variant& variant, Backend backend = Backend::cpu) const;
 
 private:
@@ -112,6 +112,13 @@ Claim claim_of(const Variant& variant, Backend backend = Backend::cpu);
 bool fp_relaxed(const Variant& variant, Backend backend);
 // The same variant with each choice that rounds freely replaced by the one whose mean it claims.
 Variant exact_twin(const Variant& variant, Backend backend);
+// The same with each choice of a statistical claim replaced by the one whose mean it claims.
+Variant variant_of_mean(const Variant& variant, Backend backend);
+// The variant of the same film whose kernel has every feature and is compiled once for all scenes. Itself, if its
+// specialisation changes the film (matrix) or the order of the queue does.
+Variant with_every_feature(const Variant& variant, Backend backend);
+// Without the tunables that none of its choices has.
+Variant without_foreign_tunables(Variant variant, Backend backend);
 
 // By the flags of the same names in Descriptor: that one of the variant's choices has the first, and all the second.
 bool depends_on_order(const Variant& variant, Backend backend);

@@ -159,25 +159,26 @@ RenderResult Verifier::render_part(const Variant& variant, std::uint32_t first, 
 // The CPU's reference variant is the same mathematics in the same rounding, so all films should be equal bit for bit.
 // What is allowed is a sample in 1e5 that went another way (docs/numerics.md 4): pixels that differ are counted, each
 // for one sample at least.
-std::string Verifier::against_cpu(const Variant& reference_variant) {
+const Verifier::CpuCheck& Verifier::against_cpu(const Variant& reference_variant) {
     const auto known = against_cpu_.find(reference_variant);
     if (known != against_cpu_.end()) {
         return known->second;
     }
-    std::string& verdict = against_cpu_[reference_variant];
+    CpuCheck& check = against_cpu_[reference_variant];
     Variant plain = reference_variant;
     for (const std::string_view axis : {"integrator", "layout", "launch"}) {
         plain.set(axis, expand({}, Backend::cpu).front()[axis]);
     }
     for (const std::string_view axis : axis_names) {
         if (Registry::instance().find(axis, plain[axis], Backend::cpu) == nullptr) {
-            return verdict;  // no such choice there
+            return check;  // no such choice there
         }
     }
     plain = fast_reference_on(scene_, plain, Backend::cpu);
     if (!why_not_applicable(plain, features_of(scene_), Backend::cpu).empty()) {
-        return verdict;  // matrices in double precision
+        return check;  // matrices in double precision
     }
+    check.is_made = true;
     const RenderResult expected = render_samples(scene_, settings_, plain, Backend::cpu, 0, spp_, spp_);
     const Film& film = reference(reference_variant).film;
     std::size_t differing = 0;
@@ -186,10 +187,11 @@ std::string Verifier::against_cpu(const Variant& reference_variant) {
     }
     const double paths = static_cast<double>(settings_.width) * settings_.height * spp_;
     if (static_cast<double>(differing) > 1e-5 * paths) {
-        verdict = fmt::format("the film of {} differs from the CPU's in {} pixels of {:.0f} paths (allowed: 1e-5)",
-                              shown_name(reference_variant, backend_), differing, paths);
+        check.failure =
+            fmt::format("the film of {} differs from the CPU's in {} pixels of {:.0f} paths (allowed: 1e-5)",
+                        shown_name(reference_variant, backend_), differing, paths);
     }
-    return verdict;
+    return check;
 }
 
 // Paired test of the image mean and of 16x16-block means, between `variant` and the one whose expectation it claims
@@ -198,13 +200,12 @@ std::string Verifier::against_cpu(const Variant& reference_variant) {
 // degrees of freedom; at |t| > 7 the chance of a false alarm is 4e-7 a statistic, 1e-4 for 64 blocks. Seeds are fixed:
 // the verdict is the same every time.
 Verifier::MeanCheck Verifier::check_statistical(const Variant& variant) {
-    Variant plain = variant;
+    const Variant plain = variant_of_mean(variant, backend_);
     RenderSettings deeper = settings_;
     std::string plain_text;
     for (const std::string_view axis : axis_names) {
         const Descriptor& descriptor = Registry::instance().at(axis, variant, backend_).descriptor;
         if (descriptor.claim == Claim::statistical) {
-            plain.set(axis, std::string(descriptor.mean_of));
             deeper.depth += descriptor.mean_at_extra_depth;
             plain_text += fmt::format("{}={} ", axis, descriptor.mean_of);
         }
@@ -273,10 +274,11 @@ Verdict Verifier::check_bits(const Variant& variant) {
                                 shown_name(reference_variant, backend_)));
     }
     if (backend_ == Backend::cuda) {
-        if (const std::string difference = against_cpu(reference_variant); !difference.empty()) {
-            return fail(difference);
+        const CpuCheck& cpu = against_cpu(reference_variant);
+        if (!cpu.failure.empty()) {
+            return fail(cpu.failure);
         }
-        verdict.message += " and to the CPU's";
+        verdict.message += cpu.is_made ? " and to the CPU's" : ", which the CPU lacks";
     }
     if (claim_of(variant, backend_) == Claim::statistical) {
         const MeanCheck& check = mean_check(reference_variant);

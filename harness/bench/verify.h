@@ -37,8 +37,12 @@ private:
     Verdict check_bits(const Variant& variant);
     Verdict check_freely_rounded(const Variant& variant);
     const RenderResult& reference(const Variant& reference_variant);
-    // How a reference variant's film on CUDA differs from the CPU's; empty: it does not.
-    std::string against_cpu(const Variant& reference_variant);
+    struct CpuCheck {
+        bool is_made = false;      // the CPU has the variant
+        std::string failure = {};  // empty: the films agree
+    };
+    // A reference variant's film on CUDA against that of the CPU's own reference.
+    const CpuCheck& against_cpu(const Variant& reference_variant);
     RenderResult render_part(const Variant& variant, std::uint32_t first, std::uint32_t count) const;
 
     struct MeanCheck {
@@ -55,8 +59,8 @@ private:
     Backend backend_;
     std::map<Variant, RenderResult> references_;
     std::map<Variant, MeanCheck> statistical_;
-    std::map<Variant, std::string> against_cpu_;  // by reference variant
-    std::map<Variant, Verdict> bits_;             // of exact twins
+    std::map<Variant, CpuCheck> against_cpu_;  // by reference variant
+    std::map<Variant, Verdict> bits_;          // of exact twins
 };
 
 // Precondition: the films of the two variants differ at these settings.

@@ -89,12 +89,7 @@ Variant changed(const Scene& scene, Variant variant, const AxisChoices& against,
     for (const auto& [axis, choices] : against) {
         variant.set(axis, choices.front());
     }
-    const std::vector<Tunable> known = tunables_of(variant, backend);
-    std::erase_if(variant.tuning, [&](const auto& tuned) {
-        return std::none_of(known.begin(), known.end(),
-                            [&](const Tunable& tunable) { return tunable.name == tuned.first; });
-    });
-    return fast_reference_on(scene, variant, backend);
+    return fast_reference_on(scene, without_foreign_tunables(variant, backend), backend);
 }
 
 AxisChoices parse_against(const std::vector<std::string>& arguments, Backend backend) {
@@ -177,7 +172,7 @@ std::vector<Variant> single_steps(Backend backend) {
             Variant variant = plainest;
             variant.set(axis, choice);
             if (!(variant == plainest)) {
-                variants.push_back(variant);
+                variants.push_back(without_foreign_tunables(variant, backend));
             }
         }
     }

@@ -139,9 +139,11 @@ Image Reference::mean() const {
 Variant reference_variant(const ReferenceTask& task) {
     const Backend backend = task.backend;
     Variant variant = fast_reference_on(*task.scene, Registry::instance().baseline(backend), backend);
-    static constexpr std::pair<std::string_view, std::string_view> wishes[] = {
-        {"integrator", "depth_first"}, {"integrator", "megakernel"}, {"specialisation", "generic"},
-        {"sampler", "philox"},         {"arithmetic", "exact"},      {"precision", "double"}};
+    static constexpr std::pair<std::string_view, std::string_view> wishes[] = {{"integrator", "depth_first"},
+                                                                               {"integrator", "megakernel"},
+                                                                               {"sampler", "philox"},
+                                                                               {"arithmetic", "exact"},
+                                                                               {"precision", "double"}};
     for (const auto& [axis, choice] : wishes) {
         Variant wished = variant;
         wished.set(axis, std::string(choice));
@@ -152,7 +154,7 @@ Variant reference_variant(const ReferenceTask& task) {
     for (const auto& [axis, choice] : task.axes) {
         variant.set(axis, choice);
     }
-    return variant;
+    return without_foreign_tunables(variant, backend);
 }
 
 std::uint32_t depth_for_mean_of(const Variant& variant, Backend backend, std::uint32_t depth) {

@@ -126,6 +126,12 @@ double differing_pixels(const std::vector<std::int64_t>& a, const std::vector<st
     return static_cast<double>(count);
 }
 
+// With every feature: cases have hundreds of scenes that need different ones, and such a kernel is compiled once for
+// all.
+Variant bitwise_reference(const Task& task) {
+    return with_every_feature(Registry::instance().reference(task.variant, task.backend), task.backend);
+}
+
 // Where an integrator with a queue could take but a part of the samples that a case needs, its claim says more than an
 // estimate from that part: the bits of the reference integrator's film.
 std::optional<Row> compared_with_reference(const Task& task, const Scene& scene, std::uint64_t paths) {
@@ -140,8 +146,7 @@ std::optional<Row> compared_with_reference(const Task& task, const Scene& scene,
     RenderRequest request = request_of(task, scene, task.seed, static_cast<std::uint32_t>(samples));
     request.variant = variant;
     const RenderResult result = render(scene, request);
-    request.variant =
-        with_samples_in_flight(task, Registry::instance().reference(task.variant, task.backend), pixels, samples);
+    request.variant = with_samples_in_flight(task, bitwise_reference(task), pixels, samples);
     const RenderResult reference = render(scene, request);
     count_work(row, result);
     row.film_hash = result.film.hash();
@@ -336,7 +341,7 @@ std::string direct_not_applicable(const Task& task) {
 
 Variant plainest_variant(Backend backend) {
     const Registry& registry = Registry::instance();
-    Variant variant = registry.reference(registry.baseline(backend), backend);
+    Variant variant = with_every_feature(registry.reference(registry.baseline(backend), backend), backend);
     variant.set("arithmetic", "exact");
     return variant;
 }

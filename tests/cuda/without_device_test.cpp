@@ -12,10 +12,13 @@
 #include "harness/cuda/device_scene.h"
 #include "harness/cuda/kernel_request.h"
 #include "harness/error.h"
+#include "harness/error/reference.h"
 #include "harness/places.h"
+#include "harness/stability/evaluate.h"
 #include "tests/support/command.h"
 #include "variants/cuda/arena.h"
 #include "variants/cuda/sources.h"
+#include "variants/variant_name.h"
 
 namespace pt {
 namespace {
@@ -119,6 +122,28 @@ TEST(WithoutDeviceTest, CompilesAheadForAnArchitecture) {
     EXPECT_EQ(missing("sm_80"), expected);
 }
 
+TEST(WithoutDeviceTest, CompilesAheadWhatAClaimOfAMeanIsHeldTo) {
+    const Scene scene = find_scene("cornell_open");
+    const Variant variant = with("direct_light", "nee_mis");  // rounds freely, so the twin is held to bits
+    const Variant twin = exact_twin(variant, Backend::cuda);
+    const Variant reference = reference_on(scene, twin, Backend::cuda);
+    const Variant means[] = {variant_of_mean(variant, Backend::cuda), variant_of_mean(reference, Backend::cuda)};
+    EXPECT_EQ(shown_name(means[0], Backend::cuda), "wavefront arithmetic=exact");
+    EXPECT_EQ(shown_name(means[1], Backend::cuda), "megakernel arithmetic=exact room=0");
+    std::set<std::string> expected;
+    for (const Variant& needed : {variant, twin, reference, means[0], means[1]}) {
+        const cuda::ModuleRequest request = cuda::module_request(scene, needed, "sm_87");
+        expected.insert(request.name + " " + cuda::module_key(request));
+    }
+    std::map<std::string, std::function<void()>> programs;
+    cuda::collect_programs(scene, variant, "sm_87", programs);
+    std::set<std::string> found;
+    for (const auto& [name, compile] : programs) {
+        found.insert(name);
+    }
+    EXPECT_EQ(found, expected);
+}
+
 TEST(WithoutDeviceTest, AProgramThatFailsLeavesTheOthersAlone) {
     std::map<std::string, std::function<void()>> programs;
     test::TemporaryFolder folder;
@@ -195,6 +220,49 @@ TEST(ModuleRequestTest, CountsAreConstantsWhereTheKernelIsTheScenes) {
     EXPECT_EQ(generic.config.features, all_features);
     EXPECT_FALSE(generic.config.has_fixed_counts);
     EXPECT_EQ(cuda::module_request(scene, with("specialisation", "baked"), "sm_90").scene, "baked");
+}
+
+// The kernel that every verification waits for has what the scene and the estimator need and nothing else, whatever
+// the kernel is that is verified.
+TEST(ModuleRequestTest, TheReferencesKernelHasNoFeatureForNothing) {
+    for (const char* name :
+         {"cornell_open", "cornell_open_five", "meshes/icosphere_room", "environments/environment_sky"}) {
+        const Scene scene = find_scene(name);
+        for (const char* light : {"off", "nee_mis"}) {
+            for (const char* specialisation : {"features", "baked", "generic"}) {
+                SCOPED_TRACE(fmt::format("{} {} {}", name, light, specialisation));
+                Variant variant = with("specialisation", specialisation);
+                variant.set("direct_light", light);
+                const Variant reference = reference_on(scene, exact_twin(variant, Backend::cuda), Backend::cuda);
+                EXPECT_EQ(reference["specialisation"], "features");
+                const cuda::KernelConfig config = cuda::module_request(scene, reference, "sm_90").config;
+                EXPECT_EQ(config.features, features_of(scene) | features_asked(variant, Backend::cuda));
+                EXPECT_EQ(config.features & shortcuts, no_features);
+            }
+        }
+        const cuda::ModuleRequest generic = cuda::module_request(scene, with("specialisation", "generic"), "sm_90");
+        EXPECT_TRUE(is_superset(generic.config.features, all_features)) << name;
+    }
+}
+
+TEST(ModuleRequestTest, ReferencesOfErrorsHaveNoFeatureForNothing) {
+    ReferenceTask task;
+    task.scene = std::make_shared<const Scene>(find_scene("cornell_open"));
+    task.backend = Backend::cuda;
+    const Variant variant = reference_variant(task);
+    EXPECT_EQ(shown_name(variant, Backend::cuda), "megakernel sampler=philox arithmetic=exact precision=double room=0");
+    EXPECT_EQ(cuda::module_request(*task.scene, variant, "sm_90").config.features,
+              features_of(*task.scene) | Feature::philox);
+}
+
+// Hundreds of scenes are rendered by one kernel.
+TEST(ModuleRequestTest, CasesOfStabilityHaveTheKernelWithEveryFeature) {
+    const Variant plainest = stability::plainest_variant(Backend::cuda);
+    EXPECT_EQ(shown_name(plainest, Backend::cuda), "megakernel specialisation=generic arithmetic=exact");
+    EXPECT_EQ(with_every_feature(with("specialisation", "matrix"), Backend::cuda), with("specialisation", "matrix"));
+    Variant without_room = baseline();
+    without_room.tuning["room"] = 0;
+    EXPECT_EQ(with_every_feature(without_room, Backend::cuda), with("specialisation", "generic"));
 }
 
 TEST(ModuleRequestTest, ACacheOfFirstHitsIsAnotherKernel) {

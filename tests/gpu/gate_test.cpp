@@ -112,6 +112,23 @@ TEST_F(Gate, PassesASoundIntegrator) {
     }
 }
 
+// The reference has the features of its scene alone; the kernel with every feature has other code and the same film.
+TEST_F(Gate, TheKernelWithEveryFeatureLeavesTheReferencesFilm) {
+    for (const char* name : {"cornell_open_five", "environments/environment_sky", "meshes/icosphere_room"}) {
+        const Scene scene = find_scene(name);
+        RenderSettings settings = default_settings(scene);
+        settings.width = settings.height = 32;
+        settings.seed = 1;
+        Variant variant = expand({}, Backend::cuda).front();
+        variant.set("integrator", "megakernel");
+        variant.set("specialisation", "generic");
+        variant.set("arithmetic", "exact");
+        const Verdict sound = Verifier(scene, settings, 2, Backend::cuda).check(variant);
+        EXPECT_TRUE(sound.holds) << name << ": " << sound.message;
+        EXPECT_EQ(sound.message, "film bits equal to megakernel arithmetic=exact room=0 and to the CPU's") << name;
+    }
+}
+
 // The device's double kernels round as the CPU's do: what references are made by is the same on both.
 TEST_F(Gate, DoublePrecisionHasTheCpusBits) {
     const std::pair<const char*, Scene> cases[] = {{"cornell_open", find_scene("cornell_open")},
@@ -129,14 +146,16 @@ TEST_F(Gate, DoublePrecisionHasTheCpusBits) {
         request.variant.set("precision", "double");
         const std::string expected = render(scene, request).film.hash();
         request.backend = Backend::cuda;
-        for (const char* integrator : {"megakernel", "wavefront"}) {
+        for (const auto& [integrator, specialisation] :
+             {std::pair{"megakernel", "generic"}, {"megakernel", "features"}, {"wavefront", "generic"}}) {
             request.variant = expand({}, Backend::cuda).front();
             request.variant.set("integrator", integrator);
-            request.variant.set("specialisation", "generic");
+            request.variant.set("specialisation", specialisation);
             request.variant.set("arithmetic", "exact");
             request.variant.set("precision", "double");
             ASSERT_EQ(why_not_applicable(request.variant, features_of(scene), Backend::cuda), "");
-            EXPECT_EQ(render(scene, request).film.hash(), expected) << name << " " << integrator;
+            EXPECT_EQ(render(scene, request).film.hash(), expected)
+                << name << " " << integrator << " " << specialisation;
         }
     }
 }

@@ -253,8 +253,8 @@ TEST(TunableTest, AReferenceKeepsThoseOfChoicesThatDoNotClaimBits) {
             variant_with({{"first_bounce", "cached_jitters"}, {"compaction", "thrust_partition"}},
                          {{"jitters", 4}, {"block", 256}, {"par_nosync", 1}, {"spp_in_flight", 8}}, Backend::cuda);
         const Variant reference = registry.reference(variant, Backend::cuda);
-        EXPECT_EQ(shown_name(reference, Backend::cuda),
-                  "megakernel first_bounce=cached_jitters specialisation=generic jitters=4");
+        EXPECT_EQ(shown_name(reference, Backend::cuda), "megakernel first_bounce=cached_jitters jitters=4 room=0");
+        EXPECT_EQ(registry.reference(reference, Backend::cuda), reference);
         EXPECT_EQ(exact_twin(variant, Backend::cuda).tuning, variant.tuning);
     }
 }

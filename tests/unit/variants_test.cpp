@@ -585,15 +585,16 @@ TEST(VariantTest, ReferenceOnCudaIsThePlainestVariantOfTheSameExpectation) {
     for (const Variant& variant : variants) {
         const Variant reference = registry().reference(variant, Backend::cuda);
         const std::string first_bounce = variant["first_bounce"] == "cached_jitters" ? "cached_jitters" : "off";
-        const std::string formula = variant["specialisation"] == "matrix" ? "matrix" : "generic";
+        const bool by_matrix = variant["specialisation"] == "matrix";
         // A variant that rounds freely keeps its arithmetic: it is its twin that is held to bits.
         EXPECT_EQ(reference.spelled_out(),
                   variant["sampler"] == "minstd_by_position"
                       ? variant.spelled_out()
                       : "megakernel.none.none.material." + first_bounce + "." + estimator_of(variant) + ".aos." +
-                            formula + ".stream." + variant["arithmetic"] + "." + variant["precision"] + "." +
-                            variant["robustness"] + ".brute_force.sah_binned.while_while.local.each_object." +
-                            variant["light_sampling"] + ".1.samples." + variant["light_selection"]);
+                            (by_matrix ? "matrix" : "features") + ".stream." + variant["arithmetic"] + "." +
+                            variant["precision"] + "." + variant["robustness"] +
+                            ".brute_force.sah_binned.while_while.local.each_object." + variant["light_sampling"] +
+                            ".1.samples." + variant["light_selection"] + (by_matrix ? "" : "+room=0"));
         EXPECT_EQ(registry().reference(reference, Backend::cuda), reference);
         EXPECT_EQ(why_not_applicable(reference, all_features, Backend::cuda), "") << reference.spelled_out();
     }

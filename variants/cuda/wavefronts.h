@@ -16,16 +16,13 @@ inline constexpr Tunable wavefront_tunables[] = {
     // 64 registers a thread at the standard block: with six materials shading takes more, and the queue waits for
     // memory that more threads would hide (H200: 0.76 to 0.79 of the time with six materials, no difference with two).
     // A kernel with every feature would keep a kilobyte a thread in local memory under that bound: it has none.
-    {"min_blocks",
-     4,
-     min_blocks_tunable.lowest,
-     min_blocks_tunable.highest,
-     1,
-     "blocks that a multiprocessor must hold at once: bounds a thread's registers; half as many in double precision; "
-     "0: no bound, the default where a kernel has every feature (specialisation=generic)",
-     false,
-     {},
-     0},
+    {.name = "min_blocks",
+     .default_value = 4,
+     .lowest = min_blocks_tunable.lowest,
+     .highest = min_blocks_tunable.highest,
+     .summary = "blocks that a multiprocessor must hold at once: bounds a thread's registers; half as many in double "
+                "precision; 0: no bound, the default where a kernel has every feature (specialisation=generic)",
+     .generic_value = 0},
     {"spp_in_flight", 1, 1, 256, 1, "samples of every pixel in the queue at once"},
     {"read_back", 0, 0, 1, 1, "1: the host waits for the count after each compaction and launches no more than that"},
 };

@@ -10,7 +10,7 @@ const Registration registration(
         .name = "generic",
         .summary = "one kernel with every feature, chosen at run time",
         .origin = "the usual renderer",
-        .reference = on_every_backend,
+        .reference = on_cpu,
         .traits = SpecialisationTraits{.is_generic = true},
         .backends = on_every_backend,
     },

@@ -8,8 +8,12 @@
 namespace pt {
 
 inline constexpr Tunable feature_tunables[] = {
-    {"room", 1, 0, 1, 1,
-     "1: a ray in a room of axis-aligned walls meets the planes of its sides, not every wall's slabs"},
+    {.name = "room",
+     .default_value = 1,
+     .lowest = 0,
+     .highest = 1,
+     .summary = "1: a ray in a room of axis-aligned walls meets the planes of its sides, not every wall's slabs",
+     .is_shortcut = true},
 };
 
 // Every feature of scenes and estimators, meshes only where the scene has one; of formulas only those that the variant
