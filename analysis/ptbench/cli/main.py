@@ -16,13 +16,13 @@ from ptbench import __version__
 from ptbench.cli.parser import Parser
 from ptbench.compare.options import add_compare
 from ptbench.crosscheck.options import add_crosscheck
-from ptbench.errors import InputError
+from ptbench.errors import FindingError, InputError
 from ptbench.fleet.options import add_fleet
 from ptbench.io.files import package_file
 from ptbench.peers.options import add_peers
 from ptbench.simulate.options import add_simulate
 from ptbench.submit.options import add_submit
-from ptbench.terminal import visible_output
+from ptbench.terminal import visible, visible_output
 from ptbench.tidy.columns import GROUPS as TABLES
 
 _COMMAND = "ptbench-analysis"
@@ -217,17 +217,14 @@ def _claims(options: argparse.Namespace) -> int:
 
 def _map(options: argparse.Namespace) -> int:
     with _packages_of("map"):
-        from ptbench.errors import FindingError
         from ptbench.maps.command import Call, maps
 
-    call = Call(
-        options.root, tuple(options.names), options.results, options.binary, options.budget,
-        run=options.run, write=options.write, check=options.check,
+    return maps(
+        Call(
+            options.root, tuple(options.names), options.results, options.binary, options.budget,
+            run=options.run, write=options.write, check=options.check,
+        )
     )  # fmt: skip
-    try:
-        return maps(call)
-    except FindingError as error:
-        raise InputError(str(error)) from error
 
 
 def _advise(options: argparse.Namespace) -> int:
@@ -263,13 +260,9 @@ def _fleet(options: argparse.Namespace) -> int:
 
 def _simulate(options: argparse.Namespace) -> int:
     with _packages_of("simulate"):
-        from ptbench.errors import FindingError
         from ptbench.simulate.command import simulate_command
 
-    try:
-        return simulate_command(options)
-    except FindingError as error:
-        raise InputError(str(error)) from error
+    return simulate_command(options)
 
 
 def _submit(options: argparse.Namespace) -> int:
@@ -311,8 +304,8 @@ def _main(arguments: list[str], program: str) -> int:
         return 2
     try:
         return _COMMANDS.get(options.command, _draw)(options)
-    except InputError as error:
-        print(f"{program}: {error}", file=sys.stderr)
+    except (InputError, FindingError) as error:
+        print(f"{program}: {visible(str(error))}", file=sys.stderr)
         return 2
 
 
