@@ -137,8 +137,7 @@ class SimulationSource:
             (about["work"], "rays a path by block of pixels, counted by `simulate --work`"),
             *((file, "adding up films over MPI ranks of one host, suite `reduction`")
               for file in (about["reduction"]["fit"], *about["reduction"]["check"])),
-            *((about["devices"]["file"], "two GPUs of one host, the run of nvidia-h200/devices.json")
-              for _ in (self._parts.devices,) if self._parts.devices),
+            *([(about["devices"]["file"], "two GPUs of one host")] if self._parts.devices else []),
         ]  # fmt: skip
         return "\n".join(f"- {link_to(self._results, file)}: {what}." for file, what in files)
 
