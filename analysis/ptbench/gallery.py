@@ -5,8 +5,6 @@ from __future__ import annotations
 import io
 import json
 import math
-import os
-import subprocess
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -30,6 +28,7 @@ from ptbench.io.files import (
     scratch_folder,
 )
 from ptbench.io.nodes import Node, read_json
+from ptbench.program import Program, said_by
 from ptbench.terminal import say, visible
 
 _COLUMNS = 4
@@ -119,19 +118,13 @@ def render(binary: Path, picture: Picture, spp: int, resolution: tuple[int, int]
     """Runs `ptbench render`; the picture gets its name in `folder` only when it is whole."""
     with scratch_folder(folder) as scratch:
         target = scratch / "picture.png"
-        command = [str(binary), "render", "--scene", picture.scene]
-        for axis, choice in picture.axes.items():
-            command += ["--axis", f"{axis}={choice}"]
-        command += ["--spp", str(spp), "--resolution", f"{resolution[0]}x{resolution[1]}", "--out", str(target)]
-        try:
-            done = subprocess.run(
-                command, stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace", check=False
-            )
-        except OSError as error:
-            raise bad_value(binary, "--binary", error.strerror or str(error), "a ptbench program that runs") from error
+        axes = [word for axis, choice in picture.axes.items() for word in ("--axis", f"{axis}={choice}")]
+        size = f"{resolution[0]}x{resolution[1]}"
+        done = Program(binary).called(
+            "render", "--scene", picture.scene, *axes, "--spp", spp, "--resolution", size, "--out", target
+        )
         if done.returncode != 0:
-            said = [line.strip() for line in done.stderr.splitlines() if line.strip()]
-            return Rendered(None, (), said[-1] if said else f"exit code {done.returncode}, nothing on stderr")
+            return Rendered(None, (), said_by(done)[-1])
         try:
             report = json.loads(done.stdout)
             remarks, scene_hash = _remarks(report), str(report.get("scene_hash", ""))
@@ -154,16 +147,14 @@ def _remarks(report: dict) -> tuple[str, ...]:
 def gallery(binary: Path, spec: Path, out: Path, spp: int, resolution: tuple[int, int]) -> int:
     """Renders and writes the sheet; 0, or 1 where a render failed. Raises InputError."""
     title, rows = load_spec(spec)
-    if not binary.is_file() or not os.access(binary, os.X_OK):
-        found = "a file that cannot be run" if binary.is_file() else "no such file"
-        raise bad_value(binary, "--binary", found, "the ptbench program")
+    Program(binary).check()
     make_folder(out)
     failures = 0
     shown: list[list[Rendered]] = []
     for row in rows:
         shown.append([])
         for picture in row.pictures:
-            rendered = render(binary.resolve(), picture, spp, row.resolution or resolution, out)
+            rendered = render(binary, picture, spp, row.resolution or resolution, out)
             shown[-1].append(rendered)
             if rendered.failure:
                 failures += 1

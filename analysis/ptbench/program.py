@@ -1,4 +1,4 @@
-"""Calls of the program ptbench, for commands that measure: what a scene has, and small suites written as files."""
+"""Calls of the program ptbench and of others: what they write, and small suites written as files."""
 
 from __future__ import annotations
 
@@ -8,10 +8,25 @@ import subprocess
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 from ptbench.errors import InputError, bad_value
 from ptbench.io.cells import Result
 from ptbench.io.results import load
+
+
+def run_program(command: Sequence[str], text: str = "") -> subprocess.CompletedProcess:
+    """What it wrote, and its exit code; raises InputError where it does not run."""
+    try:
+        return subprocess.run(command, input=text, capture_output=True, text=True, errors="replace", check=False)
+    except OSError as error:
+        raise InputError(f"{command[0]}: {error.strerror or error}") from error
+
+
+def said_by(done: subprocess.CompletedProcess) -> list[str]:
+    """The lines that a program wrote to standard error, without its name and without empty ones."""
+    lines = [line.strip().removeprefix("ptbench: ") for line in done.stderr.splitlines() if line.strip()]
+    return lines or [f"exit code {done.returncode}"]
 
 
 @dataclass(frozen=True)
@@ -20,13 +35,28 @@ class Program:
 
     binary: Path
 
+    def check(self) -> None:
+        """Raises InputError where it is no program."""
+        if not self.binary.is_file() or not os.access(self.binary, os.X_OK):
+            found = "a file that cannot be run" if self.binary.is_file() else "no such file"
+            raise bad_value(self.binary, "--binary", found, "the ptbench program")
+
+    def called(self, *arguments: object) -> subprocess.CompletedProcess:
+        """What a call wrote, and its exit code."""
+        return run_program(self._command(arguments))
+
     def output(self, *arguments: object) -> str:
         """What a call writes; raises InputError with the program's own line where it fails."""
-        done = self._called(arguments)
+        done = self.called(*arguments)
         if done.returncode != 0:
-            lines = [line for line in done.stderr.splitlines() if line.strip()] or [f"exit code {done.returncode}"]
-            raise InputError(lines[-1].removeprefix("ptbench: "))
+            raise InputError(said_by(done)[-1])
         return done.stdout
+
+    def watched(self, *arguments: object, output: IO | int = subprocess.DEVNULL) -> None:
+        """A call whose progress is seen, its standard output in `output`; raises InputError where it fails."""
+        code = subprocess.run(self._command(arguments), check=False, stdout=output).returncode
+        if code != 0:
+            raise InputError(f"{self.binary} {' '.join(map(str, arguments))}: exit code {code}")
 
     def machine(self) -> str:
         """What the folder of this machine's results is called."""
@@ -42,23 +72,12 @@ class Program:
         file, out = folder / f"{suite['name']}.json", folder / f"{suite['name']}_result.json"
         file.write_text(json.dumps(suite, indent=1), encoding="utf-8")
         call = ("run", "--suite", file, "--backend", backend, "--untuned", "--overwrite", "--out", out)
-        if not shown:
+        if shown:
+            self.watched(*call)
+        else:
             self.output(*call, "--quiet")
-        elif (code := self._shown(call)) != 0:
-            raise InputError(f"{self.binary} {' '.join(map(str, call))}: exit code {code}")
         return load(out)
 
-    def _called(self, arguments: Sequence[object]) -> subprocess.CompletedProcess:
-        self._check()
-        command = [str(self.binary), *map(str, arguments)]
-        return subprocess.run(command, capture_output=True, text=True, errors="replace", check=False)
-
-    def _shown(self, arguments: Sequence[object]) -> int:
-        self._check()
-        command = [str(self.binary), *map(str, arguments)]
-        return subprocess.run(command, check=False, stdout=subprocess.DEVNULL).returncode
-
-    def _check(self) -> None:
-        if not self.binary.is_file() or not os.access(self.binary, os.X_OK):
-            found = "a file that cannot be run" if self.binary.is_file() else "no such file"
-            raise bad_value(self.binary, "--binary", found, "the ptbench program")
+    def _command(self, arguments: Sequence[object]) -> list[str]:
+        self.check()
+        return [str(self.binary.resolve()), *map(str, arguments)]

@@ -115,7 +115,7 @@ def test_axes_and_resolution_reach_the_binary(tmp_path, binary, analysis):
 @pytest.mark.parametrize(
     ("scene", "message"),
     [
-        ("broken", "broken (Row, broken): ptbench: broken.json: $.camera: found nothing\n"),
+        ("broken", "broken (Row, broken): broken.json: $.camera: found nothing\n"),
         ("chatty", "chatty (Row, chatty): no JSON summary on stdout"),
         ("pictureless", "pictureless (Row, pictureless): no picture that can be read"),
     ],

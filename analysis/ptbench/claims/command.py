@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,9 +13,10 @@ from ptbench.claims.evidence import evidence_of
 from ptbench.claims.history import UNKNOWN, Order, order_of
 from ptbench.claims.judging import judge
 from ptbench.claims.pages import Told, measured_text, pages_of, span_text, word_text
-from ptbench.errors import FindingError, InputError
+from ptbench.errors import FindingError
 from ptbench.io.files import write_text
 from ptbench.io.nodes import read_json
+from ptbench.program import Program
 
 
 @dataclass(frozen=True)
@@ -164,8 +164,8 @@ def _committed(told: Sequence[Told], recorded: Mapping) -> list[Told]:
 
 def _run(call: Call, ledger: Ledger, chosen: Sequence[Claim], results: Path) -> None:
     """Runs what has no result on this machine yet, each experiment once; raises InputError where one fails."""
-    binary = call.binary or call.root / "build" / "ptbench"
-    machine = _output(binary, "machine").strip()
+    program = Program(call.binary or call.root / "build" / "ptbench")
+    machine = program.machine()
     done = set()
     for claim in chosen:
         experiment = claim.experiment
@@ -182,14 +182,5 @@ def _run(call: Call, ledger: Ledger, chosen: Sequence[Claim], results: Path) -> 
         else:
             # As the prediction has it, whatever `autotune` found on this machine.
             arguments = ["run", "--suite", str(ledger.suite(experiment.suite)), "--resume", "--untuned"]
-        command = [str(binary), *arguments, "--backend", experiment.backend, "--out", str(out)]
         print(f"{experiment.result}: about {experiment.seconds} s", flush=True)
-        if subprocess.run(command, check=False, stdout=sys.stderr).returncode != 0:
-            raise InputError(f"{' '.join(command)}: failed")
-
-
-def _output(binary: Path, *arguments: str) -> str:
-    try:
-        return subprocess.run([str(binary), *arguments], capture_output=True, text=True, check=True).stdout
-    except (OSError, subprocess.CalledProcessError) as error:
-        raise InputError(f"{binary}: found no program that runs ({error}), allowed: --binary PTBENCH") from error
+        program.watched(*arguments, "--backend", experiment.backend, "--out", out, output=sys.stderr)

@@ -14,19 +14,19 @@ from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
 
-from ptbench.crosscheck.renders import check_binary, run_program
 from ptbench.errors import InputError, bad_value
 from ptbench.io.files import check_output_file, make_folder, write_text
 from ptbench.io.nodes import read_json
 from ptbench.peers.document import SCHEMA, as_text, scenes_of
 from ptbench.peers.measure import Plan, measure_scene
 from ptbench.peers.options import Call, Wanted, chosen_variants, mitsubas, own_variants, programs
+from ptbench.program import Program, run_program
 from ptbench.terminal import say
 
 
 def peers_command(options: argparse.Namespace) -> int:
     """The exit code; raises InputError."""
-    check_binary(options.binary)
+    Program(options.binary).check()
     plan = _plan(options)
     context = _context(plan)
     out = options.out or Path("results") / context["ptbench.machine"] / "peers.json"
@@ -128,12 +128,11 @@ def _settings(options: argparse.Namespace, plan: Plan) -> dict:
 
 
 def _context(plan: Plan) -> dict:
-    binary = str(plan.call.binary.resolve())
-    version, machine = (run_program([binary, word]).stdout.strip() for word in ("--version", "machine"))
+    program = Program(plan.call.binary)
     return {
         "date": datetime.now().astimezone().strftime("%Y-%m-%dT%H:%M:%S%z"),
-        "ptbench.version": version,
-        "ptbench.machine": machine,
+        "ptbench.version": program.output("--version").strip(),
+        "ptbench.machine": program.machine(),
         "host": platform.node() or "unknown",
         "processors": os.cpu_count() or 1,
         "device": _device(plan.call.backend),

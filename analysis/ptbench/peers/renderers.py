@@ -9,12 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ptbench.crosscheck.renders import WHEEL, run_program, said_by
+from ptbench.crosscheck.renders import WHEEL
 from ptbench.errors import InputError
 from ptbench.io.images import read_pfm
 from ptbench.peers.mitsuba_peer import MISSING
 from ptbench.peers.options import Call, Wanted
 from ptbench.peers.process import PeerFailed, Talker, busy_ms, process_ms
+from ptbench.program import Program, said_by
 
 _FIELDS = ("ms", "wall_ms", "compile_ms")
 
@@ -72,14 +73,14 @@ class OwnVariant:
 
     def _rendered(self, spp: int, seed: int, repetitions: int) -> dict:
         call = self._call
-        command = [str(call.binary.resolve()), "render", "--scene", self._place.scene, "--out", str(self._target)]
-        command += ["--resolution", call.size, "--spp", str(spp), "--seed", str(seed), "--backend", call.backend]
-        command += [] if call.depth is None else ["--depth", str(call.depth)]
-        command += [word for axis in self.wanted.axes for word in ("--axis", axis)]
-        command += ["--repetitions", str(repetitions)] if repetitions else []
-        done = run_program(command)
+        asked = ["render", "--scene", self._place.scene, "--out", self._target]
+        asked += ["--resolution", call.size, "--spp", spp, "--seed", seed, "--backend", call.backend]
+        asked += [] if call.depth is None else ["--depth", call.depth]
+        asked += [word for axis in self.wanted.axes for word in ("--axis", axis)]
+        asked += ["--repetitions", repetitions] if repetitions else []
+        done = Program(call.binary).called(*asked)
         if done.returncode != 0:
-            raise PeerFailed(said_by(done)[-1].removeprefix("ptbench: "))
+            raise PeerFailed(said_by(done)[-1])
         summary = json.loads(done.stdout)
         self.about = {name: summary[name] for name in ("scene_hash", "variant", "variant_id", "backend", "depth")}
         return summary

@@ -13,10 +13,11 @@ import numpy as np
 from PIL import Image as Raster
 
 from ptbench import gallery
-from ptbench.errors import InputError, bad_value
+from ptbench.errors import InputError
 from ptbench.io.cells import Result
 from ptbench.io.files import LARGEST_IMAGE, one_line, read_whole, safe_name, scratch_folder, write_whole
 from ptbench.io.images import displayed, exposure_of, read_pfm
+from ptbench.program import Program
 from ptbench.report.blocks import Image
 
 _SCENES = Path(__file__).resolve().parents[3] / "scenes"
@@ -49,9 +50,7 @@ class Renderer:
 
     def check(self) -> None:
         """Raises InputError unless there is a program that can be run."""
-        if not self.binary.is_file() or not os.access(self.binary, os.X_OK):
-            found = "a file that cannot be run" if self.binary.is_file() else "no such file"
-            raise bad_value(self.binary, "--binary", found, "the ptbench program")
+        Program(self.binary).check()
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,11 @@ import argparse
 from pathlib import Path
 
 from ptbench.compare.sections import as_markdown, as_text
-from ptbench.crosscheck.renders import check_binary
 from ptbench.errors import InputError
 from ptbench.figures import style
 from ptbench.figures.saving import save_figure
 from ptbench.io.files import check_output_folder, make_folder, write_text
+from ptbench.program import Program
 from ptbench.simulate.figure import draw
 from ptbench.simulate.parts import parts_of
 from ptbench.simulate.study import study_of
@@ -46,7 +46,7 @@ def _work(options: argparse.Namespace) -> int:
         raise InputError("simulate --work: found no --out, allowed: the folder of the map")
     if options.spp < 1:
         raise InputError(f"--spp: found {options.spp}, allowed: an integer of at least 1")
-    check_binary(options.binary)
+    Program(options.binary).check()
     make_folder(options.out)
     out = options.out / f"work_{Path(options.work).stem}.json"
     measure_work(options.binary, options.work, options.spp, out)

@@ -8,7 +8,6 @@ of its rays.
 from __future__ import annotations
 
 import json
-import subprocess
 import tempfile
 from pathlib import Path
 
@@ -18,6 +17,7 @@ from ptbench.errors import InputError
 from ptbench.io.files import write_text
 from ptbench.io.images import read_pfm
 from ptbench.io.nodes import read_json
+from ptbench.program import Program
 from ptbench.simulate.parts import WORK
 
 BLOCK = 16
@@ -47,10 +47,7 @@ def measure_work(binary: Path, scene_file: Path, spp: int, out: Path) -> dict:
     with tempfile.TemporaryDirectory() as folder:
         made, film = Path(folder) / "counting.json", Path(folder) / "counting.pfm"
         made.write_text(json.dumps(counting(scene)), encoding="utf-8")
-        call = [str(binary), "render", "--scene", str(made), "--backend", "cpu", "--spp", str(spp), "--out", str(film)]
-        done = subprocess.run(call, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise InputError(f"{binary}: {(done.stderr.strip().splitlines() or ['no output'])[-1]}")
+        Program(binary).output("render", "--scene", made, "--backend", "cpu", "--spp", spp, "--out", film)
         image = read_pfm(film)[..., 0].astype(float)
     document = {
         "schema": WORK, "scene": scene["name"], "resolution": [image.shape[1], image.shape[0]], "spp": spp,
