@@ -15,10 +15,11 @@ from conftest import ROOT
 
 from ptbench.cli.main import main
 from ptbench.crosscheck.command import _wanted
-from ptbench.crosscheck.document import AGREES, DIFFERS, REFUSED, WEAK, Checked, as_json, as_text
-from ptbench.crosscheck.renders import WHEEL, CannotExport, Images, Settings, export
-from ptbench.crosscheck.statistics import FAMILY, POWER, block_means, compare
+from ptbench.crosscheck.document import AGREES, DIFFERS, REFUSED, WEAK, Checked, as_json, as_scene, as_text
+from ptbench.crosscheck.renders import WHEEL, CannotExport, Images, Settings, export, shipped_scenes
+from ptbench.crosscheck.statistics import FAMILY, POWER, block_means, compare, family_of
 from ptbench.io.validate import complaints
+from ptbench.program import Program
 
 SEEDS = 8
 SHAPE = (32, 32, 3)
@@ -51,6 +52,20 @@ def test_equal_renderers_are_told_apart_as_seldom_as_stated():
     # 200 at 1 %: more than 7 has a probability of 0.1 %.
     assert told <= 7
     assert FAMILY == 0.01
+
+
+def test_scenes_of_one_call_share_the_probability():
+    random = np.random.default_rng(9)
+    mean = picture(random)
+    images = rendered(random, mean), rendered(random, mean)
+    alone, of_fifty = compare(*images), compare(*images, family=family_of(50))
+    # Sidak: 1 - (1 - p)^50 is FAMILY.
+    assert 1 - (1 - family_of(50)) ** 50 == pytest.approx(FAMILY)
+    assert family_of(1) == pytest.approx(FAMILY)
+    for test in ("image", "blocks", "pixels"):
+        limits = [getattr(one, test).limit_p for one in (of_fifty, alone)]
+        assert limits[0] == pytest.approx(limits[1] / 50, rel=0.01)
+        assert getattr(of_fifty, test).sees > getattr(alone, test).sees
 
 
 def test_pixels_of_equal_renderers_have_no_z_on_average():
@@ -153,9 +168,10 @@ def test_verdicts_and_the_file():
     assert [one.verdict for one in all_of_them] == [AGREES, DIFFERS, WEAK, REFUSED]
     context = {"date": "2026-11-23T02:00:00+0000", "ptbench.version": "ptbench 1", "ptbench.machine": "m"}
     context |= {"mitsuba.version": "3.9.1", "mitsuba.variant": "scalar_rgb"}
-    document = json.loads(json.dumps(as_json(all_of_them, settings(), context, 0.0), allow_nan=False))
+    scenes = [as_scene(one) for one in all_of_them]
+    document = json.loads(json.dumps(as_json(scenes, settings(), context, 0.0, 4), allow_nan=False))
     assert list(complaints(document, "crosscheck")) == []
-    text = as_text(all_of_them, settings(), 0.005)
+    text = as_text(document["scenes"], settings(), 0.005)
     assert [line.split("  ")[-1].strip() for line in text[1:5]] == [AGREES, DIFFERS, WEAK, REFUSED]
     assert text[-1] == "glass: $.camera.jitter: found false"
 
@@ -199,6 +215,52 @@ def test_a_missing_wheel_is_one_line_that_says_what_to_install(capsys, tmp_path)
     line = refusal(capsys, "edge", "--binary", str(program), "--python", str(bare))
     assert line.startswith("ptbench: Mitsuba 3 is not installed (")
     assert f"{bare} -m pip install {WHEEL}" in line
+
+
+def test_all_are_the_scenes_by_name_and_those_of_folders():
+    if not BINARY.is_file():
+        pytest.skip("build/ptbench is not there")
+    names = shipped_scenes(Program(BINARY))
+    assert {"cornell_open", "environments/environment_sun", "scaling/materials_08", "meshes/teapot_room"} <= set(names)
+    assert not [name for name in names if name.startswith(("suites", "stability"))]
+
+
+@pytest.fixture
+def stand_ins(tmp_path, monkeypatch):
+    """A program and a Mitsuba that make grey pictures; the calls of both are kept."""
+    program = tmp_path / "ptbench"
+    program.write_text(
+        f"#!{sys.executable}\n"
+        "import json, sys\n"
+        "word, rest = sys.argv[1], sys.argv[2:]\n"
+        f"open({str(tmp_path / 'calls')!r}, 'a').write(word + ' ' + ' '.join(rest) + '\\n')\n"
+        "print({'--version': 'ptbench 1', 'machine': 'm', 'export': ''}.get(word, ''))\n"
+    )
+    program.chmod(0o755)
+    images = np.ones((2, 8, 8, 3))
+    about = {"scene_hash": "0123456789abcdef", "variant": "depth_first", "depth": 8, "render_seconds": 1.5}
+    module = "ptbench.crosscheck.command."
+    monkeypatch.setattr(module + "mitsuba_version", lambda _: {"version": "3.9.1", "variant": "scalar_rgb"})
+    monkeypatch.setattr(module + "has_meshes", lambda _: False)
+    monkeypatch.setattr(module + "render_here", lambda *_, **__: Images(images, about))
+    monkeypatch.setattr(module + "render_there", lambda *_: Images(images, {"seconds": 2.5}))
+    return ["--binary", str(program), "--seeds", "2", "--resolution", "8x8", "--out", str(tmp_path / "found.json")]
+
+
+def test_an_unfinished_file_is_gone_on_with(stand_ins, tmp_path, capsys):
+    found, calls = tmp_path / "found.json", tmp_path / "calls"
+    assert main(["crosscheck", "a", "b", *stand_ins]) == 0
+    whole = json.loads(found.read_text())
+    assert list(complaints(whole, "crosscheck")) == []
+    assert (whole["settings"]["family"], whole["settings"]["family_scenes"]) == (FAMILY, 2)
+    found.write_text(json.dumps(whole | {"scenes": whole["scenes"][:1]}))
+    calls.unlink()
+    assert main(["crosscheck", "a", "b", *stand_ins, "--resume"]) == 0
+    assert json.loads(found.read_text())["scenes"] == whole["scenes"]
+    assert [line.split()[1] for line in calls.read_text().splitlines() if line.startswith("export")] == ["b"]
+    capsys.readouterr()
+    assert main(["crosscheck", "a", "b", *stand_ins, "--resume", "--spp", "64", "--depth", "3"]) == 2
+    assert "$.settings: found another call's, allowed: this call's" in capsys.readouterr().err
 
 
 def test_the_wheel_is_the_extra_of_the_package():

@@ -15,22 +15,22 @@ from datetime import datetime
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from ptbench.crosscheck.document import AGREES, REFUSED, WEAK, Checked, as_json, as_text
+from ptbench.crosscheck.document import AGREES, REFUSED, WEAK, Checked, as_json, as_scene, as_text
 from ptbench.crosscheck.options import ALL
 from ptbench.crosscheck.renders import (
     CannotExport,
     Settings,
-    check_binary,
     export,
     has_meshes,
     mitsuba_version,
     render_here,
     render_there,
-    run_program,
-    scene_names,
+    shipped_scenes,
 )
-from ptbench.crosscheck.statistics import compare
+from ptbench.crosscheck.statistics import compare, family_of
+from ptbench.errors import InputError, bad_value
 from ptbench.io.files import check_output_file, write_text
+from ptbench.io.nodes import read_json
 from ptbench.terminal import say
 
 
@@ -38,7 +38,6 @@ def crosscheck_command(options: argparse.Namespace) -> int:
     """The exit code; raises InputError."""
     if options.out is not None:
         check_output_file(options.out)
-    check_binary(options.binary)
     settings = Settings(
         binary=options.binary,
         python=options.python,
@@ -52,46 +51,67 @@ def crosscheck_command(options: argparse.Namespace) -> int:
         depth=options.depth,
         scale=options.scale,
     )
+    settings.program.check()
     peer = mitsuba_version(settings)
     named = [scene for scene in options.scenes if scene != ALL]
-    scenes = list(dict.fromkeys(named + (scene_names(options.binary) if ALL in options.scenes else [])))
+    scenes = list(dict.fromkeys(named + (shipped_scenes(settings.program) if ALL in options.scenes else [])))
     context = _context(settings, peer)
-    checked: list[Checked] = []
+    done = _done(options, as_json([], settings, context, options.allow, len(scenes))) if options.resume else {}
+    checked: list[dict] = []
     for scene in scenes:
-        checked.append(_check(scene, settings, options))
+        checked.append(done.get(scene) or as_scene(_check(scene, settings, options, family_of(len(scenes)))))
         if options.out is not None:
             # After each scene: all of them take long, and what is done is not lost.
-            text = json.dumps(as_json(checked, settings, context, options.allow), indent=1) + "\n"
+            text = json.dumps(as_json(checked, settings, context, options.allow, len(scenes)), indent=1) + "\n"
             write_text(options.out, text)
     print("\n".join(as_text(checked, settings, options.aim)))
     if options.out is not None:
         say(options.out)
-    if any(one.verdict == REFUSED and one.scene in named for one in checked):
+    verdicts = {one["scene"]: one["verdict"] for one in checked}
+    if any(verdicts[scene] == REFUSED for scene in named):
         return 2
-    return 0 if all(one.verdict in (AGREES, REFUSED) for one in checked) else 1
+    return 0 if all(verdict in (AGREES, REFUSED) for verdict in verdicts.values()) else 1
 
 
-def _check(scene: str, settings: Settings, options: argparse.Namespace) -> Checked:
+def _done(options: argparse.Namespace, planned: dict) -> dict[str, dict]:
+    """The scenes of an unfinished file that was begun with the same call; raises InputError for another one."""
+    if options.out is None:
+        raise InputError("--resume: found no --out, allowed: --out of the file to go on with")
+    if not options.out.is_file():
+        return {}
+    begun = read_json(options.out).value
+    date = begun["context"].pop("date") if "date" in begun.get("context", {}) else ""
+    planned["context"].pop("date")
+    for part in ("context", "settings"):
+        if begun.get(part) != planned[part]:
+            raise bad_value(options.out, f"$.{part}", "another call's", f"this call's, to go on with it (begun {date})")
+    return {scene["scene"]: scene for scene in begun["scenes"]}
+
+
+def _check(scene: str, settings: Settings, options: argparse.Namespace, family: float) -> Checked:
     with TemporaryDirectory(prefix="ptbench-crosscheck-") as name:
         scratch = Path(name)
         try:
             xml = export(scene, settings, scratch)
         except CannotExport as refusal:
             return Checked(scene, settings, None, options.aim, reasons=tuple(refusal.reasons))
-        checked = _rendered(scene, xml, settings, options, scratch)
+        checked = _rendered(scene, xml, settings, options, scratch, family)
         spp = _wanted(checked, options.most_spp)
         if spp > settings.spp:
             # By other seeds: the first images only said how much noise there is.
             more = replace(settings, spp=spp, first_seed=settings.first_seed + settings.seeds)
-            checked = _rendered(scene, xml, more, options, scratch)
+            checked = _rendered(scene, xml, more, options, scratch, family)
     print(f"{scene}: {checked.verdict}", file=sys.stderr)
     return checked
 
 
-def _rendered(scene: str, xml: Path, settings: Settings, options: argparse.Namespace, scratch: Path) -> Checked:
+def _rendered(
+    scene: str, xml: Path, settings: Settings, options: argparse.Namespace, scratch: Path, family: float
+) -> Checked:
     here = render_here(scene, settings, scratch, has_meshes=has_meshes(xml))
     there = render_there(xml, settings, scratch)
-    return Checked(scene, settings, compare(here.images, there.images, options.allow), options.aim, here, there)
+    found = compare(here.images, there.images, options.allow, family)
+    return Checked(scene, settings, found, options.aim, here, there)
 
 
 def _wanted(checked: Checked, most: int) -> int:
@@ -103,12 +123,10 @@ def _wanted(checked: Checked, most: int) -> int:
 
 
 def _context(settings: Settings, peer: dict) -> dict:
-    binary = str(settings.binary.resolve())
-    said = [run_program([binary, word]).stdout.strip() for word in ("--version", "machine")]
     return {
         "date": datetime.now().astimezone().strftime("%Y-%m-%dT%H:%M:%S%z"),
-        "ptbench.version": said[0],
-        "ptbench.machine": said[1],
+        "ptbench.version": settings.program.output("--version").strip(),
+        "ptbench.machine": settings.program.machine(),
         "mitsuba.version": peer["version"],
         "mitsuba.variant": peer["variant"],
     }

@@ -52,6 +52,7 @@ def add_crosscheck(commands: argparse._SubParsersAction) -> None:
         "--allow", type=percent, default=0.0, metavar="PERCENT", help="a bias that is no difference (default: 0)"
     )
     parser.add_argument("--out", type=Path, metavar="REPORT.json")
+    parser.add_argument("--resume", action="store_true", help="keep the scenes that REPORT.json has from the same call")
 
 
 def whole(low: int, high: int):

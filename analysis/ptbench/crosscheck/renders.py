@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ptbench.crosscheck.mitsuba_worker import MISSING
-from ptbench.errors import InputError, bad_value
+from ptbench.errors import InputError
 from ptbench.io.files import package_file, read_whole
 from ptbench.io.images import read_pfm
+from ptbench.program import Program, run_program, said_by
 
 WHEEL = "mitsuba==3.9.1"  # pyproject.toml has the same
 # What takes least time, where the call says nothing: the estimator with the least noise, which a scene without diffuse
 # surfaces does not take, and trees for what has meshes. No axis changes the mean.
 _DIRECT_LIGHT = "direct_light=nee_mis"
+_FOLDERS = ("environments", "scaling", "meshes")  # of scenes, beside those that have a name alone
 _TREES = ("accelerator=bvh8", "levels=two_level")
 
 
@@ -47,6 +48,11 @@ class Settings:
     scale: float
 
     @property
+    def program(self) -> Program:
+        """ptbench's."""
+        return Program(self.binary)
+
+    @property
     def size(self) -> str:
         """As the programs take it."""
         return f"{self.resolution[0]}x{self.resolution[1]}"
@@ -60,29 +66,13 @@ class Images:
     about: dict
 
 
-def run_program(command: list[str], text: str = "") -> subprocess.CompletedProcess:
-    """What it wrote, and its exit code; raises InputError where it does not run."""
-    try:
-        return subprocess.run(command, input=text, capture_output=True, text=True, errors="replace", check=False)
-    except OSError as error:
-        raise InputError(f"{command[0]}: {error.strerror or error}") from error
-
-
-def said_by(done: subprocess.CompletedProcess) -> list[str]:
-    """What a program wrote to standard error, without empty lines."""
-    return [line.strip() for line in done.stderr.splitlines() if line.strip()] or [f"exit code {done.returncode}"]
-
-
-def check_binary(binary: Path) -> None:
-    """Raises InputError where it is no program."""
-    if not binary.is_file() or not os.access(binary, os.X_OK):
-        found = "a file that cannot be run" if binary.is_file() else "no such file"
-        raise bad_value(binary, "--binary", found, "the ptbench program")
-
-
-def scene_names(binary: Path) -> list[str]:
-    """The shipped scenes."""
-    return run_program([str(binary.resolve()), "list", "--names", "scenes"]).stdout.split()
+def shipped_scenes(program: Program) -> list[str]:
+    """By name; those of scenes/stability are cases with expectations of their own, and no pictures to look at."""
+    names = program.output("list", "--names", "scenes").split()
+    binary = program.binary.resolve()
+    homes = [Path(os.environ["PTBENCH_HOME"])] if "PTBENCH_HOME" in os.environ else [binary.parent, binary.parents[1]]
+    scenes = next((home / "scenes" for home in homes if (home / "scenes").is_dir()), homes[0])
+    return names + [f"{folder}/{file.stem}" for folder in _FOLDERS for file in sorted((scenes / folder).glob("*.json"))]
 
 
 def mitsuba_version(settings: Settings) -> dict:
@@ -104,12 +94,12 @@ def _worker(settings: Settings, job: dict) -> dict:
 def export(scene: str, settings: Settings, folder: Path) -> Path:
     """The scene as Mitsuba's XML; raises CannotExport."""
     target = folder / "scene.xml"
-    command = [str(settings.binary.resolve()), "export", scene, "--format", "mitsuba", "--out", str(target)]
-    command += ["--resolution", settings.size, "--spp", str(settings.spp), "--scale", repr(settings.scale)]
-    command += [] if settings.depth is None else ["--depth", str(settings.depth)]
-    done = run_program(command)
+    call = ["export", scene, "--format", "mitsuba", "--out", target]
+    call += ["--resolution", settings.size, "--spp", settings.spp, "--scale", repr(settings.scale)]
+    call += [] if settings.depth is None else ["--depth", settings.depth]
+    done = settings.program.called(*call)
     if done.returncode != 0:
-        lines = [line.removeprefix("ptbench: ").removeprefix(f"{scene}: ") for line in said_by(done)]
+        lines = [line.removeprefix(f"{scene}: ") for line in said_by(done)]
         raise CannotExport([line for line in lines if not line.endswith("; nothing is written")] or lines)
     return target
 
@@ -117,21 +107,20 @@ def export(scene: str, settings: Settings, folder: Path) -> Path:
 def render_here(scene: str, settings: Settings, folder: Path, *, has_meshes: bool) -> Images:
     """One image a seed by `ptbench render`."""
     target = folder / "here.pfm"
-    command = [str(settings.binary.resolve()), "render", "--scene", scene, "--out", str(target)]
-    command += ["--resolution", settings.size, "--spp", str(settings.spp)]
-    command += [] if settings.depth is None else ["--depth", str(settings.depth)]
-    command += ["--backend", settings.backend] if settings.backend else []
+    call = ["render", "--scene", scene, "--out", target, "--resolution", settings.size, "--spp", settings.spp]
+    call += [] if settings.depth is None else ["--depth", settings.depth]
+    call += ["--backend", settings.backend] if settings.backend else []
     trees = [*_TREES] if has_meshes else []
     axes = [*settings.axes] or [_DIRECT_LIGHT, *trees]
     images, about, seconds = [], {}, 0.0
     while len(images) < settings.seeds:
         chosen = [word for axis in axes for word in ("--axis", axis)]
-        done = run_program([*command, *chosen, "--seed", str(settings.first_seed + len(images))])
+        done = settings.program.called(*call, *chosen, "--seed", settings.first_seed + len(images))
         if done.returncode != 0 and not settings.axes and _DIRECT_LIGHT in axes and "n/a: " in done.stderr:
             axes = trees
             continue
         if done.returncode != 0:
-            raise InputError(said_by(done)[-1].removeprefix("ptbench: "))
+            raise InputError(said_by(done)[-1])
         about = json.loads(done.stdout)
         seconds += about["render_seconds"]
         images.append(read_pfm(target))

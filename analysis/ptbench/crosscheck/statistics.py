@@ -2,8 +2,9 @@
 
 The image's mean and the means of 8x8 blocks by Welch's t test over seeds, channel by channel; single pixels by the sum
 of d_i d_j over pairs of seeds i and j (d: the difference of a pair of images), whose mean is the squared bias whatever
-the noise looks like. Each of the three has a third of FAMILY, the probability that any of them tells equal renderers
-apart; within one, Sidak's correction. Each says which bias it would have seen with the probability POWER.
+the noise looks like. Each of the three has a third of `family`, the probability that any of them tells equal renderers
+apart; within one, Sidak's correction. Each says which bias it would have seen with the probability POWER. Scenes of one
+call share FAMILY.
 """
 
 from __future__ import annotations
@@ -132,13 +133,18 @@ def _welch(here: np.ndarray, there: np.ndarray) -> _Welch:
     return _Welch(mean, means[0] - means[1], error, freedom)
 
 
-def _sidak(tests: int) -> float:
-    return -np.expm1(np.log1p(-FAMILY / 3) / tests)
+def _sidak(tests: int, family: float) -> float:
+    return float(-np.expm1(np.log1p(-family) / tests))
 
 
-def _mean_test(here: np.ndarray, there: np.ndarray, allowed: float) -> MeanTest:
+def family_of(scenes: int) -> float:
+    """The part of FAMILY that each of so many scenes has."""
+    return _sidak(scenes, FAMILY)
+
+
+def _mean_test(here: np.ndarray, there: np.ndarray, allowed: float, family: float) -> MeanTest:
     found = _welch(here.mean(axis=(1, 2)), there.mean(axis=(1, 2)))
-    limit = _sidak(here.shape[-1])
+    limit = _sidak(here.shape[-1], family)
     scale = np.where(found.mean > 0, found.mean, 1.0)
     return MeanTest(
         here=tuple(here.mean(axis=(0, 1, 2)).tolist()),
@@ -146,7 +152,7 @@ def _mean_test(here: np.ndarray, there: np.ndarray, allowed: float) -> MeanTest:
         bias=tuple((found.difference / scale).tolist()),
         errors=tuple((found.error / scale).tolist()),
         worst_p=float(found.p(allowed).min()),
-        limit_p=float(limit),
+        limit_p=limit,
         sees=float(_largest(found.sees(limit, allowed), found.mean)),
     )
 
@@ -163,9 +169,9 @@ def block_means(images: np.ndarray) -> np.ndarray:
     return images.reshape(seeds, height // SIDE, SIDE, width // SIDE, SIDE, channels).mean(axis=(2, 4))
 
 
-def _block_test(here: np.ndarray, there: np.ndarray, allowed: float) -> BlockTest:
+def _block_test(here: np.ndarray, there: np.ndarray, allowed: float, family: float) -> BlockTest:
     found = _welch(block_means(here), block_means(there))
-    limit = _sidak(found.mean.size)
+    limit = _sidak(found.mean.size, family)
     t, p = found.t(allowed), found.p(allowed)
     worst = np.unravel_index(int(np.argmin(p)), p.shape)
     sees = found.sees(limit, allowed)[found.mean > 0]
@@ -176,13 +182,13 @@ def _block_test(here: np.ndarray, there: np.ndarray, allowed: float) -> BlockTes
         worst_place=(int(worst[0]), int(worst[1]), int(worst[2])),
         worst_p=float(p[worst]),
         limit=float(stdtrit(found.freedom[worst], 1 - limit / 2)),
-        limit_p=float(limit),
+        limit_p=limit,
         rms=float(np.sqrt((t**2).mean())),
         sees=float(np.median(sees)) if sees.size else 0.0,
     )
 
 
-def _pixel_test(here: np.ndarray, there: np.ndarray, allowed: float) -> PixelTest:
+def _pixel_test(here: np.ndarray, there: np.ndarray, allowed: float, limit: float) -> PixelTest:
     found = _welch(here, there)
     seeds = min(len(here), len(there))
     pairs = here[:seeds] - there[:seeds]
@@ -198,7 +204,6 @@ def _pixel_test(here: np.ndarray, there: np.ndarray, allowed: float) -> PixelTes
     total = float(terms.sum() - (weight * (allowed * found.mean) ** 2).sum())
     error = float(np.sqrt((terms**2).sum()))
     z = total / error if error > 0 else 0.0
-    limit = FAMILY / 3
     weights, mean = float(weight.sum()), float(found.mean.mean())
     seen = (ndtri(1 - limit) + ndtri(POWER)) * error / weights if weights > 0 else 0.0
     t = found.t(0.0)[~still]
@@ -236,15 +241,16 @@ def _expected(freedom: np.ndarray) -> tuple[float, ...]:
     return tuple(high - low for low, high in pairwise(below))
 
 
-def compare(here: np.ndarray, there: np.ndarray, allowed: float = 0.0) -> Comparison:
+def compare(here: np.ndarray, there: np.ndarray, allowed: float = 0.0, family: float = FAMILY) -> Comparison:
     """Images of at least two seeds each: seeds, rows, columns, channels; sides are multiples of SIDE.
 
-    `allowed` is a bias, as a share of each mean, that is no difference.
+    `allowed` is a bias, as a share of each mean, that is no difference; `family` the probability that any of the tests
+    tells equal renderers apart.
     """
     here, there = here.astype(np.float64), there.astype(np.float64)
     return Comparison(
         seeds=min(len(here), len(there)),
-        image=_mean_test(here, there, allowed),
-        blocks=_block_test(here, there, allowed),
-        pixels=_pixel_test(here, there, allowed),
+        image=_mean_test(here, there, allowed, family / 3),
+        blocks=_block_test(here, there, allowed, family / 3),
+        pixels=_pixel_test(here, there, allowed, family / 3),
     )
