@@ -104,12 +104,13 @@ int refuse(const std::vector<std::string>& problems, const std::string& scene) {
 int run(const ExportArguments& arguments) {
     check_arguments(arguments);
     const Scene scene = find_scene(arguments.scene);
-    const std::vector<std::string> problems = mitsuba_problems(scene, arguments.scene);
+    const MitsubaSettings settings = settings_of(arguments, scene);
+    const std::vector<std::string> problems = mitsuba_problems(scene, arguments.scene, settings.depth);
     if (!problems.empty()) {
         return refuse(problems, arguments.scene);
     }
     const fs::path xml = xml_file(arguments, scene);
-    const MitsubaScene exported = mitsuba_scene(scene, settings_of(arguments, scene), xml.stem().string());
+    const MitsubaScene exported = mitsuba_scene(scene, settings, xml.stem().string());
     std::vector<fs::path> files;
     for (const std::string& mesh_file : exported.mesh_files) {
         files.push_back(xml.parent_path() / mesh_file);

@@ -89,13 +89,24 @@ private:
                            [&](const SceneObject& object) { return object.material == material; });
     }
 
+    template <class Has>
+    bool any_shown(const Has& has) const {
+        return std::any_of(scene_.objects.begin(), scene_.objects.end(),
+                           [&](const SceneObject& object) { return has(scene_.materials[object.material]); });
+    }
+
     void write_integrator() {
-        const bool has_media = std::any_of(
-            scene_.objects.begin(), scene_.objects.end(),
-            [&](const SceneObject& object) { return !is_black(scene_.materials[object.material].sigma_a); });
-        xml_.open("integrator", {{"type", has_media ? "volpath" : "path"}});
-        whole("max_depth", settings_.depth);
-        whole("rr_depth", std::uint64_t{settings_.depth} + 1);  // never
+        const bool has_walks = any_shown([](const SceneMaterial& m) { return m.type == MaterialType::subsurface; });
+        const bool has_media = any_shown([](const SceneMaterial& m) { return !is_black(m.sigma_a); });
+        // volpathmis weighs the channels of a coloured medium by the mean of their densities, as a walk here.
+        xml_.open("integrator", {{"type", has_walks ? "volpathmis" : has_media ? "volpath" : "path"}});
+        if (has_walks) {
+            value("integer", "max_depth", "-1");
+            whole("rr_depth", 128);
+        } else {
+            whole("max_depth", settings_.depth);
+            whole("rr_depth", std::uint64_t{settings_.depth} + 1);  // never
+        }
         xml_.close();
     }
 
@@ -184,17 +195,45 @@ private:
 
     void write_material(const SceneMaterial& material, std::size_t index) {
         const std::string id = id_of(index);
-        if (material.type == MaterialType::dielectric) {
+        const bool is_body = material.type == MaterialType::subsurface;
+        if (is_body && material.ior == 1) {
+            xml_.leaf("bsdf", {{"type", "null"}, {"id", id}});
+        } else if (is_body || material.type == MaterialType::dielectric) {
             xml_.open("bsdf", {{"type", "dielectric"}, {"id", id}});
             real("int_ior", material.ior);
             real("ext_ior", 1);
-            rgb("specular_transmittance", material.tint);
+            if (!is_body) {
+                rgb("specular_transmittance", material.tint);
+            }
             xml_.close();
+        } else {
+            const bool is_mirror = material.type == MaterialType::mirror ||
+                                   (material.type == MaterialType::mix && material.mirror_probability == 1);
+            write_reflector(id, is_mirror, is_mirror ? material.reflectance : material.albedo);
+        }
+    }
+
+    void write_medium(const SceneMaterial& material) {
+        const Vec3d sigma = material.sigma_a + material.sigma_s;
+        if (is_black(sigma)) {
             return;
         }
-        const bool is_mirror = material.type == MaterialType::mirror ||
-                               (material.type == MaterialType::mix && material.mirror_probability == 1);
-        write_reflector(id, is_mirror, is_mirror ? material.reflectance : material.albedo);
+        // Mitsuba's colours end at 1; a power of two rounds nothing.
+        const double largest = std::exp2(std::ceil(std::log2(std::max({sigma.x, sigma.y, sigma.z}))));
+        xml_.open("medium", {{"name", "interior"}, {"type", "homogeneous"}});
+        rgb("sigma_t", sigma * (1 / largest));
+        real("scale", largest / settings_.scale);
+        Vec3d albedo(0.0);
+        for (int i = 0; i < 3; ++i) {
+            albedo[i] = sigma[i] > 0 ? material.sigma_s[i] / sigma[i] : 0;
+        }
+        rgb("albedo", albedo);
+        if (!is_black(material.sigma_s)) {
+            xml_.open("phase", {{"type", "hg"}});
+            real("g", material.g);
+            xml_.close();
+        }
+        xml_.close();
     }
 
     Matrix placement_of_object(const SceneObject& object) const {
@@ -223,16 +262,7 @@ private:
             rgb("radiance", material.emission * radiance_factor(scene_, object));
             xml_.close();
         }
-        if (!is_black(material.sigma_a)) {
-            const Vec3d& sigma = material.sigma_a;
-            // Mitsuba's colours end at 1; a power of two rounds nothing.
-            const double largest = std::exp2(std::ceil(std::log2(std::max({sigma.x, sigma.y, sigma.z}))));
-            xml_.open("medium", {{"name", "interior"}, {"type", "homogeneous"}});
-            rgb("sigma_t", sigma * (1 / largest));
-            real("scale", largest / settings_.scale);
-            rgb("albedo", Vec3d(0.0));
-            xml_.close();
-        }
+        write_medium(material);
     }
 
     void write_sphere(const SceneObject& object) {
@@ -388,22 +418,6 @@ Mesh indexed_mesh(const SceneMesh& mesh) {
         indexed.triangles.push_back({index(t.a), index(t.b), index(t.c)});
     }
     return indexed;
-}
-
-double mitsuba_offset_by_thickness(const Scene& scene, double scale) {
-    const double offset_by_size = std::ldexp(1500, -24);  // Mitsuba 3.9's RayEpsilon
-    double largest = 0;
-    double thinnest = std::numeric_limits<double>::infinity();
-    for (const SceneObject& object : scene.objects) {
-        const Extent extent = extent_of(scene, object);
-        for (int axis = 0; axis < 3; ++axis) {
-            largest = std::max({largest, std::abs(extent.low[axis]) * scale, std::abs(extent.high[axis]) * scale});
-            if (name_of(object.shape) == "sphere" || name_of(object.shape) == "box") {
-                thinnest = std::min(thinnest, object.scale[axis] * scale);
-            }
-        }
-    }
-    return offset_by_size * (1 + largest) / thinnest;
 }
 
 }  // namespace pt

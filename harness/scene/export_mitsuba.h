@@ -29,8 +29,4 @@ MitsubaScene mitsuba_scene(const Scene& scene, const MitsubaSettings& settings, 
 // The triangles with each corner once.
 Mesh indexed_mesh(const SceneMesh& mesh);
 
-// How far off a surface Mitsuba's rays start at the scene's outermost corner, in units of the least axis of its spheres
-// and boxes; 0 without any.
-double mitsuba_offset_by_thickness(const Scene& scene, double scale);
-
 }  // namespace pt

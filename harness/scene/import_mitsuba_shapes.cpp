@@ -354,7 +354,7 @@ void MitsubaShapes::warn_of_sides(const Scene& scene) {
 
 void MitsubaShapes::warn_of_differences(const Scene& scene) {
     const std::string start = "scene: ", before_found = ": found ", before_allowed = ", allowed: ";
-    for (const std::string& message : mitsuba_problems(scene, "scene")) {
+    for (const std::string& message : mitsuba_problems(scene, "scene", scene.max_depth)) {
         const std::size_t found = message.find(before_found), allowed = message.rfind(before_allowed);
         const std::string place = message.substr(start.size(), found - start.size());
         if (!place.starts_with("$.objects[") || allowed == std::string::npos) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -48,7 +49,7 @@ void check_camera(const Scene& scene, Problems& problems) {
     }
 }
 
-void check_material(const SceneMaterial& material, Problems& problems) {
+void check_material(const SceneMaterial& material, std::uint32_t depth, Problems& problems) {
     const std::string place = "$.materials." + material.name;
     switch (material.type) {
         case MaterialType::diffuse:
@@ -59,11 +60,20 @@ void check_material(const SceneMaterial& material, Problems& problems) {
         case MaterialType::mix:
             if (material.mirror_probability > 0 && material.mirror_probability < 1) {
                 problems.add(place + ".mirror_probability", fmt::format("{}", material.mirror_probability),
-                             "0 or 1: Mitsuba's blendbsdf weighs a lobe's own density against the blend's");
+                             "0 or 1: Mitsuba's blendbsdf adds a mirror's probability to a diffuse lobe's density");
             }
             return;
         case MaterialType::subsurface:
-            problems.add(place, "subsurface", "another material: Mitsuba counts each scattering towards its max_depth");
+            if (depth < endless_depth) {
+                problems.add(place, fmt::format("subsurface at depth {}", depth),
+                             fmt::format("--depth {} or more, where paths have no end in Mitsuba: it counts each "
+                                         "scattering towards its max_depth",
+                                         endless_depth));
+            }
+            if (material.max_scatterings != SceneMaterial{}.max_scatterings) {
+                problems.add(place + ".max_scatterings", fmt::format("{}", material.max_scatterings),
+                             "none: Mitsuba's walks end at the surface only");
+            }
             return;
         case MaterialType::rough_conductor:
         case MaterialType::rough_dielectric:
@@ -73,7 +83,7 @@ void check_material(const SceneMaterial& material, Problems& problems) {
             return;
         default:
             problems.add(place, "a material that has no counterpart in Mitsuba",
-                         "diffuse, emitter, mirror, mix (with mirror_probability 0 or 1) or dielectric");
+                         "diffuse, emitter, mirror, mix (with mirror_probability 0 or 1), dielectric or subsurface");
     }
 }
 
@@ -167,6 +177,20 @@ void check_glass(const Scene& scene, const SceneObject& glass, Problems& problem
     }
 }
 
+// A walk sees its own body only; in Mitsuba it meets whatever is inside.
+void check_body(const Scene& scene, const SceneObject& body, Problems& problems) {
+    const std::string place = place_in_file(body);
+    if (contains_as_it_stands(scene, body, scene.camera.eye)) {
+        problems.add(place, "a subsurface body with the eye inside", "an eye outside");
+    }
+    for (const SceneObject& other : scene.objects) {
+        if (&other != &body && may_meet(scene, body, other)) {
+            problems.add(place, fmt::format("a subsurface body whose box meets that of {}", place_in_file(other)),
+                         "bodies apart: a walk inside meets nothing here, and what is there in Mitsuba");
+        }
+    }
+}
+
 }  // namespace
 
 bool is_emissive(const SceneMaterial& material) { return !is_black(material.emission); }
@@ -212,7 +236,7 @@ Extent extent_of(const Scene& scene, const SceneObject& object) {
     return extent;
 }
 
-std::vector<std::string> mitsuba_problems(const Scene& scene, const std::string& file) {
+std::vector<std::string> mitsuba_problems(const Scene& scene, const std::string& file, std::uint32_t depth) {
     Problems problems(file);
     check_camera(scene, problems);
     if (scene.environment_map != nullptr && !scene.environment_map->file.empty() && !has_openexr()) {
@@ -225,7 +249,7 @@ std::vector<std::string> mitsuba_problems(const Scene& scene, const std::string&
     }
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
         if (is_shown[i]) {
-            check_material(scene.materials[i], problems);
+            check_material(scene.materials[i], depth, problems);
         }
     }
     for (const SceneObject& object : scene.objects) {
@@ -236,8 +260,27 @@ std::vector<std::string> mitsuba_problems(const Scene& scene, const std::string&
         if (is_glass(scene.materials[object.material])) {
             check_glass(scene, object, problems);
         }
+        if (scene.materials[object.material].type == MaterialType::subsurface) {
+            check_body(scene, object, problems);
+        }
     }
     return problems.take();
+}
+
+double mitsuba_offset_by_thickness(const Scene& scene, double scale) {
+    const double offset_by_size = std::ldexp(1500, -24);  // Mitsuba 3.9's RayEpsilon
+    double largest = 0;
+    double thinnest = std::numeric_limits<double>::infinity();
+    for (const SceneObject& object : scene.objects) {
+        const Extent extent = extent_of(scene, object);
+        for (int axis = 0; axis < 3; ++axis) {
+            largest = std::max({largest, std::abs(extent.low[axis]) * scale, std::abs(extent.high[axis]) * scale});
+            if (name_of(object.shape) == "sphere" || name_of(object.shape) == "box") {
+                thinnest = std::min(thinnest, object.scale[axis] * scale);
+            }
+        }
+    }
+    return offset_by_size * (1 + largest) / thinnest;
 }
 
 }  // namespace pt

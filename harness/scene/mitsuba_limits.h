@@ -8,8 +8,12 @@
 
 namespace pt {
 
-// One line each, "FILE: PLACE: found X, allowed: Y"; empty: the scene can be exported.
-std::vector<std::string> mitsuba_problems(const Scene& scene, const std::string& file);
+// From this depth on, paths of a scene with a subsurface material have no end in Mitsuba, which counts each scattering
+// of a walk towards its max_depth: what paths bring after a thousand segments is no part of a picture.
+inline constexpr std::uint32_t endless_depth = 1000;
+
+// One line each, "FILE: PLACE: found X, allowed: Y"; empty: the scene can be exported at that depth.
+std::vector<std::string> mitsuba_problems(const Scene& scene, const std::string& file, std::uint32_t depth);
 
 // Where an object stands while the shutter is open; of one that moves, where it is first.
 Vec3d place_of(const Scene& scene, const SceneObject& object);
@@ -29,5 +33,9 @@ double radiance_factor(const Scene& scene, const SceneObject& lamp);
 
 // Whether it sends out light.
 bool is_emissive(const SceneMaterial& material);
+
+// How far off a surface Mitsuba's rays start at the scene's outermost corner, in units of the least axis of its spheres
+// and boxes; 0 without any.
+double mitsuba_offset_by_thickness(const Scene& scene, double scale);
 
 }  // namespace pt

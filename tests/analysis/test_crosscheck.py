@@ -185,6 +185,13 @@ def test_a_weak_scene_is_rendered_again_with_what_the_aim_needs():
     assert _wanted(checked(0.02, 0.05), 1 << 30) == 0
 
 
+def test_a_scene_that_asks_for_depth_gets_it_unless_another_reason_stands():
+    deep = "$.materials.wax: found subsurface at depth 8, allowed: --depth 1000 or more, where paths have no end"
+    assert CannotExport([deep, deep]).depth == 1000
+    assert CannotExport([deep, "$.camera.jitter: found false, allowed: true"]).depth == 0
+    assert CannotExport([]).depth == 0
+
+
 def refusal(capsys, *arguments: str) -> str:
     try:
         code = main(["crosscheck", *arguments], "ptbench")
@@ -284,6 +291,10 @@ SMALL = {
     # and emit on both sides, a lens, instances.
     "tests/analysis/crosscheck_scenes/odd_glass.json": 8,
     "tests/analysis/crosscheck_scenes/odd_lamps.json": 16,
+    # Bodies that scatter, with and without a boundary that refracts.
+    "tests/analysis/crosscheck_scenes/odd_bodies.json": 32,
+    # An image all round, turned.
+    "scenes/environments/environment_sun.json": 16,
     "scenes/meshes/sphereflake_room.json": 8,
 }
 
@@ -326,6 +337,25 @@ def test_a_wrong_picture_is_told_apart(mitsuba, capsys, monkeypatch):
     monkeypatch.setattr("ptbench.crosscheck.command.export", _deeper)
     assert main([*call, *small, "--depth", "2"]) == 1
     assert " differs" in capsys.readouterr().out
+
+
+def test_an_environment_turned_otherwise_is_told_apart(mitsuba, capsys, monkeypatch):
+    monkeypatch.setenv("PTBENCH_HOME", str(ROOT))
+    monkeypatch.chdir(ROOT)
+    call = ["crosscheck", "environments/environment_sun", "--binary", str(BINARY), "--python", mitsuba]
+    small = ["--backend", "cpu", "--variant", "scalar_rgb", "--resolution", "32x32", "--spp", "16", "--aim", "100"]
+    # The sky's sun is elsewhere: 30 degrees the other way.
+    monkeypatch.setattr("ptbench.crosscheck.command.export", _turned)
+    assert main([*call, *small]) == 1
+    assert " differs" in capsys.readouterr().out
+
+
+def _turned(scene: str, asked: Settings, folder: Path) -> Path:
+    xml = export(scene, asked, folder)
+    text = xml.read_text(encoding="utf-8")
+    assert 'angle="30"' in text
+    xml.write_text(text.replace('angle="30"', 'angle="-30"'), encoding="utf-8")
+    return xml
 
 
 def _deeper(scene: str, asked: Settings, folder: Path) -> Path:

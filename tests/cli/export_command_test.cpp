@@ -122,7 +122,7 @@ TEST(ExportCommandTest, AFolderGetsTheSceneByItsName) {
 TEST(ExportCommandTest, EveryReasonIsListedAndNothingIsWritten) {
     const std::string materials =
         R"("gold": {"type": "mix", "albedo": [1, 1, 1], "reflectance": [1, 1, 1], "mirror_probability": 0.5},
-           "wax": {"type": "subsurface", "sigma_s": [1, 1, 1]}, "lamp": {"type": "emitter", "radiance": [1, 1, 1]},
+           "wax": {"type": "subsurface", "sigma_s": [1, 1, 1], "max_scatterings": 9}, "lamp": {"type": "emitter", "radiance": [1, 1, 1]},
            "unused": {"type": "subsurface", "sigma_s": [1, 1, 1]},
            "steel": {"type": "rough_conductor", "reflectance": [1, 1, 1], "roughness": 0.5},
            "glass": {"type": "dielectric", "ior": 1.5}, "ink": {"type": "dielectric", "ior": 1, "sigma_a": [1, 0, 0]})";
@@ -142,9 +142,13 @@ TEST(ExportCommandTest, EveryReasonIsListedAndNothingIsWritten) {
         "$.camera.jitter: found false, allowed: true",
         "$.materials.gold.mirror_probability: found 0.5, allowed: 0 or 1",
         "$.materials.steel: found rough facets, allowed: another material",
-        "$.materials.wax: found subsurface, allowed: another material",
+        "$.materials.wax: found subsurface at depth 5, allowed: --depth 1000 or more",
+        "$.materials.wax.max_scatterings: found 9, allowed: none",
         "$.objects[0].scale: found [1, 2, 1], allowed: one number for a sphere",
         "$.objects[1].velocity: found [1, 0, 0], allowed: 0 while the shutter is open",
+        "$.objects[1]: found a subsurface body whose box meets that of $.objects[0], allowed: bodies apart",
+        "$.objects[1]: found a subsurface body whose box meets that of $.objects[5], allowed: bodies apart",
+        "$.objects[1]: found a subsurface body whose box meets that of $.objects[6], allowed: bodies apart",
         "$.objects[2]: found a dielectric with the eye inside, allowed: an eye outside",
         "$.objects[2]: found a dielectric whose box meets that of $.objects[3], a lamp, allowed: lamps outside",
         "$.objects[2]: found a dielectric whose box meets that of $.objects[4], a dielectric, and one of them absorbs",
@@ -158,7 +162,7 @@ TEST(ExportCommandTest, EveryReasonIsListedAndNothingIsWritten) {
         EXPECT_EQ(line.substr(0, 21 + begin.size()), "ptbench: small.json: " + begin);
     }
     std::getline(lines, line);
-    EXPECT_EQ(line, "ptbench: small.json: 11 problems; nothing is written");
+    EXPECT_EQ(line, "ptbench: small.json: 15 problems; nothing is written");
     EXPECT_FALSE(std::getline(lines, line));
 }
 
@@ -224,7 +228,7 @@ TEST(ExportMitsubaTest, LampsAreAsBrightAsHereFromWhereTheyAreSeen) {
     builder.quad(lamp, {0, -3, 0}, 1, 1);
     builder.sphere(lamp, {0, 0, 5}, 0.5);
     builder.sphere(glass, {0, 0, 5}, 2);
-    EXPECT_EQ(mitsuba_problems(builder.scene, "scene"), std::vector<std::string>{});
+    EXPECT_EQ(mitsuba_problems(builder.scene, "scene", 8), std::vector<std::string>{});
     const std::string xml = mitsuba_scene(builder.scene, {.width = 8, .height = 8}, "scene").xml;
     EXPECT_NE(xml.find("value=\"0.5 0 0 0 0 0 0.5 -2.99"), std::string::npos) << xml;
     EXPECT_NE(xml.find("value=\"0.5 0 0 0 0 0 -0.5 -3.00"), std::string::npos) << xml;
@@ -243,12 +247,12 @@ TEST(ExportMitsubaTest, ALampThatCutsGlassIsRefused) {
     const std::uint32_t lamp = builder.emitter({1, 2, 4});
     builder.sphere(builder.dielectric(1.5), {0, 0, 5}, 2);
     builder.box(lamp, {0, 0, 6}, {1, 1, 1});
-    EXPECT_EQ(mitsuba_problems(builder.scene, "scene").size(), 1u);
+    EXPECT_EQ(mitsuba_problems(builder.scene, "scene", 8).size(), 1u);
     builder.scene.materials[1].ior = 1;
-    EXPECT_EQ(mitsuba_problems(builder.scene, "scene").size(), 0u);
+    EXPECT_EQ(mitsuba_problems(builder.scene, "scene", 8).size(), 0u);
     builder.scene.materials[1].ior = 1.5;
     builder.scene.objects[1].translate = {1.2, 1.2, 6.2};  // the box round the sphere is still met
-    EXPECT_EQ(mitsuba_problems(builder.scene, "scene").size(), 0u);
+    EXPECT_EQ(mitsuba_problems(builder.scene, "scene", 8).size(), 0u);
 }
 
 TEST(ExportMitsubaTest, MediaAreScaledWithTheScene) {
@@ -264,6 +268,27 @@ TEST(ExportMitsubaTest, MediaAreScaledWithTheScene) {
     EXPECT_EQ(lines_from(xml, "<medium", 4),
               "<medium name=\"interior\" type=\"homogeneous\">\n<rgb name=\"sigma_t\" value=\"0.25, 0.5, 1\"/>\n"
               "<float name=\"scale\" value=\"1\"/>\n<rgb name=\"albedo\" value=\"0, 0, 0\"/>\n");
+}
+
+TEST(ExportCommandTest, ABodyIsAMediumAndPathsHaveNoEnd) {
+    const std::string materials =
+        R"("wax": {"type": "subsurface", "sigma_a": [0.5, 0, 1], "sigma_s": [1.5, 0, 3], "g": 0.25},
+           "soap": {"type": "subsurface", "sigma_s": [1, 1, 1], "ior": 1.25})";
+    const std::string objects = R"({"shape": "sphere", "material": "soap"},
+           {"shape": "sphere", "material": "wax", "translate": [0, 3, 0]})";
+    const Exported exported(scene_text("", materials, objects), "small.xml", {"--depth", "1000", "--scale", "2"});
+    EXPECT_EQ(exported.command.exit_code, 0) << exported.command.err;
+    const std::string xml = content_of(exported.folder.file("small.xml"));
+    EXPECT_EQ(lines_from(xml, "<integrator", 3),
+              "<integrator type=\"volpathmis\">\n<integer name=\"max_depth\" value=\"-1\"/>\n"
+              "<integer name=\"rr_depth\" value=\"128\"/>\n");
+    EXPECT_EQ(lines_from(xml, "<bsdf", 5),
+              "<bsdf type=\"dielectric\" id=\"material_0\">\n<float name=\"int_ior\" value=\"1.25\"/>\n"
+              "<float name=\"ext_ior\" value=\"1\"/>\n</bsdf>\n<bsdf type=\"null\" id=\"material_1\"/>\n");
+    EXPECT_EQ(lines_from(xml.substr(xml.rfind("<medium")), "<medium", 8),
+              "<medium name=\"interior\" type=\"homogeneous\">\n<rgb name=\"sigma_t\" value=\"0.5, 0, 1\"/>\n"
+              "<float name=\"scale\" value=\"2\"/>\n<rgb name=\"albedo\" value=\"0.75, 0, 0.75\"/>\n"
+              "<phase type=\"hg\">\n<float name=\"g\" value=\"0.25\"/>\n</phase>\n</medium>\n");
 }
 
 TEST(XmlTextTest, WhatXmlCannotHoldIsEscaped) {

@@ -19,12 +19,14 @@
 namespace pt::test {
 namespace {
 
+bool is_expressible(const Scene& scene) { return mitsuba_problems(scene, "", scene.max_depth).empty(); }
+
 // The shipped scenes that Mitsuba can express; of those with meshes, one of each kind that is quick to read.
 std::vector<std::string> scenes_to_export() {
     std::vector<std::string> names{"scenes/meshes/menger_room.json", "scenes/meshes/sphereflake_room.json"};
     const std::filesystem::path source(PTBENCH_SOURCE_DIR);
     for (const auto& entry : std::filesystem::directory_iterator(source / "scenes")) {
-        if (entry.path().extension() == ".json" && mitsuba_problems(load_scene(entry.path().string()), "").empty()) {
+        if (entry.path().extension() == ".json" && is_expressible(load_scene(entry.path().string()))) {
             names.push_back(entry.path().lexically_relative(source).string());
         }
     }

@@ -92,7 +92,7 @@ def _check(scene: str, settings: Settings, options: argparse.Namespace, family: 
     with TemporaryDirectory(prefix="ptbench-crosscheck-") as name:
         scratch = Path(name)
         try:
-            xml = export(scene, settings, scratch)
+            settings, xml = _exported(scene, settings, scratch)
         except CannotExport as refusal:
             return Checked(scene, settings, None, options.aim, reasons=tuple(refusal.reasons))
         checked = _rendered(scene, xml, settings, options, scratch, family)
@@ -103,6 +103,17 @@ def _check(scene: str, settings: Settings, options: argparse.Namespace, family: 
             checked = _rendered(scene, xml, more, options, scratch, family)
     print(f"{scene}: {checked.verdict}", file=sys.stderr)
     return checked
+
+
+def _exported(scene: str, settings: Settings, scratch: Path) -> tuple[Settings, Path]:
+    """At the depth where paths have no end, if the scene asks for it and the call for none; raises CannotExport."""
+    try:
+        return settings, export(scene, settings, scratch)
+    except CannotExport as refusal:
+        if settings.depth is not None or not refusal.depth:
+            raise
+        deep = replace(settings, depth=refusal.depth)
+        return deep, export(scene, deep, scratch)
 
 
 def _rendered(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,6 +30,12 @@ class CannotExport(Exception):
     def __init__(self, reasons: list[str]):
         super().__init__("; ".join(reasons))
         self.reasons = reasons
+
+    @property
+    def depth(self) -> int:
+        """The depth that the program asks for; 0 where no depth would do."""
+        asked = [re.search(r"allowed: --depth (\d+) or more", reason) for reason in self.reasons]
+        return int(asked[0][1]) if asked and all(asked) else 0
 
 
 @dataclass(frozen=True)
