@@ -50,6 +50,12 @@ struct RunTimeAccelerator {
     static constexpr bool is_chosen_at_run_time = true;
 };
 
+// Where the three corners of a triangle lie in an image: u, v of a, b and c.
+struct CornerCoordinates {
+    float u[3];
+    float v[3];
+};
+
 // A triangle where a leaf finds it, with its number in the mesh: 48 bytes, three accesses.
 struct alignas(16) LeafTriangle {
     float a[3];

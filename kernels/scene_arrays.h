@@ -7,12 +7,13 @@
 namespace pt {
 
 enum class ArrayKind : std::uint32_t {
-    objects,   // of one kind; every ray reads them
-    traced,    // by object number; every ray reads it
-    matrix,    // by object number; every ray of a kernel with Feature::matrix reads it, others have no use for it
-    shading,   // by object number; read where a ray has hit
-    shared,    // by numbers of its own; read where a ray has hit
-    selection  // read where a light is drawn by a kernel with one of light_selections, others have no use for it
+    objects,    // of one kind; every ray reads them
+    traced,     // by object number; every ray reads it
+    matrix,     // by object number; every ray of a kernel with Feature::matrix reads it, others have no use for it
+    shading,    // by object number; read where a ray has hit
+    shared,     // by numbers of its own; read where a ray has hit
+    selection,  // read where a light is drawn by a kernel with one of light_selections, others have no use for it
+    texture     // read where a ray has hit by a kernel with Feature::textures, others have no use for it
 };
 
 struct SceneArray {
@@ -22,6 +23,7 @@ struct SceneArray {
     PT_HD constexpr bool is_used(FeatureSet features) const {
         return kind == ArrayKind::matrix      ? contains(features, Feature::matrix)
                : kind == ArrayKind::selection ? (features & light_selections) != 0
+               : kind == ArrayKind::texture   ? contains(features, Feature::textures)
                                               : true;
     }
     // Whether every ray reads it.
@@ -44,13 +46,18 @@ struct SceneArray {
     ARRAY(object_light, selection, OBJECTS) \
     ARRAY(light_slots, selection, light)    \
     ARRAY(light_nodes, selection, light_nodes)
+#define PT_TEXTURE_ARRAYS(ARRAY)             \
+    ARRAY(object_textures, texture, OBJECTS) \
+    ARRAY(texels, texture, texels)           \
+    ARRAY(texture_coordinates, texture, texture_coordinates)
 #define PT_SCENE_ARRAYS(ARRAY) \
     PT_OBJECT_ARRAYS(ARRAY)    \
     PT_TRACED_ARRAYS(ARRAY)    \
     PT_MATRIX_ARRAYS(ARRAY)    \
     PT_SHADING_ARRAYS(ARRAY)   \
     PT_SHARED_ARRAYS(ARRAY)    \
-    PT_SELECTION_ARRAYS(ARRAY)
+    PT_SELECTION_ARRAYS(ARRAY) \
+    PT_TEXTURE_ARRAYS(ARRAY)
 
 // Calls visit(SceneArray, array) for every array of a scene: a SceneView, or what has members of the same names.
 template <class Scene, class Visit>

@@ -43,6 +43,17 @@ struct alignas(16) LightNode {
     PT_HD std::uint32_t light() const { return link & ~leaf_bit; }
 };
 
+// The image that an object shows, and how points of the object come to lie in it. Texels are single precision numbers
+// in both precisions, rows from the bottom up.
+template <class Real>
+struct ObjectTexture {
+    Transform<Real> place;
+    std::uint32_t width;  // in texels; 0: the object shows none
+    std::uint32_t height;
+    std::uint32_t first_texel;       // in SceneView::texels
+    std::uint32_t first_coordinate;  // of a mesh: of its first triangle, in SceneView::texture_coordinates
+};
+
 template <class Real>
 struct Ray;
 
@@ -94,7 +105,10 @@ struct SceneView {
     View<std::uint32_t> object_light;   // by object number: of a light its number; these three for light_selections
     View<LightSlot<Real>> light_slots;  // by light
     View<LightNode<Real>> light_nodes;  // the root first
-    Vec3<Real> environment;             // radiance of rays that leave the scene
+    View<ObjectTexture<Real>> object_textures;  // by object number; empty: the scene has no images on objects
+    View<Vec3<float>> texels;
+    View<CornerCoordinates> texture_coordinates;
+    Vec3<Real> environment;  // radiance of rays that leave the scene
     Camera<Real> camera;
     AxisAlignedEnclosure<Real> enclosure;  // that the axis boxes make
     RandomSeed seed;

@@ -13,6 +13,7 @@
 #include "kernels/rough_dielectric.h"
 #include "kernels/russian_roulette.h"
 #include "kernels/subsurface.h"
+#include "kernels/texture.h"
 
 namespace pt {
 
@@ -113,11 +114,12 @@ template <class Config>
 PT_HD inline bool shade_rough_conductor(const SceneView<typename Config::Real>& scene,
                                         const SceneView<typename Config::Real>& traced,
                                         Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
-                                        const Material<typename Config::Real>& material, const RandomWords& words,
+                                        const Material<typename Config::Real>& material,
+                                        const Vec3<typename Config::Real>& reflectance, const RandomWords& words,
                                         PathCounters& counters) {
     using Real = typename Config::Real;
     constexpr bool has_gain = has<Config>(Feature::multiple_scattering);
-    RoughConductor<Real, has_gain> lobe(material.reflectance, material.alpha, -path.direction, vertex.normal());
+    RoughConductor<Real, has_gain> lobe(reflectance, material.alpha, -path.direction, vertex.normal());
     if constexpr (has_gain) {
         if (material.scatters_multiply != 0) {
             lobe.scatter_multiply();
@@ -168,6 +170,17 @@ PT_HD inline bool shade_rough_dielectric(const SceneView<typename Config::Real>&
     return true;
 }
 
+// The colour of a material that may be an image: then it is the surface's.
+template <class Config>
+PT_HD inline const Vec3<typename Config::Real>& colour_of(const Surface<typename Config::Real>& surface,
+                                                          const Vec3<typename Config::Real>& of_material) {
+    if constexpr (has<Config>(Feature::textures)) {
+        return surface.colour;
+    } else {
+        return of_material;
+    }
+}
+
 // Picks the lobe and the next direction by the material's type. Returns whether the path goes on.
 template <class Config>
 PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
@@ -189,7 +202,8 @@ PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const S
             scatter_mirror(path, vertex, material.reflectance);
             return true;
         }
-        return shade_diffuse<Config>(scene, traced, path, vertex, material.albedo, words, last, counters);
+        const Vec3<Real>& albedo = colour_of<Config>(surface, material.albedo);
+        return shade_diffuse<Config>(scene, traced, path, vertex, albedo, words, last, counters);
     }
     if (has<Config>(Feature::dielectric) && material.type == MaterialType::dielectric) {
         scatter_dielectric<Config>(path, vertex, material, lobe);
@@ -197,7 +211,8 @@ PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const S
     }
     if constexpr (has<Config>(Feature::rough_conductor)) {
         if (material.type == MaterialType::rough_conductor) {
-            return shade_rough_conductor<Config>(scene, traced, path, vertex, material, words, counters);
+            return shade_rough_conductor<Config>(scene, traced, path, vertex, material,
+                                                 colour_of<Config>(surface, material.reflectance), words, counters);
         }
     }
     if constexpr (has<Config>(Feature::rough_dielectric)) {
@@ -262,7 +277,7 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
             attenuate(path, scene.materials[path.medium], hit.t);
         }
     }
-    const Surface<Real> surface = scene.surfaces[hit.side.object()];
+    Surface<Real> surface = scene.surfaces[hit.side.object()];
     if (has<Config>(Feature::emitter) && surface.type == MaterialType::emitter) {
         meet_light<Config>(scene, path, hit, surface.colour);
         return false;
@@ -283,6 +298,9 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
     const Vertex<Real> vertex{
         point.position, inside ? -point.normal : point.normal, hit.side.object(), inside, material_index, hit.side,
         hit.primitive};
+    if constexpr (has<Config>(Feature::textures)) {
+        put_texture<Config>(surface.colour, scene, ray_of(path), hit, vertex.position, vertex.normal());
+    }
     path.bsdf_pdf = Real(0);
     const RandomWords words =
         random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::scatter});

@@ -103,6 +103,7 @@ constexpr NamedFeature named_features[] = {
     {Feature::double_intersection, "double_intersection"},
     {Feature::naive, "naive"},
     {Feature::near_sphere, "near_sphere"},
+    {Feature::textures, "textures"},
     {Feature::object_tree, "object_tree"},
     {Feature::flat_tree, "flat_tree"},
 };

@@ -111,7 +111,7 @@ std::string baked_text(const SceneView<Real>& scene) {
     BakedText text;
     for_each_array(scene, [&](const SceneArray& array, const auto& view) {
         using Element = std::remove_cvref_t<decltype(*view.data)>;
-        if (array.kind != ArrayKind::matrix && array.kind != ArrayKind::selection) {
+        if (array.kind != ArrayKind::matrix && array.kind != ArrayKind::selection && array.kind != ArrayKind::texture) {
             text.add(array.name, is_baked<Element> ? view : View<Element>{});
         }
     });

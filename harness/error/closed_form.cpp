@@ -119,6 +119,9 @@ std::optional<ClosedForm> of_lit_quad(const Scene& scene, const RenderSettings& 
 
 // What every bounce keeps, if all that the material does keeps the same.
 std::optional<Vec3d> reflected_part(const SceneMaterial& material) {
+    if (material.texture != nullptr) {
+        return std::nullopt;
+    }
     if (material.type == MaterialType::diffuse) {
         return material.albedo;
     }

@@ -49,6 +49,13 @@ void check_counts(const Mesh& mesh, const std::string& file) {
     }
 }
 
+bool are_finite(const Mesh& mesh) {
+    return std::all_of(mesh.coordinates.begin(), mesh.coordinates.end(), [](const auto& corners) {
+        return std::all_of(corners.begin(), corners.end(),
+                           [](const auto& at) { return std::isfinite(at[0]) && std::isfinite(at[1]); });
+    });
+}
+
 }  // namespace
 
 bool is_degenerate(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
@@ -62,8 +69,20 @@ bool is_degenerate(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangl
 
 void leave_out_degenerate(Mesh& mesh) {
     const std::size_t before = mesh.triangles.size();
-    std::erase_if(mesh.triangles, [&](const auto& triangle) { return is_degenerate(mesh, triangle); });
-    mesh.degenerate_left_out += static_cast<std::uint32_t>(before - mesh.triangles.size());
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < before; ++i) {
+        if (is_degenerate(mesh, mesh.triangles[i])) {
+            continue;
+        }
+        mesh.triangles[kept] = mesh.triangles[i];
+        if (!mesh.coordinates.empty()) {
+            mesh.coordinates[kept] = mesh.coordinates[i];
+        }
+        ++kept;
+    }
+    mesh.triangles.resize(kept);
+    mesh.coordinates.resize(mesh.coordinates.empty() ? 0 : kept);
+    mesh.degenerate_left_out += static_cast<std::uint32_t>(before - kept);
 }
 
 void check_mesh(Mesh& mesh, const std::string& file) {
@@ -71,6 +90,9 @@ void check_mesh(Mesh& mesh, const std::string& file) {
     check_finite(mesh.vertices, "vertex", file);
     check_finite(mesh.normals, "normal of vertex", file);
     check_indices(mesh, file);
+    if (mesh.coordinates.size() != mesh.triangles.size() || !are_finite(mesh)) {
+        mesh.coordinates.clear();
+    }
     leave_out_degenerate(mesh);
     if (mesh.triangles.empty()) {
         throw InputError(file, "mesh",

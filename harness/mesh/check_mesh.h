@@ -16,7 +16,8 @@ bool is_degenerate(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangl
 void leave_out_degenerate(Mesh& mesh);
 
 // Throws InputError, with `file` before it, for a mesh that is too large, an index out of range, a coordinate or a
-// normal that is not finite, or no triangle that has an area; leaves degenerate triangles out.
+// normal that is not finite, or no triangle that has an area; leaves degenerate triangles out, and all texture
+// coordinates where one is not finite: most scenes have no use for them.
 void check_mesh(Mesh& mesh, const std::string& file);
 
 }  // namespace pt

@@ -74,6 +74,23 @@ struct GltfMeshMaker::AccessorView {
         std::memcpy(&value, data + i * stride + component * sizeof(float), sizeof(float));
         return value;
     }
+    bool is_texture() const {
+        return component_type == TINYGLTF_COMPONENT_TYPE_FLOAT ||
+               component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+               component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
+    }
+    // Whole numbers are fractions of their largest.
+    float fraction(std::size_t i, std::size_t component) const {
+        const unsigned char* from = data + i * stride;
+        switch (component_type) {
+            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+                return static_cast<float>(from[component]) / 255.0f;
+            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+                return static_cast<float>(from[2 * component] | from[2 * component + 1] << 8) / 65535.0f;
+            default:
+                return real(i, component);
+        }
+    }
     std::uint32_t whole(std::size_t i) const {
         const unsigned char* from = data + i * stride;
         switch (component_type) {
@@ -138,11 +155,13 @@ GltfMeshMaker::AccessorView GltfMeshMaker::view(int index, int type, const std::
     const std::string at = fmt::format("accessor {}", index);
     if (accessor.sparse.isSparse || accessor.type != type) {
         fail(at, accessor.sparse.isSparse ? "a sparse one" : fmt::format("type {}", accessor.type),
-             fmt::format("{}, not sparse", type == TINYGLTF_TYPE_VEC3 ? "VEC3" : "SCALAR"));
+             fmt::format("{}, not sparse", type == TINYGLTF_TYPE_VEC3   ? "VEC3"
+                                           : type == TINYGLTF_TYPE_VEC2 ? "VEC2"
+                                                                        : "SCALAR"));
     }
     const tinygltf::BufferView& part = element(model_.bufferViews, accessor.bufferView, at + ", bufferView");
     const tinygltf::Buffer& buffer = element(model_.buffers, part.buffer, at + ", buffer");
-    const int size = tinygltf::GetComponentSizeInBytes(accessor.componentType) * (type == TINYGLTF_TYPE_VEC3 ? 3 : 1);
+    const int size = tinygltf::GetComponentSizeInBytes(accessor.componentType) * tinygltf::GetNumComponentsInType(type);
     AccessorView view;
     view.count = accessor.count;
     view.component_type = accessor.componentType;
@@ -207,6 +226,10 @@ void GltfMeshMaker::add_primitive(const tinygltf::Primitive& primitive, const gl
     if (has_normals_) {
         add_normals(vectors(normal->second, place), positions.count, matrix, place);
     }
+    has_coordinates_ = has_coordinates_ && primitive.attributes.contains("TEXCOORD_0");
+    if (has_coordinates_) {
+        add_coordinates(primitive, positions.count, place);
+    }
     add_triangles(primitive, mode, first, positions.count, glm::determinant(glm::dmat3(matrix)) < 0.0, place);
 }
 
@@ -224,6 +247,20 @@ void GltfMeshMaker::add_normals(const AccessorView& normals, std::size_t vertice
                                           static_cast<double>(normals.real(i, 2)) * glm::cross(x, y));
         mesh_.normals.push_back(
             {static_cast<float>(turned.x), static_cast<float>(turned.y), static_cast<float>(turned.z)});
+    }
+}
+
+// glTF has v down from the image's top. Scenes without images have no use for them: what cannot be read is not there.
+void GltfMeshMaker::add_coordinates(const tinygltf::Primitive& primitive, std::size_t vertices,
+                                    const std::string& place) {
+    try {
+        const AccessorView found = view(primitive.attributes.at("TEXCOORD_0"), TINYGLTF_TYPE_VEC2, place);
+        has_coordinates_ = found.count == vertices && found.is_texture();
+        for (std::size_t i = 0; has_coordinates_ && i < vertices; ++i) {
+            coordinates_.push_back({found.fraction(i, 0), 1.0f - found.fraction(i, 1)});
+        }
+    } catch (const InputError&) {
+        has_coordinates_ = false;
     }
 }
 
@@ -258,6 +295,11 @@ Mesh GltfMeshMaker::take() {
     if (!has_normals_) {
         mesh_.normals.clear();
     }
+    for (std::size_t i = 0; has_coordinates_ && i < mesh_.triangles.size(); ++i) {
+        const auto [a, b, c] = mesh_.triangles[i];
+        mesh_.coordinates.push_back({coordinates_[a], coordinates_[b], coordinates_[c]});
+    }
+    coordinates_.clear();
     return std::move(mesh_);
 }
 

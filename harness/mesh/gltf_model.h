@@ -63,12 +63,15 @@ private:
     AccessorView indices(int index, const std::string& place) const;
     void add_normals(const AccessorView& normals, std::size_t vertices, const glm::dmat4& matrix,
                      const std::string& place);
+    void add_coordinates(const tinygltf::Primitive& primitive, std::size_t vertices, const std::string& place);
     void add_triangles(const tinygltf::Primitive& primitive, int mode, std::uint32_t first, std::size_t vertices,
                        bool is_mirrored, const std::string& place);
 
     const tinygltf::Model& model_;
     const std::string& file_;
-    bool has_normals_ = true;  // so far: they are kept where every primitive has them
+    bool has_normals_ = true;                        // so far: they are kept where every primitive has them
+    bool has_coordinates_ = true;                    // likewise
+    std::vector<std::array<float, 2>> coordinates_;  // by vertex
     Mesh mesh_;
 };
 

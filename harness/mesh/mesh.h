@@ -16,11 +16,14 @@ struct Mesh {
     std::vector<std::array<float, 3>> vertices;
     std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise, seen from outside
     std::vector<std::array<float, 3>> normals;            // empty, or one a vertex; of any length, as they were given
-    std::uint32_t degenerate_left_out = 0;                // faces without area that were met and are not in `triangles`
+    // Empty, or one a triangle: where its corners lie in an image, u to the right and v up, (0, 0) the lower left
+    // corner.
+    std::vector<std::array<std::array<float, 2>, 3>> coordinates;
+    std::uint32_t degenerate_left_out = 0;  // faces without area that were met and are not in `triangles`
 };
 
-// FNV-1a of vertices, triangles and normals, a word at a time as Film::hash has it: 16 hex digits. The sign of a zero
-// counts; what was left out does not.
+// FNV-1a of vertices, triangles and normals, without texture coordinates, a word at a time as Film::hash has it: 16 hex
+// digits. The sign of a zero counts; what was left out does not.
 std::string content_hash(const Mesh& mesh);
 
 }  // namespace pt

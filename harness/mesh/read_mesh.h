@@ -1,7 +1,7 @@
 // Reads triangle meshes from files: Wavefront .obj, Stanford .ply (ascii and both binary formats), glTF 2, binary
 // (.glb) or as JSON with its data in files beside it (.gltf). Faces of more than three corners become fans around their
-// first corner. Materials, colours, texture coordinates and whatever else a file has beside its triangles and vertex
-// normals are passed over.
+// first corner. Texture coordinates are kept where every corner has some. Materials, colours and whatever else a file
+// has beside its triangles, vertex normals and texture coordinates are passed over.
 #pragma once
 
 #include <filesystem>

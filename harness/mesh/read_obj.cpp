@@ -1,6 +1,6 @@
-// Wavefront's object files (Advanced Visualizer manual, appendix B1), of which vertices, vertex normals and faces are
-// read. Not by tinyobjloader (2.0.0): it takes "v nan 0 x" for the origin, and faces that it cannot place away, and
-// says nothing of the first and no line of the second.
+// Wavefront's object files (Advanced Visualizer manual, appendix B1), of which vertices, vertex normals, texture
+// coordinates and faces are read. Not by tinyobjloader (2.0.0): it takes "v nan 0 x" for the origin, and faces that it
+// cannot place away, and says nothing of the first and no line of the second.
 #include <algorithm>
 #include <map>
 #include <optional>
@@ -17,8 +17,8 @@ namespace pt {
 namespace {
 
 struct ObjCorner {
-    std::uint32_t vertex = 0, normal = 0;
-    bool has_normal = false;
+    std::uint32_t vertex = 0, normal = 0, texture = 0;
+    bool has_normal = false, has_texture = false;
 };
 
 class ObjReader {
@@ -32,6 +32,7 @@ public:
         check_pending(pending_vertex_, mesh_.vertices.size(), "vertex");
         check_pending(pending_normal_, normals_.size(), "normal");
         give_normals();
+        give_coordinates();
         return std::move(mesh_);
     }
 
@@ -105,6 +106,8 @@ private:
         } else if (word == "vn") {
             check_room(normals_.size(), most_vertices, "normals");
             normals_.push_back(read_triple(line));
+        } else if (word == "vt") {
+            read_texture();
         } else if (word == "f") {
             read_face(line);
         }
@@ -143,6 +146,10 @@ private:
                 if (all_have_normals_) {
                     corner_normals_.push_back(corner.normal);
                 }
+                all_have_texture_ = all_have_texture_ && corner.has_texture;
+                if (all_have_texture_) {
+                    corner_textures_.push_back(corner.texture);
+                }
             }
         }
     }
@@ -153,11 +160,45 @@ private:
         const std::size_t second = std::min(word.find('/', first + 1), word.size());
         ObjCorner corner;
         corner.vertex = read_index(word, word.substr(0, first), mesh_.vertices.size(), pending_vertex_);
+        if (first < second) {
+            read_texture_index(word.substr(first + 1, second - first - 1), corner);
+        }
         corner.has_normal = second < word.size();
         if (corner.has_normal) {
             corner.normal = read_index(word, word.substr(second + 1), normals_.size(), pending_normal_);
         }
         return corner;
+    }
+
+    // Scenes without images have no use for them: where one cannot be read, there are none.
+    void read_texture() {
+        std::array<float, 2> at{};
+        const std::string_view u = next_word(), v = next_word();
+        all_have_texture_ = all_have_texture_ && textures_.size() < most_vertices && parse_real(u, at[0]) &&
+                            (v.empty() || parse_real(v, at[1]));
+        if (all_have_texture_) {
+            textures_.push_back(at);
+        }
+    }
+
+    void read_texture_index(std::string_view number, ObjCorner& corner) const {
+        std::int64_t index = 0;
+        const auto [end, error] = std::from_chars(number.begin(), number.end(), index);
+        const std::int64_t place = index > 0 ? index - 1 : index + static_cast<std::int64_t>(textures_.size());
+        corner.has_texture = error == std::errc() && end == number.end() && index != 0 && place >= 0 &&
+                             place < static_cast<std::int64_t>(most_vertices);
+        corner.texture = corner.has_texture ? static_cast<std::uint32_t>(place) : 0;
+    }
+
+    void give_coordinates() {
+        const auto is_there = [&](std::uint32_t texture) { return texture < textures_.size(); };
+        if (!all_have_texture_ || !std::all_of(corner_textures_.begin(), corner_textures_.end(), is_there)) {
+            return;
+        }
+        for (std::size_t i = 0; i < corner_textures_.size(); i += 3) {
+            mesh_.coordinates.push_back({textures_[corner_textures_[i]], textures_[corner_textures_[i + 1]],
+                                         textures_[corner_textures_[i + 2]]});
+        }
     }
 
     // From 1 on, or from -1 backward; returned from 0 on.
@@ -219,6 +260,9 @@ private:
     std::vector<std::array<float, 3>> normals_;
     std::vector<std::uint32_t> corner_normals_;  // three a triangle
     bool all_have_normals_ = true;
+    std::vector<std::array<float, 2>> textures_;
+    std::vector<std::uint32_t> corner_textures_;  // three a triangle
+    bool all_have_texture_ = true;
     Pending pending_vertex_, pending_normal_;
     Mesh mesh_;
 };

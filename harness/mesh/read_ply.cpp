@@ -123,7 +123,10 @@ public:
         }
     }
 
-    Mesh mesh() { return std::move(mesh_); }
+    Mesh mesh() {
+        give_coordinates();
+        return std::move(mesh_);
+    }
 
 private:
     void read_element(const PlyElement& element, PlyNumbers& numbers) {
@@ -185,6 +188,7 @@ private:
                 throw InputError(file_, "header", fmt::format("vertices without {}", names[i]), "x, y and z");
             }
         }
+        find_coordinates(element);
         const bool has_normals = places[3] >= 0 && places[4] >= 0 && places[5] >= 0;
         check_count(element, most_vertices);
         mesh_.vertices.reserve(element.count);
@@ -203,6 +207,34 @@ private:
             if (has_normals) {
                 mesh_.normals.push_back({values[places[3]], values[places[4]], values[places[5]]});
             }
+            if (coordinate_places_[0] >= 0) {
+                coordinates_.push_back({values[coordinate_places_[0]], values[coordinate_places_[1]]});
+            }
+        }
+    }
+
+    // By the names that exporters give them.
+    void find_coordinates(const PlyElement& element) {
+        constexpr std::string_view names[][2] = {{"s", "t"}, {"u", "v"}, {"texture_u", "texture_v"}};
+        for (const auto& [u, v] : names) {
+            const int u_place = place_of(element, u, false), v_place = place_of(element, v, false);
+            if (u_place >= 0 && v_place >= 0) {
+                coordinate_places_[0] = u_place;
+                coordinate_places_[1] = v_place;
+                return;
+            }
+        }
+    }
+
+    // What a triangle names that is not there is refused later.
+    void give_coordinates() {
+        for (const auto& triangle : mesh_.triangles) {
+            if (coordinates_.empty() || *std::max_element(triangle.begin(), triangle.end()) >= coordinates_.size()) {
+                mesh_.coordinates.clear();
+                return;
+            }
+            mesh_.coordinates.push_back(
+                {coordinates_[triangle[0]], coordinates_[triangle[1]], coordinates_[triangle[2]]});
         }
     }
 
@@ -263,6 +295,8 @@ private:
     const std::string& file_;
     PlyHeader header_;
     Mesh mesh_;
+    int coordinate_places_[2] = {-1, -1};
+    std::vector<std::array<float, 2>> coordinates_;  // by vertex
     bool has_faces_ = false;
 };
 

@@ -50,9 +50,11 @@ void fill_first_hits(FirstHits& hits, const Scene& scene, const RenderRequest& r
     using Config = FirstHitConfig<Real>;
     const SceneBuffers<Real> buffers(scene, settings, quick_acceleration(scene));
     const SceneView<Real>& view = buffers.view();
-    std::vector<Vec3d> albedo;  // by object number
+    std::vector<const SceneMaterial*> materials;  // by object number
+    std::vector<Vec3d> albedo;                    // likewise
     for (const std::uint32_t index : buffers.file_index()) {
-        albedo.push_back(first_hit_albedo(scene.materials[scene.objects[index].material]));
+        materials.push_back(&scene.materials[scene.objects[index].material]);
+        albedo.push_back(first_hit_albedo(*materials.back()));
     }
     const std::uint32_t kept = Registry::instance()
                                    .at("first_bounce", request.variant, request.backend)
@@ -70,8 +72,16 @@ void fill_first_hits(FirstHits& hits, const Scene& scene, const RenderRequest& r
                     mean.add(Vec3d(0.0), Vec3d(0.0), 0, 0);
                     continue;
                 }
-                const Vec3d outward(surface_at<Config>(view, ray, hit).normal);
-                mean.add(albedo[hit.side.object()], hit.side.inside() ? -outward : outward, hit.t, 1);
+                const SurfacePoint<Real> point = surface_at<Config>(view, ray, hit);
+                const Vec3d outward(point.normal);
+                Vec3d colour = albedo[hit.side.object()];
+                const SceneMaterial& material = *materials[hit.side.object()];
+                if (material.texture != nullptr) {
+                    Vec3<Real> shown(Real(0));
+                    put_texture<Config>(shown, view, ray, hit, point.position, point.normal);
+                    colour = first_hit_albedo(material, Vec3d(shown));
+                }
+                mean.add(colour, hit.side.inside() ? -outward : outward, hit.t, 1);
             }
             mean.store(hits, pixel);
         }
@@ -81,15 +91,18 @@ void fill_first_hits(FirstHits& hits, const Scene& scene, const RenderRequest& r
 }  // namespace
 
 Vec3d first_hit_albedo(const SceneMaterial& material) {
+    const bool is_metal = material.type == MaterialType::mirror || material.type == MaterialType::rough_conductor;
+    return first_hit_albedo(material, is_metal ? material.reflectance : material.albedo);
+}
+
+Vec3d first_hit_albedo(const SceneMaterial& material, const Vec3d& colour) {
     switch (material.type) {
         case MaterialType::diffuse:
-            return material.albedo;
         case MaterialType::mirror:
         case MaterialType::rough_conductor:
-            return material.reflectance;
+            return colour;
         case MaterialType::mix:
-            return material.reflectance * material.mirror_probability +
-                   material.albedo * (1 - material.mirror_probability);
+            return material.reflectance * material.mirror_probability + colour * (1 - material.mirror_probability);
         case MaterialType::dielectric:
         case MaterialType::rough_dielectric:
             return material.tint;

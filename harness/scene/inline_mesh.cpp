@@ -18,9 +18,32 @@ std::vector<JsonValue> three(const JsonValue& value, const std::string& allowed)
     return elements;
 }
 
+// One a vertex.
+void read_coordinates(const JsonValue& value, Mesh& mesh) {
+    const std::vector<JsonValue> entries = value.elements();
+    if (entries.size() != mesh.vertices.size()) {
+        value.fail(fmt::format("one for each of the {} vertices", mesh.vertices.size()));
+    }
+    std::vector<std::array<float, 2>> by_vertex;
+    for (const JsonValue& entry : entries) {
+        const std::vector<JsonValue> numbers = entry.elements();
+        if (numbers.size() != 2) {
+            entry.fail("[u, v]");
+        }
+        const auto number = [&](std::size_t k) {
+            return static_cast<float>(numbers[k].number(-1e6, 1e6, "a number from -1e6 to 1e6"));
+        };
+        by_vertex.push_back({number(0), number(1)});
+    }
+    for (const auto& [a, b, c] : mesh.triangles) {
+        mesh.coordinates.push_back({by_vertex[a], by_vertex[b], by_vertex[c]});
+    }
+}
+
 }  // namespace
 
-std::shared_ptr<const SceneMesh> read_inline_mesh(const JsonValue& vertices, const JsonValue& triangles) {
+std::shared_ptr<const SceneMesh> read_inline_mesh(const JsonValue& vertices, const JsonValue& triangles,
+                                                  const JsonValue* coordinates) {
     constexpr double most = std::numeric_limits<float>::max();
     Mesh mesh;
     for (const JsonValue& entry : vertices.elements()) {
@@ -42,11 +65,14 @@ std::shared_ptr<const SceneMesh> read_inline_mesh(const JsonValue& vertices, con
                 index.whole(0, last, fmt::format("a vertex, counted from 0: a whole number from 0 to {}", last)));
         }
     }
+    if (coordinates != nullptr) {
+        read_coordinates(*coordinates, mesh);
+    }
     check_mesh(mesh, triangles.file() + ": " + triangles.path());
     std::shared_ptr<const SceneMesh> made = make_scene_mesh(mesh, "of the scene file");
     // What was left out is part of what is told of a mesh, not of its content.
     static std::map<std::pair<std::string, std::uint32_t>, std::weak_ptr<const SceneMesh>> known;
-    auto& kept = known[{made->hash, made->degenerate_left_out}];
+    auto& kept = known[{made->hash + made->coordinates_hash, made->degenerate_left_out}];
     if (const auto earlier = kept.lock(); earlier != nullptr && earlier->triangles.size() == made->triangles.size()) {
         return earlier;
     }

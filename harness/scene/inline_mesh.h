@@ -9,8 +9,10 @@
 
 namespace pt {
 
-// "vertices": [[x, y, z], ..], "triangles": [[i, j, k], ..]. Equal ones are one mesh, as long as a scene has it. Throws
+// "vertices": [[x, y, z], ..], "triangles": [[i, j, k], ..], and "texture_coordinates": [[u, v], ..], one a vertex, or
+// null. Equal ones are one mesh, as long as a scene has it. Throws
 // InputError.
-std::shared_ptr<const SceneMesh> read_inline_mesh(const JsonValue& vertices, const JsonValue& triangles);
+std::shared_ptr<const SceneMesh> read_inline_mesh(const JsonValue& vertices, const JsonValue& triangles,
+                                                  const JsonValue* coordinates = nullptr);
 
 }  // namespace pt

@@ -51,6 +51,9 @@ void check_camera(const Scene& scene, Problems& problems) {
 
 void check_material(const SceneMaterial& material, std::uint32_t depth, Problems& problems) {
     const std::string place = "$.materials." + material.name;
+    if (material.texture != nullptr) {
+        problems.add(place, "the image " + material.texture->file, "one colour: images are not exported");
+    }
     switch (material.type) {
         case MaterialType::diffuse:
         case MaterialType::emitter:

@@ -208,6 +208,11 @@ bool is_near_eye(const SceneObject& object, const Vec3d& eye) {
     return classify(object) == ShapeKind::sphere && std::abs(eye_power(object, eye)) < 0.5;
 }
 
+bool has_textures(const Scene& scene) {
+    return std::any_of(scene.objects.begin(), scene.objects.end(),
+                       [&](const SceneObject& object) { return scene.materials[object.material].texture != nullptr; });
+}
+
 FeatureSet features_of(const Scene& scene) {
 #define PT_FEATURE(name, array, Type) Feature::name,
     static constexpr Feature by_kind[] = {PT_SHAPES(PT_FEATURE)};
@@ -230,6 +235,9 @@ FeatureSet features_of(const Scene& scene) {
     }
     if (scene.environment_map != nullptr) {
         features = features | Feature::environment_map;
+    }
+    if (has_textures(scene)) {
+        features = features | Feature::textures;
     }
     if (scene.camera.jitter) {
         features = features | Feature::jitter;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "harness/scene/environment_image.h"
+#include "harness/scene/texture_image.h"
 #include "kernels/material.h"
 #include "kernels/shapes.h"
 #include "variants/acceleration/binary_tree.h"
@@ -29,10 +30,20 @@ struct SceneCamera {
     bool shutter_late = false;
 };
 
+// An image that surfaces show.
+struct SceneTexture {
+    TextureImage image;
+    std::string file;  // as the scene names it
+    std::string hash;  // of the texels and the width: 16 hex digits
+};
+
 struct SceneMaterial {
     std::string name;
     MaterialType type = MaterialType::diffuse;
     Vec3d albedo{0.0}, emission{0.0}, reflectance{0.0}, tint{1.0}, sigma_a{0.0}, sigma_s{0.0};
+    // In place of the albedo (diffuse, mix) or the reflectance (mirror, rough_conductor), which then has the largest of
+    // its texels in each channel. Null: one colour.
+    std::shared_ptr<const SceneTexture> texture;
     double mirror_probability = 0;
     double roughness = 0;
     bool multiple_scattering = false;
@@ -60,8 +71,10 @@ struct SceneMesh {
     std::vector<Triangle<float>> triangles;
     std::uint32_t degenerate_left_out = 0;
     Box bounds;
-    bool is_closed = false;  // every edge is shared by two triangles, in opposite directions
-    std::string hash;        // of the triangles: 16 hex digits
+    bool is_closed = false;                      // every edge is shared by two triangles, in opposite directions
+    std::string hash;                            // of the triangles: 16 hex digits
+    std::vector<CornerCoordinates> coordinates;  // by triangle; empty: none
+    std::string coordinates_hash;                // of them: 16 hex digits; empty: there are none
 };
 
 struct SceneObject {
@@ -109,6 +122,9 @@ Placement placement_of(const SceneObject& object, const Vec3d& eye);
 // Which formula an object is intersected by.
 ShapeKind classify(const SceneObject& object);
 bool is_flat(const SceneObject& object);
+
+// Whether an object that the scene has shows an image.
+bool has_textures(const Scene& scene);
 
 // Everything that rendering the scene needs, and nothing else.
 FeatureSet features_of(const Scene& scene);

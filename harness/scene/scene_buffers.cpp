@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <tuple>
 
@@ -18,7 +19,9 @@ namespace {
 std::array<double, 3> as_array(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
 auto canonical_key(const Scene& scene, const SceneObject& object) {
-    const std::string mesh_hash = object.mesh != SceneObject::no_mesh ? scene.meshes[object.mesh]->hash : "";
+    const std::string mesh_hash = object.mesh != SceneObject::no_mesh
+                                      ? scene.meshes[object.mesh]->hash + scene.meshes[object.mesh]->coordinates_hash
+                                      : "";
     return std::make_tuple(classify(object), as_array(object.translate), as_array(object.rotate_degrees),
                            as_array(object.scale), as_array(object.velocity), object.material, mesh_hash);
 }
@@ -76,9 +79,10 @@ Material<Real> make_material(const SceneMaterial& m) {
 
 template <class Real>
 Surface<Real> surface_of(const Material<Real>& material) {
-    return {material.type == MaterialType::emitter  ? material.emission
-            : material.type == MaterialType::mirror ? material.reflectance
-                                                    : material.albedo,
+    return {material.type == MaterialType::emitter ? material.emission
+            : material.type == MaterialType::mirror || material.type == MaterialType::rough_conductor
+                ? material.reflectance
+                : material.albedo,
             material.type};
 }
 
@@ -315,6 +319,9 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     for (const std::uint32_t index : arrays_.object_material) {
         arrays_.surfaces.push_back(surface_of(arrays_.materials[index]));
     }
+    if (has_textures(scene)) {
+        make_textures(scene);
+    }
     if (settings.light_selection != LightSelection::uniform && !arrays_.lights.empty()) {
         make_light_tables();
     }
@@ -341,6 +348,40 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     view_.roulette_start = settings.roulette_start;
     view_.enclosure = find_enclosure(view_);
     make_search(acceleration);
+}
+
+// Each image once, and each mesh's coordinates once, however many objects show them.
+template <class Real>
+void SceneBuffers<Real>::make_textures(const Scene& scene) {
+    std::map<const SceneTexture*, std::uint32_t> first_texel;
+    std::map<std::uint32_t, std::uint32_t> first_coordinate;
+    const auto append = [](auto& array, const auto& values) {
+        const auto first = static_cast<std::uint32_t>(array.size());
+        array.insert(array.end(), values.begin(), values.end());
+        return first;
+    };
+    for (std::size_t number = 0; number < file_index_.size(); ++number) {
+        const SceneObject& object = scene.objects[file_index_[number]];
+        const SceneTexture* const texture = scene.materials[object.material].texture.get();
+        ObjectTexture<Real> shown{arrays_.transforms[number], 0, 0, 0, 0};
+        if (texture != nullptr) {
+            const auto [texels, is_new] = first_texel.try_emplace(texture, 0);
+            if (is_new) {
+                texels->second = append(arrays_.texels, texture->image.texels);
+            }
+            shown.width = texture->image.width;
+            shown.height = texture->image.height;
+            shown.first_texel = texels->second;
+        }
+        if (texture != nullptr && object.mesh != SceneObject::no_mesh) {
+            const auto [coordinates, is_new] = first_coordinate.try_emplace(object.mesh, 0);
+            if (is_new) {
+                coordinates->second = append(arrays_.texture_coordinates, scene.meshes[object.mesh]->coordinates);
+            }
+            shown.first_coordinate = coordinates->second;
+        }
+        arrays_.object_textures.push_back(shown);
+    }
 }
 
 template <class Real>

@@ -47,6 +47,9 @@ struct SceneStorage {
     std::vector<std::uint32_t> object_light;
     std::vector<LightSlot<Real>> light_slots;
     std::vector<LightNode<Real>> light_nodes;
+    std::vector<ObjectTexture<Real>> object_textures;
+    std::vector<Vec3<float>> texels;
+    std::vector<CornerCoordinates> texture_coordinates;
 };
 
 template <class Real>
@@ -72,6 +75,7 @@ private:
     void complete(MeshInstance<Real>& instance, const Scene& scene, const SceneObject& object,
                   const Placement& placement, const Acceleration& acceleration);
     void make_light_tables();
+    void make_textures(const Scene& scene);
     void make_search(const Acceleration& acceleration);
 
     SceneStorage<Real> arrays_;

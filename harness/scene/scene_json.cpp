@@ -144,11 +144,38 @@ SceneMaterial read_dielectric(const JsonValue& value, MaterialType type) {
     return material;
 }
 
+std::shared_ptr<const SceneTexture> read_texture(const JsonValue& value) {
+    const std::filesystem::path named = JsonObject(value, {"image"}).required("image").text();
+    auto texture = std::make_shared<SceneTexture>();
+    texture->image =
+        read_texture_image(named.is_absolute() ? named : std::filesystem::path(value.file()).parent_path() / named);
+    texture->file = named.string();
+    const std::vector<Vec3<float>>& texels = texture->image.texels;
+    texture->hash = fmt::format(
+        "{:016x}", fnv1a(texels.data(), texels.size() * sizeof(Vec3<float>), fnv1a(&texture->image.width, 4)));
+    return texture;
+}
+
+// A colour, or {"image": NAME}; the name is relative to the scene's file.
+Vec3d read_colour(const JsonValue& value, SceneMaterial& material) {
+    if (!value.json().is_object()) {
+        return fraction_colour(value);
+    }
+    material.texture = read_texture(value);
+    Vec3d most(0.0);
+    for (const Vec3<float>& texel : material.texture->image.texels) {
+        for (int channel = 0; channel < 3; ++channel) {
+            most[channel] = std::max(most[channel], static_cast<double>(texel[channel]));
+        }
+    }
+    return most;
+}
+
 SceneMaterial read_rough_conductor(const JsonValue& value) {
     const JsonObject object(value, {"type", "reflectance", "roughness", "multiple_scattering", "emission"});
     SceneMaterial material;
     material.type = MaterialType::rough_conductor;
-    material.reflectance = fraction_colour(object.required("reflectance"));
+    material.reflectance = read_colour(object.required("reflectance"), material);
     material.roughness = object.required("roughness").number(0, 1, "a number from 0 to 1");
     material.multiple_scattering = object.has("multiple_scattering") && object.at("multiple_scattering").boolean();
     material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
@@ -188,20 +215,20 @@ SceneMaterial read_material(const JsonValue& value) {
     if (type == "diffuse") {
         const JsonObject object(value, {"type", "albedo", "emission"});
         material.type = MaterialType::diffuse;
-        material.albedo = fraction_colour(object.required("albedo"));
+        material.albedo = read_colour(object.required("albedo"), material);
         material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
         return material;
     }
     if (type == "mirror") {
         const JsonObject object(value, {"type", "reflectance", "emission"});
         material.type = MaterialType::mirror;
-        material.reflectance = fraction_colour(object.required("reflectance"));
+        material.reflectance = read_colour(object.required("reflectance"), material);
         material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
         return material;
     }
     const JsonObject object(value, {"type", "albedo", "reflectance", "mirror_probability", "emission"});
     material.type = MaterialType::mix;
-    material.albedo = fraction_colour(object.required("albedo"));
+    material.albedo = read_colour(object.required("albedo"), material);
     material.reflectance = fraction_colour(object.required("reflectance"));
     material.mirror_probability = object.required("mirror_probability").number(0, 1, "a number from 0 to 1");
     material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
@@ -279,8 +306,14 @@ std::shared_ptr<const SceneMesh> read_mesh_of(const JsonObject& object, const Js
     if (object.has("triangles") != object.has("vertices")) {
         value.fail("\"vertices\" with \"triangles\", or neither");
     }
+    if (object.has("texture_coordinates") && !object.has("vertices")) {
+        value.fail("\"texture_coordinates\" with \"vertices\", or neither");
+    }
     if (object.has("vertices")) {
-        return read_inline_mesh(object.at("vertices"), object.at("triangles"));
+        const bool has_coordinates = object.has("texture_coordinates");
+        const JsonValue coordinates = object.at(has_coordinates ? "texture_coordinates" : "vertices");
+        return read_inline_mesh(object.at("vertices"), object.at("triangles"),
+                                has_coordinates ? &coordinates : nullptr);
     }
     if (object.has("generate")) {
         return read_recipe(object.at("generate"));
@@ -324,6 +357,54 @@ void check_material(const JsonValue& value, const SceneMaterial& material, const
     }
 }
 
+// An image needs coordinates, of which the kernels take fractions.
+void check_texture(const JsonValue& value, const SceneMaterial& material, const SceneObject& object,
+                   const Scene& scene) {
+    if (material.texture == nullptr || object.mesh == SceneObject::no_mesh) {
+        return;
+    }
+    const SceneMesh& mesh = *scene.meshes[object.mesh];
+    if (mesh.coordinates.empty()) {
+        value.fail(
+            fmt::format("on the mesh {}, which has no texture coordinates: a material without an image", mesh.source));
+    }
+    constexpr float largest = 1e6f;
+    for (const CornerCoordinates& corners : mesh.coordinates) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(std::abs(corners.u[i]) <= largest && std::abs(corners.v[i]) <= largest)) {
+                value.fail(
+                    fmt::format("on the mesh {}, which has the texture coordinates ({}, {}) beyond 1e6: a "
+                                "material without an image",
+                                mesh.source, corners.u[i], corners.v[i]));
+            }
+        }
+    }
+}
+
+void check_texels(const Scene& scene, const std::string& file) {
+    std::uint64_t texels = 0;
+    for (const SceneMaterial& material : scene.materials) {
+        texels += material.texture != nullptr ? material.texture->image.texels.size() : 0;
+    }
+    if (texels > most_texels) {
+        throw InputError(file, "$.materials", fmt::format("images of {} texels together", texels),
+                         fmt::format("at most {}", most_texels));
+    }
+}
+
+// Of whatever scenes have images: their texels, and the coordinates of meshes that show them.
+std::string text_of_textures(const Scene& scene) {
+    std::string text;
+    for (const SceneMaterial& material : scene.materials) {
+        text += material.texture != nullptr ? material.texture->hash : "";
+    }
+    for (const SceneObject& object : scene.objects) {
+        const bool shows = scene.materials[object.material].texture != nullptr && object.mesh != SceneObject::no_mesh;
+        text += shows ? scene.meshes[object.mesh]->coordinates_hash : "";
+    }
+    return text;
+}
+
 // A mesh has coordinates of its own, so a scale within its range may still carry it to where nothing can be computed.
 void check_reach(const JsonValue& value, const SceneObject& object, const Scene& scene) {
     if (object.mesh == SceneObject::no_mesh) {
@@ -344,7 +425,7 @@ SceneObject read_object(const JsonValue& value, Scene& scene) {
     std::vector<std::string> keys{"shape", "material", "translate", "rotate_degrees", "scale", "velocity"};
     const bool is_mesh = value.json().is_object() && value.json().value("shape", Json()) == name_of(Shape::mesh);
     if (is_mesh) {
-        keys.insert(keys.end(), {"file", "generate", "vertices", "triangles", "instances"});
+        keys.insert(keys.end(), {"file", "generate", "vertices", "triangles", "texture_coordinates", "instances"});
     }
     const JsonObject object(value, keys);
     SceneObject result;
@@ -362,6 +443,7 @@ SceneObject read_object(const JsonValue& value, Scene& scene) {
     }
     result.material = static_cast<std::uint32_t>(material - materials.begin());
     check_material(material_value, *material, result, scene);
+    check_texture(material_value, *material, result, scene);
     result.translate = object.has("translate") ? point(object.at("translate")) : Vec3d(0.0);
     if (object.has("rotate_degrees")) {
         result.rotate_degrees = vector(object.at("rotate_degrees"), -1e6, 1e6, "an angle from -1e6 to 1e6 degrees");
@@ -470,6 +552,7 @@ Scene parse_scene(const std::string& text, const std::string& file) {
         material.name = name;
         scene.materials.push_back(std::move(material));
     }
+    check_texels(scene, file);
     std::string of_rules;
     const std::vector<JsonValue> objects = root.required("objects").elements();
     for (std::size_t i = 0; i < objects.size(); ++i) {
@@ -486,6 +569,7 @@ Scene parse_scene(const std::string& text, const std::string& file) {
         canonical += mesh->hash;
     }
     canonical += of_rules + (scene.environment_map != nullptr ? scene.environment_map->hash : "");
+    canonical += text_of_textures(scene);
     scene.hash = fmt::format("{:016x}", fnv1a(canonical.data(), canonical.size()));
     return scene;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <numeric>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -19,19 +20,56 @@ namespace {
 
 using Corner = std::array<float, 3>;
 
+std::size_t least_corner(const Mesh& mesh, const std::array<std::uint32_t, 3>& indices) {
+    const Corner corners[3] = {mesh.vertices[indices[0]], mesh.vertices[indices[1]], mesh.vertices[indices[2]]};
+    return static_cast<std::size_t>(std::min_element(corners, corners + 3) - corners);
+}
+
 // From its least corner on, going round the same way.
 Triangle<float> from_least_corner(const Mesh& mesh, const std::array<std::uint32_t, 3>& indices) {
-    const Corner corners[3] = {mesh.vertices[indices[0]], mesh.vertices[indices[1]], mesh.vertices[indices[2]]};
-    const auto first = static_cast<std::size_t>(std::min_element(corners, corners + 3) - corners);
+    const std::size_t first = least_corner(mesh, indices);
     const auto corner = [&](std::size_t i) {
-        const Corner& c = corners[(first + i) % 3];
+        const Corner& c = mesh.vertices[indices[(first + i) % 3]];
         return Vec3<float>(c[0], c[1], c[2]);
     };
     return {corner(0), corner(1), corner(2)};
 }
 
+CornerCoordinates coordinates_from_least_corner(const Mesh& mesh, std::size_t triangle) {
+    const std::size_t first = least_corner(mesh, mesh.triangles[triangle]);
+    CornerCoordinates corners{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        // Of +0 and -0 the first: they are one place.
+        corners.u[i] = mesh.coordinates[triangle][(first + i) % 3][0] + 0.0f;
+        corners.v[i] = mesh.coordinates[triangle][(first + i) % 3][1] + 0.0f;
+    }
+    return corners;
+}
+
 auto sort_key_of(const Triangle<float>& t) {
     return std::make_tuple(t.a.x, t.a.y, t.a.z, t.b.x, t.b.y, t.b.z, t.c.x, t.c.y, t.c.z);
+}
+
+auto sort_key_of(const CornerCoordinates& c) { return std::make_tuple(c.u[0], c.v[0], c.u[1], c.v[1], c.u[2], c.v[2]); }
+
+// The triangles in the order of those of a mesh without coordinates; triangles in one place by their coordinates.
+void sort_with_coordinates(SceneMesh& mesh) {
+    std::vector<std::uint32_t> order(mesh.triangles.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        const auto key_a = sort_key_of(mesh.triangles[a]), key_b = sort_key_of(mesh.triangles[b]);
+        return key_a < key_b || (key_a == key_b && sort_key_of(mesh.coordinates[a]) < sort_key_of(mesh.coordinates[b]));
+    });
+    const std::vector<Triangle<float>> triangles = std::move(mesh.triangles);
+    const std::vector<CornerCoordinates> coordinates = std::move(mesh.coordinates);
+    mesh.triangles.clear();
+    mesh.coordinates.clear();
+    for (const std::uint32_t i : order) {
+        mesh.triangles.push_back(triangles[i]);
+        mesh.coordinates.push_back(coordinates[i]);
+    }
+    mesh.coordinates_hash =
+        fmt::format("{:016x}", fnv1a(mesh.coordinates.data(), mesh.coordinates.size() * sizeof(CornerCoordinates)));
 }
 
 // Corners are one where their coordinates are, whatever their numbers in the file.
@@ -76,8 +114,15 @@ std::shared_ptr<const SceneMesh> make_scene_mesh(const Mesh& mesh, const std::st
     for (const auto& indices : mesh.triangles) {
         made->triangles.push_back(from_least_corner(mesh, indices));
     }
-    std::sort(made->triangles.begin(), made->triangles.end(),
-              [](const Triangle<float>& a, const Triangle<float>& b) { return sort_key_of(a) < sort_key_of(b); });
+    if (mesh.coordinates.empty()) {
+        std::sort(made->triangles.begin(), made->triangles.end(),
+                  [](const Triangle<float>& a, const Triangle<float>& b) { return sort_key_of(a) < sort_key_of(b); });
+    } else {
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+            made->coordinates.push_back(coordinates_from_least_corner(mesh, i));
+        }
+        sort_with_coordinates(*made);
+    }
     made->is_closed = made->triangles.size() <= most_triangles_with_sides && is_closed(made->triangles);
     for (const Triangle<float>& t : made->triangles) {
         const Box box = box_round(t);

@@ -18,7 +18,13 @@ constexpr std::size_t most_objects = 64;
 constexpr std::uint32_t most_depth = 4;
 constexpr std::uint64_t most_triangles_made = 256;
 
-// Whether the text asks for a mesh that takes long to make, or for a file, which may be any on this machine.
+// Whether a colour of a material is an image: a file, which may be any on this machine.
+bool shows_image(const Json& material) {
+    return material.is_object() &&
+           std::any_of(material.begin(), material.end(), [](const Json& value) { return value.is_object(); });
+}
+
+// Whether the text asks for a mesh that takes long to make, or for a file.
 bool needs_much(const Json& object) {
     if (!object.is_object() || object.contains("file")) {
         return object.is_object();
@@ -36,6 +42,10 @@ bool needs_much(const Json& object) {
 bool needs_much(const std::string& text) {
     const Json scene = parse_json(text, "scene.json");
     if (scene.is_object() && needs_much(scene.value("environment", Json()))) {
+        return true;
+    }
+    const Json materials = scene.is_object() ? scene.value("materials", Json()) : Json();
+    if (materials.is_object() && std::any_of(materials.begin(), materials.end(), shows_image)) {
         return true;
     }
     const Json objects = scene.is_object() ? scene.value("objects", Json()) : Json();

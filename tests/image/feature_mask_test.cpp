@@ -133,6 +133,11 @@ const Case cases[] = {
                                    [](Still& s) {
                                        s.builder.environment_map(2, 1, {{0.5, 0.25, 0.125}, {2, 3, 4}});
                                    }),
+    with<Feature::textures>(
+        "textures",
+        [](Still& s) {
+            s.builder.texture(s.grey, 2, 2, {{0.9, 0.1, 0.1}, {0.1, 0.9, 0.1}, {0.1, 0.1, 0.9}, {0.5, 0.5, 0.5}});
+        }),
     with<Feature::jitter>("jitter", [](Still& s) { s.builder.scene.camera.jitter = true; }),
     with<Feature::lens>("lens",
                         [](Still& s) {

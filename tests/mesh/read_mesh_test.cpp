@@ -27,6 +27,8 @@ std::string replaced(std::string text, const std::string& old, const std::string
     return text.replace(text.find(old), old.size(), with);
 }
 
+using Corners = std::array<std::array<float, 2>, 3>;
+
 const std::string ascii_ply =
     "ply\nformat ascii 1.0\ncomment by hand\nelement vertex 4\nproperty float x\nproperty double y\nproperty float z\n"
     "property uchar red\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
@@ -69,6 +71,22 @@ TEST(PlyTest, BothByteOrdersAndNormalsAreRead) {
         EXPECT_EQ(fault_of(parse_ply, file(little).substr(0, file(little).size() - 1)),
                   "mesh: face 0: found the end of the file, allowed: all elements that the header declares");
     }
+}
+
+TEST(PlyTest, TextureCoordinatesAreReadByTheirNames) {
+    const std::string plain =
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        "property float s\nproperty float t\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0 0 0\n1 0 0 1 0.25\n1 1 0 2 1\n0 1 .5 0 1\n3 0 1 0\n4 0 1 2 3\n";
+    const std::vector<Corners> expected{{{{0, 0}, {1, 0.25f}, {2, 1}}}, {{{0, 0}, {2, 1}, {0, 1}}}};
+    EXPECT_EQ(parse_ply(plain, "mesh").coordinates, expected);
+    for (const auto& [u, v] : {std::pair{"float u", "float v"}, {"float texture_u", "float texture_v"}}) {
+        EXPECT_EQ(parse_ply(replaced(replaced(plain, "float s", u), "float t", v), "mesh").coordinates, expected);
+    }
+    EXPECT_TRUE(parse_ply(replaced(plain, "float t", "float q"), "mesh").coordinates.empty());
+    // Whoever shows no image has no use for them.
+    EXPECT_TRUE(parse_ply(replaced(plain, "2 1\n", "nan 1\n"), "mesh").coordinates.empty());
+    EXPECT_EQ(parse_ply(replaced(plain, "2 1\n", "nan 1\n"), "mesh").triangles.size(), 2u);
 }
 
 TEST(PlyTest, EachFaultHasItsLine) {
@@ -138,6 +156,29 @@ TEST(ObjTest, AVertexWithTwoNormalsBecomesTwo) {
     EXPECT_TRUE(parse_obj(points + "f 1//1 2//1 3//1\nf 1 3 4\n", "mesh").normals.empty());
     EXPECT_EQ(fault_of(parse_obj, points + "f 1//1 2//3 3//1\n"),
               "mesh: line 7: found normal 3, allowed: 1 to 2, or -1 to -2");
+}
+
+TEST(ObjTest, TextureCoordinatesAreReadWhereEveryCornerHasSome) {
+    const std::string plain =
+        "f 1/2 2/-1 3/3/1\nvt 0 0\n# the first face names what comes later\n"
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 .5\nvn 0 0 1\nvt .5 0.25 7\nvt 1\nf 1/1 3/3 4/-2\n";
+    // -1 of a file without any so far is none.
+    EXPECT_TRUE(parse_obj(plain, "mesh").coordinates.empty());
+    const std::string good = replaced(plain, "2/-1", "2/1");
+    EXPECT_EQ(parse_obj(good, "mesh").coordinates,
+              (std::vector<Corners>{{{{0.5f, 0.25f}, {0, 0}, {1, 0}}}, {{{0, 0}, {1, 0}, {0.5f, 0.25f}}}}));
+    EXPECT_EQ(parse_obj(good, "mesh").vertices.size(), 4u);
+    for (const auto& [old, with] : {std::pair{"1/2 ", "1 "},
+                                    {"1/2 ", "1/4 "},
+                                    {"1/2 ", "1/x "},
+                                    {"vt 1\n", "vt one\n"},
+                                    {"vt 1\n", "vt nan\n"}}) {
+        const Mesh mesh = parse_obj(replaced(good, old, with), "mesh");
+        EXPECT_TRUE(mesh.coordinates.empty()) << with;
+        EXPECT_EQ(mesh.triangles.size(), 2u) << with;
+    }
+    // What is left out takes its coordinates along.
+    EXPECT_EQ(parse_obj("f 1/1 1/2 3/3\n" + good, "mesh").coordinates, parse_obj(good, "mesh").coordinates);
 }
 
 TEST(ObjTest, EachFaultHasItsLine) {
@@ -242,6 +283,40 @@ TEST_F(GlbTest, NodesMoveTheirMeshesAndAMirrorTurnsTheCorners) {
         EXPECT_GT(mesh.normals[i][2], 0.0f) << i;  // mirrored in y, z stays up
     }
     EXPECT_EQ(mesh.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}}));
+}
+
+// v goes down from the image's top in glTF, and up here.
+TEST_F(GlbTest, TextureCoordinatesAreRead) {
+    GlbQuad quad;
+    EXPECT_TRUE(quad.mesh().coordinates.empty());
+    quad.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = 3;
+    quad.json["accessors"].push_back({{"bufferView", 3}, {"componentType", 5126}, {"count", 4}, {"type", "VEC2"}});
+    quad.json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", 108}, {"byteLength", 32}});
+    quad.json["buffers"][0]["byteLength"] = 140;
+    const auto read = [&](const std::string& coordinates) {
+        return parse_glb(glb_of(quad.json, bytes_of_all(quad.positions) + bytes_of_all(quad.normals) +
+                                               bytes_of_all(quad.indices) + coordinates),
+                         "mesh");
+    };
+    const std::string floats = bytes_of_all(std::vector<float>{0, 1, 1, 1, 1, 0.25f, -0.5f, 0});
+    EXPECT_EQ(read(floats).coordinates,
+              (std::vector<Corners>{{{{0, 0}, {1, 0}, {1, 0.75f}}}, {{{0, 0}, {1, 0.75f}, {-0.5f, 1}}}}));
+    nlohmann::json& accessor = quad.json["accessors"][3];
+    accessor["componentType"] = 5123;
+    accessor["normalized"] = true;
+    const std::string shorts = bytes_of_all(std::vector<std::uint16_t>{0, 65535, 65535, 65535, 65535, 0, 0, 0});
+    EXPECT_EQ(read(shorts + shorts).coordinates,
+              (std::vector<Corners>{{{{0, 0}, {1, 0}, {1, 1}}}, {{{0, 0}, {1, 1}, {0, 1}}}}));
+    // What cannot be read is not there, as before.
+    for (const auto& [key, value] : std::initializer_list<std::pair<const char*, nlohmann::json>>{
+             {"componentType", 5125}, {"type", "VEC3"}, {"count", 3}, {"count", 400}, {"bufferView", 9}}) {
+        nlohmann::json& spoilt = quad.json["accessors"][3];
+        const nlohmann::json kept = spoilt;
+        spoilt[key] = value;
+        EXPECT_TRUE(read(floats).coordinates.empty()) << key;
+        EXPECT_EQ(read(floats).triangles.size(), 2u) << key;
+        spoilt = kept;
+    }
 }
 
 TEST_F(GlbTest, StripsAndFansAreTriangles) {

@@ -48,6 +48,7 @@
 #include "kernels/sobol_rotated.h"
 #include "kernels/solid_angle.h"
 #include "kernels/subsurface.h"
+#include "kernels/texture.h"
 #include "kernels/transform.h"
 #include "kernels/triangle.h"
 #include "kernels/unit_sphere.h"

@@ -90,6 +90,20 @@ std::uint32_t SceneBuilder::rough_conductor(const Vec3d& reflectance, double rou
     return add(material);
 }
 
+void SceneBuilder::texture(std::uint32_t index, std::uint32_t width, std::uint32_t height,
+                           const std::vector<Vec3d>& texels) {
+    SceneMaterial& material = scene.materials.at(index);
+    auto texture = std::make_shared<SceneTexture>();
+    texture->image = {width, height, {texels.begin(), texels.end()}};
+    material.texture = texture;
+    const bool is_metal = material.type == MaterialType::mirror || material.type == MaterialType::rough_conductor;
+    Vec3d& most = is_metal ? material.reflectance : material.albedo;
+    most = Vec3d(0.0);
+    for (const Vec3d& texel : texels) {
+        most = {std::max(most.x, texel.x), std::max(most.y, texel.y), std::max(most.z, texel.z)};
+    }
+}
+
 std::uint32_t SceneBuilder::emitter(const Vec3d& radiance) {
     SceneMaterial material;
     material.type = MaterialType::emitter;

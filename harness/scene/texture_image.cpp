@@ -1,0 +1,116 @@
+#include "harness/scene/texture_image.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "harness/json_reader.h"
+
+#define STBI_ONLY_PNG
+#define STBI_ONLY_JPEG
+#define STBI_NO_STDIO
+#define STBI_MAX_DIMENSIONS 65536
+#define STB_IMAGE_IMPLEMENTATION
+#include <stb/stb_image.h>
+
+namespace pt {
+
+namespace {
+
+constexpr std::uint64_t largest_texture_file = std::uint64_t{1} << 28;  // stb_image counts bytes by an int
+
+struct FreePixels {
+    void operator()(void* pixels) const { stbi_image_free(pixels); }
+};
+
+[[noreturn]] void refuse_texture(const std::string& file, const std::string& found) {
+    throw InputError(file, "content", found, "a whole PNG or JPEG image");
+}
+
+// stb_image fills up a JPEG that ends early: one that is whole has the end of its image after its last scan's start.
+bool ends_early(std::string_view content) {
+    constexpr std::string_view jpeg = "\xff\xd8", scan = "\xff\xda", end = "\xff\xd9";
+    if (!content.starts_with(jpeg)) {
+        return false;
+    }
+    const std::size_t last_end = content.rfind(end);
+    const std::size_t last_scan = content.rfind(scan);
+    return last_end == std::string_view::npos || (last_scan != std::string_view::npos && last_scan > last_end);
+}
+
+// Rows from the bottom; `most`: what a channel is at its brightest.
+template <class Channel>
+std::vector<Vec3<float>> linear_texels(const Channel* channels, std::uint32_t width, std::uint32_t height) {
+    constexpr std::size_t most = std::numeric_limits<Channel>::max();
+    std::vector<float> linear(most + 1);
+    for (std::size_t i = 0; i <= most; ++i) {
+        linear[i] = static_cast<float>(srgb_to_linear(static_cast<double>(i) / static_cast<double>(most)));
+    }
+    std::vector<Vec3<float>> texels;
+    texels.reserve(std::size_t{width} * height);
+    for (std::uint32_t row = height; row-- > 0;) {
+        const Channel* channel = channels + std::size_t{3} * width * row;
+        for (std::uint32_t column = 0; column < width; ++column, channel += 3) {
+            texels.emplace_back(linear[channel[0]], linear[channel[1]], linear[channel[2]]);
+        }
+    }
+    return texels;
+}
+
+}  // namespace
+
+double srgb_to_linear(double encoded) {
+    return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+TextureImage parse_texture_image(std::string_view content, const std::string& file) {
+    if (content.size() > largest_texture_file) {
+        refuse_texture(file, fmt::format("{} bytes", content.size()));
+    }
+    const auto* const bytes = reinterpret_cast<const stbi_uc*>(content.data());
+    const int size = static_cast<int>(content.size());
+    int width = 0, height = 0, channels = 0;
+    if (stbi_info_from_memory(bytes, size, &width, &height, &channels) == 0) {
+        refuse_texture(file, "no header of either");
+    }
+    if (width < 1 || height < 1 || std::max(width, height) > static_cast<int>(most_texture_side)) {
+        throw InputError(file, "size", fmt::format("{} x {} texels", width, height),
+                         fmt::format("1 x 1 to {0} x {0}", most_texture_side));
+    }
+    if (ends_early(content)) {
+        refuse_texture(file, "a file that ends early");
+    }
+    TextureImage image{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), {}};
+    if (stbi_is_16_bit_from_memory(bytes, size) != 0) {
+        const std::unique_ptr<stbi_us, FreePixels> pixels(
+            stbi_load_16_from_memory(bytes, size, &width, &height, &channels, 3));
+        if (pixels != nullptr) {
+            image.texels = linear_texels(pixels.get(), image.width, image.height);
+        }
+    } else {
+        const std::unique_ptr<stbi_uc, FreePixels> pixels(
+            stbi_load_from_memory(bytes, size, &width, &height, &channels, 3));
+        if (pixels != nullptr) {
+            image.texels = linear_texels(pixels.get(), image.width, image.height);
+        }
+    }
+    if (image.texels.empty()) {
+        refuse_texture(file, fmt::format("what stb_image cannot read ({})", stbi_failure_reason()));
+    }
+    return image;
+}
+
+TextureImage read_texture_image(const std::filesystem::path& path) {
+    const std::string file = path.string();
+    std::string ending = path.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    if (ending != ".png" && ending != ".jpg" && ending != ".jpeg") {
+        throw InputError(file, "file name", fmt::format("the ending \"{}\"", ending), ".png, .jpg or .jpeg");
+    }
+    return parse_texture_image(read_file(file, largest_texture_file), file);
+}
+
+}  // namespace pt

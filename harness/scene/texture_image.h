@@ -1,0 +1,32 @@
+// Images that surfaces show: PNG (8 or 16 bits) and JPEG, by stb_image, sRGB decoded to linear RGB once.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kernels/math.h"
+
+namespace pt {
+
+struct TextureImage {
+    std::uint32_t width = 0, height = 0;
+    std::vector<Vec3<float>> texels;  // linear, from 0 to 1; row-major from the bottom
+};
+
+inline constexpr std::uint32_t most_texture_side = 8192;
+// All images of a scene together: 3 GiB of single precision numbers.
+inline constexpr std::uint64_t most_texels = std::uint64_t{1} << 28;
+
+// By the file's ending. Throws InputError of one line for a file that is missing, of another kind, too large or broken.
+TextureImage read_texture_image(const std::filesystem::path& path);
+
+// The same of a file's content; `file` is for the messages. An alpha channel is passed over, grey is three channels.
+TextureImage parse_texture_image(std::string_view content, const std::string& file);
+
+// IEC 61966-2-1: from 0 to 1.
+double srgb_to_linear(double encoded);
+
+}  // namespace pt
