@@ -153,7 +153,7 @@ const std::vector<std::string>& course_keys(const std::string& section) {
 std::string missing_for(CourseUse use) {
     switch (use) {
         case CourseUse::texture:
-            return "no texture, bump or environment map (scene files have none)";
+            return "no texture, bump or environment map (import takes none over)";
         case CourseUse::procedural:
             return "no procedural shape or pattern (scene files have none)";
         case CourseUse::scattering:

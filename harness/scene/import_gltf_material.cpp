@@ -84,7 +84,7 @@ struct GltfMaterials::Reader {
 void GltfMaterials::Reader::refuse_textures() {
     const auto refuse = [&](int index, const char* key) {
         if (index >= 0) {
-            fail(key, fmt::format("texture {}", index), "no texture: scene files have none");
+            fail(key, fmt::format("texture {}", index), "no texture: import takes none over");
         }
     };
     refuse(material->pbrMetallicRoughness.baseColorTexture.index, "/pbrMetallicRoughness/baseColorTexture");
@@ -108,7 +108,7 @@ void GltfMaterials::Reader::refuse_extensions() {
         }
         for (const std::string& key : value.Keys()) {
             if (key.ends_with("Texture")) {
-                fail("/extensions/" + name + "/" + key, "a texture", "no texture: scene files have none");
+                fail("/extensions/" + name + "/" + key, "a texture", "no texture: import takes none over");
             }
         }
     }

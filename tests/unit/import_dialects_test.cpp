@@ -53,7 +53,7 @@ TEST(ImportDialects, AnUnknownWordThatIsOffIsNoted) {
 TEST(ImportDialects, WhatIsOnAndHasNoPlaceIsRefusedOrWarnedOf) {
     const std::string at = "cis565.txt:3: found ";
     EXPECT_EQ(problems_of(with_material("RGB 1 1 1\nTEXTURE wood.jpg\n")),
-              at + "\"TEXTURE wood.jpg\", allowed: no texture, bump or environment map (scene files have none)\n");
+              at + "\"TEXTURE wood.jpg\", allowed: no texture, bump or environment map (import takes none over)\n");
     EXPECT_EQ(problems_of(with_material("RGB 1 1 1\nusingProcTex 2\n")),
               at + "\"usingProcTex 2\", allowed: no procedural shape or pattern (scene files have none)\n");
     EXPECT_EQ(warnings_of(with_material("RGB 1 1 1\nFRESNELPOW 3\n")),
