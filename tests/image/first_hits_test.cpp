@@ -192,5 +192,27 @@ TEST(FirstHitsTest, AlbedoIsTheNumberOfTheScene) {
     EXPECT_EQ(albedo(builder.emitter(Vec3d(5))), Vec3d(0));
 }
 
+// Seen from above with -z up: the lower left texel in the lower left pixel.
+TEST(FirstHitsTest, AlbedoOfAnImageIsTheTexelThatIsMet) {
+    const std::vector<Vec3d> texels{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0.25, 0.75}};
+    const auto expect_texels = [&](const auto& make_material, const auto& expected) {
+        SceneBuilder builder;
+        builder.camera({0, 1, 0}, {0, 0, 0}, {0, 0, -1}).image(2, 2, 90, false);
+        const std::uint32_t material = make_material(builder);
+        builder.texture(material, 2, 2, texels);
+        builder.quad(material, {0, 0, 0}, 2, 2);
+        const FirstHits hits = first_hits(builder.scene, first_hit_request(builder.scene, 1));
+        for (std::size_t pixel = 0; pixel < 4; ++pixel) {
+            const Vec3d off = vector_at(hits.albedo, pixel) - expected(texels[(pixel + 2) % 4]);
+            EXPECT_LT(std::sqrt(dot(off, off)), 1e-6) << pixel;
+        }
+    };
+    const Vec3d mirror(0.5, 0.75, 1);
+    expect_texels([](SceneBuilder& b) { return b.diffuse(Vec3d(1)); }, [](const Vec3d& texel) { return texel; });
+    expect_texels([](SceneBuilder& b) { return b.mirror(Vec3d(1)); }, [](const Vec3d& texel) { return texel; });
+    expect_texels([&](SceneBuilder& b) { return b.mix(Vec3d(1), mirror, 0.25); },
+                  [&](const Vec3d& texel) { return texel * 0.75 + mirror * 0.25; });
+}
+
 }  // namespace
 }  // namespace pt

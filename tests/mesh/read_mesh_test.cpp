@@ -80,10 +80,10 @@ TEST(PlyTest, TextureCoordinatesAreReadByTheirNames) {
         "0 0 0 0 0\n1 0 0 1 0.25\n1 1 0 2 1\n0 1 .5 0 1\n3 0 1 0\n4 0 1 2 3\n";
     const std::vector<Corners> expected{{{{0, 0}, {1, 0.25f}, {2, 1}}}, {{{0, 0}, {2, 1}, {0, 1}}}};
     EXPECT_EQ(parse_ply(plain, "mesh").coordinates, expected);
-    for (const auto& [u, v] : {std::pair{"float u", "float v"}, {"float texture_u", "float texture_v"}}) {
-        EXPECT_EQ(parse_ply(replaced(replaced(plain, "float s", u), "float t", v), "mesh").coordinates, expected);
+    for (const auto& [u, v] : {std::pair{"float u\n", "float v\n"}, {"float texture_u\n", "float texture_v\n"}}) {
+        EXPECT_EQ(parse_ply(replaced(replaced(plain, "float s\n", u), "float t\n", v), "mesh").coordinates, expected);
     }
-    EXPECT_TRUE(parse_ply(replaced(plain, "float t", "float q"), "mesh").coordinates.empty());
+    EXPECT_TRUE(parse_ply(replaced(plain, "float t\n", "float q\n"), "mesh").coordinates.empty());
     // Whoever shows no image has no use for them.
     EXPECT_TRUE(parse_ply(replaced(plain, "2 1\n", "nan 1\n"), "mesh").coordinates.empty());
     EXPECT_EQ(parse_ply(replaced(plain, "2 1\n", "nan 1\n"), "mesh").triangles.size(), 2u);

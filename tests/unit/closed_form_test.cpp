@@ -124,6 +124,11 @@ TEST(ClosedForm, OtherScenesHaveNone) {
         quad.velocity = {1, 0, 0};
         scene.camera.shutter_close = 1;
     }));
+    test::SceneBuilder textured;
+    textured.sphere(textured.diffuse({0.5, 0.5, 0.5}, {1, 1, 1}), {0, 0, 0}, 2);
+    EXPECT_TRUE(closed_form(textured.scene, settings_of(1, 1)).has_value());
+    textured.texture(0, 2, 1, {{0.5, 0.5, 0.5}, {0.25, 0.25, 0.25}});
+    EXPECT_FALSE(closed_form(textured.scene, settings_of(1, 1)).has_value());
     test::SceneBuilder outside;
     outside.sphere(outside.diffuse({0.5, 0.5, 0.5}, {1, 1, 1}), {0, 0, 3}, 2);
     EXPECT_FALSE(closed_form(outside.scene, settings_of(1, 1)).has_value());
