@@ -202,8 +202,13 @@ PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const S
             scatter_mirror(path, vertex, material.reflectance);
             return true;
         }
-        const Vec3<Real>& albedo = colour_of<Config>(surface, material.albedo);
-        return shade_diffuse<Config>(scene, traced, path, vertex, albedo, words, last, counters);
+        // An image's colour is the surface's. (By a function that picks one, kernels without images take more
+        // registers.)
+        if constexpr (has<Config>(Feature::textures)) {
+            return shade_diffuse<Config>(scene, traced, path, vertex, surface.colour, words, last, counters);
+        } else {
+            return shade_diffuse<Config>(scene, traced, path, vertex, material.albedo, words, last, counters);
+        }
     }
     if (has<Config>(Feature::dielectric) && material.type == MaterialType::dielectric) {
         scatter_dielectric<Config>(path, vertex, material, lobe);
