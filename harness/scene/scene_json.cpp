@@ -12,6 +12,7 @@
 #include "harness/scene/instances.h"
 #include "harness/scene/scene.h"
 #include "harness/scene/scene_mesh.h"
+#include "harness/scene/scene_texture.h"
 
 namespace pt {
 
@@ -144,31 +145,13 @@ SceneMaterial read_dielectric(const JsonValue& value, MaterialType type) {
     return material;
 }
 
-std::shared_ptr<const SceneTexture> read_texture(const JsonValue& value) {
-    const std::filesystem::path named = JsonObject(value, {"image"}).required("image").text();
-    auto texture = std::make_shared<SceneTexture>();
-    texture->image =
-        read_texture_image(named.is_absolute() ? named : std::filesystem::path(value.file()).parent_path() / named);
-    texture->file = named.string();
-    const std::vector<Vec3<float>>& texels = texture->image.texels;
-    texture->hash = fmt::format(
-        "{:016x}", fnv1a(texels.data(), texels.size() * sizeof(Vec3<float>), fnv1a(&texture->image.width, 4)));
-    return texture;
-}
-
 // A colour, or {"image": NAME}; the name is relative to the scene's file.
 Vec3d read_colour(const JsonValue& value, SceneMaterial& material) {
     if (!value.json().is_object()) {
         return fraction_colour(value);
     }
     material.texture = read_texture(value);
-    Vec3d most(0.0);
-    for (const Vec3<float>& texel : material.texture->image.texels) {
-        for (int channel = 0; channel < 3; ++channel) {
-            most[channel] = std::max(most[channel], static_cast<double>(texel[channel]));
-        }
-    }
-    return most;
+    return largest_texel(*material.texture);
 }
 
 SceneMaterial read_rough_conductor(const JsonValue& value) {
@@ -355,54 +338,6 @@ void check_material(const JsonValue& value, const SceneMaterial& material, const
                         "subsurface need a shape with an inside)",
                         name_of(object.shape)));
     }
-}
-
-// An image needs coordinates, of which the kernels take fractions.
-void check_texture(const JsonValue& value, const SceneMaterial& material, const SceneObject& object,
-                   const Scene& scene) {
-    if (material.texture == nullptr || object.mesh == SceneObject::no_mesh) {
-        return;
-    }
-    const SceneMesh& mesh = *scene.meshes[object.mesh];
-    if (mesh.coordinates.empty()) {
-        value.fail(
-            fmt::format("on the mesh {}, which has no texture coordinates: a material without an image", mesh.source));
-    }
-    constexpr float largest = 1e6f;
-    for (const CornerCoordinates& corners : mesh.coordinates) {
-        for (int i = 0; i < 3; ++i) {
-            if (!(std::abs(corners.u[i]) <= largest && std::abs(corners.v[i]) <= largest)) {
-                value.fail(
-                    fmt::format("on the mesh {}, which has the texture coordinates ({}, {}) beyond 1e6: a "
-                                "material without an image",
-                                mesh.source, corners.u[i], corners.v[i]));
-            }
-        }
-    }
-}
-
-void check_texels(const Scene& scene, const std::string& file) {
-    std::uint64_t texels = 0;
-    for (const SceneMaterial& material : scene.materials) {
-        texels += material.texture != nullptr ? material.texture->image.texels.size() : 0;
-    }
-    if (texels > most_texels) {
-        throw InputError(file, "$.materials", fmt::format("images of {} texels together", texels),
-                         fmt::format("at most {}", most_texels));
-    }
-}
-
-// Of whatever scenes have images: their texels, and the coordinates of meshes that show them.
-std::string text_of_textures(const Scene& scene) {
-    std::string text;
-    for (const SceneMaterial& material : scene.materials) {
-        text += material.texture != nullptr ? material.texture->hash : "";
-    }
-    for (const SceneObject& object : scene.objects) {
-        const bool shows = scene.materials[object.material].texture != nullptr && object.mesh != SceneObject::no_mesh;
-        text += shows ? scene.meshes[object.mesh]->coordinates_hash : "";
-    }
-    return text;
 }
 
 // A mesh has coordinates of its own, so a scale within its range may still carry it to where nothing can be computed.

@@ -1,0 +1,27 @@
+// Images that a scene's materials show: named in its file, held to what its objects have of coordinates, and part of
+// its hash.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "harness/json_reader.h"
+#include "harness/scene/scene.h"
+
+namespace pt {
+
+// {"image": NAME}; the name is relative to the scene's file. Throws InputError.
+std::shared_ptr<const SceneTexture> read_texture(const JsonValue& value);
+// In each channel.
+Vec3d largest_texel(const SceneTexture& texture);
+
+// An image needs coordinates, of which the kernels take fractions. Throws InputError; `value`: the object's material.
+void check_texture(const JsonValue& value, const SceneMaterial& material, const SceneObject& object,
+                   const Scene& scene);
+// Throws InputError for images that are too large together.
+void check_texels(const Scene& scene, const std::string& file);
+
+// Of whatever scenes have images: the hashes of their texels, and of the coordinates of meshes that show them.
+std::string text_of_textures(const Scene& scene);
+
+}  // namespace pt
