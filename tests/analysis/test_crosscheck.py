@@ -263,7 +263,9 @@ def test_an_unfinished_file_is_gone_on_with(stand_ins, tmp_path, capsys):
     found.write_text(json.dumps(whole | {"scenes": whole["scenes"][:1]}))
     calls.unlink()
     assert main(["crosscheck", "a", "b", *stand_ins, "--resume"]) == 0
-    assert json.loads(found.read_text())["scenes"] == whole["scenes"]
+    resumed = json.loads(found.read_text())
+    assert resumed["scenes"] == whole["scenes"]
+    assert list(complaints(resumed, "crosscheck")) == []
     assert [line.split()[1] for line in calls.read_text().splitlines() if line.startswith("export")] == ["b"]
     capsys.readouterr()
     assert main(["crosscheck", "a", "b", *stand_ins, "--resume", "--spp", "64", "--depth", "3"]) == 2

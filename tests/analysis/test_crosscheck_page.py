@@ -25,10 +25,11 @@ def scene(name: str, verdict: str, bias: float = 0.001) -> dict:
 def source(tmp_path, *scenes: dict) -> CrosscheckSource:
     context = {"date": "2026-11-23T03:00:00+0000", "ptbench.version": f"ptbench 1.0.0 (commit {COMMIT})"}
     context |= {"ptbench.machine": "m", "mitsuba.version": "3.9.1", "mitsuba.variant": "scalar_rgb"}
-    settings = {"resolution": [64, 64], "seeds": 8, "power": 0.9, "family": 0.01}
+    settings = {"resolution": [64, 64], "seeds": 8, "power": 0.9, "family": 0.01, "family_scenes": 4}
     document = {"schema": "ptbench-crosscheck-1", "context": context, "settings": settings, "scenes": list(scenes)}
-    (tmp_path / "check.json").write_text(json.dumps(document), encoding="utf-8")
-    found = source_of(tmp_path, {"file": "check.json"})
+    name = f"{len(list(tmp_path.iterdir()))}.json"
+    (tmp_path / name).write_text(json.dumps(document), encoding="utf-8")
+    found = source_of(tmp_path, {"file": name})
     assert isinstance(found, CrosscheckSource)
     return found
 
@@ -39,11 +40,21 @@ def test_scenes_are_counted_by_their_verdicts(tmp_path):
     check = source(tmp_path, scene("a", "agrees"), scene("b/c.json", "too weak", 0.1), refused)
     assert (check.compared, check.agreeing, check.weak, check.differing) == (2, 1, ["b/c.json"], [])
     assert check.must_agree("It does") == "It does"
-    assert check.refused == ["`fog`: `$.materials.wax` subsurface"]
+    assert check.refused() == ["`fog`: `$.materials.wax` subsurface"]
+    assert check.missing == 1
     assert check.commit == COMMIT
     assert check.largest_bias == "0.10 %"
-    assert check.blocks == "2 of 384"
+    assert (check.blocks_beyond, check.blocks) == (2, 384)
     assert check.rows[0] == "a | 64 | -0.10 % ± 0.025 % | 0.40 % | 3.2 of 6.5 | 3.0 % | +1.2 | agrees"
+
+
+def test_files_share_a_probability_where_their_calls_did(tmp_path):
+    refused = {"scene": "fog", "verdict": "not expressible", "aim": 0.005, "reasons": ["$.materials.wax: found wax"]}
+    first, later = source(tmp_path, scene("a", "agrees"), refused), source(tmp_path, scene("fog", "agrees"))
+    assert first.shared_by(later) == 4
+    assert first.refused(later) == []
+    with pytest.raises(FindingError, match="do not share one probability"):
+        first.shared_by(source(tmp_path, scene("a", "agrees")))
 
 
 def test_a_scene_that_differs_makes_the_sentence_false(tmp_path):

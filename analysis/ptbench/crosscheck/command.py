@@ -80,11 +80,10 @@ def _done(options: argparse.Namespace, planned: dict) -> dict[str, dict]:
     if not options.out.is_file():
         return {}
     begun = read_json(options.out).value
-    date = begun["context"].pop("date") if "date" in begun.get("context", {}) else ""
-    planned["context"].pop("date")
     for part in ("context", "settings"):
-        if begun.get(part) != planned[part]:
-            raise bad_value(options.out, f"$.{part}", "another call's", f"this call's, to go on with it (begun {date})")
+        kept, wanted = ({**one.get(part, {}), "date": ""} for one in (begun, planned))
+        if kept != wanted:
+            raise bad_value(options.out, f"$.{part}", "another call's", "this call's, to go on with it")
     return {scene["scene"]: scene for scene in begun["scenes"]}
 
 

@@ -83,8 +83,21 @@ class CrosscheckSource:
 
     @property
     def family(self) -> str:
-        """The probability of a false alarm, a scene."""
+        """The probability of a false alarm, of all scenes that were asked for."""
         return _percent(self._settings["family"])
+
+    def shared_by(self, *others: CrosscheckSource) -> int:
+        """How many scenes share `family`; raises FindingError for files of calls that do not share one."""
+        counts = {one._settings.get("family_scenes") for one in (self, *others)}
+        names = [scene["scene"] for one in (self, *others) for scene in one._scenes if "image" in scene]
+        if len(counts) != 1 or None in counts or len(set(names)) < len(names):
+            raise FindingError(f"{self._shown}: its scenes and the other files' do not share one probability")
+        return counts.pop()
+
+    @property
+    def missing(self) -> int:
+        """Scenes of the call that were not rendered yet."""
+        return self._settings["family_scenes"] - len(self._scenes)
 
     @property
     def largest_bias(self) -> str:
@@ -93,20 +106,25 @@ class CrosscheckSource:
         return _percent(max(map(abs, biases)))
 
     @property
-    def blocks(self) -> str:
-        """How many of how many blocks lie beyond their limit."""
-        tests = [scene["blocks"] for scene in self._scenes if "blocks" in scene]
-        return f"{sum(test['beyond'] for test in tests)} of {sum(test['count'] for test in tests):,}"
+    def blocks_beyond(self) -> int:
+        """Blocks beyond their limit, each channel for itself."""
+        return sum(scene["blocks"]["beyond"] for scene in self._scenes if "blocks" in scene)
+
+    @property
+    def blocks(self) -> int:
+        """Blocks that were compared, each channel for itself."""
+        return sum(scene["blocks"]["count"] for scene in self._scenes if "blocks" in scene)
 
     @property
     def rows(self) -> list[str]:
         """The cells of a table: a scene a row."""
         return [_row(scene) for scene in self._scenes if "image" in scene]
 
-    @property
-    def refused(self) -> list[str]:
-        """A line for each scene that Mitsuba cannot render to the same picture, with the first reason."""
-        return [f"`{scene['scene']}`: {_short(scene['reasons'])}" for scene in self._of("not expressible")]
+    def refused(self, *others: CrosscheckSource) -> list[str]:
+        """A line for each scene that Mitsuba cannot render to the same picture, and that no other file has."""
+        had = {scene["scene"] for other in others for scene in other._scenes if "image" in scene}
+        told = [scene for scene in self._of("not expressible") if scene["scene"] not in had]
+        return [f"`{scene['scene']}`: {_short(scene['reasons'])}" for scene in told]
 
     @property
     def provenance(self) -> str:
