@@ -233,8 +233,8 @@ bool is_cached(const ModuleRequest& request) {
 
 namespace {
 
-// With options that change nothing of the code.
-Compilation compiled(const ModuleRequest& request, const std::vector<std::string>& reporting) {
+// With options beside the request's own.
+Compilation compiled(const ModuleRequest& request, const std::vector<std::string>& more_options) {
     if (const std::string missing = nvrtc_missing(); !missing.empty()) {
         throw std::runtime_error(missing);
     }
@@ -242,7 +242,7 @@ Compilation compiled(const ModuleRequest& request, const std::vector<std::string
     const fs::path include = unpacked_sources();
     options.push_back("-I" + include.string());
     options.push_back("-I" + (include / "shims").string());
-    for (const std::vector<std::string>& more : {toolkit_include_options(), reporting}) {
+    for (const std::vector<std::string>& more : {toolkit_include_options(), more_options}) {
         options.insert(options.end(), more.begin(), more.end());
     }
     Compilation compilation = compile(program_text(request), request.name + ".cu", options);
@@ -254,16 +254,24 @@ Compilation compiled(const ModuleRequest& request, const std::vector<std::string
     return compilation;
 }
 
-}  // namespace
-
-ModuleImage compile_module(const ModuleRequest& request) {
-    Compilation compilation = compiled(request, {});
+ModuleImage image_of(const ModuleRequest& request, Compilation compilation) {
     ModuleImage image;
     image.options = described_options(request);
     image.key = module_key(request);
     image.cubin = std::move(compilation.cubin);
     image.compile_seconds = compilation.seconds;
     return image;
+}
+
+}  // namespace
+
+ModuleImage compile_module(const ModuleRequest& request) { return image_of(request, compiled(request, {})); }
+
+ModuleImage compile_quickly(const ModuleRequest& request) {
+    // Versions before 13 do not all know the option.
+    const bool knows = std::atoi(nvrtc_version().c_str()) >= 13;
+    return image_of(request,
+                    compiled(request, knows ? std::vector<std::string>{"-Ofc=max"} : std::vector<std::string>{}));
 }
 
 CompilerReport compiler_report(const ModuleRequest& request) {

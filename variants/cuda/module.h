@@ -46,6 +46,10 @@ ModuleImage build_module(const ModuleRequest& request);
 // Without looking into the cache or writing it.
 ModuleImage compile_module(const ModuleRequest& request);
 
+// The same as quickly as NVRTC can, almost without optimisation: for tests. What does not compile is refused as by
+// compile_module, up to the assembler's limits of shared and constant memory.
+ModuleImage compile_quickly(const ModuleRequest& request);
+
 std::string module_key(const ModuleRequest& request);
 // A sound image of the program is in the cache on disk.
 bool is_cached(const ModuleRequest& request);
