@@ -186,6 +186,13 @@ private:
 
 }  // namespace
 
+std::string ending_of(const std::filesystem::path& file) {
+    std::string ending = file.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return ending;
+}
+
 Json parse_json(const std::string& text, const std::string& file) {
     // nlohmann's parser takes the byte 0 for the end of the text and would leave out, unseen, what comes after it.
     if (const std::size_t zero = text.find('\0'); zero != std::string::npos) {
@@ -267,6 +274,8 @@ std::string JsonValue::text() const {
     }
     return json_->get<std::string>();
 }
+
+std::filesystem::path JsonValue::named_file() const { return std::filesystem::path(file_).parent_path() / text(); }
 
 std::string JsonValue::plain_name() const {
     const std::string name = text();

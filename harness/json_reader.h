@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <set>
 #include <string>
 #include <vector>
@@ -25,6 +26,9 @@ inline constexpr std::uint64_t largest_result = std::uint64_t{1} << 30;
 // The text of a regular file of at most `largest` bytes. Throws InputError that says which it is: missing, a folder, no
 // regular file, no permission or too large.
 std::string read_file(const std::string& path, std::uint64_t largest = largest_input);
+
+// Of a file's name, with its dot, in lower case: what says which reader it is for.
+std::string ending_of(const std::filesystem::path& file);
 
 // Strict parse: no comments, no byte 0, no duplicate keys, no numbers beyond double, no more than 64 levels. `file` is
 // for the messages.
@@ -53,6 +57,8 @@ public:
     long long whole(long long low, long long high, const std::string& allowed) const;
     bool boolean() const;
     std::string text() const;
+    // The file that a text names: absolute, or from the folder of the file that the text stands in.
+    std::filesystem::path named_file() const;
     // Text that can be part of a benchmark's or a file's name: 1 to 64 letters, digits, '_' and '-'.
     std::string plain_name() const;
     std::string one_of(const std::vector<std::string>& allowed) const;

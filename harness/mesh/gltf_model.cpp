@@ -295,9 +295,8 @@ Mesh GltfMeshMaker::take() {
     if (!has_normals_) {
         mesh_.normals.clear();
     }
-    for (std::size_t i = 0; has_coordinates_ && i < mesh_.triangles.size(); ++i) {
-        const auto [a, b, c] = mesh_.triangles[i];
-        mesh_.coordinates.push_back({coordinates_[a], coordinates_[b], coordinates_[c]});
+    if (has_coordinates_) {
+        mesh_.coordinates = places_of_corners(mesh_.triangles, coordinates_);
     }
     coordinates_.clear();
     return std::move(mesh_);

@@ -1,5 +1,6 @@
 #include "harness/mesh/mesh.h"
 
+#include <algorithm>
 #include <bit>
 
 #include <fmt/format.h>
@@ -24,6 +25,19 @@ void add_triples(std::uint64_t& hash, const std::vector<std::array<T, 3>>& tripl
 }
 
 }  // namespace
+
+std::vector<std::array<std::array<float, 2>, 3>> places_of_corners(
+    std::span<const std::array<std::uint32_t, 3>> triangles, std::span<const std::array<float, 2>> places) {
+    std::vector<std::array<std::array<float, 2>, 3>> corners;
+    corners.reserve(triangles.size());
+    for (const std::array<std::uint32_t, 3>& triangle : triangles) {
+        if (*std::max_element(triangle.begin(), triangle.end()) >= places.size()) {
+            return {};
+        }
+        corners.push_back({places[triangle[0]], places[triangle[1]], places[triangle[2]]});
+    }
+    return corners;
+}
 
 std::string content_hash(const Mesh& mesh) {
     std::uint64_t hash = 0xcbf29ce484222325ull;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,10 @@ struct Mesh {
     std::vector<std::array<std::array<float, 2>, 3>> coordinates;
     std::uint32_t degenerate_left_out = 0;  // faces without area that were met and are not in `triangles`
 };
+
+// The places in an image of the corners of triangles whose indices go into `places`; empty where one is not there.
+std::vector<std::array<std::array<float, 2>, 3>> places_of_corners(
+    std::span<const std::array<std::uint32_t, 3>> triangles, std::span<const std::array<float, 2>> places);
 
 // FNV-1a of vertices, triangles and normals, without texture coordinates, a word at a time as Film::hash has it: 16 hex
 // digits. The sign of a zero counts; what was left out does not.

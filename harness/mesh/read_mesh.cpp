@@ -1,8 +1,5 @@
 #include "harness/mesh/read_mesh.h"
 
-#include <algorithm>
-#include <cctype>
-
 #include <fmt/format.h>
 
 #include "harness/json_reader.h"
@@ -11,8 +8,7 @@ namespace pt {
 
 Mesh read_mesh(const std::filesystem::path& path) {
     const std::string file = path.string();
-    std::string ending = path.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string ending = ending_of(path);
     if (ending == ".ply") {
         return parse_ply(read_file(file, largest_mesh_file), file);
     }

@@ -32,7 +32,9 @@ public:
         check_pending(pending_vertex_, mesh_.vertices.size(), "vertex");
         check_pending(pending_normal_, normals_.size(), "normal");
         give_normals();
-        give_coordinates();
+        if (all_have_texture_) {
+            mesh_.coordinates = places_of_corners(texture_triangles_, textures_);
+        }
         return std::move(mesh_);
     }
 
@@ -147,9 +149,9 @@ private:
                     corner_normals_.push_back(corner.normal);
                 }
                 all_have_texture_ = all_have_texture_ && corner.has_texture;
-                if (all_have_texture_) {
-                    corner_textures_.push_back(corner.texture);
-                }
+            }
+            if (all_have_texture_) {
+                texture_triangles_.push_back({corners_[0].texture, corners_[i - 1].texture, corners_[i].texture});
             }
         }
     }
@@ -188,17 +190,6 @@ private:
         corner.has_texture = error == std::errc() && end == number.end() && index != 0 && place >= 0 &&
                              place < static_cast<std::int64_t>(most_vertices);
         corner.texture = corner.has_texture ? static_cast<std::uint32_t>(place) : 0;
-    }
-
-    void give_coordinates() {
-        const auto is_there = [&](std::uint32_t texture) { return texture < textures_.size(); };
-        if (!all_have_texture_ || !std::all_of(corner_textures_.begin(), corner_textures_.end(), is_there)) {
-            return;
-        }
-        for (std::size_t i = 0; i < corner_textures_.size(); i += 3) {
-            mesh_.coordinates.push_back({textures_[corner_textures_[i]], textures_[corner_textures_[i + 1]],
-                                         textures_[corner_textures_[i + 2]]});
-        }
     }
 
     // From 1 on, or from -1 backward; returned from 0 on.
@@ -261,7 +252,7 @@ private:
     std::vector<std::uint32_t> corner_normals_;  // three a triangle
     bool all_have_normals_ = true;
     std::vector<std::array<float, 2>> textures_;
-    std::vector<std::uint32_t> corner_textures_;  // three a triangle
+    std::vector<std::array<std::uint32_t, 3>> texture_triangles_;  // of indices into textures_
     bool all_have_texture_ = true;
     Pending pending_vertex_, pending_normal_;
     Mesh mesh_;

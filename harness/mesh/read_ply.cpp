@@ -124,7 +124,7 @@ public:
     }
 
     Mesh mesh() {
-        give_coordinates();
+        mesh_.coordinates = places_of_corners(mesh_.triangles, coordinates_);
         return std::move(mesh_);
     }
 
@@ -223,18 +223,6 @@ private:
                 coordinate_places_[1] = v_place;
                 return;
             }
-        }
-    }
-
-    // What a triangle names that is not there is refused later.
-    void give_coordinates() {
-        for (const auto& triangle : mesh_.triangles) {
-            if (coordinates_.empty() || *std::max_element(triangle.begin(), triangle.end()) >= coordinates_.size()) {
-                mesh_.coordinates.clear();
-                return;
-            }
-            mesh_.coordinates.push_back(
-                {coordinates_[triangle[0]], coordinates_[triangle[1]], coordinates_[triangle[2]]});
         }
     }
 

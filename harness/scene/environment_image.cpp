@@ -1,7 +1,6 @@
 #include "harness/scene/environment_image.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -181,8 +180,7 @@ std::string encode_environment_exr(const EnvironmentImage& image) {
 
 EnvironmentImage read_environment_image(const std::filesystem::path& path) {
     const std::string file = path.string();
-    std::string ending = path.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string ending = ending_of(path);
     if (ending == ".hdr") {
         return parse_hdr(read_file(file, largest_environment_file), file);
     }

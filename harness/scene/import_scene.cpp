@@ -1,9 +1,9 @@
 #include "harness/scene/import_scene.h"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 
+#include "harness/json_reader.h"
 #include "harness/scene/import_cis565.h"
 #include "harness/scene/import_course_json.h"
 #include "harness/scene/import_gltf.h"
@@ -14,13 +14,6 @@ namespace pt {
 namespace {
 
 bool is_any_text(const std::string&) { return true; }
-
-std::string ending_of(const std::string& file) {
-    std::string ending = std::filesystem::path(file).extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return ending;
-}
 
 // Null where no format has it.
 const ImportFormat* format_by_ending(const std::string& file) {

@@ -35,15 +35,13 @@ void read_coordinates(const JsonValue& value, Mesh& mesh) {
         };
         by_vertex.push_back({number(0), number(1)});
     }
-    for (const auto& [a, b, c] : mesh.triangles) {
-        mesh.coordinates.push_back({by_vertex[a], by_vertex[b], by_vertex[c]});
-    }
+    mesh.coordinates = places_of_corners(mesh.triangles, by_vertex);
 }
 
 }  // namespace
 
 std::shared_ptr<const SceneMesh> read_inline_mesh(const JsonValue& vertices, const JsonValue& triangles,
-                                                  const JsonValue* coordinates) {
+                                                  const std::optional<JsonValue>& coordinates) {
     constexpr double most = std::numeric_limits<float>::max();
     Mesh mesh;
     for (const JsonValue& entry : vertices.elements()) {
@@ -65,7 +63,7 @@ std::shared_ptr<const SceneMesh> read_inline_mesh(const JsonValue& vertices, con
                 index.whole(0, last, fmt::format("a vertex, counted from 0: a whole number from 0 to {}", last)));
         }
     }
-    if (coordinates != nullptr) {
+    if (coordinates) {
         read_coordinates(*coordinates, mesh);
     }
     check_mesh(mesh, triangles.file() + ": " + triangles.path());

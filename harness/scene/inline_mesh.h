@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "harness/json_reader.h"
 #include "harness/scene/scene.h"
@@ -10,9 +11,8 @@
 namespace pt {
 
 // "vertices": [[x, y, z], ..], "triangles": [[i, j, k], ..], and "texture_coordinates": [[u, v], ..], one a vertex, or
-// null. Equal ones are one mesh, as long as a scene has it. Throws
-// InputError.
+// none. Equal ones are one mesh, as long as a scene has it. Throws InputError.
 std::shared_ptr<const SceneMesh> read_inline_mesh(const JsonValue& vertices, const JsonValue& triangles,
-                                                  const JsonValue* coordinates = nullptr);
+                                                  const std::optional<JsonValue>& coordinates);
 
 }  // namespace pt

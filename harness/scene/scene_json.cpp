@@ -293,16 +293,16 @@ std::shared_ptr<const SceneMesh> read_mesh_of(const JsonObject& object, const Js
         value.fail("\"texture_coordinates\" with \"vertices\", or neither");
     }
     if (object.has("vertices")) {
-        const bool has_coordinates = object.has("texture_coordinates");
-        const JsonValue coordinates = object.at(has_coordinates ? "texture_coordinates" : "vertices");
-        return read_inline_mesh(object.at("vertices"), object.at("triangles"),
-                                has_coordinates ? &coordinates : nullptr);
+        std::optional<JsonValue> coordinates;
+        if (object.has("texture_coordinates")) {
+            coordinates = object.at("texture_coordinates");
+        }
+        return read_inline_mesh(object.at("vertices"), object.at("triangles"), coordinates);
     }
     if (object.has("generate")) {
         return read_recipe(object.at("generate"));
     }
-    const std::filesystem::path named = object.at("file").text();
-    return mesh_from_file(named.is_absolute() ? named : std::filesystem::path(value.file()).parent_path() / named);
+    return mesh_from_file(object.at("file").named_file());
 }
 
 // The mesh's index among the scene's.
@@ -448,13 +448,13 @@ std::shared_ptr<const SceneEnvironment> read_environment(const JsonValue& value)
         return environment_of({1, 1, {Vec3<float>(radiance(object.at("radiance")))}}, 1, value);
     }
     const JsonObject object(value, {"file", "scale", "rotation"});
-    const std::filesystem::path named = object.required("file").text();
+    const JsonValue named = object.required("file");
+    const std::filesystem::path image_file = named.named_file();
     const double scale = object.has("scale") ? object.at("scale").number(0, 1e30, "a number from 0 to 1e30") : 1;
-    EnvironmentImage image =
-        read_environment_image(named.is_absolute() ? named : std::filesystem::path(value.file()).parent_path() / named);
+    EnvironmentImage image = read_environment_image(image_file);
     auto environment = std::make_shared<SceneEnvironment>(
         *environment_of(std::move(image), scale, object.has("scale") ? object.at("scale") : value));
-    environment->file = named.string();
+    environment->file = named.text();
     if (object.has("rotation")) {
         environment->rotation_degrees = object.at("rotation").number(-1e6, 1e6, "an angle from -1e6 to 1e6 degrees");
     }

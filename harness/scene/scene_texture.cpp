@@ -2,18 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include <fmt/format.h>
 
 namespace pt {
 
 std::shared_ptr<const SceneTexture> read_texture(const JsonValue& value) {
-    const std::filesystem::path named = JsonObject(value, {"image"}).required("image").text();
+    const JsonValue named = JsonObject(value, {"image"}).required("image");
     auto texture = std::make_shared<SceneTexture>();
-    texture->image =
-        read_texture_image(named.is_absolute() ? named : std::filesystem::path(value.file()).parent_path() / named);
-    texture->file = named.string();
+    texture->image = read_texture_image(named.named_file());
+    texture->file = named.text();
     const std::vector<Vec3<float>>& texels = texture->image.texels;
     texture->hash = fmt::format(
         "{:016x}", fnv1a(texels.data(), texels.size() * sizeof(Vec3<float>), fnv1a(&texture->image.width, 4)));

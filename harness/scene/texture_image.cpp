@@ -1,7 +1,6 @@
 #include "harness/scene/texture_image.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <memory>
 
@@ -105,8 +104,7 @@ TextureImage parse_texture_image(std::string_view content, const std::string& fi
 
 TextureImage read_texture_image(const std::filesystem::path& path) {
     const std::string file = path.string();
-    std::string ending = path.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string ending = ending_of(path);
     if (ending != ".png" && ending != ".jpg" && ending != ".jpeg") {
         throw InputError(file, "file name", fmt::format("the ending \"{}\"", ending), ".png, .jpg or .jpeg");
     }
