@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "harness/places.h"
 #include "tests/support/command.h"
 #include "tests/support/scenes.h"
 #include "variants/variant_name.h"
@@ -90,6 +91,22 @@ TEST_F(ReferenceTest, HalvesAreTheMeansOfTheirSeedsSamples) {
             EXPECT_NEAR(steps[i], whole[i], 1e-9) << i;
         }
     }
+}
+
+// Ten thousand objects with meshes are not tried each in turn.
+TEST_F(ReferenceTest, ManyObjectsWithMeshesAreSearchedByATree) {
+    const auto levels_of = [](const char* scene) {
+        return reference_variant({.scene = std::make_shared<const Scene>(find_scene(scene)),
+                                  .width = 6,
+                                  .height = 5,
+                                  .depth = 3,
+                                  .backend = Backend::cpu,
+                                  .variance = 1,
+                                  .most_spp = 64})["levels"];
+    };
+    EXPECT_EQ(levels_of("meshes/lights_10k_above"), "two_level");
+    EXPECT_EQ(levels_of("meshes/icosphere_room"), "each_object");
+    EXPECT_EQ(levels_of("cornell_open"), "each_object");
 }
 
 TEST_F(ReferenceTest, TheCacheGivesTheSameBitsBackAndGoesOnFromThem) {
