@@ -19,8 +19,6 @@ namespace pt {
 namespace {
 
 constexpr std::uint64_t first_spp = 64;  // a half
-// Above so many objects with meshes a tree over them is quicker than each in turn; the image is the same to the bit.
-constexpr std::ptrdiff_t most_objects_in_turn = 16;
 
 std::string hash_of(const Image& first, const Image& second) {
     const std::uint64_t half = fnv1a(first.data(), first.size() * sizeof(double));
@@ -74,11 +72,6 @@ void double_samples(Reference& reference, const ReferenceTask& task, const Varia
 std::string progress_text(const Reference& reference, const ReferenceTask& task) {
     return fmt::format("reference {}: {} spp a half, variance {:.3g} (wanted {:.3g})", reference.name,
                        reference.spp_per_half, reference.noise.variance, task.variance);
-}
-
-std::ptrdiff_t objects_with_meshes(const Scene& scene) {
-    return std::count_if(scene.objects.begin(), scene.objects.end(),
-                         [](const SceneObject& object) { return object.mesh != SceneObject::no_mesh; });
 }
 
 Reference empty_reference(const ReferenceTask& task) {
@@ -157,9 +150,6 @@ Variant reference_variant(const ReferenceTask& task) {
         if (why_not_applicable(wished, features_of(*task.scene), backend).empty()) {
             variant = std::move(wished);
         }
-    }
-    if (objects_with_meshes(*task.scene) > most_objects_in_turn) {
-        variant.set("levels", "two_level");
     }
     for (const auto& [axis, choice] : task.axes) {
         variant.set(axis, choice);

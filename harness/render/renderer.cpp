@@ -87,6 +87,11 @@ RenderResult render_unguarded(const Scene& scene, const RenderRequest& request) 
                                               : render_in<float>(scene, request, kernel);
 }
 
+std::ptrdiff_t objects_with_meshes(const Scene& scene) {
+    return std::count_if(scene.objects.begin(), scene.objects.end(),
+                         [](const SceneObject& object) { return object.mesh != SceneObject::no_mesh; });
+}
+
 template <class Render>
 std::vector<FeatureSet> feature_sets_of(const std::map<FeatureSet, Render>& kernels) {
     std::vector<FeatureSet> sets;
@@ -101,13 +106,16 @@ std::vector<FeatureSet> feature_sets_of(const std::map<FeatureSet, Render>& kern
 Variant fast_reference_on(const Scene& scene, const Variant& variant, Backend backend) {
     const Registry& registry = Registry::instance();
     Variant reference = registry.reference(variant, backend);
-    if (registry.at("accelerator", reference, backend).descriptor.claim != Claim::bitwise) {
+    if (scene.meshes.empty() || registry.at("accelerator", reference, backend).descriptor.claim != Claim::bitwise) {
         return reference;
     }
     for (const Choice* choice : registry.choices("accelerator", backend)) {
-        if (!scene.meshes.empty() && traits_in<AcceleratorTraits>(choice->descriptor).checks_large_scenes) {
+        if (traits_in<AcceleratorTraits>(choice->descriptor).checks_large_scenes) {
             reference.set("accelerator", std::string(choice->descriptor.name));
         }
+    }
+    if (objects_with_meshes(scene) > most_objects_in_turn) {
+        reference.set("levels", "two_level");
     }
     return reference;
 }
