@@ -226,9 +226,13 @@ def test_cost_is_variance_times_time():
 
 
 def test_what_is_timed_by_default():
-    names = [one.name for one in own_variants("cpu", has_meshes=True)]
+    names = [one.name for one in own_variants("cpu", 1)]
     assert names == ["bvh8 nee_mis", "bvh8 off", "embree_native nee_mis", "embree_native off"]
-    assert [one.estimator for one in own_variants("cuda", has_meshes=False)] == ["nee_mis", "nee_mis", "off"]
+    assert [one.estimator for one in own_variants("cuda", 0)] == ["nee_mis", "nee_mis", "off"]
+    for meshes, is_by_tree in ((1, False), (10_000, True)):
+        for one in own_variants("cuda", meshes):
+            assert "accelerator=cwbvh" in one.axes
+            assert ("levels=two_level" in one.axes) == is_by_tree
     on_gpu = mitsubas([], "cuda", Path("python3"))
     assert [one.name for one in on_gpu] == [
         "Mitsuba cuda_ad_rgb path", "Mitsuba cuda_ad_rgb bsdf", "Mitsuba cuda_ad_rgb path evaluated",

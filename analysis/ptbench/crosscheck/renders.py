@@ -134,9 +134,15 @@ def render_here(scene: str, settings: Settings, folder: Path, *, has_meshes: boo
     return Images(np.stack(images), {**about, "render_seconds": seconds})
 
 
+def meshes_in(xml: Path) -> int:
+    """How many objects of an exported scene show a mesh."""
+    text = read_whole(xml)
+    return text.count(b'type="ply"') + text.count(b'type="instance"')
+
+
 def has_meshes(xml: Path) -> bool:
     """Whether an exported scene shows any."""
-    return b'type="ply"' in read_whole(xml)
+    return meshes_in(xml) > 0
 
 
 def render_there(xml: Path, settings: Settings, folder: Path) -> Images:

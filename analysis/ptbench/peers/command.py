@@ -38,7 +38,7 @@ def peers_command(options: argparse.Namespace) -> int:
         write_text(out, json.dumps(document, indent=1, allow_nan=False) + "\n")
 
     for entry in document["scenes"]:
-        measure_scene(entry, plan, lambda has_meshes, entry=entry: _wanted(options, has_meshes, entry), save)
+        measure_scene(entry, plan, lambda meshes, entry=entry: _wanted(options, meshes, entry), save)
     document["complete"] = True
     save()
     print("\n".join(as_text(document)))
@@ -55,13 +55,13 @@ def _plan(options: argparse.Namespace) -> Plan:
     )  # fmt: skip
 
 
-def _wanted(options: argparse.Namespace, has_meshes: bool | None, entry: dict) -> Sequence[Wanted]:
+def _wanted(options: argparse.Namespace, meshes: int | None, entry: dict) -> Sequence[Wanted]:
     own = chosen_variants(options.variant)
     if not own:
-        if has_meshes is None:
+        if meshes is None:
             reasons = "; ".join(entry["not_in_mitsuba"])
             raise InputError(f"{entry['scene']}: Mitsuba has no such scene ({reasons}), and no --variant says what has")
-        own = own_variants(options.backend, has_meshes=has_meshes)
+        own = own_variants(options.backend, meshes)
     wanted = [*own, *mitsubas(options.mitsuba, options.backend, options.python), *programs(options.program)]
     names = [one.name for one in wanted]
     if twice := [name for name in dict.fromkeys(names) if names.count(name) > 1]:

@@ -14,7 +14,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from ptbench.crosscheck.document import AGREES, DIFFERS, WEAK
-from ptbench.crosscheck.renders import CannotExport, Settings, export, has_meshes
+from ptbench.crosscheck.renders import CannotExport, Settings, export, meshes_in
 from ptbench.crosscheck.statistics import Comparison, compare
 from ptbench.errors import InputError
 from ptbench.peers.options import Call, Wanted
@@ -42,17 +42,15 @@ class Plan:
     allowed: float
 
 
-def measure_scene(
-    entry: dict, plan: Plan, wanted_of: Callable[[bool | None], Sequence[Wanted]], save: Callable
-) -> None:
+def measure_scene(entry: dict, plan: Plan, wanted_of: Callable[[int | None], Sequence[Wanted]], save: Callable) -> None:
     """Fills the scene's part of the file; what is there already stays. `save` is called after each step.
 
-    `wanted_of` gives the peers, by whether the scene has meshes, or by None where that is not known.
+    `wanted_of` gives the peers, by how many objects show meshes, or by None where that is not known.
     """
     with TemporaryDirectory(prefix="ptbench-peers-") as name, ExitStack() as stack:
         place, reasons = _placed(entry["scene"], plan, Path(name))
         entry["not_in_mitsuba"] = reasons
-        wanted = list(wanted_of(place.has_meshes if not reasons else None))
+        wanted = list(wanted_of(place.meshes if not reasons else None))
         for one in wanted:
             if not any(there["name"] == one.name for there in entry["peers"]):
                 entry["peers"].append(_begun(one))
@@ -70,8 +68,8 @@ def _placed(scene: str, plan: Plan, folder: Path) -> tuple[Place, list[str]]:
     try:
         xml = export(scene, settings, folder)
     except CannotExport as refusal:
-        return Place(scene, None, has_meshes=False, folder=folder), refusal.reasons
-    return Place(scene, xml, has_meshes=has_meshes(xml), folder=folder), []
+        return Place(scene, None, meshes=0, folder=folder), refusal.reasons
+    return Place(scene, xml, meshes=meshes_in(xml), folder=folder), []
 
 
 def _begun(wanted: Wanted) -> dict:

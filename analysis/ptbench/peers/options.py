@@ -18,6 +18,7 @@ _AXIS = re.compile(r"\w+=\w+")
 # Whoever samples lights and weighs both by the balance of their densities, and whoever meets them by chance.
 LIGHTS, CHANCE = "nee_mis", "off"
 _OWN_ESTIMATOR = "direct_light="
+_MOST_IN_TURN = 16  # objects with meshes: above, a tree over them (renderer.h: most_objects_in_turn)
 _OF_MITSUBA = {"path": LIGHTS, "bsdf": CHANCE}
 
 
@@ -50,14 +51,18 @@ class Call:
         return f"{self.resolution[0]}x{self.resolution[1]}"
 
 
-def own_variants(backend: str, *, has_meshes: bool) -> list[Wanted]:
-    """What is timed where the call names no variant: the fastest known, and on the CPU Embree's trees."""
+def own_variants(backend: str, meshes: int) -> list[Wanted]:
+    """What is timed where the call names no variant: the fastest known, and on the CPU Embree's trees.
+
+    `meshes`: how many objects show one. A tree over objects costs time where there are few.
+    """
     if backend == "cuda":
         base = ("integrator=persistent", "arithmetic=precise")
-        base += ("accelerator=cwbvh", "levels=two_level") if has_meshes else ()
+        base += ("accelerator=cwbvh",) if meshes else ()
+        base += ("levels=two_level",) if meshes > _MOST_IN_TURN else ()
         by_area = _own(f"persistent {LIGHTS} projected", *base, f"direct_light={LIGHTS}", "light_sampling=projected")
         return [by_area, *(_own(f"persistent {light}", *base, f"direct_light={light}") for light in (LIGHTS, CHANCE))]
-    if not has_meshes:
+    if not meshes:
         return [
             _own(f"{name} {light}", f"integrator={name}", f"direct_light={light}")
             for light in (LIGHTS, CHANCE)

@@ -26,7 +26,7 @@ class Place:
 
     scene: str
     xml: Path | None
-    has_meshes: bool
+    meshes: int  # objects that show one
     folder: Path  # for what is written
 
 
