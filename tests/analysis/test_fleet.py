@@ -15,7 +15,7 @@ from ptbench.errors import InputError
 from ptbench.fleet.evidence import NEAR, OWN, evidence_of, times_of
 from ptbench.fleet.fleet import fleet_of
 from ptbench.fleet.gpus import Gpu, gpu_of_result, gpu_of_sheet, known_gpus
-from ptbench.fleet.model import EXPOSED, RULES, SHARES, KernelTime, bound_of, predicted
+from ptbench.fleet.model import EXPOSED, PIPES, RULES, SHARES, KernelTime, bound_of, predicted
 from ptbench.fleet.text import sections
 from ptbench.fleet.verdicts import crossover, verdict_pairs
 from ptbench.io.inspection import load_inspected
@@ -29,7 +29,7 @@ ONE = Gpu("one", "9.0", 100, 1000.0, 1000.0, 1 << 20, "made", {"issue": 4.0, "fm
 SLOW_MEMORY = replace(ONE, gb_per_second=500.0)
 HALF = replace(ONE, multiprocessors=50)
 HALF_FMA = replace(ONE, per_clock={**ONE.per_clock, "fma": 2.0})
-NEAREST, CORE, BANDWIDTH = RULES[2:]
+NEAREST, CORE, BANDWIDTH = RULES[3:]
 
 
 def kernel(time=1.0, **shares) -> KernelTime:
@@ -53,6 +53,10 @@ def kernel(time=1.0, **shares) -> KernelTime:
         ({"issue": 1.5, "memory": 0.5}, SLOW_MEMORY, EXPOSED, 1.0),
         ({"issue": 1.5, "memory": 1.0}, SLOW_MEMORY, EXPOSED, 2.0),
         ({"issue": 0.5, "memory": 0.0}, HALF, EXPOSED, 2.0),
+        # A cache as near as can be does not hide the memory behind it; a pipe does.
+        ({"issue": 0.5, "l2": 1.0, "memory": 0.5}, SLOW_MEMORY, EXPOSED, 1.0),
+        ({"issue": 0.5, "l2": 1.0, "memory": 0.5}, SLOW_MEMORY, PIPES, 1 + 1 / 3),
+        ({"issue": 0.5, "memory": 0.5}, SLOW_MEMORY, PIPES, 1 + 1 / 3),
         ({"issue": 0.5, "memory": 0.375}, SLOW_MEMORY, NEAREST, 1.0),
         ({"issue": 0.5, "memory": 0.625}, SLOW_MEMORY, NEAREST, 2.0),
         ({"issue": 0.5, "memory": 0.625}, HALF, CORE, 2.0),

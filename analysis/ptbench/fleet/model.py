@@ -6,13 +6,15 @@ Of its time a share e scales with memory, and the rest goes by instructions:
     t' / t = e B / B' + (1 - e) max_p(u_p R_p / R'_p) / max_p(u_p)
 
 with bandwidths B and rates R_p = multiprocessors x clock x instructions a clock of pipe p (of a cache: multiprocessors
-x clock); primes are the other GPU's. Three rules for e:
+x clock); primes are the other GPU's. Four rules for e:
 
 - shares of time: e = m, as if memory and pipes never worked at once. The split of time into one that scales with memory
   and one that scales with the core is that of models of frequency scaling (leading loads: Keramidas et al. 2010; CRISP:
   Nath and Tullsen, MICRO 2015).
 - exposed memory: e = m (1 - u) / (1 - m u), u the nearest pipe's part. Both are busy, each by itself, m and u of the
   time, so at once m u of it; whatever time that is belongs to each as the rest does, where memory alone has m (1 - u).
+- pipes alone: as exposed memory, with u the nearest of the pipes that execute. Caches are on memory's way: what goes
+  through them on that way does not work beside it.
 - nearest ceiling: e is 1 where memory is nearest and else 0, as in the roofline (Williams et al. 2009).
 
 A variant's ratio is the mean of its kernels' by their time, and the host's part of a render stays as it is. Caches of
@@ -27,6 +29,7 @@ from dataclasses import dataclass
 from ptbench.fleet.gpus import Gpu
 
 MEMORY = "memory"
+_CACHES = ("l1", "l2")
 
 
 @dataclass(frozen=True)
@@ -73,11 +76,20 @@ def _shares_of_time(kernel: KernelTime, one: Gpu, other: Gpu) -> float:
     return _split(_parts(kernel)[0], kernel, one, other)
 
 
-def _exposed_memory(kernel: KernelTime, one: Gpu, other: Gpu) -> float:
-    memory, core = _parts(kernel)
-    if memory == 1 or core >= 1:
+def _exposed(memory: float, beside: float, kernel: KernelTime, one: Gpu, other: Gpu) -> float:
+    """`beside`: the part of the time in which something else works as well."""
+    if memory == 1 or beside >= 1:
         return _split(float(memory == 1), kernel, one, other)
-    return _split(memory * (1 - core) / (1 - memory * core), kernel, one, other)
+    return _split(memory * (1 - beside) / (1 - memory * beside), kernel, one, other)
+
+
+def _exposed_memory(kernel: KernelTime, one: Gpu, other: Gpu) -> float:
+    return _exposed(*_parts(kernel), kernel, one, other)
+
+
+def _pipes_alone(kernel: KernelTime, one: Gpu, other: Gpu) -> float:
+    pipes = [share for name, share in kernel.shares.items() if name not in (MEMORY, *_CACHES)]
+    return _exposed(_parts(kernel)[0], max(pipes), kernel, one, other)
 
 
 def _nearest_ceiling(kernel: KernelTime, one: Gpu, other: Gpu) -> float:
@@ -95,9 +107,11 @@ def _memory(_: KernelTime, one: Gpu, other: Gpu) -> float:
 
 SHARES = Rule("shares of time", "memory's part of the time scales with bandwidth", _shares_of_time)
 EXPOSED = Rule("exposed memory", "the same, less what pipes do meanwhile", _exposed_memory)
+PIPES = Rule("pipes alone", "the same, caches not being pipes", _pipes_alone)
 RULES = (
     EXPOSED,
     SHARES,
+    PIPES,
     Rule("nearest ceiling", "all of the time scales with the nearest ceiling", _nearest_ceiling),
     Rule("SMs x clock", "no counters, multiprocessors x clock alone", _issue),
     Rule("bandwidth", "no counters, bandwidth alone", _memory),
