@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
@@ -28,8 +30,15 @@ def say(text: object) -> None:
     print(visible(str(text)))
 
 
+# As a shell reports a program that the signal ended.
+READER_LEFT = 128 + signal.SIGPIPE
+
+
 class _Visible:
-    """A stream of text in front of another one, which gets only what it can show."""
+    """A stream of text in front of another one, which gets only what it can show.
+
+    Whoever reads it may leave early, as `head` does: that ends the program with READER_LEFT and no complaint.
+    """
 
     def __init__(self, stream):
         self._stream = stream
@@ -37,8 +46,22 @@ class _Visible:
     def write(self, text: str) -> int:
         encoding = getattr(self._stream, "encoding", None) or "utf-8"
         safe = visible(text, keep="\n\t").encode(encoding, "backslashreplace").decode(encoding)
-        self._stream.write(safe)
+        with self._reader_may_leave():
+            self._stream.write(safe)
         return len(text)
+
+    def flush(self) -> None:
+        with self._reader_may_leave():
+            self._stream.flush()
+
+    @contextmanager
+    def _reader_may_leave(self) -> Iterator[None]:
+        try:
+            yield
+        except BrokenPipeError:
+            # What is still in the stream must go somewhere when the interpreter ends.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), self._stream.fileno())
+            raise SystemExit(READER_LEFT) from None
 
     def __getattr__(self, name: str):
         return getattr(self._stream, name)
@@ -49,3 +72,4 @@ def visible_output() -> Iterator[None]:
     """Within it all that is printed is escaped but for the ends of lines."""
     with redirect_stdout(_Visible(sys.stdout)), redirect_stderr(_Visible(sys.stderr)):
         yield
+        sys.stdout.flush()
