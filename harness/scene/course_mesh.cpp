@@ -11,6 +11,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* mesh_endings[] = {".obj", ".gltf", ".glb", ".ply"};
+constexpr const char* image_endings[] = {".png", ".jpg", ".jpeg"};
 constexpr int most_folders_above = 4;
 constexpr int most_folders_below = 5;
 constexpr int most_entries = 20000;  // looked at for one file
@@ -68,12 +69,12 @@ fs::path project_of(const fs::path& folder) {
 
 }  // namespace
 
-CourseMeshFinder::CourseMeshFinder(const std::string& scene_file) {
+CourseFileFinder::CourseFileFinder(const std::string& scene_file) {
     std::error_code error;
     folder_ = fs::absolute(scene_file, error).parent_path();
 }
 
-std::optional<fs::path> CourseMeshFinder::find_above(const std::string& name) const {
+std::optional<fs::path> CourseFileFinder::find_above(const std::string& name) const {
     const std::vector<std::string> parts = parts_of(name);
     for (std::size_t first = 0; first < parts.size(); ++first) {
         fs::path end;
@@ -92,7 +93,7 @@ std::optional<fs::path> CourseMeshFinder::find_above(const std::string& name) co
 }
 
 // Of files of one name the first by its path.
-void CourseMeshFinder::list_project() {
+void CourseFileFinder::list_project() {
     project_.emplace();
     std::error_code error;
     fs::recursive_directory_iterator entries(project_of(folder_), fs::directory_options::skip_permission_denied, error);
@@ -101,19 +102,24 @@ void CourseMeshFinder::list_project() {
         if (entries.depth() >= most_folders_below) {
             entries.disable_recursion_pending();
         }
-        for (const char* ending : mesh_endings) {
-            if (path.extension() == ending && is_file(path)) {
-                for (const std::string& name : {path.filename().string(), path.stem().string()}) {
-                    fs::path& first = project_->emplace(name, path).first->second;
-                    first = std::min(first, path);
-                }
-            }
+        const auto is_the_ending = [&](const char* ending) { return path.extension() == ending; };
+        const bool is_mesh = std::any_of(std::begin(mesh_endings), std::end(mesh_endings), is_the_ending);
+        const bool is_image = std::any_of(std::begin(image_endings), std::end(image_endings), is_the_ending);
+        const auto keep = [&](const std::string& name) {
+            fs::path& first = project_->emplace(name, path).first->second;
+            first = std::min(first, path);
+        };
+        if ((is_mesh || is_image) && is_file(path)) {
+            keep(path.filename().string());
+        }
+        if (is_mesh && is_file(path)) {
+            keep(path.stem().string());
         }
         entries.increment(error);
     }
 }
 
-std::optional<fs::path> CourseMeshFinder::find(const std::string& name) {
+std::optional<fs::path> CourseFileFinder::find(const std::string& name) {
     if (name.empty() || name.find('\0') != std::string::npos || folder_.empty()) {
         return std::nullopt;
     }

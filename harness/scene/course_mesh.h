@@ -1,5 +1,5 @@
-// The mesh files that scenes of CIS 565 name: relative to a folder that their author's program ran in, or on a disk
-// that nobody else has.
+// The mesh files and images that scenes of CIS 565 name: relative to a folder that their author's program ran in, or on
+// a disk that nobody else has.
 #pragma once
 
 #include <filesystem>
@@ -9,9 +9,9 @@
 
 namespace pt {
 
-class CourseMeshFinder {
+class CourseFileFinder {
 public:
-    explicit CourseMeshFinder(const std::string& scene_file);
+    explicit CourseFileFinder(const std::string& scene_file);
 
     // The name itself, beside the scene file; else as much of its end as there is in one of the folders above it, the
     // longest end first; else a file of that name somewhere in the project: beside the folder "scenes" that the scene
@@ -24,7 +24,7 @@ private:
 
     std::filesystem::path folder_;
     std::optional<std::map<std::string, std::filesystem::path>>
-        project_;  // by file names, with their endings and without
+        project_;  // by file names with their endings; of meshes, without too
 };
 
 }  // namespace pt

@@ -18,17 +18,22 @@ struct CourseImport {
     const Cis565File* sections = nullptr;
     const ImportSource* source = nullptr;
     ImportResult* result = nullptr;
-    CourseMeshFinder meshes;
+    CourseFileFinder files;
     CourseMotion motion = {};
     std::set<std::size_t> used_materials = {};
 };
 
 // Where a line cannot be read, a value that is right stands for it, so that the others can be checked.
+// The material that a MATERIAL section is read as. Readings that lose something are warnings.
+ScenePart import_material(CourseImport& import, std::size_t index);
 ScenePart import_object(CourseImport& import, std::size_t index);
 ScenePart import_camera(const CourseImport& import);
 
 // The scene file that names of meshes are relative to.
 std::string course_scene_file(const ImportSource& source);
+
+// The words of a line behind its key, or alone, as a file's name: names may have spaces.
+std::string course_file_name(const Cis565Line& line);
 
 // A file as a scene file names it: relative to its folder, or where that is not there yet the whole path.
 std::string name_beside(const std::filesystem::path& scene, const std::filesystem::path& file);

@@ -40,9 +40,9 @@ Words material_words() {
         words, CourseUse::lost,
         {"DISPERSION", "CLEARCOAT", "CLEARCOATGLOSS", "SHEEN", "SPECULAR", "FRESNELPOW", "REFLECTIONODDS", "ABSCOEFF",
          "ABSORPTION", "RSCTCOEFF", "SCATTER", "ROUGH", "THICKNESS", "DISTORTION", "GLOW", "BSSRDFSCALE", "AMBIENT"});
+    add(words, "TEXTURE", CourseUse::image, {"TEXTURE", "DIFFUSEMAP", "DIFFUSE", "DPATH", "ALBEDOMAP"});
     add_all(words, CourseUse::texture,
-            {"TEXTURE", "NORMALMAP", "NORMAL", "DIFFUSEMAP", "DIFFUSE", "DPATH", "NPATH", "METALLICROUGHNESS", "BUMP",
-             "BUMPMAP", "ALBEDOMAP", "ROUGHNESSMAP", "METALLICMAP"});
+            {"NORMALMAP", "NORMAL", "NPATH", "METALLICROUGHNESS", "BUMP", "BUMPMAP", "ROUGHNESSMAP", "METALLICMAP"});
     add_all(words, CourseUse::procedural,
             {"PROTEX", "USINGPROCTEX", "RGB1", "RGB2", "LIGHTRGB", "DARKRGB", "CHECKERCOLOR1", "CHECKERCOLOR2",
              "CHECKERSIZE", "SCALE", "FREQ", "WARP", "OCTAVES", "NOISE"});
@@ -140,7 +140,7 @@ const std::vector<std::string>& course_keys(const std::string& section) {
     static const std::map<std::string, std::vector<std::string>> keys{
         {"MATERIAL",
          {"RGB", "SPECEX", "SPECRGB", "REFL", "REFR", "REFRIOR", "EMITTANCE", "SIGMAA", "SIGMAS", "ROUGHNESS",
-          "METALLIC", "TYPE"}},
+          "METALLIC", "TYPE", "TEXTURE"}},
         {"CAMERA",
          {"RES", "FOVY", "ITERATIONS", "DEPTH", "FILE", "EYE", "LOOKAT", "VIEW", "UP", "LENSRADIUS", "FOCALDIST"}},
         {"OBJECT", {"cube", "sphere", "rect", "mesh", "material", "TRANS", "ROTAT", "SCALE", "VEL", "FILE"}},
@@ -153,7 +153,7 @@ const std::vector<std::string>& course_keys(const std::string& section) {
 std::string missing_for(CourseUse use) {
     switch (use) {
         case CourseUse::texture:
-            return "no texture, bump or environment map (import takes none over)";
+            return "no image here (TEXTURE of a material is read; no normal, bump or roughness map is)";
         case CourseUse::procedural:
             return "no procedural shape or pattern (scene files have none)";
         case CourseUse::scattering:

@@ -14,6 +14,7 @@ enum class CourseUse {
     remark,   // it changes nothing in the picture
     run,      // it belongs to a run of the program, not to the scene
     lost,     // it changes the picture, and a scene file has no place for it: a warning
+    image,    // a file's name; off is as if it were not there
     texture,  // the rest have none either, and without them it would be another scene: a problem
     procedural,
     scattering,

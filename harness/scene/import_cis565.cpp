@@ -10,6 +10,7 @@
 #include "harness/json_reader.h"
 #include "harness/scene/course_scene.h"
 #include "harness/scene/course_words.h"
+#include "harness/scene/texture_image.h"
 
 namespace pt {
 
@@ -35,7 +36,7 @@ public:
 private:
     void read_name(Cis565SectionReader& reader, ScenePart& root);
     ScenePart root();
-    void add_environment(ScenePart& root, CourseMeshFinder& files);
+    void add_environment(ScenePart& root, CourseFileFinder& files);
     void note_samples();
     void note_unused_materials(const std::set<std::size_t>& used);
 
@@ -92,7 +93,7 @@ ScenePart SceneImporter::root() {
 }
 
 // Whatever else a dialect says of its environment: the file that its light is in.
-void SceneImporter::add_environment(ScenePart& root, CourseMeshFinder& files) {
+void SceneImporter::add_environment(ScenePart& root, CourseFileFinder& files) {
     const auto line = sections_->camera->lines.find("ENVIRONMENT");
     if (line == sections_->camera->lines.end() || is_course_off("ENVIRONMENT", line->second.values())) {
         return;
@@ -155,9 +156,9 @@ void SceneImporter::note_unused_materials(const std::set<std::size_t>& used) {
 SceneParts SceneImporter::parts() {
     SceneParts parts;
     CourseImport import{
-        .sections = sections_, .source = source_, .result = result_, .meshes = CourseMeshFinder(source_->file)};
+        .sections = sections_, .source = source_, .result = result_, .files = CourseFileFinder(source_->file)};
     for (std::size_t i = 0; i < sections_->materials.size(); ++i) {
-        parts.materials.push_back(import_material(sections_->materials[i], result_->problems, result_->warnings));
+        parts.materials.push_back(import_material(import, i));
     }
     for (std::size_t i = 0; i < sections_->objects.size(); ++i) {
         parts.objects.push_back(import_object(import, i));
@@ -165,7 +166,7 @@ SceneParts SceneImporter::parts() {
     note_unused_materials(import.used_materials);
     if (sections_->camera) {
         parts.root = root();
-        add_environment(parts.root, import.meshes);
+        add_environment(parts.root, import.files);
         parts.camera = import_camera(import);
         note_samples();
     }
@@ -175,6 +176,7 @@ SceneParts SceneImporter::parts() {
 }  // namespace
 
 void import_course(const Cis565File& sections, const ImportSource& source, ImportResult& result) {
+    const ImagesToBe each_read_once;
     const SceneParts parts = SceneImporter(sections, source, result).parts();
     check_parts(parts, course_scene_file(source), result.problems);
     result.objects = sections.objects.size();

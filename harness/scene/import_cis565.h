@@ -11,8 +11,11 @@
 //   REFL, REFR, REFRIOR, EMITTANCE, ROUGHNESS, METALLIC, ITERATIONS; TRANS and ROTAT too (W).
 // - Words have other spellings in students' dialects, and there are words that scene files have nothing for:
 //   course_words.cpp lists them. What is off (0, NULL, OFF; FRESNELPOW 5, SPP 1) changes nothing and is silent; what is
-//   on is lost with a warning where the scene stays what it is, and a problem for textures, procedural shapes and
-//   patterns, and lists of lights. An environment map (.hdr, .exr) is the scene's environment, turned by 90 degrees, as
+//   on is lost with a warning where the scene stays what it is, and a problem for normal, bump and roughness maps,
+//   procedural shapes and patterns, and lists of lights. A TEXTURE is the image that the surface shows in place of its
+//   colour, found as a mesh's file is (W: whether its
+//   values are sRGB, and which way v goes, no dialect says); an emitter, glass or a subsurface body with one is a
+//   problem. An environment map (.hdr, .exr) is the scene's environment, turned by 90 degrees, as
 //   most have it who do not say (W).
 // - Objects mean a material by what is behind MATERIAL, which counts up from 0; where it does not, that is W. MATERIAL
 //   within an object, not behind an empty line, is its material.

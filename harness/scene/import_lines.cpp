@@ -215,7 +215,7 @@ void add_course_line(Cis565Section& section, const std::string& word, const Cis5
         refuse(fmt::format("in {}: {}{}", section.kind, fmt::join(keys, ", "), did_you_mean(word, keys)));
         return;
     }
-    if (known->use == CourseUse::value) {
+    if (known->use == CourseUse::value || (known->use == CourseUse::image && !is_off)) {
         section.is_whole &= !stands_twice(section, known->key, line, result);
         section.lines.emplace(known->key, line);
         return;

@@ -1,8 +1,10 @@
 // What a MATERIAL section is read as: harness/scene/import_cis565.h says it in words.
 #include <fmt/format.h>
 
+#include "harness/error.h"
+#include "harness/scene/course_scene.h"
 #include "harness/scene/course_type.h"
-#include "harness/scene/import_parts.h"
+#include "harness/scene/texture_image.h"
 
 namespace pt {
 
@@ -13,7 +15,7 @@ constexpr double common_index = 1.5;  // of glass
 
 class MaterialImporter {
 public:
-    MaterialImporter(const Cis565Section& section, ImportFindings& problems, ImportFindings& warnings);
+    MaterialImporter(CourseImport& import, std::size_t index);
 
     ScenePart part();
 
@@ -30,7 +32,10 @@ private:
     bool refuse();
     ScenePart start(const std::string& type, const std::string& what);
     void add_colour(ScenePart& part, const std::string& member, const std::string& key) const;
+    void add_surface_colour(ScenePart& part, const std::string& member, const std::string& key,
+                            const std::vector<std::string>& replaced);
     void add_roughness(ScenePart& part);
+    void find_image();
 
     const Cis565Line& line(const std::string& key) const { return *reader_.line(key); }
     bool has(const std::string& key) const { return reader_.line(key) != nullptr; }
@@ -46,24 +51,33 @@ private:
     void warn_of_rgb();
     void warn_of_no_specular(const std::string& asking_key);
 
+    CourseImport* import_;
     const Cis565Section* section_;
     std::string label_;  // e.g. "material 2"
     Cis565SectionReader reader_;
     ImportFindings* warnings_;
     std::map<std::string, Vec3d> values_;  // by key; a number is x; 0 where there is no such line
     std::string what_;                     // e.g. "material 2 is a mirror"
+    std::string image_;                    // in the scene file; empty: one colour
     CourseType type_ = CourseType::by_values;
 };
 
-MaterialImporter::MaterialImporter(const Cis565Section& section, ImportFindings& problems, ImportFindings& warnings)
-    : section_(&section),
-      label_(section.name.empty() ? "material " + section.label : fmt::format("\"{}\"", section.name)),
-      reader_(section, problems),
-      warnings_(&warnings) {
+MaterialImporter::MaterialImporter(CourseImport& import, std::size_t index)
+    : import_(&import),
+      section_(&import.sections->materials[index]),
+      label_(section_->name.empty() ? "material " + section_->label : fmt::format("\"{}\"", section_->name)),
+      reader_(*section_, import.result->problems),
+      warnings_(&import.result->warnings) {
     if (reader_.line("TYPE") != nullptr) {
         type_ = read_course_type(reader_, line("TYPE"));
     }
-    values_["RGB"] = reader_.is_whole() ? reader_.required_vector("RGB").value_or(Vec3d(0.0)) : reader_.vector("RGB");
+    if (has("TEXTURE")) {
+        find_image();
+    }
+    const bool needs_colour = reader_.is_whole() && !has("TEXTURE");
+    values_["RGB"] = has("TEXTURE") && !has("RGB") ? Vec3d(1.0)
+                     : needs_colour                ? reader_.required_vector("RGB").value_or(Vec3d(0.0))
+                                                   : reader_.vector("RGB");
     for (const char* key : {"SPECRGB", "SIGMAA", "SIGMAS"}) {
         values_[key] = reader_.vector(key);
     }
@@ -76,6 +90,28 @@ MaterialImporter::MaterialImporter(const Cis565Section& section, ImportFindings&
     }
     const bool has_three = has("EMITTANCE") && line("EMITTANCE").words.size() == 4;
     values_["EMITTANCE"] = has_three ? reader_.vector("EMITTANCE") : Vec3d(reader_.number("EMITTANCE"));
+}
+
+void MaterialImporter::find_image() {
+    const Cis565Line& named = line("TEXTURE");
+    const std::string name = course_file_name(named);
+    const auto found = import_->files.find(name);
+    if (!found) {
+        reader_.fail(named, "an image .png or .jpg that is there, beside this file or in a folder above it");
+        return;
+    }
+    try {
+        (void)read_texture_image(*found);
+    } catch (const InputError& refusal) {
+        reader_.fail(named, fmt::format("\"{}\", of which is said: {}", named.text(), refusal.what()),
+                     "an image that can be read");
+        return;
+    }
+    if (!found->string().ends_with(std::filesystem::path(name).lexically_normal().relative_path().string())) {
+        import_->result->notes.add(named.number, fmt::format("{} is taken from {}", named.text(), found->string()));
+    }
+    warn("TEXTURE", "is read as sRGB with v upwards; formats of the course do not say");
+    image_ = fmt::format("{{\"image\": {}}}", json_of(name_beside(course_scene_file(*import_->source), *found)));
 }
 
 void MaterialImporter::warn(const std::string& key, const std::string& what) {
@@ -111,7 +147,7 @@ void MaterialImporter::warn_of_rgb() {
 
 // A material with a TYPE has RGB for its colour, whatever it is.
 void MaterialImporter::warn_of_no_specular(const std::string& asking_key) {
-    if (is_set("SPECRGB") || !is_set("RGB") || type_ != CourseType::by_values) {
+    if (is_set("SPECRGB") || !is_set("RGB") || !has("RGB") || type_ != CourseType::by_values) {
         return;
     }
     const bool has_line = has("SPECRGB");
@@ -129,6 +165,21 @@ ScenePart MaterialImporter::start(const std::string& type, const std::string& wh
 
 void MaterialImporter::add_colour(ScenePart& part, const std::string& member, const std::string& key) const {
     part.add(member, json_of(colour(key)), reader_.line(key), black);
+}
+
+// The image, where there is one; then the colours `replaced` are not used.
+void MaterialImporter::add_surface_colour(ScenePart& part, const std::string& member, const std::string& key,
+                                          const std::vector<std::string>& replaced) {
+    if (image_.empty()) {
+        add_colour(part, member, key);
+        return;
+    }
+    part.add(member, image_, &line("TEXTURE"), black);
+    for (const std::string& other : replaced) {
+        if (has(other) && is_set(other) && colour(other) != Vec3d(1.0)) {
+            warn(other, fmt::format("is not used: {}, and shows {}", what_, course_file_name(line("TEXTURE"))));
+        }
+    }
 }
 
 // Roughness is the square root of the width of GGX here; the course's programs have it as they like.
@@ -210,9 +261,11 @@ ScenePart MaterialImporter::mirror() {
     if (number("METALLIC") != 1) {
         warn_unused({"METALLIC"});
     }
-    warn_of_rgb();
-    warn_of_no_specular("REFL");
-    add_colour(part, "reflectance", specular_key());
+    if (image_.empty()) {
+        warn_of_rgb();
+        warn_of_no_specular("REFL");
+    }
+    add_surface_colour(part, "reflectance", specular_key(), {"RGB", "SPECRGB"});
     if (is_rough) {
         add_roughness(part);
     }
@@ -224,7 +277,9 @@ ScenePart MaterialImporter::mix() {
     warn("SPECEX", "is read as a mix, a mirror with probability 0.5 and else diffuse; the exponent's size is lost");
     warn_unused({"REFRIOR", "SIGMAA", "ROUGHNESS", "METALLIC"});
     warn_of_no_specular("SPECEX");
-    add_colour(part, "albedo", "RGB");
+    const bool has_colour_of_mirror = is_set("SPECRGB");
+    add_surface_colour(part, "albedo", "RGB",
+                       has_colour_of_mirror ? std::vector<std::string>{"RGB"} : std::vector<std::string>{});
     add_colour(part, "reflectance", specular_key());
     part.add("mirror_probability", "0.5", nullptr);
     return part;
@@ -236,7 +291,7 @@ ScenePart MaterialImporter::diffuse() {
     if (number("ROUGHNESS") != 1) {
         warn_unused({"ROUGHNESS"});
     }
-    add_colour(part, "albedo", "RGB");
+    add_surface_colour(part, "albedo", "RGB", {"RGB"});
     return part;
 }
 
@@ -313,12 +368,21 @@ bool MaterialImporter::refuse() {
 }
 
 ScenePart MaterialImporter::part() {
-    if (!reader_.is_whole() || refuse()) {
+    const auto broken = [&] {
         ScenePart part = start("diffuse", "");
         part.is_whole = false;
         return part;
+    };
+    if (!reader_.is_whole() || refuse()) {
+        return broken();
     }
     apply_type();
+    if (!image_.empty() && (is_set("EMITTANCE") || is_set("SIGMAS") || is_set("REFR"))) {
+        reader_.fail(line("TEXTURE"), fmt::format("an image on a diffuse surface, a mirror, metal or a mix, which {} "
+                                                  "is not",
+                                                  label_));
+        return broken();
+    }
     return is_set("EMITTANCE") ? emitter()
            : is_set("SIGMAS")  ? subsurface()
            : is_set("REFR")    ? dielectric()
@@ -329,8 +393,6 @@ ScenePart MaterialImporter::part() {
 
 }  // namespace
 
-ScenePart import_material(const Cis565Section& section, ImportFindings& problems, ImportFindings& warnings) {
-    return MaterialImporter(section, problems, warnings).part();
-}
+ScenePart import_material(CourseImport& import, std::size_t index) { return MaterialImporter(import, index).part(); }
 
 }  // namespace pt

@@ -76,12 +76,6 @@ void ObjectImporter::stand_in() {
     part_.add("shape", "\"box\"", nullptr);
 }
 
-// The words of the line from its key on, or alone, are the file's name; names may have spaces.
-std::string file_name_of(const Cis565Line& line) {
-    const std::size_t first = line.words.size() > 1 ? 1 : 0;
-    return fmt::format("{}", fmt::join(line.words.begin() + static_cast<std::ptrdiff_t>(first), line.words.end(), " "));
-}
-
 void ObjectImporter::add_mesh() {
     part_.add("shape", "\"mesh\"", nullptr);
     const Cis565Line* line = reader_.required("FILE", "with the file of its mesh");
@@ -89,10 +83,10 @@ void ObjectImporter::add_mesh() {
         stand_in();
         return;
     }
-    const std::string called = file_name_of(*line);
+    const std::string called = course_file_name(*line);
     const auto& aliases = import_->sections->mesh_files;
     const std::string name = aliases.contains(called) ? aliases.at(called) : called;
-    const auto found = import_->meshes.find(name);
+    const auto found = import_->files.find(name);
     if (!found) {
         reader_.fail(*line, "a mesh file that is there, beside this one or in a folder above it");
         stand_in();
@@ -245,6 +239,11 @@ ScenePart ObjectImporter::part() {
 }
 
 }  // namespace
+
+std::string course_file_name(const Cis565Line& line) {
+    const std::size_t first = line.words.size() > 1 ? 1 : 0;
+    return fmt::format("{}", fmt::join(line.words.begin() + static_cast<std::ptrdiff_t>(first), line.words.end(), " "));
+}
 
 std::string name_beside(const std::filesystem::path& scene, const std::filesystem::path& file) {
     std::error_code error;

@@ -48,9 +48,6 @@ std::string json_of(const std::string& text);
 // In the scene file: its name, or material_LABEL.
 std::string material_name(const Cis565Section& section);
 
-// The material that a MATERIAL section is read as. Readings that lose something are warnings.
-ScenePart import_material(const Cis565Section& section, ImportFindings& problems, ImportFindings& warnings);
-
 // What scene files do not allow is a problem of the line that it comes from. `file`: the scene's, which names of meshes
 // are relative to.
 void check_parts(const SceneParts& parts, const std::string& file, ImportFindings& problems);

@@ -19,8 +19,6 @@ namespace pt {
 
 namespace {
 
-constexpr std::uint64_t largest_texture_file = std::uint64_t{1} << 28;  // stb_image counts bytes by an int
-
 struct FreePixels {
     void operator()(void* pixels) const { stbi_image_free(pixels); }
 };
@@ -59,7 +57,35 @@ std::vector<Vec3<float>> linear_texels(const Channel* channels, std::uint32_t wi
     return texels;
 }
 
+struct ImagesAtHand {
+    bool is_alive = false;
+    ImagesToBe::Contents contents;
+    std::map<std::string, TextureImage> read;
+};
+
+ImagesAtHand& images_at_hand() {
+    static ImagesAtHand images;
+    return images;
+}
+
+TextureImage read_image_file(const std::filesystem::path& path) {
+    const std::string file = path.string();
+    const std::string ending = ending_of(path);
+    if (ending != ".png" && ending != ".jpg" && ending != ".jpeg") {
+        throw InputError(file, "file name", fmt::format("the ending \"{}\"", ending), ".png, .jpg or .jpeg");
+    }
+    const auto to_be = images_at_hand().contents.find(file);
+    return to_be != images_at_hand().contents.end() ? parse_texture_image(to_be->second, file)
+                                                    : parse_texture_image(read_file(file, largest_texture_file), file);
+}
+
 }  // namespace
+
+ImagesToBe::ImagesToBe(Contents contents) {
+    images_at_hand() = {.is_alive = true, .contents = std::move(contents), .read = {}};
+}
+
+ImagesToBe::~ImagesToBe() { images_at_hand() = {}; }
 
 double srgb_to_linear(double encoded) {
     return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
@@ -102,13 +128,21 @@ TextureImage parse_texture_image(std::string_view content, const std::string& fi
     return image;
 }
 
+bool texture_has_alpha(std::string_view content) {
+    int width = 0, height = 0, channels = 0;
+    return stbi_info_from_memory(reinterpret_cast<const stbi_uc*>(content.data()), static_cast<int>(content.size()),
+                                 &width, &height, &channels) != 0 &&
+           (channels == 2 || channels == 4);
+}
+
 TextureImage read_texture_image(const std::filesystem::path& path) {
-    const std::string file = path.string();
-    const std::string ending = ending_of(path);
-    if (ending != ".png" && ending != ".jpg" && ending != ".jpeg") {
-        throw InputError(file, "file name", fmt::format("the ending \"{}\"", ending), ".png, .jpg or .jpeg");
+    ImagesAtHand& images = images_at_hand();
+    if (!images.is_alive) {
+        return read_image_file(path);
     }
-    return parse_texture_image(read_file(file, largest_texture_file), file);
+    const std::string file = path.string();
+    const auto known = images.read.find(file);
+    return known != images.read.end() ? known->second : images.read.emplace(file, read_image_file(path)).first->second;
 }
 
 }  // namespace pt

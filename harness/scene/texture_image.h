@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +17,7 @@ struct TextureImage {
     std::vector<Vec3<float>> texels;  // linear, from 0 to 1; row-major from the bottom
 };
 
+inline constexpr std::uint64_t largest_texture_file = std::uint64_t{1} << 28;  // in bytes: stb_image has an int of them
 inline constexpr std::uint32_t most_texture_side = 8192;
 // All images of a scene together: 3 GiB of single precision numbers.
 inline constexpr std::uint64_t most_texels = std::uint64_t{1} << 28;
@@ -23,8 +25,22 @@ inline constexpr std::uint64_t most_texels = std::uint64_t{1} << 28;
 // By the file's ending. Throws InputError of one line for a file that is missing, of another kind, too large or broken.
 TextureImage read_texture_image(const std::filesystem::path& path);
 
+// While one lives, read_texture_image reads each file once, and those of these contents, by path, need not be written
+// yet. One at a time.
+class ImagesToBe {
+public:
+    using Contents = std::map<std::string, std::string>;
+    explicit ImagesToBe(Contents contents = {});
+    ~ImagesToBe();
+    ImagesToBe(const ImagesToBe&) = delete;
+    ImagesToBe& operator=(const ImagesToBe&) = delete;
+};
+
 // The same of a file's content; `file` is for the messages. An alpha channel is passed over, grey is three channels.
 TextureImage parse_texture_image(std::string_view content, const std::string& file);
+
+// Whether an image of these bytes, which parse_texture_image can read, says how much of each texel is seen through.
+bool texture_has_alpha(std::string_view content);
 
 // IEC 61966-2-1: from 0 to 1.
 double srgb_to_linear(double encoded);

@@ -71,7 +71,7 @@ def test_what_a_scene_asks_for_is_told_from_its_own_words(survey, text, dialect,
 
 def test_reasons_are_named_and_notes_are_none(survey):
     said = (
-        'ptbench: a.txt:3: found "TEXTURE a.png", allowed: no texture, bump or environment map (none)\n'
+        'ptbench: a.txt:3: found "TEXTURE a.png", allowed: no image here (none)\n'
         'ptbench: a.txt:9: found "FILE b.obj", allowed: a mesh file that is there, beside this one or above\n'
         "ptbench: a.txt:4: note: X 0 is left out\nptbench: a.txt: 2 problems; no scene is written\n"
     )

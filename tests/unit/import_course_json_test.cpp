@@ -65,6 +65,19 @@ std::string with_grey(const std::string& material) {
 
 SceneMaterial grey_of(const std::string& material) { return scene_of(with_grey(material)).materials.at(0); }
 
+TEST(ImportCourseJson, ATextureIsTheImageThatIsShown) {
+    const std::string tiles = PTBENCH_SOURCE_DIR "/scenes/textures/tiles.png";
+    const std::string text = replaced(plain, "\"RGB\": [0.5, 0.5, 0.5]", "\"TEXTURE\": \"" + tiles + "\"");
+    EXPECT_NE(scene_of(text).materials.at(0).texture, nullptr);
+    const Lines warnings = warnings_of(text);
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_TRUE(warnings[0].starts_with("box.json:8: warning: $.Materials.grey.TEXTURE ")) << warnings[0];
+    EXPECT_EQ(problems_of(replaced(plain, "\"RGB\": [0.5, 0.5, 0.5]", "\"TEXTURE\": \"not_there.png\"")),
+              Lines{"box.json:8: found \"$.Materials.grey.TEXTURE not_there.png\", allowed: an image .png or .jpg that "
+                    "is there, "
+                    "beside this file or in a folder above it"});
+}
+
 TEST(ImportCourseJson, AScene) {
     const ImportResult result = result_of(plain);
     EXPECT_EQ(result.json, R"({

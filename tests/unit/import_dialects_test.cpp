@@ -52,12 +52,110 @@ TEST(ImportDialects, AnUnknownWordThatIsOffIsNoted) {
 
 TEST(ImportDialects, WhatIsOnAndHasNoPlaceIsRefusedOrWarnedOf) {
     const std::string at = "cis565.txt:3: found ";
-    EXPECT_EQ(problems_of(with_material("RGB 1 1 1\nTEXTURE wood.jpg\n")),
-              at + "\"TEXTURE wood.jpg\", allowed: no texture, bump or environment map (import takes none over)\n");
+    EXPECT_EQ(problems_of(with_material("RGB 1 1 1\nBUMP_MAP wood.jpg\n")),
+              at + "\"BUMP_MAP wood.jpg\", allowed: no image here (TEXTURE of a material is read; no normal, bump or "
+                   "roughness map is)\n");
     EXPECT_EQ(problems_of(with_material("RGB 1 1 1\nusingProcTex 2\n")),
               at + "\"usingProcTex 2\", allowed: no procedural shape or pattern (scene files have none)\n");
     EXPECT_EQ(warnings_of(with_material("RGB 1 1 1\nFRESNELPOW 3\n")),
               Lines{"cis565.txt:3: warning: FRESNELPOW 3 is lost: scene files have nothing like it"});
+}
+
+const std::string tiles = PTBENCH_SOURCE_DIR "/scenes/textures/tiles.png";
+const std::string unsaid = " is read as sRGB with v upwards; formats of the course do not say";
+
+// In each spelling; the hash of the texels is that of the image itself.
+TEST(ImportDialects, ATextureIsTheImageThatIsShown) {
+    const Scene shipped = load_scene(PTBENCH_SOURCE_DIR "/scenes/textures/textures.json");
+    for (const std::string word : {"TEXTURE", "DIFFUSE_MAP", "DIFFUSE", "D_PATH", "ALBEDO_MAP"}) {
+        for (const std::string colour : {"RGB 1 1 1\n", "RGB 0 0 0\n", "\n"}) {
+            std::string lines = colour;
+            lines.append(word).append(" ").append(tiles).append("\n");
+            const SceneMaterial material = material_of(lines);
+            ASSERT_NE(material.texture, nullptr) << lines;
+            EXPECT_EQ(material.type, MaterialType::diffuse);
+            EXPECT_EQ(material.texture->hash, shipped.materials.back().texture->hash) << lines;
+            const Lines warnings = warnings_of(with_material(lines));
+            ASSERT_EQ(warnings.size(), 1u) << lines;
+            EXPECT_TRUE(warnings[0].ends_with(unsaid)) << warnings[0];
+        }
+    }
+}
+
+TEST(ImportDialects, ATextureOfMirrorsMetalAndMixes) {
+    const std::string texture = "TEXTURE " + tiles + "\n";
+    EXPECT_NE(material_of("RGB 1 1 1\nREFL 1\n" + texture).texture, nullptr);
+    EXPECT_EQ(material_of("REFL 1\n" + texture).type, MaterialType::mirror);
+    EXPECT_EQ(material_of("REFL 1\nROUGHNESS .5\n" + texture).type, MaterialType::rough_conductor);
+    const SceneMaterial mix = material_of("RGB .5 .5 .5\nSPECEX 9\nSPECRGB .25 .5 1\n" + texture);
+    EXPECT_EQ(mix.type, MaterialType::mix);
+    EXPECT_NE(mix.texture, nullptr);
+    EXPECT_EQ(mix.reflectance, Vec3d(.25, .5, 1));
+    EXPECT_EQ(material_of("SPECEX 9\n" + texture).reflectance, Vec3d(1.0));
+}
+
+TEST(ImportDialects, AColourThatAnImageStandsForIsTold) {
+    const Lines warnings = warnings_of(with_material("RGB .5 1 1\nTEXTURE " + tiles + "\n"));
+    ASSERT_EQ(warnings.size(), 2u);
+    EXPECT_EQ(warnings[0], "cis565.txt:2: warning: RGB .5 1 1 is not used: material 0 is diffuse, and shows " + tiles);
+}
+
+TEST(ImportDialects, AnImageIsFoundAsAMeshIs) {
+    const test::TemporaryFolder folder;
+    std::filesystem::create_directories(folder.path() / "project" / "scenes");
+    std::filesystem::create_directories(folder.path() / "project" / "my images");
+    std::filesystem::copy(tiles, folder.path() / "project" / "my images" / "wood.png");
+    for (const std::string named : {"../my images/wood.png", "C:\\course\\my images\\wood.png", "elsewhere/wood.png"}) {
+        std::string lines = "RGB 1 1 1\nTEXTURE ";
+        lines.append(named).append("\n");
+        const ImportResult result = import_cis565({.text = with_material(lines),
+                                                   .file = folder.file("project/scenes/a.txt"),
+                                                   .out = folder.file("a.json"),
+                                                   .name = ""});
+        EXPECT_EQ(result.problems.messages("f", ""), Lines()) << named;
+        EXPECT_NE(result.json.find("{\"image\": \"project/my images/wood.png\"}"), std::string::npos) << result.json;
+    }
+}
+
+TEST(ImportDialects, ImagesThatCannotBeShownAreRefused) {
+    const std::string at = "cis565.txt:3: found ", there =
+                                                       "an image .png or .jpg that is there, beside this file or in "
+                                                       "a folder above it\n";
+    EXPECT_EQ(problems_of(with_material("RGB 1 1 1\nTEXTURE wood.jpg\n")),
+              at + "\"TEXTURE wood.jpg\", allowed: " + there);
+    EXPECT_EQ(problems_of(with_material("RGB 1 1 1\nTEXTURE 1\n")), at + "\"TEXTURE 1\", allowed: " + there);
+    const test::TemporaryFolder folder;
+    test::write_text(folder.file("a.bmp"), "BM");
+    test::write_text(folder.file("a.png"), "no image");
+    EXPECT_NE(
+        problems_of(with_material("RGB 1 1 1\nTEXTURE " + folder.file("a.bmp") + "\n"))
+            .find("found the ending \".bmp\", allowed: .png, .jpg or .jpeg, allowed: an image that can be read\n"),
+        std::string::npos);
+    EXPECT_NE(
+        problems_of(with_material("RGB 1 1 1\nTEXTURE " + folder.file("a.png") + "\n")).find("no header of either"),
+        std::string::npos);
+    const std::string texture = "TEXTURE " + tiles + "\n";
+    for (const std::string lines :
+         {"RGB 1 1 1\nEMITTANCE 1\n", "RGB 1 1 1\nSIGMAS 1 1 1\n", "RGB 1 1 1\nREFR 1\nREFRIOR 1.5\n"}) {
+        EXPECT_TRUE(
+            problems_of(with_material(lines + texture))
+                .ends_with("an image on a diffuse surface, a mirror, metal or a mix, which material 0 is not\n"))
+            << lines;
+    }
+}
+
+TEST(ImportDialects, AMeshWithoutCoordinatesShowsNoImage) {
+    const test::TemporaryFolder folder;
+    test::write_text(folder.file("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    test::write_text(folder.file("b.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
+    const std::string text = with_material("RGB 1 1 1\nTEXTURE " + tiles + "\n");
+    const std::string bare = replaced(text, "cube\n", "mesh\n" + folder.file("a.obj") + "\n");
+    EXPECT_NE(problems_of(bare).find("cis565.txt:16: found \"material 0\", which makes $.objects[0].material "),
+              std::string::npos)
+        << problems_of(bare);
+    EXPECT_NE(problems_of(bare).find("a.obj, which has no texture coordinates: a material without an image"),
+              std::string::npos);
+    EXPECT_EQ(problems_of(replaced(text, "cube\n", "mesh\n" + folder.file("b.obj") + "\n")), "");
 }
 
 TEST(ImportDialects, CommentsMayStandBehindALine) {

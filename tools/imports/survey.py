@@ -45,7 +45,8 @@ JSON_NEEDS = {
 
 # The first that fits a problem names its reason.
 REASONS = (
-    ("texture, bump or environment map", r"no texture, bump or environment map"),
+    ("texture, bump or environment map", r"no texture, bump or environment map|no image here"),
+    ("image that is not in the repository", r"an image \.\w+ or \.\w+ that is there"),
     ("procedural shape or pattern", r"no procedural shape or pattern"),
     ("subsurface scattering without coefficients", r"scattering below a surface|subsurface body with SIGMA_S"),
     ("mesh file that is not in the repository", r"a mesh file that is there|with the file of its mesh"),
