@@ -77,7 +77,8 @@ if(PTBENCH_MPI AND MPI_CXX_FOUND)
 endif()
 # tinygltf is compiled in the first of these files, and asked for in no others.
 set(glb_reader ${PROJECT_SOURCE_DIR}/harness/mesh/gltf_model.cpp ${PROJECT_SOURCE_DIR}/harness/mesh/read_glb.cpp
-    ${PROJECT_SOURCE_DIR}/harness/scene/import_gltf.cpp ${PROJECT_SOURCE_DIR}/harness/scene/import_gltf_material.cpp)
+    ${PROJECT_SOURCE_DIR}/harness/scene/import_gltf.cpp ${PROJECT_SOURCE_DIR}/harness/scene/import_gltf_image.cpp
+    ${PROJECT_SOURCE_DIR}/harness/scene/import_gltf_material.cpp)
 set_source_files_properties(${glb_reader} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
 if(PTBENCH_TINYGLTF_INCLUDE)
   set_source_files_properties(${glb_reader} PROPERTIES COMPILE_DEFINITIONS PTBENCH_HAS_TINYGLTF)

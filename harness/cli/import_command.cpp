@@ -51,8 +51,11 @@ int refuse_import(const ImportResult& result, const ImportArguments& arguments) 
     return exit_bad_input;
 }
 
-// Before the scene: who finds that finds its meshes too.
-void write_meshes(const ImportResult& result, const std::string& out) {
+// Before the scene: who finds that finds its meshes and images too.
+void write_what_it_names(const ImportResult& result, const std::string& out) {
+    for (const ImportedImage& imported : result.images) {
+        write_file((std::filesystem::path(out).parent_path() / imported.file).string(), imported.content);
+    }
     for (const ImportedMesh& imported : result.meshes) {
         write_mesh(imported.mesh, (std::filesystem::path(out).parent_path() / imported.file).string());
     }
@@ -73,7 +76,7 @@ int import_file(const ImportArguments& arguments) {
         return refuse_import(result, arguments);
     }
     print_findings(result.notes, arguments.file, "note");
-    write_meshes(result, arguments.out);
+    write_what_it_names(result, arguments.out);
     write_file(arguments.out, result.json);
     const std::string notes = result.notes.count() > 0 ? ", " + counted(result.notes.count(), "note") : "";
     fmt::print("{}: {}, {}, {}{} -> {}\n", one_line(arguments.file), counted(result.objects, "object"),

@@ -34,9 +34,16 @@ tinygltf::Model parse_gltf_model(std::string_view content, const std::string& fi
         throw InputError(file, "file", fmt::format("{} bytes", content.size()), fmt::format("at most {}", largest));
     }
     tinygltf::TinyGLTF loader;
-    loader.SetImageLoader([](tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*,
-                             int, void*) { return true; },
-                          nullptr);
+    // Of an image that is text of the file its bytes, since nobody else has them; one in a buffer stays there.
+    loader.SetImageLoader(
+        [](tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* bytes,
+           int size, void*) {
+            if (image->bufferView < 0) {
+                image->image.assign(bytes, bytes + size);
+            }
+            return true;
+        },
+        nullptr);
     GltfFileReader reader = read;
     const tinygltf::FsCallbacks files{
         [](const std::string&, void* user) { return bool(*static_cast<GltfFileReader*>(user)); },

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <glm/mat4x4.hpp>
 
-// Pictures are not read, nor any file that no reader is given for.
+// Images are not decoded, and no file is read that no reader is given for.
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #define TINYGLTF_NO_EXTERNAL_IMAGE

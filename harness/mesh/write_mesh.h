@@ -1,4 +1,5 @@
-// Writes a mesh for other programs: .ply (binary, little-endian) or .obj. read_mesh reads either back bit for bit.
+// Writes a mesh for other programs: .ply (binary, little-endian) or .obj. read_mesh reads either back bit for bit;
+// a vertex that lies at several places of an image is written once for each.
 #pragma once
 
 #include <filesystem>

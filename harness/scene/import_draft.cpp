@@ -11,6 +11,7 @@
 #include "harness/mesh/check_mesh.h"
 #include "harness/mesh/read_mesh.h"
 #include "harness/scene/scene_mesh.h"
+#include "harness/scene/texture_image.h"
 
 namespace pt {
 
@@ -38,9 +39,13 @@ Mesh mesh_placed_by(const Mesh& mesh, const Affine& map) {
         made.vertices.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
     }
     made.triangles = mesh.triangles;
+    made.coordinates = mesh.coordinates;
     if (determinant(map) < 0) {
         for (auto& triangle : made.triangles) {
             std::swap(triangle[1], triangle[2]);
+        }
+        for (auto& corners : made.coordinates) {
+            std::swap(corners[1], corners[2]);
         }
     }
     return made;
@@ -173,6 +178,19 @@ std::string ImportDraft::keep_mesh(const Mesh& mesh) {
     return path;
 }
 
+std::string ImportDraft::keep_image(const std::string& content, const std::string& ending) {
+    const fs::path out(source_.out.empty() ? source_.file : source_.out);
+    const std::string name = fmt::format("{}_image_{}{}", out.stem().string(), result_->images.size(), ending);
+    result_->images.push_back({.file = name, .content = content});
+    return name;
+}
+
+bool ImportDraft::shows_image(std::size_t material) const {
+    const std::vector<SceneMember>& members = parts.materials[material].members;
+    return std::any_of(members.begin(), members.end(),
+                       [](const SceneMember& member) { return member.value.starts_with("{\"image\""); });
+}
+
 std::string ImportDraft::path_of(const std::string& named) const {
     const fs::path path(named);
     return (path.is_absolute() ? path : fs::path(folder_of_file(source_.file)) / path).string();
@@ -196,6 +214,11 @@ std::optional<Scene> ImportDraft::checked() {
         meshes[(fs::path(file).parent_path() / imported.file).string()] = make_scene_mesh(imported.mesh, imported.file);
     }
     const MeshesToBe to_be(std::move(meshes));
+    ImagesToBe::Contents images;
+    for (const ImportedImage& imported : result_->images) {
+        images[(fs::path(file).parent_path() / imported.file).string()] = imported.content;
+    }
+    const ImagesToBe images_to_be(std::move(images));
     check_parts(parts, file, problems());
     return problems().count() == 0 ? std::optional(parse_scene(parts.json(), file)) : std::nullopt;
 }

@@ -42,6 +42,10 @@ public:
     bool add_mesh(const std::string& file, const Affine& placed, std::size_t material, const Cis565Line* at);
     // A mesh that is to be written beside the scene; returns the name to add it by.
     std::string keep_mesh(const Mesh& mesh);
+    // Likewise an image file's content; `ending` with its dot. Returns the name that the scene has for it.
+    std::string keep_image(const std::string& content, const std::string& ending);
+    // Whether a material is one that needs texture coordinates.
+    bool shows_image(std::size_t material) const;
 
     // Where a file that the source names lies; and by which name the scene has it.
     std::string path_of(const std::string& named) const;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <set>
 
 #include "harness/json_reader.h"
 #include "harness/mesh/check_mesh.h"
@@ -72,6 +73,7 @@ private:
     GltfMaterials materials_;
     GltfMeshMaker maker_;
     std::map<std::pair<int, std::size_t>, std::string> files_;
+    std::set<std::string> has_coordinates_;  // of files_
     int visits_ = 0;
     std::uint64_t vertices_ = 0;
     bool has_camera_ = false;
@@ -142,6 +144,9 @@ const std::string& GltfImporter::file_of(int mesh, std::size_t primitive, const 
         }
         check_mesh(made, draft_.source().file);
         known->second = draft_.keep_mesh(made);
+        if (!made.coordinates.empty()) {
+            has_coordinates_.insert(known->second);
+        }
     } catch (const InputError& error) {
         draft_.problems().add(0, fmt::format("{}: {}", pointer, error.what()));
     }
@@ -157,7 +162,10 @@ void GltfImporter::add_mesh(int index, const Affine& map, const Cis565Line* at) 
     for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
         const std::string& file = file_of(index, i, fmt::format("/meshes/{}/primitives/{}", index, i));
         const std::optional<std::size_t> material = materials_.material_of(mesh.primitives[i].material);
-        if (!file.empty() && material) {
+        if (!file.empty() && material && draft_.shows_image(*material) && !has_coordinates_.contains(file)) {
+            refuse(fmt::format("/meshes/{}/primitives/{}/attributes", index, i), "no TEXCOORD_0 that can be read",
+                   fmt::format("one for each vertex, since {} is an image", draft_.material_name_of(*material)));
+        } else if (!file.empty() && material) {
             (void)draft_.add_mesh(file, map, *material, at);
         }
     }

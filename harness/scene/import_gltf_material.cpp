@@ -28,6 +28,7 @@ struct GltfMaterials::Reader {
     ImportDraft* draft;
     std::string pointer;  // "/materials/3"
     bool is_good = true;
+    GltfImage image = {};  // that the base colour is; without a value there is none
 
     const Cis565Line* place(const std::string& key, const std::string& value) const {
         return draft->place(0, pointer + key + ": " + value);
@@ -74,6 +75,7 @@ struct GltfMaterials::Reader {
         return colour;
     }
 
+    void read_image(GltfImages& images, const Vec3d& colour, bool is_glass);
     void refuse_textures();
     void refuse_extensions();
     void refuse_see_through();
@@ -81,13 +83,35 @@ struct GltfMaterials::Reader {
     void add_opaque(ScenePart& part, const Vec3d& colour, double metallic, double roughness, const Vec3d& emission);
 };
 
+void GltfMaterials::Reader::read_image(GltfImages& images, const Vec3d& colour, bool is_glass) {
+    const tinygltf::TextureInfo& texture = material->pbrMetallicRoughness.baseColorTexture;
+    const std::string key = "/pbrMetallicRoughness/baseColorTexture", value = fmt::format("texture {}", texture.index);
+    if (texture.index < 0) {
+        return;
+    }
+    if (is_glass) {
+        fail(key, value, "no texture on glass");
+    } else if (texture.texCoord != 0) {
+        fail(key + "/texCoord", fmt::format("{}", texture.texCoord), "0, for TEXCOORD_0");
+    } else if (!texture.extensions.empty()) {
+        fail(key, value, "a texture without " + texture.extensions.begin()->first);
+    } else if (!is_white_colour(colour)) {
+        fail("/pbrMetallicRoughness/baseColorFactor", json_of(colour),
+             "[1, 1, 1] with baseColorTexture: scene files do not multiply images");
+    } else {
+        image = images.of_texture(texture.index);
+        if (image.value.empty()) {
+            fail(key, value, image.refusal);
+        }
+    }
+}
+
 void GltfMaterials::Reader::refuse_textures() {
     const auto refuse = [&](int index, const char* key) {
         if (index >= 0) {
-            fail(key, fmt::format("texture {}", index), "no texture: import takes none over");
+            fail(key, fmt::format("texture {}", index), "no texture: of a material baseColorTexture is read");
         }
     };
-    refuse(material->pbrMetallicRoughness.baseColorTexture.index, "/pbrMetallicRoughness/baseColorTexture");
     refuse(material->pbrMetallicRoughness.metallicRoughnessTexture.index,
            "/pbrMetallicRoughness/metallicRoughnessTexture");
     refuse(material->normalTexture.index, "/normalTexture");
@@ -108,7 +132,8 @@ void GltfMaterials::Reader::refuse_extensions() {
         }
         for (const std::string& key : value.Keys()) {
             if (key.ends_with("Texture")) {
-                fail("/extensions/" + name + "/" + key, "a texture", "no texture: import takes none over");
+                fail("/extensions/" + name + "/" + key, "a texture",
+                     "no texture: of a material baseColorTexture is read");
             }
         }
     }
@@ -120,6 +145,10 @@ void GltfMaterials::Reader::refuse_see_through() {
     const bool is_opaque = material->alphaMode.empty() || material->alphaMode == "OPAQUE" ||
                            (material->alphaMode == "BLEND" && alpha == 1) ||
                            (material->alphaMode == "MASK" && alpha >= material->alphaCutoff);
+    if (is_opaque && image.has_alpha && !material->alphaMode.empty() && material->alphaMode != "OPAQUE") {
+        fail("/alphaMode", material->alphaMode + " with an image that has an alpha channel",
+             "OPAQUE, or no such channel");
+    }
     if (!is_opaque) {
         fail("/alphaMode", material->alphaMode + fmt::format(" with alpha {}", alpha), "OPAQUE, or alpha 1");
     }
@@ -169,11 +198,14 @@ void GltfMaterials::Reader::add_glass(ScenePart& part, const Vec3d& colour, doub
 
 void GltfMaterials::Reader::add_opaque(ScenePart& part, const Vec3d& colour, double metallic, double roughness,
                                        const Vec3d& emission) {
-    const Cis565Line* of_colour = place("/pbrMetallicRoughness/baseColorFactor", json_of(colour));
+    const bool is_image = !image.value.empty();
+    const std::string shown = is_image ? image.value : json_of(colour);
+    const Cis565Line* of_colour =
+        place(is_image ? "/pbrMetallicRoughness/baseColorTexture" : "/pbrMetallicRoughness/baseColorFactor", shown);
     const Cis565Line* of_emission = place("/emissiveFactor", json_of(emission));
     if (metallic == 1) {
         part.add("type", "\"rough_conductor\"", nullptr);
-        part.add("reflectance", json_of(colour), of_colour, "[0, 0, 0]");
+        part.add("reflectance", shown, of_colour, "[0, 0, 0]");
         part.add("roughness", json_of(roughness), place("/pbrMetallicRoughness/roughnessFactor", json_of(roughness)),
                  "1");
     } else if (metallic == 0) {
@@ -191,7 +223,7 @@ void GltfMaterials::Reader::add_opaque(ScenePart& part, const Vec3d& colour, dou
             return;
         }
         part.add("type", "\"diffuse\"", nullptr);
-        part.add("albedo", json_of(colour), of_colour, "[0, 0, 0]");
+        part.add("albedo", shown, of_colour, "[0, 0, 0]");
     } else {
         fail("/pbrMetallicRoughness/metallicFactor", json_of(metallic), "0 or 1: nothing between metal and not");
     }
@@ -209,17 +241,18 @@ std::optional<std::size_t> GltfMaterials::read(int index) {
     }
     const tinygltf::Material& material = index < 0 ? glTFs_own : model_->materials[static_cast<std::size_t>(index)];
     Reader reader{&material, draft_, index < 0 ? "/materials" : fmt::format("/materials/{}", index)};
+    const auto& base = material.pbrMetallicRoughness.baseColorFactor;
+    const Vec3d colour = base.size() >= 3 ? Vec3d(base[0], base[1], base[2]) : Vec3d(1.0);
+    const double through = reader.number_in(transmission, "transmissionFactor", 0);
+    reader.read_image(images_, colour, through != 0);
     reader.refuse_textures();
     reader.refuse_extensions();
     reader.refuse_see_through();
-    const auto& base = material.pbrMetallicRoughness.baseColorFactor;
-    const Vec3d colour = base.size() >= 3 ? Vec3d(base[0], base[1], base[2]) : Vec3d(1.0);
     const auto& factor = material.emissiveFactor;
     const Vec3d emission = (factor.size() == 3 ? Vec3d(factor[0], factor[1], factor[2]) : Vec3d(0.0)) *
                            reader.number_in(emissive_strength, "emissiveStrength", 1);
     const double roughness = material.pbrMetallicRoughness.roughnessFactor;
     const double metallic = material.pbrMetallicRoughness.metallicFactor;
-    const double through = reader.number_in(transmission, "transmissionFactor", 0);
     ScenePart part{.place = "", .head = draft_->place(0, reader.pointer), .members = {}};
     if (through == 0) {
         reader.add_opaque(part, colour, metallic, roughness, emission);

@@ -8,12 +8,14 @@
 
 #include "harness/mesh/gltf_model.h"
 #include "harness/scene/import_draft.h"
+#include "harness/scene/import_gltf_image.h"
 
 namespace pt {
 
 class GltfMaterials {
 public:
-    GltfMaterials(const tinygltf::Model& model, ImportDraft& draft) : model_(&model), draft_(&draft) {}
+    GltfMaterials(const tinygltf::Model& model, ImportDraft& draft)
+        : model_(&model), draft_(&draft), images_(model, draft) {}
 
     // The material's number in the draft, -1 being glTF's own; nothing, and a problem, where scene files have none
     // such.
@@ -25,6 +27,7 @@ private:
 
     const tinygltf::Model* model_;
     ImportDraft* draft_;
+    GltfImages images_;
     std::map<int, std::optional<std::size_t>> known_;
 };
 

@@ -23,9 +23,15 @@ struct ImportedMesh {
     Mesh mesh;
 };
 
+// Likewise an image, as it lay in the source.
+struct ImportedImage {
+    std::string file, content;
+};
+
 struct ImportResult {
     std::string json;  // the scene file's text; empty where there are problems
     std::vector<ImportedMesh> meshes;
+    std::vector<ImportedImage> images;
     ImportFindings problems, warnings, notes;
     std::size_t objects = 0, materials = 0;
 };

@@ -2,6 +2,7 @@
 #include "harness/scene/import_gltf.h"
 
 #include "harness/scene/scene_mesh.h"
+#include "harness/scene/texture_image.h"
 #include "tests/fuzz/imports.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -11,6 +12,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         meshes[imported.file] = pt::make_scene_mesh(imported.mesh, imported.file);
     }
     const pt::MeshesToBe to_be(std::move(meshes));
+    pt::ImagesToBe::Contents images;
+    for (const pt::ImportedImage& imported : result.images) {
+        images[imported.file] = imported.content;
+    }
+    const pt::ImagesToBe images_to_be(std::move(images));
     pt::fuzz::require_import(result);
     return 0;
 }

@@ -51,6 +51,33 @@ TEST(WriteMeshTest, BothFormatsAreReadBackBitForBit) {
     }
 }
 
+// Two triangles over one edge, whose ends lie at other places of the image for each.
+TEST(WriteMeshTest, TextureCoordinatesAreReadBackBitForBit) {
+    Mesh mesh;
+    mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0.1f}, {9, 9, 9}};
+    mesh.triangles = {{0, 1, 2}, {3, 2, 1}};
+    mesh.coordinates = {{{{0.0f, 0.1f}, {1.0f / 3.0f, 0.0f}, {-7.5f, 1e-30f}}},
+                        {{{1.0f, 1.0f}, {-7.5f, 1e-30f}, {0.25f, -0.0f}}}};
+    const test::TemporaryFolder folder;
+    for (const bool has_normals : {false, true}) {
+        mesh.normals.assign(has_normals ? 5 : 0, {0, 0, 1});
+        for (const std::string ending : {".ply", ".obj"}) {
+            const std::string file = folder.file("a" + ending);
+            write_mesh(mesh, file);
+            const Mesh again = read_mesh(file);
+            EXPECT_EQ(again.coordinates, mesh.coordinates) << ending;
+            EXPECT_EQ(again.vertices.size(), 5u) << ending;  // vertex 1 twice; vertex 4 is of no triangle
+            EXPECT_EQ(again.normals.size(), has_normals ? 5u : 0u) << ending;
+            ASSERT_EQ(again.triangles.size(), 2u);
+            for (std::size_t i = 0; i < 2; ++i) {
+                for (std::size_t corner = 0; corner < 3; ++corner) {
+                    EXPECT_EQ(again.vertices[again.triangles[i][corner]], mesh.vertices[mesh.triangles[i][corner]]);
+                }
+            }
+        }
+    }
+}
+
 TEST(WriteMeshTest, AnotherEndingIsRefused) {
     const test::TemporaryFolder folder;
     EXPECT_THROW(write_mesh(generate_mesh("equal", 1), folder.file("a.stl")), InputError);

@@ -4,12 +4,14 @@
 #include <cmath>
 #include <cstring>
 
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "harness/mesh/read_mesh.h"
 #include "harness/scene/import_scene.h"
 #include "harness/scene/scene_mesh.h"
+#include "harness/scene/texture_image.h"
 #include "tests/support/command.h"
 
 namespace pt::test {
@@ -76,6 +78,11 @@ struct Gltf {
             meshes[imported.file] = make_scene_mesh(imported.mesh, imported.file);
         }
         const MeshesToBe to_be(std::move(meshes));
+        ImagesToBe::Contents images;
+        for (const ImportedImage& imported : result.images) {
+            images[imported.file] = imported.content;
+        }
+        const ImagesToBe images_to_be(std::move(images));
         if (!result.json.empty()) {
             scene = parse_scene(result.json, "back.json");
         }
@@ -229,6 +236,115 @@ TEST_F(ImportGltfTest, TransmissionIsGlass) {
     EXPECT_EQ(thin.material().ior, 1.5);
     ASSERT_EQ(thin.warnings().size(), 2u);
     EXPECT_NE(thin.warnings()[0].find("thin wall"), std::string::npos);
+}
+
+const std::string tiles = PTBENCH_SOURCE_DIR "/scenes/textures/tiles.png";
+
+// The triangle of document() with v down, as glTF has it, and an image for its base colour.
+Json document_with_image(const Json& image) {
+    Json json = document();
+    const std::string bytes = buffer + std::string(2, '\0') + bytes_of<float>({0, 1, 1, 1, 0, 0.25f});
+    json["buffers"][0] = {{"byteLength", 68}, {"uri", "data:application/octet-stream;base64," + base64(bytes)}};
+    json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", 44}, {"byteLength", 24}});
+    json["accessors"].push_back({{"bufferView", 2}, {"componentType", 5126}, {"count", 3}, {"type", "VEC2"}});
+    json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = 2;
+    json["materials"][0] = Json::parse(R"({"name": "tiles", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0},
+        "metallicFactor": 0}, "extensions": {"KHR_materials_specular": {"specularFactor": 0}}})");
+    json["textures"] = Json::array({Json{{"source", 0}}});
+    json["images"] = Json::array({image});
+    return json;
+}
+
+// Of each way to have an image the texels are those of the file, and the corners lie where they did, with v up.
+TEST_F(ImportGltfTest, TheBaseColoursImage) {
+    const std::string content = content_of(tiles);
+    const Json in_text = {{"uri", "data:image/png;base64," + base64(content)}};
+    for (const Json& image : {Json{{"uri", tiles}}, in_text}) {
+        const Gltf read(document_with_image(image));
+        ASSERT_EQ(read.problems(), Lines());
+        const bool is_beside = read.result.images.empty();
+        EXPECT_EQ(is_beside, image != in_text);
+        if (!is_beside) {
+            EXPECT_EQ(read.result.images[0].file, "back_image_0.png");
+            EXPECT_EQ(read.result.images[0].content, content);
+        }
+        ASSERT_EQ(read.scene.materials.size(), 1u);
+        ASSERT_NE(read.scene.materials[0].texture, nullptr);
+        EXPECT_EQ(read.scene.materials[0].texture->image.texels, read_texture_image(tiles).texels);
+        const auto& corners = read.scene.meshes.at(0)->coordinates;
+        ASSERT_EQ(corners.size(), 1u);
+        const Triangle<float>& triangle = read.scene.meshes[0]->triangles[0];
+        for (int i = 0; i < 3; ++i) {
+            const Vec3<float> at = i == 0 ? triangle.a : i == 1 ? triangle.b : triangle.c;
+            EXPECT_EQ(corners[0].u[i], at.x);
+            EXPECT_EQ(corners[0].v[i], at.y == 2 ? 0.75f : 0.0f);
+        }
+    }
+}
+
+TEST_F(ImportGltfTest, AnImageInTheBuffer) {
+    const std::string content = content_of(tiles);
+    Json json = document_with_image({{"bufferView", 3}, {"mimeType", "image/png"}});
+    json["buffers"].push_back(
+        {{"byteLength", content.size()}, {"uri", "data:application/octet-stream;base64," + base64(content)}});
+    json["bufferViews"].push_back({{"buffer", 1}, {"byteOffset", 0}, {"byteLength", content.size()}});
+    const Gltf read(json);
+    ASSERT_EQ(read.problems(), Lines());
+    ASSERT_EQ(read.result.images.size(), 1u);
+    EXPECT_EQ(read.result.images[0].content, content);
+    EXPECT_EQ(read.notes().back(), "f: /images/0 is written as back_image_0.png");
+    json["bufferViews"][3]["byteLength"] = content.size() + 1;
+    EXPECT_EQ(Gltf(json).problems().size(), 1u);
+}
+
+TEST_F(ImportGltfTest, ImagesThatCannotBeShownAreRefused) {
+    const auto problem = [](const Json& json) {
+        const Gltf read(json);
+        EXPECT_EQ(read.problems().size(), 1u) << fmt::format("{}", fmt::join(read.problems(), "\n"));
+        return read.problems().empty() ? "" : read.problems()[0];
+    };
+    const std::string texture = "f: found /materials/0/pbrMetallicRoughness/baseColorTexture: texture 0, allowed: ";
+    const Json good = document_with_image({{"uri", tiles}});
+    EXPECT_TRUE(problem(document_with_image({{"uri", "missing.png"}}))
+                    .starts_with(texture + "an image that can be read (in/missing.png"));
+    EXPECT_NE(problem(document_with_image({{"uri", "a%20b.webp"}}))
+                  .find("in/a b.webp: file name: found the ending \".webp\""),
+              std::string::npos);
+    Json changed = good;
+    changed["samplers"] = Json::array({Json{{"wrapS", 33071}}});
+    changed["textures"][0]["sampler"] = 0;
+    EXPECT_EQ(problem(changed), texture + "wrapS and wrapT 10497 of /samplers/0: images repeat here");
+    changed["samplers"][0] = {{"magFilter", 9728}, {"wrapS", 10497}};
+    EXPECT_EQ(problem(changed), texture + "magFilter 9729 of /samplers/0: texels are blended here");
+    changed["samplers"][0] = {{"minFilter", 9987}};
+    EXPECT_EQ(Gltf(changed).problems(), Lines());
+    changed = good;
+    changed["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = {1, 0.5, 1, 1};
+    EXPECT_EQ(problem(changed),
+              "f: found /materials/0/pbrMetallicRoughness/baseColorFactor: [1, 0.5, 1], allowed: [1, 1, 1] with "
+              "baseColorTexture: scene files do not multiply images");
+    changed = good;
+    changed["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = 1;
+    EXPECT_EQ(problem(changed),
+              "f: found /materials/0/pbrMetallicRoughness/baseColorTexture/texCoord: 1, allowed: 0, for TEXCOORD_0");
+    changed = good;
+    changed["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"]
+           ["offset"] = Json::array({0.5, 0});
+    EXPECT_EQ(problem(changed), texture + "a texture without KHR_texture_transform");
+    changed = good;
+    changed["meshes"][0]["primitives"][0]["attributes"].erase("TEXCOORD_0");
+    EXPECT_EQ(problem(changed),
+              "f: found /meshes/0/primitives/0/attributes: no TEXCOORD_0 that can be read, allowed: one for each "
+              "vertex, since "
+              "tiles is an image");
+    changed = good;
+    changed["materials"][0]["normalTexture"]["index"] = 0;
+    EXPECT_EQ(
+        problem(changed),
+        "f: found /materials/0/normalTexture: texture 0, allowed: no texture: of a material baseColorTexture is read");
+    changed = good;
+    changed["materials"][0]["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}};
+    EXPECT_EQ(problem(changed), texture + "no texture on glass");
 }
 
 TEST_F(ImportGltfTest, EverythingThatIsNotReadIsListedAtOnce) {
