@@ -1,10 +1,12 @@
 #include <cmath>
 #include <filesystem>
+#include <functional>
 
 #include <fmt/format.h>
 
 #include "harness/bench/kept_result.h"
 #include "harness/cli/commands.h"
+#include "harness/json_reader.h"
 #include "harness/mesh/write_mesh.h"
 #include "harness/places.h"
 #include "harness/scene/export_mitsuba.h"
@@ -57,33 +59,29 @@ MitsubaSettings settings_of(const ExportArguments& arguments, const Scene& scene
     return settings;
 }
 
-void refuse_what_is_there(const std::vector<fs::path>& files) {
-    for (const fs::path& file : files) {
-        check_output_file(file.string());
-        refuse_result(file.string());
+struct FileToWrite {
+    fs::path path;
+    std::function<void(const std::string& file)> write;
+};
+
+void refuse_what_is_there(const std::vector<FileToWrite>& files) {
+    for (const FileToWrite& file : files) {
+        check_output_file(file.path.string());
+        refuse_result(file.path.string());
     }
 }
 
-// The XML last: who finds it finds the meshes too. What a failure left of new files is removed.
-void write_files(const Scene& scene, const MitsubaScene& exported, const std::vector<fs::path>& files) {
+// The XML last: who finds it finds what it names too. What a failure left of new files is removed.
+void write_files(const std::vector<FileToWrite>& files) {
     std::vector<fs::path> made;
     try {
-        for (std::size_t i = 0; i < exported.meshes.size(); ++i) {
-            const bool is_new = !fs::exists(files[i]);
-            write_mesh(indexed_mesh(*scene.meshes[exported.meshes[i]]), files[i].string());
+        for (const FileToWrite& file : files) {
+            const bool is_new = !fs::exists(file.path);
+            file.write(file.path.string());
             if (is_new) {
-                made.push_back(files[i]);
+                made.push_back(file.path);
             }
         }
-        if (!exported.environment_file.empty()) {
-            const fs::path& file = files[exported.meshes.size()];
-            const bool is_new = !fs::exists(file);
-            write_file(file.string(), exported.environment);
-            if (is_new) {
-                made.push_back(file);
-            }
-        }
-        write_file(files.back().string(), exported.xml);
     } catch (const MachineError&) {
         for (const fs::path& file : made) {
             std::error_code ignored;
@@ -91,6 +89,28 @@ void write_files(const Scene& scene, const MitsubaScene& exported, const std::ve
         }
         throw;
     }
+}
+
+// All that there is to write, in that order.
+std::vector<FileToWrite> files_of(const Scene& scene, const MitsubaScene& exported, const fs::path& xml) {
+    const fs::path folder = xml.parent_path();
+    std::vector<FileToWrite> files;
+    for (std::size_t i = 0; i < exported.meshes.size(); ++i) {
+        const SceneMesh& mesh = *scene.meshes[exported.meshes[i]];
+        files.push_back({folder / exported.mesh_files[i],
+                         [&mesh](const std::string& file) { write_mesh(indexed_mesh(mesh), file); }});
+    }
+    const auto add = [&](const fs::path& path, std::string content) {
+        files.push_back({path, [content = std::move(content)](const std::string& file) { write_file(file, content); }});
+    };
+    for (const auto& [name, source] : exported.images) {
+        add(folder / name, read_file(source, largest_texture_file));
+    }
+    if (!exported.environment_file.empty()) {
+        add(folder / exported.environment_file, exported.environment);
+    }
+    add(xml, exported.xml);
+    return files;
 }
 
 int refuse(const std::vector<std::string>& problems, const std::string& scene) {
@@ -111,16 +131,9 @@ int run(const ExportArguments& arguments) {
     }
     const fs::path xml = xml_file(arguments, scene);
     const MitsubaScene exported = mitsuba_scene(scene, settings, xml.stem().string());
-    std::vector<fs::path> files;
-    for (const std::string& mesh_file : exported.mesh_files) {
-        files.push_back(xml.parent_path() / mesh_file);
-    }
-    if (!exported.environment_file.empty()) {
-        files.push_back(xml.parent_path() / exported.environment_file);
-    }
-    files.push_back(xml);
+    const std::vector<FileToWrite> files = files_of(scene, exported, xml);
     refuse_what_is_there(files);
-    write_files(scene, exported, files);
+    write_files(files);
     constexpr double visible = 0.5;
     if (const double offset = mitsuba_offset_by_thickness(scene, arguments.scale); offset > visible) {
         fmt::print(stderr,
@@ -139,7 +152,8 @@ Command add_export_command(CLI::App& app) {
     auto arguments = std::make_shared<ExportArguments>();
     CLI::App* command = app.add_subcommand("export", "Write a scene for another renderer (docs/other_renderers.md)");
     command->add_option("SCENE", arguments->scene, "Scene by name or .json file")->required()->check(check_not_empty);
-    command->add_option("--format", arguments->format, "mitsuba: Mitsuba 3's XML, meshes as PLY beside it")->required();
+    command->add_option("--format", arguments->format, "mitsuba: Mitsuba 3's XML, meshes as PLY and images beside it")
+        ->required();
     command->add_option("--out", arguments->out, "The file (.xml), or a folder for it")
         ->required()
         ->check(check_not_empty);

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "harness/json_reader.h"
 #include "harness/scene/mitsuba_limits.h"
 #include "harness/scene/xml_text.h"
 
@@ -181,14 +182,45 @@ private:
     // Names in the file are free text; an id is for references.
     std::string id_of(std::size_t material) const { return fmt::format("material_{}", material); }
 
+    std::string file_of(const SceneTexture& texture) {
+        for (const auto& [file, source] : made_.images) {
+            if (source == texture.path) {
+                return file;
+            }
+        }
+        const std::string file = fmt::format("{}_image_{}{}", stem_, made_.images.size(), ending_of(texture.path));
+        made_.images.emplace_back(file, texture.path);
+        return file;
+    }
+
+    // Values are sRGB in both; the format is that of texels once they are decoded, which would be half precision.
+    void write_image(const std::string& name, const SceneTexture& texture) {
+        xml_.open("texture", {{"type", "bitmap"}, {"name", name}});
+        value("string", "filename", file_of(texture));
+        value("string", "filter_type", "bilinear");
+        value("string", "wrap_mode", "repeat");
+        value("boolean", "raw", "false");
+        value("string", "format", "variant");
+        xml_.close();
+    }
+
+    bool has_image(const SceneObject& object) const {
+        return mitsuba_image(scene_.materials[object.material]) != nullptr;
+    }
+
     // A surface that reflects on both sides.
-    void write_reflector(const std::string& id, bool is_mirror, const Vec3d& colour) {
+    void write_reflector(const std::string& id, bool is_mirror, const Vec3d& colour, const SceneTexture* image) {
         xml_.open("bsdf", {{"type", "twosided"}, {"id", id}});
         xml_.open("bsdf", {{"type", is_mirror ? "conductor" : "diffuse"}});
         if (is_mirror) {
             value("string", "material", "none");
         }
-        rgb(is_mirror ? "specular_reflectance" : "reflectance", colour);
+        const std::string name = is_mirror ? "specular_reflectance" : "reflectance";
+        if (image != nullptr) {
+            write_image(name, *image);
+        } else {
+            rgb(name, colour);
+        }
         xml_.close();
         xml_.close();
     }
@@ -209,7 +241,7 @@ private:
         } else {
             const bool is_mirror = material.type == MaterialType::mirror ||
                                    (material.type == MaterialType::mix && material.mirror_probability == 1);
-            write_reflector(id, is_mirror, is_mirror ? material.reflectance : material.albedo);
+            write_reflector(id, is_mirror, is_mirror ? material.reflectance : material.albedo, mitsuba_image(material));
         }
     }
 
@@ -265,7 +297,21 @@ private:
         write_medium(material);
     }
 
+    // Mitsuba's u is the angle about its z, from x on, and its v that from z, where an image has its first row. Here u
+    // begins at -z, about y, and the image's top is at y.
+    void write_sphere_with_image(const SceneObject& object) {
+        const Matrix own = placement_of_object(object);
+        xml_.open("shape", {{"type", "sphere"}});
+        write_transform({own.z * -0.5, own.x * -0.5, own.y * 0.5, own.origin});
+        write_surface(object);
+        xml_.close();
+    }
+
     void write_sphere(const SceneObject& object) {
+        if (has_image(object)) {
+            write_sphere_with_image(object);
+            return;
+        }
         const Vec3d centre = place_of(scene_, object) * settings_.scale;
         xml_.open("shape", {{"type", "sphere"}});
         xml_.leaf("point",
@@ -294,10 +340,11 @@ private:
         xml_.close();
     }
 
-    // One that emits is two, back to back and a little apart: Mitsuba's emit on one side only.
+    // One with an image lies face down, so that its y is where an image has its first row at the other end: both sides
+    // are the same. One that emits is two, back to back and a little apart: Mitsuba's emit on one side only.
     void write_quad(const SceneObject& object) {
         if (!is_emissive(scene_.materials[object.material])) {
-            write_rectangle(object, true, Vec3d(0.0));
+            write_rectangle(object, !has_image(object), Vec3d(0.0));
             return;
         }
         const Extent extent = extent_of(scene_, object);
@@ -321,9 +368,13 @@ private:
         return made_.mesh_files.back();
     }
 
-    void write_mesh_file(std::uint32_t mesh) {
-        value("string", "filename", file_of(mesh));
+    // An image's first row is where v is 0 in Mitsuba, and where it is 1 here.
+    void write_mesh_file(const SceneObject& object) {
+        value("string", "filename", file_of(object.mesh));
         value("boolean", "face_normals", "true");
+        if (has_image(object)) {
+            value("boolean", "flip_tex_coords", "true");
+        }
     }
 
     // A mesh in one material that several objects show.
@@ -351,7 +402,7 @@ private:
             written[group] = true;
             xml_.open("shape", {{"type", "shapegroup"}, {"id", id_of(group)}});
             xml_.open("shape", {{"type", "ply"}});
-            write_mesh_file(object.mesh);
+            write_mesh_file(object);
             write_surface(object);
             xml_.close();
             xml_.close();
@@ -364,7 +415,7 @@ private:
         if (instance) {
             xml_.leaf("ref", {{"id", id_of(Group{object.mesh, object.material})}});
         } else {
-            write_mesh_file(object.mesh);
+            write_mesh_file(object);
         }
         write_transform(placement_of_object(object));
         if (!instance) {
@@ -416,6 +467,9 @@ Mesh indexed_mesh(const SceneMesh& mesh) {
     };
     for (const Triangle<float>& t : mesh.triangles) {
         indexed.triangles.push_back({index(t.a), index(t.b), index(t.c)});
+    }
+    for (const CornerCoordinates& c : mesh.coordinates) {
+        indexed.coordinates.push_back({{{c.u[0], c.v[0]}, {c.u[1], c.v[1]}, {c.u[2], c.v[2]}}});
     }
     return indexed;
 }

@@ -5,7 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "harness/error.h"
 #include "harness/scene/mitsuba_indices.h"
+#include "harness/scene/texture_image.h"
 
 namespace pt {
 
@@ -24,14 +26,72 @@ bool is_white_in_mitsuba(const Vec3d& v) { return v.x == 1 && v.y == 1 && v.z ==
 
 }  // namespace
 
+// src/textures/bitmap.cpp: the first row of the image is where v is 0.
+MitsubaMaterials::Colour MitsubaMaterials::read_bitmap(const XmlElement& element, MitsubaObject& object) {
+    MitsubaObject bitmap(element, *file_);
+    if (bitmap.type() != "bitmap") {
+        object.fail(element, "a texture of type bitmap");
+        return {};
+    }
+    const std::string name = bitmap.text("filename", "");
+    if (bitmap.text("filter_type", "bilinear") != "bilinear") {
+        bitmap.fail(*bitmap.property("filter_type"), "bilinear: texels are blended here");
+    }
+    if (bitmap.text("wrap_mode", "repeat") != "repeat") {
+        bitmap.fail(*bitmap.property("wrap_mode"), "repeat: images repeat here");
+    }
+    if (bitmap.boolean("raw", false)) {
+        bitmap.fail(*bitmap.property("raw"), "false: the values of an image are sRGB here");
+    }
+    const Affine map = bitmap.transform("to_uv");
+    const auto is = [](const Vec3d& v, double x, double y) { return v.x == x && v.y == y; };
+    const bool keeps_u = is(map.column[0], 1, 0) && map.origin.x == 0;
+    const bool is_plain = keeps_u && is(map.column[1], 0, 1) && map.origin.y == 0;
+    const bool is_turned = keeps_u && is(map.column[1], 0, -1) && (map.origin.y == 0 || map.origin.y == 1);
+    if (!is_plain && !is_turned) {
+        bitmap.fail(*bitmap.property("to_uv"), "none, or a scale by 1 and -1");
+    }
+    bitmap.ignore({"format", "accel"});
+    bitmap.finish("filename, filter_type, wrap_mode, raw, to_uv, format and accel");
+    const std::string file = file_->draft->path_of(name);
+    try {
+        (void)read_texture_image(file);
+    } catch (const InputError& error) {
+        const XmlElement* named = bitmap.property("filename");
+        bitmap.fail(named != nullptr ? *named : element, fmt::format("an image that can be read ({})", error.what()));
+    }
+    if (!bitmap.is_good()) {
+        object.spoil();
+        return {};
+    }
+    return {.value = Vec3d(1.0),
+            .json = fmt::format("{{\"image\": {}}}", json_of(file_->draft->name_in_scene(file))),
+            .image = is_turned ? MitsubaImage::v_up : MitsubaImage::v_down};
+}
+
+MitsubaMaterials::Colour MitsubaMaterials::read_colour(MitsubaObject& object, const std::string& name,
+                                                       const Vec3d& otherwise) {
+    const XmlElement* found = object.property(name);
+    if (found != nullptr && found->tag == "ref") {
+        const auto known = file_->by_id.find(found->value_of("id"));
+        found = known == file_->by_id.end() ? nullptr : known->second;
+    }
+    if (found != nullptr && found->tag == "texture") {
+        return read_bitmap(*found, object);
+    }
+    const Vec3d colour = object.colour(name, otherwise);
+    return {.value = colour, .json = json_of(colour)};
+}
+
 MitsubaMaterials::Bsdf MitsubaMaterials::read_diffuse(MitsubaObject& object) {
-    const Vec3d albedo = object.colour("reflectance", Vec3d(0.5));
+    const Colour albedo = read_colour(object, "reflectance", Vec3d(0.5));
     const XmlElement* at = object.property("reflectance");
     return {.type = "diffuse",
-            .members = {mitsuba_member("albedo", json_of(albedo), file_->place(at != nullptr ? *at : object.element()),
+            .members = {mitsuba_member("albedo", albedo.json, file_->place(at != nullptr ? *at : object.element()),
                                        "[0, 0, 0]")},
             .one_sided = &object.element(),
-            .is_black = is_black(albedo)};
+            .is_black = is_black(albedo.value),
+            .image = albedo.image};
 }
 
 // alpha = roughness^2. `changes`: what is told of the distribution.
@@ -55,7 +115,8 @@ double MitsubaMaterials::read_roughness(MitsubaObject& object, std::string& chan
 
 MitsubaMaterials::Bsdf MitsubaMaterials::read_conductor(MitsubaObject& object, bool is_rough) {
     const std::string material = object.text("material", "none");
-    const Vec3d colour = object.colour("specular_reflectance", Vec3d(1.0));
+    const Colour shown = read_colour(object, "specular_reflectance", Vec3d(1.0));
+    const Vec3d colour = shown.value;
     std::optional<Vec3d> eta = object.optional_colour("eta"), k = object.optional_colour("k");
     if (material != "none") {
         const MitsubaMetal* metal = find_mitsuba_metal(material);
@@ -68,6 +129,9 @@ MitsubaMaterials::Bsdf MitsubaMaterials::read_conductor(MitsubaObject& object, b
     }
     const Cis565Line* at = file_->place(object.element());
     const bool has_fresnel = eta || k;
+    if (has_fresnel && shown.image != MitsubaImage::none) {
+        object.fail(*object.property("specular_reflectance"), "one colour with eta and k, which it is multiplied by");
+    }
     Vec3d reflectance = colour;
     std::string changes;
     if (has_fresnel) {
@@ -78,23 +142,26 @@ MitsubaMaterials::Bsdf MitsubaMaterials::read_conductor(MitsubaObject& object, b
         }
         changes = fmt::format("Fresnel's formula of eta and k as Schlick's from [{:.4g}, {:.4g}, {:.4g}] on; ",
                               reflectance.x, reflectance.y, reflectance.z);
-    } else if (is_rough && !is_white_in_mitsuba(colour)) {
+    } else if (is_rough && (shown.image != MitsubaImage::none || !is_white_in_mitsuba(colour))) {
         changes = "a reflectance that goes to white at grazing angles; ";
     }
+    const std::string json = has_fresnel ? json_of(reflectance) : shown.json;
     if (!is_rough && !has_fresnel) {
         return {.type = "mirror",
-                .members = {mitsuba_member("reflectance", json_of(reflectance), at, "[0, 0, 0]")},
+                .members = {mitsuba_member("reflectance", json, at, "[0, 0, 0]")},
                 .one_sided = &object.element(),
-                .is_black = is_black(reflectance)};
+                .is_black = is_black(reflectance),
+                .image = shown.image};
     }
     const double roughness = is_rough ? read_roughness(object, changes) : 0;
     if (!changes.empty()) {
         file_->warn(object.element(), "is read with " + changes.substr(0, changes.find_last_not_of("; ") + 1));
     }
     return {.type = "rough_conductor",
-            .members = {mitsuba_member("reflectance", json_of(reflectance), at, "[0, 0, 0]"),
+            .members = {mitsuba_member("reflectance", json, at, "[0, 0, 0]"),
                         mitsuba_member("roughness", json_of(roughness), at, "1")},
-            .one_sided = &object.element()};
+            .one_sided = &object.element(),
+            .image = shown.image};
 }
 
 // A number, or the name of what it is the index of.
@@ -161,6 +228,7 @@ MitsubaMaterials::Bsdf MitsubaMaterials::read_blend(MitsubaObject& object, int d
                                          file_->place(object.element()), "0"));
     mix.one_sided = first.one_sided != nullptr ? first.one_sided : second.one_sided;
     mix.is_good = first.is_good && second.is_good;
+    mix.image = diffuse.image;
     file_->warn(object.element(),
                 "is read as a mix, with a probability for each of the two: Mitsuba's own picture of it is too dark "
                 "(docs/other_renderers.md)");
@@ -198,7 +266,7 @@ MitsubaMaterials::Bsdf MitsubaMaterials::read_bsdf(const XmlElement& element, in
         bsdf.is_good = false;
         return bsdf;
     }
-    object.finish("what " + type + " has here: no texture and nothing else");
+    object.finish("what " + type + " has here: nothing else");
     bsdf.is_good = bsdf.is_good && object.is_good();
     return bsdf;
 }
@@ -307,6 +375,7 @@ std::optional<std::size_t> MitsubaMaterials::make(const MitsubaSurface& surface,
                                           id.empty() ? (is_lamp ? "lamp" : bsdf.type) : id + (is_lamp ? "_lamp" : ""));
         one_sided_[*made] = bsdf.one_sided;
         emitters_[*made] = surface.emitter;
+        images_[*made] = bsdf.image;
     }
     return made;
 }

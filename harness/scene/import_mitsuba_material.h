@@ -16,6 +16,10 @@ struct MitsubaSurface {
     const XmlElement* shape = nullptr;
 };
 
+// Which way up a material's image is: with v, which is 0 at the bottom here, or as Mitsuba has it without to_uv,
+// against it.
+enum class MitsubaImage { none, v_down, v_up };
+
 class MitsubaMaterials {
 public:
     explicit MitsubaMaterials(const MitsubaFile& file) : file_(&file) {}
@@ -29,6 +33,7 @@ public:
     // Null where both its sides reflect here and there; else the element that has one side in Mitsuba.
     const XmlElement* one_sided(std::size_t material) const { return one_sided_.at(material); }
     const XmlElement* emitter(std::size_t material) const { return emitters_.at(material); }
+    MitsubaImage image(std::size_t material) const { return images_.at(material); }
     std::set<const XmlElement*> used() const;  // BSDFs
 
 private:
@@ -37,9 +42,18 @@ private:
         std::vector<SceneMember> members;
         const XmlElement* one_sided = nullptr;
         bool is_good = true, is_black = false, is_glass = false;
+        MitsubaImage image = MitsubaImage::none;
+    };
+    // One colour, or an image.
+    struct Colour {
+        Vec3d value{0.0};
+        std::string json;  // as scene files have it
+        MitsubaImage image = MitsubaImage::none;
     };
     using Key = std::tuple<const XmlElement*, const XmlElement*, const XmlElement*, bool>;
 
+    Colour read_colour(MitsubaObject& object, const std::string& name, const Vec3d& otherwise);
+    Colour read_bitmap(const XmlElement& element, MitsubaObject& object);
     const Bsdf& bsdf_of(const XmlElement* element);
     Bsdf read_bsdf(const XmlElement& element, int depth);
     Bsdf read_diffuse(MitsubaObject& object);
@@ -56,6 +70,7 @@ private:
     std::map<const XmlElement*, Bsdf> bsdfs_;
     std::map<Key, std::optional<std::size_t>> made_;
     std::map<std::size_t, const XmlElement*> one_sided_, emitters_;
+    std::map<std::size_t, MitsubaImage> images_;
 };
 
 }  // namespace pt

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "harness/error.h"
+#include "harness/mesh/read_mesh.h"
 #include "harness/scene/mitsuba_limits.h"
 #include "harness/scene/scene_mesh.h"
 
@@ -108,13 +109,14 @@ bool MitsubaShapes::read_sphere(MitsubaObject& object, const Affine& outer, Plac
     const double scale = shortest_within(lengths[0], 1e-15 * lengths[0]);
     placed.own = scaling(Vec3d(diameter * scale));
     placed.own.origin = map.point(centre);
+    placed.map = map;
     return true;
 }
 
 bool MitsubaShapes::read_mesh_file(MitsubaObject& object, Placed& placed) {
     const std::string name = object.text("filename", "");
     const bool has_flat_normals = object.boolean("face_normals", false);
-    object.ignore({"flip_tex_coords"});
+    placed.flips_v = object.boolean("flip_tex_coords", object.type() == "obj");
     if (name.empty()) {
         object.fail(object.element(), "a file name");
         return false;
@@ -182,6 +184,7 @@ void MitsubaShapes::add_placed(const XmlElement& shape, const Affine& outer, int
         is_good = read_sphere(object, outer, placed) && is_good;
     } else {
         const Affine map = outer * object.transform("to_world");
+        placed.map = map;
         placed.kind = is_mesh ? "mesh" : type == "cube" ? "box" : "quad";
         placed.own = is_mesh ? map : type == "cube" ? of_twice_the_side(map) : quad_of(map, placed.is_flipped);
         is_good = (!is_mesh || read_mesh_file(object, placed)) && is_good;
@@ -240,12 +243,64 @@ void MitsubaShapes::pair_lamps(const Vec3d& eye) {
     }
 }
 
+bool MitsubaShapes::lay_image_on_mesh(Placed& placed, bool turns_v) {
+    const XmlElement& shape = *placed.surface.shape;
+    if (mesh_from_file(placed.mesh)->coordinates.empty()) {
+        file_->refuse(shape, "a mesh with texture coordinates, since its BSDF has an image");
+        return false;
+    }
+    if (!turns_v) {
+        return true;
+    }
+    const auto [known, is_new] = turned_.try_emplace(placed.mesh);
+    if (is_new) {
+        Mesh mesh = read_mesh(placed.mesh);
+        for (auto& corners : mesh.coordinates) {
+            for (std::array<float, 2>& corner : corners) {
+                corner[1] = 1 - corner[1];
+            }
+        }
+        known->second = file_->draft->keep_mesh(mesh);
+        file_->note(shape, fmt::format("has v downwards: its mesh, with v turned round, is written as {}",
+                                       file_->draft->name_in_scene(known->second)));
+    }
+    placed.mesh = known->second;
+    return true;
+}
+
+// So that each point has the texel that it has there: src/shapes/ of Mitsuba 3, and kernels/texture.h.
+bool MitsubaShapes::lay_image(Placed& placed, MitsubaImage image) {
+    const XmlElement& shape = *placed.surface.shape;
+    const bool is_up = image == MitsubaImage::v_up;
+    if (placed.kind == "mesh") {
+        return lay_image_on_mesh(placed, is_up == placed.flips_v);
+    }
+    if (placed.kind == "sphere" && !is_up && determinant(placed.map) > 0) {
+        // u is the angle about z from x on, and v that from z; here from -z on about y, and from y.
+        const double size = length_of_vector(placed.own.column[0]) / length_of_vector(placed.map.column[0]);
+        placed.own.column[0] = placed.map.column[1] * -size;
+        placed.own.column[1] = placed.map.column[2] * size;
+        placed.own.column[2] = placed.map.column[0] * -size;
+        return true;
+    }
+    if (placed.kind == "quad" && placed.surface.emitter == nullptr) {
+        placed.own = quad_of(placed.map, !is_up);
+        return true;
+    }
+    file_->refuse(shape, placed.kind == "sphere" ? "a sphere that is not mirrored, with a texture without to_uv"
+                         : placed.kind == "quad" ? "on a rectangle, an image or an emitter"
+                                                 : "an image on a rectangle, a sphere or a mesh: on a cube it lies in "
+                                                   "another way here");
+    return false;
+}
+
 void MitsubaShapes::write(const Vec3d& eye) {
     pair_lamps(eye);
     for (Placed& shape : shapes_) {
         const std::optional<std::size_t> material =
             shape.is_gone ? std::nullopt : materials_.material_of(shape.surface);
-        if (!material) {
+        const MitsubaImage image = material ? materials_.image(*material) : MitsubaImage::none;
+        if (!material || (image != MitsubaImage::none && !lay_image(shape, image))) {
             continue;
         }
         ImportDraft& draft = *file_->draft;

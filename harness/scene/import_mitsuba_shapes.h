@@ -25,11 +25,13 @@ private:
     struct Placed {
         std::string kind;  // of scene files
         Affine own;        // from the space of scene files' shapes
+        Affine map;        // from that of Mitsuba's
         MitsubaSurface surface;
         std::string mesh;  // its file
         bool is_flipped = false;
         bool is_pair = false;  // of two lamps back to back: shines to both sides
         bool is_gone = false;  // the other of such a pair
+        bool flips_v = false;  // of a mesh: Mitsuba has 1 - v of its file
         std::size_t object = no_object;
         std::size_t material = 0;
     };
@@ -41,6 +43,8 @@ private:
     bool read_mesh_file(MitsubaObject& object, Placed& placed);
     void add_instance(MitsubaObject& object, const Affine& outer, int depth);
     void pair_lamps(const Vec3d& eye);
+    bool lay_image(Placed& placed, MitsubaImage image);
+    bool lay_image_on_mesh(Placed& placed, bool turns_v);
     bool are_back_to_back(const Placed& a, const Placed& b, double far) const;
     void write_behind(const Scene& scene);
     void dim_lamps_in_glass(const Scene& scene);
@@ -51,6 +55,7 @@ private:
     MitsubaMaterials materials_;
     std::vector<Placed> shapes_;
     std::size_t visits_ = 0;
+    std::map<std::string, std::string> turned_;  // meshes whose v is turned round, by their files
 };
 
 }  // namespace pt

@@ -51,9 +51,6 @@ void check_camera(const Scene& scene, Problems& problems) {
 
 void check_material(const SceneMaterial& material, std::uint32_t depth, Problems& problems) {
     const std::string place = "$.materials." + material.name;
-    if (material.texture != nullptr) {
-        problems.add(place, "the image " + material.texture->file, "one colour: images are not exported");
-    }
     switch (material.type) {
         case MaterialType::diffuse:
         case MaterialType::emitter:
@@ -105,6 +102,19 @@ void check_shape(const Scene& scene, const SceneObject& object, Problems& proble
     if (name == "sphere" && (scale.x != scale.y || scale.x != scale.z)) {
         problems.add(place + ".scale", fmt::format("[{}, {}, {}]", scale.x, scale.y, scale.z),
                      "one number for a sphere: Mitsuba's sphere cannot be stretched");
+    }
+}
+
+// A point of a shape has the same texel there.
+void check_image(const SceneMaterial& material, const SceneObject& object, Problems& problems) {
+    const std::string found = fmt::format("a {} with the image {}", name_of(object.shape), material.texture->file);
+    if (object.shape == Shape::box) {
+        problems.add(place_in_file(object), found,
+                     "a quad, a sphere or a mesh: Mitsuba lays images on a box's sides in another way");
+    }
+    if (object.shape == Shape::quad && is_emissive(material)) {
+        problems.add(place_in_file(object), found + ", which emits",
+                     "one of both: it would be two in Mitsuba, and on one the image the wrong way up");
     }
 }
 
@@ -196,6 +206,11 @@ void check_body(const Scene& scene, const SceneObject& body, Problems& problems)
 
 }  // namespace
 
+const SceneTexture* mitsuba_image(const SceneMaterial& material) {
+    const bool is_mirror_alone = material.type == MaterialType::mix && material.mirror_probability == 1;
+    return is_mirror_alone ? nullptr : material.texture.get();
+}
+
 bool is_emissive(const SceneMaterial& material) { return !is_black(material.emission); }
 
 Vec3d place_of(const Scene& scene, const SceneObject& object) {
@@ -257,6 +272,9 @@ std::vector<std::string> mitsuba_problems(const Scene& scene, const std::string&
     }
     for (const SceneObject& object : scene.objects) {
         check_shape(scene, object, problems);
+        if (mitsuba_image(scene.materials[object.material]) != nullptr) {
+            check_image(scene.materials[object.material], object, problems);
+        }
         if (is_emissive(scene.materials[object.material])) {
             check_lamp(scene, object, problems);
         }

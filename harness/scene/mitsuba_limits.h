@@ -31,6 +31,9 @@ bool contains_as_it_stands(const Scene& scene, const SceneObject& object, const 
 // enters those once more than it leaves them.
 double radiance_factor(const Scene& scene, const SceneObject& lamp);
 
+// The image that the surface shows in Mitsuba; null: one colour.
+const SceneTexture* mitsuba_image(const SceneMaterial& material);
+
 // Whether it sends out light.
 bool is_emissive(const SceneMaterial& material);
 

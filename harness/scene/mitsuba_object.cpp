@@ -135,7 +135,7 @@ std::optional<Vec3d> MitsubaObject::optional_colour(const std::string& name) {
     const bool is_good = numbers && ((numbers->size() == 3 && is_rgb) || (numbers->size() == 1 && (is_rgb || is_grey)));
     if (!is_good) {
         fail(*found, fmt::format("<rgb name=\"{0}\"> with 1 or 3 numbers, or a <spectrum name=\"{0}\"> with 1: no "
-                                 "texture, no wavelengths",
+                                 "wavelengths, and textures of reflectances alone",
                                  name));
         return std::nullopt;
     }

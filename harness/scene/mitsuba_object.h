@@ -66,6 +66,8 @@ public:
     Affine transform(const std::string& name);
 
     void fail(const XmlElement& element, const std::string& allowed);
+    // For what is wrong within an object of its own, and told.
+    void spoil() { is_good_ = false; }
     // What was not asked for is a problem. `known` says in words what the object may have.
     void finish(const std::string& known);
 

@@ -34,6 +34,7 @@ struct SceneCamera {
 struct SceneTexture {
     TextureImage image;
     std::string file;  // as the scene names it
+    std::string path;  // where it lies
     std::string hash;  // of the texels and the width: 16 hex digits
 };
 

@@ -10,7 +10,8 @@ namespace pt {
 std::shared_ptr<const SceneTexture> read_texture(const JsonValue& value) {
     const JsonValue named = JsonObject(value, {"image"}).required("image");
     auto texture = std::make_shared<SceneTexture>();
-    texture->image = read_texture_image(named.named_file());
+    texture->path = named.named_file().string();
+    texture->image = read_texture_image(texture->path);
     texture->file = named.text();
     const std::vector<Vec3<float>>& texels = texture->image.texels;
     texture->hash = fmt::format(

@@ -200,6 +200,22 @@ TEST(ExportCommandTest, MeshesAreFilesAndCopiesAreInstances) {
     EXPECT_EQ(read.vertices.size(), 42u);
 }
 
+TEST(ExportCommandTest, ImagesAreCopiedBesideTheFile) {
+    const std::string tiles = PTBENCH_SOURCE_DIR "/scenes/textures/tiles.png";
+    const std::string material = "\"shown\": {\"type\": \"diffuse\", \"albedo\": {\"image\": \"" + tiles + "\"}}";
+    const Exported exported(scene_text("", material, R"({"shape": "quad", "material": "shown"})"), "out");
+    EXPECT_EQ(exported.command.exit_code, 0) << exported.command.err;
+    EXPECT_EQ(exported.folder.content(), (Arguments{"out", "out/small.xml", "out/small_image_0.png", "small.json"}));
+    EXPECT_EQ(content_of(exported.folder.file("out/small_image_0.png")), content_of(tiles));
+    const Exported box(scene_text("", material, R"({"shape": "box", "material": "shown"})"), "out");
+    EXPECT_EQ(box.command.exit_code, 2);
+    EXPECT_NE(
+        box.command.err.find("small.json: $.objects[0]: found a box with the image " + tiles + ", allowed: a quad, "),
+        std::string::npos)
+        << box.command.err;
+    EXPECT_EQ(box.folder.content(), Arguments{"small.json"});
+}
+
 TEST(ExportCommandTest, WrongCallsAreOneLine) {
     const auto refusal = [](const Arguments& added) {
         const Exported exported(scene_text("", white, one_quad), "x.xml", added);

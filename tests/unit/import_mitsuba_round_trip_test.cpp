@@ -34,8 +34,7 @@ std::vector<std::string> scenes_to_export() {
     return names;
 }
 
-class MitsubaRoundTripTest : public testing::TestWithParam<std::string> {
-protected:
+struct ThereAndBack {
     // Exported into the folder and imported from it.
     Scene there_and_back(const Scene& scene) {
         const MitsubaScene exported = mitsuba_scene(scene,
@@ -47,6 +46,9 @@ protected:
                                                     "there");
         for (std::size_t i = 0; i < exported.meshes.size(); ++i) {
             write_mesh(indexed_mesh(*scene.meshes[exported.meshes[i]]), folder.file(exported.mesh_files[i]));
+        }
+        for (const auto& [name, source] : exported.images) {
+            std::filesystem::copy(source, folder.path() / name);
         }
         result = import_mitsuba({.text = exported.xml,
                                  .file = folder.file("there.xml"),
@@ -61,6 +63,8 @@ protected:
     TemporaryFolder folder;
     ImportResult result;
 };
+
+class MitsubaRoundTripTest : public testing::TestWithParam<std::string>, protected ThereAndBack {};
 
 // Columns of the matrix that places it.
 std::vector<Vec3d> placement(const SceneObject& object) {
@@ -144,6 +148,77 @@ INSTANTIATE_TEST_SUITE_P(Shipped, MitsubaRoundTripTest, testing::ValuesIn(scenes
         name.begin(), name.end(), [](char c) { return c == '/' || c == '.' || c == '-'; }, '_');
     return name;
 });
+
+// One of each that can show an image, each turned about all axes, and a mesh that two objects show.
+std::string scene_with_images() {
+    const std::string image = "{\"image\": \"" PTBENCH_SOURCE_DIR "/scenes/textures/tiles.png\"}";
+    const std::string mesh =
+        R"("vertices": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.3]], "triangles": [[0, 1, 2], [0, 2, 3]],
+        "texture_coordinates": [[0.1, 0.2], [1.7, 0], [2, 1], [0, 3]], "material": "tiles", "rotate_degrees": [10, 20, 30])";
+    return R"({"name": "images", "max_depth": 5, "environment": [1, 0.5, 0.25],
+  "camera": {"eye": [0, 1, 6], "look_at": [0, 0, 0], "up": [0, 1, 0], "vertical_fov_degrees": 60, "resolution": [24, 24]},
+  "materials": {"tiles": {"type": "diffuse", "albedo": )" +
+           image + R"(}, "mirror": {"type": "mirror", "reflectance": )" + image + R"(},
+    "part": {"type": "mix", "albedo": )" +
+           image + R"(, "reflectance": [1, 1, 1], "mirror_probability": 0}},
+  "objects": [
+    {"shape": "quad", "material": "tiles", "translate": [-1, 0, 0], "rotate_degrees": [70, 15, -5], "scale": [3, 1, 2]},
+    {"shape": "quad", "material": "part", "translate": [0, -1, 0], "scale": [6, 1, 6]},
+    {"shape": "sphere", "material": "tiles", "translate": [1.5, 0, 1], "rotate_degrees": [25, -40, 110], "scale": 1.5},
+    {"shape": "sphere", "material": "mirror", "translate": [-1.5, 0, 2], "scale": 1},
+    {"shape": "mesh", "translate": [-2, 0.5, 1], )" +
+           mesh + R"(}, {"shape": "mesh", "translate": [1, 1, 0], )" + mesh + "}]}";
+}
+
+TEST(MitsubaImagesTest, EveryBitOfTheFilmComesBack) {
+    if (!reads_xml()) {
+        GTEST_SKIP() << "this build has no reader for XML";
+    }
+    const Scene scene = parse_scene(scene_with_images(), "scene.json");
+    ASSERT_EQ(mitsuba_problems(scene, "scene.json", scene.max_depth), std::vector<std::string>());
+    ThereAndBack way;
+    const Scene back = way.there_and_back(scene);
+    EXPECT_EQ(way.result.warnings.messages("f", ""), std::vector<std::string>());
+    ASSERT_EQ(back.objects.size(), scene.objects.size());
+    EXPECT_TRUE(way.result.meshes.empty());  // those that the export wrote are good as they are
+    const RenderOptions options{.samples = 4};
+    EXPECT_EQ(render_variant(back, options, "accelerator", "bvh2").hash(),
+              render_variant(scene, options, "accelerator", "bvh2").hash());
+}
+
+// Where Mitsuba's own coordinates have the image's corners: u from its first column on, v from its first row on. Those
+// of a rectangle are (x + 1) / 2 and (y + 1) / 2, those of a sphere atan2(y, x) / 2 pi and acos(z) / pi, and those of a
+// PLY with flip_tex_coords u and 1 - v of the file (src/shapes/ of Mitsuba 3).
+TEST(MitsubaImagesTest, CoordinatesAreTurnedByTheirFormulas) {
+    const Scene scene = parse_scene(scene_with_images(), "scene.json");
+    const MitsubaScene exported = mitsuba_scene(scene, {.width = 24, .height = 24, .depth = 5}, "there");
+    ASSERT_EQ(exported.images.size(), 1u);
+    EXPECT_EQ(exported.images[0].first, "there_image_0.png");
+    const auto has = [&](const std::string& text) { return exported.xml.find(text) != std::string::npos; };
+    // The floor, upright for who looks down with -z ahead: its y goes with +z, so that the first row is at -z.
+    EXPECT_TRUE(has("<matrix value=\"3 0 0 0 0 0 -0.5 -1 0 3 0 0 0 0 0 1\"/>")) << exported.xml;
+    // The ball that is not turned: its z is +y, and the middle of the image, at -x there, is +z; a quarter further on,
+    // at -y there, is +x.
+    EXPECT_TRUE(has("<matrix value=\"0 -0.5 0 -1.5 0 0 0.5 0 -0.5 0 0 2 0 0 0 1\"/>")) << exported.xml;
+    EXPECT_TRUE(has("<boolean name=\"flip_tex_coords\" value=\"true\"/>"));
+    EXPECT_TRUE(has(R"(<texture type="bitmap" name="reflectance">
+        <string name="filename" value="there_image_0.png"/>
+        <string name="filter_type" value="bilinear"/>
+        <string name="wrap_mode" value="repeat"/>
+        <boolean name="raw" value="false"/>
+        <string name="format" value="variant"/>
+      </texture>)"))
+        << exported.xml;
+    EXPECT_TRUE(has("<texture type=\"bitmap\" name=\"specular_reflectance\">"));
+    const Mesh file = indexed_mesh(*scene.meshes[0]);
+    ASSERT_EQ(file.coordinates.size(), 2u);
+    for (std::size_t i = 0; i < 2; ++i) {
+        for (std::size_t corner = 0; corner < 3; ++corner) {
+            const CornerCoordinates& here = scene.meshes[0]->coordinates[i];
+            EXPECT_EQ(file.coordinates[i][corner], (std::array<float, 2>{here.u[corner], here.v[corner]}));
+        }
+    }
+}
 
 // Of an image the texels are many more in the file, for Mitsuba blends them, and lie where they lay.
 TEST(MitsubaEnvironmentTest, ComesBack) {

@@ -2,6 +2,7 @@
 #include "harness/scene/import_mitsuba.h"
 
 #include <cmath>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -285,6 +286,128 @@ TEST_F(ImportMitsubaTest, ALampInGlassIsDimmedByTheSquareOfTheIndex) {
 <float name="int_ior" value="2"/><float name="ext_ior" value="1"/></bsdf></shape>)"));
     ASSERT_EQ(within.warnings().size(), 1u);
     EXPECT_NE(within.warnings()[0].find("a dielectric with the eye inside"), std::string::npos);
+}
+
+const std::string tiles = PTBENCH_SOURCE_DIR "/scenes/textures/tiles.png";
+
+// A BSDF with an image, and what else its texture has.
+std::string with_image(const std::string& more = "", const std::string& file = tiles) {
+    return fmt::format(
+        "<bsdf type=\"twosided\" id=\"tiles\"><bsdf type=\"diffuse\"><texture type=\"bitmap\" name=\"reflectance\">"
+        "<string name=\"filename\" value=\"{}\"/>{}</texture></bsdf></bsdf>\n",
+        file, more);
+}
+
+// A shape of that BSDF.
+std::string shown_on(const std::string& type, const std::string& content = "") {
+    return fmt::format("<shape type=\"{}\">{}<ref id=\"tiles\"/></shape>", type, content);
+}
+
+std::string named_file(const std::string& file) {
+    return fmt::format("<string name=\"filename\" value=\"{}\"/><boolean name=\"face_normals\" value=\"true\"/>", file);
+}
+
+const std::string v_turned = R"(<transform name="to_uv"><scale x="1" y="-1"/></transform>)";
+
+// Where a point of the object's own space stands.
+Vec3d placed_point(const SceneObject& object, const Vec3d& p) {
+    const Rotation rotation = rotation_of(object.rotate_degrees);
+    return object.translate + rotation.column[0] * (object.scale.x * p.x) +
+           rotation.column[1] * (object.scale.y * p.y) + rotation.column[2] * (object.scale.z * p.z);
+}
+
+// Mitsuba's (u, v) of a rectangle is ((x + 1) / 2, (y + 1) / 2), and v = 0 the image's first row; here (0, 0), in a
+// quad's own space (-1/2, 0, 1/2), is the lower left corner.
+TEST_F(ImportMitsubaTest, AnImageOnARectangleLiesAsItDoesThere) {
+    for (const bool is_turned : {false, true}) {
+        const Mitsuba read(scene_of(with_image(is_turned ? v_turned : "") + shown_on("rectangle")));
+        ASSERT_EQ(read.problems(), Lines());
+        EXPECT_EQ(read.warnings(), Lines());
+        ASSERT_NE(read.material().texture, nullptr);
+        EXPECT_TRUE(std::filesystem::equivalent(read.material().texture->path, tiles));
+        const double last_row = is_turned ? -1 : 1;  // its y
+        EXPECT_EQ(placed_point(read.scene.objects[0], {-0.5, 0, 0.5}), Vec3d(-1, last_row, 0));
+        EXPECT_EQ(placed_point(read.scene.objects[0], {0.5, 0, -0.5}), Vec3d(1, -last_row, 0));
+    }
+}
+
+// u is atan2(y, x) / 2 pi and v is acos(z) / pi; here the image's middle is at +z, three quarters of its width at +x,
+// and its first row at +y.
+TEST_F(ImportMitsubaTest, AnImageOnASphereLiesAsItDoesThere) {
+    const Mitsuba read(scene_of(with_image() + shown_on("sphere")));
+    ASSERT_EQ(read.problems(), Lines());
+    const SceneObject& sphere = read.scene.objects.at(0);
+    EXPECT_EQ(placed_point(sphere, {0, 0, 0.5}), Vec3d(-1, 0, 0));
+    EXPECT_EQ(placed_point(sphere, {0.5, 0, 0}), Vec3d(0, -1, 0));
+    EXPECT_EQ(placed_point(sphere, {0, 0.5, 0}), Vec3d(0, 0, 1));
+}
+
+// Of a PLY Mitsuba's v is the file's, of an OBJ 1 - v; and it is downwards, unless to_uv turns it.
+TEST_F(ImportMitsubaTest, AnImageOnAMeshLiesAsItDoesThere) {
+    const TemporaryFolder folder;
+    Mesh mesh;
+    mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.triangles = {{0, 1, 2}};
+    mesh.coordinates = {{{{0, 0}, {1, 0}, {0, 0.25f}}}};
+    const auto expect_rows = [&](const std::string& kind, const std::string& flip, bool is_turned) {
+        const std::string flips =
+            flip.empty() ? "" : fmt::format(R"(<boolean name="flip_tex_coords" value="{}"/>)", flip);
+        const std::string content =
+            with_image(is_turned ? v_turned : "") + shown_on(kind, named_file(folder.file("a." + kind)) + flips);
+        const ImportResult result = import_mitsuba(
+            {.text = scene_of(content), .file = folder.file("there.xml"), .out = folder.file("back.json"), .name = ""});
+        ASSERT_EQ(result.problems.messages("f", ""), Lines());
+        const bool is_flipped = flip.empty() ? kind == "obj" : flip == "true";
+        ASSERT_EQ(result.meshes.size(), is_flipped == is_turned ? 1u : 0u);
+        const auto& corners = result.meshes.empty() ? mesh.coordinates : result.meshes[0].mesh.coordinates;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const float in_file = mesh.coordinates[0][i][1];
+            const float down = (is_flipped ? 1 - in_file : in_file) * (is_turned ? -1.0f : 1.0f);
+            const float v = corners[0][i][1], expected = 1 - down;  // but for whole images
+            EXPECT_EQ(v - std::floor(v), expected - std::floor(expected)) << kind << flip << is_turned;
+        }
+    };
+    for (const std::string kind : {"ply", "obj"}) {
+        write_mesh(mesh, folder.file("a." + kind));
+        for (const std::string flip : {"", "true", "false"}) {
+            expect_rows(kind, flip, false);
+            expect_rows(kind, flip, true);
+        }
+    }
+}
+
+TEST_F(ImportMitsubaTest, ImagesThatCannotBeShownAreRefused) {
+    const auto problem = [](const std::string& content) {
+        const Mitsuba read(scene_of(content));
+        EXPECT_EQ(read.problems().size(), 1u) << content;
+        return read.problems().empty() ? "" : read.problems()[0];
+    };
+    const std::string quad = shown_on("rectangle");
+    EXPECT_TRUE(problem(with_image("", "missing.png") + quad)
+                    .starts_with("f:4: found <string name=\"filename\" value=\"missing.png\">, allowed: an image that "
+                                 "can be read (missing.png"));
+    EXPECT_EQ(problem(with_image(R"(<string name="filter_type" value="nearest"/>)") + quad),
+              "f:4: found <string name=\"filter_type\" value=\"nearest\">, allowed: bilinear: texels are blended here");
+    EXPECT_EQ(problem(with_image(R"(<string name="wrap_mode" value="clamp"/>)") + quad),
+              "f:4: found <string name=\"wrap_mode\" value=\"clamp\">, allowed: repeat: images repeat here");
+    EXPECT_EQ(problem(with_image(R"(<boolean name="raw" value="true"/>)") + quad),
+              "f:4: found <boolean name=\"raw\" value=\"true\">, allowed: false: the values of an image are sRGB here");
+    EXPECT_EQ(problem(with_image(R"(<transform name="to_uv"><scale value="2"/></transform>)") + quad),
+              "f:4: found <transform name=\"to_uv\">, allowed: none, or a scale by 1 and -1");
+    EXPECT_EQ(
+        problem(with_image() + shown_on("cube")),
+        "f:5: found <shape type=\"cube\">, allowed: an image on a rectangle, a sphere or a mesh: on a cube it lies "
+        "in another way here");
+    EXPECT_EQ(
+        problem(with_image(v_turned) + shown_on("sphere")),
+        "f:5: found <shape type=\"sphere\">, allowed: a sphere that is not mirrored, with a texture without to_uv");
+    const std::string lamp = R"(<emitter type="area"><rgb name="radiance" value="1"/></emitter>)";
+    EXPECT_EQ(problem(with_image() + shown_on("rectangle", lamp)),
+              "f:5: found <shape type=\"rectangle\">, allowed: on a rectangle, an image or an emitter");
+    const TemporaryFolder folder;
+    write_text(folder.file("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    EXPECT_EQ(problem(with_image() + shown_on("obj", named_file(folder.file("a.obj")))),
+              "f:5: found <shape type=\"obj\">, allowed: a mesh with texture coordinates, since its BSDF has an image");
 }
 
 TEST_F(ImportMitsubaTest, EverythingThatIsNotReadIsListedAtOnce) {
