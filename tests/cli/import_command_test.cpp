@@ -83,6 +83,23 @@ TEST(ImportCommandTest, AllProblemsAreListedAndAnOldSceneStays) {
     EXPECT_EQ(folder.content(), (Arguments{"box.json", "box.txt"}));
 }
 
+// An image that lies within the file is written beside the scene; of a file that is refused nothing is.
+TEST(ImportCommandTest, AnImageOfTheFileIsWrittenBesideTheScene) {
+    const std::string corpus = PTBENCH_SOURCE_DIR "/tests/fuzz/corpus/import_gltf/";
+    const TemporaryFolder folder;
+    const CommandResult good = ptbench({"import", corpus + "image.gltf", "--out", folder.file("a.json")});
+    if (good.err.find("no reader for glTF") != std::string::npos) {
+        GTEST_SKIP() << "this build has no reader for glTF";
+    }
+    EXPECT_EQ(good.exit_code, 0) << good.err;
+    EXPECT_EQ(folder.content(), (Arguments{"a.json", "a_image_0.png", "a_mesh_0.ply"}));
+    const auto scene = nlohmann::json::parse(content_of(folder.file("a.json")));
+    EXPECT_EQ(scene.at("materials").at("shown").at("reflectance").at("image"), "a_image_0.png");
+    const CommandResult refused = ptbench({"import", corpus + "hostile_image.gltf", "--out", folder.file("b.json")});
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_EQ(folder.content().size(), 3u);
+}
+
 TEST(ImportCommandTest, ANameIsCheckedAsSceneNamesAre) {
     EXPECT_EQ(Imported(exact, {"--name", "my_box-2"}).scene().at("name"), "my_box-2");
     for (const std::string& bad : {std::string(), std::string("a b"), std::string("a.b"), std::string(65, 'a')}) {
