@@ -5,9 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "harness/error.h"
 #include "harness/scene/mitsuba_indices.h"
-#include "harness/scene/texture_image.h"
 
 namespace pt {
 
@@ -25,63 +23,6 @@ SceneMember mitsuba_member(const char* key, const std::string& value, const Cis5
 bool is_white_in_mitsuba(const Vec3d& v) { return v.x == 1 && v.y == 1 && v.z == 1; }
 
 }  // namespace
-
-// src/textures/bitmap.cpp: the first row of the image is where v is 0.
-MitsubaMaterials::Colour MitsubaMaterials::read_bitmap(const XmlElement& element, MitsubaObject& object) {
-    MitsubaObject bitmap(element, *file_);
-    if (bitmap.type() != "bitmap") {
-        object.fail(element, "a texture of type bitmap");
-        return {};
-    }
-    const std::string name = bitmap.text("filename", "");
-    if (bitmap.text("filter_type", "bilinear") != "bilinear") {
-        bitmap.fail(*bitmap.property("filter_type"), "bilinear: texels are blended here");
-    }
-    if (bitmap.text("wrap_mode", "repeat") != "repeat") {
-        bitmap.fail(*bitmap.property("wrap_mode"), "repeat: images repeat here");
-    }
-    if (bitmap.boolean("raw", false)) {
-        bitmap.fail(*bitmap.property("raw"), "false: the values of an image are sRGB here");
-    }
-    const Affine map = bitmap.transform("to_uv");
-    const auto is = [](const Vec3d& v, double x, double y) { return v.x == x && v.y == y; };
-    const bool keeps_u = is(map.column[0], 1, 0) && map.origin.x == 0;
-    const bool is_plain = keeps_u && is(map.column[1], 0, 1) && map.origin.y == 0;
-    const bool is_turned = keeps_u && is(map.column[1], 0, -1) && (map.origin.y == 0 || map.origin.y == 1);
-    if (!is_plain && !is_turned) {
-        bitmap.fail(*bitmap.property("to_uv"), "none, or a scale by 1 and -1");
-    }
-    bitmap.ignore({"format", "accel"});
-    bitmap.finish("filename, filter_type, wrap_mode, raw, to_uv, format and accel");
-    const std::string file = file_->draft->path_of(name);
-    try {
-        (void)read_texture_image(file);
-    } catch (const InputError& error) {
-        const XmlElement* named = bitmap.property("filename");
-        bitmap.fail(named != nullptr ? *named : element, fmt::format("an image that can be read ({})", error.what()));
-    }
-    if (!bitmap.is_good()) {
-        object.spoil();
-        return {};
-    }
-    return {.value = Vec3d(1.0),
-            .json = fmt::format("{{\"image\": {}}}", json_of(file_->draft->name_in_scene(file))),
-            .image = is_turned ? MitsubaImage::v_up : MitsubaImage::v_down};
-}
-
-MitsubaMaterials::Colour MitsubaMaterials::read_colour(MitsubaObject& object, const std::string& name,
-                                                       const Vec3d& otherwise) {
-    const XmlElement* found = object.property(name);
-    if (found != nullptr && found->tag == "ref") {
-        const auto known = file_->by_id.find(found->value_of("id"));
-        found = known == file_->by_id.end() ? nullptr : known->second;
-    }
-    if (found != nullptr && found->tag == "texture") {
-        return read_bitmap(*found, object);
-    }
-    const Vec3d colour = object.colour(name, otherwise);
-    return {.value = colour, .json = json_of(colour)};
-}
 
 MitsubaMaterials::Bsdf MitsubaMaterials::read_diffuse(MitsubaObject& object) {
     const Colour albedo = read_colour(object, "reflectance", Vec3d(0.5));

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "harness/error.h"
-#include "harness/mesh/read_mesh.h"
 #include "harness/scene/mitsuba_limits.h"
 #include "harness/scene/scene_mesh.h"
 
@@ -241,31 +240,6 @@ void MitsubaShapes::pair_lamps(const Vec3d& eye) {
                                                       a.surface.shape->line));
         }
     }
-}
-
-bool MitsubaShapes::lay_image_on_mesh(Placed& placed, bool turns_v) {
-    const XmlElement& shape = *placed.surface.shape;
-    if (mesh_from_file(placed.mesh)->coordinates.empty()) {
-        file_->refuse(shape, "a mesh with texture coordinates, since its BSDF has an image");
-        return false;
-    }
-    if (!turns_v) {
-        return true;
-    }
-    const auto [known, is_new] = turned_.try_emplace(placed.mesh);
-    if (is_new) {
-        Mesh mesh = read_mesh(placed.mesh);
-        for (auto& corners : mesh.coordinates) {
-            for (std::array<float, 2>& corner : corners) {
-                corner[1] = 1 - corner[1];
-            }
-        }
-        known->second = file_->draft->keep_mesh(mesh);
-        file_->note(shape, fmt::format("has v downwards: its mesh, with v turned round, is written as {}",
-                                       file_->draft->name_in_scene(known->second)));
-    }
-    placed.mesh = known->second;
-    return true;
 }
 
 // So that each point has the texel that it has there: src/shapes/ of Mitsuba 3, and kernels/texture.h.
