@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <stdexcept>
+#include <type_traits>
 #include <vector>
 
 #include "variants/acceleration/encoding.h"
@@ -15,6 +16,9 @@
 
 namespace pt::accelerator::cwbvh {
 namespace {
+
+static_assert(std::is_trivially_default_constructible_v<NodeGroup>,
+              "a ray would write its whole stack before it begins");
 
 // The tree with leaves that a node can hold: larger ones are halved.
 std::vector<BinaryTree::Node> with_small_leaves(const BinaryTree& tree) {

@@ -230,11 +230,12 @@ PT_HD inline std::uint32_t by_octant(std::uint32_t bits, std::uint32_t flip) {
 }
 
 // Children of one node that are yet to be visited: bits 24 to 31 in the order of the octant; bits 0 to 7: which
-// children are nodes.
+// children are nodes. Without values of its own: an array of them, which waits on a stack, would be written whole for
+// every ray, 512 bytes a lane.
 struct NodeGroup {
     static constexpr bool is_group = true;
-    std::uint32_t base = 0;
-    std::uint32_t bits = 0;
+    std::uint32_t base;
+    std::uint32_t bits;
 
     PT_HD static NodeGroup root() { return {0, 1u << 31}; }
     PT_HD bool empty() const { return bits < (1u << 24); }
@@ -352,7 +353,7 @@ public:
 private:
     const void* nodes_;
     BoxRay ray_;
-    NodeGroup group_;
+    NodeGroup group_{};
     SlotGroup leaf_;
 };
 
