@@ -52,7 +52,7 @@ enum class Feature : FeatureSet {
     rough_conductor = feature_bit::material << 9,
     rough_dielectric = feature_bit::material << 10,
     multiple_scattering = feature_bit::material << 11,  // rough conductors that lose no light
-    textures = feature_bit::material << 12,             // colours that are images (kernels/texture.h)
+    textures = feature_bit::material << 12,             // colours and roughnesses that are images (kernels/texture.h)
     environment = feature_bit::light << 0,
     // What the variant asks for rather than the scene.
     final_bounce = feature_bit::light << 1,

@@ -24,8 +24,9 @@ struct RoughDielectric {
     Vec3<Real> tint;
     std::uint32_t medium_beyond;
 
-    PT_HD RoughDielectric(const Material<Real>& material, const Vec3<Real>& outgoing, const Vertex<Real>& vertex)
-        : facets(material.alpha, outgoing, vertex.normal()),
+    PT_HD RoughDielectric(const Material<Real>& material, Real alpha, const Vec3<Real>& outgoing,
+                          const Vertex<Real>& vertex)
+        : facets(alpha, outgoing, vertex.normal()),
           boundary(vertex.inside ? material.leaving : material.entering),
           tint(material.tint),
           medium_beyond(medium_behind(vertex, material)) {}

@@ -43,14 +43,19 @@ struct alignas(16) LightNode {
     PT_HD std::uint32_t light() const { return link & ~leaf_bit; }
 };
 
-// The image that an object shows, and how points of the object come to lie in it. Texels are single precision numbers
-// in both precisions, rows from the bottom up.
+// Where an image lies. Texels are single precision numbers in both precisions, rows from the bottom up.
+struct TexelBlock {
+    std::uint32_t width;  // in texels; 0: there is no image
+    std::uint32_t height;
+    std::uint32_t first_texel;  // in SceneView::texels
+};
+
+// The images that an object shows, and how points of the object come to lie in them.
 template <class Real>
 struct ObjectTexture {
     Transform<Real> place;
-    std::uint32_t width;  // in texels; 0: the object shows none
-    std::uint32_t height;
-    std::uint32_t first_texel;       // in SceneView::texels
+    TexelBlock colour;
+    TexelBlock roughness;            // the same number in all three channels
     std::uint32_t first_coordinate;  // of a mesh: of its first triangle, in SceneView::texture_coordinates
 };
 

@@ -108,6 +108,23 @@ PT_HD inline bool connect_rough(const SceneView<typename Config::Real>& scene,
     return is_connected;
 }
 
+// The width of the facets' distribution at a vertex at the end of the path's ray: a roughness may be an image.
+template <class Config>
+PT_HD inline typename Config::Real facet_width(const SceneView<typename Config::Real>& scene,
+                                               const Path<typename Config::Real>& path,
+                                               const Vertex<typename Config::Real>& vertex,
+                                               const Material<typename Config::Real>& material) {
+    using Real = typename Config::Real;
+    Real alpha = material.alpha;
+    if constexpr (has<Config>(Feature::textures)) {
+        Hit<Real> hit;
+        hit.side = vertex.hit;
+        hit.primitive = vertex.primitive;
+        put_roughness<Config>(alpha, scene, ray_of(path), hit, vertex.position, vertex.normal());
+    }
+    return alpha;
+}
+
 // A rough conductor. The last vertex of a final-bounce path goes on, as a mirror's does. Returns whether the path goes
 // on: it does not where the facet sends it into the surface.
 template <class Config>
@@ -119,7 +136,8 @@ PT_HD inline bool shade_rough_conductor(const SceneView<typename Config::Real>& 
                                         PathCounters& counters) {
     using Real = typename Config::Real;
     constexpr bool has_gain = has<Config>(Feature::multiple_scattering);
-    RoughConductor<Real, has_gain> lobe(reflectance, material.alpha, -path.direction, vertex.normal());
+    RoughConductor<Real, has_gain> lobe(reflectance, facet_width<Config>(scene, path, vertex, material),
+                                        -path.direction, vertex.normal());
     if constexpr (has_gain) {
         if (material.scatters_multiply != 0) {
             lobe.scatter_multiply();
@@ -146,7 +164,8 @@ PT_HD inline bool shade_rough_dielectric(const SceneView<typename Config::Real>&
                                          const Material<typename Config::Real>& material, const RandomWords& words,
                                          PathCounters& counters) {
     using Real = typename Config::Real;
-    const RoughDielectric<Config> lobe(material, -path.direction, vertex);
+    const RoughDielectric<Config> lobe(material, facet_width<Config>(scene, path, vertex, material), -path.direction,
+                                       vertex);
     const bool is_connected = connect_rough<Config>(scene, traced, path, vertex, lobe, counters);
     const LobeSample<Real> sample =
         lobe.sample(unit_interval<Real>(words.x), unit_interval<Real>(words.y), unit_interval<Real>(words.z));

@@ -1,6 +1,8 @@
-// Colours that are images, looked up where a ray meets an object: bilinear between the four nearest texels (Williams,
-// "Pyramidal Parametrics", SIGGRAPH 1983, without the pyramid), repeated in both directions, v upwards from the image's
-// bottom edge. A blend is a + (b - a) s: exactly a where both are a, and never outside of [0, 1] where both are inside.
+// Colours and roughnesses that are images, looked up where a ray meets an object: bilinear between the four nearest
+// texels (Williams, "Pyramidal Parametrics", SIGGRAPH 1983, without the pyramid), repeated in both directions, v
+// upwards from the image's bottom edge. A blend is a + (b - a) s: exactly a where both are a, and never outside of [0,
+// 1] where both are inside. A roughness is blended before it is squared to the width of facets: where all texels are
+// one single precision number, that is the width of a material of this roughness, whose square is exact in double.
 //
 // A quad shows the whole image, upright for who looks down on it with -z away from them; a box shows it so on every
 // face, upright as seen from outside (+y up on the sides, -z up on the top, +z up on the bottom); a sphere by latitude
@@ -42,10 +44,10 @@ PT_HD inline Vec3<Real> blend(const Vec3<Real>& a, const Vec3<Real>& b, Real sha
 }
 
 template <class Real, class Scene>
-PT_HD inline Vec3<Real> texture_colour(const Scene& scene, const ObjectTexture<Real>& texture, const Vec2<Real>& at) {
-    const TexelPair<Real> column = texel_pair(at.x, texture.width), row = texel_pair(at.y, texture.height);
+PT_HD inline Vec3<Real> image_at(const Scene& scene, const TexelBlock& image, const Vec2<Real>& at) {
+    const TexelPair<Real> column = texel_pair(at.x, image.width), row = texel_pair(at.y, image.height);
     const auto texel = [&](std::uint32_t x, std::uint32_t y) {
-        return Vec3<Real>(scene.texels[texture.first_texel + y * texture.width + x]);
+        return Vec3<Real>(scene.texels[image.first_texel + y * image.width + x]);
     };
     return blend(blend(texel(column.first, row.first), texel(column.second, row.first), column.share),
                  blend(texel(column.first, row.second), texel(column.second, row.second), column.share), row.share);
@@ -135,9 +137,27 @@ PT_HD inline void put_texture(Vec3<typename Config::Real>& colour, const Scene& 
         return;
     }
     const ObjectTexture<Real>& texture = scene.object_textures[hit.side.object()];
-    if (texture.width != 0) {
+    if (texture.colour.width != 0) {
         colour =
-            texture_colour(scene, texture, texture_coordinates_at<Config>(scene, texture, ray, hit, position, normal));
+            image_at(scene, texture.colour, texture_coordinates_at<Config>(scene, texture, ray, hit, position, normal));
+    }
+}
+
+// The width of the facets' distribution there; left as it is where the object's roughness is no image.
+template <class Config, class Scene>
+PT_HD inline void put_roughness(typename Config::Real& alpha, const Scene& scene, const Ray<typename Config::Real>& ray,
+                                const Hit<typename Config::Real>& hit, const Vec3<typename Config::Real>& position,
+                                const Vec3<typename Config::Real>& normal) {
+    using Real = typename Config::Real;
+    if (scene.object_textures.size == 0) {
+        return;
+    }
+    const ObjectTexture<Real>& texture = scene.object_textures[hit.side.object()];
+    if (texture.roughness.width != 0) {
+        const Real roughness = image_at(scene, texture.roughness,
+                                        texture_coordinates_at<Config>(scene, texture, ray, hit, position, normal))
+                                   .x;
+        alpha = roughness * roughness;
     }
 }
 

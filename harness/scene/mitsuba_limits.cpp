@@ -51,6 +51,10 @@ void check_camera(const Scene& scene, Problems& problems) {
 
 void check_material(const SceneMaterial& material, std::uint32_t depth, Problems& problems) {
     const std::string place = "$.materials." + material.name;
+    if (material.roughness_texture != nullptr) {
+        problems.add(place + ".roughness", "the image " + material.roughness_texture->file,
+                     "one number: roughness maps are not exported");
+    }
     switch (material.type) {
         case MaterialType::diffuse:
         case MaterialType::emitter:

@@ -208,9 +208,13 @@ bool is_near_eye(const SceneObject& object, const Vec3d& eye) {
     return classify(object) == ShapeKind::sphere && std::abs(eye_power(object, eye)) < 0.5;
 }
 
+bool shows_images(const SceneMaterial& material) {
+    return material.texture != nullptr || material.roughness_texture != nullptr;
+}
+
 bool has_textures(const Scene& scene) {
     return std::any_of(scene.objects.begin(), scene.objects.end(),
-                       [&](const SceneObject& object) { return scene.materials[object.material].texture != nullptr; });
+                       [&](const SceneObject& object) { return shows_images(scene.materials[object.material]); });
 }
 
 FeatureSet features_of(const Scene& scene) {

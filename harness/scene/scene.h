@@ -47,6 +47,8 @@ struct SceneMaterial {
     std::shared_ptr<const SceneTexture> texture;
     double mirror_probability = 0;
     double roughness = 0;
+    // In place of the roughness, which then has the largest of its texels. Null: one number.
+    std::shared_ptr<const SceneTexture> roughness_texture;
     bool multiple_scattering = false;
     double ior = 1;
     double g = 0;
@@ -124,6 +126,8 @@ Placement placement_of(const SceneObject& object, const Vec3d& eye);
 ShapeKind classify(const SceneObject& object);
 bool is_flat(const SceneObject& object);
 
+// Whether the material's colour or roughness is an image.
+bool shows_images(const SceneMaterial& material);
 // Whether an object that the scene has shows an image.
 bool has_textures(const Scene& scene);
 

@@ -37,6 +37,9 @@ Boundary<Real> make_boundary(double relative_ior) {
             static_cast<Real>((relative_ior - 1.0) * (relative_ior + 1.0))};
 }
 
+// However its facets are turned, a boundary between equals bends no light.
+bool is_smooth(const SceneMaterial& m) { return m.type == MaterialType::rough_dielectric && m.ior == 1; }
+
 template <class Real>
 Material<Real> make_material(const SceneMaterial& m) {
     Material<Real> material{};
@@ -68,8 +71,7 @@ Material<Real> make_material(const SceneMaterial& m) {
     if (m.type == MaterialType::rough_conductor) {
         material.alpha = static_cast<Real>(m.roughness * m.roughness);
     } else if (m.type == MaterialType::rough_dielectric) {
-        // However its facets are turned, a boundary between equals bends no light.
-        material.alpha = static_cast<Real>(m.ior == 1 ? 0 : m.roughness * m.roughness);
+        material.alpha = static_cast<Real>(is_smooth(m) ? 0 : m.roughness * m.roughness);
     } else {
         material.g = static_cast<Real>(m.g);
     }
@@ -360,20 +362,22 @@ void SceneBuffers<Real>::make_textures(const Scene& scene) {
         array.insert(array.end(), values.begin(), values.end());
         return first;
     };
+    const auto block_of = [&](const SceneTexture* texture) -> TexelBlock {
+        if (texture == nullptr) {
+            return {0, 0, 0};
+        }
+        const auto [texels, is_new] = first_texel.try_emplace(texture, 0);
+        if (is_new) {
+            texels->second = append(arrays_.texels, texture->image.texels);
+        }
+        return {texture->image.width, texture->image.height, texels->second};
+    };
     for (std::size_t number = 0; number < file_index_.size(); ++number) {
         const SceneObject& object = scene.objects[file_index_[number]];
-        const SceneTexture* const texture = scene.materials[object.material].texture.get();
-        ObjectTexture<Real> shown{arrays_.transforms[number], 0, 0, 0, 0};
-        if (texture != nullptr) {
-            const auto [texels, is_new] = first_texel.try_emplace(texture, 0);
-            if (is_new) {
-                texels->second = append(arrays_.texels, texture->image.texels);
-            }
-            shown.width = texture->image.width;
-            shown.height = texture->image.height;
-            shown.first_texel = texels->second;
-        }
-        if (texture != nullptr && object.mesh != SceneObject::no_mesh) {
+        const SceneMaterial& material = scene.materials[object.material];
+        const SceneTexture* const roughness = is_smooth(material) ? nullptr : material.roughness_texture.get();
+        ObjectTexture<Real> shown{arrays_.transforms[number], block_of(material.texture.get()), block_of(roughness), 0};
+        if (shows_images(material) && object.mesh != SceneObject::no_mesh) {
             const auto [coordinates, is_new] = first_coordinate.try_emplace(object.mesh, 0);
             if (is_new) {
                 coordinates->second = append(arrays_.texture_coordinates, scene.meshes[object.mesh]->coordinates);

@@ -127,6 +127,24 @@ SceneMaterial read_subsurface(const JsonValue& value) {
     return material;
 }
 
+// A colour, or {"image": NAME}; the name is relative to the scene's file.
+Vec3d read_colour(const JsonValue& value, SceneMaterial& material) {
+    if (!value.json().is_object()) {
+        return fraction_colour(value);
+    }
+    material.texture = read_texture(value, TexelMeaning::colour);
+    return largest_texel(*material.texture);
+}
+
+// A number, or likewise an image of numbers.
+double read_roughness(const JsonValue& value, SceneMaterial& material) {
+    if (!value.json().is_object()) {
+        return value.number(0, 1, "a number from 0 to 1");
+    }
+    material.roughness_texture = read_texture(value, TexelMeaning::number);
+    return largest_texel(*material.roughness_texture).x;
+}
+
 SceneMaterial read_dielectric(const JsonValue& value, MaterialType type) {
     const bool is_rough = type == MaterialType::rough_dielectric;
     std::vector<std::string> keys{"type", "ior", "tint", "sigma_a"};
@@ -140,18 +158,9 @@ SceneMaterial read_dielectric(const JsonValue& value, MaterialType type) {
     material.tint = object.has("tint") ? fraction_colour(object.at("tint")) : Vec3d(1.0);
     material.sigma_a = object.has("sigma_a") ? sigma(object.at("sigma_a")) : Vec3d(0.0);
     if (is_rough) {
-        material.roughness = object.required("roughness").number(0, 1, "a number from 0 to 1");
+        material.roughness = read_roughness(object.required("roughness"), material);
     }
     return material;
-}
-
-// A colour, or {"image": NAME}; the name is relative to the scene's file.
-Vec3d read_colour(const JsonValue& value, SceneMaterial& material) {
-    if (!value.json().is_object()) {
-        return fraction_colour(value);
-    }
-    material.texture = read_texture(value);
-    return largest_texel(*material.texture);
 }
 
 SceneMaterial read_rough_conductor(const JsonValue& value) {
@@ -159,7 +168,7 @@ SceneMaterial read_rough_conductor(const JsonValue& value) {
     SceneMaterial material;
     material.type = MaterialType::rough_conductor;
     material.reflectance = read_colour(object.required("reflectance"), material);
-    material.roughness = object.required("roughness").number(0, 1, "a number from 0 to 1");
+    material.roughness = read_roughness(object.required("roughness"), material);
     material.multiple_scattering = object.has("multiple_scattering") && object.at("multiple_scattering").boolean();
     material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
     return material;

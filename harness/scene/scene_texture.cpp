@@ -1,17 +1,27 @@
 #include "harness/scene/scene_texture.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 
 namespace pt {
 
-std::shared_ptr<const SceneTexture> read_texture(const JsonValue& value) {
+namespace {
+
+// Of its colour and of its roughness; null: none.
+std::array<const SceneTexture*, 2> both_images_of(const SceneMaterial& material) {
+    return {material.texture.get(), material.roughness_texture.get()};
+}
+
+}  // namespace
+
+std::shared_ptr<const SceneTexture> read_texture(const JsonValue& value, TexelMeaning meaning) {
     const JsonValue named = JsonObject(value, {"image"}).required("image");
     auto texture = std::make_shared<SceneTexture>();
     texture->path = named.named_file().string();
-    texture->image = read_texture_image(texture->path);
+    texture->image = read_texture_image(texture->path, meaning);
     texture->file = named.text();
     const std::vector<Vec3<float>>& texels = texture->image.texels;
     texture->hash = fmt::format(
@@ -31,7 +41,7 @@ Vec3d largest_texel(const SceneTexture& texture) {
 
 void check_texture(const JsonValue& value, const SceneMaterial& material, const SceneObject& object,
                    const Scene& scene) {
-    if (material.texture == nullptr || object.mesh == SceneObject::no_mesh) {
+    if (!shows_images(material) || object.mesh == SceneObject::no_mesh) {
         return;
     }
     const SceneMesh& mesh = *scene.meshes[object.mesh];
@@ -55,7 +65,9 @@ void check_texture(const JsonValue& value, const SceneMaterial& material, const 
 void check_texels(const Scene& scene, const std::string& file) {
     std::uint64_t texels = 0;
     for (const SceneMaterial& material : scene.materials) {
-        texels += material.texture != nullptr ? material.texture->image.texels.size() : 0;
+        for (const SceneTexture* image : both_images_of(material)) {
+            texels += image != nullptr ? image->image.texels.size() : 0;
+        }
     }
     if (texels > most_texels) {
         throw InputError(file, "$.materials", fmt::format("images of {} texels together", texels),
@@ -66,10 +78,12 @@ void check_texels(const Scene& scene, const std::string& file) {
 std::string text_of_textures(const Scene& scene) {
     std::string text;
     for (const SceneMaterial& material : scene.materials) {
-        text += material.texture != nullptr ? material.texture->hash : "";
+        for (const SceneTexture* image : both_images_of(material)) {
+            text += image != nullptr ? image->hash : "";
+        }
     }
     for (const SceneObject& object : scene.objects) {
-        const bool shows = scene.materials[object.material].texture != nullptr && object.mesh != SceneObject::no_mesh;
+        const bool shows = shows_images(scene.materials[object.material]) && object.mesh != SceneObject::no_mesh;
         text += shows ? scene.meshes[object.mesh]->coordinates_hash : "";
     }
     return text;

@@ -11,7 +11,7 @@
 namespace pt {
 
 // {"image": NAME}; the name is relative to the scene's file. Throws InputError.
-std::shared_ptr<const SceneTexture> read_texture(const JsonValue& value);
+std::shared_ptr<const SceneTexture> read_texture(const JsonValue& value, TexelMeaning meaning);
 // In each channel.
 Vec3d largest_texel(const SceneTexture& texture);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -40,18 +41,22 @@ bool ends_early(std::string_view content) {
 
 // Rows from the bottom; `most`: what a channel is at its brightest.
 template <class Channel>
-std::vector<Vec3<float>> linear_texels(const Channel* channels, std::uint32_t width, std::uint32_t height) {
+std::vector<Vec3<float>> linear_texels(const Channel* channels, std::uint32_t width, std::uint32_t height,
+                                       TexelMeaning meaning) {
     constexpr std::size_t most = std::numeric_limits<Channel>::max();
     std::vector<float> linear(most + 1);
     for (std::size_t i = 0; i <= most; ++i) {
-        linear[i] = static_cast<float>(srgb_to_linear(static_cast<double>(i) / static_cast<double>(most)));
+        const double share = static_cast<double>(i) / static_cast<double>(most);
+        linear[i] = static_cast<float>(meaning == TexelMeaning::colour ? srgb_to_linear(share) : share);
     }
     std::vector<Vec3<float>> texels;
     texels.reserve(std::size_t{width} * height);
     for (std::uint32_t row = height; row-- > 0;) {
         const Channel* channel = channels + std::size_t{3} * width * row;
         for (std::uint32_t column = 0; column < width; ++column, channel += 3) {
-            texels.emplace_back(linear[channel[0]], linear[channel[1]], linear[channel[2]]);
+            texels.emplace_back(meaning == TexelMeaning::colour
+                                    ? Vec3<float>(linear[channel[0]], linear[channel[1]], linear[channel[2]])
+                                    : Vec3<float>(linear[channel[0]]));
         }
     }
     return texels;
@@ -60,7 +65,7 @@ std::vector<Vec3<float>> linear_texels(const Channel* channels, std::uint32_t wi
 struct ImagesAtHand {
     bool is_alive = false;
     ImagesToBe::Contents contents;
-    std::map<std::string, TextureImage> read;
+    std::map<std::pair<std::string, TexelMeaning>, TextureImage> read;
 };
 
 ImagesAtHand& images_at_hand() {
@@ -68,15 +73,16 @@ ImagesAtHand& images_at_hand() {
     return images;
 }
 
-TextureImage read_image_file(const std::filesystem::path& path) {
+TextureImage read_image_file(const std::filesystem::path& path, TexelMeaning meaning) {
     const std::string file = path.string();
     const std::string ending = ending_of(path);
     if (ending != ".png" && ending != ".jpg" && ending != ".jpeg") {
         throw InputError(file, "file name", fmt::format("the ending \"{}\"", ending), ".png, .jpg or .jpeg");
     }
     const auto to_be = images_at_hand().contents.find(file);
-    return to_be != images_at_hand().contents.end() ? parse_texture_image(to_be->second, file)
-                                                    : parse_texture_image(read_file(file, largest_texture_file), file);
+    return to_be != images_at_hand().contents.end()
+               ? parse_texture_image(to_be->second, file, meaning)
+               : parse_texture_image(read_file(file, largest_texture_file), file, meaning);
 }
 
 }  // namespace
@@ -91,7 +97,7 @@ double srgb_to_linear(double encoded) {
     return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
 
-TextureImage parse_texture_image(std::string_view content, const std::string& file) {
+TextureImage parse_texture_image(std::string_view content, const std::string& file, TexelMeaning meaning) {
     if (content.size() > largest_texture_file) {
         refuse_texture(file, fmt::format("{} bytes", content.size()));
     }
@@ -113,13 +119,13 @@ TextureImage parse_texture_image(std::string_view content, const std::string& fi
         const std::unique_ptr<stbi_us, FreePixels> pixels(
             stbi_load_16_from_memory(bytes, size, &width, &height, &channels, 3));
         if (pixels != nullptr) {
-            image.texels = linear_texels(pixels.get(), image.width, image.height);
+            image.texels = linear_texels(pixels.get(), image.width, image.height, meaning);
         }
     } else {
         const std::unique_ptr<stbi_uc, FreePixels> pixels(
             stbi_load_from_memory(bytes, size, &width, &height, &channels, 3));
         if (pixels != nullptr) {
-            image.texels = linear_texels(pixels.get(), image.width, image.height);
+            image.texels = linear_texels(pixels.get(), image.width, image.height, meaning);
         }
     }
     if (image.texels.empty()) {
@@ -135,14 +141,15 @@ bool texture_has_alpha(std::string_view content) {
            (channels == 2 || channels == 4);
 }
 
-TextureImage read_texture_image(const std::filesystem::path& path) {
+TextureImage read_texture_image(const std::filesystem::path& path, TexelMeaning meaning) {
     ImagesAtHand& images = images_at_hand();
     if (!images.is_alive) {
-        return read_image_file(path);
+        return read_image_file(path, meaning);
     }
-    const std::string file = path.string();
-    const auto known = images.read.find(file);
-    return known != images.read.end() ? known->second : images.read.emplace(file, read_image_file(path)).first->second;
+    const std::pair key{path.string(), meaning};
+    const auto known = images.read.find(key);
+    return known != images.read.end() ? known->second
+                                      : images.read.emplace(key, read_image_file(path, meaning)).first->second;
 }
 
 }  // namespace pt

@@ -1,4 +1,5 @@
-// Images that surfaces show: PNG (8 or 16 bits) and JPEG, by stb_image, sRGB decoded to linear RGB once.
+// Images that surfaces show: PNG (8 or 16 bits) and JPEG, by stb_image. Colours are sRGB, decoded to linear RGB once;
+// other numbers are taken as they are.
 #pragma once
 
 #include <cstdint>
@@ -17,13 +18,16 @@ struct TextureImage {
     std::vector<Vec3<float>> texels;  // linear, from 0 to 1; row-major from the bottom
 };
 
+// What a file's numbers are: sRGB colours, or one number a texel: the first channel, as all three, linear from 0 to 1.
+enum class TexelMeaning { colour, number };
+
 inline constexpr std::uint64_t largest_texture_file = std::uint64_t{1} << 28;  // in bytes: stb_image has an int of them
 inline constexpr std::uint32_t most_texture_side = 8192;
 // All images of a scene together: 3 GiB of single precision numbers.
 inline constexpr std::uint64_t most_texels = std::uint64_t{1} << 28;
 
 // By the file's ending. Throws InputError of one line for a file that is missing, of another kind, too large or broken.
-TextureImage read_texture_image(const std::filesystem::path& path);
+TextureImage read_texture_image(const std::filesystem::path& path, TexelMeaning meaning = TexelMeaning::colour);
 
 // While one lives, read_texture_image reads each file once, and those of these contents, by path, need not be written
 // yet. One at a time.
@@ -37,7 +41,8 @@ public:
 };
 
 // The same of a file's content; `file` is for the messages. An alpha channel is passed over, grey is three channels.
-TextureImage parse_texture_image(std::string_view content, const std::string& file);
+TextureImage parse_texture_image(std::string_view content, const std::string& file,
+                                 TexelMeaning meaning = TexelMeaning::colour);
 
 // Whether an image of these bytes, which parse_texture_image can read, says how much of each texel is seen through.
 bool texture_has_alpha(std::string_view content);

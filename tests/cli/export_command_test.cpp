@@ -119,6 +119,19 @@ TEST(ExportCommandTest, AFolderGetsTheSceneByItsName) {
     EXPECT_EQ(exported.folder.content(), (Arguments{"here", "here/small.xml", "small.json"}));
 }
 
+TEST(ExportCommandTest, ARoughnessMapIsRefused) {
+    const std::string tiles = std::string(PTBENCH_SOURCE_DIR) + "/scenes/textures/tiles.png";
+    const Exported exported(scene_text(
+        "",
+        R"("steel": {"type": "rough_conductor", "reflectance": [1, 1, 1], "roughness": {"image": ")" + tiles + "\"}}",
+        R"({"shape": "quad", "material": "steel"})"));
+    EXPECT_EQ(exported.command.exit_code, 2);
+    EXPECT_NE(exported.command.err.find("$.materials.steel.roughness: found the image " + tiles +
+                                        ", allowed: one number: roughness maps are not exported\n"),
+              std::string::npos)
+        << exported.command.err;
+}
+
 TEST(ExportCommandTest, EveryReasonIsListedAndNothingIsWritten) {
     const std::string materials =
         R"("gold": {"type": "mix", "albedo": [1, 1, 1], "reflectance": [1, 1, 1], "mirror_probability": 0.5},

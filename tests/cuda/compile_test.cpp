@@ -247,13 +247,14 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
                                           {"traversal_stack", "shared"},
                                           {axis, choice}}));
     }
-    const Scene textures = find_scene("textures/textures");
-    for (const auto& [axis, choice] : Choices{{"layout", "soa"},
-                                              {"arithmetic", "exact"},
-                                              {"precision", "double"},
-                                              {"specialisation", "baked"},
-                                              {"direct_light", "nee_mis"}}) {
-        add_by_turns(textures, {{axis, choice}}, 3);
+    for (const char* const name : {"textures/textures", "textures/roughness_map"}) {
+        for (const auto& [axis, choice] : Choices{{"layout", "soa"},
+                                                  {"arithmetic", "exact"},
+                                                  {"precision", "double"},
+                                                  {"specialisation", "baked"},
+                                                  {"direct_light", "nee_mis"}}) {
+            add_by_turns(find_scene(name), {{axis, choice}}, 3);
+        }
     }
     const Scene still = find_scene("cornell_open_unjittered");
     add_by_turns(still, {{"first_bounce", "cached"}}, 3);

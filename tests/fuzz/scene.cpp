@@ -18,7 +18,7 @@ constexpr std::size_t most_objects = 64;
 constexpr std::uint32_t most_depth = 4;
 constexpr std::uint64_t most_triangles_made = 256;
 
-// Whether a colour of a material is an image: a file, which may be any on this machine.
+// Whether a colour or the roughness of a material is an image: a file, which may be any on this machine.
 bool shows_image(const Json& material) {
     return material.is_object() &&
            std::any_of(material.begin(), material.end(), [](const Json& value) { return value.is_object(); });

@@ -33,10 +33,9 @@ struct ImageAlone {
 
     ImageAlone(std::uint32_t width, std::uint32_t height, const std::vector<Vec3<float>>& values)
         : image(values), texels{image.data(), static_cast<std::uint32_t>(image.size())}, texture{} {
-        texture.width = width;
-        texture.height = height;
+        texture.colour = {width, height, 0};
     }
-    Vec3<Real> at(Real u, Real v) const { return texture_colour(*this, texture, Vec2<Real>{u, v}); }
+    Vec3<Real> at(Real u, Real v) const { return image_at(*this, texture.colour, Vec2<Real>{u, v}); }
 };
 
 // An upright square of two triangles, [-1/2, 1/2]^2 in the plane z = 0, facing +z, with coordinates from 0 to `most`.

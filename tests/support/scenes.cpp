@@ -104,6 +104,19 @@ void SceneBuilder::texture(std::uint32_t index, std::uint32_t width, std::uint32
     }
 }
 
+void SceneBuilder::roughness_texture(std::uint32_t index, std::uint32_t width, std::uint32_t height,
+                                     const std::vector<double>& texels) {
+    SceneMaterial& material = scene.materials.at(index);
+    auto texture = std::make_shared<SceneTexture>();
+    texture->image = {width, height, {}};
+    material.roughness = 0;
+    for (const double texel : texels) {
+        texture->image.texels.emplace_back(static_cast<float>(texel));
+        material.roughness = std::max(material.roughness, texel);
+    }
+    material.roughness_texture = texture;
+}
+
 std::uint32_t SceneBuilder::emitter(const Vec3d& radiance) {
     SceneMaterial material;
     material.type = MaterialType::emitter;

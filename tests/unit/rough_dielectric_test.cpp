@@ -127,7 +127,7 @@ struct Slanted {
         vertex.surface_normal = inside ? -normal : normal;
         vertex.inside = inside;
         vertex.hit = SurfaceId::of(0, inside);
-        return {material, to_world(viewer), vertex};
+        return {material, material.alpha, to_world(viewer), vertex};
     }
 };
 
@@ -404,7 +404,7 @@ TYPED_TEST(RoughDielectricTest, WithoutRoughnessItIsTheSmoothBoundaryBitByBit) {
         path.direction = normalize(Vec3<Real>{component(), component(), component()});
         path.throughput = Vec3<Real>(Real(1));
         path.direction = dot(path.direction, vertex.normal()) > 0 ? -path.direction : path.direction;
-        const Lobe<Real> lobe(material, -path.direction, vertex);
+        const Lobe<Real> lobe(material, material.alpha, -path.direction, vertex);
         const Real choice = unit_interval<Real>(random.word());
         const Real u = unit_interval<Real>(random.word());
         const LobeSample<Real> sample = lobe.sample(choice, u, unit_interval<Real>(random.word()));

@@ -99,6 +99,20 @@ TEST(TextureImage, MayHaveSixteenBits) {
     EXPECT_EQ(image.texels[1], Vec3<float>(linear(30000), linear(40000), linear(50000)));
 }
 
+TEST(TextureImage, OfNumbersIsTheFirstChannelAsItIs) {
+    const auto parse = [](const std::string& content) {
+        return parse_texture_image(content, "a.png", TexelMeaning::number);
+    };
+    const auto share = [](int value, double most) { return Vec3<float>(static_cast<float>(value / most)); };
+    const TextureImage image = parse(png(2, 1, 3, {0, 255, 128, 100, 11, 12}));
+    EXPECT_EQ(image.texels, (std::vector<Vec3<float>>{share(0, 255), share(100, 255)}));
+    EXPECT_EQ(parse(png(1, 1, 1, {100})).texels[0], share(100, 255));
+    EXPECT_EQ(parse(png(1, 1, 2, {100, 7})).texels[0], share(100, 255));
+    EXPECT_EQ(parse(png(1, 1, 4, {255, 7, 7, 7})).texels[0], share(255, 255));
+    const TextureImage fine = parse(png_of_16_bits(2, {30000, 65535, 1, 65535, 40000, 50000}));
+    EXPECT_EQ(fine.texels, (std::vector<Vec3<float>>{share(30000, 65535), share(65535, 65535)}));
+}
+
 TEST(TextureImage, MayBeAJpeg) {
     const TextureImage image = parse_texture_image(jpeg(16, 8, std::vector<unsigned char>(16 * 8 * 3, 200)), "a.jpg");
     EXPECT_EQ(image.width, 16u);
@@ -187,12 +201,37 @@ TEST(TexturedScene, NamesAnImageInPlaceOfAColour) {
     EXPECT_FALSE(contains(features_of(plain), Feature::textures));
 }
 
+constexpr const char* tiled_metal =
+    R"({"type": "rough_conductor", "reflectance": [1, 1, 1], "roughness": {"image": "tiles.png"}})";
+
+TEST(TexturedScene, NamesAnImageInPlaceOfARoughness) {
+    const auto share = [](int value) { return static_cast<float>(value / 255.0); };
+    for (const char* const rough :
+         {tiled_metal, R"({"type": "rough_dielectric", "ior": 1.5, "roughness": {"image": "tiles.png"}})"}) {
+        const Scene scene = scene_of(rough, R"("shape": "box")");
+        const SceneMaterial& material = scene.materials[0];
+        EXPECT_EQ(material.texture, nullptr);
+        ASSERT_NE(material.roughness_texture, nullptr);
+        EXPECT_EQ(material.roughness_texture->file, "tiles.png");
+        EXPECT_EQ(material.roughness, static_cast<double>(share(230)));                    // the largest
+        EXPECT_EQ(material.roughness_texture->image.texels[33], Vec3<float>(share(200)));  // lower left
+        EXPECT_TRUE(contains(features_of(scene), Feature::textures));
+    }
+    const Scene both = scene_of(R"({"type": "rough_conductor", "reflectance": {"image": "tiles.png"},
+                                    "roughness": {"image": "tiles.png"}})",
+                                R"("shape": "box")");
+    EXPECT_EQ(both.materials[0].texture->image.texels[33].x, static_cast<float>(srgb_to_linear(200 / 255.0)));
+    EXPECT_EQ(both.materials[0].roughness_texture->image.texels[33].x, share(200));
+}
+
 TEST(TexturedScene, HashesItsImagesAndCoordinates) {
     const std::string base = scene_of(tiled, R"("shape": "sphere")").hash;
     EXPECT_EQ(scene_of(tiled, R"("shape": "sphere")").hash, base);
     const test::TemporaryFolder folder;
     test::write_text(folder.file("tiles.png"), png(1, 1, 3, {1, 2, 3}));
     EXPECT_NE(parse_scene(text_of_scene(tiled, R"("shape": "sphere")"), folder.file("s.json")).hash, base);
+    EXPECT_NE(parse_scene(text_of_scene(tiled_metal, R"("shape": "box")"), folder.file("s.json")).hash,
+              scene_of(tiled_metal, R"("shape": "box")").hash);
 }
 
 TEST(TexturedScene, NeedsCoordinatesOfItsMeshes) {
@@ -210,13 +249,41 @@ TEST(TexturedScene, NeedsCoordinatesOfItsMeshes) {
                   .find("on the mesh of the scene file, which has no texture coordinates: a material without an image"),
               std::string::npos)
         << refused_scene(tiled, one_triangle);
-    EXPECT_NE(refused_scene(tiled, R"("shape": "mesh", "generate": {"mesh": "icosphere", "size": 1})")
-                  .find("which has no texture coordinates"),
-              std::string::npos);
+    for (const char* const material : {tiled, tiled_metal}) {
+        EXPECT_NE(refused_scene(material, R"("shape": "mesh", "generate": {"mesh": "icosphere", "size": 1})")
+                      .find("which has no texture coordinates"),
+                  std::string::npos);
+    }
+    EXPECT_EQ(scene_of(tiled_metal, with).meshes[0]->coordinates.size(), 1u);
     // The same mesh with other coordinates, or none, is another.
     const Scene plain = scene_of(R"({"type": "diffuse", "albedo": [1, 1, 1]})", one_triangle);
     EXPECT_TRUE(plain.meshes[0]->coordinates.empty());
     EXPECT_EQ(plain.meshes[0]->hash, scene.meshes[0]->hash);
+}
+
+TEST(TexturedScene, WhoseRoughnessIsWrongIsRefusedInOneLine) {
+    for (const auto& [roughness, expected] : std::vector<std::pair<std::string, std::string>>{
+             {R"({"image": "none.png"})", "none.png"},
+             {R"({"image": "textures.json"})", "allowed: .png, .jpg or .jpeg"},
+             {R"({"image": 3})", "$.materials.m.roughness.image"},
+             {R"({"file": "tiles.png"})", "$.materials.m.roughness: found unknown key \"file\", allowed: image"},
+             {R"({"image": "tiles.png", "scale": 2})", "scale"},
+             {R"("tiles.png")", "$.materials.m.roughness: found \"tiles.png\", allowed: a number from 0 to 1"},
+             {"[0.5, 0.5, 0.5]", "allowed: a number from 0 to 1"},
+             {"{}", "image"}}) {
+        for (const char* const type :
+             {R"("rough_conductor", "reflectance": [1, 1, 1])", R"("rough_dielectric", "ior": 1.5)"}) {
+            const std::string message = refused_scene(
+                R"({"type": )" + std::string(type) + R"(, "roughness": )" + roughness + "}", R"("shape": "box")");
+            EXPECT_NE(message.find(expected), std::string::npos) << roughness << ": " << message;
+            EXPECT_EQ(message.find('\n'), std::string::npos);
+        }
+    }
+    // Images are of what the format names.
+    EXPECT_NE(refused_scene(R"({"type": "mirror", "reflectance": [1, 1, 1], "roughness": {"image": "tiles.png"}})",
+                            R"("shape": "box")")
+                  .find("unknown key \"roughness\""),
+              std::string::npos);
 }
 
 TEST(TexturedScene, ThatIsWrongIsRefusedInOneLine) {
