@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from pathlib import Path
 
 import pytest
 from builder import Builder
@@ -151,14 +152,27 @@ def test_a_file_without_such_cells_says_nothing_of_it(tmp_path, analysis):
     assert "ithdrawn" not in out + (tmp_path / "figures" / "summary.md").read_text()
 
 
+def _is_spared(page: Path) -> bool:
+    """Whether it is the summary of a result file of which nothing is withdrawn."""
+    named = re.search(r"^- Result file: (\S+)$", page.read_text(encoding="utf-8"), re.M)
+    return bool(named) and not concerning(load(page.parents[2] / named[1]).cells)
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_a_page_that_tells_what_connections_cost_tells_the_withdrawal(page):
     text = page.read_text(encoding="utf-8")
-    if re.search(r"\bnee_mis\b", text) and _COST.search(text) and "/figures/stability/" not in str(page):
+    names_a_cost = re.search(r"\bnee_mis\b", text) and _COST.search(text) and "/figures/stability/" not in str(page)
+    if names_a_cost and not _is_spared(page):
         assert re.search(r"withdrawn", text, re.I), f"{page}: names nee_mis and a cost"
         bound = "1.54" in text or "1.55" in text or "findings/error_against_time.md" in text
         of_a_cpu = "/results/" in str(page) and "/nvidia-" not in str(page)
         assert bound or of_a_cpu or page.name == "result-fields.md", page
+
+
+def test_a_summary_is_spared_where_its_cells_are():
+    assert _is_spared(ROOT / "results/nvidia-h200/figures/mesh_convergence/summary.md")
+    assert not _is_spared(ROOT / "results/nvidia-h200/figures/connections/summary.md")
+    assert not _is_spared(ROOT / "docs/findings/meshes.md")
 
 
 def test_the_pages_that_must_carry_it_are_among_them():
