@@ -52,7 +52,8 @@ TEST(ImportFindings, AGoodTextHasNone) {
 
 TEST(ImportFindings, WhatIsNoLineOfTheFormat) {
     const std::string in_material =
-        "in MATERIAL: RGB, SPECEX, SPECRGB, REFL, REFR, REFRIOR, EMITTANCE, SIGMAA, SIGMAS, ROUGHNESS, METALLIC, TYPE";
+        "in MATERIAL: RGB, SPECEX, SPECRGB, REFL, REFR, REFRIOR, EMITTANCE, SIGMAA, SIGMAS, ROUGHNESS, METALLIC, TYPE, "
+        "TEXTURE";
     const std::string in_camera =
         "in CAMERA: RES, FOVY, ITERATIONS, DEPTH, FILE, EYE, LOOKAT, VIEW, UP, LENSRADIUS, FOCALDIST";
     expect_problems({
@@ -191,7 +192,7 @@ TEST(ImportFindings, AllProblemsAreListedInTheOrderOfTheFile) {
         problems_of(text),
         R"(cis565.txt:2: found "RGB 1 1.5 1", which makes $.materials.material_0.albedo[1] 1.5, allowed: a number from 0 to 1
 cis565.txt:12: found "RGB 1 1", allowed: RGB and 3 finite numbers
-cis565.txt:13: found "GLOSS 1", allowed: in MATERIAL: RGB, SPECEX, SPECRGB, REFL, REFR, REFRIOR, EMITTANCE, SIGMAA, SIGMAS, ROUGHNESS, METALLIC, TYPE
+cis565.txt:13: found "GLOSS 1", allowed: in MATERIAL: RGB, SPECEX, SPECRGB, REFL, REFR, REFRIOR, EMITTANCE, SIGMAA, SIGMAS, ROUGHNESS, METALLIC, TYPE, TEXTURE
 cis565.txt:14: found "SPECEX x", allowed: SPECEX and 1 finite number
 cis565.txt:17: found "FOVY 90", which makes $.camera.vertical_fov_degrees 180, allowed: an angle from 1e-6 to 179.999 degrees
 cis565.txt:19: found "DEPTH 0", which makes $.max_depth 0, allowed: a whole number from 1 to 1000000
@@ -211,7 +212,7 @@ TEST(ImportFindings, AMaterialThatIsNotWholeIsNotJudged) {
         {{"RGB 1 1 1\nSPECEX 0\nSPECRGB 0 0 0\nREFL 0\nREFR 0\nREFRIOR 0\nEMITTANCE 0",
           "RGB 1 1.5 1\nEMITANCE 5\nSPECRGB 1 1 1",
           "3: found \"EMITANCE 5\", allowed: in MATERIAL: RGB, SPECEX, SPECRGB, REFL, REFR, REFRIOR, EMITTANCE, "
-          "SIGMAA, SIGMAS, ROUGHNESS, METALLIC, TYPE (did you mean \"EMITTANCE\"?)"}});
+          "SIGMAA, SIGMAS, ROUGHNESS, METALLIC, TYPE, TEXTURE (did you mean \"EMITTANCE\"?)"}});
 }
 
 // The first of a number counts, as in the course's programs.
