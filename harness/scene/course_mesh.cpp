@@ -111,9 +111,9 @@ void CourseFileFinder::list_project() {
         };
         if ((is_mesh || is_image) && is_file(path)) {
             keep(path.filename().string());
-        }
-        if (is_mesh && is_file(path)) {
-            keep(path.stem().string());
+            if (is_mesh) {
+                keep(path.stem().string());
+            }
         }
         entries.increment(error);
     }

@@ -188,7 +188,7 @@ std::string ImportDraft::keep_image(const std::string& content, const std::strin
 bool ImportDraft::shows_image(std::size_t material) const {
     const std::vector<SceneMember>& members = parts.materials[material].members;
     return std::any_of(members.begin(), members.end(),
-                       [](const SceneMember& member) { return member.value.starts_with("{\"image\""); });
+                       [](const SceneMember& member) { return is_image_in_scene(member.value); });
 }
 
 std::string ImportDraft::path_of(const std::string& named) const {

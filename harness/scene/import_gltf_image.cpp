@@ -27,8 +27,6 @@ std::string without_percents(const std::string& uri) {
     return name;
 }
 
-std::string image_in_scene(const std::string& name) { return fmt::format("{{\"image\": {}}}", json_of(name)); }
-
 GltfImage no_image(const std::string& refusal) { return {.value = "", .refusal = refusal}; }
 
 }  // namespace
@@ -51,7 +49,7 @@ std::string GltfImages::sampler_refusal(int index) {
                            index);
     }
     const bool is_plain = sampler.minFilter < 0 || sampler.minFilter == TINYGLTF_TEXTURE_FILTER_LINEAR;
-    if (!is_plain && noted_.emplace(index, true).second) {
+    if (!is_plain && noted_.insert(index).second) {
         draft_->notes().add(0, fmt::format("/samplers/{}/minFilter {} is left out: many rays meet what it makes the "
                                            "mean of",
                                            index, sampler.minFilter));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 
 #include "harness/mesh/gltf_model.h"
@@ -32,7 +33,7 @@ private:
     const tinygltf::Model* model_;
     ImportDraft* draft_;
     std::map<int, GltfImage> known_;  // by image
-    std::map<int, bool> noted_;       // samplers
+    std::set<int> noted_;             // samplers
 };
 
 }  // namespace pt

@@ -17,6 +17,7 @@ constexpr const char* index_of_refraction = "KHR_materials_ior";
 constexpr const char* specular = "KHR_materials_specular";
 constexpr const char* transmission = "KHR_materials_transmission";
 constexpr const char* volume = "KHR_materials_volume";
+constexpr const char* no_other_texture = "no texture: of a material baseColorTexture is read";
 
 bool is_white_colour(const Vec3d& v) { return v.x == 1 && v.y == 1 && v.z == 1; }
 
@@ -109,7 +110,7 @@ void GltfMaterials::Reader::read_image(GltfImages& images, const Vec3d& colour, 
 void GltfMaterials::Reader::refuse_textures() {
     const auto refuse = [&](int index, const char* key) {
         if (index >= 0) {
-            fail(key, fmt::format("texture {}", index), "no texture: of a material baseColorTexture is read");
+            fail(key, fmt::format("texture {}", index), no_other_texture);
         }
     };
     refuse(material->pbrMetallicRoughness.metallicRoughnessTexture.index,
@@ -132,8 +133,7 @@ void GltfMaterials::Reader::refuse_extensions() {
         }
         for (const std::string& key : value.Keys()) {
             if (key.ends_with("Texture")) {
-                fail("/extensions/" + name + "/" + key, "a texture",
-                     "no texture: of a material baseColorTexture is read");
+                fail("/extensions/" + name + "/" + key, "a texture", no_other_texture);
             }
         }
     }

@@ -111,7 +111,7 @@ void MaterialImporter::find_image() {
         import_->result->notes.add(named.number, fmt::format("{} is taken from {}", named.text(), found->string()));
     }
     warn("TEXTURE", "is read as sRGB with v upwards; formats of the course do not say");
-    image_ = fmt::format("{{\"image\": {}}}", json_of(name_beside(course_scene_file(*import_->source), *found)));
+    image_ = image_in_scene(name_beside(course_scene_file(*import_->source), *found));
 }
 
 void MaterialImporter::warn(const std::string& key, const std::string& what) {

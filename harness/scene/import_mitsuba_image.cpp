@@ -48,7 +48,7 @@ MitsubaMaterials::Colour MitsubaMaterials::read_bitmap(const XmlElement& element
         return {};
     }
     return {.value = Vec3d(1.0),
-            .json = fmt::format("{{\"image\": {}}}", json_of(file_->draft->name_in_scene(file))),
+            .json = image_in_scene(file_->draft->name_in_scene(file)),
             .image = is_turned ? MitsubaImage::v_up : MitsubaImage::v_down};
 }
 

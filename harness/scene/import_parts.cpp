@@ -211,6 +211,14 @@ std::string json_of(const std::string& text) {
     return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+namespace {
+constexpr std::string_view begin_of_image = "{\"image\": ";
+}
+
+std::string image_in_scene(const std::string& name) { return fmt::format("{}{}}}", begin_of_image, json_of(name)); }
+
+bool is_image_in_scene(const std::string& value) { return value.starts_with(begin_of_image); }
+
 std::string material_name(const Cis565Section& section) {
     return section.name.empty() ? "material_" + section.label : section.name;
 }

@@ -45,6 +45,9 @@ struct SceneParts {
 std::string json_of(double value);
 std::string json_of(const Vec3d& v);
 std::string json_of(const std::string& text);
+// A colour that is an image, by the name that the scene file has for it; and whether a member's value is one.
+std::string image_in_scene(const std::string& name);
+bool is_image_in_scene(const std::string& value);
 // In the scene file: its name, or material_LABEL.
 std::string material_name(const Cis565Section& section);
 

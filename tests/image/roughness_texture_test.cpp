@@ -28,15 +28,6 @@ TYPED_TEST_SUITE(RoughnessTextureTest, Reals);
 // Texels are single precision numbers: so is the roughness that an image of it is held to.
 double in_single(double roughness) { return static_cast<double>(static_cast<float>(roughness)); }
 
-// Two triangles, [-1/2, 1/2]^2 in the plane z = 0, with coordinates from 0 to 2.
-std::shared_ptr<const SceneMesh> square_mesh() {
-    Mesh mesh;
-    mesh.vertices = {{-0.5f, -0.5f, 0}, {0.5f, -0.5f, 0}, {0.5f, 0.5f, 0}, {-0.5f, 0.5f, 0}};
-    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-    mesh.coordinates = {{{{0, 0}, {2, 0}, {2, 2}}}, {{{0, 0}, {2, 2}, {0, 2}}}};
-    return make_scene_mesh(mesh, "square");
-}
-
 using MakeMaterial = std::function<std::uint32_t(SceneBuilder&)>;
 
 // Bodies of the material; with `is_metal` also what has no inside.
@@ -51,8 +42,8 @@ Scene room_of(const MakeMaterial& make_material, bool is_metal) {
     builder.box(material, {-0.4, 0.4, -1}, {0.5, 0.8, 0.3}, {10, 50, 20});
     if (is_metal) {
         builder.quad(material, {0, 0, 2}, 4, 3, {-60, 0, 0});
-        builder.mesh(material, square_mesh(), {0, 1.5, 1.5}, 3);
-        builder.mesh(material, square_mesh(), {-1.5, 1, 0.5}, 1, {0, 130, 0});
+        builder.mesh(material, test::square_mesh(2), {0, 1.5, 1.5}, 3);
+        builder.mesh(material, test::square_mesh(2), {-1.5, 1, 0.5}, 1, {0, 130, 0});
     }
     test::lamp(builder);
     return builder.scene;

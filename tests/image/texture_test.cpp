@@ -38,15 +38,6 @@ struct ImageAlone {
     Vec3<Real> at(Real u, Real v) const { return image_at(*this, texture.colour, Vec2<Real>{u, v}); }
 };
 
-// An upright square of two triangles, [-1/2, 1/2]^2 in the plane z = 0, facing +z, with coordinates from 0 to `most`.
-std::shared_ptr<const SceneMesh> square(float most = 1) {
-    Mesh mesh;
-    mesh.vertices = {{-0.5f, -0.5f, 0}, {0.5f, -0.5f, 0}, {0.5f, 0.5f, 0}, {-0.5f, 0.5f, 0}};
-    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-    mesh.coordinates = {{{{0, 0}, {most, 0}, {most, most}}}, {{{0, 0}, {most, most}, {0, most}}}};
-    return make_scene_mesh(mesh, "square");
-}
-
 // Every kind of shape with the material, in view; both by a mesh of its own and by one that is shared.
 void add_every_shape(SceneBuilder& builder, std::uint32_t material) {
     builder.quad(material, {0, 0, 0}, 8, 8);
@@ -54,9 +45,9 @@ void add_every_shape(SceneBuilder& builder, std::uint32_t material) {
     builder.ellipsoid(material, {0.2, 0.5, 0}, {1, 0.8, 0.6}, {10, 20, 30});
     builder.box(material, {1.4, 0.4, 0.3}, {0.8, 0.8, 0.8});
     builder.box(material, {-0.4, 0.4, -1}, {0.5, 0.8, 0.3}, {10, 50, 20});
-    builder.mesh(material, square(), {0, 1.5, 1.5}, 3);
-    builder.mesh(material, square(2), {-1.5, 1, 0.5}, 1, {0, 130, 0});
-    builder.mesh(material, square(2), {1.5, 1, 0.9}, 1, {0, 200, 0});
+    builder.mesh(material, test::square_mesh(), {0, 1.5, 1.5}, 3);
+    builder.mesh(material, test::square_mesh(2), {-1.5, 1, 0.5}, 1, {0, 130, 0});
+    builder.mesh(material, test::square_mesh(2), {1.5, 1, 0.9}, 1, {0, 200, 0});
 }
 
 Scene room_of_shapes(const std::function<std::uint32_t(SceneBuilder&)>& make_material) {
@@ -286,7 +277,7 @@ TYPED_TEST(TextureTest, IsUprightOnQuadsAndMeshes) {
         mesh.camera({1, 2, 3}, {1, 2, 2}).image(4, 4, 90, false).environment(1).depth(2);
         const std::uint32_t shown = mesh.diffuse(Vec3d(1.0));
         mesh.texture(shown, 4, 4, four_by_four());
-        const auto upright = square();
+        const auto upright = test::square_mesh();
         mesh.mesh(shown, upright, {1, 2, 2}, 2);
         if (is_shared) {
             mesh.mesh(shown, upright, {1, 2, 200}, 2);
@@ -414,7 +405,7 @@ TEST(TextureFilm, IsTheSameByEveryChoice) {
     Scene with_mesh = builder.scene;
     {
         SceneBuilder more = builder;
-        more.mesh(tiles, square(), {0, 1.5, 1.5}, 3);
+        more.mesh(tiles, test::square_mesh(), {0, 1.5, 1.5}, 3);
         with_mesh = more.scene;
     }
     const test::RenderOptions options{.samples = 2};

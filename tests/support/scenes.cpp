@@ -211,6 +211,14 @@ SceneBuilder& SceneBuilder::room(std::uint32_t material, const Vec3d& centre, co
     return *this;
 }
 
+std::shared_ptr<const SceneMesh> square_mesh(float most) {
+    Mesh mesh;
+    mesh.vertices = {{-0.5f, -0.5f, 0}, {0.5f, -0.5f, 0}, {0.5f, 0.5f, 0}, {-0.5f, 0.5f, 0}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    mesh.coordinates = {{{{0, 0}, {most, 0}, {most, most}}}, {{{0, 0}, {most, most}, {0, most}}}};
+    return make_scene_mesh(mesh, "square");
+}
+
 Scene scaled(Scene scene, double factor) {
     scene.camera.eye *= factor;
     scene.camera.look_at *= factor;

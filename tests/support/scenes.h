@@ -61,6 +61,9 @@ private:
                      const Vec3d& rotate_degrees);
 };
 
+// An upright square of two triangles, [-1/2, 1/2]^2 in the plane z = 0, facing +z, with coordinates from 0 to `most`.
+std::shared_ptr<const SceneMesh> square_mesh(float most = 1);
+
 // Every length times `factor` (a power of two for bitwise comparisons), every coefficient per length divided by it.
 Scene scaled(Scene scene, double factor);
 // Every radiance times `factor`.

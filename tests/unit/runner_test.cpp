@@ -201,8 +201,11 @@ TEST_F(RunnerTest, ACompletedRunHasEveryRow) {
             EXPECT_EQ(rows[i].at("real_time"), rows[i].at("pt_wall_ms"));
             EXPECT_GT(rows[i].at("real_time").get<double>(), 0);
             EXPECT_GE(rows[i].at("pt_end_to_end_ms").get<double>(), rows[i].at("pt_wall_ms").get<double>());
-            EXPECT_GT(rows[i].at("pt_clock_mhz_before").get<double>(), 0);
-            EXPECT_GT(rows[i].at("pt_clock_mhz_after").get<double>(), 0);
+            const bool has_clock = rows[i].at("pt_clock_unknown") == 0;  // on a busy machine it may be unknown
+            for (const char* key : {"pt_clock_mhz_before", "pt_clock_mhz_after"}) {
+                ASSERT_EQ(rows[i].contains(key), has_clock);
+                EXPECT_GT(rows[i].value(key, 1.0), 0);
+            }
             EXPECT_GT(rows[i].at("pt_timestamp").get<double>(), 1.5e9);
             orders.insert(rows[i].at("pt_order").get<std::int64_t>());
         }
