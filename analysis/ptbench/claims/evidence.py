@@ -10,6 +10,7 @@ import numpy as np
 
 from ptbench.claims.claim import Claim, Condition, Experiment
 from ptbench.claims.history import Measured
+from ptbench.convergence.efficiency import compare as compare_errors
 from ptbench.convergence.fit import Curve, fit_of
 from ptbench.errors import FindingError
 from ptbench.findings.source import Source
@@ -152,7 +153,7 @@ class _OfSuite:
     def found(self, condition: Condition, statistic: str) -> Found:
         numbers = {
             "speed_up": self._speed_up, "time": self._time, "alive_after_7": self._alive, "variance": self._variance,
-            "veach_bound": self._bound, "rmse": self._rmse, "slope": self._slope,
+            "efficiency": self._efficiency, "veach_bound": self._bound, "rmse": self._rmse, "slope": self._slope,
         }  # fmt: skip
         if statistic not in numbers:
             raise FindingError(f"no statistic {statistic} of a suite")
@@ -195,6 +196,12 @@ class _OfSuite:
     def _variance(self, condition: Condition) -> Found:
         ours, base = (fit_of(self._curve(text)).sigma2_of_seeds for text in (condition.cell, condition.over))
         return Found(condition, _over_seeds(lambda rows: base[rows].mean(-1) / ours[rows].mean(-1), len(ours)))
+
+    def _efficiency(self, condition: Condition) -> Found:
+        compared = compare_errors(*(self._source.assessment(text) for text in (condition.cell, condition.over)))
+        if compared is None or compared.efficiency is None:
+            raise FindingError(f"{condition.name}: no efficiency")
+        return Found(condition, compared.efficiency)
 
     def _bound(self, condition: Condition) -> Found:
         """The balance heuristic's variance over what the theorem allows, with one sample of each technique."""

@@ -184,16 +184,17 @@ def test_other_statistics(house):
 
 
 @pytest.mark.parametrize(
-    ("statistic", "expected"), [("variance", 4.0), ("rmse", 2.0), ("slope", -1.0), ("veach_bound", 0.25 / (0.25 + 0.5))]
+    ("statistic", "expected"),
+    [("variance", 4.0), ("efficiency", 8.0), ("rmse", 2.0), ("slope", -1.0), ("veach_bound", 0.25 / (0.25 + 0.5))],
 )
 def test_statistics_of_error_are_those_of_the_law(house, statistic, expected):
-    """On the law itself: sigma² 1 without and 0.25 with sorting, of a reference whose mean square is 1."""
+    """On the law itself: sigma² 1 without and 0.25 with sorting, in half the time; the reference's mean square is 1."""
     over = "wavefront scene=box_0;wavefront sorting=bucket scene=box_0" if statistic == "veach_bound" else None
     about = experiment([condition(0, "theirs", **({"over": over} if over else {}))], statistic, spp_at=16)
     house.claim(about)
     builder = Builder("sorts").on_gpu().study("sorts", "convergence")
     builder.studies[0]["type"] = "convergence"
-    for sorting, sigma2 in (("none", 1.0), ("bucket", 0.25)):
+    for sorting, sigma2, ms in (("none", 1.0, 2.0), ("bucket", 0.25, 1.0)):
         spps = [2**power for power in range(7)]
         reference = {
             "name": "r",
@@ -205,11 +206,11 @@ def test_statistics_of_error_are_those_of_the_law(house, statistic, expected):
         }
         about = {"checkpoints": spps, "reference": reference, "independent_samples": True}
         axes = {"sorting": sorting}
-        cell = builder.cell("sorts", "box_0", 2.0, spp=64, noise=0.0, n=8, axes=axes, convergence=about)
+        cell = builder.cell("sorts", "box_0", ms, spp=64, noise=0.0, n=8, axes=axes, convergence=about)
         rows = [row for row in builder.rows if row["run_name"] == cell["cell"] and "pt_seed" in row]
         for row in rows:
             errors = rows_of_errors(Law(sigma2=sigma2, noisy=False), 1, spps)
-            row["pt_checkpoints"] = [{**error, "wall_ms": 2.0 * error["spp"]} for error in errors]
+            row["pt_checkpoints"] = [{**error, "wall_ms": ms * error["spp"]} for error in errors]
     builder.write(house.result)
     (one,) = house.verdict().judged
     assert one.found.estimate is not None, one.found.doubt
