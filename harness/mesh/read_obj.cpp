@@ -9,6 +9,7 @@
 
 #include "harness/error.h"
 #include "harness/mesh/check_mesh.h"
+#include "harness/mesh/obj_materials.h"
 #include "harness/mesh/read_mesh.h"
 #include "harness/mesh/text_numbers.h"
 
@@ -26,19 +27,30 @@ public:
     ObjReader(std::string_view content, const std::string& file) : content_(content), file_(file) {}
 
     Mesh read() {
+        read_lines();
+        give_normals();
+        return std::move(mesh_);
+    }
+
+    ObjParts read_parts() {
+        keeps_parts_ = true;
+        read_lines();
+        found_.mesh = std::move(mesh_);
+        return std::move(found_);
+    }
+
+private:
+    void read_lines() {
         while (next_line()) {
             read_line();
         }
         check_pending(pending_vertex_, mesh_.vertices.size(), "vertex");
         check_pending(pending_normal_, normals_.size(), "normal");
-        give_normals();
         if (all_have_texture_) {
             mesh_.coordinates = places_of_corners(texture_triangles_, textures_);
         }
-        return std::move(mesh_);
     }
 
-private:
     // An index may come before what it means: the largest, and where it stands.
     struct Pending {
         std::uint64_t count = 0;
@@ -112,7 +124,36 @@ private:
             read_texture();
         } else if (word == "f") {
             read_face(line);
+        } else if (keeps_parts_ && (word == "usemtl" || word == "g" || word == "o")) {
+            (word == "usemtl" ? current_.material : current_.group) = rest_of_line();
+            has_current_ = false;
+        } else if (keeps_parts_ && word == "mtllib") {
+            found_.libraries.push_back(rest_of_line());
         }
+    }
+
+    // Names may have spaces.
+    std::string rest_of_line() {
+        std::string rest(next_word());
+        for (std::string_view word = next_word(); !word.empty(); word = next_word()) {
+            rest += ' ';
+            rest += word;
+        }
+        return rest;
+    }
+
+    // The number of the part that faces belong to now.
+    std::uint32_t part() {
+        if (!has_current_) {
+            const auto [place, is_new] = part_numbers_.try_emplace({current_.material, current_.group},
+                                                                   static_cast<std::uint32_t>(found_.parts.size()));
+            if (is_new) {
+                found_.parts.push_back(current_);
+            }
+            current_number_ = place->second;
+            has_current_ = true;
+        }
+        return current_number_;
     }
 
     void check_room(std::size_t count, std::uint64_t most, const std::string& what) const {
@@ -143,6 +184,9 @@ private:
         for (std::size_t i = 2; i < corners_.size(); ++i) {
             check_room(mesh_.triangles.size(), most_triangles, "triangles");
             mesh_.triangles.push_back({corners_[0].vertex, corners_[i - 1].vertex, corners_[i].vertex});
+            if (keeps_parts_) {
+                found_.part_of.push_back(part());
+            }
             for (const ObjCorner& corner : {corners_[0], corners_[i - 1], corners_[i]}) {
                 all_have_normals_ = all_have_normals_ && corner.has_normal;
                 if (all_have_normals_) {
@@ -256,6 +300,11 @@ private:
     bool all_have_texture_ = true;
     Pending pending_vertex_, pending_normal_;
     Mesh mesh_;
+    bool keeps_parts_ = false, has_current_ = false;
+    ObjPart current_;
+    std::uint32_t current_number_ = 0;
+    std::map<std::pair<std::string, std::string>, std::uint32_t> part_numbers_;
+    ObjParts found_;
 };
 
 }  // namespace
@@ -264,6 +313,33 @@ Mesh parse_obj(std::string_view content, const std::string& file) {
     Mesh mesh = ObjReader(content, file).read();
     check_mesh(mesh, file);
     return mesh;
+}
+
+ObjParts parse_obj_parts(std::string_view content, const std::string& file) {
+    return ObjReader(content, file).read_parts();
+}
+
+Mesh part_of_mesh(const Mesh& mesh, const std::vector<bool>& is_in) {
+    Mesh part;
+    constexpr std::uint32_t none = 0xffffffff;
+    std::vector<std::uint32_t> numbers(mesh.vertices.size(), none);
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        if (!is_in[i]) {
+            continue;
+        }
+        auto& triangle = part.triangles.emplace_back(mesh.triangles[i]);
+        for (std::uint32_t& corner : triangle) {
+            if (numbers[corner] == none) {
+                numbers[corner] = static_cast<std::uint32_t>(part.vertices.size());
+                part.vertices.push_back(mesh.vertices[corner]);
+            }
+            corner = numbers[corner];
+        }
+        if (!mesh.coordinates.empty()) {
+            part.coordinates.push_back(mesh.coordinates[i]);
+        }
+    }
+    return part;
 }
 
 }  // namespace pt

@@ -4,6 +4,8 @@
 #include <cctype>
 #include <vector>
 
+#include "harness/json_reader.h"
+
 namespace pt {
 
 namespace {
@@ -102,7 +104,7 @@ void CourseFileFinder::list_project() {
         if (entries.depth() >= most_folders_below) {
             entries.disable_recursion_pending();
         }
-        const auto is_the_ending = [&](const char* ending) { return path.extension() == ending; };
+        const auto is_the_ending = [&](const char* ending) { return ending_of(path) == ending; };
         const bool is_mesh = std::any_of(std::begin(mesh_endings), std::end(mesh_endings), is_the_ending);
         const bool is_image = std::any_of(std::begin(image_endings), std::end(image_endings), is_the_ending);
         const auto keep = [&](const std::string& name) {

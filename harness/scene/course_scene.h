@@ -1,7 +1,10 @@
 // What the sections of a scene of CIS 565 become: harness/scene/import_cis565.h says it in words.
 #pragma once
 
+#include <deque>
+#include <map>
 #include <set>
+#include <utility>
 
 #include "harness/scene/course_mesh.h"
 #include "harness/scene/import_parts.h"
@@ -14,6 +17,11 @@ struct CourseMotion {
     bool is_late = false;
 };
 
+// Triangles of one material: a mesh file and a material, by the names that the scene has for them.
+struct OwnPart {
+    std::string file, material;
+};
+
 struct CourseImport {
     const Cis565File* sections = nullptr;
     const ImportSource* source = nullptr;
@@ -21,12 +29,18 @@ struct CourseImport {
     CourseFileFinder files;
     CourseMotion motion = {};
     std::set<std::size_t> used_materials = {};
+    std::vector<ScenePart> materials = {}, objects = {};
+    // Of meshes with the materials of their own files: by the mesh file, and by library and name.
+    std::map<std::string, std::vector<OwnPart>> own_parts = {};
+    std::map<std::pair<std::string, std::string>, std::string> own_names = {};
+    std::deque<Cis565Line> places = {};  // in those files, for messages
 };
 
 // Where a line cannot be read, a value that is right stands for it, so that the others can be checked.
 // The material that a MATERIAL section is read as. Readings that lose something are warnings.
 ScenePart import_material(CourseImport& import, std::size_t index);
-ScenePart import_object(CourseImport& import, std::size_t index);
+// Adds to `objects`: one, or one for each material of its mesh's own file.
+void import_object(CourseImport& import, std::size_t index);
 ScenePart import_camera(const CourseImport& import);
 
 // The scene file that names of meshes are relative to.

@@ -7,7 +7,9 @@
 
 namespace pt {
 
-CourseType read_course_type(Cis565SectionReader& reader, const Cis565Line& line) {
+namespace {
+
+const std::map<std::string, CourseType>& course_types() {
     using enum CourseType;
     static const std::map<std::string, CourseType> types{
         {"DIFFUSE", diffuse},
@@ -43,17 +45,29 @@ CourseType read_course_type(Cis565SectionReader& reader, const Cis565Line& line)
         {"PLASTIC", layered},
         {"SUBSURFACE", subsurface},
     };
-    static const std::set<std::string> procedural{"PROCEDURAL", "MARBLE", "WOOD", "CHECKER", "NOISE"};
+    return types;
+}
+
+const std::set<std::string> procedural_types{"PROCEDURAL", "MARBLE", "WOOD", "CHECKER", "NOISE"};
+
+}  // namespace
+
+bool is_course_type(const std::string& word) {
+    const std::string name = course_spelling(word);
+    return course_types().contains(name) || procedural_types.contains(name);
+}
+
+CourseType read_course_type(Cis565SectionReader& reader, const Cis565Line& line) {
     const std::string name = line.words.size() == 2 ? course_spelling(line.words[1]) : "";
-    const auto found = types.find(name);
-    if (found != types.end()) {
+    const auto found = course_types().find(name);
+    if (found != course_types().end()) {
         return found->second;
     }
-    reader.fail(line, procedural.contains(name)
+    reader.fail(line, procedural_types.contains(name)
                           ? missing_for(CourseUse::procedural)
                           : "Diffuse, Emitting, Specular, Mirror, Metal, Refractive, Glass, PBR, Microfacet, Disney, "
                             "Plastic or Subsurface");
-    return by_values;
+    return CourseType::by_values;
 }
 
 }  // namespace pt

@@ -32,7 +32,7 @@ Words material_words() {
     add(words, "SPECRGB", CourseUse::value, {"SPECRGB", "SPECULARCOLOR"});
     add(words, "REFL", CourseUse::value, {"REFL", "REFLECTIVE", "HASREFLECTIVE"});
     add(words, "REFR", CourseUse::value,
-        {"REFR", "REFRACTIVE", "HASREFRACTIVE", "TRANSMISSIVE", "TRANSMISSION", "TRANSPARENCY"});
+        {"REFR", "REFRACT", "REFRACTIVE", "HASREFRACTIVE", "TRANSMISSIVE", "TRANSMISSION", "TRANSPARENCY"});
     add(words, "REFRIOR", CourseUse::value, {"REFRIOR", "IOR", "ETA", "INDEXOFREFRACTION", "RIOR"});
     add_all(words, CourseUse::value, {"EMITTANCE", "SIGMAA", "SIGMAS", "ROUGHNESS", "METALLIC", "TYPE"});
     add_all(words, CourseUse::remark, {"NAME", "COMMENT", "PROCTEXNUM"});
@@ -55,9 +55,10 @@ Words camera_words() {
     add_all(words, CourseUse::value,
             {"RES", "FOVY", "ITERATIONS", "DEPTH", "FILE", "EYE", "LOOKAT", "VIEW", "UP", "APERTURE", "DOF"});
     add(words, "LENSRADIUS", CourseUse::value,
-        {"LENSRADIUS", "LENRADIUS", "LENSRAD", "LENSR", "LENS", "APERTURERADIUS", "RADIUS"});
+        {"LENSRADIUS", "LENRADIUS", "LENSRAD", "LENSR", "LRADIUS", "LENS", "APERTURERADIUS", "RADIUS"});
     add(words, "FOCALDIST", CourseUse::value,
-        {"FOCALDIST", "FOCALD", "FOCAL", "FOCALDISTANCE", "FOCALLENGTH", "FOCUSDIS", "FOCUSDIST", "FOCUSDISTANCE"});
+        {"FOCALDIST", "FOCALD", "FOCAL", "FOCALDISTANCE", "FOCALLENGTH", "FOCUSDIS", "FOCUSDIST", "FOCUSDISTANCE",
+         "FLENGTH"});
     add_all(words, CourseUse::remark, {"FRAME", "INVRES", "NAME", "COMMENT"});
     add_all(words, CourseUse::run, {"SPP", "SAMPLES", "AA", "ANTIALIAS"});
     add_all(words, CourseUse::lost, {"ROTAT"});
@@ -82,7 +83,9 @@ Words object_words() {
     add(words, "TRANS_DST", CourseUse::value, {"TRANSDST"});
     add(words, "ROTAT_DST", CourseUse::value, {"ROTATDST"});
     add(words, "SCALE_DST", CourseUse::value, {"SCALEDST"});
-    add_all(words, CourseUse::value, {"VEL", "ANIMER", "RADIUS", "VERTICES"});
+    add(words, "T_MOTION", CourseUse::value, {"TMOTION"});
+    add(words, "ANIMER", CourseUse::value, {"ANIMER", "RMOTION"});
+    add_all(words, CourseUse::value, {"VEL", "RADIUS", "VERTICES"});
     add_all(words, CourseUse::remark, {"FRAME", "NAME", "COMMENT", "BUILDBVH"});
     add_all(words, CourseUse::texture, {"TEXTURE", "BUMP", "NORMALMAP", "EXTERNALMATERIAL"});
     add_all(words, CourseUse::procedural, {"IMPLICIT", "CSG", "TANGLECUBE", "SDF", "TORUS"});
@@ -103,6 +106,7 @@ Words root_words() {
     add(words, "Camera", CourseUse::value, {"CAMERA"});
     add(words, "Objects", CourseUse::value, {"OBJECTS"});
     add(words, "Meshes", CourseUse::value, {"MESHES"});
+    add(words, "BACKGROUND_COLOR", CourseUse::background, {"BACKGROUNDCOLOR"});
     add_all(words, CourseUse::remark, {"NAME", "COMMENT", "DESCRIPTION"});
     add_all(words, CourseUse::environment, {"ENVIRONMENT", "ENVIRONMENTMAP", "ENVMAP", "BACKGROUND", "SKYBOX"});
     add_all(words, CourseUse::lights, {"LIGHTS", "GLTF"});

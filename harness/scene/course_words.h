@@ -9,13 +9,14 @@ namespace pt {
 
 // What a word is for, besides its value.
 enum class CourseUse {
-    value,  // it has a place in a scene file
-    environment,
-    remark,   // it changes nothing in the picture
-    run,      // it belongs to a run of the program, not to the scene
-    lost,     // it changes the picture, and a scene file has no place for it: a warning
-    image,    // a file's name; off is as if it were not there
-    texture,  // the rest have none either, and without them it would be another scene: a problem
+    value,        // it has a place in a scene file
+    environment,  // an image that lights the scene from all round
+    background,   // one radiance from all round
+    remark,       // it changes nothing in the picture
+    run,          // it belongs to a run of the program, not to the scene
+    lost,         // it changes the picture, and a scene file has no place for it: a warning
+    image,        // a file's name; off is as if it were not there
+    texture,      // the rest have none either, and without them it would be another scene: a problem
     procedural,
     scattering,
     lights,

@@ -10,6 +10,7 @@
 #include "harness/json_reader.h"
 #include "harness/scene/course_scene.h"
 #include "harness/scene/course_words.h"
+#include "harness/scene/scene_mesh.h"
 #include "harness/scene/texture_image.h"
 
 namespace pt {
@@ -29,20 +30,27 @@ bool is_scene_name(const std::string& word) {
 class SceneImporter {
 public:
     SceneImporter(const Cis565File& sections, const ImportSource& source, ImportResult& result)
-        : sections_(&sections), source_(&source), result_(&result) {}
+        : sections_(&sections),
+          source_(&source),
+          result_(&result),
+          import_{.sections = &sections, .source = &source, .result = &result, .files = CourseFileFinder(source.file)} {
+    }
 
+    // Their lines live as long as this does.
     SceneParts parts();
 
 private:
     void read_name(Cis565SectionReader& reader, ScenePart& root);
     ScenePart root();
     void add_environment(ScenePart& root, CourseFileFinder& files);
+    void add_background(ScenePart& root);
     void note_samples();
     void note_unused_materials(const std::set<std::size_t>& used);
 
     const Cis565File* sections_;
     const ImportSource* source_;
     ImportResult* result_;
+    CourseImport import_;
 };
 
 void SceneImporter::read_name(Cis565SectionReader& reader, ScenePart& root) {
@@ -58,6 +66,15 @@ void SceneImporter::read_name(Cis565SectionReader& reader, ScenePart& root) {
     }
     if (is_good) {
         root.add("name", json_of(line->words[1]), line);
+        return;
+    }
+    // The program's picture, with folders or an ending.
+    std::string picture = line != nullptr && line->words.size() == 2 ? line->words[1] : "";
+    std::replace(picture.begin(), picture.end(), '\\', '/');
+    const std::string stem = std::filesystem::path(picture).stem().string();
+    if (is_scene_name(stem)) {
+        result_->notes.add(line->number, fmt::format("{}: the scene is called {}", line->text(), stem));
+        root.add("name", json_of(stem), line);
         return;
     }
     if (line == nullptr && is_scene_name(sections_->stem)) {
@@ -127,6 +144,22 @@ void SceneImporter::add_environment(ScenePart& root, CourseFileFinder& files) {
         &line->second, "[0, 0, 0]");
 }
 
+// The radiance of rays that meet nothing.
+void SceneImporter::add_background(ScenePart& root) {
+    const std::optional<Cis565Line>& line = sections_->background;
+    if (!line || is_course_off("BACKGROUND_COLOR", line->values())) {
+        return;
+    }
+    Cis565SectionReader reader(*sections_->camera, result_->problems);
+    const bool has_other = std::any_of(root.members.begin(), root.members.end(),
+                                       [](const SceneMember& member) { return member.key == "environment"; });
+    if (has_other) {
+        reader.fail(*line, "a colour or an environment map, not both");
+    } else if (const std::optional<Vec3d> radiance = reader.vector_of(*line)) {
+        root.add("environment", json_of(*radiance), &*line, "[0, 0, 0]");
+    }
+}
+
 void SceneImporter::note_samples() {
     const auto& lines = sections_->camera->lines;
     if (const auto found = lines.find("ITERATIONS"); found != lines.end()) {
@@ -155,32 +188,46 @@ void SceneImporter::note_unused_materials(const std::set<std::size_t>& used) {
 
 SceneParts SceneImporter::parts() {
     SceneParts parts;
-    CourseImport import{
-        .sections = sections_, .source = source_, .result = result_, .files = CourseFileFinder(source_->file)};
     for (std::size_t i = 0; i < sections_->materials.size(); ++i) {
-        parts.materials.push_back(import_material(import, i));
+        import_.materials.push_back(import_material(import_, i));
     }
     for (std::size_t i = 0; i < sections_->objects.size(); ++i) {
-        parts.objects.push_back(import_object(import, i));
+        import_object(import_, i);
     }
-    note_unused_materials(import.used_materials);
+    parts.materials = import_.materials;
+    parts.objects = import_.objects;
+    note_unused_materials(import_.used_materials);
     if (sections_->camera) {
         parts.root = root();
-        add_environment(parts.root, import.files);
-        parts.camera = import_camera(import);
+        add_environment(parts.root, import_.files);
+        add_background(parts.root);
+        parts.camera = import_camera(import_);
         note_samples();
     }
     return parts;
+}
+
+// By the paths that they will have.
+MeshesToBe::Meshes imported_meshes(const ImportResult& result, const std::string& scene_file) {
+    MeshesToBe::Meshes meshes;
+    for (const ImportedMesh& imported : result.meshes) {
+        const std::filesystem::path path = std::filesystem::path(scene_file).parent_path() / imported.file;
+        meshes[path.string()] = make_scene_mesh(imported.mesh, imported.file);
+    }
+    return meshes;
 }
 
 }  // namespace
 
 void import_course(const Cis565File& sections, const ImportSource& source, ImportResult& result) {
     const ImagesToBe each_read_once;
-    const SceneParts parts = SceneImporter(sections, source, result).parts();
-    check_parts(parts, course_scene_file(source), result.problems);
-    result.objects = sections.objects.size();
-    result.materials = sections.materials.size();
+    SceneImporter importer(sections, source, result);
+    const SceneParts parts = importer.parts();
+    const std::string file = course_scene_file(source);
+    const MeshesToBe to_be(imported_meshes(result, file));
+    check_parts(parts, file, result.problems);
+    result.objects = parts.objects.size();
+    result.materials = parts.materials.size();
     if (result.problems.count() == 0) {
         result.json = parts.json();
     }

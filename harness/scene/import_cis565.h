@@ -6,7 +6,8 @@
 // - FOVY is half the vertical field of view, in degrees.
 // - ITERATIONS, the sample count, is left out, with a note: samples belong to a run, not to a scene. DEPTH is
 //   max_depth.
-// - FILE is the scene's name, where the call gives none. The view goes to a point, LOOKAT, or along a direction, VIEW.
+// - FILE is the scene's name, where the call gives none; of a picture with folders or an ending what is between them.
+//   The view goes to a point, LOOKAT, or along a direction, VIEW.
 // - What is behind // or # is a comment. These may be left out, and are 0 then: SIGMAA, SIGMAS, VEL, SPECEX, SPECRGB,
 //   REFL, REFR, REFRIOR, EMITTANCE, ROUGHNESS, METALLIC, ITERATIONS; TRANS and ROTAT too (W).
 // - Words have other spellings in students' dialects, and there are words that scene files have nothing for:
@@ -16,7 +17,7 @@
 //   colour, found as a mesh's file is (W: whether its
 //   values are sRGB, and which way v goes, no dialect says); an emitter, glass or a subsurface body with one is a
 //   problem. An environment map (.hdr, .exr) is the scene's environment, turned by 90 degrees, as
-//   most have it who do not say (W).
+//   most have it who do not say (W). BACKGROUND_COLOR, in no section, is the same radiance from all round.
 // - Objects mean a material by what is behind MATERIAL, which counts up from 0; where it does not, that is W. MATERIAL
 //   within an object, not behind an empty line, is its material.
 // - A lens: its radius (LENSRADIUS) and the distance along the view axis where it is sharp (FOCALDIST), or DOF with
@@ -41,10 +42,11 @@
 //   matrix is the same to rounding.
 // - Where an object has a VEL, the shutter is open from 0 to 1 with the density "late" (W): the project of cis565
 //   with motion blur draws its times as the square root of a uniform number. With ANIMET, a velocity before the
-//   object's own transform, or TRANS_DST, where TRANS ends, the density is "uniform" (W). Shapes that turn or grow do
-//   not (W).
-// - A mesh is FILE, or a file's name on a line of its own, found as course_mesh.h has it; its own materials and normals
-//   are not read. rect is a square of side 1 in the plane z = 0.
+//   object's own transform, TRANS_DST, where TRANS ends, or T_MOTION, how far it goes, the density is "uniform" (W).
+//   Shapes that turn or grow do not (W).
+// - A mesh is FILE, or a file's name on a line of its own, found as course_mesh.h has it; its normals are not read.
+//   With the material -1 it has those of its own file, an object for each: import_mtl.h.
+// - rect is a square of side 1 in the plane z = 0.
 #pragma once
 
 #include <string>

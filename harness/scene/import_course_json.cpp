@@ -83,6 +83,8 @@ void CourseJsonReader::read_root() {
             fail(found, known->key);
         } else if (known->use == CourseUse::environment) {
             environment_ = found;
+        } else if (known->use == CourseUse::background) {
+            file_.background = found;
         } else if (known->use != CourseUse::value && known->use != CourseUse::remark &&
                    !is_course_off(key, found.values())) {
             fail(found, missing_for(known->use));

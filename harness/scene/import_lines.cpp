@@ -69,6 +69,7 @@ private:
     void start_numbered(const Cis565Line& line, std::vector<Cis565Section>& sections);
     void add_label(const Cis565Line& line);
     void add_outside(const Cis565Line& line);
+    void add_background(const Cis565Line& line);
     void add_to(Cis565Section& section, const Cis565Line& line);
 
     ImportResult* result_;
@@ -85,7 +86,10 @@ bool LineSorter::starts_section(const Cis565Line& line, bool is_first) const {
 }
 
 void LineSorter::add(const Cis565Line& line, bool is_first) {
-    if (starts_section(line, is_first)) {
+    const CourseWord* of_all = find_course_word("ROOT", line.words[0]);
+    if (of_all != nullptr && of_all->use == CourseUse::background) {
+        add_background(line);
+    } else if (starts_section(line, is_first)) {
         section_ = start_section(line);
     } else if (section_ != nullptr) {
         add_to(*section_, line);
@@ -153,6 +157,15 @@ void LineSorter::add_outside(const Cis565Line& line) {
         fail(line, "MATERIAL n, CAMERA or OBJECT n");
         file_.has_all_materials = false;  // this may have been one
     }
+}
+
+// It stands in no section, wherever it is.
+void LineSorter::add_background(const Cis565Line& line) {
+    if (file_.background) {
+        fail(line, fmt::format("{} once; line {} has it", line.words[0], file_.background->number));
+        return;
+    }
+    file_.background = line;
 }
 
 void LineSorter::add_to(Cis565Section& section, const Cis565Line& line) {

@@ -35,6 +35,7 @@ struct Cis565File {
     std::vector<Cis565Section> materials, objects;
     std::optional<Cis565Section> camera;
     Cis565Section settings{.kind = "SETTINGS", .head = {}, .lines = {}};
+    std::optional<Cis565Line> background;  // in no section
     bool has_all_materials = true;  // false: one may be missing, so nobody knows whether an object means that one
     std::map<std::string, std::size_t> materials_by_word;  // that objects mean them by: labels, in JSON names
     bool is_json = false;                           // objects name their material, and what is neutral may be missing

@@ -27,6 +27,7 @@ private:
     ScenePart mix();
     ScenePart diffuse();
 
+    bool names_a_material() const;
     void apply_type();
     void apply_layers();
     bool refuse();
@@ -60,6 +61,7 @@ private:
     std::string what_;                     // e.g. "material 2 is a mirror"
     std::string image_;                    // in the scene file; empty: one colour
     CourseType type_ = CourseType::by_values;
+    bool is_black_ = false;
 };
 
 MaterialImporter::MaterialImporter(CourseImport& import, std::size_t index)
@@ -68,10 +70,14 @@ MaterialImporter::MaterialImporter(CourseImport& import, std::size_t index)
       label_(section_->name.empty() ? "material " + section_->label : fmt::format("\"{}\"", section_->name)),
       reader_(*section_, import.result->problems),
       warnings_(&import.result->warnings) {
-    if (reader_.line("TYPE") != nullptr) {
+    if (names_a_material()) {
+        warn("TYPE", "is the name of a material and no type: read as black, as the course's loader leaves it");
+        type_ = CourseType::diffuse;
+        is_black_ = true;
+    } else if (has("TYPE")) {
         type_ = read_course_type(reader_, line("TYPE"));
     }
-    if (has("TEXTURE")) {
+    if (has("TEXTURE") && !is_black_) {
         find_image();
     }
     const bool needs_colour = reader_.is_whole() && !has("TEXTURE");
@@ -90,6 +96,16 @@ MaterialImporter::MaterialImporter(CourseImport& import, std::size_t index)
     }
     const bool has_three = has("EMITTANCE") && line("EMITTANCE").words.size() == 4;
     values_["EMITTANCE"] = has_three ? reader_.vector("EMITTANCE") : Vec3d(reader_.number("EMITTANCE"));
+    for (auto& [key, value] : values_) {
+        value = is_black_ ? Vec3d(0.0) : value;
+    }
+}
+
+// In JSON, where materials have names.
+bool MaterialImporter::names_a_material() const {
+    return has("TYPE") && line("TYPE").words.size() == 2 && import_->sections->is_json &&
+           !is_course_type(line("TYPE").words[1]) &&
+           import_->sections->materials_by_word.contains(line("TYPE").words[1]);
 }
 
 void MaterialImporter::find_image() {

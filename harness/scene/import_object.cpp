@@ -1,10 +1,13 @@
 // What an OBJECT section is read as.
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "harness/error.h"
+#include "harness/json_reader.h"
 #include "harness/scene/course_scene.h"
 #include "harness/scene/import_cis565.h"
+#include "harness/scene/import_mtl.h"
 #include "harness/scene/scene_mesh.h"
 
 namespace pt {
@@ -21,13 +24,15 @@ public:
         : import_(&import),
           section_(&import.sections->objects[index]),
           reader_(*section_, import.result->problems),
-          part_{.place = fmt::format("$.objects[{}]", index), .head = &section_->head, .members = {}} {}
+          part_{.place = fmt::format("$.objects[{}]", import.objects.size()), .head = &section_->head, .members = {}} {}
 
-    ScenePart part();
+    void add();
 
 private:
     void add_shape();
     void add_mesh();
+    bool has_own_materials() const;
+    void add_own_parts(const std::filesystem::path& file, const Cis565Line& line);
     void add_vertices();
     void add_material();
     void add_transform();
@@ -41,6 +46,7 @@ private:
     const Cis565Section* section_;
     Cis565SectionReader reader_;
     ScenePart part_;
+    std::vector<OwnPart> own_parts_;
     Vec3d turned_{0.0}, scale_{1.0}, place_{0.0};
 };
 
@@ -92,6 +98,10 @@ void ObjectImporter::add_mesh() {
         stand_in();
         return;
     }
+    if (has_own_materials()) {
+        add_own_parts(*found, *line);
+        return;
+    }
     try {
         (void)mesh_from_file(*found);
     } catch (const InputError& refusal) {
@@ -104,6 +114,32 @@ void ObjectImporter::add_mesh() {
         import_->result->notes.add(line->number, fmt::format("{} is taken from {}", line->text(), found->string()));
     }
     part_.add("file", json_of(name_beside(course_scene_file(*import_->source), *found)), line);
+}
+
+// A mesh whose material is -1, or in JSON missing.
+bool ObjectImporter::has_own_materials() const {
+    const auto has = [&](const char* key) { return reader_.line(key) != nullptr; };
+    const bool is_mesh = (has("mesh") || has("FILE")) && !has("sphere") && !has("cube") && !has("rect");
+    if (!is_mesh || has("VERTICES")) {
+        return false;
+    }
+    const Cis565Line* material = reader_.line("material");
+    return material == nullptr ? import_->sections->is_json : material->words.size() == 2 && material->words[1] == "-1";
+}
+
+void ObjectImporter::add_own_parts(const std::filesystem::path& file, const Cis565Line& line) {
+    if (ending_of(file) != ".obj") {
+        const Cis565Line* material = reader_.line("material");
+        reader_.fail(material == nullptr ? section_->head : *material,
+                     "a material (of mesh files only the materials of .obj are read)");
+        stand_in();
+        return;
+    }
+    own_parts_ = import_own_materials(*import_, file, line);
+    if (own_parts_.empty()) {
+        stand_in();
+        part_.is_whole = false;
+    }
 }
 
 // Triangles, three corners each.
@@ -136,20 +172,32 @@ std::optional<std::size_t> ObjectImporter::material_index(const Cis565Line& line
         return found->second;
     }
     const std::size_t count = file.materials.size();
+    if (file.is_json && line.words.size() == 2 && count > 0) {
+        // A map from names to numbers has 0 for a name that it does not have, and materials are sorted by their names.
+        const auto first = std::min_element(file.materials.begin(), file.materials.end(),
+                                            [](const auto& a, const auto& b) { return a.name < b.name; });
+        import_->result->warnings.add(
+            line.number, fmt::format("{} is none of $.Materials: read as \"{}\", the first by its name, which the "
+                                     "course's loader takes then",
+                                     line.text(), first->name));
+        return static_cast<std::size_t>(first - file.materials.begin());
+    }
     if (file.is_json) {
         reader_.fail(line, "the name of one of $.Materials");
     } else if (file.has_all_materials || word.empty()) {
-        reader_.fail(line, word == "-1" ? "a material (the materials of mesh files are not read)"
-                           : count == 0 ? "no material is there"
-                                        : fmt::format("material 0 to {}", count - 1));
+        reader_.fail(line, count == 0
+                               ? "no material is there"
+                               : fmt::format("material 0 to {}{}", count - 1,
+                                             word == "-1" ? " (-1 is a mesh's, the materials of its own file)" : ""));
     }
     return std::nullopt;
 }
 
 void ObjectImporter::add_material() {
-    const bool is_mesh = reader_.line("mesh") != nullptr;
-    const Cis565Line* line =
-        reader_.required("material", is_mesh ? "with it (the materials of mesh files are not read)" : "with it");
+    if (has_own_materials()) {
+        return;
+    }
+    const Cis565Line* line = reader_.required("material");
     const std::optional<std::size_t> index = line == nullptr ? std::nullopt : material_index(*line);
     if (index) {
         import_->used_materials.insert(*index);
@@ -203,7 +251,8 @@ void ObjectImporter::warn_of_change(const std::string& key, const std::string& o
     }
 }
 
-// VEL is in units a second. ANIMET comes before the object's own transform, TRANS_DST is where TRANS ends.
+// VEL is in units a second; T_MOTION is how far it goes while the shutter is open, a second. ANIMET comes before the
+// object's own transform, TRANS_DST is where TRANS ends.
 void ObjectImporter::add_velocity() {
     warn_of_change("ANIMER", "");
     warn_of_change("ROTAT_DST", "ROTAT");
@@ -216,6 +265,9 @@ void ObjectImporter::add_velocity() {
         key = "ANIMET";
         velocity = turn.column[0] * (inner.x * scale_.x) + turn.column[1] * (inner.y * scale_.y) +
                    turn.column[2] * (inner.z * scale_.z);
+    } else if (reader_.line("T_MOTION") != nullptr) {
+        key = "T_MOTION";
+        velocity = reader_.vector(key);
     } else if (reader_.line("TRANS_DST") != nullptr) {
         key = "TRANS_DST";
         velocity = reader_.vector(key) - place_;
@@ -229,13 +281,22 @@ void ObjectImporter::add_velocity() {
     }
 }
 
-ScenePart ObjectImporter::part() {
+void ObjectImporter::add() {
     add_shape();
     add_material();
     add_transform();
     add_velocity();
-    part_.is_whole = reader_.is_whole();
-    return part_;
+    part_.is_whole = part_.is_whole && reader_.is_whole();
+    if (own_parts_.empty()) {
+        import_->objects.push_back(part_);
+    }
+    for (const OwnPart& own : own_parts_) {
+        ScenePart part = part_;
+        part.place = fmt::format("$.objects[{}]", import_->objects.size());
+        part.add("file", json_of(own.file), reader_.line("FILE"));
+        part.add("material", json_of(own.material), reader_.line("FILE"));
+        import_->objects.push_back(std::move(part));
+    }
 }
 
 }  // namespace
@@ -254,7 +315,7 @@ std::string name_beside(const std::filesystem::path& scene, const std::filesyste
     return relative.empty() ? found.string() : relative.string();
 }
 
-ScenePart import_object(CourseImport& import, std::size_t index) { return ObjectImporter(import, index).part(); }
+void import_object(CourseImport& import, std::size_t index) { ObjectImporter(import, index).add(); }
 
 std::string course_scene_file(const ImportSource& source) {
     const std::string& beside = source.out.empty() ? source.file : source.out;

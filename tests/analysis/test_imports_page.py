@@ -78,6 +78,28 @@ def test_reasons_are_named_and_notes_are_none(survey):
     assert survey.reasons_of(said) == {"texture, bump or environment map", "mesh file that is not in the repository"}
 
 
+@pytest.mark.parametrize(
+    ("allowed", "lacks_a_mesh", "lacks_a_file"),
+    [
+        ("a mesh file that is there, beside this one", True, True),
+        ("an image .png or .jpg that is there, beside this file", False, True),
+        ("a library of materials that is there, beside the mesh", False, True),
+        ("a mesh that can be read", False, False),
+    ],
+)
+def test_a_file_that_is_missing_is_told_from_one_that_cannot_be_read(survey, allowed, lacks_a_mesh, lacks_a_file):
+    reasons = survey.reasons_of(f'ptbench: a.txt:3: found "FILE a", allowed: {allowed}\n')
+    scene = survey.Scene("a", Path("x"), "text", [], survey.REFUSED, reasons)
+    assert (scene.lacks_a_mesh, scene.lacks_a_file) == (lacks_a_mesh, lacks_a_file)
+
+
+def test_what_a_library_of_materials_says_is_the_meshs_own(survey):
+    said = 'ptbench: a.txt:3: found "a.mtl line 5: norm b.png", allowed: no image here (none)\n'
+    assert survey.reasons_of(said) == {"texture, bump or environment map"}
+    said = 'ptbench: a.txt:3: found "a.mtl line 5: d 0.5", allowed: 1, or Tr 0\n'
+    assert survey.reasons_of(said) == {"mesh with the materials of its own file"}
+
+
 def page_source(survey, tmp_path) -> ImportsSource:
     def scene(outcome: str, needs: list[str], warnings: int = 0, reasons: tuple[str, ...] = ()):
         return survey.Scene("a", Path("x"), "text", needs, outcome, set(reasons), warnings)
@@ -100,6 +122,7 @@ def test_a_page_looks_up_the_counts(survey, tmp_path):
     assert (source.authors, source.files(), source.came_through(), source.exact()) == (1, 4, 2, 1)
     assert source.share("text", "plain") == "100 %"
     assert source.share("all", "with_their_files") == "66.7 %"
+    assert source.files("all", "with_their_meshes") == 3
     assert source.files("json", "mesh") == 0
     assert source.left_out == "3 (same content as another)"
     assert dict(source.reasons)["texture, bump or environment map"] == 1

@@ -19,6 +19,7 @@ int fuzz_suite(const std::uint8_t* data, std::size_t size);
 int fuzz_journal(const std::uint8_t* data, std::size_t size);
 int fuzz_mesh_ply(const std::uint8_t* data, std::size_t size);
 int fuzz_mesh_obj(const std::uint8_t* data, std::size_t size);
+int fuzz_mesh_mtl(const std::uint8_t* data, std::size_t size);
 int fuzz_mesh_glb(const std::uint8_t* data, std::size_t size);
 int fuzz_environment_hdr(const std::uint8_t* data, std::size_t size);
 }
@@ -36,6 +37,7 @@ const std::map<std::string, Target> targets{{"scene", fuzz_scene},
                                             {"journal", fuzz_journal},
                                             {"mesh_ply", fuzz_mesh_ply},
                                             {"mesh_obj", fuzz_mesh_obj},
+                                            {"mesh_mtl", fuzz_mesh_mtl},
                                             {"mesh_glb", fuzz_mesh_glb},
                                             {"environment_hdr", fuzz_environment_hdr}};
 const std::filesystem::path corpus = std::filesystem::path(PTBENCH_SOURCE_DIR) / "tests/fuzz/corpus";

@@ -225,8 +225,38 @@ TEST(ImportCourseJson, AllProblemsAreListedWithTheirLines) {
             "box.json:25: found $.Objects[0] without a shape, allowed: with cube or sphere",
             "box.json:26: found \"$.Objects[1].SHINE 2\", allowed: in OBJECT: cube, sphere, rect, mesh, material, "
             "TRANS, ROTAT, SCALE, VEL, FILE",
-            "box.json:26: found \"$.Objects[1].MATERIAL gray\", allowed: the name of one of $.Materials",
         }));
+}
+
+// std::unordered_map<std::string, uint32_t> has 0 for a key that is new, and materials come in the order of their
+// names.
+TEST(ImportCourseJson, AMaterialThatIsNotThereIsTheFirstAsInTheCoursesLoader) {
+    const std::string text = replaced(plain, "\"MATERIAL\": \"light\"", "\"MATERIAL\": \"lamp\"");
+    const Scene scene = scene_of(text);
+    EXPECT_EQ(scene.materials.at(scene.objects.at(0).material).name, "grey");
+    EXPECT_EQ(warnings_of(text),
+              Lines{"box.json:24: warning: $.Objects[0].MATERIAL lamp is none of $.Materials: read as \"grey\", the "
+                    "first by its name, which the course's loader takes then"});
+    EXPECT_EQ(problems_of(replaced(plain, "\"MATERIAL\": \"light\"", "\"MATERIAL\": [1, 2]")),
+              Lines{"box.json:24: found \"$.Objects[0].MATERIAL 1 2\", allowed: the name of one of $.Materials"});
+}
+
+TEST(ImportCourseJson, ATypeThatNamesAMaterialIsBlackAsInTheCoursesLoader) {
+    const std::string lines = "\"TYPE\": \"light\", \"RGB\": [0.5, 0.5, 0.5], \"IOR\": 1.5";
+    EXPECT_EQ(grey_of(lines).type, MaterialType::emitter);  // a type by that name comes first
+    const std::string named = replaced(with_grey(replaced(lines, "light", "lamp_1")), "\"light\": {", "\"lamp_1\": {");
+    const std::string text = replaced(named, "\"MATERIAL\": \"light\"", "\"MATERIAL\": \"lamp_1\"");
+    const SceneMaterial grey = scene_of(text).materials.at(0);
+    EXPECT_EQ(grey.type, MaterialType::diffuse);
+    EXPECT_EQ(grey.albedo, Vec3d(0.0));
+    EXPECT_EQ(warnings_of(text),
+              Lines{"box.json:7: warning: $.Materials.grey.TYPE lamp_1 is the name of a material and no type: read as "
+                    "black, as the course's loader leaves it"});
+}
+
+TEST(ImportCourseJson, ABackgroundIsTheEnvironment) {
+    const std::string text = replaced(plain, "\"Materials\":", "\"Background_Color\": [1, 2, 3],\n    \"Materials\":");
+    EXPECT_EQ(scene_of(text).environment, Vec3d(1, 2, 3));
 }
 
 TEST(ImportCourseJson, WhatIsNoSceneOfTheCourse) {

@@ -117,6 +117,20 @@ TEST(ImportDialects, AnImageIsFoundAsAMeshIs) {
     }
 }
 
+// Somewhere in the project, as a camera called it.
+TEST(ImportDialects, AnImageMayEndInCapitals) {
+    const test::TemporaryFolder folder;
+    std::filesystem::create_directories(folder.path() / "project" / "scenes");
+    std::filesystem::create_directories(folder.path() / "project" / "photos");
+    std::filesystem::copy(tiles, folder.path() / "project" / "photos" / "154.PNG");
+    const ImportResult result = import_cis565({.text = with_material("RGB 1 1 1\nTEXTURE 154.PNG\n"),
+                                               .file = folder.file("project/scenes/a.txt"),
+                                               .out = folder.file("a.json"),
+                                               .name = ""});
+    EXPECT_EQ(result.problems.messages("f", ""), Lines());
+    EXPECT_NE(result.json.find("{\"image\": \"project/photos/154.PNG\"}"), std::string::npos) << result.json;
+}
+
 TEST(ImportDialects, ImagesThatCannotBeShownAreRefused) {
     const std::string at = "cis565.txt:3: found ", there =
                                                        "an image .png or .jpg that is there, beside this file or in "
@@ -158,6 +172,27 @@ TEST(ImportDialects, AMeshWithoutCoordinatesShowsNoImage) {
     EXPECT_EQ(problems_of(replaced(text, "cube\n", "mesh\n" + folder.file("b.obj") + "\n")), "");
 }
 
+TEST(ImportDialects, ABackgroundIsTheEnvironment) {
+    EXPECT_EQ(scene_of("BACKGROUND_COLOR 0.1 0.25 0.5\n\n" + white).environment, Vec3d(0.1, 0.25, 0.5));
+    EXPECT_EQ(scene_of(white + "\nBACKGROUND_COLOR 1 2 3\n").environment, Vec3d(1, 2, 3));
+    EXPECT_EQ(warnings_of("BACKGROUND_COLOR 1 2 3\n" + white), Lines());
+    EXPECT_EQ(result_of("BACKGROUND_COLOR 0 0 0\n" + white).json, result_of(white).json);
+    EXPECT_EQ(problems_of("BACKGROUND_COLOR 1 2\n" + white),
+              "cis565.txt:1: found \"BACKGROUND_COLOR 1 2\", allowed: BACKGROUND_COLOR and 3 finite numbers\n");
+    EXPECT_EQ(problems_of("BACKGROUND_COLOR -1 2 3\n" + white).substr(0, 76),
+              "cis565.txt:1: found \"BACKGROUND_COLOR -1 2 3\", which makes $.environment[0] ");
+    EXPECT_EQ(problems_of("BACKGROUND_COLOR 1 1 1\nBACKGROUND_COLOR 1 1 1\n" + white),
+              "cis565.txt:2: found \"BACKGROUND_COLOR 1 1 1\", allowed: BACKGROUND_COLOR once; line 1 has it\n");
+}
+
+TEST(ImportDialects, TheFileOfThePictureNamesTheScene) {
+    for (const std::string file : {"../oops/box.png", "box.png", "..\\oops\\box", "../oops/box"}) {
+        const ImportResult result = result_of(replaced(white, "FILE plain", "FILE " + file));
+        EXPECT_NE(result.json.find("\"name\": \"box\""), std::string::npos) << file << result.json;
+        EXPECT_EQ(result.notes.listed().back().text, "FILE " + file + ": the scene is called box");
+    }
+}
+
 TEST(ImportDialects, CommentsMayStandBehindALine) {
     EXPECT_EQ(result_of(replaced(white, "RGB 1 1 1", "RGB 1 1 1 // white")).json, result_of(white).json);
     EXPECT_EQ(result_of(replaced(white, "DEPTH 5", "DEPTH 5 # bounces")).json, result_of(white).json);
@@ -168,7 +203,7 @@ TEST(ImportDialects, CommentsMayStandBehindALine) {
 TEST(ImportDialects, LensesInTheirSpellings) {
     for (const std::string lines :
          {"LENSRADIUS .2\nFOCALDIST 4\n", "LENSR .2\nFOCALD 4\n", "LENS .2\nFOCAL 4\n", "DOF .2 4\n",
-          "LENS_RADIUS .2\nFOCAL_DISTANCE 4\n", "LENSRAD .2\nFOCALLENGTH 4\n"}) {
+          "LENS_RADIUS .2\nFOCAL_DISTANCE 4\n", "LENSRAD .2\nFOCALLENGTH 4\n", "LRADIUS .2\nFLENGTH 4\n"}) {
         const SceneCamera camera = scene_of(with_camera(lines)).camera;
         EXPECT_EQ(camera.aperture_radius, 0.2) << lines;
         EXPECT_EQ(camera.focus_distance, 4) << lines;
@@ -259,6 +294,10 @@ TEST(ImportDialects, MotionToAPlaceAndInTheObjectsSpace) {
     const std::string inner = replaced(replaced(white, "SCALE 1 1 1", "SCALE 1 3 1\nANIMET 0 2 0\nANIMER 0 0 0"),
                                        "ROTAT 0 0 0", "ROTAT 0 0 90");
     EXPECT_EQ(scene_of(inner).objects[0].velocity, Vec3d(-6, 0, 0));
+    const Scene moved = scene_of(white + "T_MOTION 1 2 3\nR_MOTION 0 0 0\n");
+    EXPECT_EQ(moved.objects[0].velocity, Vec3d(1, 2, 3));
+    EXPECT_FALSE(moved.camera.shutter_late);
+    EXPECT_EQ(warnings_of(white + "R_MOTION 0 0 90\n").size(), 1u);
     EXPECT_EQ(warnings_of(white + "ANIMER 0 0 90\n"),
               Lines{"cis565.txt:18: warning: ANIMER 0 0 90 is lost: shapes neither turn nor grow; this one stays as it "
                     "is when the shutter opens"});

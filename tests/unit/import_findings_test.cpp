@@ -110,8 +110,8 @@ TEST(ImportFindings, WhatCannotBeRead) {
         {"FILE plain", "FILE my scene",
          R"(16: found "FILE my scene", allowed: FILE and a name: 1 to 64 letters, digits, '_' and '-'; or import with )"
          "--name NAME"},
-        {"FILE plain", "FILE a.b",
-         R"(16: found "FILE a.b", allowed: FILE and a name: 1 to 64 letters, digits, '_' and '-'; or import with )"
+        {"FILE plain", "FILE a+b",
+         R"(16: found "FILE a+b", allowed: FILE and a name: 1 to 64 letters, digits, '_' and '-'; or import with )"
          "--name NAME"},
         {"material 0", "material 1", R"(22: found "material 1", allowed: material 0 to 0)"},
         {"material 0", "material", R"(22: found "material", allowed: material 0 to 0)"},
@@ -416,7 +416,7 @@ TEST(ImportFindings, ANameOfTheCallsOwnGoesBeforeFile) {
     const std::string without = replaced(every_key, "FILE plain\n", "");
     EXPECT_EQ(name_in(without), "mine");
     EXPECT_EQ(warnings_of(without, "mine"), Lines());
-    for (const std::string bad : {"FILE my scene", "FILE a.b", "FILE"}) {
+    for (const std::string bad : {"FILE my scene", "FILE a+b", "FILE"}) {
         const std::string text = replaced(every_key, "FILE plain", bad);
         EXPECT_EQ(name_in(text), "mine");
         EXPECT_EQ(warnings_of(text, "mine"),

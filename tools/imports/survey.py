@@ -43,17 +43,25 @@ JSON_NEEDS = {
     "procedural": r'"TYPE"\s*:\s*"(Procedural|Marble|Wood)"',
 }
 
+MISSING_MESH = "mesh file that is not in the repository"
+
 # The first that fits a problem names its reason.
 REASONS = (
+    # A pattern of the program by its number.
+    ("procedural shape or pattern", r"TEXTURE \d+\", allowed: an image"),
     ("texture, bump or environment map", r"no texture, bump or environment map|no image here"),
     ("image that is not in the repository", r"an image \.\w+ or \.\w+ that is there"),
+    ("library of materials that is not in the repository", r"a library of materials that is there"),
     ("procedural shape or pattern", r"no procedural shape or pattern"),
     ("subsurface scattering without coefficients", r"scattering below a surface|subsurface body with SIGMA_S"),
-    ("mesh file that is not in the repository", r"a mesh file that is there|with the file of its mesh"),
-    ("mesh file that is not in the repository", r"File not found : "),
+    (MISSING_MESH, r"a mesh file that is there|with the file of its mesh"),
+    (MISSING_MESH, r"File not found : |File read error : "),
     ("mesh file that cannot be read", r"a mesh that can be read"),
     ("glass on an open mesh", r"which is not closed"),
-    ("mesh with the materials of its own file", r"materials of mesh files are not read|found \"material -1\""),
+    (
+        "mesh with the materials of its own file",
+        r"only the materials of \.obj are read|mtl line \d+: |\.obj: (faces|usemtl|mtllib) ",
+    ),
     ("lights and meshes in a list of their own", r"lights and meshes among the objects"),
     ("a shape that turns or grows while the shutter is open", r"a motion along a line"),
     ("no name for the scene", r"or import with --name"),
@@ -88,9 +96,14 @@ class Scene:
         return "mesh" if self.needs == ["mesh"] else "texture or procedural"
 
     @property
-    def lacks_a_file(self) -> bool:
+    def lacks_a_mesh(self) -> bool:
         """Whether a mesh is missing, which no importer can mend."""
-        return "mesh file that is not in the repository" in self.reasons
+        return MISSING_MESH in self.reasons
+
+    @property
+    def lacks_a_file(self) -> bool:
+        """Whether any file that it names is missing."""
+        return any(reason.endswith("that is not in the repository") for reason in self.reasons)
 
 
 def needs_of(text: str, dialect: str) -> list[str]:
@@ -202,6 +215,7 @@ def document(scenes: list[Scene], left_out: Counter, binary: Path) -> dict:
             dialect: {
                 "authors": len({scene.author for scene in some}),
                 "all": share(some),
+                "with_their_meshes": share([scene for scene in some if not scene.lacks_a_mesh]),
                 "with_their_files": share([scene for scene in some if not scene.lacks_a_file]),
                 "with_their_files_and_no_texture": share(
                     [one for one in some if not one.lacks_a_file and one.group in ("plain", "mesh")]

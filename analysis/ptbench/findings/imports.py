@@ -36,7 +36,7 @@ class ImportsSource:
         return found[group] if group in found else found["groups"][group]
 
     def files(self, dialect: str = "all", group: str = "all") -> int:
-        """How many were tried; a group is "all", "with_their_files", "plain", "mesh" or "texture or procedural"."""
+        """How many were tried; a group is "all", "with_their_files" or another of the file's."""
         return self._share(dialect, group)["files"]
 
     def came_through(self, dialect: str = "all", group: str = "all") -> int:
