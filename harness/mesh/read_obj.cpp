@@ -128,11 +128,12 @@ private:
             (word == "usemtl" ? current_.material : current_.group) = rest_of_line();
             has_current_ = false;
         } else if (keeps_parts_ && word == "mtllib") {
-            found_.libraries.push_back(rest_of_line());
+            const std::size_t start = std::min(text_.find_first_not_of(" \t"), text_.size());
+            found_.libraries.emplace_back(text_.substr(start));  // a file's name, with all its spaces
         }
     }
 
-    // Names may have spaces.
+    // Names may have spaces; how many does not count.
     std::string rest_of_line() {
         std::string rest(next_word());
         for (std::string_view word = next_word(); !word.empty(); word = next_word()) {

@@ -35,6 +35,7 @@ const std::map<std::string, CourseType>& course_types() {
         {"DIELECTRIC", glass},
         {"GLASS", glass},
         {"TRANSMISSIVE", glass},
+        {"SPECULAR TRANSMISSIVE", glass},
         {"TRANSPARENT", glass},
         {"PERFECTSPECULAR", glass},
         {"PURETRANSMISSION", glass},

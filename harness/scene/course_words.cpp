@@ -33,16 +33,18 @@ Words material_words() {
     add(words, "REFL", CourseUse::value, {"REFL", "REFLECTIVE", "HASREFLECTIVE"});
     add(words, "REFR", CourseUse::value,
         {"REFR", "REFRACT", "REFRACTIVE", "HASREFRACTIVE", "TRANSMISSIVE", "TRANSMISSION", "TRANSPARENCY"});
-    add(words, "REFRIOR", CourseUse::value, {"REFRIOR", "IOR", "ETA", "INDEXOFREFRACTION", "RIOR"});
+    add(words, "REFRIOR", CourseUse::value, {"REFRIOR", "IOR", "ETA", "INDEXOFREFRACTION", "REFRACTION", "RIOR"});
     add_all(words, CourseUse::value, {"EMITTANCE", "SIGMAA", "SIGMAS", "ROUGHNESS", "METALLIC", "TYPE"});
     add_all(words, CourseUse::remark, {"NAME", "COMMENT", "PROCTEXNUM"});
     add_all(
         words, CourseUse::lost,
         {"DISPERSION", "CLEARCOAT", "CLEARCOATGLOSS", "SHEEN", "SPECULAR", "FRESNELPOW", "REFLECTIONODDS", "ABSCOEFF",
          "ABSORPTION", "RSCTCOEFF", "SCATTER", "ROUGH", "THICKNESS", "DISTORTION", "GLOW", "BSSRDFSCALE", "AMBIENT"});
-    add(words, "TEXTURE", CourseUse::image, {"TEXTURE", "DIFFUSEMAP", "DIFFUSE", "DPATH", "ALBEDOMAP"});
+    add(words, "TEXTURE", CourseUse::image,
+        {"TEXTURE", "DIFFUSEMAP", "DIFFUSETEXTURE", "DIFFUSE", "DPATH", "ALBEDOMAP"});
     add_all(words, CourseUse::texture,
-            {"NORMALMAP", "NORMAL", "NPATH", "METALLICROUGHNESS", "BUMP", "BUMPMAP", "ROUGHNESSMAP", "METALLICMAP"});
+            {"NORMALMAP", "NORMALTEXTURE", "NORMAL", "NPATH", "BUMPTEXTURE", "METALLICROUGHNESS", "BUMP", "BUMPMAP",
+             "ROUGHNESSMAP", "METALLICMAP"});
     add_all(words, CourseUse::procedural,
             {"PROTEX", "USINGPROCTEX", "RGB1", "RGB2", "LIGHTRGB", "DARKRGB", "CHECKERCOLOR1", "CHECKERCOLOR2",
              "CHECKERSIZE", "SCALE", "FREQ", "WARP", "OCTAVES", "NOISE"});

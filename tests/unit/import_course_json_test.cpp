@@ -254,6 +254,16 @@ TEST(ImportCourseJson, ATypeThatNamesAMaterialIsBlackAsInTheCoursesLoader) {
                     "black, as the course's loader leaves it"});
 }
 
+TEST(ImportCourseJson, GlassInItsSpellings) {
+    for (const std::string lines : {R"("TYPE": "Specular Transmissive", "RGB": [1, 1, 1], "ETA": 1.25)",
+                                    R"("TYPE": "Refractive", "RGB": [1, 1, 1], "REFRACTION": 1.25)",
+                                    R"("TYPE": "Refract", "RGB": [1, 1, 1], "REFRACT": 1, "IOR": 1.25)"}) {
+        const SceneMaterial glass = grey_of(lines);
+        EXPECT_EQ(glass.type, MaterialType::dielectric) << lines;
+        EXPECT_EQ(glass.ior, 1.25) << lines;
+    }
+}
+
 TEST(ImportCourseJson, ABackgroundIsTheEnvironment) {
     const std::string text = replaced(plain, "\"Materials\":", "\"Background_Color\": [1, 2, 3],\n    \"Materials\":");
     EXPECT_EQ(scene_of(text).environment, Vec3d(1, 2, 3));

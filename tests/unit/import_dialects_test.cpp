@@ -67,7 +67,7 @@ const std::string unsaid = " is read as sRGB with v upwards; formats of the cour
 // In each spelling; the hash of the texels is that of the image itself.
 TEST(ImportDialects, ATextureIsTheImageThatIsShown) {
     const Scene shipped = load_scene(PTBENCH_SOURCE_DIR "/scenes/textures/textures.json");
-    for (const std::string word : {"TEXTURE", "DIFFUSE_MAP", "DIFFUSE", "D_PATH", "ALBEDO_MAP"}) {
+    for (const std::string word : {"TEXTURE", "DIFFUSE_MAP", "DIFFUSE_TEXTURE", "DIFFUSE", "D_PATH", "ALBEDO_MAP"}) {
         for (const std::string colour : {"RGB 1 1 1\n", "RGB 0 0 0\n", "\n"}) {
             std::string lines = colour;
             lines.append(word).append(" ").append(tiles).append("\n");

@@ -240,6 +240,16 @@ TEST(ImportMtl, LibrariesAndNamesThatAreNotThere) {
               Lines{"a:14: found \"two.obj: faces before any usemtl\", allowed: a material of its libraries, mtllib"});
 }
 
+TEST(ImportMtl, ALibrarysNameMayHaveSpaces) {
+    const Course course("", replaced(two_squares, "mtllib two.mtl", "mtllib  a  low  .mtl\r"));
+    test::write_text(course.folder.file("a  low  .mtl"),
+                     replaced(left, "left side", "left  side") + "newmtl right\nKd 1\n");
+    EXPECT_EQ(course.import().problems.messages("a", ""), Lines());
+    const Course several(left, replaced(two_squares, "mtllib two.mtl", "mtllib two.mtl other.mtl"));
+    test::write_text(several.folder.file("other.mtl"), "newmtl right\nKd 1\n");
+    EXPECT_EQ(several.import().problems.messages("a", ""), Lines());
+}
+
 TEST(ImportMtl, AGroupsNameStandsForAMaterialThatIsMissing) {
     const Course course("newmtl right\nKd 0.98, 0.5, 0.25\n",
                         "mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\ng right\nf 1 2 3\nusemtl gone\nf 1 2 3\n");
