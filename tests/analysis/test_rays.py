@@ -425,20 +425,19 @@ def errors_over_meshes(path: Path) -> None:
 
 def test_the_page_of_meshes_takes_what_is_there(tmp_path):
     optional = {
-        "traversal.json.gz", "rays_accelerators", "rays_counters", "nvidia-h100", "intel-r-xeon-r-processor-2-threads",
+        "traversal.json.gz", "rays_accelerators", "rays_counters", "nvidia-h100", "amd-epyc-2-threads",
         "levels.json", "levels.json.gz", "mesh_convergence.json", "mesh_convergence.json.gz",
     }  # fmt: skip
     fewer = results_linked(tmp_path / "fewer", optional)
     more = results_linked(tmp_path / "more", optional - {"traversal.json.gz", "rays_accelerators"})
     h100, h200, cpu = (
-        more / name for name in ("nvidia-h100", "nvidia-h200", "intel-r-xeon-r-processor-2-threads")
+        more / name for name in ("nvidia-h100", "nvidia-h200", "amd-epyc-2-threads")
     )  # fmt: skip
     h100.mkdir()
     cpu.mkdir()
     for name in ("accelerators.json.gz", "meshes.json.gz", "rays_accelerators", "traversal.json.gz"):
         (h100 / name).symlink_to(ROOT / "results/nvidia-h200" / name)
-    # What these show is asked of any machine's file.
-    (cpu / "accelerators.json.gz").symlink_to(ROOT / "results/nvidia-h200/accelerators.json.gz")
+    (cpu / "accelerators.json.gz").symlink_to(ROOT / "results/amd-epyc-2-threads/accelerators.json.gz")
     (h200 / "levels.json.gz").symlink_to(ROOT / "results/nvidia-h200/levels_sphereflake.json.gz")
     errors_over_meshes(h200 / "mesh_convergence.json")
     counted(h200 / "rays_counters")
