@@ -207,16 +207,6 @@ SceneParts SceneImporter::parts() {
     return parts;
 }
 
-// By the paths that they will have.
-MeshesToBe::Meshes imported_meshes(const ImportResult& result, const std::string& scene_file) {
-    MeshesToBe::Meshes meshes;
-    for (const ImportedMesh& imported : result.meshes) {
-        const std::filesystem::path path = std::filesystem::path(scene_file).parent_path() / imported.file;
-        meshes[path.string()] = make_scene_mesh(imported.mesh, imported.file);
-    }
-    return meshes;
-}
-
 }  // namespace
 
 void import_course(const Cis565File& sections, const ImportSource& source, ImportResult& result) {

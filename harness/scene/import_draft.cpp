@@ -171,8 +171,7 @@ bool ImportDraft::add_mesh(const std::string& file, const Affine& map, std::size
 
 std::string ImportDraft::keep_mesh(const Mesh& mesh) {
     const fs::path out(source_.out.empty() ? source_.file : source_.out);
-    const std::string name = fmt::format("{}_mesh_{}.ply", out.stem().string(), result_->meshes.size());
-    result_->meshes.push_back({.file = name, .mesh = mesh});
+    const std::string name = add_imported_mesh(*result_, source_, mesh);
     const std::string path = (out.parent_path() / name).string();
     read_[path] = mesh;
     return path;
@@ -209,11 +208,7 @@ std::string ImportDraft::name_in_scene(const std::string& path) const {
 
 std::optional<Scene> ImportDraft::checked() {
     const std::string file = source_.out.empty() ? source_.file : source_.out;
-    MeshesToBe::Meshes meshes;
-    for (const ImportedMesh& imported : result_->meshes) {
-        meshes[(fs::path(file).parent_path() / imported.file).string()] = make_scene_mesh(imported.mesh, imported.file);
-    }
-    const MeshesToBe to_be(std::move(meshes));
+    const MeshesToBe to_be(imported_meshes(*result_, file));
     ImagesToBe::Contents images;
     for (const ImportedImage& imported : result_->images) {
         images[(fs::path(file).parent_path() / imported.file).string()] = imported.content;

@@ -159,9 +159,7 @@ std::optional<OwnPart> OwnMaterials::part_with(const ObjParts& whole,
                                                entries_[entry].material.name, error.what()));
         return std::nullopt;
     }
-    const fs::path out(import_->source->out.empty() ? import_->source->file : import_->source->out);
-    const std::string name = fmt::format("{}_mesh_{}.ply", out.stem().string(), import_->result->meshes.size());
-    import_->result->meshes.push_back({.file = name, .mesh = std::move(mesh)});
+    const std::string name = add_imported_mesh(*import_->result, *import_->source, std::move(mesh));
     return OwnPart{.file = name, .material = material_of(entry)};
 }
 

@@ -1,6 +1,7 @@
 #include "harness/scene/import_parts.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <map>
@@ -218,6 +219,22 @@ constexpr std::string_view begin_of_image = "{\"image\": ";
 std::string image_in_scene(const std::string& name) { return fmt::format("{}{}}}", begin_of_image, json_of(name)); }
 
 bool is_image_in_scene(const std::string& value) { return value.starts_with(begin_of_image); }
+
+std::string add_imported_mesh(ImportResult& result, const ImportSource& source, Mesh mesh) {
+    const std::filesystem::path scene(source.out.empty() ? source.file : source.out);
+    const std::string name = fmt::format("{}_mesh_{}.ply", scene.stem().string(), result.meshes.size());
+    result.meshes.push_back({.file = name, .mesh = std::move(mesh)});
+    return name;
+}
+
+MeshesToBe::Meshes imported_meshes(const ImportResult& result, const std::string& scene_file) {
+    MeshesToBe::Meshes meshes;
+    for (const ImportedMesh& imported : result.meshes) {
+        const std::filesystem::path path = std::filesystem::path(scene_file).parent_path() / imported.file;
+        meshes[path.string()] = make_scene_mesh(imported.mesh, imported.file);
+    }
+    return meshes;
+}
 
 std::string material_name(const Cis565Section& section) {
     return section.name.empty() ? "material_" + section.label : section.name;

@@ -6,6 +6,8 @@
 
 #include "harness/scene/import_findings.h"
 #include "harness/scene/import_lines.h"
+#include "harness/scene/import_result.h"
+#include "harness/scene/scene_mesh.h"
 
 namespace pt {
 
@@ -48,6 +50,10 @@ std::string json_of(const std::string& text);
 // A colour that is an image, by the name that the scene file has for it; and whether a member's value is one.
 std::string image_in_scene(const std::string& name);
 bool is_image_in_scene(const std::string& value);
+// Adds a mesh that is to be written beside the scene file, and called after it; its name there.
+std::string add_imported_mesh(ImportResult& result, const ImportSource& source, Mesh mesh);
+// All of them, by the paths that they will have.
+MeshesToBe::Meshes imported_meshes(const ImportResult& result, const std::string& scene_file);
 // In the scene file: its name, or material_LABEL.
 std::string material_name(const Cis565Section& section);
 
