@@ -20,9 +20,9 @@ using FeatureSet = std::uint64_t;
 
 // A group's bits stand together, with room for more of its kind.
 namespace feature_bit {
-inline constexpr FeatureSet camera = FeatureSet{1} << 0;      // 8 bits
-inline constexpr FeatureSet shape = FeatureSet{1} << 8;       // 16 bits
-inline constexpr FeatureSet material = FeatureSet{1} << 24;   // 13 bits
+inline constexpr FeatureSet camera = FeatureSet{1} << 0;      // 4 bits
+inline constexpr FeatureSet shape = FeatureSet{1} << 4;       // 16 bits
+inline constexpr FeatureSet material = FeatureSet{1} << 20;   // 17 bits
 inline constexpr FeatureSet light = FeatureSet{1} << 37;      // 11 bits
 inline constexpr FeatureSet sampling = FeatureSet{1} << 48;   // 8 bits
 inline constexpr FeatureSet traversal = FeatureSet{1} << 56;  // 8 bits
@@ -53,6 +53,7 @@ enum class Feature : FeatureSet {
     rough_dielectric = feature_bit::material << 10,
     multiple_scattering = feature_bit::material << 11,  // rough conductors that lose no light
     textures = feature_bit::material << 12,             // colours and roughnesses that are images (kernels/texture.h)
+    principled = feature_bit::material << 13,           // kernels/principled.h
     environment = feature_bit::light << 0,
     // What the variant asks for rather than the scene.
     final_bounce = feature_bit::light << 1,
@@ -108,7 +109,7 @@ inline constexpr FeatureSet shape_features = no_features PT_SHAPES(PT_FEATURE);
 inline constexpr FeatureSet material_features =
     set_of(Feature::diffuse, Feature::emitter, Feature::mirror, Feature::mix, Feature::dielectric, Feature::subsurface,
            Feature::emission, Feature::absorption, Feature::subsurface_boundary, Feature::rough_conductor,
-           Feature::rough_dielectric, Feature::multiple_scattering, Feature::textures);
+           Feature::rough_dielectric, Feature::multiple_scattering, Feature::textures, Feature::principled);
 inline constexpr FeatureSet light_samplings =
     set_of(Feature::area_sampling, Feature::projected_sampling, Feature::automatic_sampling);
 inline constexpr FeatureSet light_selections = set_of(Feature::power_selection, Feature::tree_selection);

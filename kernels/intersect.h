@@ -203,7 +203,7 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
         // A ray inside a wall is none of the enclosure's, not even on its face.
         bool in_wall = ray.origin_surface.exists() && ray.origin_surface.inside();
         if constexpr (has<Config>(Feature::dielectric) || has<Config>(Feature::rough_dielectric) ||
-                      has<Config>(Feature::subsurface)) {
+                      has<Config>(Feature::subsurface) || has<Config>(Feature::principled)) {
             in_wall =
                 in_wall && scene.enclosure.is_wall(ray.origin_surface.object() - first_of<ShapeKind::axis_box>(scene));
         }

@@ -132,7 +132,7 @@ PT_HD inline Sight line_of_sight(const Scene& scene, std::uint32_t object, const
     if constexpr (has<Config>(Feature::enclosure)) {
         bool in_wall = ray.origin_surface.exists() && ray.origin_surface.inside();
         if constexpr (has<Config>(Feature::dielectric) || has<Config>(Feature::rough_dielectric) ||
-                      has<Config>(Feature::subsurface)) {
+                      has<Config>(Feature::subsurface) || has<Config>(Feature::principled)) {
             in_wall =
                 in_wall && scene.enclosure.is_wall(ray.origin_surface.object() - first_of<ShapeKind::axis_box>(scene));
         }

@@ -14,7 +14,8 @@ enum class MaterialType : std::uint32_t {
     dielectric,
     subsurface,
     rough_conductor,
-    rough_dielectric
+    rough_dielectric,
+    principled
 };
 
 // What light passes by one refraction.
@@ -34,13 +35,16 @@ struct Boundary {
 template <class Real>
 struct Material {
     MaterialType type;
-    std::uint32_t emits;               // 1 if emission is not black
-    Vec3<Real> emission;               // radiance, linear RGB
-    Vec3<Real> albedo;                 // diffuse, mix
-    Vec3<Real> reflectance;            // mirror, mix; rough_conductor: at normal incidence
-    Real mirror_probability;           // mix
+    std::uint32_t emits;     // 1 if emission is not black
+    Vec3<Real> emission;     // radiance, linear RGB
+    Vec3<Real> albedo;       // diffuse, mix; principled: base colour
+    Vec3<Real> reflectance;  // mirror, mix; rough_conductor: at normal incidence
+    union {
+        Real mirror_probability;  // mix
+        Real metallic;            // principled
+    };
     Vec3<Real> tint;                   // dielectrics: factor on each transmission
-    Boundary<Real> entering, leaving;  // dielectrics, subsurface
+    Boundary<Real> entering, leaving;  // dielectrics, subsurface, principled
     std::uint32_t has_boundary;        // subsurface: 1 if ior != 1
     union {
         std::uint32_t absorbs;            // dielectrics: 1 if sigma_a is not 0
@@ -50,7 +54,10 @@ struct Material {
     Vec3<Real> sigma_s;            // subsurface, 1 / scene unit
     Vec3<Real> sigma_t;            // sigma_a + sigma_s
     Vec3<Real> scattering_albedo;  // sigma_s / sigma_t, 0 where sigma_t is 0
-    std::uint32_t grey;            // 1 if the three sigma_t are equal
+    union {
+        std::uint32_t grey;  // 1 if the three sigma_t are equal
+        Real transmission;   // principled
+    };
     union {
         Real g;      // subsurface: Henyey-Greenstein mean cosine
         Real alpha;  // rough materials: width of the GGX distribution, roughness^2

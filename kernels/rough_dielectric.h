@@ -37,6 +37,8 @@ struct RoughDielectric {
         return facets.are_wide() && facets.alpha * absolute(boundary.k) >= Real(0x1p-7);
     }
 
+    PT_HD bool lets_through() const { return true; }
+
     // Of a connectable lobe; `cosine` of the direction to the normal, not 0.
     PT_HD LobeValue<Real> towards(const Vec3<Real>& incoming, Real cosine) const {
         const bool passes = !(cosine > Real(0));
@@ -77,6 +79,21 @@ struct RoughDielectric {
         sample.cosine = cosine;
         sample.value = value(passes, absolute(cosine), facet_cosine, refraction,
                              is_connectable() ? facets.mirrored_pdf(facet) : Real(0));
+        return sample;
+    }
+
+    // By a facet that was drawn; the rest of the sample is as of sample().
+    PT_HD LobeSample<Real> refracted(const GgxFacet<Real>& facet, Real facet_cosine,
+                                     const Refraction<Real>& refraction) const {
+        LobeSample<Real> sample{refract(boundary, -facets.outgoing, facet.normal, facet_cosine, refraction.q),
+                                Real(0),
+                                {Vec3<Real>(Real(0)), Real(0)}};
+        const Real cosine = dot(sample.direction, facets.normal);
+        if (-cosine > least_cosine<Real>) {
+            sample.cosine = cosine;
+            sample.value =
+                value(true, -cosine, facet_cosine, refraction, is_connectable() ? facets.mirrored_pdf(facet) : Real(0));
+        }
         return sample;
     }
 

@@ -9,6 +9,7 @@
 #include "kernels/light.h"
 #include "kernels/mix.h"
 #include "kernels/next_event.h"
+#include "kernels/principled.h"
 #include "kernels/rough_conductor.h"
 #include "kernels/rough_dielectric.h"
 #include "kernels/russian_roulette.h"
@@ -189,6 +190,39 @@ PT_HD inline bool shade_rough_dielectric(const SceneView<typename Config::Real>&
     return true;
 }
 
+// Metal, plastic and glass in one, likewise. What narrow facets send on meets lights as from a mirror, though the
+// diffuse surface beneath them was connected.
+template <class Config>
+PT_HD inline bool shade_principled(const SceneView<typename Config::Real>& scene,
+                                   const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
+                                   const Vertex<typename Config::Real>& vertex,
+                                   const Material<typename Config::Real>& material,
+                                   const Vec3<typename Config::Real>& colour, const RandomWords& words,
+                                   PathCounters& counters) {
+    using Real = typename Config::Real;
+    const Principled<Config> lobe(material, colour, facet_width<Config>(scene, path, vertex, material), -path.direction,
+                                  vertex);
+    const bool is_connected = connect_rough<Config>(scene, traced, path, vertex, lobe, counters);
+    const LobeSample<Real> sample =
+        lobe.sample(unit_interval<Real>(words.x), unit_interval<Real>(words.y), unit_interval<Real>(words.z));
+    if (sample.cosine == Real(0)) {
+        return false;
+    }
+    path.throughput *= sample.value.weight;
+    if (sample.cosine > Real(0)) {
+        leave_on_same_side(path, vertex, sample.direction);
+    } else {
+        leave_on_other_side(path, vertex, sample.direction);
+        if constexpr (has<Config>(Feature::absorption)) {
+            path.medium = lobe.medium_beyond;
+        }
+    }
+    if (is_connected) {
+        path.bsdf_pdf = sample.value.pdf > Real(0) ? kept_pdf<Config>(path, sample.value.pdf) : Real(0);
+    }
+    return true;
+}
+
 // The colour of a material that may be an image: then it is the surface's.
 template <class Config>
 PT_HD inline const Vec3<typename Config::Real>& colour_of(const Surface<typename Config::Real>& surface,
@@ -242,6 +276,12 @@ PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const S
     if constexpr (has<Config>(Feature::rough_dielectric)) {
         if (material.type == MaterialType::rough_dielectric) {
             return shade_rough_dielectric<Config>(scene, traced, path, vertex, material, words, counters);
+        }
+    }
+    if constexpr (has<Config>(Feature::principled)) {
+        if (material.type == MaterialType::principled) {
+            return shade_principled<Config>(scene, traced, path, vertex, material,
+                                            colour_of<Config>(surface, material.albedo), words, counters);
         }
     }
     if constexpr (has<Config>(Feature::subsurface)) {

@@ -104,6 +104,7 @@ constexpr NamedFeature named_features[] = {
     {Feature::naive, "naive"},
     {Feature::near_sphere, "near_sphere"},
     {Feature::textures, "textures"},
+    {Feature::principled, "principled"},
     {Feature::object_tree, "object_tree"},
     {Feature::flat_tree, "flat_tree"},
 };

@@ -100,6 +100,7 @@ Vec3d first_hit_albedo(const SceneMaterial& material, const Vec3d& colour) {
         case MaterialType::diffuse:
         case MaterialType::mirror:
         case MaterialType::rough_conductor:
+        case MaterialType::principled:
             return colour;
         case MaterialType::mix:
             return material.reflectance * material.mirror_probability + colour * (1 - material.mirror_probability);

@@ -85,6 +85,10 @@ void check_material(const SceneMaterial& material, std::uint32_t depth, Problems
                          "another material: Mitsuba masks the facets of each direction on its own, ptbench of both "
                          "together (Heitz 2014)");
             return;
+        case MaterialType::principled:
+            problems.add(place, "principled",
+                         "another material: Mitsuba's has Disney's lobes and this one glTF's, of other formulas");
+            return;
         default:
             problems.add(place, "a material that has no counterpart in Mitsuba",
                          "diffuse, emitter, mirror, mix (with mirror_probability 0 or 1), dielectric or subsurface");

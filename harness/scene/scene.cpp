@@ -48,6 +48,8 @@ FeatureSet features_of_material(const SceneMaterial& material) {
             return set_of(Feature::rough_conductor,
                           is_black(material.emission) ? Feature::rough_conductor : Feature::emission,
                           material.multiple_scattering ? Feature::multiple_scattering : Feature::rough_conductor);
+        case MaterialType::principled:
+            return Feature::principled | (is_black(material.emission) ? Feature::principled : Feature::emission);
         default:
             return Feature::subsurface | (material.ior == 1 ? Feature::subsurface : Feature::subsurface_boundary);
     }
@@ -206,6 +208,11 @@ double eye_power(const SceneObject& sphere, const Vec3d& eye) {
 
 bool is_near_eye(const SceneObject& object, const Vec3d& eye) {
     return classify(object) == ShapeKind::sphere && std::abs(eye_power(object, eye)) < 0.5;
+}
+
+bool lets_light_in(const SceneMaterial& material) {
+    return is_glass(material.type) ||
+           (material.type == MaterialType::principled && material.metallic < 1 && material.transmission > 0);
 }
 
 bool shows_images(const SceneMaterial& material) {

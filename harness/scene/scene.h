@@ -42,14 +42,15 @@ struct SceneMaterial {
     std::string name;
     MaterialType type = MaterialType::diffuse;
     Vec3d albedo{0.0}, emission{0.0}, reflectance{0.0}, tint{1.0}, sigma_a{0.0}, sigma_s{0.0};
-    // In place of the albedo (diffuse, mix) or the reflectance (mirror, rough_conductor), which then has the largest of
-    // its texels in each channel. Null: one colour.
+    // In place of the albedo (diffuse, mix; principled: its base colour) or the reflectance (mirror, rough_conductor),
+    // which then has the largest of its texels in each channel. Null: one colour.
     std::shared_ptr<const SceneTexture> texture;
     double mirror_probability = 0;
     double roughness = 0;
     // In place of the roughness, which then has the largest of its texels. Null: one number.
     std::shared_ptr<const SceneTexture> roughness_texture;
     bool multiple_scattering = false;
+    double metallic = 0, transmission = 0;  // principled
     double ior = 1;
     double g = 0;
     std::uint32_t max_scatterings = 1000000;
@@ -126,6 +127,8 @@ Placement placement_of(const SceneObject& object, const Vec3d& eye);
 ShapeKind classify(const SceneObject& object);
 bool is_flat(const SceneObject& object);
 
+// Whether light passes the material's surface by refraction.
+bool lets_light_in(const SceneMaterial& material);
 // Whether the material's colour or roughness is an image.
 bool shows_images(const SceneMaterial& material);
 // Whether an object that the scene has shows an image.

@@ -48,7 +48,12 @@ Material<Real> make_material(const SceneMaterial& m) {
     material.emission = narrow<Real>(m.emission);
     material.albedo = narrow<Real>(m.albedo);
     material.reflectance = narrow<Real>(m.reflectance);
-    material.mirror_probability = static_cast<Real>(m.mirror_probability);
+    const bool is_principled = m.type == MaterialType::principled;
+    if (is_principled) {
+        material.metallic = static_cast<Real>(m.metallic);
+    } else {
+        material.mirror_probability = static_cast<Real>(m.mirror_probability);
+    }
     material.tint = narrow<Real>(m.tint);
     material.entering = make_boundary<Real>(m.ior);
     material.leaving = make_boundary<Real>(1.0 / m.ior);
@@ -67,8 +72,12 @@ Material<Real> make_material(const SceneMaterial& m) {
     for (int i = 0; i < 3; ++i) {
         material.scattering_albedo[i] = static_cast<Real>(sigma_t[i] > 0 ? m.sigma_s[i] / sigma_t[i] : 0.0);
     }
-    material.grey = sigma_t.x == sigma_t.y && sigma_t.y == sigma_t.z ? 1 : 0;
-    if (m.type == MaterialType::rough_conductor) {
+    if (is_principled) {
+        material.transmission = static_cast<Real>(m.transmission);
+    } else {
+        material.grey = sigma_t.x == sigma_t.y && sigma_t.y == sigma_t.z ? 1 : 0;
+    }
+    if (m.type == MaterialType::rough_conductor || is_principled) {
         material.alpha = static_cast<Real>(m.roughness * m.roughness);
     } else if (m.type == MaterialType::rough_dielectric) {
         material.alpha = static_cast<Real>(is_smooth(m) ? 0 : m.roughness * m.roughness);
@@ -95,7 +104,7 @@ std::uint32_t medium_at_eye(const Scene& scene) {
     for (const SceneObject& object : scene.objects) {
         const SceneMaterial& material = scene.materials[object.material];
         const double volume = object.scale.x * object.scale.y * object.scale.z;
-        if (is_glass(material.type) && volume < least_volume && contains_point(scene, object, scene.camera.eye)) {
+        if (lets_light_in(material) && volume < least_volume && contains_point(scene, object, scene.camera.eye)) {
             least_volume = volume;
             medium = material.sigma_a != Vec3d(0.0) ? object.material : Path<float>::no_medium;
         }
@@ -424,12 +433,15 @@ namespace {
 
 double brightest_channel(const Vec3d& v) { return std::max({v.x, v.y, v.z}); }
 
-// Lobes that scatter some directions by up to 3.3, none by more than 1 in the mean.
+// Lobes that scatter some directions by up to 3.3, with multiple scattering, or 32, of principled surfaces, which are
+// drawn by what a smooth one reflects; none by more than 1 in the mean.
 double gain_of(const Scene& scene) {
-    return std::any_of(scene.materials.begin(), scene.materials.end(),
-                       [](const SceneMaterial& material) { return material.multiple_scattering; })
-               ? 16
-               : 1;
+    double gain = 1;
+    for (const SceneMaterial& material : scene.materials) {
+        const bool is_principled = material.type == MaterialType::principled;
+        gain = std::max(gain, is_principled ? 32.0 : material.multiple_scattering ? 16.0 : 1.0);
+    }
+    return gain;
 }
 
 // By what emits, and an environment that is not drawn.
@@ -442,8 +454,10 @@ double bound_on_sources(const Scene& scene, std::uint32_t depth) {
         if (material.type != MaterialType::emitter) {
             brightest_reflector = std::max(brightest_reflector, brightest_channel(material.emission));
         }
-        // A rough conductor reflects all light at grazing angles.
-        const double grazing = material.type == MaterialType::rough_conductor ? 1 : 0;
+        // At grazing angles these reflect all light.
+        const bool is_bright =
+            material.type == MaterialType::rough_conductor || material.type == MaterialType::principled;
+        const double grazing = is_bright ? 1 : 0;
         albedo =
             std::max({albedo, brightest_channel(material.albedo), brightest_channel(material.reflectance), grazing});
     }

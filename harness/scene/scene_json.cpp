@@ -174,12 +174,31 @@ SceneMaterial read_rough_conductor(const JsonValue& value) {
     return material;
 }
 
+SceneMaterial read_principled(const JsonValue& value) {
+    const JsonObject object(value, {"type", "base_colour", "metallic", "roughness", "transmission", "ior", "emission"});
+    const auto share = [&](const char* key) {
+        return object.has(key) ? object.at(key).number(0, 1, "a number from 0 to 1") : 0;
+    };
+    SceneMaterial material;
+    material.type = MaterialType::principled;
+    material.albedo = read_colour(object.required("base_colour"), material);
+    material.metallic = share("metallic");
+    material.roughness = read_roughness(object.required("roughness"), material);
+    material.transmission = share("transmission");
+    material.ior = object.has("ior") ? object.at("ior").number(1, 1e4, "a number from 1 to 1e4") : 1.5;
+    material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
+    if (!is_black(material.emission) && lets_light_in(material)) {
+        object.at("emission").fail("none, where light passes through: transmission 0 or metallic 1");
+    }
+    return material;
+}
+
 SceneMaterial read_material(const JsonValue& value) {
     if (!value.json().is_object()) {
         value.fail("an object");
     }
-    const std::vector<std::string> types{"diffuse",    "emitter",    "mirror",          "mix",
-                                         "dielectric", "subsurface", "rough_conductor", "rough_dielectric"};
+    const std::vector<std::string> types{"diffuse",    "emitter",         "mirror",           "mix",       "dielectric",
+                                         "subsurface", "rough_conductor", "rough_dielectric", "principled"};
     if (!value.json().contains("type")) {
         throw InputError(value.file(), value.path(), "no key \"type\"",
                          fmt::format("it is required: {}", fmt::join(types, ", ")));
@@ -197,6 +216,9 @@ SceneMaterial read_material(const JsonValue& value) {
     }
     if (type == "rough_conductor") {
         return read_rough_conductor(value);
+    }
+    if (type == "principled") {
+        return read_principled(value);
     }
     if (type == "emitter") {
         const JsonObject object(value, {"type", "radiance"});
@@ -330,21 +352,21 @@ void check_material(const JsonValue& value, const SceneMaterial& material, const
     const bool is_mesh = object.mesh != SceneObject::no_mesh;
     if (is_mesh && material.type == MaterialType::subsurface) {
         value.fail(
-            "on a mesh: diffuse, emitter, mirror, rough_conductor, mix, dielectric or rough_dielectric (subsurface "
-            "needs "
-            "a convex shape)");
+            "on a mesh: diffuse, emitter, mirror, rough_conductor, mix, dielectric, rough_dielectric or principled "
+            "(subsurface needs a convex shape)");
     }
-    if (is_mesh && is_glass(material.type) && !scene.meshes[object.mesh]->is_closed) {
+    const bool lets_in = lets_light_in(material);
+    if (is_mesh && lets_in && !scene.meshes[object.mesh]->is_closed) {
         value.fail(fmt::format(
-            "on the mesh {}, which is not closed: diffuse, emitter, mirror, rough_conductor or mix (dielectric and "
-            "rough_dielectric need a shape with an inside)",
+            "on the mesh {}, which is not closed: diffuse, emitter, mirror, rough_conductor, mix or principled without "
+            "transmission (dielectric and rough_dielectric need a shape with an inside)",
             scene.meshes[object.mesh]->source));
     }
-    const bool needs_inside = is_glass(material.type) || material.type == MaterialType::subsurface;
+    const bool needs_inside = lets_in || material.type == MaterialType::subsurface;
     if (!is_mesh && is_flat(object) && needs_inside) {
         value.fail(
-            fmt::format("on a {}: diffuse, emitter, mirror, rough_conductor or mix (dielectric, rough_dielectric and "
-                        "subsurface need a shape with an inside)",
+            fmt::format("on a {}: diffuse, emitter, mirror, rough_conductor, mix or principled without transmission "
+                        "(dielectric, rough_dielectric and subsurface need a shape with an inside)",
                         name_of(object.shape)));
     }
 }

@@ -233,8 +233,9 @@ TEST_F(InspectTest, LeavingOutMakesAKernelSmaller) {
                                           "environment_map",
                                           "russian_roulette",
                                           "near_sphere",
-                                          "textures"}));
-    EXPECT_EQ(generic["features"].size(), 34u);
+                                          "textures",
+                                          "principled"}));
+    EXPECT_EQ(generic["features"].size(), 35u);
     EXPECT_EQ(generic["left_out"], Json::array());
     EXPECT_LT(features["code_bytes"], generic["code_bytes"]);
     for (const Json& report : {features, generic}) {

@@ -63,6 +63,9 @@ const std::function<std::uint32_t(SceneBuilder&)> balls[] = {
     [](auto& b) {
         return b.rough_dielectric(1.5, 0.4, {0.2, 0.1, 0.4});
     },
+    [](auto& b) {
+        return b.principled({0.9, 0.8, 0.7}, 0.2, 0.4, 0.5);
+    },
 };
 
 TYPED_TEST(EnvironmentTest, MetByChanceIsAPlainEnvironment) {

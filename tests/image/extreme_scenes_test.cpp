@@ -76,7 +76,7 @@ private:
 
     Json material() {
         Json material;
-        switch (whole(0, 7)) {
+        switch (whole(0, 8)) {
             case 0:
                 material = {{"type", "diffuse"}, {"albedo", colour(fractions)}};
                 break;
@@ -102,6 +102,13 @@ private:
                         {"tint", colour(fractions)},
                         {"sigma_a", colour(sigmas)}};
             case 6:
+                return {{"type", "principled"},
+                        {"base_colour", colour(fractions)},
+                        {"metallic", from(fractions)},
+                        {"roughness", from(fractions)},
+                        {"transmission", from(fractions)},
+                        {"ior", from({1, 1 + 1e-6, 1.5, 1e4})}};
+            case 7:
                 return {{"type", "rough_dielectric"},
                         {"ior", from(iors)},
                         {"roughness", from(fractions)},
@@ -122,7 +129,8 @@ private:
     }
 
     Json object(const std::string& material, const std::string& type) {
-        const bool needs_inside = type == "dielectric" || type == "rough_dielectric" || type == "subsurface";
+        const bool needs_inside =
+            type == "dielectric" || type == "rough_dielectric" || type == "principled" || type == "subsurface";
         const std::array<const char*, 3> shapes{"sphere", "box", "quad"};
         Json object{{"shape", shapes[static_cast<std::size_t>(whole(0, needs_inside ? 1 : 2))]},
                     {"material", material},

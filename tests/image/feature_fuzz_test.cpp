@@ -75,6 +75,11 @@ private:
             materials_.push_back(builder_.rough_dielectric(random_.uniform(1.1, 2), random_.uniform(0, 1),
                                                            chance(0.3) ? colour() : Vec3d(0.0)));
         }
+        if (chance(0.3)) {
+            materials_.push_back(builder_.principled(colour(), chance(0.5) ? 0 : random_.uniform(0, 1),
+                                                     random_.uniform(0, 1), chance(0.5) ? 0 : random_.uniform(0, 1),
+                                                     random_.uniform(1, 2)));
+        }
         if (chance(0.1)) {
             materials_.push_back(builder_.diffuse(colour(), colour()));
         }

@@ -123,6 +123,11 @@ const Case cases[] = {
                                         make_ball(s, s.builder.rough_dielectric(1.5, 0.3));
                                         s.builder.sphere(s.builder.emitter(Vec3d(1)), {-0.4, -0.2, 2.5}, 0.5);
                                     }),
+    with<Feature::principled>("principled",
+                              [](Still& s) {
+                                  make_ball(s, s.builder.principled({0.9, 0.7, 0.5}, 0.25, 0.3, 0.25));
+                                  s.builder.sphere(s.builder.emitter(Vec3d(1)), {-0.4, -0.2, 2.5}, 0.5);
+                              }),
     with<Feature::emission>("emission", [](Still& s) { make_ball(s, s.builder.diffuse(Vec3d(0.5), Vec3d(0.3))); }),
     with<Feature::absorption, Feature::dielectric>(
         "absorption", [](Still& s) { make_ball(s, s.builder.dielectric(1.5, Vec3d(0.5, 1, 2))); }),

@@ -131,6 +131,9 @@ TYPED_TEST(FinalBounceTest, MirrorGlassMixAndRoughMaterialsAtTheLastVertex) {
         [](auto& b) {
             return b.rough_dielectric(1.5, 0.4, {0.2, 0.1, 0.4});
         },
+        [](auto& b) {
+            return b.principled({0.9, 0.8, 0.7}, 0.2, 0.4, 0.5);
+        },
     };
     for (const auto& ball : balls) {
         for (const std::uint32_t depth : {1u, 2u, 3u}) {

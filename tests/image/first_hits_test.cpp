@@ -186,6 +186,7 @@ TEST(FirstHitsTest, AlbedoIsTheNumberOfTheScene) {
     EXPECT_EQ(albedo(builder.mirror(b)), b);
     EXPECT_EQ(albedo(builder.mix(a, b, 0.25)), a * 0.75 + b * 0.25);
     EXPECT_EQ(albedo(builder.rough_conductor(b, 0.3)), b);
+    EXPECT_EQ(albedo(builder.principled(b, 0.5, 0.3)), b);
     EXPECT_EQ(albedo(builder.dielectric(1.5, Vec3d(1), a)), a);
     EXPECT_EQ(albedo(builder.rough_dielectric(1.5, 0.2, Vec3d(0), b)), b);
     EXPECT_EQ(albedo(builder.subsurface({3, 1, 0}, {1, 1, 0})), Vec3d(0.75, 0.5, 0));

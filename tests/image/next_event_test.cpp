@@ -301,6 +301,19 @@ TYPED_TEST(NextEventTest, RoughDielectrics) {
     }
 }
 
+// The last one has facets too narrow to be connected over a diffuse surface that is.
+TYPED_TEST(NextEventTest, PrincipledSurfaces) {
+    for (const double roughness : {1.0, 0.5, 0.25, 0.05}) {
+        const Vec3d colour{0.9, 0.7, 0.4};
+        const std::string name = "roughness " + std::to_string(roughness);
+        expect_same_mean<TypeParam>(stage(lamp, [=](auto& b) { return b.principled(colour, 0, roughness); }), 3, name);
+        expect_same_mean<TypeParam>(stage(lamp, [=](auto& b) { return b.principled(colour, 0.4, roughness); }), 3,
+                                    name + ", part metal");
+        expect_same_mean<TypeParam>(stage(lamp, [=](auto& b) { return b.principled(colour, 0.2, roughness, 0.5); }), 4,
+                                    name + ", part glass");
+    }
+}
+
 // What connects through the ball's surface brings much where its lobe is narrow, so these are wide, but for the last.
 TYPED_TEST(NextEventTest, LampInsideRoughGlass) {
     for (const double roughness : {1.0, 0.05}) {

@@ -70,6 +70,18 @@ const std::vector<Kind> kinds{
      [](auto& b) {
          return b.rough_conductor({0.75, 0.5, 0.25}, in_single(0.8), Vec3d(0.0), true);
      }},
+    {"principled surface", true, 0.3,
+     [](auto& b) {
+         return b.principled({0.75, 0.5, 0.25}, 0.25, in_single(0.3));
+     }},
+    {"lacquer", true, 0,
+     [](auto& b) {
+         return b.principled({0.75, 0.5, 0.25}, 0, 0);
+     }},
+    {"principled glass", false, 0.4,
+     [](auto& b) {
+         return b.principled({0.75, 0.5, 0.25}, 0, in_single(0.4), 0.75);
+     }},
     {"glass", false, 0.3,
      [](auto& b) {
          return b.rough_dielectric(1.5, in_single(0.3), {0.2, 0.5, 1});

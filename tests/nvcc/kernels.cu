@@ -32,6 +32,7 @@
 #include "kernels/path_fields.h"
 #include "kernels/philox.h"
 #include "kernels/pmj02.h"
+#include "kernels/principled.h"
 #include "kernels/random_words.h"
 #include "kernels/rng.h"
 #include "kernels/rough_conductor.h"

@@ -90,6 +90,19 @@ std::uint32_t SceneBuilder::rough_conductor(const Vec3d& reflectance, double rou
     return add(material);
 }
 
+std::uint32_t SceneBuilder::principled(const Vec3d& base_colour, double metallic, double roughness, double transmission,
+                                       double ior, const Vec3d& emission) {
+    SceneMaterial material;
+    material.type = MaterialType::principled;
+    material.albedo = base_colour;
+    material.metallic = metallic;
+    material.roughness = roughness;
+    material.transmission = transmission;
+    material.ior = ior;
+    material.emission = emission;
+    return add(material);
+}
+
 void SceneBuilder::texture(std::uint32_t index, std::uint32_t width, std::uint32_t height,
                            const std::vector<Vec3d>& texels) {
     SceneMaterial& material = scene.materials.at(index);

@@ -29,6 +29,8 @@ struct SceneBuilder {
                       const Vec3d& emission = Vec3d(0.0));
     std::uint32_t rough_conductor(const Vec3d& reflectance, double roughness, const Vec3d& emission = Vec3d(0.0),
                                   bool multiple_scattering = false);
+    std::uint32_t principled(const Vec3d& base_colour, double metallic, double roughness, double transmission = 0,
+                             double ior = 1.5, const Vec3d& emission = Vec3d(0.0));
     std::uint32_t emitter(const Vec3d& radiance);
     // Has the material show an image in place of its colour: texels from the bottom, row by row.
     void texture(std::uint32_t material, std::uint32_t width, std::uint32_t height, const std::vector<Vec3d>& texels);

@@ -176,6 +176,25 @@ TEST(SceneJson, RoughDielectric) {
     EXPECT_EQ(full.sigma_a, Vec3d(1, 2, 3));
 }
 
+TEST(SceneJson, Principled) {
+    const SceneMaterial defaults =
+        parse_material(R"({"type": "principled", "base_colour": [0, 0.5, 1], "roughness": 0.3})");
+    EXPECT_EQ(defaults.type, MaterialType::principled);
+    EXPECT_EQ(defaults.albedo, Vec3d(0, 0.5, 1));
+    EXPECT_EQ(defaults.roughness, 0.3);
+    EXPECT_EQ(defaults.metallic, 0);
+    EXPECT_EQ(defaults.transmission, 0);
+    EXPECT_EQ(defaults.ior, 1.5);
+    EXPECT_EQ(defaults.emission, Vec3d(0.0));
+    const SceneMaterial full = parse_material(
+        R"({"type": "principled", "base_colour": [1, 1, 1], "roughness": 1, "metallic": 1, "transmission": 0.25,
+            "ior": 2, "emission": [1, 2, 3]})");
+    EXPECT_EQ(full.metallic, 1);
+    EXPECT_EQ(full.transmission, 0.25);
+    EXPECT_EQ(full.ior, 2);
+    EXPECT_EQ(full.emission, Vec3d(1, 2, 3));
+}
+
 TEST(SceneJson, MirrorDefaults) {
     const SceneMaterial material = parse_material(R"({"type": "mirror", "reflectance": [0, 0.5, 1]})");
     EXPECT_EQ(material.type, MaterialType::mirror);
@@ -388,14 +407,15 @@ TEST(SceneJsonErrors, Camera) {
 
 TEST(SceneJsonErrors, Materials) {
     const std::string types =
-        R"("diffuse", "emitter", "mirror", "mix", "dielectric", "subsurface", "rough_conductor", "rough_dielectric")";
+        R"("diffuse", "emitter", "mirror", "mix", "dielectric", "subsurface", "rough_conductor", "rough_dielectric", )"
+        R"("principled")";
     const std::string fraction = "a number from 0 to 1";
     const std::string sigma = "a number from 0 to 1e18";
     expect_messages({
         {material_line, "3", "s.json: $.materials.m: found 3, allowed: an object"},
         {material_line, R"({"albedo": [1, 1, 1]})",
          "s.json: $.materials.m: found no key \"type\", allowed: it is required: diffuse, emitter, mirror, mix, "
-         "dielectric, subsurface, rough_conductor, rough_dielectric"},
+         "dielectric, subsurface, rough_conductor, rough_dielectric, principled"},
         {"\"diffuse\"", "\"glossy\"", R"(s.json: $.materials.m.type: found "glossy", allowed: )" + types},
         {"\"diffuse\"", "null", "s.json: $.materials.m.type: found null, allowed: " + types},
         {material_line, R"({"type": "diffuse"})",
@@ -433,6 +453,25 @@ TEST(SceneJsonErrors, Materials) {
          "s.json: $.materials.m.roughness: found 2, allowed: " + fraction},
         {material_line, R"({"type": "rough_dielectric", "ior": 1.5, "roughness": 0.1, "emission": [1, 1, 1]})",
          "s.json: $.materials.m: found unknown key \"emission\", allowed: type, ior, roughness, tint, sigma_a"},
+        {material_line, R"({"type": "principled", "roughness": 0.1})",
+         "s.json: $.materials.m: found no key \"base_colour\", allowed: it is required"},
+        {material_line, R"({"type": "principled", "base_colour": [1, 1, 1]})",
+         "s.json: $.materials.m: found no key \"roughness\", allowed: it is required"},
+        {material_line, R"({"type": "principled", "base_colour": [1, 2, 1], "roughness": 0.1})",
+         "s.json: $.materials.m.base_colour[1]: found 2, allowed: " + fraction},
+        {material_line, R"({"type": "principled", "base_colour": [1, 1, 1], "roughness": 0.1, "metallic": 1.5})",
+         "s.json: $.materials.m.metallic: found 1.5, allowed: " + fraction},
+        {material_line, R"({"type": "principled", "base_colour": [1, 1, 1], "roughness": 0.1, "transmission": -1})",
+         "s.json: $.materials.m.transmission: found -1, allowed: " + fraction},
+        {material_line, R"({"type": "principled", "base_colour": [1, 1, 1], "roughness": 0.1, "ior": 0.9})",
+         "s.json: $.materials.m.ior: found 0.9, allowed: a number from 1 to 1e4"},
+        {material_line, R"({"type": "principled", "base_colour": [1, 1, 1], "roughness": 0.1, "sheen": 1})",
+         "s.json: $.materials.m: found unknown key \"sheen\", allowed: type, base_colour, metallic, roughness, "
+         "transmission, ior, emission"},
+        {material_line, R"({"type": "principled", "base_colour": [1, 1, 1], "roughness": 0.1, "transmission": 0.5,
+                            "emission": [1, 0, 0]})",
+         "s.json: $.materials.m.emission: found an array of 3, allowed: none, where light passes through: transmission "
+         "0 or metallic 1"},
         {material_line, R"({"type": "dielectric"})",
          "s.json: $.materials.m: found no key \"ior\", allowed: it is required"},
         {material_line, R"({"type": "dielectric", "ior": 0})",
@@ -531,11 +570,15 @@ TEST(SceneJsonErrors, QuadsNeedNoInside) {
     const std::string quad = replaced(good, "\"sphere\"", "\"quad\"");
     const std::string message =
         "s.json: $.objects[0].material: found \"m\", allowed: on a quad: diffuse, emitter, mirror, "
-        "rough_conductor or mix (dielectric, rough_dielectric and subsurface need a shape with an inside)";
+        "rough_conductor, mix or principled without transmission (dielectric, rough_dielectric and subsurface need a "
+        "shape with an inside)";
     EXPECT_EQ(error_of(replaced(quad, material_line, R"({"type": "dielectric", "ior": 1.5})")), message);
     EXPECT_EQ(error_of(replaced(quad, material_line, R"({"type": "rough_dielectric", "ior": 1.5, "roughness": 0.1})")),
               message);
     EXPECT_EQ(error_of(replaced(quad, material_line, R"({"type": "subsurface", "sigma_s": [1, 1, 1]})")), message);
+    const std::string start = R"({"type": "principled", "base_colour": [1, 1, 1], "roughness": 0, )";
+    EXPECT_EQ(error_of(replaced(quad, material_line, start + R"("transmission": 0.5})")), message);
+    EXPECT_EQ(error_of(replaced(quad, material_line, start + R"("transmission": 0.5, "metallic": 1})")), "");
     EXPECT_EQ(error_of(quad), "");
 }
 

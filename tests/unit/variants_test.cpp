@@ -711,6 +711,7 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApply) {
         {{{"direct_light", "nee"}}, plain_features | Feature::mix, ""},
         {{{"direct_light", "nee"}}, plain_features | Feature::rough_conductor, ""},
         {{{"direct_light", "nee"}}, plain_features | Feature::rough_dielectric, ""},
+        {{{"direct_light", "nee"}}, plain_features | Feature::principled, ""},
         {{{"sampler", "minstd_by_position"}}, plain_features, ""},
         {{{"sampler", "minstd_by_position"}, {"integrator", "depth_first"}},
          plain_features,

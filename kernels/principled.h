@@ -1,0 +1,189 @@
+// Metal, plastic and glass in one: the base colour, metallic, roughness and transmission of glTF 2.0 (appendix B of its
+// specification, KHR_materials_transmission and _ior), over the facets of the other rough materials (kernels/ggx.h,
+// alpha = roughness^2). With c the base colour, m metallic, t transmission, h the facet between both directions,
+//   m      a metal: facets that reflect c + (1 - c) (1 - v.h)^5 (Schlick 1994), as kernels/rough_conductor.h,
+//   1 - m  a dielectric: facets that reflect F(v.h), and beneath them
+//            t      glass, tinted by c, as kernels/rough_dielectric.h,
+//            1 - t  a diffuse surface, (c / pi) (1 - max(F(n.v), F(n.l))).
+// F is the exact reflectance of the boundary, where glTF has Schlick's; from within glass it is total at grazing
+// angles. glTF weighs the diffuse surface by 1 - F(v.h), which with the facets' reflection adds up to more than 1 at
+// grazing angles. The weight here is reciprocal too, and at most the 1 - F(n.v) that a smooth layer lets through:
+// KHR_materials_sheen keeps its sum within 1 in that way. Single scattering: what facets send into others is lost.
+#pragma once
+
+#include "kernels/rough_conductor.h"
+#include "kernels/rough_dielectric.h"
+
+namespace pt {
+
+// At one vertex, seen from one direction. All vectors are unit.
+template <class ConfigT>
+struct Principled {
+    using Config = ConfigT;
+    using Real = typename Config::Real;
+    static constexpr bool transmits = true;
+
+    RoughDielectric<Config> glass;  // its facets are the metal's too
+    Vec3<Real> colour;
+    Real metal_share, diffuse_share, glass_share;  // their sum is 1
+    Real layer_reflectance;                        // of a smooth boundary, F(n.v)
+    Real diffuse_probability;
+    bool are_facets_wide;
+    std::uint32_t medium_beyond;
+
+    PT_HD Principled(const Material<Real>& material, const Vec3<Real>& colour_of, Real alpha,
+                     const Vec3<Real>& outgoing, const Vertex<Real>& vertex)
+        : glass(material, alpha, outgoing, vertex),
+          colour(colour_of),
+          metal_share(material.metallic),
+          diffuse_share((Real(1) - material.metallic) * (Real(1) - material.transmission)),
+          glass_share((Real(1) - material.metallic) * material.transmission),
+          medium_beyond(glass.medium_beyond) {
+        glass.tint = colour;
+        if (!(glass_share > Real(0))) {
+            // No light comes from within: both sides are the outside.
+            glass.boundary = material.entering;
+        }
+        are_facets_wide = glass_share > Real(0) ? glass.is_connectable() : glass.facets.are_wide();
+        layer_reflectance = reflectance_of(glass.facets.cosine);
+        // In proportion to what a smooth surface would send each way.
+        const Real beneath = (Real(1) - layer_reflectance) * max(colour.x, max(colour.y, colour.z));
+        const Real both = layer_reflectance + beneath;
+        diffuse_probability = diffuse_share * (both > Real(0) ? beneath / both : Real(1));
+    }
+
+    // Facets that are narrow are not connected to lights, as mirrors and smooth glass are not; the diffuse surface
+    // beneath them is.
+    PT_HD bool is_connectable() const { return are_facets_wide || diffuse_share > Real(0); }
+    PT_HD bool lets_through() const { return glass_share > Real(0) && are_facets_wide; }
+
+    // Of a connectable lobe; `cosine` of the direction to the normal, not 0.
+    PT_HD LobeValue<Real> towards(const Vec3<Real>& incoming, Real cosine) const {
+        if (!(cosine > Real(0))) {
+            return lets_through() ? through(glass.towards(incoming, cosine))
+                                  : LobeValue<Real>{Vec3<Real>(Real(0)), Real(0)};
+        }
+        if (!are_facets_wide) {
+            return {diffuse_weight(cosine), diffuse_pdf(cosine)};
+        }
+        const GgxFacets<Real>& facets = glass.facets;
+        const Real along = facets.cosine + cosine;
+        const Vec3<Real> across = facets.outgoing + incoming - facets.normal * along;
+        const Real across_squared = dot(across, across);
+        const Real square = along * along + across_squared;
+        const Real facet_cosine = min(Real(0.5) * square_root(square), Real(1));
+        return above(cosine, mirror_of(facet_cosine, reflectance_of(facet_cosine)),
+                     facets.mirrored_pdf(along, across_squared, square));
+    }
+
+    // `lobe` picks what the light meets. The cosine of the direction is below 0 where it is refracted; the density is
+    // 0 of narrow facets, and never 0 otherwise.
+    PT_HD LobeSample<Real> sample(Real lobe, Real u, Real v) const {
+        const bool meets_metal = lobe < metal_share;
+        const Real rest = lobe - metal_share;
+        if (!meets_metal && rest < diffuse_probability) {
+            return sample_diffuse(u, v);
+        }
+        const GgxFacets<Real>& facets = glass.facets;
+        const GgxFacet<Real> facet = facets.sample(u, v);
+        const Vec3<Real> direction = -facets.outgoing;
+        const Real facet_cosine = cosine_of_incidence(direction, facet.normal);
+        Refraction<Real> refraction{Real(0), facet_cosine};
+        if (metal_share < Real(1)) {
+            refraction = fresnel<Config>(glass.boundary, facet_cosine);
+        }
+        const bool meets_glass = !meets_metal && !(rest < diffuse_share) && glass_share > Real(0);
+        const bool is_reflected_totally = !(refraction.reflectance < Real(1));
+        if (meets_glass && !((rest - diffuse_share) / glass_share < refraction.reflectance || is_reflected_totally)) {
+            return sample_refracted(facet, facet_cosine, refraction);
+        }
+        LobeSample<Real> sample{reflect(direction, facet.normal), Real(0), {Vec3<Real>(Real(0)), Real(0)}};
+        const Real cosine = dot(sample.direction, facets.normal);
+        if (!(cosine > least_cosine<Real>)) {
+            return sample;
+        }
+        sample.cosine = cosine;
+        const Mirror mirror = mirror_of(facet_cosine, refraction.reflectance);
+        if (are_facets_wide) {
+            sample.value = kept(above(cosine, mirror, facets.mirrored_pdf(facet)));
+        } else {
+            sample.value.weight = mirror.weight() * facets.share_above(cosine);
+        }
+        return sample;
+    }
+
+private:
+    // What a facet reflects, and the probability that a path that meets it is reflected.
+    struct Mirror {
+        Vec3<Real> reflectance;
+        Real probability;
+
+        PT_HD Vec3<Real> weight() const {
+            return {reflectance.x / probability, reflectance.y / probability, reflectance.z / probability};
+        }
+    };
+
+    PT_HD Real reflectance_of(Real cosine) const {
+        return metal_share < Real(1) ? fresnel<Config>(glass.boundary, min(cosine, Real(1))).reflectance : Real(0);
+    }
+
+    PT_HD Mirror mirror_of(Real facet_cosine, Real boundary) const {
+        return {schlick_reflectance(colour, facet_cosine) * metal_share +
+                    Vec3<Real>((diffuse_share + glass_share) * boundary),
+                metal_share + (diffuse_share - diffuse_probability) + glass_share * boundary};
+    }
+
+    // Its BSDF times the cosine over its own density, in proportion to its probability.
+    PT_HD Vec3<Real> diffuse_weight(Real cosine) const {
+        if (!(diffuse_probability > Real(0))) {
+            return Vec3<Real>(Real(0));
+        }
+        const Real passes = Real(1) - max(layer_reflectance, reflectance_of(cosine));
+        return colour * (passes * (diffuse_share / diffuse_probability));
+    }
+    PT_HD Real diffuse_pdf(Real cosine) const { return diffuse_probability * (cosine * (Real(1) / pi<Real>)); }
+
+    // Of all that sends light to a direction above the surface; `mirrored`: the density of the facet's direction.
+    PT_HD LobeValue<Real> above(Real cosine, const Mirror& mirror, Real mirrored) const {
+        const Real facets_pdf = mirrored * mirror.probability;
+        if (!(facets_pdf > Real(0))) {
+            return {diffuse_weight(cosine), diffuse_pdf(cosine)};
+        }
+        const Vec3<Real> by_facets = mirror.weight() * glass.facets.share_above(cosine);
+        if (!(diffuse_probability > Real(0))) {
+            return {by_facets, facets_pdf};
+        }
+        const Real pdf = facets_pdf + diffuse_pdf(cosine);
+        const Real share = facets_pdf / pdf;
+        return {by_facets * share + diffuse_weight(cosine) * (Real(1) - share), pdf};
+    }
+
+    PT_HD LobeValue<Real> through(const LobeValue<Real>& of_glass) const {
+        return {of_glass.weight, of_glass.pdf * glass_share};
+    }
+    // A path keeps 0 where no light was connected.
+    PT_HD static LobeValue<Real> kept(const LobeValue<Real>& value) {
+        return {value.weight, max(value.pdf, Real(0x1p-60))};
+    }
+
+    PT_HD LobeSample<Real> sample_diffuse(Real u, Real v) const {
+        const Vec3<Real> direction = Frame<Real>(glass.facets.normal).to_world(cosine_hemisphere(u, v));
+        const Real cosine = max(dot(direction, glass.facets.normal), least_cosine<Real>);
+        return {direction, cosine, kept(towards(direction, cosine))};
+    }
+
+    PT_HD LobeSample<Real> sample_refracted(const GgxFacet<Real>& facet, Real facet_cosine,
+                                            const Refraction<Real>& refraction) const {
+        LobeSample<Real> sample = glass.refracted(facet, facet_cosine, refraction);
+        if (glass.boundary.k == Real(0)) {
+            // However its facets are turned, a boundary between equals bends no light.
+            sample.value.weight = colour;
+        }
+        if (sample.cosine != Real(0) && are_facets_wide) {
+            sample.value = kept(through(sample.value));
+        }
+        return sample;
+    }
+};
+
+}  // namespace pt
