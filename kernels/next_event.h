@@ -195,20 +195,10 @@ PT_HD inline void meet_environment(const SceneView<typename Config::Real>& scene
     path.radiance += path.throughput * place.radiance * weight;
 }
 
-// Whether the lobe sends light through the surface: of some that may, the material says.
-template <class Lobe>
-PT_HD inline bool sends_through(const Lobe& lobe) {
-    if constexpr (Lobe::transmits) {
-        return lobe.lets_through();
-    } else {
-        return false;
-    }
-}
-
 // The diffuse lobe, as a lobe is asked for.
 template <class Real>
 struct DiffuseLobe {
-    static constexpr bool transmits = false;
+    static constexpr bool transmits = false, may_be_opaque = false;
     Vec3<Real> albedo;
 
     PT_HD LobeValue<Real> towards(const Vec3<Real>&, Real cosine) const {
@@ -253,9 +243,14 @@ PT_HD inline std::uint32_t connect_environment(const SceneView<typename Config::
     const EnvironmentMap<Real>& map = *scene.environment_map;
     const EnvironmentSample<Real> sample = sample_environment(map, words.y, words.z, words.w);
     const Real cosine = dot(sample.direction, vertex.normal());
-    const bool passes = sends_through(lobe) && cosine < Real(0);
+    const bool passes = Lobe::transmits && cosine < Real(0);
     if (sample.place.radiance == Vec3<Real>(Real(0)) || !(cosine > Real(0) || passes)) {
         return 0;
+    }
+    if constexpr (Lobe::may_be_opaque) {
+        if (passes && !lobe.lets_through()) {
+            return 0;
+        }
     }
     const Ray<Real> ray{vertex.position, sample.direction, path.time,
                         SurfaceId::of(vertex.object, vertex.inside != passes), vertex.primitive};
@@ -293,7 +288,7 @@ PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::R
             return connect_environment<Config>(scene, traced, path, vertex, lobe, words);
         }
     }
-    LightPick<Real> pick = pick_light<Config>(scene, vertex, sends_through(lobe), words);
+    LightPick<Real> pick = pick_light<Config>(scene, vertex, Lobe::transmits, words);
     if constexpr (has<Config>(Feature::environment_map)) {
         if (scene.environment_map != nullptr) {
             pick.inverse_probability *= scene.environment_map->inverse_object_probability;
@@ -305,9 +300,14 @@ PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::R
         sample_direction_to<Config>(scene, object, vertex.position, path.time, unit_interval<Real>(words.y),
                                     unit_interval<Real>(words.z), unit_interval<Real>(words.w));
     const Real cosine = dot(sample.direction, vertex.normal());
-    const bool passes = sends_through(lobe) && cosine < Real(0);
+    const bool passes = Lobe::transmits && cosine < Real(0);
     if (!(sample.inverse_pdf > Real(0)) || !(cosine > Real(0) || passes)) {
         return 0;
+    }
+    if constexpr (Lobe::may_be_opaque) {
+        if (passes && !lobe.lets_through()) {
+            return 0;
+        }
     }
     const Ray<Real> ray{vertex.position, sample.direction, path.time,
                         SurfaceId::of(vertex.object, vertex.inside != passes), vertex.primitive};

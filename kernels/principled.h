@@ -21,7 +21,7 @@ template <class ConfigT>
 struct Principled {
     using Config = ConfigT;
     using Real = typename Config::Real;
-    static constexpr bool transmits = true;
+    static constexpr bool transmits = true, may_be_opaque = true;
 
     RoughDielectric<Config> glass;  // its facets are the metal's too
     Vec3<Real> colour;

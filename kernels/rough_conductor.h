@@ -20,7 +20,7 @@ PT_HD inline Vec3<Real> schlick_reflectance(const Vec3<Real>& at_normal_incidenc
 // A rough conductor at one vertex, seen from one direction. All vectors are unit.
 template <class Real, bool has_gain = false>
 struct RoughConductor {
-    static constexpr bool transmits = false;
+    static constexpr bool transmits = false, may_be_opaque = false;
     GgxFacets<Real> facets;
     Vec3<Real> reflectance;
     Vec3<Real> gain{Real(1)};  // of the weight

@@ -17,7 +17,7 @@ template <class ConfigT>
 struct RoughDielectric {
     using Config = ConfigT;
     using Real = typename Config::Real;
-    static constexpr bool transmits = true;
+    static constexpr bool transmits = true, may_be_opaque = false;
 
     GgxFacets<Real> facets;
     Boundary<Real> boundary;
@@ -36,8 +36,6 @@ struct RoughDielectric {
     PT_HD bool is_connectable() const {
         return facets.are_wide() && facets.alpha * absolute(boundary.k) >= Real(0x1p-7);
     }
-
-    PT_HD bool lets_through() const { return true; }
 
     // Of a connectable lobe; `cosine` of the direction to the normal, not 0.
     PT_HD LobeValue<Real> towards(const Vec3<Real>& incoming, Real cosine) const {

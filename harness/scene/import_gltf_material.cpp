@@ -81,7 +81,10 @@ struct GltfMaterials::Reader {
     void refuse_extensions();
     void refuse_see_through();
     void add_glass(ScenePart& part, const Vec3d& colour, double roughness);
-    void add_opaque(ScenePart& part, const Vec3d& colour, double metallic, double roughness, const Vec3d& emission);
+    void warn_of_thin_walls() const;
+    double coat_index();
+    void add_principled(ScenePart& part, double metallic, double roughness, double through);
+    void add_surface(ScenePart& part, const Vec3d& colour, double metallic, double roughness, const Vec3d& emission);
 };
 
 void GltfMaterials::Reader::read_image(GltfImages& images, const Vec3d& colour, bool is_glass) {
@@ -154,6 +157,11 @@ void GltfMaterials::Reader::refuse_see_through() {
     }
 }
 
+void GltfMaterials::Reader::warn_of_thin_walls() const {
+    warn(std::string("/extensions/") + transmission,
+         "is of a thin wall there (KHR_materials_volume gives no thickness); here the mesh is solid glass");
+}
+
 // A surface that all light goes through or is reflected by.
 void GltfMaterials::Reader::add_glass(ScenePart& part, const Vec3d& colour, double roughness) {
     const double index = number_in(index_of_refraction, "ior", 1.5);
@@ -171,8 +179,7 @@ void GltfMaterials::Reader::add_glass(ScenePart& part, const Vec3d& colour, doub
                  "1");
     }
     if (!(number_in(volume, "thicknessFactor", 0) > 0)) {
-        warn(std::string("/extensions/") + transmission,
-             "is of a thin wall there (KHR_materials_volume gives no thickness); here the mesh is solid glass");
+        warn_of_thin_walls();
         return;
     }
     const tinygltf::Value* distance = value_in(volume, "attenuationDistance");
@@ -196,36 +203,93 @@ void GltfMaterials::Reader::add_glass(ScenePart& part, const Vec3d& colour, doub
     }
 }
 
-void GltfMaterials::Reader::add_opaque(ScenePart& part, const Vec3d& colour, double metallic, double roughness,
-                                       const Vec3d& emission) {
+// Of the coat over what is no metal; 1 where it reflects nothing. By KHR_materials_specular, which scales what it
+// reflects: the index that reflects as much at normal incidence.
+double GltfMaterials::Reader::coat_index() {
+    const double index = number_in(index_of_refraction, "ior", 1.5);
+    const double factor = number_in(specular, "specularFactor", 1);
+    const Vec3d tint = colour_in(specular, "specularColorFactor", Vec3d(1.0));
+    const bool is_in_range = index >= 1 && index <= 1e4;
+    if (factor == 0) {
+        return 1;
+    }
+    if (!is_in_range) {
+        fail(key_of(index_of_refraction, "ior"), json_of(index), "from 1 to 1e4 where nothing passes through");
+        return 1.5;
+    }
+    if (factor == 1 && is_white_colour(tint)) {
+        return index;
+    }
+    const double root = (index - 1) / (index + 1);
+    const double reflected = factor * std::max({tint.x, tint.y, tint.z}) * root * root;
+    if (!(factor > 0 && factor <= 1 && reflected >= 0 && reflected < 0.99)) {
+        fail(std::string("/extensions/") + specular, fmt::format("a coat that reflects {:.3g}", reflected),
+             "specularFactor from 0 to 1, and from 0 to 0.99 of the light at normal incidence");
+        return 1.5;
+    }
+    const double same = (1 + std::sqrt(reflected)) / (1 - std::sqrt(reflected));
+    warn(std::string("/extensions/") + specular,
+         fmt::format("is read as index {:.4g}, which reflects {:.3g} at normal incidence, and white at grazing angles",
+                     same, reflected));
+    return same;
+}
+
+// But for its base colour and emission.
+void GltfMaterials::Reader::add_principled(ScenePart& part, double metallic, double roughness, double through) {
+    const double index = coat_index();
+    part.add("metallic", json_of(metallic), place("/pbrMetallicRoughness/metallicFactor", json_of(metallic)), "0");
+    part.add("roughness", json_of(roughness), place("/pbrMetallicRoughness/roughnessFactor", json_of(roughness)), "1");
+    if (through != 0) {
+        part.add("transmission", json_of(through), place(key_of(transmission, "transmissionFactor"), json_of(through)),
+                 "0");
+    }
+    part.add("ior", json_of(index), place(key_of(index_of_refraction, "ior"), json_of(index)), "1.5");
+    warn("",
+         "is read as principled: as glTF has it, but with Fresnel's formula for Schlick's, and beneath its coat "
+         "1 - max(F(n.v), F(n.l)) of a diffuse surface, not 1 - F(v.h), which gains light at grazing angles");
+    if (through == 0) {
+        return;
+    }
+    if (!(number_in(volume, "thicknessFactor", 0) > 0)) {
+        warn_of_thin_walls();
+    } else if (value_in(volume, "attenuationDistance") != nullptr) {
+        fail(std::string("/extensions/") + volume, "light that is absorbed",
+             "none, or transmissionFactor 1 and metallicFactor 0");
+    }
+}
+
+void GltfMaterials::Reader::add_surface(ScenePart& part, const Vec3d& colour, double metallic, double roughness,
+                                        const Vec3d& emission) {
     const bool is_image = !image.value.empty();
     const std::string shown = is_image ? image.value : json_of(colour);
     const Cis565Line* of_colour =
         place(is_image ? "/pbrMetallicRoughness/baseColorTexture" : "/pbrMetallicRoughness/baseColorFactor", shown);
     const Cis565Line* of_emission = place("/emissiveFactor", json_of(emission));
+    const double through = metallic == 1 ? 0 : number_in(transmission, "transmissionFactor", 0);
+    const double index = number_in(index_of_refraction, "ior", 1.5), ratio = (index - 1) / (index + 1);
+    const double coat = number_in(specular, "specularFactor", 1) * ratio * ratio;
     if (metallic == 1) {
         part.add("type", "\"rough_conductor\"", nullptr);
         part.add("reflectance", shown, of_colour, "[0, 0, 0]");
         part.add("roughness", json_of(roughness), place("/pbrMetallicRoughness/roughnessFactor", json_of(roughness)),
                  "1");
-    } else if (metallic == 0) {
-        const double index = number_in(index_of_refraction, "ior", 1.5), ratio = (index - 1) / (index + 1);
-        const double coat = number_in(specular, "specularFactor", 1);
-        if (coat != 0 && ratio != 0) {
-            warn("",
-                 fmt::format("is read as diffuse: its clear coat, which reflects {:.3g} at normal incidence and more "
-                             "at grazing angles, is left out (specularFactor 0 has none)",
-                             coat * ratio * ratio));
+    } else if (metallic == 0 && through == 0 && is_black(colour) && !is_image && !is_black(emission)) {
+        if (coat != 0) {
+            warn("", fmt::format(
+                         "is read as an emitter: its clear coat, which reflects {:.3g} at normal incidence and more "
+                         "at grazing angles, is left out (specularFactor 0 has none)",
+                         coat));
         }
-        if (is_black(colour) && !is_black(emission)) {
-            part.add("type", "\"emitter\"", nullptr);
-            part.add("radiance", json_of(emission), of_emission, "[0, 0, 0]");
-            return;
-        }
+        part.add("type", "\"emitter\"", nullptr);
+        part.add("radiance", json_of(emission), of_emission, "[0, 0, 0]");
+        return;
+    } else if (metallic == 0 && through == 0 && coat == 0) {
         part.add("type", "\"diffuse\"", nullptr);
         part.add("albedo", shown, of_colour, "[0, 0, 0]");
     } else {
-        fail("/pbrMetallicRoughness/metallicFactor", json_of(metallic), "0 or 1: nothing between metal and not");
+        part.add("type", "\"principled\"", nullptr);
+        part.add("base_colour", shown, of_colour, "[0, 0, 0]");
+        add_principled(part, metallic, roughness, through);
     }
     if (!is_black(emission)) {
         part.add("emission", json_of(emission), of_emission, "[0, 0, 0]");
@@ -243,24 +307,23 @@ std::optional<std::size_t> GltfMaterials::read(int index) {
     Reader reader{&material, draft_, index < 0 ? "/materials" : fmt::format("/materials/{}", index)};
     const auto& base = material.pbrMetallicRoughness.baseColorFactor;
     const Vec3d colour = base.size() >= 3 ? Vec3d(base[0], base[1], base[2]) : Vec3d(1.0);
+    const double roughness = material.pbrMetallicRoughness.roughnessFactor;
+    const double metallic = material.pbrMetallicRoughness.metallicFactor;
     const double through = reader.number_in(transmission, "transmissionFactor", 0);
-    reader.read_image(images_, colour, through != 0);
+    reader.read_image(images_, colour, through == 1 && metallic == 0);
     reader.refuse_textures();
     reader.refuse_extensions();
     reader.refuse_see_through();
     const auto& factor = material.emissiveFactor;
     const Vec3d emission = (factor.size() == 3 ? Vec3d(factor[0], factor[1], factor[2]) : Vec3d(0.0)) *
                            reader.number_in(emissive_strength, "emissiveStrength", 1);
-    const double roughness = material.pbrMetallicRoughness.roughnessFactor;
-    const double metallic = material.pbrMetallicRoughness.metallicFactor;
     ScenePart part{.place = "", .head = draft_->place(0, reader.pointer), .members = {}};
-    if (through == 0) {
-        reader.add_opaque(part, colour, metallic, roughness, emission);
-    } else if (through == 1 && metallic == 0 && is_black(emission)) {
+    if (through != 0 && metallic != 1 && !is_black(emission)) {
+        reader.fail(reader.key_of(transmission, "transmissionFactor"), json_of(through), "0 with emission");
+    } else if (through == 1 && metallic == 0) {
         reader.add_glass(part, colour, roughness);
     } else {
-        reader.fail(reader.key_of(transmission, "transmissionFactor"), json_of(through),
-                    "0, or 1 without metal and emission");
+        reader.add_surface(part, colour, metallic, roughness, emission);
     }
     if (!reader.is_good) {
         return std::nullopt;

@@ -433,13 +433,14 @@ namespace {
 
 double brightest_channel(const Vec3d& v) { return std::max({v.x, v.y, v.z}); }
 
-// Lobes that scatter some directions by up to 3.3, with multiple scattering, or 32, of principled surfaces, which are
-// drawn by what a smooth one reflects; none by more than 1 in the mean.
+// Lobes that scatter some directions by up to 3.3, with multiple scattering, or 32, of facets over a diffuse surface,
+// which are drawn by what a smooth one reflects; none by more than 1 in the mean.
 double gain_of(const Scene& scene) {
     double gain = 1;
     for (const SceneMaterial& material : scene.materials) {
-        const bool is_principled = material.type == MaterialType::principled;
-        gain = std::max(gain, is_principled ? 32.0 : material.multiple_scattering ? 16.0 : 1.0);
+        const bool is_layered = material.type == MaterialType::principled && material.metallic < 1 &&
+                                material.transmission < 1 && material.ior != 1;
+        gain = std::max(gain, is_layered ? 32.0 : material.multiple_scattering ? 16.0 : 1.0);
     }
     return gain;
 }

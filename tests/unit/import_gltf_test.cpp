@@ -181,22 +181,65 @@ TEST_F(ImportGltfTest, MetalIsARoughConductor) {
     json["materials"] = Json::parse("[{}]");  // white, metal and rough: what the format says
     EXPECT_EQ(Gltf(json).material().roughness, 1);
     json["materials"][0] = Json::parse(R"({"pbrMetallicRoughness": {"metallicFactor": 0.5}})");
-    EXPECT_EQ(Gltf(json).problems(), Lines{"f: found /materials/0/pbrMetallicRoughness/metallicFactor: 0.5, allowed: 0 "
-                                           "or 1: nothing between metal and not"});
+    json["materials"][0] = Json::parse(R"({"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}})");
+    EXPECT_EQ(Gltf(json).material().type, MaterialType::rough_conductor);  // nothing passes through metal
 }
 
-TEST_F(ImportGltfTest, WhatIsNoMetalIsDiffuseAndItsCoatIsTold) {
+const std::string other_formulas =
+    " is read as principled: as glTF has it, but with Fresnel's formula for Schlick's, and beneath its coat 1 - "
+    "max(F(n.v), F(n.l)) of a diffuse surface, not 1 - F(v.h), which gains light at grazing angles";
+
+TEST_F(ImportGltfTest, BetweenMetalAndNotItIsPrincipled) {
+    Json json = document();
+    json["materials"] = Json::parse(R"([{"pbrMetallicRoughness": {"baseColorFactor": [0.25, 0.5, 1, 1],
+        "metallicFactor": 0.5, "roughnessFactor": 0.375}, "extensions": {"KHR_materials_ior": {"ior": 1.25}}}])");
+    const Gltf read(json);
+    EXPECT_EQ(read.problems(), Lines());
+    EXPECT_EQ(read.material().type, MaterialType::principled);
+    EXPECT_EQ(read.material().albedo, Vec3d(0.25, 0.5, 1));
+    EXPECT_EQ(read.material().metallic, 0.5);
+    EXPECT_EQ(read.material().roughness, 0.375);
+    EXPECT_EQ(read.material().transmission, 0);
+    EXPECT_EQ(read.material().ior, 1.25);
+    EXPECT_EQ(read.warnings()[0], "f: /materials/0" + other_formulas);
+    json["materials"][0]["extensions"]["KHR_materials_specular"] = {{"specularFactor", 0}};
+    EXPECT_EQ(Gltf(json).material().ior, 1);  // reflects nothing
+    json["materials"][0]["extensions"]["KHR_materials_specular"] = {{"specularFactor", 0.25}};
+    const Gltf weak(json);  // (0.25 / 2.25)^2 / 4 = (1 / 18)^2
+    EXPECT_NEAR(weak.material().ior, 19.0 / 17, 1e-15);
+    EXPECT_EQ(weak.warnings()[0],
+              "f: /materials/0/extensions/KHR_materials_specular is read as index 1.118, which reflects 0.00309 at "
+              "normal incidence, and white at grazing angles");
+    json["materials"][0]["extensions"] = {{"KHR_materials_ior", {{"ior", 0}}}};
+    EXPECT_EQ(Gltf(json).problems(),
+              Lines{"f: found /materials/0/extensions/KHR_materials_ior/ior: 0, allowed: from 1 to 1e4 where nothing "
+                    "passes through"});
+}
+
+TEST_F(ImportGltfTest, WhatIsNoMetalIsPrincipledAndDiffuseWithoutItsCoat) {
     Json json = document();
     json["materials"] = Json::parse(R"([{"pbrMetallicRoughness": {"baseColorFactor": [0.25, 0.5, 1, 1],
         "metallicFactor": 0}, "emissiveFactor": [1, 1, 0.5],
         "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 8}}}])");
     const Gltf read(json);
-    EXPECT_EQ(read.material().type, MaterialType::diffuse);
+    EXPECT_EQ(read.material().type, MaterialType::principled);
     EXPECT_EQ(read.material().albedo, Vec3d(0.25, 0.5, 1));
+    EXPECT_EQ(read.material().roughness, 1);
+    EXPECT_EQ(read.material().ior, 1.5);
     EXPECT_EQ(read.material().emission, Vec3d(8, 8, 4));
-    EXPECT_EQ(read.warnings(),
-              Lines{"f: /materials/0 is read as diffuse: its clear coat, which reflects 0.04 at normal incidence and "
-                    "more at grazing angles, is left out (specularFactor 0 has none)"});
+    EXPECT_EQ(read.warnings(), Lines{"f: /materials/0" + other_formulas});
+    json["materials"][0]["extensions"]["KHR_materials_specular"] = {{"specularFactor", 0}};
+    const Gltf without(json);
+    EXPECT_EQ(without.material().type, MaterialType::diffuse);
+    EXPECT_EQ(without.material().albedo, Vec3d(0.25, 0.5, 1));
+    EXPECT_EQ(without.warnings(), Lines());
+    json["materials"][0]["extensions"].erase("KHR_materials_specular");
+    json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = {0, 0, 0, 1};
+    const Gltf lamp(json);
+    EXPECT_EQ(lamp.material().type, MaterialType::emitter);
+    EXPECT_EQ(lamp.warnings(),
+              Lines{"f: /materials/0 is read as an emitter: its clear coat, which reflects 0.04 at normal incidence "
+                    "and more at grazing angles, is left out (specularFactor 0 has none)"});
 }
 
 // A tetrahedron: glass needs an inside.
@@ -236,6 +279,23 @@ TEST_F(ImportGltfTest, TransmissionIsGlass) {
     EXPECT_EQ(thin.material().ior, 1.5);
     ASSERT_EQ(thin.warnings().size(), 2u);
     EXPECT_NE(thin.warnings()[0].find("thin wall"), std::string::npos);
+    Json part = Json::parse(R"({"pbrMetallicRoughness": {"metallicFactor": 0.25, "roughnessFactor": 0.5},
+        "extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.5},
+                       "KHR_materials_volume": {"thicknessFactor": 1}}})");
+    const Gltf mixed(with_tetrahedron(part));
+    EXPECT_EQ(mixed.problems(), Lines());
+    EXPECT_EQ(mixed.material().type, MaterialType::principled);
+    EXPECT_EQ(mixed.material().metallic, 0.25);
+    EXPECT_EQ(mixed.material().transmission, 0.5);
+    EXPECT_EQ(mixed.warnings()[0], "f: /materials/0" + other_formulas);
+    part["extensions"]["KHR_materials_volume"]["attenuationDistance"] = 1;
+    EXPECT_EQ(Gltf(with_tetrahedron(part)).problems(),
+              Lines{"f: found /materials/0/extensions/KHR_materials_volume: light that is absorbed, allowed: none, or "
+                    "transmissionFactor 1 and metallicFactor 0"});
+    part["emissiveFactor"] = {1, 1, 1};
+    EXPECT_EQ(Gltf(with_tetrahedron(part)).problems(),
+              Lines{"f: found /materials/0/extensions/KHR_materials_transmission/transmissionFactor: 0.5, allowed: 0 "
+                    "with emission"});
 }
 
 const std::string tiles = PTBENCH_SOURCE_DIR "/scenes/textures/tiles.png";

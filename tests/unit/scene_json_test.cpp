@@ -470,8 +470,8 @@ TEST(SceneJsonErrors, Materials) {
          "transmission, ior, emission"},
         {material_line, R"({"type": "principled", "base_colour": [1, 1, 1], "roughness": 0.1, "transmission": 0.5,
                             "emission": [1, 0, 0]})",
-         "s.json: $.materials.m.emission: found an array of 3, allowed: none, where light passes through: transmission "
-         "0 or metallic 1"},
+         "s.json: $.materials.m.emission: found [1,0,0], allowed: none, where light passes through: transmission 0 or "
+         "metallic 1"},
         {material_line, R"({"type": "dielectric"})",
          "s.json: $.materials.m: found no key \"ior\", allowed: it is required"},
         {material_line, R"({"type": "dielectric", "ior": 0})",
