@@ -28,6 +28,7 @@ struct Principled {
     Real metal_share, diffuse_share, glass_share;  // their sum is 1
     Real layer_reflectance;                        // of a smooth boundary, F(n.v)
     Real diffuse_probability;
+    Vec3<Real> diffuse_colour;  // times its share over its probability
     bool are_facets_wide;
     std::uint32_t medium_beyond;
 
@@ -50,6 +51,12 @@ struct Principled {
         const Real beneath = (Real(1) - layer_reflectance) * max(colour.x, max(colour.y, colour.z));
         const Real both = layer_reflectance + beneath;
         diffuse_probability = diffuse_share * (both > Real(0) ? beneath / both : Real(1));
+        const Vec3<Real> shown = colour * diffuse_share;
+        // Divided last: the share over a probability of a colour near the least number would overflow.
+        diffuse_colour = diffuse_probability > Real(0)
+                             ? Vec3<Real>(shown.x / diffuse_probability, shown.y / diffuse_probability,
+                                          shown.z / diffuse_probability)
+                             : Vec3<Real>(Real(0));
     }
 
     // Facets that are narrow are not connected to lights, as mirrors and smooth glass are not; the diffuse surface
@@ -138,8 +145,7 @@ private:
         if (!(diffuse_probability > Real(0))) {
             return Vec3<Real>(Real(0));
         }
-        const Real passes = Real(1) - max(layer_reflectance, reflectance_of(cosine));
-        return colour * (passes * (diffuse_share / diffuse_probability));
+        return diffuse_colour * (Real(1) - max(layer_reflectance, reflectance_of(cosine)));
     }
     PT_HD Real diffuse_pdf(Real cosine) const { return diffuse_probability * (cosine * (Real(1) / pi<Real>)); }
 
