@@ -174,7 +174,7 @@ private:
     cwbvh::BoxRay box_ray_;
     PermutedRay ray_;
     Hit best_;
-    cwbvh::NodeGroup group_;
+    cwbvh::NodeGroup group_{};  // empty until a ray is fetched: warps ask lanes that have none
     cwbvh::SlotGroup pending_, later_;
     std::uint32_t index_;
     int depth_ = 0;
