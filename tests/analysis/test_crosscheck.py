@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+import threading
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,10 +15,12 @@ import pytest
 from conftest import ROOT
 
 from ptbench.cli.main import main
+from ptbench.crosscheck import command
 from ptbench.crosscheck.command import _wanted
 from ptbench.crosscheck.document import AGREES, DIFFERS, REFUSED, WEAK, Checked, as_json, as_scene, as_text
-from ptbench.crosscheck.renders import WHEEL, CannotExport, Images, Settings, export, shipped_scenes
+from ptbench.crosscheck.renders import WHEEL, CannotExport, Images, Settings, export, render_here, shipped_scenes
 from ptbench.crosscheck.statistics import FAMILY, POWER, block_means, compare, family_of
+from ptbench.errors import InputError
 from ptbench.io.validate import complaints
 from ptbench.program import Program
 
@@ -270,6 +273,52 @@ def test_an_unfinished_file_is_gone_on_with(stand_ins, tmp_path, capsys):
     capsys.readouterr()
     assert main(["crosscheck", "a", "b", *stand_ins, "--resume", "--spp", "64", "--depth", "3"]) == 2
     assert "$.settings: found another call's, allowed: this call's" in capsys.readouterr().err
+
+
+def test_several_scenes_at_a_time_are_written_in_the_order_asked_for(stand_ins, tmp_path, monkeypatch):
+    names = ["a", "b", "c", "d"]
+    waited = threading.Barrier(4)
+    there = command.render_there
+
+    def together(*arguments: object) -> Images:
+        # Passed only where all four are being rendered.
+        waited.wait(timeout=20)
+        return there(*arguments)
+
+    monkeypatch.setattr(command, "render_there", together)
+    assert main(["crosscheck", *names, *stand_ins, "--jobs", "4"]) == 0
+    found = json.loads((tmp_path / "found.json").read_text())
+    assert [scene["scene"] for scene in found["scenes"]] == names
+
+
+@pytest.mark.parametrize("jobs", ["1", "3"])
+def test_a_scene_that_fails_does_not_lose_the_others(stand_ins, tmp_path, capsys, monkeypatch, jobs):
+    here = command.render_here
+
+    def failing(scene: str, *arguments: object, **named: object) -> Images:
+        if scene == "b":
+            raise InputError("out of memory")
+        return here(scene, *arguments, **named)
+
+    monkeypatch.setattr(command, "render_here", failing)
+    assert main(["crosscheck", "a", "b", "c", *stand_ins, "--jobs", jobs]) == 2
+    assert capsys.readouterr().err.splitlines()[-1].endswith("ptbench: b: out of memory")
+    found = json.loads((tmp_path / "found.json").read_text())
+    assert [scene["scene"] for scene in found["scenes"]] == ["a", "c"]
+    # They share the probability with the one that failed, too.
+    assert found["settings"]["family_scenes"] == 3
+
+
+def test_meshes_on_a_gpu_go_through_the_compressed_tree(tmp_path):
+    program = tmp_path / "ptbench"
+    program.write_text(f'#!/bin/sh\necho "$@" > {tmp_path / "call"}\nexit 1\n')
+    program.chmod(0o755)
+    for backend, tree in (("cuda", "cwbvh"), ("cpu", "bvh8"), ("", "bvh8")):
+        asked = replace(settings(), binary=program, backend=backend)
+        with pytest.raises(InputError):
+            render_here("room", asked, tmp_path, has_meshes=True)
+        call = (tmp_path / "call").read_text()
+        assert f"--axis accelerator={tree} --axis levels=two_level" in call
 
 
 def test_the_wheel_is_the_extra_of_the_package():

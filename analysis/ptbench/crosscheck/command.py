@@ -10,6 +10,8 @@ import argparse
 import json
 import math
 import sys
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
@@ -38,7 +40,37 @@ def crosscheck_command(options: argparse.Namespace) -> int:
     """The exit code; raises InputError."""
     if options.out is not None:
         check_output_file(options.out)
-    settings = Settings(
+    settings = _settings(options)
+    settings.program.check()
+    peer = mitsuba_version(settings)
+    named = [scene for scene in options.scenes if scene != ALL]
+    scenes = list(dict.fromkeys(named + (shipped_scenes(settings.program) if ALL in options.scenes else [])))
+    context = _context(settings, peer)
+    done = _done(options, as_json([], settings, context, options.allow, len(scenes))) if options.resume else {}
+    family = family_of(len(scenes))
+
+    def kept() -> list[dict]:
+        # After each scene: all of them take long, and what is done is not lost.
+        checked = [done[scene] for scene in scenes if scene in done]
+        if options.out is not None and checked:
+            text = json.dumps(as_json(checked, settings, context, options.allow, len(scenes)), indent=1) + "\n"
+            write_text(options.out, text)
+        return checked
+
+    missing = [scene for scene in scenes if scene not in done]
+    _check_all(missing, options.jobs, lambda scene: as_scene(_check(scene, settings, options, family)), done, kept)
+    checked = kept()
+    print("\n".join(as_text(checked, settings, options.aim)))
+    if options.out is not None:
+        say(options.out)
+    verdicts = {one["scene"]: one["verdict"] for one in checked}
+    if any(verdicts[scene] == REFUSED for scene in named):
+        return 2
+    return 0 if all(verdict in (AGREES, REFUSED) for verdict in verdicts.values()) else 1
+
+
+def _settings(options: argparse.Namespace) -> Settings:
+    return Settings(
         binary=options.binary,
         python=options.python,
         variant=options.variant,
@@ -51,26 +83,6 @@ def crosscheck_command(options: argparse.Namespace) -> int:
         depth=options.depth,
         scale=options.scale,
     )
-    settings.program.check()
-    peer = mitsuba_version(settings)
-    named = [scene for scene in options.scenes if scene != ALL]
-    scenes = list(dict.fromkeys(named + (shipped_scenes(settings.program) if ALL in options.scenes else [])))
-    context = _context(settings, peer)
-    done = _done(options, as_json([], settings, context, options.allow, len(scenes))) if options.resume else {}
-    checked: list[dict] = []
-    for scene in scenes:
-        checked.append(done.get(scene) or as_scene(_check(scene, settings, options, family_of(len(scenes)))))
-        if options.out is not None:
-            # After each scene: all of them take long, and what is done is not lost.
-            text = json.dumps(as_json(checked, settings, context, options.allow, len(scenes)), indent=1) + "\n"
-            write_text(options.out, text)
-    print("\n".join(as_text(checked, settings, options.aim)))
-    if options.out is not None:
-        say(options.out)
-    verdicts = {one["scene"]: one["verdict"] for one in checked}
-    if any(verdicts[scene] == REFUSED for scene in named):
-        return 2
-    return 0 if all(verdict in (AGREES, REFUSED) for verdict in verdicts.values()) else 1
 
 
 def _done(options: argparse.Namespace, planned: dict) -> dict[str, dict]:
@@ -85,6 +97,25 @@ def _done(options: argparse.Namespace, planned: dict) -> dict[str, dict]:
         if kept != wanted:
             raise bad_value(options.out, f"$.{part}", "another call's", "this call's, to go on with it")
     return {scene["scene"]: scene for scene in begun["scenes"]}
+
+
+def _check_all(scenes: list[str], jobs: int, check: Callable[[str], dict], done: dict, kept: Callable) -> None:
+    """Fills `done`, so many scenes at a time; one that fails raises its InputError when the others are through."""
+    failures = []
+    pool = ThreadPoolExecutor(jobs)  # they wait for processes
+    try:
+        running = {pool.submit(check, scene): scene for scene in scenes}
+        for one in as_completed(running):
+            try:
+                done[running[one]] = one.result()
+            except InputError as error:
+                failures.append(InputError(f"{running[one]}: {str(error).removeprefix(f'{running[one]}: ')}"))
+                continue
+            kept()
+    finally:
+        pool.shutdown(cancel_futures=True)
+    if failures:
+        raise failures[0]
 
 
 def _check(scene: str, settings: Settings, options: argparse.Namespace, family: float) -> Checked:

@@ -51,6 +51,10 @@ def add_crosscheck(commands: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--allow", type=percent, default=0.0, metavar="PERCENT", help="a bias that is no difference (default: 0)"
     )
+    parser.add_argument(
+        "--jobs", type=whole(1, 256), default=1, metavar="N",
+        help="scenes at a time (default: 1); nothing that is timed here is compared",
+    )  # fmt: skip
     parser.add_argument("--out", type=Path, metavar="REPORT.json")
     parser.add_argument("--resume", action="store_true", help="keep the scenes that REPORT.json has from the same call")
 

@@ -21,7 +21,8 @@ WHEEL = "mitsuba==3.9.1"  # pyproject.toml has the same
 # surfaces does not take, and trees for what has meshes. No axis changes the mean.
 _DIRECT_LIGHT = "direct_light=nee_mis"
 _FOLDERS = ("environments", "scaling", "meshes")  # of scenes, beside those that have a name alone
-_TREES = ("accelerator=bvh8", "levels=two_level")
+_TREES = {"cuda": ("accelerator=cwbvh", "levels=two_level")}
+_TREES_ELSEWHERE = ("accelerator=bvh8", "levels=two_level")
 
 
 class CannotExport(Exception):
@@ -117,7 +118,7 @@ def render_here(scene: str, settings: Settings, folder: Path, *, has_meshes: boo
     call = ["render", "--scene", scene, "--out", target, "--resolution", settings.size, "--spp", settings.spp]
     call += [] if settings.depth is None else ["--depth", settings.depth]
     call += ["--backend", settings.backend] if settings.backend else []
-    trees = [*_TREES] if has_meshes else []
+    trees = [*_TREES.get(settings.backend, _TREES_ELSEWHERE)] if has_meshes else []
     axes = [*settings.axes] or [_DIRECT_LIGHT, *trees]
     images, about, seconds = [], {}, 0.0
     while len(images) < settings.seeds:
