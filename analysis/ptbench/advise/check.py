@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ptbench.advise.model import WITHIN
@@ -15,6 +15,8 @@ from ptbench.stats.estimates import MINIMUM_SAMPLES, Estimate, ratio_estimate
 from ptbench.studies.rows import is_contended
 
 GOOD, NOT_GOOD, OPEN = "within", "not within", "undecided"
+# Of the least time: what takes longer cannot be the best, however wide the intervals are.
+_CLOSE = 1.3
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,7 @@ class Checked:
     word: str
     measured: int
     reason: str = ""
+    close: tuple[Mapping[str, str], ...] = ()  # the advised variant, and all others that may be the best
 
     @property
     def is_good(self) -> bool:
@@ -55,7 +58,25 @@ def check(
 ) -> Checked:  # fmt: skip
     """Runs all variants, the advised one first; raises InputError where the program does."""
     result = program.measure(suite_of("advice", probed, variants, spp, repetitions), folder, backend, shown=shown)
-    return judged(result.cells, variants[0])
+    return replace(judged(result.cells, variants[0]), close=closest(result.cells, variants))
+
+
+def closest(cells: Sequence[Cell], variants: Sequence[Mapping[str, str]]) -> tuple[Mapping[str, str], ...]:
+    """The first of the variants, and all others whose time is near the least."""
+    measured = [cell for cell in cells if cell.measured]
+    least = min((_middle(cell) for cell in measured), default=0.0)
+    found = [variants[0]]
+    for variant in variants[1:]:
+        named = [cell for cell in measured if _is(cell, variant)]
+        # Of those that have what it names, itself is the one that has nothing else.
+        own = min(named, key=lambda cell: len(cell.variant.split()), default=None)
+        if own is not None and _middle(own) <= _CLOSE * least:
+            found.append(variant)
+    return tuple(found)
+
+
+def _middle(cell: Cell) -> float:
+    return sorted(cell.ms_per_spp)[len(cell.samples) // 2]
 
 
 def judged(cells: Sequence[Cell], advised: Mapping[str, str]) -> Checked:
@@ -65,7 +86,7 @@ def judged(cells: Sequence[Cell], advised: Mapping[str, str]) -> Checked:
     text = " ".join(f"{name}={value}" for name, value in advised.items())
     if own is None:
         return Checked(text, "", None, OPEN, len(measured), "the advised variant has no times here")
-    best = min(measured, key=lambda cell: sorted(cell.ms_per_spp)[len(cell.samples) // 2])
+    best = min(measured, key=_middle)
     count = len(own.samples)
     ratio = Estimate(1.0, 1.0, 1.0, count) if best is own else ratio_estimate(own.ms_per_spp, best.ms_per_spp)
     if busy := [cell for cell in (own, best) if is_contended(cell)]:

@@ -42,6 +42,7 @@ class Call:
     seed: int = 1
     loaded: bool = False
     out: Path | None = None  # of the try
+    resume: bool = False
 
 
 def advise(call: Call) -> int:
@@ -51,7 +52,7 @@ def advise(call: Call) -> int:
     machine, backend, note = machine_of(results, program, call.gpu, cpu=call.cpu)
     if call.tried is not None:
         out = call.out or results / program.machine() / ADVICE
-        asked = Asked(call.tried, call.seed, call.resolution or _TRIED_AT, call.spp, out, call.loaded)
+        asked = Asked(call.tried, call.seed, call.resolution or _TRIED_AT, call.spp, out, call.loaded, call.resume)
         return try_advice(program, call.root, results, machine, backend, asked)
     probed = probe(program, file_of(call.scene, call.root), backend, call.depth, call.resolution)
     book = whole_book(call.root, results, machine, backend)

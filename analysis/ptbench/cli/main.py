@@ -159,6 +159,7 @@ def _add_advise(commands: argparse._SubParsersAction) -> None:
     advise.add_argument("--seed", type=_positive, default=1, metavar="N", help="of those scenes (default: 1)")
     advise.add_argument("--loaded", action="store_true", help="try it although other processes use the machine")
     advise.add_argument("--out", type=Path, metavar="FILE", help="of --try (default: results/MACHINE/advice.json)")
+    advise.add_argument("--resume", action="store_true", help="of --try: keep the decided scenes of FILE's same try")
     machine = advise.add_mutually_exclusive_group()
     machine.add_argument("--gpu", metavar="MODEL", help="a GPU of results/, such as h200 (default: this machine)")
     machine.add_argument("--cpu", action="store_true", help="ask what was measured on CPUs")
@@ -234,7 +235,7 @@ def _advise(options: argparse.Namespace) -> int:
         Call(
             options.scene or "", options.gpu, options.cpu, options.measure, options.depth, options.resolution,
             options.spp, options.root, options.results, options.binary, options.tried, options.seed, options.loaded,
-            options.out,
+            options.out, options.resume,
         )
     )  # fmt: skip
 

@@ -11,6 +11,7 @@ import pytest
 from builder import Builder
 
 from ptbench.advise.trying import MOST_LOAD, RANGES, drawn_scenes, everything, summary_of
+from ptbench.io.validate import complaints
 from ptbench.maps.scenes import RULES
 
 
@@ -28,14 +29,15 @@ def test_trees_are_measured_in_scenes_with_meshes_only():
     assert not [one for one in plain if "accelerator" in one]
 
 
-def fake(folder: Path, times: dict[str, float]) -> Path:
-    """A program that knows any scene, and whose renders take these times."""
-    probe, advice = Builder("probe"), Builder("advice")
+def fake(folder: Path, times: dict[str, float], noise: float = 0.0) -> Path:
+    """A program that knows any scene, and whose renders take these times; more repetitions have no noise."""
+    probe, advice, closer = Builder("probe"), Builder("advice"), Builder("closer")
     probe.cell(None, "s", 1.0, n=1, axes={"integrator": "depth_first"}, live_paths=[100, 50, 25])
     for integrator, ms in times.items():
-        advice.cell(None, "s", ms, noise=0.0, axes={"integrator": integrator})
+        advice.cell(None, "s", ms, noise=noise, axes={"integrator": integrator})
+        closer.cell(None, "s", ms, noise=0.0, axes={"integrator": integrator})
     files = {one.context["ptbench.suite"]: str(one.write(folder / f"{one.context['ptbench.suite']}.json"))
-             for one in (probe, advice)}  # fmt: skip
+             for one in (probe, advice, closer)}  # fmt: skip
     about = {"name": "s", "max_depth": 8, "resolution": [200, 200], "features": [], "not_applicable_on": {}}
     file = folder / "ptbench"
     file.write_text(
@@ -43,7 +45,10 @@ def fake(folder: Path, times: dict[str, float]) -> Path:
         f"if sys.argv[1] == 'machine': print('amd-epyc-2-threads')\n"
         f"elif sys.argv[1] == 'list': print(json.dumps({{'scenes': [{about!r}]}}))\n"
         "else:\n    named = dict(zip(sys.argv, sys.argv[1:]))\n"
-        f"    shutil.copy({files!r}[json.load(open(named['--suite']))['name']], named['--out'])\n"
+        "    suite = json.load(open(named['--suite']))\n"
+        "    name = 'closer' if suite['repetitions'] > 9 else suite['name']\n"
+        f"    open({str(folder / 'runs')!r}, 'a').write(name + '\\n')\n"
+        f"    shutil.copy({files!r}[name], named['--out'])\n"
     )
     file.chmod(0o755)
     return file
@@ -71,7 +76,7 @@ def house(tmp_path) -> Path:
 )
 def test_it_counts_where_the_advice_was_within_five_per_cent(house, analysis, times, good, code):
     program = fake(house, times)
-    file = house / "advice.json"
+    file = house / "tried.json"
     call = ["advise", "--try", "3", "--cpu", "--root", house, "--binary", program, "--loaded", "--out", file]
     found, out, err = analysis(*call)
     assert (found, err) == (code, "")
@@ -79,6 +84,40 @@ def test_it_counts_where_the_advice_was_within_five_per_cent(house, analysis, ti
     assert (document["good"], document["of"], document["not_good"]) == (good, 3, 3 - good)
     assert {row["advised"] for row in document["scenes"]} == {"packet"}
     assert out.splitlines()[-1] == summary_of(document)
+
+
+def tried(house: Path, analysis, program: Path, count: int, *more: str) -> tuple[int, str]:
+    """Exit code and what the program ran."""
+    runs = house / "runs"
+    runs.unlink(missing_ok=True)
+    call = ["advise", "--try", str(count), "--cpu", "--root", house, "--binary", program, "--loaded", *more]
+    code, _, err = analysis(*call, "--out", house / "tried.json")
+    return code, err or (" ".join(runs.read_text().split()) if runs.exists() else "")
+
+
+def test_what_the_interval_does_not_tell_is_measured_more_closely(house, analysis):
+    # Noise of 10 % about a true ratio of 1.02.
+    program = fake(house, {"packet": 1.02, "depth_first": 1.0}, noise=0.1)
+    assert tried(house, analysis, program, 1) == (0, "probe advice closer")
+    (row,) = json.loads((house / "tried.json").read_text())["scenes"]
+    assert (row["word"], row["ratio"], row["measured"]) == ("within", pytest.approx(1.02), 2)
+    # Where the usual number tells, nothing more is measured.
+    assert tried(house, analysis, fake(house, {"packet": 1.02, "depth_first": 1.0}), 1) == (0, "probe advice")
+
+
+def test_a_try_that_was_cut_short_goes_on_and_undecided_scenes_are_measured_again(house, analysis):
+    file = house / "tried.json"
+    program = fake(house, {"packet": 1.0, "wavefront": 2.0})
+    tried(house, analysis, program, 3)
+    whole = json.loads(file.read_text())
+    undecided = {**whole["scenes"][0], "word": "undecided"}
+    file.write_text(json.dumps({**whole, "scenes": [undecided, whole["scenes"][1]]}))
+    assert tried(house, analysis, program, 3, "--resume") == (0, "probe advice probe advice")
+    again = json.loads(file.read_text())
+    assert again["scenes"] == whole["scenes"]
+    assert list(complaints(again, "advice")) == []
+    code, err = tried(house, analysis, program, 3, "--resume", "--seed", "2")
+    assert (code, "$.seed: found 1, allowed: 2, to go on with it" in err) == (2, True)
 
 
 def test_a_loaded_machine_is_refused(house, analysis, monkeypatch):
