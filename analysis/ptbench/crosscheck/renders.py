@@ -20,8 +20,8 @@ WHEEL = "mitsuba==3.9.1"  # pyproject.toml has the same
 # What takes least time, where the call says nothing: the estimator with the least noise, which a scene without diffuse
 # surfaces does not take, and trees for what has meshes. No axis changes the mean.
 _DIRECT_LIGHT = "direct_light=nee_mis"
-_FOLDERS = ("environments", "scaling", "meshes")  # of scenes, beside those that have a name alone
-_TREES = {"cuda": ("accelerator=cwbvh", "levels=two_level")}
+_FOLDERS = ("environments", "textures", "scaling", "meshes")  # of scenes, beside those that have a name alone
+_TREES = {"cuda": ("accelerator=cwbvh", "builder=hploc", "levels=two_level")}
 _TREES_ELSEWHERE = ("accelerator=bvh8", "levels=two_level")
 
 
