@@ -208,6 +208,16 @@ std::vector<Variant> with_estimators(const std::vector<Variant>& variants, const
             }
         }
     }
+    for (const auto& choices : stiff_case.joint_estimators) {
+        const bool is_asked = std::none_of(choices.begin(), choices.end(),
+                                           [&](const auto& choice) { return is_named(choice.first, request); });
+        for (const Variant& variant : is_asked ? variants : std::vector<Variant>()) {
+            all.push_back(variant);
+            for (const auto& [axis, choice] : choices) {
+                all.back().set(axis, choice);
+            }
+        }
+    }
     return all;
 }
 

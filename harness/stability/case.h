@@ -111,6 +111,8 @@ struct Case {
     std::string sweep = {};  // the parameter that `points` vary, for the figure; empty: none
     // Choices of estimators that the case is run with besides the baseline ones, e.g. {"direct_light", {"nee"}}.
     AxisChoices estimators = {};
+    // The same of several axes at once: a choice of each, e.g. {{"direct_light", "nee"}, {"light_selection", "power"}}.
+    std::vector<std::map<std::string, std::string>> joint_estimators = {};
     // Whether the plainest variant is also run with every accelerator and every builder of the backend.
     bool over_accelerators = false;
     // Exactly one of these.
@@ -128,7 +130,8 @@ struct Case {
 
 // In the order of the catalogue.
 inline constexpr std::string_view families[] = {"cavities",   "irradiance", "geometry", "dielectrics", "media",
-                                                "throughput", "film",       "identity", "meshes",      "own"};
+                                                "throughput", "film",       "identity", "meshes",      "lights",
+                                                "own"};
 
 // All cases, by family and then by number in the catalogue.
 const std::vector<Case>& catalogue();

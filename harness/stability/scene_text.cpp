@@ -72,6 +72,11 @@ SceneText& SceneText::environment(double radiance) {
     return *this;
 }
 
+SceneText& SceneText::drawn_environment(double radiance) {
+    json_["environment"] = {{"radiance", list(Vec3d(radiance))}};
+    return *this;
+}
+
 SceneText& SceneText::lens(double aperture_radius, double focus_distance) {
     json_["camera"]["aperture_radius"] = aperture_radius;
     json_["camera"]["focus_distance"] = focus_distance;
@@ -117,6 +122,18 @@ std::string SceneText::emitter(const Vec3d& radiance) {
 
 std::string SceneText::dielectric(double ior, const Vec3d& sigma_a, const Vec3d& tint) {
     return add_material({{"type", "dielectric"}, {"ior", ior}, {"tint", list(tint)}, {"sigma_a", list(sigma_a)}});
+}
+
+std::string SceneText::rough_conductor(const Vec3d& reflectance, double roughness, bool multiple_scattering) {
+    return add_material({{"type", "rough_conductor"},
+                         {"reflectance", list(reflectance)},
+                         {"roughness", roughness},
+                         {"multiple_scattering", multiple_scattering}});
+}
+
+std::string SceneText::principled_metal(const Vec3d& base_colour, double roughness) {
+    return add_material(
+        {{"type", "principled"}, {"base_colour", list(base_colour)}, {"metallic", 1.0}, {"roughness", roughness}});
 }
 
 std::string SceneText::subsurface(const Vec3d& sigma_s, const Vec3d& sigma_a, double g, double ior,

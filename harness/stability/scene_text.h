@@ -24,6 +24,7 @@ public:
     SceneText& image(std::uint32_t width, std::uint32_t height, double vertical_fov_degrees, bool jitter);
     SceneText& depth(std::uint32_t segments);
     SceneText& environment(double radiance);
+    SceneText& drawn_environment(double radiance);  // connections are made to it, as to lights
     SceneText& lens(double aperture_radius, double focus_distance);
     SceneText& shutter(double open, double close, bool late);
 
@@ -36,6 +37,8 @@ public:
     std::string dielectric(double ior, const Vec3d& sigma_a = Vec3d(0.0), const Vec3d& tint = Vec3d(1.0));
     std::string subsurface(const Vec3d& sigma_s, const Vec3d& sigma_a = Vec3d(0.0), double g = 0, double ior = 1,
                            std::uint32_t max_scatterings = 1000000);
+    std::string rough_conductor(const Vec3d& reflectance, double roughness, bool multiple_scattering);
+    std::string principled_metal(const Vec3d& base_colour, double roughness);
 
     // Each adds an object.
     SceneText& sphere(const std::string& material, const Vec3d& centre, double diameter);
