@@ -195,6 +195,32 @@ def test_a_scene_that_asks_for_depth_gets_it_unless_another_reason_stands():
     assert CannotExport([]).depth == 0
 
 
+def test_a_scene_is_rendered_until_it_sees_the_aim_each_time_by_other_seeds(stand_ins, tmp_path, monkeypatch):
+    asked = []
+    random = np.random.default_rng(11)
+    mean = picture(random)
+
+    def noisy(settings: Settings, spread: float) -> np.ndarray:
+        # Much less noise is promised by the first images than the next ones have.
+        return rendered(random, mean, spread if len(asked) < 3 else 0.01, seeds=settings.seeds)
+
+    def here(_, settings: Settings, *__: object, **___: object) -> Images:
+        asked.append((settings.spp, settings.first_seed))
+        about = {"scene_hash": "0123456789abcdef", "variant": "depth_first", "depth": 8, "render_seconds": 1.5}
+        return Images(noisy(settings, 0.5), about)
+
+    monkeypatch.setattr(command, "render_here", here)
+    monkeypatch.setattr(command, "render_there", lambda _, settings, __: Images(noisy(settings, 0.5), {"seconds": 1}))
+    call = ["crosscheck", "a", *stand_ins, "--seeds", "4", "--spp", "4"]
+    assert main([*call, "--most-spp", "100000000"]) == 0
+    assert [seed for _, seed in asked] == [1, 5, 9]
+    assert asked[0][0] == 4 < asked[1][0] < asked[2][0]
+    asked.clear()
+    # The most is rendered once, and found too weak.
+    assert main([*call, "--most-spp", "8"]) == 1
+    assert asked == [(4, 1), (8, 5)]
+
+
 def refusal(capsys, *arguments: str) -> str:
     try:
         code = main(["crosscheck", *arguments], "ptbench")

@@ -57,6 +57,12 @@ def test_files_share_a_probability_where_their_calls_did(tmp_path):
         first.shared_by(source(tmp_path, scene("a", "agrees")))
 
 
+def test_a_scene_that_was_rendered_again_had_another_chance(tmp_path):
+    assert source(tmp_path, scene("a", "agrees")).family == "1.0 %"
+    # Of the call's four scenes one was rendered three times: six chances.
+    assert source(tmp_path, scene("a", "agrees") | {"first_seed": 17}).family == "1.5 %"
+
+
 def test_a_scene_that_differs_makes_the_sentence_false(tmp_path):
     with pytest.raises(FindingError, match="b differ; the page says: It does"):
         source(tmp_path, scene("a", "agrees"), scene("b", "differs")).must_agree("It does")

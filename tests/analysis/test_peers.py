@@ -233,6 +233,9 @@ def test_what_is_timed_by_default():
         for one in own_variants("cuda", meshes):
             assert "accelerator=cwbvh" in one.axes
             assert ("levels=two_level" in one.axes) == is_by_tree
+            assert any(axis.startswith("traversal=") for axis in one.axes)
+    queues = [[one.name for one in own_variants("cuda", meshes) if "queue" in one.name] for meshes in (0, 1, 16, 17)]
+    assert queues == [[], *[["queue nee_mis projected", "queue off"]] * 2, []]
     on_gpu = mitsubas([], "cuda", Path("python3"))
     assert [one.name for one in on_gpu] == [
         "Mitsuba cuda_ad_rgb path", "Mitsuba cuda_ad_rgb bsdf", "Mitsuba cuda_ad_rgb path evaluated",
@@ -261,6 +264,10 @@ def test_the_page_and_its_figure_are_made_of_the_file(fakes, analysis):
     assert str(source.time_over("box", "Mitsuba good_rgb path")) == "4.00"
     with pytest.raises(FindingError, match="no ratio of Mitsuba wrong_rgb path in box may be given: differs"):
         source.cost_over("box", "Mitsuba wrong_rgb path")
+    # Four times the time at four times the variance.
+    assert source.must_lead(10, "Far ahead.") == "Far ahead."
+    with pytest.raises(FindingError, match=r"costs are not 20 times ptbench's; the page says: Farther\."):
+        source.must_lead(20, "Farther.")
     unfinished = results / "unfinished.json"
     unfinished.write_text(json.dumps(fakes.document | {"complete": False}), encoding="utf-8")
     with pytest.raises(FindingError, match="an unfinished run"):

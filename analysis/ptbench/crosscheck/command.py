@@ -126,10 +126,9 @@ def _check(scene: str, settings: Settings, options: argparse.Namespace, family: 
         except CannotExport as refusal:
             return Checked(scene, settings, None, options.aim, reasons=tuple(refusal.reasons))
         checked = _rendered(scene, xml, settings, options, scratch, family)
-        spp = _wanted(checked, options.most_spp)
-        if spp > settings.spp:
-            # By other seeds: the first images only said how much noise there is.
-            more = replace(settings, spp=spp, first_seed=settings.first_seed + settings.seeds)
+        while (spp := _wanted(checked, options.most_spp)) > checked.settings.spp:
+            # By other seeds: the last images only said how much noise there is.
+            more = replace(settings, spp=spp, first_seed=checked.settings.first_seed + settings.seeds)
             checked = _rendered(scene, xml, more, options, scratch, family)
     print(f"{scene}: {checked.verdict}", file=sys.stderr)
     return checked

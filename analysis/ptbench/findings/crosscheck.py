@@ -83,8 +83,13 @@ class CrosscheckSource:
 
     @property
     def family(self) -> str:
-        """The probability of a false alarm, of all scenes that were asked for."""
-        return _percent(self._settings["family"])
+        """The probability of a false alarm, of all scenes that were asked for.
+
+        A scene that was too noisy at first had a chance of one each time that it was rendered.
+        """
+        scenes = self._settings["family_scenes"]
+        again = sum((scene.get("first_seed", 1) - 1) // self._settings["seeds"] for scene in self._scenes)
+        return _percent(self._settings["family"] * (scenes + again) / scenes)
 
     def shared_by(self, *others: CrosscheckSource) -> int:
         """How many scenes share `family`; raises FindingError for files of calls that do not share one."""

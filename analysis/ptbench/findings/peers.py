@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 from ptbench.errors import FindingError
@@ -91,15 +92,26 @@ class PeersSource:
     @property
     def best_others(self) -> list[str]:
         """Of each scene the other renderer whose cost is least, beside ptbench's variant whose cost is: a line each."""
-        lines = []
+        return [
+            f"`{scene.name}`: {other.name} at {shown_ratio(other.measured.cost_over(best.measured))} times the cost of "
+            f"{best.name}"
+            for scene, best, other in self._leaders()
+        ]
+
+    def _leaders(self) -> Iterator[tuple[Scene, Peer, Peer]]:
+        """Of each scene ptbench's variant and the other renderer with the least costs."""
         for scene in self.scenes:
             own = [peer for peer in scene.peers if peer.kind == "ptbench" and peer.compares]
             others = [peer for peer in scene.peers if peer.kind != "ptbench" and peer.compares]
             if own and others:
-                best, other = (min(group, key=lambda peer: peer.measured.cost) for group in (own, others))
-                ratio = shown_ratio(other.measured.cost_over(best.measured))
-                lines.append(f"`{scene.name}`: {other.name} at {ratio} times the cost of {best.name}")
-        return lines
+                yield scene, *(min(group, key=lambda peer: peer.measured.cost) for group in (own, others))
+
+    def must_lead(self, factor: float, said: str) -> str:
+        """`said`, if in every scene all others' cost is at least that many times ptbench's, by the whole interval."""
+        ratios = [other.measured.cost_over(best.measured) for _, best, other in self._leaders()]
+        if len(ratios) < len(self.scenes) or any(one.low is None or one.low < factor for one in ratios):
+            raise FindingError(f"{self._shown}: costs are not {factor:g} times ptbench's; the page says: {said}")
+        return said
 
     @property
     def disturbed(self) -> str:

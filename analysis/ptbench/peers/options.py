@@ -57,11 +57,7 @@ def own_variants(backend: str, meshes: int) -> list[Wanted]:
     `meshes`: how many objects show one. A tree over objects costs time where there are few.
     """
     if backend == "cuda":
-        base = ("integrator=persistent", "arithmetic=precise")
-        base += ("accelerator=cwbvh",) if meshes else ()
-        base += ("levels=two_level",) if meshes > _MOST_IN_TURN else ()
-        by_area = _own(f"persistent {LIGHTS} projected", *base, f"direct_light={LIGHTS}", "light_sampling=projected")
-        return [by_area, *(_own(f"persistent {light}", *base, f"direct_light={light}") for light in (LIGHTS, CHANCE))]
+        return _own_on_gpu(meshes)
     if not meshes:
         return [
             _own(f"{name} {light}", f"integrator={name}", f"direct_light={light}")
@@ -74,6 +70,23 @@ def own_variants(backend: str, meshes: int) -> list[Wanted]:
     ]  # fmt: skip
     embree = ("integrator=depth_first", "accelerator=embree_native")
     return [*own, *(_own(f"embree_native {light}", *embree, f"direct_light={light}") for light in (LIGHTS, CHANCE))]
+
+
+def _own_on_gpu(meshes: int) -> list[Wanted]:
+    base, lit = ("arithmetic=precise",), (f"direct_light={LIGHTS}", "light_sampling=projected")
+    by_tree = meshes > _MOST_IN_TURN
+    kernel = ("integrator=persistent", *base)
+    if meshes:
+        # Lanes put their leaves off until all have one: of the orders in one kernel the quickest.
+        kernel += ("accelerator=cwbvh", "traversal=speculative", *(("levels=two_level",) if by_tree else ()))
+    own = [_own(f"persistent {LIGHTS} projected", *kernel, *lit)]
+    own += [_own(f"persistent {light}", *kernel, f"direct_light={light}") for light in (LIGHTS, CHANCE)]
+    if not meshes or by_tree:
+        return own
+    # A queue whose warps fetch rays is as quick or quicker over large meshes; its kernel meets objects in turn.
+    queue = ("integrator=wavefront", "compaction=cub_select_flagged", "layout=soa", *base)
+    queue += ("accelerator=cwbvh", "traversal=persistent")
+    return [*own, _own(f"queue {LIGHTS} projected", *queue, *lit), _own(f"queue {CHANCE}", *queue, "direct_light=off")]
 
 
 def _own(name: str, *axes: str) -> Wanted:
