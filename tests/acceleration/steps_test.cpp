@@ -193,7 +193,7 @@ void expect_restarts(const EncodedTree& tree, const Triangles& triangles, const 
         EXPECT_LE(found.work.primitives_tested, own.work.primitives_tested);
     }
     EXPECT_GT(one.work.nodes_visited, two.work.nodes_visited);
-    EXPECT_GT(two.work.nodes_visited, own.work.nodes_visited);
+    EXPECT_GT(one.work.nodes_visited, own.work.nodes_visited);
 }
 
 TEST(ShortStackTest, RestartsInWideTreesWhereItHasForgotten) {
