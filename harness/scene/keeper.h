@@ -21,8 +21,8 @@ constexpr std::size_t kept_bytes_of(std::size_t memory) {
 }
 
 // Of what one Keeper keeps together; what was used longest ago goes first.
-inline const std::size_t most_kept_bytes =
-    kept_bytes_of(static_cast<std::size_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)));
+inline const std::size_t most_kept_bytes = kept_bytes_of(static_cast<std::size_t>(::sysconf(_SC_PHYS_PAGES)) *
+                                                         static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)));
 inline constexpr std::size_t most_kept = 65536;
 
 // Kept by a key that says everything that it was made from. T says by kept_bytes() what it takes.

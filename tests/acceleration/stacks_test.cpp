@@ -25,8 +25,8 @@ struct MadeUpTree {
         hit.push_back(hit_at);
         return leaf_link(static_cast<std::uint32_t>(hit.size() - 1), 1);
     }
-    // Below a box that is entered at `from`; a third of the children is not met, entries are often equal. A triangle may
-    // be met before the box of its leaf, as where a spatial split has clipped it: the way back may be out of reach.
+    // Below a box that is entered at `from`; a third of the children is not met, entries are often equal. A triangle
+    // may be met before the box of its leaf, as where a spatial split has clipped it: the way back may be out of reach.
     std::uint32_t add_at_random(std::mt19937& random, float from, std::uint32_t levels) {
         const auto number = static_cast<std::uint32_t>(nodes.size());
         nodes.emplace_back();

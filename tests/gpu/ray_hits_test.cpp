@@ -23,9 +23,9 @@ protected:
         }
     }
 
-    Tree tree_of(const std::string& accelerator, Backend backend) const {
-        const std::string builder = accelerator == "brute_force" ? "" : "sah_binned";
-        return make_tree(as_scene_mesh(mesh_, content_hash(mesh_.mesh)), accelerator, builder, backend);
+    Tree tree_of(const std::string& accelerator, Backend backend, const std::string& builder = "sah_binned") const {
+        return make_tree(as_scene_mesh(mesh_, content_hash(mesh_.mesh)), accelerator,
+                         accelerator == "brute_force" ? "" : builder, backend);
     }
 
     const RayMesh mesh_ = mesh_for_rays(small_mesh);
@@ -67,6 +67,32 @@ TEST_F(RayHitsTest, AreThoseOfTheCpu) {
             }
         }
     }
+}
+
+// Trees that the GPU builds: each primitive in one leaf, and the same tree every time.
+TEST_F(RayHitsTest, AreThoseOfTheCpuThroughTreesOfTheGpu) {
+    const Tree reference_tree = tree_of("brute_force", Backend::cpu);
+    const auto reference = make_tracer(reference_tree, Backend::cpu);
+    const std::vector<RaySet> sets = make_ray_sets(mesh_, *reference, ray_classes(), log2_rays);
+    for (const char* builder : {"hploc", "lbvh_gpu"}) {
+        for (const char* accelerator : {"bvh2", "bvh8", "cwbvh"}) {
+            const Tree tree = tree_of(accelerator, Backend::cuda, builder);
+            EXPECT_EQ(tree.geometry.tree->leaves.size(), mesh_.triangles.size());
+            EXPECT_GT(tree.geometry.tree->sah_cost, 0);
+            const auto tracer = make_tracer(tree, Backend::cuda);
+            for (const RaySet& set : sets) {
+                reference->load(set);
+                (void)reference->trace(reference->kernels(set).front());
+                tracer->load(set);
+                (void)tracer->trace("plain");
+                EXPECT_TRUE(tracer->hits() == reference->hits()) << builder << " " << accelerator << " " << set.name;
+            }
+        }
+        const DeviceBuild build = time_device_build(builder, mesh_.triangles, 3);
+        EXPECT_EQ(build.build_ms.size(), 3u);
+        EXPECT_TRUE(build.same_every_time) << builder;
+    }
+    EXPECT_TRUE(time_device_build("sah_binned", mesh_.triangles, 3).build_ms.empty());
 }
 
 TEST_F(RayHitsTest, AreFoundByTheWorkOfTheCpu) {

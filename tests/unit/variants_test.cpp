@@ -178,7 +178,7 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
             {"precision", {"float", "double", "double_intersection"}},
             {"robustness", {"robust", "naive"}},
             {"accelerator", {"brute_force", "bvh2", "bvh4", "bvh8", "cwbvh"}},
-            {"builder", {"sah_binned", "hploc", "lbvh", "ploc", "sah_sweep", "sbvh"}},
+            {"builder", {"sah_binned", "hploc", "lbvh", "lbvh_gpu", "ploc", "sah_sweep", "sbvh"}},
             {"traversal", {"while_while", "if_if", "persistent", "speculative"}},
             {"traversal_stack", {"local", "shared", "short_restart"}},
             {"levels", {"each_object", "flat", "two_level"}},

@@ -32,8 +32,8 @@ public:
         return true;
     }
 
-    // For nodes of many children, of which those are met that have an entry of 0 or more: the nearest is on top. Whether
-    // `link` is the child to enter; here the walk takes it from the stack, as all others.
+    // For nodes of many children, of which those are met that have an entry of 0 or more: the nearest is on top.
+    // Whether `link` is the child to enter; here the walk takes it from the stack, as all others.
     template <class Real, int width>
     PT_HD bool enters_nearest(const Real (&entries)[width], const std::uint32_t (&links)[width], std::uint32_t&) {
         const std::uint32_t bottom = size_;
