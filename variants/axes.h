@@ -153,7 +153,6 @@ struct AcceleratorTraits {
     bool builds_itself = false;        // it has none of those, but one of its own
     bool checks_large_scenes = false;  // the reference where every triangle in turn would take too long
     bool has_steps = false;            // others may put its steps in order: variants/acceleration/walk.h
-    bool leaves_trail = false;         // a walk that has lost what waits finds it again: stacks.h
 };
 
 struct BuilderTraits {

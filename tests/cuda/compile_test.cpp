@@ -156,6 +156,7 @@ void add_optimised(Programs& programs) {
     for (const std::string& stack : choices_of("traversal_stack")) {
         programs.add(room, baseline_with({{"accelerator", "cwbvh"}, {"traversal_stack", stack}}));
     }
+    programs.add(room, baseline_with({{"accelerator", "bvh8"}, {"traversal_stack", "short_restart"}}));
     programs.add(room, baseline_with({{"accelerator", "bvh2"}, {"traversal", "persistent"}}));
     programs.optimise(false);
 }

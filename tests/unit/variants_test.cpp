@@ -178,7 +178,7 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
             {"precision", {"float", "double", "double_intersection"}},
             {"robustness", {"robust", "naive"}},
             {"accelerator", {"brute_force", "bvh2", "bvh4", "bvh8", "cwbvh"}},
-            {"builder", {"sah_binned", "hploc", "lbvh", "ploc", "sah_sweep", "sbvh"}},
+            {"builder", {"sah_binned", "hploc", "lbvh", "lbvh_gpu", "ploc", "sah_sweep", "sbvh"}},
             {"traversal", {"while_while", "if_if", "persistent", "speculative"}},
             {"traversal_stack", {"local", "shared", "short_restart"}},
             {"levels", {"each_object", "flat", "two_level"}},
@@ -828,10 +828,7 @@ TEST(ApplicabilityTest, SaysWordForWordWhichTraversalsDoNotApply) {
          with_mesh,
          "traversal_stack=shared has nothing to do: accelerator=brute_force needs no tree"},
         {{{"accelerator", "cwbvh"}, {"traversal", "if_if"}, {"traversal_stack", "short_restart"}}, with_mesh, ""},
-        {{{"accelerator", "bvh8"}, {"traversal_stack", "short_restart"}},
-         with_mesh,
-         "traversal_stack=short_restart finds its way by a trail: needs two children a node or an order of children "
-         "that no hit changes, not accelerator=bvh8"},
+        {{{"accelerator", "bvh8"}, {"traversal_stack", "short_restart"}}, with_mesh, ""},
         {{{"accelerator", "cwbvh"}, {"traversal", "persistent"}, {"integrator", "megakernel_regen"}},
          with_mesh,
          "traversal=persistent needs an integrator that traces in a kernel of its own, not "

@@ -31,6 +31,8 @@ from ptbench.findings.crosscheck import CrosscheckSource
 from ptbench.findings.fleet import FleetSource
 from ptbench.findings.imports import SCHEMA as IMPORTS
 from ptbench.findings.imports import ImportsSource
+from ptbench.findings.leaks import SCHEMA as LEAKS
+from ptbench.findings.leaks import LeaksSource
 from ptbench.findings.peers import SCHEMA as PEERS
 from ptbench.findings.peers import PeersSource
 from ptbench.findings.quantities import span
@@ -65,6 +67,7 @@ AnySource = (
     | CrosscheckSource
     | PeersSource
     | ImportsSource
+    | LeaksSource
     | FleetSource
     | SimulationSource
 )
@@ -110,6 +113,8 @@ def _opened(results: Path, file: str, where: str) -> AnySource:
         return CrosscheckSource(results, file)
     if root.value.get("schema") == IMPORTS:
         return ImportsSource(results, file)
+    if root.value.get("schema") == LEAKS:
+        return LeaksSource(results, file)
     if root.value.get("schema") == PEERS:
         return PeersSource(results, file)
     if root.value.get("schema") == WORK:
