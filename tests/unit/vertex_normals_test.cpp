@@ -128,7 +128,7 @@ TEST(VertexNormals, ThatAreWrongAreRefusedInOneLine) {
               place + ".shading_normals: found true, allowed: false: the mesh of the scene file has no normals of its "
                       "vertices"},
              {triangle + R"(, "normals": [[0, 0, 1], [0, 0, 1]])",
-              ".normals: found [[0,0,1],[0,0,1]], allowed: one for each of the 3 vertices"},
+              ".normals: found an array of 2, allowed: one for each of the 3 vertices"},
              {triangle + R"(, "normals": [[0, 0, 1], [0, 0, 0], [0, 0, 1]])",
               place + ".normals[1]: found [0,0,0], allowed: a direction that is not 0 in single precision"},
              {triangle + R"(, "normals": [[0, 0, 1], [0, 1e-60, 0], [0, 0, 1]])", "not 0 in single precision"},
