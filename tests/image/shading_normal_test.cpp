@@ -545,6 +545,30 @@ TYPED_TEST(ShadingNormalTest, GlassOfIndexOneLetsLightThrough) {
     }
 }
 
+// A box's face, and with it the place in an image, is told by the surface's own normal, however the other one leans.
+TYPED_TEST(ShadingNormalTest, ARoughnessMapLiesOnTheFaceThatIsMet) {
+    using Real = TypeParam;
+    const auto film_of = [](bool is_drawn_on_quad) {
+        SceneBuilder builder;
+        builder.camera({0, 3, 0}, {0, 0, 0}, {0, 0, 1}).image(8, 8, 25, false).depth(2).environment(1);
+        const std::uint32_t metal = builder.rough_conductor(Vec3d(1.0), 1);
+        builder.roughness_texture(metal, 2, 2, {0.1, 0.9, 0.6, 0.3});
+        builder.normal_map(metal, 1, 1, {tilted(60)});
+        if (is_drawn_on_quad) {
+            builder.quad(metal, {0, 0.5, 0}, 1, 1);
+        } else {
+            builder.box(metal, {0, 0, 0}, {1, 1, 1});
+        }
+        return test::render<Real>(builder.scene, {.samples = 4});
+    };
+    // Places on a face and on a quad may differ by a rounding, which an image's blend and a lobe pass on; a film's sum
+    // of values up to 1 then differs by less than what another texel would do to it.
+    const Film quad = film_of(true), box = film_of(false);
+    for (std::size_t pixel = 0; pixel < 64; ++pixel) {
+        EXPECT_NEAR(box.pixel(pixel).y, quad.pixel(pixel).y, 1e-4) << pixel;
+    }
+}
+
 // In an even light no path carries more than the light: a surface that keeps all of it never gains.
 TYPED_TEST(ShadingNormalTest, NoPathGainsLight) {
     const std::vector<Kind> whites{
