@@ -54,6 +54,7 @@ enum class Feature : FeatureSet {
     multiple_scattering = feature_bit::material << 11,  // rough conductors that lose no light
     textures = feature_bit::material << 12,             // colours and roughnesses that are images (kernels/texture.h)
     principled = feature_bit::material << 13,           // kernels/principled.h
+    shading_normals = feature_bit::material << 14,      // other normals than the surface's (kernels/shading_normal.h)
     environment = feature_bit::light << 0,
     // What the variant asks for rather than the scene.
     final_bounce = feature_bit::light << 1,
@@ -109,7 +110,8 @@ inline constexpr FeatureSet shape_features = no_features PT_SHAPES(PT_FEATURE);
 inline constexpr FeatureSet material_features =
     set_of(Feature::diffuse, Feature::emitter, Feature::mirror, Feature::mix, Feature::dielectric, Feature::subsurface,
            Feature::emission, Feature::absorption, Feature::subsurface_boundary, Feature::rough_conductor,
-           Feature::rough_dielectric, Feature::multiple_scattering, Feature::textures, Feature::principled);
+           Feature::rough_dielectric, Feature::multiple_scattering, Feature::textures, Feature::principled,
+           Feature::shading_normals);
 inline constexpr FeatureSet light_samplings =
     set_of(Feature::area_sampling, Feature::projected_sampling, Feature::automatic_sampling);
 inline constexpr FeatureSet light_selections = set_of(Feature::power_selection, Feature::tree_selection);

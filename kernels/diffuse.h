@@ -16,10 +16,37 @@ struct Vertex {
     std::uint32_t material;
     SurfaceId hit;  // with the face, where it is known
     std::uint32_t primitive = 0;
+    // For kernels with Feature::shading_normals: surface_normal is another one than the surface's, which is kept here.
+    bool is_bent = false;
+    Vec3<Real> unbent{};
 
-    // Unit, on the incoming ray's side: a face is met from outside.
+    // Unit, on the incoming ray's side: a face is met from outside. What the vertex is shaded with.
     PT_HD Vec3<Real> normal() const { return hit.has_face() ? face_normal<Real>(hit) : surface_normal; }
 };
+
+// The surface's own normal, likewise; what tells its sides apart.
+template <class Config>
+PT_HD inline Vec3<typename Config::Real> geometric_normal(const Vertex<typename Config::Real>& vertex) {
+    if constexpr (has<Config>(Feature::shading_normals)) {
+        return vertex.is_bent ? vertex.unbent : vertex.normal();
+    } else {
+        return vertex.normal();
+    }
+}
+
+// Whether a direction away from the vertex is for the surface what it is for the normal that the vertex is shaded with:
+// on the side that the path comes from or, where it `passes`, on the other one.
+template <class Config>
+PT_HD inline bool is_on_one_side(const Vertex<typename Config::Real>& vertex,
+                                 const Vec3<typename Config::Real>& direction, bool passes) {
+    using Real = typename Config::Real;
+    if constexpr (has<Config>(Feature::shading_normals)) {
+        const Real cosine = dot(direction, vertex.unbent);
+        return !vertex.is_bent || (passes ? cosine < Real(0) : cosine > Real(0));
+    } else {
+        return true;
+    }
+}
 
 // Sends the path away from the vertex on the side that it came from.
 template <class Real>

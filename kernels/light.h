@@ -33,7 +33,7 @@ PT_HD inline std::uint32_t connect_to_environment(const SceneView<typename Confi
     using Real = typename Config::Real;
     const EnvironmentSample<Real> sample = sample_environment(*scene.environment_map, words.y, words.z, words.w);
     const Real cosine = dot(sample.direction, vertex.normal());
-    if (!(cosine > Real(0))) {
+    if (!(cosine > Real(0)) || !is_on_one_side<Config>(vertex, sample.direction, false)) {
         return 0;
     }
     const Ray<Real> ray{vertex.position, sample.direction, path.time, SurfaceId::of(vertex.object, vertex.inside),
@@ -78,6 +78,9 @@ PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene
         }
         scatter_diffuse<Config>(path, vertex, albedo, unit_interval<Real>(direction_words.y),
                                 unit_interval<Real>(direction_words.z));
+        if (!is_on_one_side<Config>(vertex, path.direction, false)) {
+            return 0;
+        }
         if (!closest_hit<Config>(traced, ray_of(path)).side.exists()) {
             path.radiance += path.throughput * scene.environment * static_cast<Real>(choices);
         }
@@ -94,7 +97,7 @@ PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene
     const Vec3<Real> direction = to_light * (Real(1) / square_root(distance_squared));
     const Real cosine = dot(direction, vertex.normal());
     const Real light_cosine = dot(direction, light.normal);
-    if (!(cosine > Real(0)) || light_cosine == Real(0)) {
+    if (!(cosine > Real(0)) || light_cosine == Real(0) || !is_on_one_side<Config>(vertex, direction, false)) {
         return 0;
     }
     const Ray<Real> ray{vertex.position, direction, path.time, SurfaceId::of(vertex.object, vertex.inside),

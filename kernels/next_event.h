@@ -247,6 +247,9 @@ PT_HD inline std::uint32_t connect_environment(const SceneView<typename Config::
     if (sample.place.radiance == Vec3<Real>(Real(0)) || !(cosine > Real(0) || passes)) {
         return 0;
     }
+    if (!is_on_one_side<Config>(vertex, sample.direction, passes)) {
+        return 0;
+    }
     if constexpr (Lobe::may_be_opaque) {
         if (passes && !lobe.lets_through()) {
             return 0;
@@ -302,6 +305,9 @@ PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::R
     const Real cosine = dot(sample.direction, vertex.normal());
     const bool passes = Lobe::transmits && cosine < Real(0);
     if (!(sample.inverse_pdf > Real(0)) || !(cosine > Real(0) || passes)) {
+        return 0;
+    }
+    if (!is_on_one_side<Config>(vertex, sample.direction, passes)) {
         return 0;
     }
     if constexpr (Lobe::may_be_opaque) {

@@ -59,6 +59,17 @@ struct ObjectTexture {
     std::uint32_t first_coordinate;  // of a mesh: of its first triangle, in SceneView::texture_coordinates
 };
 
+// The normals that an object is shaded with.
+template <class Real>
+struct ObjectNormals {
+    static constexpr std::uint32_t none = 0xffffffffu;
+    // From a mesh's own space to the scene, but for a factor that all normals share.
+    Vec3<Real> row[3];
+    std::uint32_t first_normal;  // of its first triangle, in SceneView::corner_normals; none: the triangles' own
+    TexelBlock map;              // in the tangent space of the texture's coordinates
+    Real map_scale;              // of its first two components
+};
+
 template <class Real>
 struct Ray;
 
@@ -113,6 +124,8 @@ struct SceneView {
     View<ObjectTexture<Real>> object_textures;  // by object number; empty: the scene has no images on objects
     View<Vec3<float>> texels;
     View<CornerCoordinates> texture_coordinates;
+    View<ObjectNormals<Real>> object_normals;  // by object number; empty: all surfaces are shaded with their own
+    View<CornerNormals> corner_normals;
     Vec3<Real> environment;  // radiance of rays that leave the scene
     Camera<Real> camera;
     AxisAlignedEnclosure<Real> enclosure;  // that the axis boxes make

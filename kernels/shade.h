@@ -13,8 +13,8 @@
 #include "kernels/rough_conductor.h"
 #include "kernels/rough_dielectric.h"
 #include "kernels/russian_roulette.h"
+#include "kernels/shading_normal.h"
 #include "kernels/subsurface.h"
-#include "kernels/texture.h"
 
 namespace pt {
 
@@ -121,7 +121,7 @@ PT_HD inline typename Config::Real facet_width(const SceneView<typename Config::
         Hit<Real> hit;
         hit.side = vertex.hit;
         hit.primitive = vertex.primitive;
-        put_roughness<Config>(alpha, scene, ray_of(path), hit, vertex.position, vertex.normal());
+        put_roughness<Config>(alpha, scene, ray_of(path), hit, vertex.position, geometric_normal<Config>(vertex));
     }
     return alpha;
 }
@@ -359,16 +359,24 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
     }
     const SurfacePoint<Real> point = surface_at<Config, false>(scene, ray_of(path), hit);
     const bool inside = hit.side.inside();
-    const Vertex<Real> vertex{
+    Vertex<Real> vertex{
         point.position, inside ? -point.normal : point.normal, hit.side.object(), inside, material_index, hit.side,
         hit.primitive};
     if constexpr (has<Config>(Feature::textures)) {
         put_texture<Config>(surface.colour, scene, ray_of(path), hit, vertex.position, vertex.normal());
     }
+    if constexpr (has<Config>(Feature::shading_normals)) {
+        if (!bend_normal<Config>(vertex, scene, ray_of(path), hit)) {
+            return false;
+        }
+    }
     path.bsdf_pdf = Real(0);
     const RandomWords words =
         random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::scatter});
     if (!scatter<Config>(scene, traced, path, vertex, surface, words, last, counters, walk)) {
+        return false;
+    }
+    if (!is_on_one_side<Config>(vertex, path.direction, path.origin_surface.inside() != vertex.inside)) {
         return false;
     }
     if constexpr (has<Config>(Feature::russian_roulette)) {

@@ -105,6 +105,7 @@ constexpr NamedFeature named_features[] = {
     {Feature::near_sphere, "near_sphere"},
     {Feature::textures, "textures"},
     {Feature::principled, "principled"},
+    {Feature::shading_normals, "shading_normals"},
     {Feature::object_tree, "object_tree"},
     {Feature::flat_tree, "flat_tree"},
 };

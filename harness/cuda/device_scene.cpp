@@ -111,7 +111,8 @@ std::string baked_text(const SceneView<Real>& scene) {
     BakedText text;
     for_each_array(scene, [&](const SceneArray& array, const auto& view) {
         using Element = std::remove_cvref_t<decltype(*view.data)>;
-        if (array.kind != ArrayKind::matrix && array.kind != ArrayKind::selection && array.kind != ArrayKind::texture) {
+        if (array.kind != ArrayKind::matrix && array.kind != ArrayKind::selection && array.kind != ArrayKind::texture &&
+            array.kind != ArrayKind::normals) {
             text.add(array.name, is_baked<Element> ? view : View<Element>{});
         }
     });

@@ -73,7 +73,7 @@ void fill_first_hits(FirstHits& hits, const Scene& scene, const RenderRequest& r
                     continue;
                 }
                 const SurfacePoint<Real> point = surface_at<Config>(view, ray, hit);
-                const Vec3d outward(point.normal);
+                const Vec3d outward(shading_normal_at<Config>(view, ray, hit, point.position, point.normal));
                 Vec3d colour = albedo[hit.side.object()];
                 const SceneMaterial& material = *materials[hit.side.object()];
                 if (material.texture != nullptr) {

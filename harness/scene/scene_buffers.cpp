@@ -20,7 +20,8 @@ std::array<double, 3> as_array(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
 auto canonical_key(const Scene& scene, const SceneObject& object) {
     const std::string mesh_hash = object.mesh != SceneObject::no_mesh
-                                      ? scene.meshes[object.mesh]->hash + scene.meshes[object.mesh]->coordinates_hash
+                                      ? scene.meshes[object.mesh]->hash + scene.meshes[object.mesh]->coordinates_hash +
+                                            (object.shading_normals ? scene.meshes[object.mesh]->normals_hash : "")
                                       : "";
     return std::make_tuple(classify(object), as_array(object.translate), as_array(object.rotate_degrees),
                            as_array(object.scale), as_array(object.velocity), object.material, mesh_hash);
@@ -240,6 +241,35 @@ View<T> view_of(const std::vector<T>& values) {
     return {values.data(), static_cast<std::uint32_t>(values.size())};
 }
 
+// Returns where the values begin in the array.
+template <class T>
+std::uint32_t append(std::vector<T>& array, const std::vector<T>& values) {
+    const auto first = static_cast<std::uint32_t>(array.size());
+    array.insert(array.end(), values.begin(), values.end());
+    return first;
+}
+
+// Images that are put among the texels once each.
+class PlacedImages {
+public:
+    explicit PlacedImages(std::vector<Vec3<float>>& texels) : texels_(texels) {}
+
+    TexelBlock place(const SceneTexture* texture) {
+        if (texture == nullptr) {
+            return {0, 0, 0};
+        }
+        const auto [first, is_new] = first_texel_.try_emplace(texture, 0);
+        if (is_new) {
+            first->second = append(texels_, texture->image.texels);
+        }
+        return {texture->image.width, texture->image.height, first->second};
+    }
+
+private:
+    std::vector<Vec3<float>>& texels_;
+    std::map<const SceneTexture*, std::uint32_t> first_texel_;
+};
+
 }  // namespace
 
 FeatureSet shortcuts_of(const Scene& scene) {
@@ -333,6 +363,9 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     if (has_textures(scene)) {
         make_textures(scene);
     }
+    if (contains(features_of(scene), Feature::shading_normals)) {
+        make_normals(scene);
+    }
     if (settings.light_selection != LightSelection::uniform && !arrays_.lights.empty()) {
         make_light_tables();
     }
@@ -364,28 +397,14 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
 // Each image once, and each mesh's coordinates once, however many objects show them.
 template <class Real>
 void SceneBuffers<Real>::make_textures(const Scene& scene) {
-    std::map<const SceneTexture*, std::uint32_t> first_texel;
+    PlacedImages images(arrays_.texels);
     std::map<std::uint32_t, std::uint32_t> first_coordinate;
-    const auto append = [](auto& array, const auto& values) {
-        const auto first = static_cast<std::uint32_t>(array.size());
-        array.insert(array.end(), values.begin(), values.end());
-        return first;
-    };
-    const auto block_of = [&](const SceneTexture* texture) -> TexelBlock {
-        if (texture == nullptr) {
-            return {0, 0, 0};
-        }
-        const auto [texels, is_new] = first_texel.try_emplace(texture, 0);
-        if (is_new) {
-            texels->second = append(arrays_.texels, texture->image.texels);
-        }
-        return {texture->image.width, texture->image.height, texels->second};
-    };
     for (std::size_t number = 0; number < file_index_.size(); ++number) {
         const SceneObject& object = scene.objects[file_index_[number]];
         const SceneMaterial& material = scene.materials[object.material];
         const SceneTexture* const roughness = is_smooth(material) ? nullptr : material.roughness_texture.get();
-        ObjectTexture<Real> shown{arrays_.transforms[number], block_of(material.texture.get()), block_of(roughness), 0};
+        ObjectTexture<Real> shown{arrays_.transforms[number], images.place(material.texture.get()),
+                                  images.place(roughness), 0};
         if (shows_images(material) && object.mesh != SceneObject::no_mesh) {
             const auto [coordinates, is_new] = first_coordinate.try_emplace(object.mesh, 0);
             if (is_new) {
@@ -394,6 +413,34 @@ void SceneBuffers<Real>::make_textures(const Scene& scene) {
             shown.first_coordinate = coordinates->second;
         }
         arrays_.object_textures.push_back(shown);
+    }
+}
+
+// Each image once, and each mesh's normals once.
+template <class Real>
+void SceneBuffers<Real>::make_normals(const Scene& scene) {
+    PlacedImages images(arrays_.texels);
+    std::map<std::uint32_t, std::uint32_t> first_normal;
+    for (const std::uint32_t index : file_index_) {
+        const SceneObject& object = scene.objects[index];
+        const SceneMaterial& material = scene.materials[object.material];
+        const Placement placement = placement_of(object, scene.camera.eye);
+        const double least = std::min({object.scale.x, object.scale.y, object.scale.z});
+        ObjectNormals<Real> normals{};
+        for (int axis = 0; axis < 3; ++axis) {
+            normals.row[axis] = narrow<Real>(placement.column[axis] * (least / object.scale[axis]));
+        }
+        normals.first_normal = ObjectNormals<Real>::none;
+        if (object.shading_normals) {
+            const auto [first, is_new] = first_normal.try_emplace(object.mesh, 0);
+            if (is_new) {
+                first->second = append(arrays_.corner_normals, scene.meshes[object.mesh]->normals);
+            }
+            normals.first_normal = first->second;
+        }
+        normals.map = images.place(material.normal_texture.get());
+        normals.map_scale = static_cast<Real>(material.normal_scale);
+        arrays_.object_normals.push_back(normals);
     }
 }
 

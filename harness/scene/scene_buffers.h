@@ -50,6 +50,8 @@ struct SceneStorage {
     std::vector<ObjectTexture<Real>> object_textures;
     std::vector<Vec3<float>> texels;
     std::vector<CornerCoordinates> texture_coordinates;
+    std::vector<ObjectNormals<Real>> object_normals;
+    std::vector<CornerNormals> corner_normals;
 };
 
 template <class Real>
@@ -76,6 +78,7 @@ private:
                   const Placement& placement, const Acceleration& acceleration);
     void make_light_tables();
     void make_textures(const Scene& scene);
+    void make_normals(const Scene& scene);
     void make_search(const Acceleration& acceleration);
 
     SceneStorage<Real> arrays_;

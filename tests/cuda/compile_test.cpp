@@ -248,7 +248,7 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
                                           {"traversal_stack", "shared"},
                                           {axis, choice}}));
     }
-    for (const char* const name : {"textures/textures", "textures/roughness_map"}) {
+    for (const char* const name : {"textures/textures", "textures/roughness_map", "textures/shading_normals"}) {
         for (const auto& [axis, choice] : Choices{{"layout", "soa"},
                                                   {"arithmetic", "exact"},
                                                   {"precision", "double"},

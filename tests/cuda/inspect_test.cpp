@@ -234,8 +234,9 @@ TEST_F(InspectTest, LeavingOutMakesAKernelSmaller) {
                                           "russian_roulette",
                                           "near_sphere",
                                           "textures",
-                                          "principled"}));
-    EXPECT_EQ(generic["features"].size(), 35u);
+                                          "principled",
+                                          "shading_normals"}));
+    EXPECT_EQ(generic["features"].size(), 36u);
     EXPECT_EQ(generic["left_out"], Json::array());
     EXPECT_LT(features["code_bytes"], generic["code_bytes"]);
     for (const Json& report : {features, generic}) {

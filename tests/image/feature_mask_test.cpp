@@ -143,6 +143,11 @@ const Case cases[] = {
         [](Still& s) {
             s.builder.texture(s.grey, 2, 2, {{0.9, 0.1, 0.1}, {0.1, 0.9, 0.1}, {0.1, 0.1, 0.9}, {0.5, 0.5, 0.5}});
         }),
+    with<Feature::shading_normals, Feature::textures>(
+        "shading_normals",
+        [](Still& s) {
+            s.builder.normal_map(s.grey, 2, 1, {{0.5, 0.25, 0.75}, {-0.5, 0.25, 0.75}});
+        }),
     with<Feature::jitter>("jitter", [](Still& s) { s.builder.scene.camera.jitter = true; }),
     with<Feature::lens>("lens",
                         [](Still& s) {

@@ -42,6 +42,7 @@
 #include "kernels/scene_arrays.h"
 #include "kernels/scene_view.h"
 #include "kernels/shade.h"
+#include "kernels/shading_normal.h"
 #include "kernels/shape.h"
 #include "kernels/shape_list.h"
 #include "kernels/shapes.h"

@@ -657,8 +657,8 @@ TEST(VariantTest, FeatureNamesAreInTheOrderOfResults) {
     EXPECT_TRUE(feature_names(no_features).empty());
     EXPECT_EQ(feature_names(Feature::jitter | Feature::sphere), (std::vector<std::string>{"sphere", "jitter"}));
     const std::vector<std::string> all = feature_names(all_features);
-    EXPECT_EQ(all.size(), 35u);
-    EXPECT_EQ(all.back(), "principled");
+    EXPECT_EQ(all.size(), 36u);
+    EXPECT_EQ(all.back(), "shading_normals");
     EXPECT_EQ(feature_names(samplers),
               (std::vector<std::string>{"philox", "sobol_owen", "minstd", "sobol_rotated", "pmj02", "halton"}));
     EXPECT_EQ(std::set<std::string>(all.begin(), all.end()).size(), all.size());

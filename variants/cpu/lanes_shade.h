@@ -14,7 +14,8 @@ inline constexpr bool shades_in_lanes = (Config::features &
                                          (Feature::emission | Feature::absorption | Feature::environment |
                                           Feature::environment_map | Feature::final_bounce | light_samplings |
                                           light_selections | Feature::one_sample | Feature::russian_roulette |
-                                          Feature::matrix | Feature::textures | samplers)) == 0;
+                                          Feature::matrix | Feature::textures | Feature::shading_normals | samplers)) ==
+                                        0;
 
 // Loads at addresses that depend on the lane: no vectors. A lane that hit nothing reads object 0.
 template <class Real>
