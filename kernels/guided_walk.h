@@ -114,8 +114,10 @@ PT_HD inline Vec3<Real> guided_step_weight(const Material<Real>& medium, const V
     }
     // Finite where hardly anything is carried, as in flight_weight.
     const Real total = throughput.x + throughput.y + throughput.z;
-    const Real inverse_mean = density > Real(0) ? min(std::numeric_limits<Real>::max(), total / density) : Real(0);
-    return carries * inverse_mean;
+    constexpr Real most = std::numeric_limits<Real>::max();
+    const Real inverse_mean = density > Real(0) ? min(most, total / density) : Real(0);
+    const Vec3<Real> weight = carries * inverse_mean;
+    return {min(most, weight.x), min(most, weight.y), min(most, weight.z)};
 }
 
 }  // namespace pt

@@ -52,7 +52,7 @@ inline constexpr Axis axis_table[] = {
     {"devices", "how many GPUs of the host render one image", "14df631", "1"},
     {"partition", "which of its samples or pixels each of them takes", "14df631", "samples"},
     {"light_selection", "which of several lights is drawn", "48ac371", "uniform"},
-    {"subsurface_sampling", "how walks through bodies are drawn", "SINCE_COMMIT", "classical"},
+    {"subsurface_sampling", "how walks through bodies are drawn", "c229cea", "classical"},
 };
 inline constexpr std::size_t axis_count = std::size(axis_table);
 

@@ -14,7 +14,7 @@ double artanh_of_decay(double albedo);
 // The decay by which walks are guided in a medium of this albedo and mean cosine, `depth` mean free paths deep: volume
 // over surface. Scattering that is not even goes by similarity, as if 1 - g of it were even and the rest nothing. In a
 // plate lit from both sides what light is worth goes as cosh(kappa way from the middle), so its decay next to the
-// surface is kappa tanh(kappa depth); in a ball of a few diffusion lengths it is within a tenth of the same. Kept from
+// surface is kappa tanh(kappa depth); in a ball of a few diffusion lengths it is within a fifth of the same. Kept from
 // `least_decay` to `most_decay`: a guide may be wrong, and sampling needs it to be neither 0 nor 1.
 inline constexpr double least_decay = 0x1p-20;
 inline constexpr double most_decay = 0.985;

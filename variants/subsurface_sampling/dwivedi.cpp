@@ -1,11 +1,11 @@
-// A share of a walk's steps is drawn towards the surface that it met last (kernels/guided_walk.h).
+// A share of a walk's steps is drawn towards the nearest surface (kernels/guided_walk.h).
 #include "variants/registry.h"
 
 namespace pt::subsurface_sampling::dwivedi {
 namespace {
 
 constexpr Tunable tunables[] = {
-    {"guided_percent", 50, 1, 99, 1,
+    {"guided_percent", 75, 1, 99, 1,
      "how many of a walk's steps are guided; a step's weight is at most 1 over the rest", true},
 };
 
