@@ -5,7 +5,7 @@ namespace pt::subsurface_sampling::dwivedi {
 namespace {
 
 constexpr Tunable tunables[] = {
-    {"guided_percent", 75, 1, 99, 1,
+    {"guided_percent", 50, 1, 99, 1,
      "how many of a walk's steps are guided; a step's weight is at most 1 over the rest", true},
 };
 
