@@ -286,7 +286,7 @@ PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const S
     }
     if constexpr (has<Config>(Feature::subsurface)) {
         if (material.type == MaterialType::subsurface) {
-            const bool begun = scatter_subsurface<Config>(scene, path, vertex, material, words, walk);
+            const bool begun = scatter_subsurface<Config>(scene, path, vertex, material, lobe, words.y, walk);
             counters.unfinished_walks += begun ? 0u : 1u;
             return begun;
         }

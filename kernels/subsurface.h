@@ -133,11 +133,11 @@ PT_HD inline Vec3<typename Config::Real> step_weight(const Path<typename Config:
     return flight_weight(medium, path.throughput, t, scattered);
 }
 
-// The direction about an axis, at a cosine to it.
+// The direction at a cosine to an axis, turned about it by a random number.
 template <class Real>
-PT_HD inline Vec3<Real> turn_about(const Vec3<Real>& axis, Real cosine, Real u) {
+PT_HD inline Vec3<Real> turn_about(const Vec3<Real>& axis, Real cosine, std::uint32_t random) {
     const Real sine = square_root(max(Real(0), (Real(1) - cosine) * (Real(1) + cosine)));
-    const SinCos<Real> azimuth = sin_cos_turn(u);
+    const SinCos<Real> azimuth = sin_cos_turn(unit_interval<Real>(random));
     return renormalize(Frame<Real>(axis).to_world({sine * azimuth.cosine, sine * azimuth.sine, cosine}));
 }
 
@@ -148,7 +148,6 @@ PT_HD inline void scatter_in_medium(const SceneView<typename Config::Real>& scen
                                     const RandomWords& words) {
     using Real = typename Config::Real;
     const Real u = unit_interval<Real>(words.z);
-    const Real turn = unit_interval<Real>(words.w);
     if constexpr (has<Config>(Feature::guided_walk)) {
         if (is_guided(medium)) {
             visit_shape<Config>(scene, walk.object, [&](const auto& shape) {
@@ -158,14 +157,14 @@ PT_HD inline void scatter_in_medium(const SceneView<typename Config::Real>& scen
             walk.drew_direction = medium.g == Real(0);
             if (walk.choice.is_guided && walk.drew_direction) {
                 const std::uint32_t colour = walk.choice.colour;
-                path.direction = turn_about(
-                    walk.normal,
-                    guided_cosine(channel(medium.guide_decay, colour), channel(medium.guide_albedo, colour), u), turn);
+                const Real cosine =
+                    guided_cosine(channel(medium.guide_decay, colour), channel(medium.guide_albedo, colour), u);
+                path.direction = turn_about(walk.normal, cosine, words.w);
                 return;
             }
         }
     }
-    path.direction = turn_about(path.direction, henyey_greenstein_cosine(medium.g, u), turn);
+    path.direction = turn_about(path.direction, henyey_greenstein_cosine(medium.g, u), words.w);
 }
 
 enum class WalkStep { goes_on, left, lost };
@@ -226,12 +225,13 @@ PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, P
 }
 
 // One event of the path at a subsurface surface: reflected at the boundary, or let in, to begin a walk.
-// False: the walk cannot begin; the path is lost and must be counted.
+// False: the walk cannot begin; the path is lost and must be counted. `u`: whether it is let in; `of_first_step`: by
+// what a guided walk begins.
 template <class Config>
 PT_HD inline bool scatter_subsurface(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
                                      const Vertex<typename Config::Real>& vertex,
-                                     const Material<typename Config::Real>& medium, const RandomWords& words,
-                                     WalkOf<Config>& walk) {
+                                     const Material<typename Config::Real>& medium, typename Config::Real u,
+                                     std::uint32_t of_first_step, WalkOf<Config>& walk) {
     using Real = typename Config::Real;
     // Walks start at surfaces. A path that meets one from within came there through another body that reaches in: what
     // it missed is not known, so it is lost and counted (the loader refuses an eye inside a body).
@@ -242,7 +242,7 @@ PT_HD inline bool scatter_subsurface(const SceneView<typename Config::Real>& sce
         if (medium.has_boundary != 0) {
             const Real cosine = cosine_of_incidence(path.direction, vertex.normal());
             const Refraction<Real> refraction = fresnel<Config>(medium.entering, cosine);
-            if (unit_interval<Real>(words.x) < refraction.reflectance) {
+            if (u < refraction.reflectance) {
                 leave_on_same_side(path, vertex, reflect(path.direction, vertex.normal()));
                 return true;
             }
@@ -252,7 +252,7 @@ PT_HD inline bool scatter_subsurface(const SceneView<typename Config::Real>& sce
     path.origin = at_rest<Config>(scene, vertex.object, vertex.position, path.time);
     static_cast<Walk&>(walk) = {.step = 0, .object = vertex.object, .on_surface = true};
     if constexpr (has<Config>(Feature::guided_walk)) {
-        walk.meet_surface(vertex.normal(), choose_step(medium, path.throughput, unit_interval<Real>(words.y)));
+        walk.meet_surface(vertex.normal(), choose_step(medium, path.throughput, unit_interval<Real>(of_first_step)));
     }
     return true;
 }

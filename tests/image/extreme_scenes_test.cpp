@@ -157,7 +157,7 @@ struct Kernel {
 std::vector<Kernel> kernels() {
     std::vector<Kernel> all{{"plain", {}},      {"final_bounce", {}}, {"next_event", {}}, {"mis", {}},
                             {"area", {}},       {"projected", {}},    {"auto", {}},       {"power", {}},
-                            {"light_tree", {}}, {"one_sample", {}}, {"guided", {}}};
+                            {"light_tree", {}}, {"one_sample", {}},   {"guided", {}}};
     all[1].options.final_bounce = true;
     all[2].options.next_event = true;
     all[3].options.next_event = true;

@@ -188,8 +188,7 @@ double mean_steps(double share, double albedo, int shape, Mean* left) {
             Path<Real> path = generate<Kernel>(buffers.view(), pixel, sample);
             const Hit<Real> hit = intersect<Kernel>(buffers.view(), path);
             WalkOf<Kernel> walk;
-            if (!hit.side.exists() ||
-                !shade<Kernel>(buffers.view(), buffers.view(), path, hit, counters, walk)) {
+            if (!hit.side.exists() || !shade<Kernel>(buffers.view(), buffers.view(), path, hit, counters, walk)) {
                 continue;
             }
             double taken = 0;

@@ -558,13 +558,13 @@ TEST(VariantTest, ReferenceIsThePlainestVariantOfTheSameExpectation) {
         const std::string first_bounce = variant["first_bounce"] == "cached_jitters" ? "cached_jitters" : "off";
         const std::string formula = variant["specialisation"] == "matrix" ? "matrix" : "generic";
         // Its film depends on every other choice: nothing but itself has it.
-        EXPECT_EQ(reference.spelled_out(), variant["sampler"] == "minstd_by_position"
-                                               ? variant.spelled_out()
-                                               : "depth_first.none.none.material." + first_bounce + "." +
-                                                     estimator_of(variant) + ".aos." + formula + ".stream.exact." +
-                                                     variant["precision"] + "." + variant["robustness"] +
-                                                     ".brute_force." + variant["builder"] +
-                                                     ".while_while.local.each_object.solid_angle.1.samples.uniform.classical");
+        EXPECT_EQ(reference.spelled_out(),
+                  variant["sampler"] == "minstd_by_position"
+                      ? variant.spelled_out()
+                      : "depth_first.none.none.material." + first_bounce + "." + estimator_of(variant) + ".aos." +
+                            formula + ".stream.exact." + variant["precision"] + "." + variant["robustness"] +
+                            ".brute_force." + variant["builder"] +
+                            ".while_while.local.each_object.solid_angle.1.samples.uniform.classical");
         EXPECT_EQ(registry().reference(reference), reference);
         // Which do not go together.
         const bool has_formulas = variant["precision"] == "double_intersection" || variant["robustness"] == "naive";
