@@ -82,6 +82,8 @@ enum class Feature : FeatureSet {
     sobol_rotated = feature_bit::sampling << 4,
     pmj02 = feature_bit::sampling << 5,
     halton = feature_bit::sampling << 6,
+    // Walks through bodies drawn towards the surface (kernels/guided_walk.h), of materials that say so.
+    guided_walk = feature_bit::sampling << 7,
     // A shortcut: a scene that has it needs it not, and a kernel that has it leaves the same film.
     enclosure = feature_bit::traversal << 0,
     // Other formulas too, and so other roundings: intersection in double within single precision (kernels/widen.h), and
@@ -125,6 +127,9 @@ inline constexpr FeatureSet all_features =
 inline constexpr FeatureSet shortcuts = set_of(Feature::enclosure);
 inline constexpr FeatureSet samplers = set_of(Feature::philox, Feature::sobol_owen, Feature::minstd,
                                               Feature::sobol_rotated, Feature::pmj02, Feature::halton);
+// What a kernel chooses at run time among what it has, and has only where it is asked for some of it: no other kernel,
+// not even a generic one, pays for it.
+inline constexpr FeatureSet samplings = samplers | static_cast<FeatureSet>(Feature::guided_walk);
 
 // A kernel has it only for a scene that has it: the way through an accelerator takes registers from every other shape.
 inline constexpr FeatureSet traversals = set_of(Feature::mesh);

@@ -239,7 +239,7 @@ template <class Config>
 PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
                           Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
                           const Surface<typename Config::Real>& surface, const RandomWords& words, bool last,
-                          PathCounters& counters, Walk& walk) {
+                          PathCounters& counters, WalkOf<Config>& walk) {
     using Real = typename Config::Real;
     const Real lobe = unit_interval<Real>(words.x);
     if (has<Config>(Feature::diffuse) && surface.type == MaterialType::diffuse) {
@@ -286,7 +286,7 @@ PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const S
     }
     if constexpr (has<Config>(Feature::subsurface)) {
         if (material.type == MaterialType::subsurface) {
-            const bool begun = scatter_subsurface<Config>(scene, path, vertex, material, lobe, walk);
+            const bool begun = scatter_subsurface<Config>(scene, path, vertex, material, lobe, words.y, walk);
             counters.unfinished_walks += begun ? 0u : 1u;
             return begun;
         }
@@ -296,8 +296,8 @@ PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const S
 
 // Takes the path one step further on its walk. False: the path is lost.
 template <class Config>
-PT_HD inline bool walk_on(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path, Walk& walk,
-                          PathCounters& counters) {
+PT_HD inline bool walk_on(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+                          WalkOf<Config>& walk, PathCounters& counters) {
     const WalkStep step = walk_step<Config>(scene, path, walk, scene.materials[scene.object_material[walk.object]]);
     if (step != WalkStep::goes_on) {
         walk.step = Walk::none;
@@ -324,7 +324,7 @@ PT_HD inline void meet_light(const SceneView<typename Config::Real>& scene, Path
 template <class Config>
 PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
                         Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit,
-                        PathCounters& counters, Walk& walk) {
+                        PathCounters& counters, WalkOf<Config>& walk) {
     using Real = typename Config::Real;
     path.segment += 1;
     if (!hit.side.exists()) {
@@ -395,7 +395,7 @@ template <class Config>
 PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
                         Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit,
                         PathCounters& counters) {
-    Walk walk;
+    WalkOf<Config> walk;
     bool alive = shade<Config>(scene, traced, path, hit, counters, walk);
     if constexpr (has<Config>(Feature::subsurface)) {
         while (alive && walk.is_on()) {

@@ -52,6 +52,7 @@ inline constexpr Axis axis_table[] = {
     {"devices", "how many GPUs of the host render one image", "14df631", "1"},
     {"partition", "which of its samples or pixels each of them takes", "14df631", "samples"},
     {"light_selection", "which of several lights is drawn", "48ac371", "uniform"},
+    {"subsurface_sampling", "how walks through bodies are drawn", "c229cea", "classical"},
 };
 inline constexpr std::size_t axis_count = std::size(axis_table);
 
@@ -189,12 +190,17 @@ struct LightSelectionTraits {
     bool is_uniform = true;
 };
 
+struct SubsurfaceSamplingTraits {
+    bool is_classical = true;
+};
+
 // What a descriptor holds: nothing (the defaults of its axis), or the traits of its axis; in the order of axis_table.
-using Traits = std::variant<std::monostate, IntegratorTraits, CompactionTraits, SortingTraits, SortKeyTraits,
-                            FirstBounceTraits, DirectLightTraits, RouletteTraits, SamplerTraits, LayoutTraits,
-                            SpecialisationTraits, LaunchTraits, ArithmeticTraits, PrecisionTraits, RobustnessTraits,
-                            AcceleratorTraits, BuilderTraits, TraversalTraits, TraversalStackTraits, LevelsTraits,
-                            LightSamplingTraits, DevicesTraits, PartitionTraits, LightSelectionTraits>;
+using Traits =
+    std::variant<std::monostate, IntegratorTraits, CompactionTraits, SortingTraits, SortKeyTraits, FirstBounceTraits,
+                 DirectLightTraits, RouletteTraits, SamplerTraits, LayoutTraits, SpecialisationTraits, LaunchTraits,
+                 ArithmeticTraits, PrecisionTraits, RobustnessTraits, AcceleratorTraits, BuilderTraits, TraversalTraits,
+                 TraversalStackTraits, LevelsTraits, LightSamplingTraits, DevicesTraits, PartitionTraits,
+                 LightSelectionTraits, SubsurfaceSamplingTraits>;
 static_assert(std::variant_size_v<Traits> == axis_count + 1);
 
 // The traits of the choice that a variant has, and its name: for messages alone.
@@ -228,6 +234,7 @@ struct VariantTraits {
     Chosen<DevicesTraits> devices;
     Chosen<PartitionTraits> partition;
     Chosen<LightSelectionTraits> light_selection;
+    Chosen<SubsurfaceSamplingTraits> subsurface_sampling;
     std::map<std::string, std::uint32_t, std::less<>> tuning;  // Variant::tuning
 };
 

@@ -108,6 +108,7 @@ constexpr NamedFeature named_features[] = {
     {Feature::shading_normals, "shading_normals"},
     {Feature::object_tree, "object_tree"},
     {Feature::flat_tree, "flat_tree"},
+    {Feature::guided_walk, "guided_walk"},
 };
 
 constexpr FeatureSet all_named() {
@@ -118,7 +119,7 @@ constexpr FeatureSet all_named() {
     return set;
 }
 static_assert(all_named() ==
-              (all_features | traversals | mesh_levels | shortcuts | Feature::matrix | samplers | formulas));
+              (all_features | traversals | mesh_levels | shortcuts | Feature::matrix | samplings | formulas));
 
 }  // namespace
 

@@ -212,6 +212,7 @@ VariantTraits traits_of(const Variant& variant, Backend backend) {
         .devices = chosen<DevicesTraits>("devices", variant, backend),
         .partition = chosen<PartitionTraits>("partition", variant, backend),
         .light_selection = chosen<LightSelectionTraits>("light_selection", variant, backend),
+        .subsurface_sampling = chosen<SubsurfaceSamplingTraits>("subsurface_sampling", variant, backend),
         .tuning = variant.tuning,
     };
 }

@@ -145,6 +145,9 @@ RenderSettings settings_for(const RenderRequest& request, const KernelChoice& ke
     settings.roulette_start = contains(kernel.needed, Feature::russian_roulette)
                                   ? tunable(request.variant, "roulette_start", request.backend)
                                   : 0;
+    settings.guided_share = contains(kernel.needed, Feature::guided_walk)
+                                ? tunable(request.variant, "guided_percent", request.backend) * 0.01
+                                : 0;
     settings.sampler = kernel.needed & samplers;
     return settings;
 }
@@ -163,7 +166,7 @@ HealthRequest health_request(const Scene& scene, const std::vector<std::uint32_t
 }
 
 std::string KernelChoice::note() const {
-    const FeatureSet surplus = compiled & (all_features | samplers) & ~needed;
+    const FeatureSet surplus = compiled & (all_features | samplings) & ~needed;
     return surplus == 0 ? "exact" : fmt::format("has {} for nothing", fmt::join(feature_names(surplus), ", "));
 }
 
@@ -176,7 +179,7 @@ KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend b
     KernelOffer offer{
         needed,
         shortcuts_here,
-        {needed, needed | shortcuts_here, all_features | (needed & (samplers | formulas | traversals | mesh_levels))}};
+        {needed, needed | shortcuts_here, all_features | (needed & (samplings | formulas | traversals | mesh_levels))}};
     const Hook& integrator = registry.at("integrator", variant, backend).hook;
     const bool in_double = traits_of(variant, backend).precision.is_double();
     if (backend == Backend::cpu) {

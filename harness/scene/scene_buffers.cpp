@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "harness/scene/find_enclosure.h"
+#include "harness/scene/guide_walks.h"
 #include "kernels/scene_arrays.h"
 
 namespace pt {
@@ -87,6 +88,20 @@ Material<Real> make_material(const SceneMaterial& m) {
     }
     material.max_scatterings = m.max_scatterings;
     return material;
+}
+
+template <class Real>
+void guide_bodies(std::vector<Material<Real>>& materials, const Scene& scene, double guided_share) {
+    for (std::uint32_t index = 0; index < materials.size(); ++index) {
+        if (materials[index].type != MaterialType::subsurface) {
+            continue;
+        }
+        double depth = std::numeric_limits<double>::infinity();
+        for (const SceneObject& object : scene.objects) {
+            depth = object.material == index ? std::min(depth, depth_of(object)) : depth;
+        }
+        guide_walks(materials[index], scene.materials[index], guided_share, depth);
+    }
 }
 
 template <class Real>
@@ -360,6 +375,9 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     for (const std::uint32_t index : arrays_.object_material) {
         arrays_.surfaces.push_back(surface_of(arrays_.materials[index]));
     }
+    if (settings.guided_share > 0) {
+        guide_bodies(arrays_.materials, scene, settings.guided_share);
+    }
     if (has_textures(scene)) {
         make_textures(scene);
     }
@@ -538,7 +556,7 @@ double bound_on_environment(const Scene& scene, double room) {
 }  // namespace
 
 double radiance_bound(const Scene& scene, const RenderSettings& settings) {
-    const double room = settings.final_bounce || settings.next_event ? 1024 : 1;
+    const double room = settings.final_bounce || settings.next_event || settings.guided_share > 0 ? 1024 : 1;
     const double bound = std::max(bound_on_sources(scene, settings.depth) * room, bound_on_environment(scene, room));
     return bound > 0 ? bound : room;
 }

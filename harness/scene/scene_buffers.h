@@ -27,6 +27,7 @@ struct RenderSettings {
     LightSelection light_selection = LightSelection::uniform;
     bool one_sample = false;
     std::uint32_t roulette_start = 0;
+    double guided_share = 0;  // of the steps of walks in bodies
     FeatureSet sampler = no_features;
 };
 

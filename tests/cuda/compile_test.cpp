@@ -223,6 +223,8 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
                      integrators.size());
     }
     add_by_turns(five, {{"direct_light", "nee_one_sample"}, {"light_selection", "light_tree"}}, integrators.size());
+    add_by_turns(five, {{"subsurface_sampling", "dwivedi"}}, integrators.size());
+    add_by_turns(five, {{"subsurface_sampling", "dwivedi"}, {"precision", "double"}, {"specialisation", "generic"}}, 3);
     for (const std::string& selection : choices_of("light_selection")) {
         add_by_turns(five, {{"light_selection", selection}, {"direct_light", "nee_mis"}}, 6);
         add_by_turns(room, {{"light_selection", selection}, {"direct_light", "nee"}, {"precision", "double"}},

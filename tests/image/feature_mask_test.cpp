@@ -26,6 +26,7 @@ Film film_of(const Scene& scene, FeatureSet asked) {
     settings.light_selection = light_selection_in(asked);
     settings.one_sample = contains(asked, Feature::one_sample);
     settings.roulette_start = contains(asked, Feature::russian_roulette) ? 2 : 0;
+    settings.guided_share = contains(asked, Feature::guided_walk) ? 0.75 : 0;
     settings.sampler = asked & samplers;
     const SceneBuffers<float> buffers(scene, settings);
     Film film(settings.width, settings.height, radiance_bound(scene, settings), samples);
@@ -170,6 +171,9 @@ const Case cases[] = {
     asked_for<Feature::sobol_rotated>("sobol_rotated"),
     asked_for<Feature::pmj02>("pmj02"),
     asked_for<Feature::halton>("halton"),
+    {"guided_walk", Feature::guided_walk,
+     [](Still& s) { make_ball(s, s.builder.subsurface(Vec3d(4, 3, 2), Vec3d(0.1))); },
+     &film_of<(base | Feature::subsurface) | Feature::guided_walk>, no_features | Feature::guided_walk},
 };
 
 // What a scene needs, with what its variant asks for.
@@ -186,6 +190,7 @@ TEST(FeatureMask, HasWhatTheSceneNeedsAndNothingElse) {
         const bool on_another = c.feature == Feature::absorption || c.feature == Feature::subsurface_boundary ||
                                 c.feature == Feature::multiple_importance ||
                                 c.feature == Feature::multiple_scattering || c.feature == Feature::one_sample ||
+                                c.feature == Feature::guided_walk ||
                                 contains(light_samplings | light_selections, c.feature);
         const FeatureSet stood_on = set_of(Feature::dielectric, Feature::subsurface, Feature::next_event,
                                            Feature::multiple_importance, Feature::rough_conductor);
@@ -197,12 +202,12 @@ TEST(FeatureMask, HasWhatTheSceneNeedsAndNothingElse) {
 TEST(FeatureMask, LeavesTheFilmOfAllFeatures) {
     const Still plain;
     EXPECT_EQ(film_of<base>(plain.builder.scene, no_features).hash(),
-              film_of<all_features | samplers>(plain.builder.scene, no_features).hash());
+              film_of<all_features | samplings>(plain.builder.scene, no_features).hash());
     for (const Case& c : cases) {
         Still still;
         c.add(still);
         const Film own = c.own(still.builder.scene, c.asked);
-        EXPECT_EQ(own.hash(), film_of<all_features | samplers>(still.builder.scene, c.asked).hash()) << c.name;
+        EXPECT_EQ(own.hash(), film_of<all_features | samplings>(still.builder.scene, c.asked).hash()) << c.name;
         // And the feature is to be seen: a kernel that lacks it leaves another film.
         EXPECT_NE(own.hash(), film_of<base>(still.builder.scene, no_features).hash()) << c.name;
     }

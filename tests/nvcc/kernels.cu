@@ -11,6 +11,7 @@
 #include "kernels/film.h"
 #include "kernels/ggx.h"
 #include "kernels/ggx_gain.h"
+#include "kernels/guided_walk.h"
 #include "kernels/halton.h"
 #include "kernels/health.h"
 #include "kernels/in_range.h"
@@ -26,6 +27,7 @@
 #include "kernels/mirror.h"
 #include "kernels/mix.h"
 #include "kernels/naive.h"
+#include "kernels/nearest_surface.h"
 #include "kernels/next_event.h"
 #include "kernels/object_tree.h"
 #include "kernels/path.h"
@@ -113,8 +115,8 @@ void on_host(const SceneView<typename Config::Real>& scene, const FilmView& film
     template __global__ void accumulate_paths<CONFIG>(FilmView, const Path<CONFIG::Real>*, std::uint32_t);        \
     template void on_host<CONFIG>(const SceneView<CONFIG::Real>&, const FilmView&, PathCounters&);
 
-using Everything = Config<float, all_features | samplers>;
-using EverythingDouble = Config<double, all_features | samplers>;
+using Everything = Config<float, all_features | samplings>;
+using EverythingDouble = Config<double, all_features | samplings>;
 using Small = Config<float, Feature::axis_box | Feature::diffuse | Feature::emitter | Feature::jitter>;
 
 PT_INSTANTIATE(Everything)
@@ -122,8 +124,8 @@ PT_INSTANTIATE(EverythingDouble)
 PT_INSTANTIATE(Small)
 
 // With meshes, whose triangles are in single precision and whose edges ask for double: counted apart, by their names.
-struct WithMeshes : Config<float, all_features | samplers | traversals> {};
-struct WithMeshesInDouble : Config<double, all_features | samplers | traversals> {};
+struct WithMeshes : Config<float, all_features | samplings | traversals> {};
+struct WithMeshesInDouble : Config<double, all_features | samplings | traversals> {};
 PT_INSTANTIATE(WithMeshes)
 PT_INSTANTIATE(WithMeshesInDouble)
 

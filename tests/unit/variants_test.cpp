@@ -91,6 +91,7 @@ AxisChoices choices_of_paths() {
     axes.erase("levels");
     axes.erase("light_sampling");  // of connections: three and two more of each
     axes.erase("light_selection");
+    axes.erase("subsurface_sampling");  // of bodies
     return axes;
 }
 
@@ -150,6 +151,7 @@ TEST(RegistryTest, HasEveryAxisAndChoice) {
             {"devices", {"1"}},
             {"partition", {"samples"}},
             {"light_selection", {"uniform", "light_tree", "power"}},
+            {"subsurface_sampling", {"classical", "dwivedi"}},
         },
         Backend::cpu);
 }
@@ -186,6 +188,7 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
             {"devices", {"1", "2", "3", "4", "5", "6", "7", "8"}},
             {"partition", {"samples", "dynamic", "tiles"}},
             {"light_selection", {"uniform", "light_tree", "power"}},
+            {"subsurface_sampling", {"classical", "dwivedi"}},
         },
         Backend::cuda);
 }
@@ -264,6 +267,7 @@ TEST(RegistryTest, WhatClaimsLessThanBits) {
                                           {"light_sampling=projected", Claim::statistical},
                                           {"light_selection=light_tree", Claim::statistical},
                                           {"light_selection=power", Claim::statistical},
+                                          {"subsurface_sampling=dwivedi", Claim::statistical},
                                           {"specialisation=matrix", Claim::statistical},
                                           {"arithmetic=precise", Claim::statistical},
                                           {"arithmetic=fast", Claim::statistical},
@@ -554,13 +558,13 @@ TEST(VariantTest, ReferenceIsThePlainestVariantOfTheSameExpectation) {
         const std::string first_bounce = variant["first_bounce"] == "cached_jitters" ? "cached_jitters" : "off";
         const std::string formula = variant["specialisation"] == "matrix" ? "matrix" : "generic";
         // Its film depends on every other choice: nothing but itself has it.
-        EXPECT_EQ(reference.spelled_out(), variant["sampler"] == "minstd_by_position"
-                                               ? variant.spelled_out()
-                                               : "depth_first.none.none.material." + first_bounce + "." +
-                                                     estimator_of(variant) + ".aos." + formula + ".stream.exact." +
-                                                     variant["precision"] + "." + variant["robustness"] +
-                                                     ".brute_force." + variant["builder"] +
-                                                     ".while_while.local.each_object.solid_angle.1.samples.uniform");
+        EXPECT_EQ(reference.spelled_out(),
+                  variant["sampler"] == "minstd_by_position"
+                      ? variant.spelled_out()
+                      : "depth_first.none.none.material." + first_bounce + "." + estimator_of(variant) + ".aos." +
+                            formula + ".stream.exact." + variant["precision"] + "." + variant["robustness"] +
+                            ".brute_force." + variant["builder"] +
+                            ".while_while.local.each_object.solid_angle.1.samples.uniform.classical");
         EXPECT_EQ(registry().reference(reference), reference);
         // Which do not go together.
         const bool has_formulas = variant["precision"] == "double_intersection" || variant["robustness"] == "naive";
@@ -594,7 +598,8 @@ TEST(VariantTest, ReferenceOnCudaIsThePlainestVariantOfTheSameExpectation) {
                             (by_matrix ? "matrix" : "features") + ".stream." + variant["arithmetic"] + "." +
                             variant["precision"] + "." + variant["robustness"] +
                             ".brute_force.sah_binned.while_while.local.each_object." + variant["light_sampling"] +
-                            ".1.samples." + variant["light_selection"] + (by_matrix ? "" : "+room=0"));
+                            ".1.samples." + variant["light_selection"] + "." + variant["subsurface_sampling"] +
+                            (by_matrix ? "" : "+room=0"));
         EXPECT_EQ(registry().reference(reference, Backend::cuda), reference);
         EXPECT_EQ(why_not_applicable(reference, all_features, Backend::cuda), "") << reference.spelled_out();
     }
@@ -1258,6 +1263,7 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
     axes["levels"] = {"each_object"};
     axes["light_sampling"] = {"solid_angle"};
     axes["light_selection"] = {"uniform"};
+    axes["subsurface_sampling"] = {"classical"};
     for (const Variant& variant : expand(axes, Backend::cpu, {{"jitters", {16, 2}}})) {
         if (!why_not_applicable(variant, features).empty()) {
             continue;

@@ -238,8 +238,8 @@ __device__ inline bool shade(const SceneViews& scene, Path& path, const Hit& hit
 
 // One step of a path: of its walk, if it is on one, else its segment traced and shaded. A warp whose lanes take their
 // walks step by step does not wait for the longest of them. Returns whether the path lives.
-__device__ inline bool take_step(const SceneViews& scene, Path& path, pt::Walk& walk, const HitCache& cache,
-                                 PathCounters& counters) {
+__device__ inline bool take_step(const SceneViews& scene, Path& path, pt::WalkOf<Configuration>& walk,
+                                 const HitCache& cache, PathCounters& counters) {
     if constexpr (pt::has<Configuration>(pt::Feature::subsurface)) {
         if (walk.is_on()) {
             return pt::walk_on<Configuration>(scene.shade, path, walk, counters);

@@ -36,7 +36,7 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
     std::uint32_t next = 0;  // the same in all lanes
     bool alive = false;
     bool holds = false;  // a path, alive or ended
-    pt::Walk walk;
+    pt::WalkOf<Configuration> walk;
     Path path;
     do {
         const unsigned living = __ballot_sync(all_lanes, alive);

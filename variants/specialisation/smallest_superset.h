@@ -17,9 +17,9 @@ inline constexpr Tunable feature_tunables[] = {
 };
 
 // Every feature of scenes and estimators, meshes only where the scene has one; of formulas only those that the variant
-// asks for, and the fewest samplers that serve it, since neither depends on the scene.
+// asks for, and the fewest samplings that serve it.
 inline FeatureSet every_feature(const KernelOffer& offer) {
-    FeatureSet best = all_features | samplers | (offer.needed & (formulas | traversals | mesh_levels));
+    FeatureSet best = all_features | samplings | (offer.needed & (formulas | traversals | mesh_levels));
     for (const FeatureSet candidate : offer.compiled) {
         const bool fits = is_superset(candidate, all_features | offer.needed) && is_superset(best, candidate);
         best = fits ? candidate : best;
@@ -31,11 +31,11 @@ inline FeatureSet every_feature(const KernelOffer& offer) {
 inline FeatureSet smallest_superset(const KernelOffer& offer, const Variant& variant, Backend backend) {
     const FeatureSet allowed = tunable(variant, "room", backend) != 0 ? offer.shortcuts : no_features;
     FeatureSet best = every_feature(offer);
-    const auto surplus = [](FeatureSet set) { return std::popcount(set & (all_features | samplers)); };
+    const auto surplus = [](FeatureSet set) { return std::popcount(set & (all_features | samplings)); };
     for (const FeatureSet candidate : offer.compiled) {
         const bool fits =
             is_superset(candidate, offer.needed) &&
-            is_superset(all_features | samplers | allowed | (offer.needed & (formulas | traversals | mesh_levels)),
+            is_superset(all_features | samplings | allowed | (offer.needed & (formulas | traversals | mesh_levels)),
                         candidate);
         if (fits && (surplus(candidate) < surplus(best) ||
                      (surplus(candidate) == surplus(best) && std::popcount(candidate) > std::popcount(best)))) {
