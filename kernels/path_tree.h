@@ -30,10 +30,11 @@ public:
         const AdjointCache<Real>& cache = *scene.adjoint;
         const Real share = expected_share(cache, path, vertex, segments_of<Config>(path));
         const std::uint32_t branches = branch_count(share, cache.highest, cache.most_branches);
-        if (branches == 1 || size_ == capacity || branch_ + branches > most_branches_of_tree) {
+        if (branches == 1 || size_ == capacity || promised_ + branches > most_branches_of_tree) {
             return survives_by_share(path, share, cache.lowest, u);
         }
         path.throughput *= Real(1) / static_cast<Real>(branches);
+        promised_ += branches - 1;
         waiting_[size_] = {path, hit, branches - 1};
         size_ += 1;
         return true;
@@ -67,7 +68,7 @@ public:
     PT_HD std::uint32_t longest() const { return longest_; }
 
     // For another path, once there is no branch left.
-    PT_HD void start_again() { rays_ = longest_ = first_segment_ = branch_ = 0; }
+    PT_HD void start_again() { rays_ = longest_ = first_segment_ = branch_ = promised_ = 0; }
 
 private:
     struct Waiting {
@@ -80,7 +81,8 @@ private:
     Waiting waiting_[capacity];
     Hit<Real> hit_;
     std::uint32_t size_ = 0;
-    std::uint32_t branch_ = 0;  // the number of the last one that began
+    std::uint32_t branch_ = 0;    // the number of the last one that began
+    std::uint32_t promised_ = 0;  // how many have begun or wait, beside the first
     std::uint32_t first_segment_ = 0;
     std::uint32_t rays_ = 0, longest_ = 0;
     bool resumes_ = false;
