@@ -41,8 +41,8 @@ struct Notes {
     }
 };
 
-// Puts one path's vertices into `records`; returns what it brought in all.
-float note_path(const SceneView<float>& scene, std::uint32_t pixel, std::uint32_t sample,
+// Puts one path's vertices into `records`.
+void note_path(const SceneView<float>& scene, std::uint32_t pixel, std::uint32_t sample,
                 std::vector<AdjointRecord>& records) {
     records.clear();
     PathCounters counters;
@@ -63,7 +63,6 @@ float note_path(const SceneView<float>& scene, std::uint32_t pixel, std::uint32_
     std::erase_if(records, [&](const AdjointRecord& record) {
         return !std::isfinite(record.brought) || !(record.carried > 0) || !std::isfinite(record.carried);
     });
-    return std::isfinite(radiance) ? radiance : 0;
 }
 
 // Spread over the image evenly, by a hash within each path's part of it.
@@ -118,22 +117,30 @@ std::uint32_t place_of(const AdjointCache<Real>& cache, const AdjointRecord& ver
 }
 
 // 1 over what each pixel is in units of the image's mean: that of the tile of the image that it is in.
-std::vector<float> by_pixel(const AdjointRecords& records, const RenderSettings& settings, double mean) {
+std::vector<float> by_pixel(const std::vector<AdjointStart>& starts, const RenderSettings& settings, double mean) {
     const std::uint32_t columns = std::min(most_tiles, settings.width), rows = std::min(most_tiles, settings.height);
     const auto tile_of = [&](std::uint32_t x, std::uint32_t y) {
         return static_cast<std::size_t>(std::uint64_t{y} * rows / settings.height * columns +
                                         std::uint64_t{x} * columns / settings.width);
     };
     std::vector<Estimate> tiles(std::size_t{columns} * rows);
-    for (std::size_t i = 0; i < records.pixels.size(); ++i) {
-        const std::uint32_t pixel = records.pixels[i];
-        tiles[tile_of(pixel % settings.width, pixel / settings.width)].add(records.radiance[i], 1);
+    for (const AdjointStart& start : starts) {
+        tiles[tile_of(start.pixel % settings.width, start.pixel / settings.width)].add(start.brought, 1);
+    }
+    std::vector<float> of_tile;
+    for (const Estimate& tile : tiles) {
+        of_tile.push_back(bounded(mean / tile.value(mean, records_of_the_mean)));
+    }
+    std::vector<std::size_t> column;
+    for (std::uint32_t x = 0; x < settings.width; ++x) {
+        column.push_back(tile_of(x, 0));
     }
     std::vector<float> inverse;
     inverse.reserve(std::size_t{settings.width} * settings.height);
     for (std::uint32_t y = 0; y < settings.height; ++y) {
-        for (std::uint32_t x = 0; x < settings.width; ++x) {
-            inverse.push_back(bounded(mean / tiles[tile_of(x, y)].value(mean, records_of_the_mean)));
+        const std::size_t first = tile_of(0, y);
+        for (const std::size_t tile : column) {
+            inverse.push_back(of_tile[first + tile]);
         }
     }
     return inverse;
@@ -182,31 +189,35 @@ AdjointRecords learn_adjoint(const Scene& scene, const RenderSettings& settings)
     SceneView<float> view = buffers.view();
     view.seed.words = pcg4d({view.seed.words.x, view.seed.words.y, view.seed.words.z, ~view.seed.words.w});
     const std::uint32_t count = settings.adjoint.paths;
-    AdjointRecords all{{}, std::vector<std::uint32_t>(count), std::vector<float>(count)};
-    std::vector<std::vector<AdjointRecord>> chunks((count + paths_per_chunk - 1) / paths_per_chunk);
+    std::vector<AdjointRecords> chunks((count + paths_per_chunk - 1) / paths_per_chunk);
     parallel_for(count, paths_per_chunk, [&](std::size_t begin, std::size_t end) {
         std::vector<AdjointRecord> path;
-        std::vector<AdjointRecord>& chunk = chunks[begin / paths_per_chunk];
+        AdjointRecords& chunk = chunks[begin / paths_per_chunk];
         for (std::size_t i = begin; i < end; ++i) {
-            all.pixels[i] = pixel_of(i, settings, view.seed);
-            all.radiance[i] = note_path(view, all.pixels[i], static_cast<std::uint32_t>(i), path);
-            chunk.insert(chunk.end(), path.begin(), path.end());
+            const std::uint32_t pixel = pixel_of(i, settings, view.seed);
+            note_path(view, pixel, static_cast<std::uint32_t>(i), path);
+            chunk.vertices.insert(chunk.vertices.end(), path.begin(), path.end());
+            if (!path.empty() && path.front().segment == 1) {
+                chunk.starts.push_back({pixel, path.front().brought});
+            }
         }
     });
-    for (const std::vector<AdjointRecord>& chunk : chunks) {
-        all.vertices.insert(all.vertices.end(), chunk.begin(), chunk.end());
+    AdjointRecords all;
+    for (const AdjointRecords& chunk : chunks) {
+        all.vertices.insert(all.vertices.end(), chunk.vertices.begin(), chunk.vertices.end());
+        all.starts.insert(all.starts.end(), chunk.starts.begin(), chunk.starts.end());
     }
     return all;
 }
 
 template <class Real>
 std::unique_ptr<const AdjointTable<Real>> adjoint_table(const AdjointRecords& records, const RenderSettings& settings) {
-    double mean = 0;
-    for (const float radiance : records.radiance) {
-        mean += radiance;
+    Estimate all;
+    for (const AdjointStart& start : records.starts) {
+        all.add(start.brought, 1);
     }
-    mean /= static_cast<double>(records.radiance.size());
-    if (!(mean > 0) || records.vertices.empty()) {
+    const double mean = all.value(0, 0);
+    if (!(mean > 0)) {  // nor where there is no vertex
         return nullptr;
     }
     auto table = std::make_unique<AdjointTable<Real>>();
@@ -218,7 +229,7 @@ std::unique_ptr<const AdjointTable<Real>> adjoint_table(const AdjointRecords& re
     cache.most_branches = settings.adjoint.branches;
     set_grid(cache, records.vertices);
     fill_places(*table, records.vertices, mean);
-    table->by_pixel = by_pixel(records, settings, mean);
+    table->by_pixel = by_pixel(records.starts, settings, mean);
     cache.by_place = view_of(table->by_place);
     cache.by_segment = view_of(table->by_segment);
     cache.by_pixel = view_of(table->by_pixel);

@@ -20,10 +20,16 @@ struct AdjointRecord {
     float brought;  // from there to the path's end
 };
 
+// What a path brought from its first vertex on: light that the camera sees at once is no matter of chance.
+struct AdjointStart {
+    std::uint32_t pixel;
+    float brought;
+};
+
+// Path by path.
 struct AdjointRecords {
-    std::vector<AdjointRecord> vertices;  // path by path
-    std::vector<std::uint32_t> pixels;    // by path
-    std::vector<float> radiance;          // by path
+    std::vector<AdjointRecord> vertices;
+    std::vector<AdjointStart> starts;
 };
 
 // Paths of the scene as the settings have it. What is not finite is left out.
