@@ -28,7 +28,8 @@ file(CONFIGURE OUTPUT ${generated}/layouts.cpp CONTENT
 # with every sampler.
 option(PTBENCH_CPU_FEATURE_SETS "Compile the CPU integrators for the sets of cpu_feature_sets.txt too (off: the generic kernels alone)" ON)
 set(feature_sets "all_features" "all_features | Feature::matrix" "all_features | samplers"
-    "all_features | samplers | traversals" "all_features | samplers | traversals | path_trees")
+    "all_features | samplers | traversals" "all_features | samplers | traversals | path_trees"
+    "all_features | samplers | path_trees")
 set(lines "")
 if(PTBENCH_CPU_FEATURE_SETS)
   file(STRINGS ${feature_set_file} lines)
