@@ -28,7 +28,8 @@ file(CONFIGURE OUTPUT ${generated}/layouts.cpp CONTENT
 # with every sampler and guided walks.
 option(PTBENCH_CPU_FEATURE_SETS "Compile the CPU integrators for the sets of cpu_feature_sets.txt too (off: the generic kernels alone)" ON)
 set(feature_sets "all_features" "all_features | Feature::matrix" "all_features | samplings"
-    "all_features | samplings | traversals")
+    "all_features | samplings | traversals" "all_features | samplings | traversals | path_trees"
+    "all_features | samplings | path_trees")
 set(lines "")
 if(PTBENCH_CPU_FEATURE_SETS)
   file(STRINGS ${feature_set_file} lines)
@@ -49,6 +50,8 @@ set(integrator_sources ${generated}/layouts.cpp)
 set(integrators_in_double depth_first audited)
 # For health, not for times: no specialised kernels.
 set(integrators_generic_only audited)
+# Their paths may split.
+set(integrators_with_trees depth_first)
 # They meet shapes in a way of their own.
 set(integrators_without_meshes packet)
 # Other formulas as well, by precision (kernels/config.h: formulas).
@@ -79,6 +82,9 @@ foreach(header ${integrator_headers})
   set(index 0)
   foreach(features ${feature_sets})
     if(name IN_LIST integrators_generic_only AND NOT features MATCHES "^all_features")
+      continue()
+    endif()
+    if(features MATCHES "path_trees" AND NOT name IN_LIST integrators_with_trees)
       continue()
     endif()
     if(name IN_LIST integrators_without_meshes AND features MATCHES "traversals|::mesh")

@@ -24,8 +24,8 @@ inline constexpr FeatureSet camera = FeatureSet{1} << 0;      // 4 bits
 inline constexpr FeatureSet shape = FeatureSet{1} << 4;       // 16 bits
 inline constexpr FeatureSet material = FeatureSet{1} << 20;   // 17 bits
 inline constexpr FeatureSet light = FeatureSet{1} << 37;      // 11 bits
-inline constexpr FeatureSet sampling = FeatureSet{1} << 48;   // 8 bits
-inline constexpr FeatureSet traversal = FeatureSet{1} << 56;  // 8 bits
+inline constexpr FeatureSet sampling = FeatureSet{1} << 48;   // 10 bits
+inline constexpr FeatureSet traversal = FeatureSet{1} << 58;  // 6 bits
 }  // namespace feature_bit
 
 enum class Feature : FeatureSet {
@@ -84,6 +84,9 @@ enum class Feature : FeatureSet {
     halton = feature_bit::sampling << 6,
     // Walks through bodies drawn towards the surface (kernels/guided_walk.h), of materials that say so.
     guided_walk = feature_bit::sampling << 7,
+    // Roulette, and splitting, by what a path is expected to bring (kernels/adjoint.h, kernels/path_tree.h).
+    adjoint_roulette = feature_bit::sampling << 8,
+    splitting = feature_bit::sampling << 9,
     // A shortcut: a scene that has it needs it not, and a kernel that has it leaves the same film.
     enclosure = feature_bit::traversal << 0,
     // Other formulas too, and so other roundings: intersection in double within single precision (kernels/widen.h), and
@@ -123,7 +126,7 @@ inline constexpr FeatureSet all_features =
     light_selections |
     set_of(Feature::near_sphere, Feature::motion, Feature::environment, Feature::environment_map, Feature::jitter,
            Feature::lens, Feature::final_bounce, Feature::next_event, Feature::multiple_importance, Feature::one_sample,
-           Feature::russian_roulette);
+           Feature::russian_roulette, Feature::adjoint_roulette);
 inline constexpr FeatureSet shortcuts = set_of(Feature::enclosure);
 inline constexpr FeatureSet samplers = set_of(Feature::philox, Feature::sobol_owen, Feature::minstd,
                                               Feature::sobol_rotated, Feature::pmj02, Feature::halton);
@@ -135,6 +138,9 @@ inline constexpr FeatureSet samplings = samplers | static_cast<FeatureSet>(Featu
 inline constexpr FeatureSet traversals = set_of(Feature::mesh);
 // The same, at most one of them, for a variant that has it.
 inline constexpr FeatureSet mesh_levels = set_of(Feature::object_tree, Feature::flat_tree);
+
+// A kernel has it only for a variant that asks for it: the branches that wait take registers and memory.
+inline constexpr FeatureSet path_trees = set_of(Feature::splitting);
 
 // Of these a kernel has just the ones that it is asked for: they change what is computed.
 inline constexpr FeatureSet formulas = set_of(Feature::double_intersection, Feature::naive);

@@ -54,7 +54,7 @@ struct Path {
     Real time;              // seconds
     std::uint32_t pixel;    // row-major index
     std::uint32_t sample;
-    std::uint32_t segment;     // ray segments traced so far; `ended` once the path is over
+    std::uint32_t segment;     // ray segments traced so far (segments_of); `ended` once the path is over
     SurfaceId origin_surface;  // the surface that the ray starts on
     std::uint32_t medium;      // material whose absorption the ray runs through, or no_medium
     // Density, by solid angle, with which the ray's direction was drawn where next-event estimation had its turn too;
@@ -70,5 +70,17 @@ struct Path {
 
     PT_HD bool alive() const { return segment != ended; }
 };
+
+// In kernels whose paths split the upper bits of Path::segment number the branch: its random numbers follow from them.
+inline constexpr std::uint32_t segment_bits = 20;
+
+template <class Config>
+PT_HD inline std::uint32_t segments_of(const Path<typename Config::Real>& path) {
+    if constexpr (has<Config>(Feature::splitting)) {
+        return path.segment & ((1u << segment_bits) - 1u);
+    } else {
+        return path.segment;
+    }
+}
 
 }  // namespace pt

@@ -85,6 +85,9 @@ using MeetMeshes = void (*)(Hit<Real>&, const SceneView<Real>&, const Ray<Real>&
 // Light from all round that is drawn as lights are.
 template <class Real>
 struct EnvironmentMap;
+// What paths are expected to bring.
+template <class Real>
+struct AdjointCache;
 
 // One tree over all triangles of all objects that show meshes, in the scene's space; slots name them.
 struct FlatSlot {
@@ -144,6 +147,7 @@ struct SceneView {
     const MeshSearch<Real>* mesh_search;
     // Null: none.
     const EnvironmentMap<Real>* environment_map;
+    const AdjointCache<Real>* adjoint;
 
     PT_HD std::uint32_t pixel_count() const { return camera.width * camera.height; }
     // Segments that the longest path can have: with a final bounce, a path whose last vertex is specular goes one

@@ -5,6 +5,7 @@
 // exhausted contributes nothing more.
 #pragma once
 
+#include "kernels/adjoint.h"
 #include "kernels/film.h"
 #include "kernels/light.h"
 #include "kernels/mix.h"
@@ -321,12 +322,16 @@ PT_HD inline void meet_light(const SceneView<typename Config::Real>& scene, Path
 
 // What happens where the segment ends. On return the path has its next ray, or is at the beginning of a walk that the
 // caller takes to its end by walk_on, or is over (returns false). `traced`: the same scene, as rays walk through it.
-template <class Config>
+// `branch`: what befalls the path at the vertex before it scatters; a branch that begins there has met the light there.
+template <class Config, class Branch = OneBranch>
 PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
                         Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit,
-                        PathCounters& counters, WalkOf<Config>& walk) {
+                        PathCounters& counters, WalkOf<Config>& walk, Branch branch = {}) {
     using Real = typename Config::Real;
-    path.segment += 1;
+    const bool arrives = !branch.resumes();
+    if (arrives) {
+        path.segment += 1;
+    }
     if (!hit.side.exists()) {
         if constexpr (has<Config>(Feature::environment)) {
             path.radiance += path.throughput * scene.environment;
@@ -337,7 +342,7 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
         return false;
     }
     if constexpr (has<Config>(Feature::absorption)) {
-        if (path.medium != Path<Real>::no_medium) {
+        if (arrives && path.medium != Path<Real>::no_medium) {
             attenuate(path, scene.materials[path.medium], hit.t);
         }
     }
@@ -349,12 +354,13 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
     const std::uint32_t material_index = scene.object_material[hit.side.object()];
     if constexpr (has<Config>(Feature::emission)) {
         const Material<Real>& material = scene.materials[material_index];
-        if (material.emits != 0) {
+        if (arrives && material.emits != 0) {
             meet_light<Config>(scene, path, hit, material.emission);
         }
     }
-    const bool last = path.segment >= scene.depth;
-    if (last && (!has<Config>(Feature::final_bounce) || path.segment >= scene.longest_path())) {
+    const std::uint32_t segments = segments_of<Config>(path);
+    const bool last = segments >= scene.depth;
+    if (last && (!has<Config>(Feature::final_bounce) || segments >= scene.longest_path())) {
         return false;
     }
     const SurfacePoint<Real> point = surface_at<Config, false>(scene, ray_of(path), hit);
@@ -373,6 +379,9 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
     path.bsdf_pdf = Real(0);
     const RandomWords words =
         random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::scatter});
+    if (!branch.template goes_on<Config>(scene, path, vertex, hit, unit_interval<Real>(words.w))) {
+        return false;
+    }
     if (!scatter<Config>(scene, traced, path, vertex, surface, words, last, counters, walk)) {
         return false;
     }
@@ -380,7 +389,7 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
         return false;
     }
     if constexpr (has<Config>(Feature::russian_roulette)) {
-        if (scene.roulette_start != 0 && path.segment >= scene.roulette_start) {
+        if (scene.roulette_start != 0 && segments >= scene.roulette_start) {
             if (!survives_roulette(path, unit_interval<Real>(words.w))) {
                 walk.step = Walk::none;
                 return false;

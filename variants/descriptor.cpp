@@ -92,6 +92,8 @@ constexpr NamedFeature named_features[] = {
     {Feature::one_sample, "one_sample"},
     {Feature::environment_map, "environment_map"},
     {Feature::russian_roulette, "russian_roulette"},
+    {Feature::adjoint_roulette, "adjoint_roulette"},
+    {Feature::splitting, "splitting"},
     {Feature::enclosure, "enclosure"},
     {Feature::matrix, "matrix"},
     {Feature::philox, "philox"},
@@ -118,8 +120,8 @@ constexpr FeatureSet all_named() {
     }
     return set;
 }
-static_assert(all_named() ==
-              (all_features | traversals | mesh_levels | shortcuts | Feature::matrix | samplings | formulas));
+static_assert(all_named() == (all_features | traversals | mesh_levels | shortcuts | Feature::matrix | samplings |
+                              formulas | path_trees));
 
 }  // namespace
 

@@ -167,6 +167,14 @@ void DeviceScene<Real>::reserve(Arena& arena) {
         environment_map_.rows = placed(arena, environment_map_.rows);
         environment_map_.texels = placed(arena, environment_map_.texels);
     }
+    view_.adjoint = nullptr;
+    if (host_.adjoint != nullptr) {
+        view_.adjoint = arena.take<AdjointCache<Real>>(1);
+        adjoint_ = *host_.adjoint;
+        adjoint_.by_place = placed(arena, adjoint_.by_place);
+        adjoint_.by_segment = placed(arena, adjoint_.by_segment);
+        adjoint_.by_pixel = placed(arena, adjoint_.by_pixel);
+    }
     instances_.assign(host_.meshes.data, host_.meshes.data + host_.meshes.size);
     for (std::size_t i = 0; i < instances_.size(); ++i) {
         const float* const light_areas = instances_[i].geometry.cumulative_area;
@@ -194,6 +202,12 @@ void DeviceScene<Real>::upload(const Module& module, cudaStream_t stream) const 
         copy_to_device(environment_map_.rows, host_.environment_map->rows, stream);
         copy_to_device(environment_map_.texels, host_.environment_map->texels, stream);
         copy_to_device(View<EnvironmentMap<Real>>{view_.environment_map, 1}, {&environment_map_, 1}, stream);
+    }
+    if (host_.adjoint != nullptr) {
+        copy_to_device(adjoint_.by_place, host_.adjoint->by_place, stream);
+        copy_to_device(adjoint_.by_segment, host_.adjoint->by_segment, stream);
+        copy_to_device(adjoint_.by_pixel, host_.adjoint->by_pixel, stream);
+        copy_to_device(View<AdjointCache<Real>>{view_.adjoint, 1}, {&adjoint_, 1}, stream);
     }
     const std::vector<unsigned char> constant = constant_scene(host, features_);
     if (!is_baked_ && !constant.empty() && constant.size() <= constant_bytes) {

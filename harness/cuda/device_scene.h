@@ -3,6 +3,7 @@
 #pragma once
 
 #include "harness/cuda/device_meshes.h"
+#include "kernels/adjoint.h"
 #include "kernels/environment_map.h"
 #include "kernels/scene_arrays.h"
 #include "variants/cuda/arena.h"
@@ -49,6 +50,7 @@ private:
     std::shared_ptr<const DeviceTree> tree_;
     MeshSearch<Real> search_;                    // with pointers of the device
     EnvironmentMap<Real> environment_map_ = {};  // likewise
+    AdjointCache<Real> adjoint_ = {};            // likewise
     std::vector<MeshInstance<Real>> instances_;  // with pointers of the device
 };
 

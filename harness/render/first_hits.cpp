@@ -38,12 +38,6 @@ private:
     double depth_ = 0, coverage_ = 0;
 };
 
-// Any accelerator gives the same hits: one that is quick on large meshes.
-Acceleration quick_acceleration(const Scene& scene) {
-    const Variant baseline = Registry::instance().baseline(Backend::cpu);
-    return Acceleration::of(fast_reference_on(scene, baseline, Backend::cpu), Backend::cpu);
-}
-
 template <class Real>
 void fill_first_hits(FirstHits& hits, const Scene& scene, const RenderRequest& request,
                      const RenderSettings& settings) {

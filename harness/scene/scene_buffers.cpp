@@ -11,6 +11,7 @@
 
 #include "harness/scene/find_enclosure.h"
 #include "harness/scene/guide_walks.h"
+#include "kernels/adjoint.h"
 #include "kernels/scene_arrays.h"
 
 namespace pt {
@@ -408,6 +409,7 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     view_.light_selection = settings.light_selection;
     view_.one_sample = settings.one_sample ? 1 : 0;
     view_.roulette_start = settings.roulette_start;
+    view_.adjoint = nullptr;
     view_.enclosure = find_enclosure(view_);
     make_search(acceleration);
 }
@@ -557,8 +559,9 @@ double bound_on_environment(const Scene& scene, double room) {
 
 double radiance_bound(const Scene& scene, const RenderSettings& settings) {
     const double room = settings.final_bounce || settings.next_event || settings.guided_share > 0 ? 1024 : 1;
+    const double carried = settings.adjoint.paths != 0 ? most_carried<double> : 1;
     const double bound = std::max(bound_on_sources(scene, settings.depth) * room, bound_on_environment(scene, room));
-    return bound > 0 ? bound : room;
+    return (bound > 0 ? bound : room) * carried;
 }
 
 double radiance_bound(const Scene& scene, std::uint32_t depth) {

@@ -266,6 +266,10 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
     add_by_turns(still, {{"direct_light", "final_bounce"}}, 3);
     add_by_turns(still, {{"direct_light", "nee_mis"}, {"russian_roulette", "throughput"}, {"sampler", "sobol_owen"}},
                  2);
+    add_by_turns(room, {{"russian_roulette", "adjoint"}}, 3);
+    for (const char* integrator : {"megakernel", "persistent"}) {
+        programs.add(five, baseline_with({{"integrator", integrator}, {"russian_roulette", "adjoint_splitting"}}));
+    }
     ASSERT_GE(stages().size(), 5u);
     for (const Choice* stage : stages()) {
         for (const std::string& layout : choices_of("layout")) {

@@ -232,6 +232,7 @@ TEST_F(InspectTest, LeavingOutMakesAKernelSmaller) {
                                           "one_sample",
                                           "environment_map",
                                           "russian_roulette",
+                                          "adjoint_roulette",
                                           "near_sphere",
                                           "textures",
                                           "principled",

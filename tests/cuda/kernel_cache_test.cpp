@@ -287,6 +287,7 @@ TEST(KernelKeyTest, VariantsShareProgramsWhereTheCodeIsTheSame) {
     EXPECT_NE(key("direct_light", "nee"), key("direct_light", "final_bounce"));
     EXPECT_NE(key("direct_light", "nee_mis"), key("direct_light", "nee"));
     EXPECT_NE(key("russian_roulette", "throughput"), base);
+    EXPECT_NE(key("russian_roulette", "adjoint"), key("russian_roulette", "throughput"));
     EXPECT_NE(key("sampler", "philox"), base);
     EXPECT_NE(key("specialisation", "generic"), base);
     EXPECT_NE(key("integrator", "megakernel"), base);

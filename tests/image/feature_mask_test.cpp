@@ -2,6 +2,7 @@
 // the kernel that has everything. For every feature a scene with it and one without.
 #include <gtest/gtest.h>
 
+#include "harness/render/adjoint_table.h"
 #include "harness/render/renderer.h"
 #include "tests/support/scenes.h"
 #include "variants/integrator/depth_first.h"
@@ -27,8 +28,11 @@ Film film_of(const Scene& scene, FeatureSet asked) {
     settings.one_sample = contains(asked, Feature::one_sample);
     settings.roulette_start = contains(asked, Feature::russian_roulette) ? 2 : 0;
     settings.guided_share = contains(asked, Feature::guided_walk) ? 0.75 : 0;
+    settings.adjoint.paths = contains(asked, Feature::adjoint_roulette) ? 256 : 0;
     settings.sampler = asked & samplers;
-    const SceneBuffers<float> buffers(scene, settings);
+    SceneBuffers<float> buffers(scene, settings);
+    const LearnedAdjoint<float> learned = learned_adjoint<float>(scene, settings);
+    buffers.set_adjoint(learned.cache());
     Film film(settings.width, settings.height, radiance_bound(scene, settings), samples);
     PathCounters counters;
     for (std::uint32_t pixel = 0; pixel < settings.width * settings.height; ++pixel) {
@@ -165,6 +169,7 @@ const Case cases[] = {
     asked_for<Feature::tree_selection, no_features | Feature::next_event>("tree_selection"),
     asked_for<Feature::one_sample, Feature::next_event | Feature::multiple_importance>("one_sample"),
     asked_for<Feature::russian_roulette>("russian_roulette"),
+    asked_for<Feature::adjoint_roulette>("adjoint_roulette"),
     asked_for<Feature::philox>("philox"),
     asked_for<Feature::sobol_owen>("sobol_owen"),
     asked_for<Feature::minstd>("minstd"),

@@ -52,8 +52,8 @@ TEST(TunableTest, AVariantHasThoseOfItsChoices) {
     EXPECT_EQ(names_of(tunables_of(variant_with({{"first_bounce", "cached_jitters"}}), Backend::cpu)),
               (std::vector<std::string>{"jitters", "room"}));
     EXPECT_EQ(names_of(all_tunables(Backend::cpu)),
-              (std::vector<std::string>{"jitters", "mis_exponent", "roulette_start", "room", "near_light",
-                                        "guided_percent"}));
+              (std::vector<std::string>{"jitters", "mis_exponent", "adjoint_paths", "adjoint_cells", "weight_window",
+                                        "most_branches", "roulette_start", "room", "near_light", "guided_percent"}));
     if (!test::cuda_is_built()) {
         return;
     }

@@ -2,7 +2,7 @@
 // together, by their rank among themselves, without an atomic operation. What megakernel_regen and persistent share.
 #pragma once
 
-#include "variants/cuda/device.cuh"
+#include "variants/cuda/branches.cuh"
 
 // Items 0 to count - 1 of a strip of 32 pixels: item i is pixel first_pixel + i mod 32, sample first_sample +
 // (i / 32) * sample_stride. A strip may reach beyond the last pixel; such items are passed over.
@@ -38,21 +38,23 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
     bool holds = false;  // a path, alive or ended
     pt::WalkOf<Configuration> walk;
     Path path;
+    BranchesHere branches;
     do {
         const unsigned living = __ballot_sync(all_lanes, alive);
         if (__popc(living) <= static_cast<int>(tuned::regenerate_at)) {
             if (!alive) {
                 if (holds) {
                     pt::accumulate(film, path);
-                    counters.rays += path.segment - (kernel_config.keeps_first_hits ? 1 : 0);
+                    counters.rays += branches.rays(path) - (kernel_config.keeps_first_hits ? 1 : 0);
                     counters.paths += 1;
                     if (ended != nullptr) {
-                        pt::atomic_add(&ended[path.segment - 1], std::uint64_t{1});
+                        pt::atomic_add(&ended[branches.longest(path) - 1], std::uint64_t{1});
                     }
                 }
                 const std::uint32_t item = next + __popc(~living & ((1u << pt::cuda::lane()) - 1u));
                 alive = holds = items.exists(item);
                 if (alive) {
+                    branches.start_again();
                     path = first_path(scene.shade, pt::cuda::in_image(items.place(item), items.width),
                                       items.sample(item), cache);
                 }
@@ -61,7 +63,7 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
             next += __popc(~living);
         }
         if (alive) {
-            alive = take_step(scene, path, walk, cache, counters);
+            alive = branches.take_step(scene, path, walk, cache, counters);
         }
     } while (__any_sync(all_lanes, holds));
 }

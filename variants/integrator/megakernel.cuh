@@ -2,7 +2,7 @@
 // kernel in exact arithmetic is the reference that bitwise claims on the GPU are held against.
 #pragma once
 
-#include "variants/cuda/device.cuh"
+#include "variants/cuda/branches.cuh"
 #include "variants/integrator/megakernel_parameters.cuh"
 
 // Thread t takes the samples t / pixels, t / pixels + stride, ... of pixel t mod pixels.
@@ -19,15 +19,13 @@ PT_KERNEL(megakernel, pt::cuda::MegakernelParameters<Real>,
     if (part < stride) {
         for (std::uint32_t i = part; i < samples; i += stride) {
             Path path = first_path(scene.shade, pixel, first_sample + i, cache);
-            bool alive = shade(scene, path, first_hit(scene, path, cache), counters);
-            while (alive) {
-                alive = shade(scene, path, trace(scene, path), counters);
-            }
+            BranchesHere branches;
+            branches.finish(scene, path, cache, counters);
             sum.add(film, path.radiance);
-            counters.rays += path.segment - (kernel_config.keeps_first_hits ? 1 : 0);
+            counters.rays += branches.rays(path) - (kernel_config.keeps_first_hits ? 1 : 0);
             counters.paths += 1;
             if (ended != nullptr) {
-                pt::atomic_add(&ended[path.segment - 1], std::uint64_t{1});
+                pt::atomic_add(&ended[branches.longest(path) - 1], std::uint64_t{1});
             }
         }
         sum.finish(film, pixel);

@@ -13,6 +13,7 @@ constexpr Descriptor descriptor{
     .name = "megakernel_regen",
     .summary = "one kernel, a warp a strip of pixels; a lane whose path ended takes the strip's next sample",
     .origin = "Novák, Havran and Dachsbacher 2010 (path regeneration)",
+    .traits = IntegratorTraits{.keeps_branches = true},
     .backends = on_cuda,
     .tunables = tunables,
     .unsupported_reason = megakernel_unsupported_reason,

@@ -16,10 +16,12 @@ inline constexpr Tunable feature_tunables[] = {
      .is_shortcut = true},
 };
 
-// Every feature of scenes and estimators, meshes only where the scene has one; of formulas only those that the variant
-// asks for, and the fewest samplings that serve it.
+inline constexpr FeatureSet only_where_asked = formulas | traversals | mesh_levels | path_trees;
+
+// Every feature of scenes and estimators, meshes only where the scene has one; of formulas and trees of paths only
+// those that the variant asks for, and the fewest samplings that serve it, since neither depends on the scene.
 inline FeatureSet every_feature(const KernelOffer& offer) {
-    FeatureSet best = all_features | samplings | (offer.needed & (formulas | traversals | mesh_levels));
+    FeatureSet best = all_features | samplings | (offer.needed & only_where_asked);
     for (const FeatureSet candidate : offer.compiled) {
         const bool fits = is_superset(candidate, all_features | offer.needed) && is_superset(best, candidate);
         best = fits ? candidate : best;
@@ -35,8 +37,7 @@ inline FeatureSet smallest_superset(const KernelOffer& offer, const Variant& var
     for (const FeatureSet candidate : offer.compiled) {
         const bool fits =
             is_superset(candidate, offer.needed) &&
-            is_superset(all_features | samplings | allowed | (offer.needed & (formulas | traversals | mesh_levels)),
-                        candidate);
+            is_superset(all_features | samplings | allowed | (offer.needed & only_where_asked), candidate);
         if (fits && (surplus(candidate) < surplus(best) ||
                      (surplus(candidate) == surplus(best) && std::popcount(candidate) > std::popcount(best)))) {
             best = candidate;
