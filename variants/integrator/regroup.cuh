@@ -8,8 +8,27 @@
 #include "variants/cuda/path_pool.cuh"
 #include "variants/integrator/regroup_parameters.cuh"
 
+// What a lane has counted since it last added it up: in words, which are half the registers of PathCounters.
+struct LaneCounters {
+    std::uint32_t paths = 0, rays = 0, connections = 0, unfinished_walks = 0;
+
+    __device__ PathCounters wide() const { return {paths, rays, connections, unfinished_walks}; }
+    __device__ void add(const PathCounters& of_step) {
+        rays += static_cast<std::uint32_t>(of_step.rays);
+        connections += static_cast<std::uint32_t>(of_step.connections);
+        unfinished_walks += static_cast<std::uint32_t>(of_step.unfinished_walks);
+    }
+    __device__ void add_if_many(Totals* totals) {
+        PathCounters sums = wide();
+        pt::cuda::add_if_many(totals, sums);
+        if (sums.paths == 0) {
+            *this = {};
+        }
+    }
+};
+
 // Of a lane whose path is over: the film has it, and the lane's counters.
-__device__ inline void end_path(const FilmView& film, Path& path, PathCounters& counters, std::uint64_t* ended) {
+__device__ inline void end_path(const FilmView& film, Path& path, LaneCounters& counters, std::uint64_t* ended) {
     pt::accumulate(film, path);
     counters.rays += path.segment - (kernel_config.keeps_first_hits ? 1 : 0);
     counters.paths += 1;
@@ -60,7 +79,7 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
     pool.fill();
     const Pieces pieces{pt::cuda::own_pixels(scene.shade), scene.shade.camera.width, first_sample, samples,
                         samples_per_piece, next_piece};
-    PathCounters counters;
+    LaneCounters counters;
     Taken taken = pool.exchange(0, Kinds::nothing);
     while (!taken.finished) {
         const bool mine = pt::cuda::lane() < taken.count;
@@ -70,17 +89,19 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
         if (mine) {
             pool.load(taken.slot, scene.shade, path, hit, walk);
         }
+        PathCounters of_step;
         const bool was_alive = mine && path.alive();
         bool alive = was_alive;
         if (alive && Kinds::is_traced(taken.kind)) {
             injected_cost(scene.shade, hit, path);
-            alive = pt::shade<Configuration>(scene.shade, scene.trace, path, hit, counters, walk);
+            alive = pt::shade<Configuration>(scene.shade, scene.trace, path, hit, of_step, walk);
         }
         if constexpr (Kinds::has_walks) {
             if (Kinds::may_walk(taken.kind)) {
-                alive = walk_on(scene, path, walk, alive, counters);
+                alive = walk_on(scene, path, walk, alive, of_step);
             }
         }
+        counters.add(of_step);
         if (was_alive && !alive) {
             end_path(film, path, counters, ended);
         }
@@ -89,7 +110,7 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
             bool is_exhausted = false;
             alive = begin_paths(scene, items, pieces, mine && !alive, cache, path, is_exhausted) || alive;
             kind = mine && is_exhausted ? Kinds::retired : kind;
-            pt::cuda::add_if_many(totals, counters);
+            counters.add_if_many(totals);
         }
         if (alive && Kinds::has_walks && walk.is_on()) {
             kind = Kinds::walking;
@@ -106,6 +127,5 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
         }
         taken = pool.exchange(taken.slot, kind);
     }
-    pt::cuda::add_counters(totals, counters,
-                           kernel_config.keeps_first_hits ? static_cast<std::uint32_t>(counters.paths) : 0);
+    pt::cuda::add_counters(totals, counters.wide(), kernel_config.keeps_first_hits ? counters.paths : 0);
 }
