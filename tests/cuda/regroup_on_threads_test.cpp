@@ -22,7 +22,7 @@ using Real = float;
 // Few threads, and a pool in which warps are short of paths of one kind.
 inline constexpr pt::cuda::KernelConfig kernel_config{.features = pt::all_features, .block = 64};
 namespace tuned {
-inline constexpr unsigned pool = 96, walk_until = 4, by_material = 1;
+inline constexpr unsigned pool = 96, walk_until = 4, stay_at = 8, by_material = 1;
 }
 namespace host_bytes {
 inline constexpr unsigned regroup = sizeof(pt::cuda::RegroupParameters<float>);

@@ -13,6 +13,7 @@ constexpr Tunable tunables[] = {
     piece_tunable,
     {"pool", 0, 0, 4096, 32, "paths a block, as far as 48 KiB hold them; 0: as many as keep every warp full"},
     {"walk_until", 16, 0, 31, 1, "walks within bodies are taken on together until no more lanes than this walk"},
+    {"stay_at", 24, 1, 33, 1, "a warp goes on with its paths while at least so many do the same again; 33: never"},
     {"by_material", 1, 0, 1, 1, "1: paths to be shaded are grouped by the type of material; 0: not"}};
 
 Reason unsupported_reason(FeatureSet features, const VariantTraits& variant) {
@@ -67,6 +68,7 @@ IntegratorHook hook() {
     made.constants = [](const Variant& variant) -> std::vector<KernelConstant> {
         return {{"pool", tunable(variant, "pool", Backend::cuda)},
                 {"walk_until", tunable(variant, "walk_until", Backend::cuda)},
+                {"stay_at", tunable(variant, "stay_at", Backend::cuda)},
                 {"by_material", tunable(variant, "by_material", Backend::cuda)}};
     };
     return made;

@@ -80,18 +80,23 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
     const Pieces pieces{pt::cuda::own_pixels(scene.shade), scene.shade.camera.width, first_sample, samples,
                         samples_per_piece, next_piece};
     LaneCounters counters;
-    Taken taken = pool.exchange(0, Kinds::nothing);
+    Path path;
+    Hit hit;
+    pt::Walk walk;
+    std::uint32_t kind = Kinds::nothing;  // of what comes next for the lane's path
+    Taken taken = pool.exchange(0, kind);
+    bool is_taken = true;  // and not yet read
     while (!taken.finished) {
-        const bool mine = pt::cuda::lane() < taken.count;
-        Path path;
-        Hit hit;
-        pt::Walk walk;
-        if (mine) {
-            pool.load(taken.slot, scene.shade, path, hit, walk);
+        if (is_taken) {
+            kind = pt::cuda::lane() < taken.count ? taken.kind : Kinds::nothing;
+            if (kind != Kinds::nothing) {
+                pool.load(taken.slot, scene.shade, path, hit, walk);
+            }
         }
-        PathCounters of_step;
-        const bool was_alive = mine && path.alive();
+        const bool active = kind == taken.kind;
+        const bool was_alive = active && path.alive();
         bool alive = was_alive;
+        PathCounters of_step;
         if (alive && Kinds::is_traced(taken.kind)) {
             injected_cost(scene.shade, hit, path);
             alive = pt::shade<Configuration>(scene.shade, scene.trace, path, hit, of_step, walk);
@@ -104,12 +109,12 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
         counters.add(of_step);
         if (was_alive && !alive) {
             end_path(film, path, counters, ended);
+            kind = Kinds::over;
         }
-        std::uint32_t kind = mine ? Kinds::over : Kinds::nothing;
         if (taken.kind == Kinds::over) {
             bool is_exhausted = false;
-            alive = begin_paths(scene, items, pieces, mine && !alive, cache, path, is_exhausted) || alive;
-            kind = mine && is_exhausted ? Kinds::retired : kind;
+            alive = begin_paths(scene, items, pieces, active && !alive, cache, path, is_exhausted) || alive;
+            kind = active && is_exhausted ? Kinds::retired : kind;
             counters.add_if_many(totals);
         }
         if (alive && Kinds::has_walks && walk.is_on()) {
@@ -122,10 +127,15 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
             path.primitive = hit.primitive;
             kind = Kinds::of(scene.shade, path, hit);
         }
-        if (mine) {
-            pool.store(taken.slot, path, hit, walk);
+        // A warp that goes on with most of its lanes saves the exchange.
+        const unsigned staying = __ballot_sync(pt::cuda::all_lanes, kind == taken.kind);
+        is_taken = __popc(staying) < static_cast<int>(tuned::stay_at);
+        if (is_taken) {
+            if (kind < Kinds::lists) {
+                pool.store(taken.slot, path, hit, walk);
+            }
+            taken = pool.exchange(taken.slot, kind);
         }
-        taken = pool.exchange(taken.slot, kind);
     }
     pt::cuda::add_counters(totals, counters.wide(), kernel_config.keeps_first_hits ? counters.paths : 0);
 }
