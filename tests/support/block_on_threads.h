@@ -95,8 +95,8 @@ inline unsigned __match_any_sync(unsigned, std::uint32_t value) {
 }
 template <class T>
 T __shfl_sync(unsigned, T value, unsigned lane) {
-    return pt::test::with_values_of_warp(
-        value, [&](const std::uint64_t* values) { return static_cast<T>(values[lane]); });
+    return pt::test::with_values_of_warp(value,
+                                         [&](const std::uint64_t* values) { return static_cast<T>(values[lane]); });
 }
 template <class T>
 T __shfl_xor_sync(unsigned mask, T value, unsigned distance) {

@@ -18,7 +18,7 @@ struct Pieces {
         const std::uint32_t done = piece / strips() * samples_per_piece;
         const std::uint32_t rest = samples - done;
         const std::uint32_t rounds = samples_per_piece < rest ? samples_per_piece : rest;
-        return {warp_size * rounds, pixels,           width, pt::PixelPlace::of(piece % strips() * warp_size, width),
+        return {warp_size * rounds,  pixels, width, pt::PixelPlace::of(piece % strips() * warp_size, width),
                 first_sample + done, 1};
     }
 };

@@ -11,10 +11,11 @@ struct SurfaceKinds {
     std::uint32_t count = 0;
 
     __device__ static constexpr SurfaceKinds after(std::uint32_t others) {
-        constexpr pt::Feature features[] = {
-            pt::Feature::diffuse,         pt::Feature::emitter,          pt::Feature::mirror,
-            pt::Feature::mix,             pt::Feature::dielectric,       pt::Feature::subsurface,
-            pt::Feature::rough_conductor, pt::Feature::rough_dielectric, pt::Feature::principled};
+        constexpr pt::Feature features[] = {pt::Feature::diffuse,         pt::Feature::emitter,
+                                            pt::Feature::mirror,          pt::Feature::mix,
+                                            pt::Feature::dielectric,      pt::Feature::subsurface,
+                                            pt::Feature::rough_conductor, pt::Feature::rough_dielectric,
+                                            pt::Feature::principled};
         constexpr std::uint32_t types = sizeof features / sizeof features[0];
         static_assert(types == static_cast<std::uint32_t>(pt::MaterialType::principled) + 1);
         SurfaceKinds kinds;
@@ -54,8 +55,7 @@ struct Kinds {
     __device__ static bool is_traced(std::uint32_t kind) { return kind < walking; }
     // All of them are within a body, or enter one if the boundary lets them.
     __device__ static bool may_walk(std::uint32_t kind) {
-        return has_walks &&
-               (kind == walking || (tuned::by_material != 0 && kind == of(pt::MaterialType::subsurface)));
+        return has_walks && (kind == walking || (tuned::by_material != 0 && kind == of(pt::MaterialType::subsurface)));
     }
 };
 

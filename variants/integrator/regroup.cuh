@@ -52,8 +52,8 @@ __device__ inline bool walk_on(const SceneViews& scene, Path& path, pt::Walk& wa
     return alive;
 }
 
-// Begins a path in each lane that asks for one, as long as there are any. Returns whether the lane has one; `is_exhausted`:
-// those that got none get none later. Every lane of the warp must call it.
+// Begins a path in each lane that asks for one, as long as there are any. Returns whether the lane has one;
+// `is_exhausted`: those that got none get none later. Every lane of the warp must call it.
 __device__ inline bool begin_paths(const SceneViews& scene, BlockItems& items, const Pieces& pieces, bool asks,
                                    const HitCache& cache, Path& path, bool& is_exhausted) {
     const unsigned asking = __ballot_sync(pt::cuda::all_lanes, asks);
@@ -77,8 +77,12 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
     __shared__ BlockItems items;
     items.begin();
     pool.fill();
-    const Pieces pieces{pt::cuda::own_pixels(scene.shade), scene.shade.camera.width, first_sample, samples,
-                        samples_per_piece, next_piece};
+    const Pieces pieces{pt::cuda::own_pixels(scene.shade),
+                        scene.shade.camera.width,
+                        first_sample,
+                        samples,
+                        samples_per_piece,
+                        next_piece};
     LaneCounters counters;
     Path path;
     Hit hit;
