@@ -1,5 +1,6 @@
 // integrator=regroup without a GPU: its kernel, a thread a lane (tests/support/block_on_threads.h), leaves the film of
 // depth_first, bit for bit. What is tested is who hands which path to whom, and that none is lost or traced twice.
+// Races: built with -fsanitize=thread, the program tells of none; without the fences, or a __syncwarp, it does.
 #include "tests/support/block_on_threads.h"
 
 #include <algorithm>
@@ -80,6 +81,39 @@ TEST(Regroup, LeavesTheSameFilm) {
             EXPECT_EQ(rendered.counted.paths, 11u * 7 * samples) << name;
         }
     }
+}
+
+// Slots are handed back under kinds in a fixed order, a slot after the other in its own, and retire after so many turns.
+TEST(PathPool, HandsOutWhatItWasGivenUnderOneKindAndOnce) {
+    constexpr std::uint32_t turns = 20;
+    static ::PathPool pool;
+    std::vector<std::atomic<int>> held(::PathPool::slots);
+    std::vector<std::uint32_t> taken_before(::PathPool::slots);
+    std::atomic<int> wrong = 0;
+    std::atomic<bool> was_full = false;
+    const auto kind_of = [](std::uint32_t slot, std::uint32_t turn) {
+        return turn == 0       ? ::Kinds::over
+               : turn == turns ? ::Kinds::retired
+                               : (7 * slot + 3 * turn * turn) % ::Kinds::lists;
+    };
+    run_blocks(1, kernel_config.block, [&] {
+        pool.fill();
+        ::Taken taken = pool.exchange(0, ::Kinds::nothing);
+        while (!taken.finished) {
+            std::uint32_t kind = ::Kinds::nothing;
+            if (cuda::lane() < taken.count) {
+                const bool is_alone = held[taken.slot].fetch_add(1) == 0;
+                wrong += is_alone && taken.kind == kind_of(taken.slot, taken_before[taken.slot]) ? 0 : 1;
+                was_full = was_full || taken.count == 32;
+                kind = kind_of(taken.slot, ++taken_before[taken.slot]);
+                held[taken.slot] -= 1;
+            }
+            taken = pool.exchange(taken.slot, kind);
+        }
+    });
+    EXPECT_EQ(wrong, 0);
+    EXPECT_TRUE(was_full);
+    EXPECT_EQ(taken_before, std::vector<std::uint32_t>(::PathPool::slots, turns));
 }
 
 }  // namespace
