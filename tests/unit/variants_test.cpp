@@ -162,7 +162,8 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
     }
     expect_choices(
         {
-            {"integrator", {"wavefront", "audited", "megakernel", "megakernel_regen", "persistent", "wavefront_fused"}},
+            {"integrator",
+             {"wavefront", "audited", "megakernel", "megakernel_regen", "persistent", "regroup", "wavefront_fused"}},
             {"compaction",
              {"none", "atomic_append", "block_scan_append", "cub_partition", "cub_select_flagged", "cub_select_if",
               "cub_three_way", "gap_fill", "thrust_copy_if_index", "thrust_partition", "thrust_remove_if",
@@ -828,6 +829,10 @@ TEST(ApplicabilityTest, SaysWordForWordWhichTraversalsDoNotApply) {
         std::string reason;
     } cases[] = {
         {{{"accelerator", "bvh8"}, {"traversal", "if_if"}, {"traversal_stack", "shared"}}, with_mesh, ""},
+        {{{"integrator", "regroup"}, {"accelerator", "bvh8"}}, with_mesh, ""},
+        {{{"integrator", "regroup"}, {"accelerator", "bvh8"}, {"traversal_stack", "shared"}},
+         with_mesh,
+         "integrator=regroup keeps its paths in shared memory: needs traversal_stack=local, not shared"},
         {{{"accelerator", "bvh2"}, {"traversal", "speculative"}, {"traversal_stack", "short_restart"}}, with_mesh, ""},
         {{{"accelerator", "cwbvh"}, {"traversal", "persistent"}, {"precision", "double"}}, with_mesh, ""},
         {{{"traversal", "if_if"}}, plain_features, "traversal=if_if has nothing to do: the scene has no mesh"},
@@ -868,6 +873,8 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApplyOnCuda) {
          "integrator=megakernel_regen has no queue to sort: needs sorting=none, not bucket"},
         {{{"integrator", "persistent"}, {"layout", "packed"}},
          "integrator=persistent keeps one path in registers, no array of paths: needs layout=aos, not packed"},
+        {{{"integrator", "regroup"}, {"layout", "soa"}},
+         "integrator=regroup keeps one path in registers, no array of paths: needs layout=aos, not soa"},
         {{{"integrator", "megakernel"}, {"launch", "graph"}},
          "integrator=megakernel is one kernel, nothing to capture: needs launch=stream, not graph"},
         {{{"integrator", "wavefront_fused"}, {"sorting", "bucket"}},
@@ -1023,7 +1030,7 @@ std::vector<WorkCase> work_cases() {
         cases.push_back(
             {"integrator", name, launched, {{one_kernel, "ran no queue"}, {queued, "launched no kernel"}}, on_cuda});
     }
-    for (const char* name : {"audited", "megakernel", "megakernel_regen", "persistent"}) {
+    for (const char* name : {"audited", "megakernel", "megakernel_regen", "persistent", "regroup"}) {
         cases.push_back(
             {"integrator", name, one_kernel, {{launched, "ran a queue"}, {idle, "launched no kernel"}}, on_cuda});
     }
