@@ -52,6 +52,15 @@ __device__ inline std::uint32_t warp_sum(std::uint32_t value) {
 #endif
 }
 
+// The next number of a counter in global memory, one for the warp. Every lane must call it.
+__device__ inline std::uint32_t take_number(std::uint64_t* counter) {
+    unsigned long long taken = 0;
+    if (lane() == 0) {
+        taken = atomicAdd(reinterpret_cast<unsigned long long*>(counter), 1ull);
+    }
+    return warp_sum(static_cast<std::uint32_t>(taken));
+}
+
 // Adds each thread's values to totals in global memory, with one atomic operation a block and value. Every thread of
 // the block must call it, once.
 template <int count>
