@@ -57,6 +57,62 @@ PT_HD inline Real square_root_in_range(Real x) {
     return square_root(x);
 }
 
+// Approximations to a few units in the last place, where the arithmetic allows them (variants/arithmetic): for numbers
+// whose error moves a sample or a point along its ray, and nothing else. Elsewhere the correctly rounded ones.
+#if defined(__CUDA_ARCH__) && defined(PT_APPROXIMATE)
+#define PT_DEVICE_APPROXIMATIONS 1
+#else
+#define PT_DEVICE_APPROXIMATIONS 0
+#endif
+
+// a / b for 2^-50 <= |b| <= 2^120.
+template <class Real>
+PT_HD inline Real nearly_divide(Real a, Real b) {
+#if PT_DEVICE_APPROXIMATIONS
+    if constexpr (sizeof(Real) == 4) {
+        float inverse;
+        asm("rcp.approx.ftz.f32 %0, %1;" : "=f"(inverse) : "f"(b));
+        return a * inverse;
+    }
+#endif
+    return a / b;
+}
+
+// a / b, as divide_in_range.
+template <class Real>
+PT_HD inline Real nearly_divide_in_range(Real a, Real b) {
+#if PT_DEVICE_APPROXIMATIONS
+    return nearly_divide(a, b);
+#else
+    return divide_in_range(a, b);
+#endif
+}
+
+// The square root of x, as square_root_in_range.
+template <class Real>
+PT_HD inline Real nearly_square_root_in_range(Real x) {
+#if PT_DEVICE_APPROXIMATIONS
+    if constexpr (sizeof(Real) == 4) {
+        float root;
+        asm("sqrt.approx.ftz.f32 %0, %1;" : "=f"(root) : "f"(x));
+        return root;
+    }
+#endif
+    return square_root_in_range(x);
+}
+
+// Sine and cosine for |x| <= pi/4; an approximation has an absolute error of 2^-20.
+template <class Real>
+PT_HD inline SinCos<Real> nearly_sin_cos_octant(Real x) {
+#if PT_DEVICE_APPROXIMATIONS
+    if constexpr (sizeof(Real) == 4) {
+        return {__sinf(x), __cosf(x)};
+    }
+#endif
+    return sin_cos_octant(x);
+}
+
 #undef PT_DEVICE_SEQUENCES
+#undef PT_DEVICE_APPROXIMATIONS
 
 }  // namespace pt

@@ -146,13 +146,19 @@ PT_HD inline void keep_nearer_flat(Hit<Real>& best, const Interval<Real>& crossi
     }
 }
 
+// Shapes of which a line that passes by is met at 0, and so not at all: nobody needs to ask whether it hits.
+template <class Shape>
+inline constexpr bool misses_at_zero = requires { Shape::misses_at_zero; };
+
 template <class Config, class Scene, class Body>
 PT_HD inline void closest_body(Hit<typename Config::Real>& best, const Scene& scene, const Body& body,
                                std::uint32_t object, const Ray<typename Config::Real>& ray) {
     const auto origin = at_rest<Config>(scene, object, ray.origin, ray.time);
     const bool starts_here = ray.origin_surface.is_of(object);
     if (!starts_here) {
-        keep_nearer(best, interval(body, origin, ray.direction), object);
+        auto crossing = interval(body, origin, ray.direction);
+        crossing.hits = misses_at_zero<Body> || crossing.hits;
+        keep_nearer(best, crossing, object);
     } else if (ray.origin_surface.inside()) {
         keep_nearer(best, chord(body, origin, ray.direction), ray.origin_surface);
     }

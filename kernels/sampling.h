@@ -15,8 +15,8 @@ PT_HD inline Vec2<Real> concentric_disc(Real u, Real v) {
     const Real radius = x_is_radius ? x : y;
     const Real other = x_is_radius ? y : x;
     // Both are whole multiples of 2^-23 (in double 2^-31) and at most 1.
-    const Real ratio = radius == Real(0) ? Real(0) : divide_in_range(other, radius);
-    const SinCos<Real> angle = sin_cos_octant(ratio * (pi<Real> / Real(4)));
+    const Real ratio = radius == Real(0) ? Real(0) : nearly_divide_in_range(other, radius);
+    const SinCos<Real> angle = nearly_sin_cos_octant(ratio * (pi<Real> / Real(4)));
     return {radius * (x_is_radius ? angle.cosine : angle.sine), radius * (x_is_radius ? angle.sine : angle.cosine)};
 }
 
@@ -26,7 +26,7 @@ PT_HD inline Vec3<Real> cosine_hemisphere(Real u, Real v) {
     const Vec2<Real> disc = concentric_disc(u, v);
     const Real rest = Real(1) - disc.x * disc.x - disc.y * disc.y;
     // A difference of numbers up to 1: if it is not 0, it is no less than their last bit.
-    return {disc.x, disc.y, rest > Real(0) ? square_root_in_range(rest) : Real(0)};
+    return {disc.x, disc.y, rest > Real(0) ? nearly_square_root_in_range(rest) : Real(0)};
 }
 
 // Density 1 / (4 pi) on the unit sphere.

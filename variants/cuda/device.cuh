@@ -158,9 +158,21 @@ struct SceneViews {
         pt::cuda::bake(shade);
         trace = shade;
         pt::cuda::place_traced_arrays(trace);
+        if constexpr (kernel_config.has_fixed_counts) {
+            share_single_shapes();
+        }
     }
 
 private:
+    // Of a shape that is alone of its kind all lanes read the same numbers when they shade, too.
+    __device__ void share_single_shapes() {
+#define PT_SHARE(name, kind, word)                   \
+    if constexpr (kernel_config.counts.name == 1u) { \
+        shade.name.data = trace.name.data;           \
+    }
+        PT_OBJECT_ARRAYS(PT_SHARE)
+#undef PT_SHARE
+    }
     __device__ static void fix_counts(Scene& scene) {
         constexpr pt::cuda::FixedCounts counts = kernel_config.counts;
 #define PT_FIX(name, kind, word) scene.name.size = counts.name;
