@@ -19,6 +19,14 @@ struct Vertex {
 
     // Unit, on the incoming ray's side: a face is met from outside.
     PT_HD Vec3<Real> normal() const { return hit.has_face() ? face_normal<Real>(hit) : surface_normal; }
+    // Of a finite vector with the normal: of a face's, whose other entries are 0, one entry of the vector.
+    PT_HD Real dot_normal(const Vec3<Real>& v) const {
+        if (!hit.has_face()) {
+            return dot(v, surface_normal);
+        }
+        const Real along = component_of(v, hit.face_axis());
+        return hit.face_looks_up() ? along : -along;
+    }
 };
 
 // Sends the path away from the vertex on the side that it came from.

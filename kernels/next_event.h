@@ -242,7 +242,7 @@ PT_HD inline std::uint32_t connect_environment(const SceneView<typename Config::
     using Real = typename Config::Real;
     const EnvironmentMap<Real>& map = *scene.environment_map;
     const EnvironmentSample<Real> sample = sample_environment(map, words.y, words.z, words.w);
-    const Real cosine = dot(sample.direction, vertex.normal());
+    const Real cosine = vertex.dot_normal(sample.direction);
     const bool passes = Lobe::transmits && cosine < Real(0);
     if (sample.place.radiance == Vec3<Real>(Real(0)) || !(cosine > Real(0) || passes)) {
         return 0;
@@ -296,10 +296,11 @@ PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::R
         }
     }
     const std::uint32_t object = scene.lights[pick.light].object;
+    const SceneView<Real>& read = has_one_light<Config>() ? traced : scene;
     const DirectionSample<Real> sample =
-        sample_direction_to<Config>(scene, object, vertex.position, path.time, unit_interval<Real>(words.y),
+        sample_direction_to<Config>(read, object, vertex.position, path.time, unit_interval<Real>(words.y),
                                     unit_interval<Real>(words.z), unit_interval<Real>(words.w));
-    const Real cosine = dot(sample.direction, vertex.normal());
+    const Real cosine = vertex.dot_normal(sample.direction);
     const bool passes = Lobe::transmits && cosine < Real(0);
     if (!(sample.inverse_pdf > Real(0)) || !(cosine > Real(0) || passes)) {
         return 0;

@@ -28,7 +28,7 @@ struct Round {
 // lane of the warp must call it, with the same rounds. `ended`: as in megakernel.
 template <class Rounds>
 __device__ inline void trace_items(const SceneViews& scene, const FilmView& film, Rounds& rounds, std::uint32_t pixels,
-                                   const HitCache& cache, PathCounters& counters, std::uint64_t* ended) {
+                                   const HitCache& cache, ThreadCounters& counters, std::uint64_t* ended) {
     constexpr unsigned all_lanes = 0xffffffffu;
     constexpr std::uint32_t warps = (kernel_config.block + warp_size - 1) / warp_size;
     // Of blocks too large for that, warps begin paths only once all of theirs have ended.

@@ -12,7 +12,7 @@ struct Strided {
     pt::PixelPlace first;
     std::uint32_t sample, stride, left;
 
-    __device__ bool take(Round& round, PathCounters&) {
+    __device__ bool take(Round& round, ThreadCounters&) {
         if (left == 0) {
             return false;
         }
@@ -30,7 +30,7 @@ PT_KERNEL(megakernel_regen, pt::cuda::MegakernelRegenParameters<Real>,
           (Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples, std::uint32_t stride,
            HitCache cache, Totals* totals, std::uint64_t* ended)) {
     const SceneViews scene(parameter);
-    PathCounters counters;
+    ThreadCounters counters;
     const std::uint32_t pixels = pt::cuda::own_pixels(scene.shade);
     const std::uint32_t strips = (pixels + warp_size - 1) / warp_size;
     const std::uint32_t warp = pt::cuda::thread_number() / warp_size;
@@ -40,5 +40,5 @@ PT_KERNEL(megakernel_regen, pt::cuda::MegakernelRegenParameters<Real>,
                    part < stride && part < samples ? (samples - part + stride - 1) / stride : 0};
     trace_items(scene, film, rounds, pixels, cache, counters, ended);
     pt::cuda::add_counters(totals, counters,
-                           kernel_config.keeps_first_hits ? static_cast<std::uint32_t>(counters.paths) : 0);
+                           kernel_config.keeps_first_hits ? counters.paths : 0);
 }

@@ -15,7 +15,7 @@ struct Pieces {
     std::uint32_t left = 0;  // rounds of the piece
     bool are_done = false;
 
-    __device__ bool take(Round& taken, PathCounters& counters) {
+    __device__ bool take(Round& taken, ThreadCounters& counters) {
         if (left == 0 && !are_done) {
             pt::cuda::add_if_many(totals, counters);
             begin(pt::cuda::take_number(next));
@@ -44,7 +44,7 @@ PT_KERNEL(persistent, pt::cuda::PersistentParameters<Real>,
           (Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples, HitCache cache,
            Totals* totals, std::uint64_t* ended, std::uint32_t samples_per_piece, std::uint64_t* next_piece)) {
     const SceneViews scene(parameter);
-    PathCounters counters;
+    ThreadCounters counters;
     const std::uint32_t pixels = pt::cuda::own_pixels(scene.shade);
     const std::uint32_t strips = (pixels + warp_size - 1) / warp_size;
     Pieces pieces{strips,
@@ -57,5 +57,5 @@ PT_KERNEL(persistent, pt::cuda::PersistentParameters<Real>,
                   next_piece};
     trace_items(scene, film, pieces, pixels, cache, counters, ended);
     pt::cuda::add_counters(totals, counters,
-                           kernel_config.keeps_first_hits ? static_cast<std::uint32_t>(counters.paths) : 0);
+                           kernel_config.keeps_first_hits ? counters.paths : 0);
 }
