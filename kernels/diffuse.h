@@ -62,13 +62,13 @@ PT_HD inline bool axis_to_world(const SurfaceId& face, const Vec3<Real>& local, 
     return local.x * local.y * local.z != Real(0);
 }
 
+// By two words of 32 bits.
 template <class Config>
 PT_HD inline void scatter_diffuse(Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
-                                  const Vec3<typename Config::Real>& albedo, typename Config::Real u,
-                                  typename Config::Real v) {
+                                  const Vec3<typename Config::Real>& albedo, std::uint32_t u, std::uint32_t v) {
     using Real = typename Config::Real;
     path.throughput *= albedo;
-    const Vec3<Real> local = cosine_hemisphere(u, v);
+    const Vec3<Real> local = cosine_hemisphere_of_square(symmetric_interval<Real>(u), symmetric_interval<Real>(v));
     Vec3<Real> direction;
     if (!has<Config>(Feature::enclosure) || !vertex.hit.has_face() || !axis_to_world(vertex.hit, local, direction)) {
         direction = Frame<Real>(vertex.normal()).to_world(local);

@@ -85,7 +85,7 @@ PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene,
             counters.connections += connections;
         }
     }
-    scatter_diffuse<Config>(path, vertex, albedo, unit_interval<Real>(words.y), unit_interval<Real>(words.z));
+    scatter_diffuse<Config>(path, vertex, albedo, words.y, words.z);
     if (is_connected) {
         // Never 0, which says that there was no connection; that is all that matters unless light that is met is weighed.
         path.bsdf_pdf = Real(1);
