@@ -101,6 +101,24 @@ PT_HD inline Real nearly_square_root_in_range(Real x) {
     return square_root_in_range(x);
 }
 
+// The square root of x, as square_root_in_range, and 1 over it.
+template <class Real>
+struct RootAndInverse {
+    Real root, inverse;
+};
+template <class Real>
+PT_HD inline RootAndInverse<Real> nearly_root_and_inverse_in_range(Real x) {
+#if PT_DEVICE_APPROXIMATIONS
+    if constexpr (sizeof(Real) == 4) {
+        float inverse;
+        asm("rsqrt.approx.ftz.f32 %0, %1;" : "=f"(inverse) : "f"(x));
+        return {x * inverse, inverse};
+    }
+#endif
+    const Real root = square_root_in_range(x);
+    return {root, reciprocal_in_range(root)};
+}
+
 // Sine and cosine for |x| <= pi/4; an approximation has an absolute error of 2^-20.
 template <class Real>
 PT_HD inline SinCos<Real> nearly_sin_cos_octant(Real x) {

@@ -87,7 +87,7 @@ PT_HD inline typename Config::Real inverse_direction_pdf_to(const SceneView<type
                                                             const Hit<typename Config::Real>& hit,
                                                             const Ray<typename Config::Real>& ray) {
     using Real = typename Config::Real;
-    const std::uint32_t object = hit.side.object();
+    const std::uint32_t object = has_one_light<Config>() ? scene.lights[0].object : hit.side.object();
     const Vec3<Real> observer = at_rest<Config>(scene, object, ray.origin, ray.time);
     Real inverse_pdf = Real(0);
     visit_shape<Config>(scene, object, [&](const auto& shape) {
@@ -110,9 +110,11 @@ PT_HD inline Real mis_weight_light(Real ratio, std::uint32_t exponent) {
     return Real(1) / (Real(1) + (exponent == 2 ? ratio * ratio : ratio));
 }
 
-// What light counts that the path meets at `hit`, at the end of its ray.
+// What light counts that the path meets at `hit`, at the end of its ray. `traced`: the same scene, as rays walk through
+// it.
 template <class Config>
 PT_HD inline typename Config::Real encounter_weight(const SceneView<typename Config::Real>& scene,
+                                                    const SceneView<typename Config::Real>& traced,
                                                     const Path<typename Config::Real>& path,
                                                     const Hit<typename Config::Real>& hit) {
     using Real = typename Config::Real;
@@ -128,7 +130,8 @@ PT_HD inline typename Config::Real encounter_weight(const SceneView<typename Con
                 }
                 techniques = scene.one_sample != 0 ? Real(2) : Real(1);
             }
-            const Real inverse_pdf = inverse_direction_pdf_to<Config>(scene, hit, ray_of(path));
+            const Real inverse_pdf =
+                inverse_direction_pdf_to<Config>(has_one_light<Config>() ? traced : scene, hit, ray_of(path));
             Real inverse_weighing = inverse_light_weighing<Config>(scene, hit.side.object(), path.origin);
             if constexpr (has<Config>(Feature::environment_map)) {
                 if (scene.environment_map != nullptr) {

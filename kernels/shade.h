@@ -314,11 +314,12 @@ PT_HD inline bool walk_on(const SceneView<typename Config::Real>& scene, Path<ty
 
 // Light that the path meets at the end of its ray.
 template <class Config>
-PT_HD inline void meet_light(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+PT_HD inline void meet_light(const SceneView<typename Config::Real>& scene,
+                             const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
                              const Hit<typename Config::Real>& hit, const Vec3<typename Config::Real>& emission) {
     using Real = typename Config::Real;
     if constexpr (has<Config>(Feature::next_event)) {
-        const Real weight = encounter_weight<Config>(scene, path, hit);
+        const Real weight = encounter_weight<Config>(scene, traced, path, hit);
         path.radiance += path.throughput * emission * weight;
     } else {
         path.radiance += path.throughput * emission;
@@ -349,14 +350,14 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
     }
     Surface<Real> surface = scene.surfaces[hit.side.object()];
     if (has<Config>(Feature::emitter) && surface.type == MaterialType::emitter) {
-        meet_light<Config>(scene, path, hit, surface.colour);
+        meet_light<Config>(scene, traced, path, hit, surface.colour);
         return false;
     }
     const std::uint32_t material_index = scene.object_material[hit.side.object()];
     if constexpr (has<Config>(Feature::emission)) {
         const Material<Real>& material = scene.materials[material_index];
         if (material.emits != 0) {
-            meet_light<Config>(scene, path, hit, material.emission);
+            meet_light<Config>(scene, traced, path, hit, material.emission);
         }
     }
     const bool last = path.segment >= scene.depth;
