@@ -24,15 +24,24 @@ struct Round {
     }
 };
 
+// Of the 48 KiB of shared memory that a block has without asking for more: less what a traversal's stacks take and what
+// a kernel adds up in.
+#ifdef PT_STACK_BYTES
+inline constexpr std::size_t most_waiting_bytes = 47 * 1024 - PT_STACK_BYTES;
+#else
+inline constexpr std::size_t most_waiting_bytes = 47 * 1024;
+#endif
+
 // Traces what `rounds` gives: rounds.take(Round&, counters) says what comes next, or false once there is no more. Every
-// lane of the warp must call it, with the same rounds. `ended`: as in megakernel.
+// lane of the warp must call it, with the same rounds. `ended`: as in megakernel. The loop ends at its condition: nvcc
+// 13.0's ptxas miscompiles the form that breaks out from the middle.
 template <class Rounds>
 __device__ inline void trace_items(const SceneViews& scene, const FilmView& film, Rounds& rounds, std::uint32_t pixels,
                                    const HitCache& cache, ThreadCounters& counters, std::uint64_t* ended) {
     constexpr unsigned all_lanes = 0xffffffffu;
     constexpr std::uint32_t warps = (kernel_config.block + warp_size - 1) / warp_size;
     // Of blocks too large for that, warps begin paths only once all of theirs have ended.
-    constexpr bool may_wait = warps * sizeof(WaitingPaths) <= 47 * 1024;
+    constexpr bool may_wait = warps * sizeof(WaitingPaths) <= most_waiting_bytes;
     __shared__ WaitingPaths waiting_of_warp[may_wait ? warps : 1];
     WaitingPaths& waiting = waiting_of_warp[may_wait ? threadIdx.x / warp_size : 0];
     std::uint32_t waiting_count = 0;  // the same in all lanes, as `held` is

@@ -1,7 +1,7 @@
-// One kernel, a warp a strip of 32 pixels: a lane whose path ended takes the next sample of the strip while the others
-// go on, so that the warp stays full until its strip is done. Path regeneration: Novák, Havran and Dachsbacher 2010.
-// Ending and starting a path costs a warp the same for one lane as for many, so lanes may be made to wait for each
-// other (regenerate_at).
+// One kernel, a warp a strip of 32 pixels: a lane whose path ended takes another of the strip's while the others go on,
+// so that the warp stays full until its strip is done. Path regeneration: Novák, Havran and Dachsbacher 2010. Ending a
+// path and taking another costs a warp the same for one lane as for many, so lanes may be made to wait for each other
+// (regenerate_at).
 #pragma once
 
 #include "variants/cuda/warp_items.cuh"
@@ -23,9 +23,7 @@ struct Strided {
     }
 };
 
-// Warp w takes strip w mod strips, and of its samples w / strips, w / strips + stride, ...; items are numbered sample
-// by sample, pixels within. The loop ends at its condition: nvcc 13.0's ptxas miscompiles the form that breaks out from
-// the middle.
+// Warp w takes strip w mod strips, and of its samples w / strips, w / strips + stride, ...
 PT_KERNEL(megakernel_regen, pt::cuda::MegakernelRegenParameters<Real>,
           (Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples, std::uint32_t stride,
            HitCache cache, Totals* totals, std::uint64_t* ended)) {
