@@ -36,12 +36,10 @@ PT_HD inline Interval<Real> finite_slab_interval(const Vec3<Real>& low, const Ve
                                                  const Vec3<Real>& origin, const Vec3<Real>& inverse) {
     const Vec3<Real> to_low = (low - origin) * inverse;
     const Vec3<Real> to_high = (high - origin) * inverse;
-    const Real near = keep_larger(
-        keep_larger(keep_smaller(to_low.x, to_high.x), keep_smaller(to_low.y, to_high.y)),
-        keep_smaller(to_low.z, to_high.z));
-    const Real far = keep_smaller(
-        keep_smaller(keep_larger(to_low.x, to_high.x), keep_larger(to_low.y, to_high.y)),
-        keep_larger(to_low.z, to_high.z));
+    const Real near = keep_larger(keep_larger(keep_smaller(to_low.x, to_high.x), keep_smaller(to_low.y, to_high.y)),
+                                  keep_smaller(to_low.z, to_high.z));
+    const Real far = keep_smaller(keep_smaller(keep_larger(to_low.x, to_high.x), keep_larger(to_low.y, to_high.y)),
+                                  keep_larger(to_low.z, to_high.z));
     return {near, far, near <= far * (Real(1) + Real(2) * gamma<Real>(3))};
 }
 

@@ -148,7 +148,9 @@ PT_HD inline void keep_nearer_flat(Hit<Real>& best, const Interval<Real>& crossi
 
 // Shapes of which a line that passes by is met at 0, and so not at all: nobody needs to ask whether it hits.
 template <class Shape>
-inline constexpr bool misses_at_zero = requires { Shape::misses_at_zero; };
+inline constexpr bool misses_at_zero = requires {
+    Shape::misses_at_zero;
+};
 
 template <class Config, class Scene, class Body>
 PT_HD inline void closest_body(Hit<typename Config::Real>& best, const Scene& scene, const Body& body,

@@ -87,7 +87,8 @@ PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene,
     }
     scatter_diffuse<Config>(path, vertex, albedo, words.y, words.z);
     if (is_connected) {
-        // Never 0, which says that there was no connection; that is all that matters unless light that is met is weighed.
+        // Never 0, which says that there was no connection; that is all that matters unless light that is met is
+        // weighed.
         path.bsdf_pdf = Real(1);
         if constexpr (has<Config>(Feature::multiple_importance)) {
             constexpr Real least = Real(0x1p-60);
@@ -330,8 +331,8 @@ PT_HD inline void meet_light(const SceneView<typename Config::Real>& scene,
 // caller takes to its end by walk_on, or is over (returns false). `traced`: the same scene, as rays walk through it.
 template <class Config>
 PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
-                        Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit,
-                        auto& counters, Walk& walk) {
+                        Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit, auto& counters,
+                        Walk& walk) {
     using Real = typename Config::Real;
     path.segment += 1;
     if (!hit.side.exists()) {
@@ -392,8 +393,7 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
 // The same, walks and all.
 template <class Config>
 PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
-                        Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit,
-                        auto& counters) {
+                        Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit, auto& counters) {
     Walk walk;
     bool alive = shade<Config>(scene, traced, path, hit, counters, walk);
     if constexpr (has<Config>(Feature::subsurface)) {

@@ -121,7 +121,8 @@ TEST_F(Gate, PassesWarpsWhateverTheirPathsWaitFor) {
     settings.height = 33;
     settings.seed = 1;
     Verifier verifier(scene, settings, 3, Backend::cuda);
-    const std::pair<const char*, std::uint32_t> tunings[] = {{"regenerate_at", 0}, {"regenerate_at", 31}, {"block", 1024}};
+    const std::pair<const char*, std::uint32_t> tunings[] = {
+        {"regenerate_at", 0}, {"regenerate_at", 31}, {"block", 1024}};
     for (const char* integrator : {"megakernel_regen", "persistent"}) {
         for (const auto& [tunable, value] : tunings) {
             Variant variant = expand({}, Backend::cuda).front();

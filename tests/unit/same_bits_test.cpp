@@ -105,8 +105,8 @@ TYPED_TEST(SameBits, OfASphereThatALinePassesBy) {
         sphere.inverse_radius = Real(1) / sphere.radius;
         sphere.centre = this->vector(3);
         sphere.is_near_eye = i % 2;
-        sphere.eye_power = (dot(sphere.centre, sphere.centre) - sphere.radius * sphere.radius) *
-                           sphere.inverse_radius * sphere.inverse_radius;
+        sphere.eye_power = (dot(sphere.centre, sphere.centre) - sphere.radius * sphere.radius) * sphere.inverse_radius *
+                           sphere.inverse_radius;
         const Interval<Real> crossing = interval(sphere, this->vector(3), normalize(this->vector(1)));
         if (!crossing.hits) {
             ASSERT_EQ(crossing.near, Real(0)) << i;

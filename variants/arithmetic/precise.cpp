@@ -1,6 +1,6 @@
-// nvcc's default: IEEE division and square root, but where random directions are drawn and spheres are met; the compiler
-// contracts a multiplication and an addition where it likes, so two kernels of one formula may differ in the last bit,
-// and a path that grazes an edge may go elsewhere.
+// nvcc's default: IEEE division and square root, but where random directions are drawn and spheres are met; the
+// compiler contracts a multiplication and an addition where it likes, so two kernels of one formula may differ in the
+// last bit, and a path that grazes an edge may go elsewhere.
 #include "variants/registry.h"
 
 namespace pt::arithmetic::precise {
@@ -10,7 +10,8 @@ const Registration registration(
     {
         .axis = "arithmetic",
         .name = "precise",
-        .summary = "nvcc's default: IEEE but for contraction to fused multiply-adds; drawn directions and spheres approximately",
+        .summary = "nvcc's default: IEEE but for contraction to fused multiply-adds; drawn directions and spheres "
+                   "approximately",
         .origin = "nvcc",
         .baseline = on_cuda,
         .claim = Claim::statistical,

@@ -27,8 +27,8 @@ using Scene = pt::SceneView<Real>;
 using Path = pt::Path<Real>;
 using Hit = pt::Hit<Real>;
 using StoredHit = pt::StoredHit<Real>;
-// What a thread counts in one kernel fits in 32 bits: the host splits longer renders into several launches, or the kernel
-// adds up in between.
+// What a thread counts in one kernel fits in 32 bits: the host splits longer renders into several launches, or the
+// kernel adds up in between.
 using ThreadCounters = pt::PathCountersOf<std::uint32_t>;
 using HitCache = pt::cuda::HitCache<Real>;
 using pt::FilmView;

@@ -217,8 +217,8 @@ std::string text_of(const KernelConfig& config) {
         "{}u, .low_sides = {{{}u}}, .high_sides = {{{}u}}, .one_light = {}u}}}}",
         config.features, config.block, config.min_blocks, config.keeps_first_hits, config.shading_fmas,
         config.constant_scene_bytes, config.has_fixed_counts, counts, config.counts.walls, config.counts.lamps,
-        config.counts.open_sides, fmt::join(config.counts.low_sides, "u, "),
-        fmt::join(config.counts.high_sides, "u, "), config.counts.one_light);
+        config.counts.open_sides, fmt::join(config.counts.low_sides, "u, "), fmt::join(config.counts.high_sides, "u, "),
+        config.counts.one_light);
 }
 
 std::string kernel_source_hash() { return fmt::format("{:016x}", sources_hash()); }

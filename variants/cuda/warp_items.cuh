@@ -70,8 +70,8 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
                 }
                 waiting_count += __popc(living);
                 const pt::PixelPlace place = round.place(scene.shade.camera.width);
-                path = first_path(scene.shade, pt::cuda::in_image(place, scene.shade.camera.width), round.sample,
-                                  cache);
+                path =
+                    first_path(scene.shade, pt::cuda::in_image(place, scene.shade.camera.width), round.sample, cache);
                 walk = {};
                 alive = place.index < pixels;
             } else {

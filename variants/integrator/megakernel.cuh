@@ -32,6 +32,5 @@ PT_KERNEL(megakernel, pt::cuda::MegakernelParameters<Real>,
         }
         sum.finish(film, pixel);
     }
-    pt::cuda::add_counters(totals, counters,
-                           kernel_config.keeps_first_hits ? counters.paths : 0);
+    pt::cuda::add_counters(totals, counters, kernel_config.keeps_first_hits ? counters.paths : 0);
 }

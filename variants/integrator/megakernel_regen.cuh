@@ -37,6 +37,5 @@ PT_KERNEL(megakernel_regen, pt::cuda::MegakernelRegenParameters<Real>,
     Strided rounds{first, first_sample + part, stride,
                    part < stride && part < samples ? (samples - part + stride - 1) / stride : 0};
     trace_items(scene, film, rounds, pixels, cache, counters, ended);
-    pt::cuda::add_counters(totals, counters,
-                           kernel_config.keeps_first_hits ? counters.paths : 0);
+    pt::cuda::add_counters(totals, counters, kernel_config.keeps_first_hits ? counters.paths : 0);
 }

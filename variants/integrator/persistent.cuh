@@ -56,6 +56,5 @@ PT_KERNEL(persistent, pt::cuda::PersistentParameters<Real>,
                   totals,
                   next_piece};
     trace_items(scene, film, pieces, pixels, cache, counters, ended);
-    pt::cuda::add_counters(totals, counters,
-                           kernel_config.keeps_first_hits ? counters.paths : 0);
+    pt::cuda::add_counters(totals, counters, kernel_config.keeps_first_hits ? counters.paths : 0);
 }
