@@ -48,7 +48,8 @@ PT_HD inline void leave_on_other_side(Path<Real>& path, const Vertex<Real>& vert
 }
 
 // Frame::to_world for a normal along an axis: the frame's entries are 0, 1 and -1, so coordinates only change places
-// and signs. Where one is 0, the frame's sums decide about the sign of a zero: then only the frame has its bits.
+// and signs. Where one is 0, the frame's sums decide about the sign of a zero: then only the frame has its bits, if
+// anybody wants them.
 template <class Real>
 PT_HD inline bool axis_to_world(const SurfaceId& face, const Vec3<Real>& local, Vec3<Real>& world) {
     const Real sign = face.face_looks_up() ? Real(1) : Real(-1);
@@ -59,7 +60,7 @@ PT_HD inline bool axis_to_world(const SurfaceId& face, const Vec3<Real>& local, 
              : axis == 2 ? sign * local.y
                          : local.y,
              axis == 2 ? along : -sign * (axis == 0 ? local.x : local.y)};
-    return local.x * local.y * local.z != Real(0);
+    return draws_approximately<Real> || local.x * local.y * local.z != Real(0);
 }
 
 // By two words of 32 bits.

@@ -65,6 +65,10 @@ PT_HD inline Real square_root_in_range(Real x) {
 #define PT_DEVICE_APPROXIMATIONS 0
 #endif
 
+// Whether the kernel has them, and so owes nobody the last bits of what it draws.
+template <class Real>
+inline constexpr bool draws_approximately = PT_DEVICE_APPROXIMATIONS && sizeof(Real) == 4;
+
 // a / b for 2^-50 <= |b| <= 2^120.
 template <class Real>
 PT_HD inline Real nearly_divide(Real a, Real b) {
@@ -76,16 +80,6 @@ PT_HD inline Real nearly_divide(Real a, Real b) {
     }
 #endif
     return a / b;
-}
-
-// a / b, as divide_in_range.
-template <class Real>
-PT_HD inline Real nearly_divide_in_range(Real a, Real b) {
-#if PT_DEVICE_APPROXIMATIONS
-    return nearly_divide(a, b);
-#else
-    return divide_in_range(a, b);
-#endif
 }
 
 // The square root of x, as square_root_in_range.

@@ -14,7 +14,12 @@ PT_HD inline Vec2<Real> concentric_disc_of_square(Real x, Real y) {
     const Real radius = x_is_radius ? x : y;
     const Real other = x_is_radius ? y : x;
     // Both are whole multiples of 2^-23 (in double 2^-31) and at most 1.
-    const Real ratio = radius == Real(0) ? Real(0) : nearly_divide_in_range(other, radius);
+    Real ratio;
+    if constexpr (draws_approximately<Real>) {
+        ratio = keep_smaller(Real(1), nearly_divide(other, radius));  // 0 / 0 is passed over
+    } else {
+        ratio = radius == Real(0) ? Real(0) : divide_in_range(other, radius);
+    }
     const SinCos<Real> angle = nearly_sin_cos_octant(ratio * (pi<Real> / Real(4)));
     return {radius * (x_is_radius ? angle.cosine : angle.sine), radius * (x_is_radius ? angle.sine : angle.cosine)};
 }
