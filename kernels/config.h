@@ -175,6 +175,16 @@ struct Config {
     using Accelerator = AcceleratorT;
 };
 
+// Whether a kernel is for scenes with one light alone, always the same object: then all threads read the same numbers
+// of it. A device's configuration says so where it knows.
+template <class Config>
+PT_HD constexpr bool has_one_light() {
+    if constexpr (requires { Config::has_one_light; }) {
+        return Config::has_one_light;
+    }
+    return false;
+}
+
 template <class Config>
 PT_HD constexpr bool has(Feature feature) {
     return contains(Config::features, feature);

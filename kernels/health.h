@@ -201,13 +201,13 @@ private:
 template <class Config>
 PT_HD inline void inspect_path(const SceneView<typename Config::Real>& scene,
                                const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
-                               BodySet around_eye, bool knows_sides, PathCounters& counters, HealthCounters& health) {
+                               BodySet around_eye, bool knows_sides, auto& counters, HealthCounters& health) {
     using Real = typename Config::Real;
     Inspection<Config> inspection(scene, around_eye, knows_sides, health);
     inspection.camera(path);
     Hit<Real> hit;
     Vec3<Real> throughput = path.throughput;
-    const std::uint64_t lost_before = counters.unfinished_walks;
+    const auto lost_before = counters.unfinished_walks;
     for (bool alive = true; alive;) {
         hit = closest_hit<Config>(traced, ray_of(path));
         inspection.hit(path, hit);

@@ -76,8 +76,7 @@ PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene
                 return connect_to_environment<Config>(scene, traced, path, vertex, albedo, words, choices);
             }
         }
-        scatter_diffuse<Config>(path, vertex, albedo, unit_interval<Real>(direction_words.y),
-                                unit_interval<Real>(direction_words.z));
+        scatter_diffuse<Config>(path, vertex, albedo, direction_words.y, direction_words.z);
         if (!is_on_one_side<Config>(vertex, path.direction, false)) {
             return 0;
         }

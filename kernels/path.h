@@ -22,6 +22,8 @@ struct SurfaceId {
     }
     PT_HD constexpr bool exists() const { return code != nowhere; }
     PT_HD constexpr std::uint32_t object() const { return (code >> 1) & (most_objects - 1); }
+    // Both exist, and are of different objects: whether this one's has the lower number.
+    PT_HD constexpr bool precedes(const SurfaceId& other) const { return (code << 4) < (other.code << 4); }
     // A surface of this object; nowhere is none of anybody's.
     PT_HD constexpr bool is_of(std::uint32_t number) const { return exists() && object() == number; }
     PT_HD constexpr bool has_face() const { return (code >> 29) != 0; }

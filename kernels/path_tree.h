@@ -106,7 +106,7 @@ struct BranchOfTree {
 template <class Config>
 PT_HD inline bool shade_in_tree(const SceneView<typename Config::Real>& scene,
                                 const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
-                                const Hit<typename Config::Real>& hit, PathCounters& counters, PathTree<Config>& tree) {
+                                const Hit<typename Config::Real>& hit, auto& counters, PathTree<Config>& tree) {
     WalkOf<Config> walk;
     bool alive = shade<Config>(scene, traced, path, hit, counters, walk, BranchOfTree<PathTree<Config>>{tree});
     if constexpr (has<Config>(Feature::subsurface)) {

@@ -20,12 +20,14 @@
 namespace pt {
 
 // What one thread counts while it runs stages; summed by whoever runs it.
-struct PathCounters {
-    std::uint64_t paths = 0;
-    std::uint64_t rays = 0;              // closest-hit queries: path segments and connections to lights
-    std::uint64_t connections = 0;       // of the rays, those to lights
-    std::uint64_t unfinished_walks = 0;  // paths lost in a subsurface body: the walk met its cap, or began inside
+template <class Count>
+struct PathCountersOf {
+    Count paths = 0;
+    Count rays = 0;              // closest-hit queries: path segments and connections to lights
+    Count connections = 0;       // of the rays, those to lights
+    Count unfinished_walks = 0;  // paths lost in a subsurface body: the walk met its cap, or began inside
 };
+using PathCounters = PathCountersOf<std::uint64_t>;
 
 template <class Config>
 PT_HD inline Path<typename Config::Real> generate(const SceneView<typename Config::Real>& scene,
@@ -64,7 +66,7 @@ template <class Config>
 PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene,
                                 const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
                                 const Vertex<typename Config::Real>& vertex, const Vec3<typename Config::Real>& albedo,
-                                const RandomWords& words, bool last, PathCounters& counters) {
+                                const RandomWords& words, bool last, auto& counters) {
     using Real = typename Config::Real;
     if constexpr (has<Config>(Feature::final_bounce)) {
         if (last) {
@@ -84,11 +86,16 @@ PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene,
             counters.connections += connections;
         }
     }
-    scatter_diffuse<Config>(path, vertex, albedo, unit_interval<Real>(words.y), unit_interval<Real>(words.z));
+    scatter_diffuse<Config>(path, vertex, albedo, words.y, words.z);
     if (is_connected) {
-        // Never 0, which says that there was no connection.
-        constexpr Real least = Real(0x1p-60);
-        path.bsdf_pdf = kept_pdf<Config>(path, max(dot(path.direction, vertex.normal()), least) * (Real(1) / pi<Real>));
+        // Never 0, which says that there was no connection; that is all that matters unless light that is met is
+        // weighed.
+        path.bsdf_pdf = Real(1);
+        if constexpr (has<Config>(Feature::multiple_importance)) {
+            constexpr Real least = Real(0x1p-60);
+            path.bsdf_pdf =
+                kept_pdf<Config>(path, max(vertex.dot_normal(path.direction), least) * (Real(1) / pi<Real>));
+        }
     }
     return true;
 }
@@ -97,7 +104,7 @@ PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene,
 template <class Config, class Lobe>
 PT_HD inline bool connect_rough(const SceneView<typename Config::Real>& scene,
                                 const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
-                                const Vertex<typename Config::Real>& vertex, const Lobe& lobe, PathCounters& counters) {
+                                const Vertex<typename Config::Real>& vertex, const Lobe& lobe, auto& counters) {
     bool is_connected = false;
     if constexpr (has<Config>(Feature::next_event)) {
         is_connected = scene.next_event != 0 && lobe.is_connectable();
@@ -135,7 +142,7 @@ PT_HD inline bool shade_rough_conductor(const SceneView<typename Config::Real>& 
                                         Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
                                         const Material<typename Config::Real>& material,
                                         const Vec3<typename Config::Real>& reflectance, const RandomWords& words,
-                                        PathCounters& counters) {
+                                        auto& counters) {
     using Real = typename Config::Real;
     constexpr bool has_gain = has<Config>(Feature::multiple_scattering);
     RoughConductor<Real, has_gain> lobe(reflectance, facet_width<Config>(scene, path, vertex, material),
@@ -164,7 +171,7 @@ PT_HD inline bool shade_rough_dielectric(const SceneView<typename Config::Real>&
                                          const SceneView<typename Config::Real>& traced,
                                          Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
                                          const Material<typename Config::Real>& material, const RandomWords& words,
-                                         PathCounters& counters) {
+                                         auto& counters) {
     using Real = typename Config::Real;
     const RoughDielectric<Config> lobe(material, facet_width<Config>(scene, path, vertex, material), -path.direction,
                                        vertex);
@@ -199,7 +206,7 @@ PT_HD inline bool shade_principled(const SceneView<typename Config::Real>& scene
                                    const Vertex<typename Config::Real>& vertex,
                                    const Material<typename Config::Real>& material,
                                    const Vec3<typename Config::Real>& colour, const RandomWords& words,
-                                   PathCounters& counters) {
+                                   auto& counters) {
     using Real = typename Config::Real;
     const Principled<Config> lobe(material, colour, facet_width<Config>(scene, path, vertex, material), -path.direction,
                                   vertex);
@@ -240,7 +247,7 @@ template <class Config>
 PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
                           Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
                           const Surface<typename Config::Real>& surface, const RandomWords& words, bool last,
-                          PathCounters& counters, WalkOf<Config>& walk) {
+                          auto& counters, WalkOf<Config>& walk) {
     using Real = typename Config::Real;
     const Real lobe = unit_interval<Real>(words.x);
     if (has<Config>(Feature::diffuse) && surface.type == MaterialType::diffuse) {
@@ -298,7 +305,7 @@ PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const S
 // Takes the path one step further on its walk. False: the path is lost.
 template <class Config>
 PT_HD inline bool walk_on(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
-                          WalkOf<Config>& walk, PathCounters& counters) {
+                          WalkOf<Config>& walk, auto& counters) {
     const WalkStep step = walk_step<Config>(scene, path, walk, scene.materials[scene.object_material[walk.object]]);
     if (step != WalkStep::goes_on) {
         walk.step = Walk::none;
@@ -309,11 +316,12 @@ PT_HD inline bool walk_on(const SceneView<typename Config::Real>& scene, Path<ty
 
 // Light that the path meets at the end of its ray.
 template <class Config>
-PT_HD inline void meet_light(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+PT_HD inline void meet_light(const SceneView<typename Config::Real>& scene,
+                             const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
                              const Hit<typename Config::Real>& hit, const Vec3<typename Config::Real>& emission) {
     using Real = typename Config::Real;
     if constexpr (has<Config>(Feature::next_event)) {
-        const Real weight = encounter_weight<Config>(scene, path, hit);
+        const Real weight = encounter_weight<Config>(scene, traced, path, hit);
         path.radiance += path.throughput * emission * weight;
     } else {
         path.radiance += path.throughput * emission;
@@ -326,7 +334,7 @@ PT_HD inline void meet_light(const SceneView<typename Config::Real>& scene, Path
 template <class Config, class Branch = OneBranch>
 PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
                         Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit,
-                        PathCounters& counters, WalkOf<Config>& walk, Branch branch = {}) {
+                        auto& counters, WalkOf<Config>& walk, Branch branch = {}) {
     using Real = typename Config::Real;
     const bool arrives = !branch.resumes();
     if (arrives) {
@@ -348,14 +356,14 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
     }
     Surface<Real> surface = scene.surfaces[hit.side.object()];
     if (has<Config>(Feature::emitter) && surface.type == MaterialType::emitter) {
-        meet_light<Config>(scene, path, hit, surface.colour);
+        meet_light<Config>(scene, traced, path, hit, surface.colour);
         return false;
     }
     const std::uint32_t material_index = scene.object_material[hit.side.object()];
     if constexpr (has<Config>(Feature::emission)) {
         const Material<Real>& material = scene.materials[material_index];
         if (arrives && material.emits != 0) {
-            meet_light<Config>(scene, path, hit, material.emission);
+            meet_light<Config>(scene, traced, path, hit, material.emission);
         }
     }
     const std::uint32_t segments = segments_of<Config>(path);
@@ -403,7 +411,7 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
 template <class Config>
 PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
                         Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit,
-                        PathCounters& counters) {
+                        auto& counters) {
     WalkOf<Config> walk;
     bool alive = shade<Config>(scene, traced, path, hit, counters, walk);
     if constexpr (has<Config>(Feature::subsurface)) {

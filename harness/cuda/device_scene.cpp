@@ -104,6 +104,7 @@ void fix_counts(const SceneView<Real>& scene, KernelConfig& config) {
         counts.low_sides[axis] = enclosure.low_side[axis].code;
         counts.high_sides[axis] = enclosure.high_side[axis].code;
     }
+    counts.one_light = scene.lights.size == 1 ? scene.lights[0].object : FixedCounts::none;
 }
 
 template <class Real>

@@ -250,6 +250,7 @@ TEST(KernelKeyTest, EverythingThatChangesTheCodeChangesTheKey) {
         changed([](ModuleRequest& r) { r.config.has_fixed_counts = true; }),
         changed([](ModuleRequest& r) { r.config.counts.quads = 1; }),
         changed([](ModuleRequest& r) { r.config.counts.low_sides[1] = 1; }),
+        changed([](ModuleRequest& r) { r.config.counts.one_light = 0; }),
         changed([](ModuleRequest& r) {
             r.constants = {{"more", 1}};
         }),

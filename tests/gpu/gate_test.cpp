@@ -113,6 +113,29 @@ TEST_F(Gate, PassesASoundIntegrator) {
     }
 }
 
+// Warps whose lanes take waiting paths at the first and at the last moment, and those of blocks so large that no paths
+// can wait in their shared memory (variants/cuda/warp_items.cuh).
+TEST_F(Gate, PassesWarpsWhateverTheirPathsWaitFor) {
+    const Scene scene = find_scene("cornell_open_five");
+    RenderSettings settings = default_settings(scene);
+    settings.width = 40;  // not a whole number of strips
+    settings.height = 33;
+    settings.seed = 1;
+    Verifier verifier(scene, settings, 3, Backend::cuda);
+    const std::pair<const char*, std::uint32_t> tunings[] = {
+        {"regenerate_at", 0}, {"regenerate_at", 31}, {"block", 1024}};
+    for (const char* integrator : {"megakernel_regen", "persistent"}) {
+        for (const auto& [tunable, value] : tunings) {
+            Variant variant = expand({}, Backend::cuda).front();
+            variant.set("arithmetic", "exact");
+            variant.set("integrator", integrator);
+            variant.tuning[tunable] = value;
+            const Verdict sound = verifier.check(variant);
+            EXPECT_TRUE(sound.holds) << integrator << ' ' << tunable << '=' << value << ": " << sound.message;
+        }
+    }
+}
+
 // The reference has the features of its scene alone; the kernel with every feature has other code and the same film.
 TEST_F(Gate, TheKernelWithEveryFeatureLeavesTheReferencesFilm) {
     for (const char* name : {"cornell_open_five", "environments/environment_sky", "meshes/icosphere_room"}) {

@@ -77,7 +77,7 @@ inline void weigh_encounters(Connections<typename Config::Real>& work, const Sce
     for (const std::uint32_t l : LaneList(asks)) {
         const std::uint32_t object = SurfaceId{hits.side[l]}.object();
         if (!observes_box<Config>(observers, l, scene, lights, object, paths.origin[l], paths.time[l])) {
-            work.weight[l] = encounter_weight<Config>(scene, paths.load(l), hits[l]);
+            work.weight[l] = encounter_weight<Config>(scene, scene, paths.load(l), hits[l]);
         }
     }
     const auto set = [&](std::uint32_t l, Real inverse_pdf) {

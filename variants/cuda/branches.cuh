@@ -9,11 +9,11 @@ template <bool splits>
 struct Branches {
     // One step of the path, or of a branch of it. Returns whether it lives.
     __device__ bool take_step(const SceneViews& scene, Path& path, pt::WalkOf<Configuration>& walk,
-                              const HitCache& cache, PathCounters& counters) {
+                              const HitCache& cache, ThreadCounters& counters) {
         return ::take_step(scene, path, walk, cache, counters);
     }
     // The path to its end.
-    __device__ void finish(const SceneViews& scene, Path& path, const HitCache& cache, PathCounters& counters) {
+    __device__ void finish(const SceneViews& scene, Path& path, const HitCache& cache, ThreadCounters& counters) {
         bool alive = shade(scene, path, first_hit(scene, path, cache), counters);
         while (alive) {
             alive = shade(scene, path, trace(scene, path), counters);
@@ -28,7 +28,7 @@ struct Branches {
 template <>
 struct Branches<true> {
     __device__ bool take_step(const SceneViews& scene, Path& path, pt::WalkOf<Configuration>& walk,
-                              const HitCache& cache, PathCounters& counters) {
+                              const HitCache& cache, ThreadCounters& counters) {
         bool alive = false;
         if (walk.is_on()) {
             if constexpr (pt::has<Configuration>(pt::Feature::subsurface)) {
@@ -42,7 +42,7 @@ struct Branches<true> {
         }
         return alive || tree_.take_next(path);
     }
-    __device__ void finish(const SceneViews& scene, Path& path, const HitCache& cache, PathCounters& counters) {
+    __device__ void finish(const SceneViews& scene, Path& path, const HitCache& cache, ThreadCounters& counters) {
         pt::WalkOf<Configuration> walk;
         while (take_step(scene, path, walk, cache, counters)) {
         }

@@ -11,7 +11,7 @@ PT_KERNEL(megakernel, pt::cuda::MegakernelParameters<Real>,
           (Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples, std::uint32_t stride,
            HitCache cache, Totals* totals, std::uint64_t* ended)) {
     const SceneViews scene(parameter);
-    PathCounters counters;
+    ThreadCounters counters;
     pt::PixelSum<Configuration> sum;
     const std::uint32_t pixels = pt::cuda::own_pixels(scene.shade);
     const std::uint32_t pixel = pt::cuda::image_pixel(pt::cuda::thread_number() % pixels, scene.shade.camera.width);
@@ -30,6 +30,5 @@ PT_KERNEL(megakernel, pt::cuda::MegakernelParameters<Real>,
         }
         sum.finish(film, pixel);
     }
-    pt::cuda::add_counters(totals, counters,
-                           kernel_config.keeps_first_hits ? static_cast<std::uint32_t>(counters.paths) : 0);
+    pt::cuda::add_counters(totals, counters, kernel_config.keeps_first_hits ? counters.paths : 0);
 }

@@ -8,27 +8,8 @@
 #include "variants/cuda/path_pool.cuh"
 #include "variants/integrator/regroup_parameters.cuh"
 
-// What a lane has counted since it last added it up: in words, which are half the registers of PathCounters.
-struct LaneCounters {
-    std::uint32_t paths = 0, rays = 0, connections = 0, unfinished_walks = 0;
-
-    __device__ PathCounters wide() const { return {paths, rays, connections, unfinished_walks}; }
-    __device__ void add(const PathCounters& of_step) {
-        rays += static_cast<std::uint32_t>(of_step.rays);
-        connections += static_cast<std::uint32_t>(of_step.connections);
-        unfinished_walks += static_cast<std::uint32_t>(of_step.unfinished_walks);
-    }
-    __device__ void add_if_many(Totals* totals) {
-        PathCounters sums = wide();
-        pt::cuda::add_if_many(totals, sums);
-        if (sums.paths == 0) {
-            *this = {};
-        }
-    }
-};
-
 // Of a lane whose path is over: the film has it, and the lane's counters.
-__device__ inline void end_path(const FilmView& film, Path& path, LaneCounters& counters, std::uint64_t* ended) {
+__device__ inline void end_path(const FilmView& film, Path& path, ThreadCounters& counters, std::uint64_t* ended) {
     pt::accumulate(film, path);
     counters.rays += path.segment - (kernel_config.keeps_first_hits ? 1 : 0);
     counters.paths += 1;
@@ -41,7 +22,7 @@ __device__ inline void end_path(const FilmView& film, Path& path, LaneCounters& 
 // Takes walks on together, each at least one step, until few lanes are on one. Returns whether the lane's path lives.
 // Every lane of the warp must call it.
 __device__ inline bool walk_on(const SceneViews& scene, Path& path, pt::Walk& walk, bool alive,
-                               PathCounters& counters) {
+                               ThreadCounters& counters) {
     bool walks = alive && walk.is_on();
     do {
         if (walks) {
@@ -83,7 +64,7 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
                         samples,
                         samples_per_piece,
                         next_piece};
-    LaneCounters counters;
+    ThreadCounters counters;
     Path path;
     Hit hit;
     pt::Walk walk;
@@ -100,17 +81,15 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
         const bool active = kind == taken.kind;
         const bool was_alive = active && path.alive();
         bool alive = was_alive;
-        PathCounters of_step;
         if (alive && Kinds::is_traced(taken.kind)) {
             injected_cost(scene.shade, hit, path);
-            alive = pt::shade<Configuration>(scene.shade, scene.trace, path, hit, of_step, walk);
+            alive = pt::shade<Configuration>(scene.shade, scene.trace, path, hit, counters, walk);
         }
         if constexpr (Kinds::has_walks) {
             if (Kinds::may_walk(taken.kind)) {
-                alive = walk_on(scene, path, walk, alive, of_step);
+                alive = walk_on(scene, path, walk, alive, counters);
             }
         }
-        counters.add(of_step);
         if (was_alive && !alive) {
             end_path(film, path, counters, ended);
             kind = Kinds::over;
@@ -119,7 +98,7 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
             bool is_exhausted = false;
             alive = begin_paths(scene, items, pieces, active && !alive, cache, path, is_exhausted) || alive;
             kind = active && is_exhausted ? Kinds::retired : kind;
-            counters.add_if_many(totals);
+            pt::cuda::add_if_many(totals, counters);
         }
         if (alive && Kinds::has_walks && walk.is_on()) {
             kind = Kinds::walking;
@@ -141,5 +120,5 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
             taken = pool.exchange(taken.slot, kind);
         }
     }
-    pt::cuda::add_counters(totals, counters.wide(), kernel_config.keeps_first_hits ? counters.paths : 0);
+    pt::cuda::add_counters(totals, counters, kernel_config.keeps_first_hits ? counters.paths : 0);
 }
