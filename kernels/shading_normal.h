@@ -146,7 +146,7 @@ PT_HD inline Vec3<typename Config::Real> shading_normal_at(const Scene& scene, c
 
 // Gives the vertex the normal that it is shaded with. False: the ray comes from behind that one, and is lost.
 template <class Config>
-PT_HD inline bool bend_normal(Vertex<typename Config::Real>& vertex, const SceneView<typename Config::Real>& scene,
+PT_HD inline bool bend_normal(VertexOf<Config>& vertex, const SceneView<typename Config::Real>& scene,
                               const Ray<typename Config::Real>& ray, const Hit<typename Config::Real>& hit) {
     using Real = typename Config::Real;
     const Vec3<Real> facing = vertex.normal();
