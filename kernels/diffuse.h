@@ -16,10 +16,6 @@ struct Vertex {
     std::uint32_t material;
     SurfaceId hit;  // with the face, where it is known
     std::uint32_t primitive = 0;
-    // For kernels with Feature::shading_normals: surface_normal is another one than the surface's, which is kept here.
-    bool is_bent = false;
-    Vec3<Real> unbent{};
-
     // Unit, on the incoming ray's side: a face is met from outside. What the vertex is shaded with.
     PT_HD Vec3<Real> normal() const { return hit.has_face() ? face_normal<Real>(hit) : surface_normal; }
     // Of a finite vector with the normal: of a face's, whose other entries are 0, one entry of the vector.
@@ -32,9 +28,28 @@ struct Vertex {
     }
 };
 
+// One that may be shaded with another normal than the surface's, which is kept here.
+template <class Real>
+struct BentVertex : Vertex<Real> {
+    bool is_bent = false;
+    Vec3<Real> unbent{};
+};
+
+// As the kernel has it: without shading normals the very Vertex, whose size counts where it lies in memory.
+template <class Config, bool bends = has<Config>(Feature::shading_normals)>
+struct VertexOfKernel {
+    using Type = Vertex<typename Config::Real>;
+};
+template <class Config>
+struct VertexOfKernel<Config, true> {
+    using Type = BentVertex<typename Config::Real>;
+};
+template <class Config>
+using VertexOf = typename VertexOfKernel<Config>::Type;
+
 // The surface's own normal, likewise; what tells its sides apart.
 template <class Config>
-PT_HD inline Vec3<typename Config::Real> geometric_normal(const Vertex<typename Config::Real>& vertex) {
+PT_HD inline Vec3<typename Config::Real> geometric_normal(const VertexOf<Config>& vertex) {
     if constexpr (has<Config>(Feature::shading_normals)) {
         return vertex.is_bent ? vertex.unbent : vertex.normal();
     } else {
@@ -45,10 +60,10 @@ PT_HD inline Vec3<typename Config::Real> geometric_normal(const Vertex<typename 
 // Whether a direction away from the vertex is for the surface what it is for the normal that the vertex is shaded with:
 // on the side that the path comes from or, where it `passes`, on the other one.
 template <class Config>
-PT_HD inline bool is_on_one_side(const Vertex<typename Config::Real>& vertex,
-                                 const Vec3<typename Config::Real>& direction, bool passes) {
-    using Real = typename Config::Real;
+PT_HD inline bool is_on_one_side(const VertexOf<Config>& vertex, const Vec3<typename Config::Real>& direction,
+                                 bool passes) {
     if constexpr (has<Config>(Feature::shading_normals)) {
+        using Real = typename Config::Real;
         const Real cosine = dot(direction, vertex.unbent);
         return !vertex.is_bent || (passes ? cosine < Real(0) : cosine > Real(0));
     } else {

@@ -26,8 +26,7 @@ PT_HD inline LightSample<typename Config::Real> sample_light(const SceneView<typ
 template <class Config>
 PT_HD inline std::uint32_t connect_to_environment(const SceneView<typename Config::Real>& scene,
                                                   const SceneView<typename Config::Real>& traced,
-                                                  Path<typename Config::Real>& path,
-                                                  const Vertex<typename Config::Real>& vertex,
+                                                  Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
                                                   const Vec3<typename Config::Real>& albedo, const RandomWords& words,
                                                   std::uint32_t choices) {
     using Real = typename Config::Real;
@@ -55,8 +54,8 @@ PT_HD inline std::uint32_t connect_to_environment(const SceneView<typename Confi
 template <class Config>
 PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene,
                                    const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
-                                   const Vertex<typename Config::Real>& vertex,
-                                   const Vec3<typename Config::Real>& albedo, const RandomWords& direction_words) {
+                                   const VertexOf<Config>& vertex, const Vec3<typename Config::Real>& albedo,
+                                   const RandomWords& direction_words) {
     using Real = typename Config::Real;
     std::uint32_t environment_light =
         has<Config>(Feature::environment) && scene.environment != Vec3<Real>(Real(0)) ? 1u : 0u;

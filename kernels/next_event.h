@@ -239,9 +239,8 @@ PT_HD inline Hit<typename Config::Real> hit_of_light(const SceneView<typename Co
 template <class Config, class Lobe>
 PT_HD inline std::uint32_t connect_environment(const SceneView<typename Config::Real>& scene,
                                                const SceneView<typename Config::Real>& traced,
-                                               Path<typename Config::Real>& path,
-                                               const Vertex<typename Config::Real>& vertex, const Lobe& lobe,
-                                               const RandomWords& words) {
+                                               Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
+                                               const Lobe& lobe, const RandomWords& words) {
     using Real = typename Config::Real;
     const EnvironmentMap<Real>& map = *scene.environment_map;
     const EnvironmentSample<Real> sample = sample_environment(map, words.y, words.z, words.w);
@@ -282,8 +281,8 @@ PT_HD inline std::uint32_t connect_environment(const SceneView<typename Config::
 template <class Config, class Lobe>
 PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::Real>& scene,
                                               const SceneView<typename Config::Real>& traced,
-                                              Path<typename Config::Real>& path,
-                                              const Vertex<typename Config::Real>& vertex, const Lobe& lobe) {
+                                              Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
+                                              const Lobe& lobe) {
     using Real = typename Config::Real;
     RandomWords words = random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::light});
     if (!is_to_be_connected<Config>(scene, path, words)) {

@@ -13,8 +13,7 @@ enum class ArrayKind : std::uint32_t {
     shading,    // by object number; read where a ray has hit
     shared,     // by numbers of its own; read where a ray has hit
     selection,  // read where a light is drawn by a kernel with one of light_selections, others have no use for it
-    texture,    // read where a ray has hit by a kernel with Feature::textures, others have no use for it
-    normals     // the same with Feature::shading_normals
+    texture     // read where a ray has hit by a kernel with Feature::textures, others have no use for it
 };
 
 struct SceneArray {
@@ -25,7 +24,6 @@ struct SceneArray {
         return kind == ArrayKind::matrix      ? contains(features, Feature::matrix)
                : kind == ArrayKind::selection ? (features & light_selections) != 0
                : kind == ArrayKind::texture   ? contains(features, Feature::textures)
-               : kind == ArrayKind::normals   ? contains(features, Feature::shading_normals)
                                               : true;
     }
     // Whether every ray reads it.
@@ -52,9 +50,6 @@ struct SceneArray {
     ARRAY(object_textures, texture, OBJECTS) \
     ARRAY(texels, texture, texels)           \
     ARRAY(texture_coordinates, texture, texture_coordinates)
-#define PT_NORMALS_ARRAYS(ARRAY)            \
-    ARRAY(object_normals, normals, OBJECTS) \
-    ARRAY(corner_normals, normals, corner_normals)
 #define PT_SCENE_ARRAYS(ARRAY) \
     PT_OBJECT_ARRAYS(ARRAY)    \
     PT_TRACED_ARRAYS(ARRAY)    \
@@ -62,8 +57,7 @@ struct SceneArray {
     PT_SHADING_ARRAYS(ARRAY)   \
     PT_SHARED_ARRAYS(ARRAY)    \
     PT_SELECTION_ARRAYS(ARRAY) \
-    PT_TEXTURE_ARRAYS(ARRAY)   \
-    PT_NORMALS_ARRAYS(ARRAY)
+    PT_TEXTURE_ARRAYS(ARRAY)
 
 // Calls visit(SceneArray, array) for every array of a scene: a SceneView, or what has members of the same names.
 template <class Scene, class Visit>

@@ -65,9 +65,15 @@ struct ObjectNormals {
     static constexpr std::uint32_t none = 0xffffffffu;
     // From a mesh's own space to the scene, but for a factor that all normals share.
     Vec3<Real> row[3];
-    std::uint32_t first_normal;  // of its first triangle, in SceneView::corner_normals; none: the triangles' own
+    std::uint32_t first_normal;  // of its first triangle, in ShadingNormals::corners; none: the triangles' own
     TexelBlock map;              // in the tangent space of the texture's coordinates
     Real map_scale;              // of its first two components
+};
+
+template <class Real>
+struct ShadingNormals {
+    View<ObjectNormals<Real>> objects;  // by object number; empty: all surfaces are shaded with their own
+    View<CornerNormals> corners;
 };
 
 template <class Real>
@@ -108,6 +114,9 @@ struct MeshSearch {
     MeetMeshes<Real> meet_meshes = nullptr;
     ObjectTree objects;
     FlatTree flat;
+    // For kernels with Feature::shading_normals. Here, because kernels keep copies of a SceneView: others would have
+    // more in memory.
+    ShadingNormals<Real> normals;
 };
 
 template <class Real>
@@ -127,8 +136,6 @@ struct SceneView {
     View<ObjectTexture<Real>> object_textures;  // by object number; empty: the scene has no images on objects
     View<Vec3<float>> texels;
     View<CornerCoordinates> texture_coordinates;
-    View<ObjectNormals<Real>> object_normals;  // by object number; empty: all surfaces are shaded with their own
-    View<CornerNormals> corner_normals;
     Vec3<Real> environment;  // radiance of rays that leave the scene
     Camera<Real> camera;
     AxisAlignedEnclosure<Real> enclosure;  // that the axis boxes make
@@ -143,7 +150,7 @@ struct SceneView {
     LightSelection light_selection;
     std::uint32_t one_sample;  // 1: of a connection and light that is met, one at random, with mis_exponent
 
-    // Of a device: null unless its kernels have one of mesh_levels.
+    // Of a device: null unless its kernels have one of mesh_levels, or shading_normals.
     const MeshSearch<Real>* mesh_search;
     // Null: none.
     const EnvironmentMap<Real>* environment_map;

@@ -65,7 +65,7 @@ PT_HD inline void accumulate(const FilmView& film, const Path<Real>& path) {
 template <class Config>
 PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene,
                                 const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
-                                const Vertex<typename Config::Real>& vertex, const Vec3<typename Config::Real>& albedo,
+                                const VertexOf<Config>& vertex, const Vec3<typename Config::Real>& albedo,
                                 const RandomWords& words, bool last, auto& counters) {
     using Real = typename Config::Real;
     if constexpr (has<Config>(Feature::final_bounce)) {
@@ -104,7 +104,7 @@ PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene,
 template <class Config, class Lobe>
 PT_HD inline bool connect_rough(const SceneView<typename Config::Real>& scene,
                                 const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
-                                const Vertex<typename Config::Real>& vertex, const Lobe& lobe, auto& counters) {
+                                const VertexOf<Config>& vertex, const Lobe& lobe, auto& counters) {
     bool is_connected = false;
     if constexpr (has<Config>(Feature::next_event)) {
         is_connected = scene.next_event != 0 && lobe.is_connectable();
@@ -120,8 +120,7 @@ PT_HD inline bool connect_rough(const SceneView<typename Config::Real>& scene,
 // The width of the facets' distribution at a vertex at the end of the path's ray: a roughness may be an image.
 template <class Config>
 PT_HD inline typename Config::Real facet_width(const SceneView<typename Config::Real>& scene,
-                                               const Path<typename Config::Real>& path,
-                                               const Vertex<typename Config::Real>& vertex,
+                                               const Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
                                                const Material<typename Config::Real>& material) {
     using Real = typename Config::Real;
     Real alpha = material.alpha;
@@ -139,7 +138,7 @@ PT_HD inline typename Config::Real facet_width(const SceneView<typename Config::
 template <class Config>
 PT_HD inline bool shade_rough_conductor(const SceneView<typename Config::Real>& scene,
                                         const SceneView<typename Config::Real>& traced,
-                                        Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
+                                        Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
                                         const Material<typename Config::Real>& material,
                                         const Vec3<typename Config::Real>& reflectance, const RandomWords& words,
                                         auto& counters) {
@@ -169,7 +168,7 @@ PT_HD inline bool shade_rough_conductor(const SceneView<typename Config::Real>& 
 template <class Config>
 PT_HD inline bool shade_rough_dielectric(const SceneView<typename Config::Real>& scene,
                                          const SceneView<typename Config::Real>& traced,
-                                         Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
+                                         Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
                                          const Material<typename Config::Real>& material, const RandomWords& words,
                                          auto& counters) {
     using Real = typename Config::Real;
@@ -203,8 +202,7 @@ PT_HD inline bool shade_rough_dielectric(const SceneView<typename Config::Real>&
 template <class Config>
 PT_HD inline bool shade_principled(const SceneView<typename Config::Real>& scene,
                                    const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
-                                   const Vertex<typename Config::Real>& vertex,
-                                   const Material<typename Config::Real>& material,
+                                   const VertexOf<Config>& vertex, const Material<typename Config::Real>& material,
                                    const Vec3<typename Config::Real>& colour, const RandomWords& words,
                                    auto& counters) {
     using Real = typename Config::Real;
@@ -245,7 +243,7 @@ PT_HD inline const Vec3<typename Config::Real>& colour_of(const Surface<typename
 // Picks the lobe and the next direction by the material's type. Returns whether the path goes on.
 template <class Config>
 PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
-                          Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
+                          Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
                           const Surface<typename Config::Real>& surface, const RandomWords& words, bool last,
                           auto& counters, WalkOf<Config>& walk) {
     using Real = typename Config::Real;
@@ -373,7 +371,7 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
     }
     const SurfacePoint<Real> point = surface_at<Config, false>(scene, ray_of(path), hit);
     const bool inside = hit.side.inside();
-    Vertex<Real> vertex{
+    VertexOf<Config> vertex{
         point.position, inside ? -point.normal : point.normal, hit.side.object(), inside, material_index, hit.side,
         hit.primitive};
     if constexpr (has<Config>(Feature::textures)) {

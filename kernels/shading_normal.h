@@ -23,7 +23,7 @@ PT_HD inline Vec3<typename Config::Real> normal_of_corners(const Scene& scene,
                                                            const Vec3<typename Config::Real>& own) {
     using Real = typename Config::Real;
     const std::uint32_t object = hit.side.object();
-    const CornerNormals corners = scene.corner_normals[normals.first_normal + hit.primitive];
+    const CornerNormals corners = scene.mesh_search->normals.corners[normals.first_normal + hit.primitive];
     const Vec3<Real> weights =
         weights_of_corners(scene.meshes[object - first_of<ShapeKind::mesh>(scene)], hit.primitive,
                            at_rest<Config>(scene, object, ray.origin, ray.time), ray.direction);
@@ -121,10 +121,10 @@ PT_HD inline Vec3<typename Config::Real> shading_normal_at(const Scene& scene, c
                                                            const Vec3<typename Config::Real>& position,
                                                            const Vec3<typename Config::Real>& own) {
     using Real = typename Config::Real;
-    if (scene.object_normals.size == 0) {
+    if (scene.mesh_search->normals.objects.size == 0) {
         return own;
     }
-    const ObjectNormals<Real>& normals = scene.object_normals[hit.side.object()];
+    const ObjectNormals<Real>& normals = scene.mesh_search->normals.objects[hit.side.object()];
     Vec3<Real> normal = own;
     if constexpr (has<Config>(Feature::mesh)) {
         if (normals.first_normal != ObjectNormals<Real>::none) {
@@ -146,7 +146,7 @@ PT_HD inline Vec3<typename Config::Real> shading_normal_at(const Scene& scene, c
 
 // Gives the vertex the normal that it is shaded with. False: the ray comes from behind that one, and is lost.
 template <class Config>
-PT_HD inline bool bend_normal(Vertex<typename Config::Real>& vertex, const SceneView<typename Config::Real>& scene,
+PT_HD inline bool bend_normal(VertexOf<Config>& vertex, const SceneView<typename Config::Real>& scene,
                               const Ray<typename Config::Real>& ray, const Hit<typename Config::Real>& hit) {
     using Real = typename Config::Real;
     const Vec3<Real> facing = vertex.normal();

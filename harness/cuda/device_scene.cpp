@@ -112,8 +112,7 @@ std::string baked_text(const SceneView<Real>& scene) {
     BakedText text;
     for_each_array(scene, [&](const SceneArray& array, const auto& view) {
         using Element = std::remove_cvref_t<decltype(*view.data)>;
-        if (array.kind != ArrayKind::matrix && array.kind != ArrayKind::selection && array.kind != ArrayKind::texture &&
-            array.kind != ArrayKind::normals) {
+        if (array.kind != ArrayKind::matrix && array.kind != ArrayKind::selection && array.kind != ArrayKind::texture) {
             text.add(array.name, is_baked<Element> ? view : View<Element>{});
         }
     });
@@ -157,9 +156,17 @@ void DeviceScene<Real>::reserve(Arena& arena) {
         }
     });
     view_.mesh_search = nullptr;
-    if (tree_ != nullptr) {
+    if (tree_ != nullptr || has_normals()) {
         view_.mesh_search = arena.take<MeshSearch<Real>>(1);
-        search_ = {nullptr, nullptr, tree_->objects(), tree_->flat()};
+        search_ = {};
+    }
+    if (tree_ != nullptr) {
+        search_.objects = tree_->objects();
+        search_.flat = tree_->flat();
+    }
+    if (has_normals()) {
+        const ShadingNormals<Real>& normals = host_.mesh_search->normals;
+        search_.normals = {placed(arena, normals.objects), placed(arena, normals.corners)};
     }
     view_.environment_map = nullptr;
     if (host_.environment_map != nullptr) {
@@ -196,8 +203,12 @@ void DeviceScene<Real>::upload(const Module& module, cudaStream_t stream) const 
     SceneView<Real> host = host_;
     host.meshes = {instances_.data(), static_cast<std::uint32_t>(instances_.size())};
     copy_to_device(view_.meshes, host.meshes, stream);
-    if (tree_ != nullptr) {
+    if (view_.mesh_search != nullptr) {
         copy_to_device(View<MeshSearch<Real>>{view_.mesh_search, 1}, View<MeshSearch<Real>>{&search_, 1}, stream);
+    }
+    if (has_normals()) {
+        copy_to_device(search_.normals.objects, host_.mesh_search->normals.objects, stream);
+        copy_to_device(search_.normals.corners, host_.mesh_search->normals.corners, stream);
     }
     if (host_.environment_map != nullptr) {
         copy_to_device(environment_map_.rows, host_.environment_map->rows, stream);

@@ -42,6 +42,8 @@ public:
     std::size_t mesh_bytes() const;
 
 private:
+    bool has_normals() const { return contains(features_, Feature::shading_normals); }
+
     const SceneView<Real>& host_;
     FeatureSet features_;
     bool is_baked_;

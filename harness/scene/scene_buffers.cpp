@@ -454,13 +454,13 @@ void SceneBuffers<Real>::make_normals(const Scene& scene) {
         if (object.shading_normals) {
             const auto [first, is_new] = first_normal.try_emplace(object.mesh, 0);
             if (is_new) {
-                first->second = append(arrays_.corner_normals, scene.meshes[object.mesh]->normals);
+                first->second = append(corner_normals_, scene.meshes[object.mesh]->normals);
             }
             normals.first_normal = first->second;
         }
         normals.map = images.place(material.normal_texture.get());
         normals.map_scale = static_cast<Real>(material.normal_scale);
-        arrays_.object_normals.push_back(normals);
+        object_normals_.push_back(normals);
     }
 }
 
@@ -493,6 +493,7 @@ void SceneBuffers<Real>::make_search(const Acceleration& acceleration) {
         search_.objects = tree_->objects_view();
         search_.flat = tree_->flat_view();
     }
+    search_.normals = {view_of(object_normals_), view_of(corner_normals_)};
     view_.mesh_search = &search_;
 }
 

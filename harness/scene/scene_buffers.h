@@ -60,8 +60,6 @@ struct SceneStorage {
     std::vector<ObjectTexture<Real>> object_textures;
     std::vector<Vec3<float>> texels;
     std::vector<CornerCoordinates> texture_coordinates;
-    std::vector<ObjectNormals<Real>> object_normals;
-    std::vector<CornerNormals> corner_normals;
 };
 
 template <class Real>
@@ -99,6 +97,8 @@ private:
     std::vector<MeshGeometry> meshes_;
     std::vector<LightExtent> light_extents_;  // of arrays_.lights
     std::shared_ptr<const SceneTree> tree_;
+    std::vector<ObjectNormals<Real>> object_normals_;
+    std::vector<CornerNormals> corner_normals_;
     MeshSearch<Real> search_;
     std::unique_ptr<const EnvironmentTable<Real>> environment_;
     SceneView<Real> view_;
