@@ -19,9 +19,9 @@ struct LaneCounters {
         unfinished_walks += static_cast<std::uint32_t>(of_step.unfinished_walks);
     }
     __device__ void add_if_many(Totals* totals) {
-        PathCounters sums = wide();
-        pt::cuda::add_if_many(totals, sums);
-        if (sums.paths == 0) {
+        if (rays + paths >= pt::cuda::few_rays) {
+            PathCounters sums = wide();
+            pt::cuda::add_if_many(totals, sums);
             *this = {};
         }
     }
@@ -115,11 +115,11 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
             end_path(film, path, counters, ended);
             kind = Kinds::over;
         }
+        counters.add_if_many(totals);
         if (taken.kind == Kinds::over) {
             bool is_exhausted = false;
             alive = begin_paths(scene, items, pieces, active && !alive, cache, path, is_exhausted) || alive;
             kind = active && is_exhausted ? Kinds::retired : kind;
-            counters.add_if_many(totals);
         }
         if (alive && Kinds::has_walks && walk.is_on()) {
             kind = Kinds::walking;
