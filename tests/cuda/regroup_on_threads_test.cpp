@@ -4,15 +4,16 @@
 #include "tests/support/block_on_threads.h"
 
 #include <algorithm>
+#include <functional>
 
 #include <gtest/gtest.h>
 
 #include "harness/places.h"
 #include "harness/render/film.h"
 #include "harness/scene/scene_buffers.h"
-#include "tests/support/render.h"
 #include "variants/accelerator/brute_force.h"
 #include "variants/cuda/kernel_config.h"
+#include "variants/integrator/depth_first.h"
 #include "variants/integrator/regroup_parameters.cuh"
 #include "variants/layout/aos.cuh"
 
@@ -43,47 +44,73 @@ struct Rendered {
     PathCounters counted;
 };
 
-Rendered regrouped(const ::pt::Scene& scene, const RenderSettings& settings, std::uint32_t samples,
-                   std::uint32_t samples_per_piece) {
-    const SceneBuffers<float> buffers(scene, settings);
-    Rendered rendered{Film(settings.width, settings.height, radiance_bound(scene, settings), samples), {}};
-    const FilmView film = rendered.film.view();
+constexpr std::uint32_t samples = 3;
+
+Rendered regrouped(const SceneView<float>& view, Film film, std::uint32_t samples_per_piece) {
+    Rendered rendered{std::move(film), {}};
+    const FilmView sums = rendered.film.view();
     std::vector<cuda::Totals> totals(cuda::counter_copies);
     std::uint64_t next_piece = 0;
     run_blocks(2, kernel_config.block, [&] {
-        ::regroup(buffers.view(), film, 0, samples, ::HitCache{}, totals.data(), nullptr, samples_per_piece,
-                  &next_piece);
+        ::regroup(view, sums, 0, samples, ::HitCache{}, totals.data(), nullptr, samples_per_piece, &next_piece);
     });
     for (const cuda::Totals& copy : totals) {
         rendered.counted.paths += copy.paths.paths;
         rendered.counted.rays += copy.paths.rays;
+        rendered.counted.connections += copy.paths.connections;
         rendered.counted.unfinished_walks += copy.paths.unfinished_walks;
     }
     return rendered;
 }
 
-TEST(Regroup, LeavesTheSameFilm) {
-    for (const auto& [name, depth] : {std::pair{"cornell_closed_five", 8u}, {"cornell_open_five", 1u}}) {
-        const ::pt::Scene scene = [&] {
-            ::pt::Scene found = find_scene(name);
-            found.camera.width = 11;  // strips of 32 pixels over several rows, and the last one short
-            found.camera.height = 7;
-            return found;
-        }();
-        RenderSettings settings = default_settings(scene);
-        settings.depth = depth;
-        settings.seed = 1;
-        const std::uint32_t samples = 3;
-        const Film expected = render<float>(scene, {.samples = samples, .depth = depth});
-        for (const std::uint32_t samples_per_piece : {1u, 2u}) {
-            const Rendered rendered = regrouped(scene, settings, samples, samples_per_piece);
-            EXPECT_EQ(rendered.film.sums(), expected.sums()) << name;
-            EXPECT_EQ(rendered.counted.paths, 11u * 7 * samples) << name;
+Rendered one_by_one(const SceneView<float>& view, Film film) {
+    Rendered rendered{std::move(film), {}};
+    for (std::uint32_t pixel = 0; pixel < view.pixel_count(); ++pixel) {
+        PixelSum<::Configuration> sum;
+        for (std::uint32_t sample = 0; sample < samples; ++sample) {
+            integrator::depth_first::trace<::Configuration>(view, rendered.film.view(), sum, pixel, sample, nullptr,
+                                                            false, rendered.counted);
         }
+        sum.finish(rendered.film.view(), pixel);
+    }
+    return rendered;
+}
+
+void expect_same(const char* name, const std::function<void(RenderSettings&)>& change) {
+    const ::pt::Scene scene = find_scene(name);
+    RenderSettings settings = default_settings(scene);
+    settings.seed = 1;
+    settings.width = 11;  // strips of 32 pixels over several rows, and the last one short
+    settings.height = 7;
+    change(settings);
+    const SceneBuffers<float> buffers(scene, settings);
+    const Film film(settings.width, settings.height, radiance_bound(scene, settings), samples);
+    const Rendered expected = one_by_one(buffers.view(), film);
+    for (const std::uint32_t samples_per_piece : {1u, 2u}) {
+        const Rendered rendered = regrouped(buffers.view(), film, samples_per_piece);
+        EXPECT_EQ(rendered.film.sums(), expected.film.sums()) << name;
+        EXPECT_EQ(rendered.counted.paths, 11u * 7 * samples) << name;
+        EXPECT_EQ(rendered.counted.rays, expected.counted.rays) << name;
+        EXPECT_EQ(rendered.counted.connections, expected.counted.connections) << name;
+        EXPECT_EQ(rendered.counted.unfinished_walks, expected.counted.unfinished_walks) << name;
     }
 }
 
-// Slots are handed back under kinds in a fixed order, a slot after the other in its own, and retire after so many turns.
+TEST(Regroup, LeavesTheSameFilm) {
+    expect_same("cornell_closed_five", [](RenderSettings&) {});
+    expect_same("cornell_open_five", [](RenderSettings& settings) { settings.depth = 1; });
+}
+
+TEST(Regroup, CountsConnectionsAndPathsThatRouletteEnds) {
+    expect_same("cornell_closed_five", [](RenderSettings& settings) {
+        settings.next_event = true;
+        settings.mis_exponent = 1;
+        settings.roulette_start = 2;
+    });
+}
+
+// Slots are handed back under kinds in a fixed order, a slot after the other in its own, and retire after so many
+// turns.
 TEST(PathPool, HandsOutWhatItWasGivenUnderOneKindAndOnce) {
     constexpr std::uint32_t turns = 20;
     static ::PathPool pool;

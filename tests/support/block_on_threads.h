@@ -84,6 +84,7 @@ inline unsigned __ballot_sync(unsigned, bool vote) {
         return votes;
     });
 }
+inline bool __any_sync(unsigned mask, bool vote) { return __ballot_sync(mask, vote) != 0; }
 inline unsigned __match_any_sync(unsigned, std::uint32_t value) {
     return pt::test::with_values_of_warp(value, [&](const std::uint64_t* values) {
         unsigned equal = 0;
@@ -102,6 +103,7 @@ template <class T>
 T __shfl_xor_sync(unsigned mask, T value, unsigned distance) {
     return __shfl_sync(mask, value, (pt::test::host_thread % 32) ^ distance);
 }
+inline int __ffs(int bits) { return bits == 0 ? 0 : std::countr_zero(static_cast<unsigned>(bits)) + 1; }
 inline int __popc(unsigned bits) { return std::popcount(bits); }
 inline void __nanosleep(unsigned) { std::this_thread::yield(); }
 // The atomic operations beside it have its order here.

@@ -1,4 +1,5 @@
-// A lock in shared memory that a warp takes as a whole, and what warps ask of their lanes.
+// How the warps of a block hand things to each other in shared memory without a barrier: words that are released and
+// acquired, a lock that a warp takes as a whole, and what warps ask of their lanes.
 #pragma once
 
 #include "variants/cuda/device.cuh"
@@ -22,6 +23,28 @@ __device__ inline std::uint32_t warp_max(std::uint32_t value) {
 
 // Of `lanes`, those below the calling one.
 __device__ inline std::uint32_t rank_in(unsigned lanes) { return __popc(lanes & ((1u << lane()) - 1u)); }
+
+// What a thread has read or written before it releases a word happens before what another reads or writes after it
+// acquired what was released.
+template <class T>
+__device__ inline T load_acquire(const T& word) {
+#if defined(__CUDA_ARCH__)
+    const T value = *const_cast<const volatile T*>(&word);
+    __threadfence_block();
+    return value;
+#else
+    return __atomic_load_n(&word, __ATOMIC_ACQUIRE);
+#endif
+}
+template <class T>
+__device__ inline void store_release(T& word, T value) {
+#if defined(__CUDA_ARCH__)
+    __threadfence_block();
+    *const_cast<volatile T*>(&word) = value;
+#else
+    __atomic_store_n(&word, value, __ATOMIC_RELEASE);
+#endif
+}
 
 // Every lane must call both. What any lane has read or written before it releases happens before what any lane of the
 // warp that acquires next reads or writes: lanes are ordered by __syncwarp, lane 0 of both warps by fences around the

@@ -94,11 +94,11 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
             end_path(film, path, counters, ended);
             kind = Kinds::over;
         }
+        pt::cuda::add_if_many(totals, counters);
         if (taken.kind == Kinds::over) {
             bool is_exhausted = false;
             alive = begin_paths(scene, items, pieces, active && !alive, cache, path, is_exhausted) || alive;
             kind = active && is_exhausted ? Kinds::retired : kind;
-            pt::cuda::add_if_many(totals, counters);
         }
         if (alive && Kinds::has_walks && walk.is_on()) {
             kind = Kinds::walking;
