@@ -1,6 +1,6 @@
 // Russian roulette and splitting by what a path is expected to bring: its throughput times an estimate of the radiance
-// that leaves the vertex towards it, over an estimate of its pixel. A path that is expected to bring little of its pixel
-// is likely to be ended before it scatters, and one that is expected to bring much of it scatters several times
+// that leaves the vertex towards it, over an estimate of its pixel. A path that is expected to bring little of its
+// pixel is likely to be ended before it scatters, and one that is expected to bring much of it scatters several times
 // (kernels/path_tree.h); between the two bounds of the weight window neither happens. The estimates come from paths of
 // their own (harness/scene/adjoint_table.h): whatever they are, the mean is the same.
 // Vorba and Krivanek, "Adjoint-Driven Russian Roulette and Splitting in Light Transport Simulation", SIGGRAPH 2016.
@@ -25,8 +25,8 @@ struct AdjointCache {
     // Window on what a path is expected to bring, in units of its pixel.
     Real lowest, highest;
     std::uint32_t most_branches;  // 1: no splitting
-    // All relative to the image's mean: what paths bring from a cell and side on, over what they carried there; how much
-    // more it is after so many segments; and 1 over what a pixel is.
+    // All relative to the image's mean: what paths bring from a cell and side on, over what they carried there; how
+    // much more it is after so many segments; and 1 over what a pixel is.
     View<float> by_place;
     View<float> by_segment;
     View<float> by_pixel;
@@ -63,8 +63,8 @@ PT_HD inline Real sum_of_channels(const Vec3<Real>& colour) {
 
 // What a path that has arrived at a vertex, after `segments`, is expected to bring from there, in units of its pixel.
 template <class Real>
-PT_HD inline Real expected_share(const AdjointCache<Real>& cache, const Path<Real>& path,
-                                 const Vertex<Real>& vertex, std::uint32_t segments) {
+PT_HD inline Real expected_share(const AdjointCache<Real>& cache, const Path<Real>& path, const Vertex<Real>& vertex,
+                                 std::uint32_t segments) {
     const std::uint32_t step = min(segments, cache.by_segment.size) - 1;
     const Real place = static_cast<Real>(cache.by_place[adjoint_place(cache, vertex.position, vertex.normal())]);
     return sum_of_channels(path.throughput) * place * static_cast<Real>(cache.by_segment[step]) *

@@ -72,7 +72,7 @@ struct IntegratorTraits {
     bool seeds_by_position = false;     // tells a sampler where in the queue a path lies
     bool sums_in_order = false;         // adds a pixel's samples in their order
     bool traces_in_own_kernel = false;  // which can be one whose warps fetch rays
-    bool keeps_branches = false;         // a path may split: its branches wait beside it
+    bool keeps_branches = false;        // a path may split: its branches wait beside it
 };
 
 struct CompactionTraits {

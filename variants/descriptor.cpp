@@ -118,9 +118,8 @@ constexpr FeatureSet all_named() {
     }
     return set;
 }
-static_assert(all_named() ==
-              (all_features | traversals | mesh_levels | shortcuts | Feature::matrix | samplers | formulas |
-               path_trees));
+static_assert(all_named() == (all_features | traversals | mesh_levels | shortcuts | Feature::matrix | samplers |
+                              formulas | path_trees));
 
 }  // namespace
 

@@ -14,7 +14,8 @@ namespace pt {
 namespace {
 
 // Whatever a scene and its estimator may have, but roulette.
-using LearningConfig = Config<float, (all_features | traversals) & ~set_of(Feature::adjoint_roulette), RunTimeAccelerator>;
+using LearningConfig =
+    Config<float, (all_features | traversals) & ~set_of(Feature::adjoint_roulette), RunTimeAccelerator>;
 
 constexpr std::size_t paths_per_chunk = 128;
 // So many records of average throughput that bring the average are added to each estimate: it is wrong for few.
@@ -43,7 +44,7 @@ struct Notes {
 
 // Puts one path's vertices into `records`.
 void note_path(const SceneView<float>& scene, std::uint32_t pixel, std::uint32_t sample,
-                std::vector<AdjointRecord>& records) {
+               std::vector<AdjointRecord>& records) {
     records.clear();
     PathCounters counters;
     Path<float> path = generate<LearningConfig>(scene, pixel, sample);
@@ -87,9 +88,7 @@ private:
     double brought_ = 0, carried_ = 0;
 };
 
-float bounded(double estimate) {
-    return static_cast<float>(std::clamp(estimate, least_estimate, most_estimate));
-}
+float bounded(double estimate) { return static_cast<float>(std::clamp(estimate, least_estimate, most_estimate)); }
 
 // The grid round the vertices: low corner, and cells a unit along each axis.
 template <class Real>

@@ -1,6 +1,6 @@
-// The estimates by which kernels/adjoint.h ends and splits paths. They are learned before a render from paths of its own
-// estimator, without roulette, whose random numbers are none of the render's: so they are independent of its samples.
-// The same table on any number of threads and for every backend, and of a scene scaled by a power of two.
+// The estimates by which kernels/adjoint.h ends and splits paths. They are learned before a render from paths of its
+// own estimator, without roulette, whose random numbers are none of the render's: so they are independent of its
+// samples. The same table on any number of threads and for every backend, and of a scene scaled by a power of two.
 #pragma once
 
 #include <memory>

@@ -188,11 +188,10 @@ KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend b
     // On CUDA a kernel is compiled when it is needed, so there is one for every set.
     // A shortcut gives the bits of the plain formulas, not of others.
     const FeatureSet shortcuts_here = (needed & formulas) == 0 ? shortcuts_of(scene) : no_features;
-    KernelOffer offer{
-        needed,
-        shortcuts_here,
-        {needed, needed | shortcuts_here,
-         all_features | (needed & (samplers | formulas | traversals | mesh_levels | path_trees))}};
+    KernelOffer offer{needed,
+                      shortcuts_here,
+                      {needed, needed | shortcuts_here,
+                       all_features | (needed & (samplers | formulas | traversals | mesh_levels | path_trees))}};
     const Hook& integrator = registry.at("integrator", variant, backend).hook;
     const bool in_double = traits_of(variant, backend).precision.is_double();
     if (backend == Backend::cpu) {

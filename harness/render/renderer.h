@@ -76,7 +76,7 @@ struct RenderResult {
     CudaFacts cuda = {};                // of a render on CUDA
     MeshFacts meshes = {};              // of a scene that has some; else no triangles
     HealthCounters health = {};         // of an integrator that inspects its paths; else no paths
-    DeviceFacts devices = {};           // of several; wall_ms is slowest_ms and reduce_ms, after what a roulette learned
+    DeviceFacts devices = {};  // of several; wall_ms is slowest_ms and reduce_ms, after what a roulette learned
 };
 
 // The kernel that a variant runs for a scene: what is needed, and what the kernel that was compiled contains.

@@ -139,8 +139,10 @@ TYPED_TEST(AdjointTest, HasTheMeanOfWholePaths) {
     for (const auto& ball : balls) {
         const Scene scene = stage(lamp, ball);
         const auto off = means_of<TypeParam>(scene, {.samples = 150, .seed = 41});
-        expect_equal_means(off, means_of<TypeParam>(scene, {.samples = 150, .seed = 42, .adjoint = roulette}), "roulette");
-        expect_equal_means(off, means_of<TypeParam>(scene, {.samples = 80, .seed = 43, .adjoint = splitting}), "splitting");
+        expect_equal_means(off, means_of<TypeParam>(scene, {.samples = 150, .seed = 42, .adjoint = roulette}),
+                           "roulette");
+        expect_equal_means(off, means_of<TypeParam>(scene, {.samples = 80, .seed = 43, .adjoint = splitting}),
+                           "splitting");
         expect_equal_means(
             off, means_of<TypeParam>(scene, {.samples = 60, .seed = 44, .next_event = true, .adjoint = splitting}),
             "splitting with connections");
@@ -152,14 +154,8 @@ TYPED_TEST(AdjointTest, HasTheirMeanWithAWrongTable) {
     const Scene scene = stage(lamp);
     const auto off = means_of<TypeParam>(scene, {.samples = 200, .depth = 5, .seed = 51});
     const std::pair<const char*, Spoil<TypeParam>> wrongs[] = {
-        {"ones",
-         [](auto& table) {
-             std::ranges::fill(table.by_place, 1.0f);
-         }},
-        {"nothing",
-         [](auto& table) {
-             std::ranges::fill(table.by_place, 0.0f);
-         }},
+        {"ones", [](auto& table) { std::ranges::fill(table.by_place, 1.0f); }},
+        {"nothing", [](auto& table) { std::ranges::fill(table.by_place, 0.0f); }},
         {"noise",
          [](auto& table) {
              test::Random random(7);
@@ -175,7 +171,8 @@ TYPED_TEST(AdjointTest, HasTheirMeanWithAWrongTable) {
             // Few survive where nothing is expected: it takes more of them to see the mean.
             const std::uint32_t samples = std::string(name) == "nothing" ? 800 : 150;
             expect_equal_means(
-                off, means_of<TypeParam>(scene, {.samples = samples, .depth = 5, .seed = 52, .adjoint = settings}, spoil),
+                off,
+                means_of<TypeParam>(scene, {.samples = samples, .depth = 5, .seed = 52, .adjoint = settings}, spoil),
                 name + std::string(settings.branches > 1 ? ", splitting" : ", roulette"));
         }
     }
@@ -251,8 +248,8 @@ TYPED_TEST(AdjointTest, WithinTheWindowChangesNothing) {
 // Branches of a vertex draw numbers of their own, from every source of numbers that has a branch's number in its key.
 TYPED_TEST(AdjointTest, BranchesDifferWithEverySampler) {
     const Scene scene = stage(lamp);
-    for (const Feature sampler : {Feature::philox, Feature::sobol_owen, Feature::sobol_rotated, Feature::pmj02,
-                                  Feature::halton}) {
+    for (const Feature sampler :
+         {Feature::philox, Feature::sobol_owen, Feature::sobol_rotated, Feature::pmj02, Feature::halton}) {
         const Options options{.depth = 4, .sampler = set_of(sampler)};
         const RandomSeed seed = SceneBuffers<TypeParam>(scene, settings_of(scene, options)).view().seed;
         using Kernel = Config<TypeParam, all_features | samplers>;

@@ -10,12 +10,11 @@ namespace pt::lanes {
 // Kernels whose shading has no more to it than that. Kinds of objects and materials may be there: they only send a lane
 // through shade.
 template <class Config>
-inline constexpr bool shades_in_lanes = (Config::features &
-                                         (Feature::emission | Feature::absorption | Feature::environment |
-                                          Feature::environment_map | Feature::final_bounce | light_samplings |
-                                          light_selections | Feature::one_sample | Feature::russian_roulette |
-                                          Feature::adjoint_roulette |
-                                          Feature::matrix | Feature::textures | samplers)) == 0;
+inline constexpr bool shades_in_lanes =
+    (Config::features &
+     (Feature::emission | Feature::absorption | Feature::environment | Feature::environment_map |
+      Feature::final_bounce | light_samplings | light_selections | Feature::one_sample | Feature::russian_roulette |
+      Feature::adjoint_roulette | Feature::matrix | Feature::textures | samplers)) == 0;
 
 // Loads at addresses that depend on the lane: no vectors. A lane that hit nothing reads object 0.
 template <class Real>

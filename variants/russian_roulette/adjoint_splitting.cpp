@@ -13,9 +13,10 @@ constexpr Tunable tunables[] = {
 
 Reason unsupported_reason(FeatureSet, const VariantTraits& variant) {
     if (!variant.integrator.keeps_branches) {
-        return {"needs_branches", "needs an integrator that keeps the branches of a path: depth_first, megakernel, "
-                                  "megakernel_regen or persistent, not " +
-                                      std::string(variant.integrator.name)};
+        return {"needs_branches",
+                "needs an integrator that keeps the branches of a path: depth_first, megakernel, "
+                "megakernel_regen or persistent, not " +
+                    std::string(variant.integrator.name)};
     }
     if (variant.sampler.is_by_position) {
         return {"needs_numbered_branches",

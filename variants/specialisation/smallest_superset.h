@@ -18,8 +18,8 @@ inline constexpr Tunable feature_tunables[] = {
 
 inline constexpr FeatureSet only_where_asked = formulas | traversals | mesh_levels | path_trees;
 
-// Every feature of scenes and estimators, meshes only where the scene has one; of formulas and trees of paths only those
-// that the variant asks for, and the fewest samplers that serve it, since neither depends on the scene.
+// Every feature of scenes and estimators, meshes only where the scene has one; of formulas and trees of paths only
+// those that the variant asks for, and the fewest samplers that serve it, since neither depends on the scene.
 inline FeatureSet every_feature(const KernelOffer& offer) {
     FeatureSet best = all_features | samplers | (offer.needed & only_where_asked);
     for (const FeatureSet candidate : offer.compiled) {
@@ -35,9 +35,8 @@ inline FeatureSet smallest_superset(const KernelOffer& offer, const Variant& var
     FeatureSet best = every_feature(offer);
     const auto surplus = [](FeatureSet set) { return std::popcount(set & (all_features | samplers)); };
     for (const FeatureSet candidate : offer.compiled) {
-        const bool fits =
-            is_superset(candidate, offer.needed) &&
-            is_superset(all_features | samplers | allowed | (offer.needed & only_where_asked), candidate);
+        const bool fits = is_superset(candidate, offer.needed) &&
+                          is_superset(all_features | samplers | allowed | (offer.needed & only_where_asked), candidate);
         if (fits && (surplus(candidate) < surplus(best) ||
                      (surplus(candidate) == surplus(best) && std::popcount(candidate) > std::popcount(best)))) {
             best = candidate;
