@@ -153,7 +153,7 @@ public:
         look(HealthSite::direction, is_finite(path.direction), path);
         look(HealthSite::throughput, is_finite(path.throughput), path);
         counters_.negative += is_negative(path.throughput) ? 1u : 0u;
-        if (scene_.roulette_start == 0) {
+        if (scene_.roulette_start == 0 && scene_.adjoint == nullptr) {
             const Real sum = path.throughput.x + path.throughput.y + path.throughput.z;
             counters_.gains += sum > Real(3) * (Real(1) + Real(0x1p-20)) ? 1u : 0u;
         }

@@ -19,7 +19,7 @@ using LearningConfig =
 
 constexpr std::size_t paths_per_chunk = 128;
 // So many records of average throughput that bring the average are added to each estimate: it is wrong for few.
-constexpr double records_of_the_mean = 8;
+constexpr double records_of_the_mean = 32;
 constexpr std::uint32_t most_tiles = 16;  // a side, of the image's estimate
 constexpr std::uint32_t most_steps = 64;  // segments with an estimate of their own
 // Along each axis so much of the vertices may lie beyond either side of the grid.

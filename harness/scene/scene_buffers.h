@@ -16,7 +16,7 @@ namespace pt {
 // Roulette, and splitting, by what a path is expected to bring (harness/render/adjoint_table.h).
 struct AdjointSettings {
     std::uint32_t paths = 0;     // that are traced to learn it; 0: there is none
-    std::uint32_t cells = 16;    // of the grid, along each axis
+    std::uint32_t cells = 8;     // of the grid, along each axis
     std::uint32_t window = 5;    // the upper bound of the weight window over the lower
     std::uint32_t branches = 1;  // of a path at a vertex, at most; 1: no splitting
 };

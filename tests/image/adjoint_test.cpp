@@ -331,13 +331,13 @@ TEST(AdjointTableTest, KnowsAFurnace) {
     }
     const double average = all_brought / all_carried;
     // A side's estimate is the average but for which segments happen to end there: among its 1700 records, which differ
-    // by half of their mean, 5 standard errors are 6 %; 8 records more count as the average.
+    // by half of their mean, 5 standard errors are 6 %; 32 records more count as the average.
     ASSERT_EQ(table->by_place.size(), 6u);
     for (const float place : table->by_place) {
         EXPECT_NEAR(place * left(1) * 3, average, 0.06 * average);
     }
     ASSERT_EQ(table->by_segment.size(), depth - 1);
-    const double added = 8 * all_brought / static_cast<double>(records.vertices.size());
+    const double added = 32 * all_brought / static_cast<double>(records.vertices.size());
     for (std::uint32_t segment = 1; segment < depth; ++segment) {
         const double weight = roulette.paths * carried(segment);
         const double expected = (weight * left(segment) + added) / (weight * average + added);

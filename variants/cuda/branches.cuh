@@ -59,4 +59,5 @@ private:
     Tree tree_;
 };
 
-using BranchesHere = Branches<pt::has<Configuration>(pt::Feature::splitting)>;
+inline constexpr bool paths_split = pt::has<Configuration>(pt::Feature::splitting);
+using BranchesHere = Branches<paths_split>;

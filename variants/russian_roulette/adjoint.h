@@ -14,7 +14,7 @@ inline constexpr Tunable adjoint_paths_tunable{"adjoint_paths",
                                                true};
 inline constexpr Tunable adjoint_cells_tunable{
     "adjoint_cells",
-    16,
+    8,
     1,
     64,
     1,
