@@ -66,6 +66,11 @@ class CrosscheckSource:
         return f"{self._context['mitsuba.version']} (`{self._context['mitsuba.variant']}`)"
 
     @property
+    def variant(self) -> str:
+        """Mitsuba's."""
+        return self._context["mitsuba.variant"]
+
+    @property
     def settings(self) -> str:
         """What every scene was rendered with."""
         width, height = self._settings["resolution"]

@@ -77,7 +77,7 @@ def _own_on_gpu(meshes: int) -> list[Wanted]:
     by_tree = meshes > _MOST_IN_TURN
     kernel = ("integrator=persistent", *base)
     if meshes:
-        # Lanes put their leaves off until all have one: of the orders in one kernel the quickest.
+        # Lanes put their leaves off until all have one: over large meshes the quickest order in one kernel.
         kernel += ("accelerator=cwbvh", "traversal=speculative", *(("levels=two_level",) if by_tree else ()))
     own = [_own(f"persistent {LIGHTS} projected", *kernel, *lit)]
     own += [_own(f"persistent {light}", *kernel, f"direct_light={light}") for light in (LIGHTS, CHANCE)]
