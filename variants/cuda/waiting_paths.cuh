@@ -42,11 +42,7 @@ public:
         walk_step_.put(slot, walk.step);
         walk_object_.put(slot, walk.object);
         walk_on_surface_.put(slot, walk.on_surface ? 1u : 0u);
-        if constexpr (guides_walks) {
-            walk_normal_.put(slot, walk.normal);
-            walk_colour_.put(slot, walk.choice.colour);
-            walk_choice_.put(slot, (walk.choice.is_guided ? 1u : 0u) + (walk.drew_direction ? 2u : 0u));
-        }
+        put_guide(slot, walk);
     }
 
     __device__ void get(std::uint32_t slot, const Scene& scene, Path& path, Walk& walk) const {
@@ -61,15 +57,29 @@ public:
         walk.step = walk_step_.get(slot, walk.step);
         walk.object = walk_object_.get(slot, walk.object);
         walk.on_surface = walk_on_surface_.get(slot, walk.on_surface ? 1u : 0u) != 0;
+        get_guide(slot, walk);
+    }
+
+private:
+    // What guides a walk; templates, so that kernels without it need not compile it.
+    template <class WalkHere>
+    __device__ void put_guide(std::uint32_t slot, const WalkHere& walk) {
         if constexpr (guides_walks) {
-            walk.normal = walk_normal_.get(slot, walk.normal);
+            walk_normal_.put(slot, walk.normal);
+            walk_colour_.put(slot, walk.choice.colour);
+            walk_choice_.put(slot, (walk.choice.is_guided ? 1u : 0u) + (walk.drew_direction ? 2u : 0u));
+        }
+    }
+    template <class WalkHere>
+    __device__ void get_guide(std::uint32_t slot, WalkHere& walk) const {
+        if constexpr (guides_walks) {
             const std::uint32_t choice = walk_choice_.get(slot, 0u);
+            walk.normal = walk_normal_.get(slot, walk.normal);
             walk.choice = {walk_colour_.get(slot, 0u), (choice & 1u) != 0};
             walk.drew_direction = (choice & 2u) != 0;
         }
     }
 
-private:
 #define PT_COLUMN_vector(name, is_carried) Vectors<is_carried> name##_;
 #define PT_COLUMN_real(name, is_carried) Column<Real, is_carried> name##_;
 #define PT_COLUMN_word(name, is_carried) Column<std::uint32_t, is_carried> name##_;
