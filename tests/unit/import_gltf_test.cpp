@@ -75,7 +75,7 @@ struct Gltf {
         result = import_gltf({.text = text, .file = "in/small.gltf", .out = "back.json", .name = ""});
         MeshesToBe::Meshes meshes;
         for (const ImportedMesh& imported : result.meshes) {
-            meshes[imported.file] = make_scene_mesh(imported.mesh, imported.file);
+            meshes[imported.file] = make_scene_mesh(imported.mesh, imported.file, true);
         }
         const MeshesToBe to_be(std::move(meshes));
         ImagesToBe::Contents images;
