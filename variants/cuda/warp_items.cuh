@@ -38,28 +38,23 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
     bool holds = false;  // a path, alive or ended
     pt::Walk walk;
     Path path;
-    [[maybe_unused]] BranchesHere branches;
+    BranchesHere branches;
     do {
         const unsigned living = __ballot_sync(all_lanes, alive);
         if (__popc(living) <= static_cast<int>(tuned::regenerate_at)) {
             if (!alive) {
                 if (holds) {
                     pt::accumulate(film, path);
-                    std::uint32_t rays = path.segment, longest = path.segment;
-                    if constexpr (paths_split) {
-                        rays = branches.rays(path);
-                        longest = branches.longest(path);
-                        branches.start_again();
-                    }
-                    counters.rays += rays - (kernel_config.keeps_first_hits ? 1 : 0);
+                    counters.rays += branches.rays(path) - (kernel_config.keeps_first_hits ? 1 : 0);
                     counters.paths += 1;
                     if (ended != nullptr) {
-                        pt::atomic_add(&ended[longest - 1], std::uint64_t{1});
+                        pt::atomic_add(&ended[branches.longest(path) - 1], std::uint64_t{1});
                     }
                 }
                 const std::uint32_t item = next + __popc(~living & ((1u << pt::cuda::lane()) - 1u));
                 alive = holds = items.exists(item);
                 if (alive) {
+                    branches.start_again();
                     path = first_path(scene.shade, pt::cuda::in_image(items.place(item), items.width),
                                       items.sample(item), cache);
                 }
@@ -68,12 +63,7 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
             next += __popc(~living);
         }
         if (alive) {
-            // A member function that does no more than that gives some kernels other registers.
-            if constexpr (paths_split) {
-                alive = branches.take_step(scene, path, walk, cache, counters);
-            } else {
-                alive = take_step(scene, path, walk, cache, counters);
-            }
+            alive = branches.take_step(scene, path, walk, cache, counters);
         }
     } while (__any_sync(all_lanes, holds));
 }
