@@ -112,9 +112,8 @@ TEST_F(Gate, PassesASoundIntegrator) {
     }
 }
 
-// Warps whose lanes take waiting paths at the first and at the last moment, and those of blocks so large that no paths
-// can wait in their shared memory (variants/cuda/warp_items.cuh).
-TEST_F(Gate, PassesWarpsWhateverTheirPathsWaitFor) {
+// Warps whose lanes take new paths at the first and at the last moment, and those of large blocks.
+TEST_F(Gate, PassesWarpsWhateverTheirLanesWaitFor) {
     const Scene scene = find_scene("cornell_open_five");
     RenderSettings settings = default_settings(scene);
     settings.width = 40;  // not a whole number of strips
