@@ -129,9 +129,9 @@ struct Case {
 };
 
 // In the order of the catalogue.
-inline constexpr std::string_view families[] = {"cavities",   "irradiance", "geometry", "dielectrics", "media",
-                                                "throughput", "film",       "identity", "meshes",      "lights",
-                                                "own"};
+inline constexpr std::string_view families[] = {"cavities", "irradiance", "geometry", "dielectrics",
+                                                "media",    "throughput", "film",     "identity",
+                                                "meshes",   "lights",     "own"};
 
 // All cases, by family and then by number in the catalogue.
 const std::vector<Case>& catalogue();

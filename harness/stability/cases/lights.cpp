@@ -122,7 +122,8 @@ std::vector<Measurement> bright_texel(const Values& v, const DirectSetting& sett
                        static_cast<long double>(sample.place.radiance.x) *
                        static_cast<long double>(sample.place.inverse_pdf);
                 const EnvironmentPlace<Real> met = environment_towards(map, sample.direction);
-                elsewhere += met.inverse_pdf == sample.place.inverse_pdf && met.radiance == sample.place.radiance ? 0u : 1u;
+                elsewhere +=
+                    met.inverse_pdf == sample.place.inverse_pdf && met.radiance == sample.place.radiance ? 0u : 1u;
             }
         }
         const long double row = std::cos(pi<long double> * bright_row / sky_height) -
@@ -154,7 +155,8 @@ std::vector<Measurement> texture_edge(const Values& v, const DirectSetting& sett
         }
         double worst = 0, least = 1, most = 0;
         for (std::uint32_t i = 0; i < 4096; ++i) {
-            // In halves of a texel from the image's left edge, and up to 1 one further: half of them on an edge or middle.
+            // In halves of a texel from the image's left edge, and up to 1 one further: half of them on an edge or
+            // middle.
             const std::uint32_t halves = (i * 2654435761u >> 8) % (2 * count + 4);
             const double beside = i % 2 == 0 ? 0 : static_cast<double>(i) / 4096;
             const auto at = static_cast<Real>((halves + beside) / (2.0 * count));
@@ -174,8 +176,15 @@ std::vector<Measurement> texture_edge(const Values& v, const DirectSetting& sett
              .measured = worst,
              .tolerance = {0x1p-23 * count, 0x1p-52 * count,
                            "a coordinate of up to 1 is held to 2^-24, and texels are so many times as near"}},
-            {.quantity = "least value", .measured = least, .relation = Relation::at_least, .tolerance = {0, 0, "a blend of numbers from 0 to 1"}},
-            {.quantity = "greatest value", .measured = most, .exact = 1, .relation = Relation::at_most, .tolerance = {0, 0, "a blend of numbers from 0 to 1"}}};
+            {.quantity = "least value",
+             .measured = least,
+             .relation = Relation::at_least,
+             .tolerance = {0, 0, "a blend of numbers from 0 to 1"}},
+            {.quantity = "greatest value",
+             .measured = most,
+             .exact = 1,
+             .relation = Relation::at_most,
+             .tolerance = {0, 0, "a blend of numbers from 0 to 1"}}};
     };
     return setting.precision.is_double() ? measured(double{}) : measured(float{});
 }
@@ -183,7 +192,8 @@ std::vector<Measurement> texture_edge(const Values& v, const DirectSetting& sett
 std::string limit_of_many(const Values& v, const VariantTraits& variant) {
     const ManyBalls balls = balls_of(v);
     // The brightest of each octave of powers: so few lamps carry half the light.
-    const double share = balls.radius() * balls.radius() * std::max(1.0, balls.count * 0.3 / std::max(0.3, v["decades"]));
+    const double share =
+        balls.radius() * balls.radius() * std::max(1.0, balls.count * 0.3 / std::max(0.3, v["decades"]));
     return rare_or_dim(variant, share, 1, albedo * balls.irradiance() / pi<double>);
 }
 
@@ -192,7 +202,8 @@ const CaseRegistration cases({
      .catalogue = "P10",
      .family = "lights",
      .title = "thousands of balls of light whose powers go over twelve decades",
-     .stiff = "probabilities from 1 to 1e-16 by which light is divided: one that is rounded to 0 is a lamp that is gone",
+     .stiff =
+         "probabilities from 1 to 1e-16 by which light is divided: one that is rounded to 0 is a lamp that is gone",
      .formula = "the sum of pi L (R/d)^2 cos w",
      .parameters = {{"count", 256, 1, 1e5, "lamps", true}, {"decades", 12, 0, 30, "of their powers"}},
      .points = {{{"decades", 0}}, {{"decades", 12}}, {{"count", 4096}}, {{"count", 4096}, {"decades", 0}}},
@@ -222,7 +233,8 @@ const CaseRegistration cases({
      .stiff = "a texel 1e8 times as bright as the rest of the sky leaves the others probabilities of 2^-32",
      .formula = "the sum of radiance times solid angle",
      .parameters = {{"contrast", 1e8, 1, 1e30, "of the bright texel to the others"}},
-     .points = {{{"contrast", 1}}, {{"contrast", 1e4}}, {{"contrast", 1e8}}, {{"contrast", 1e16}}, {{"contrast", 1e30}}},
+     .points =
+         {{{"contrast", 1}}, {{"contrast", 1e4}}, {{"contrast", 1e8}}, {{"contrast", 1e16}}, {{"contrast", 1e30}}},
      .quick_points = {{{"contrast", 1e8}}},
      .sweep = "contrast",
      .direct = bright_texel},

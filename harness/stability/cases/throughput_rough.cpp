@@ -111,7 +111,8 @@ std::vector<Measurement> rough_reciprocity(const Values& v, const DirectSetting&
         return std::vector<Measurement>{
             {.quantity = "worst relative difference of a direction's two ways",
              .measured = worst,
-             .tolerance = {1e-5, 1e-14, "roundings: 1 + slope^2 of the facet, which both ways share, and two maskings"}}};
+             .tolerance = {1e-5, 1e-14,
+                           "roundings: 1 + slope^2 of the facet, which both ways share, and two maskings"}}};
     });
 }
 
