@@ -196,9 +196,10 @@ TEST(FeatureMask, HasWhatTheSceneNeedsAndNothingElse) {
                                 c.feature == Feature::multiple_importance ||
                                 c.feature == Feature::multiple_scattering || c.feature == Feature::one_sample ||
                                 c.feature == Feature::guided_walk ||
+                                c.feature == Feature::shading_normals ||
                                 contains(light_samplings | light_selections, c.feature);
         const FeatureSet stood_on = set_of(Feature::dielectric, Feature::subsurface, Feature::next_event,
-                                           Feature::multiple_importance, Feature::rough_conductor);
+                                           Feature::multiple_importance, Feature::rough_conductor, Feature::textures);
         EXPECT_EQ(rest & ~stood_on, base) << c.name;
         EXPECT_EQ((rest & stood_on) != 0, on_another) << c.name;
     }
