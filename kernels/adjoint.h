@@ -100,6 +100,8 @@ PT_HD inline bool survives_by_share(Path<Real>& path, Real share, Real lowest, R
 
 // What befalls a path at a vertex before it scatters: in kernels without adjoint-driven roulette nothing.
 struct OneBranch {
+    template <class Config>
+    static constexpr bool acts_in = has<Config>(Feature::adjoint_roulette);
     // The path is a branch that begins at its vertex: it has been there.
     PT_HD static constexpr bool resumes() { return false; }
     // Returns whether the path goes on. `u`: in [0, 1).
@@ -107,13 +109,11 @@ struct OneBranch {
     PT_HD bool goes_on(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
                        const Vertex<typename Config::Real>& vertex, const Hit<typename Config::Real>&,
                        typename Config::Real u) const {
-        if constexpr (has<Config>(Feature::adjoint_roulette)) {
-            if (scene.adjoint != nullptr) {
-                const auto share = expected_share(*scene.adjoint, path, vertex, segments_of<Config>(path));
-                return survives_by_share(path, share, scene.adjoint->lowest, u);
-            }
+        if (scene.adjoint == nullptr) {
+            return true;
         }
-        return true;
+        const auto share = expected_share(*scene.adjoint, path, vertex, segments_of<Config>(path));
+        return survives_by_share(path, share, scene.adjoint->lowest, u);
     }
 };
 

@@ -91,6 +91,8 @@ private:
 // A tree, as shade asks for it.
 template <class Tree>
 struct BranchOfTree {
+    template <class Config>
+    static constexpr bool acts_in = true;
     Tree& tree;
 
     PT_HD bool resumes() const { return tree.resumes(); }

@@ -385,8 +385,11 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
     path.bsdf_pdf = Real(0);
     const RandomWords words =
         random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::scatter});
-    if (!branch.template goes_on<Config>(scene, path, vertex, hit, unit_interval<Real>(words.w))) {
-        return false;
+    // A call that does nothing gives some kernels other registers.
+    if constexpr (Branch::template acts_in<Config>) {
+        if (!branch.template goes_on<Config>(scene, path, vertex, hit, unit_interval<Real>(words.w))) {
+            return false;
+        }
     }
     if (!scatter<Config>(scene, traced, path, vertex, surface, words, last, counters, walk)) {
         return false;

@@ -30,6 +30,8 @@ float sum_of(const Vec3<float>& colour) { return sum_of_channels(colour); }
 
 // Notes the path at each vertex: `brought` is at first what it had collected until then, with a minus.
 struct Notes {
+    template <class Config>
+    static constexpr bool acts_in = true;
     std::vector<AdjointRecord>& records;
 
     static constexpr bool resumes() { return false; }

@@ -59,5 +59,4 @@ private:
     Tree tree_;
 };
 
-inline constexpr bool paths_split = pt::has<Configuration>(pt::Feature::splitting);
-using BranchesHere = Branches<paths_split>;
+using BranchesHere = Branches<pt::has<Configuration>(pt::Feature::splitting)>;

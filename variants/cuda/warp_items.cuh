@@ -43,7 +43,7 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
     constexpr std::uint32_t warps = (kernel_config.block + warp_size - 1) / warp_size;
     // Of blocks too large for that, and of paths that split, whose branches stay with their lane, warps begin paths only
     // once all of theirs have ended.
-    constexpr bool may_wait = !paths_split && warps * sizeof(WaitingPaths) <= most_waiting_bytes;
+    constexpr bool may_wait = !pt::has<Configuration>(pt::Feature::splitting) && warps * sizeof(WaitingPaths) <= most_waiting_bytes;
     __shared__ WaitingPaths waiting_of_warp[may_wait ? warps : 1];
     WaitingPaths& waiting = waiting_of_warp[may_wait ? threadIdx.x / warp_size : 0];
     std::uint32_t waiting_count = 0;  // the same in all lanes, as `held` is
@@ -51,23 +51,17 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
     bool alive = false;
     pt::WalkOf<Configuration> walk;
     Path path;
-    [[maybe_unused]] BranchesHere branches;
+    BranchesHere branches;
     do {
         const unsigned living = __ballot_sync(all_lanes, alive);
         if (__popc(living) <= static_cast<int>(may_wait ? tuned::regenerate_at : 0)) {
             const unsigned before = (1u << pt::cuda::lane()) - 1u;
             if (!alive && ((held >> pt::cuda::lane()) & 1u) != 0) {
                 pt::accumulate(film, path);
-                std::uint32_t rays = path.segment, longest = path.segment;
-                if constexpr (paths_split) {
-                    rays = branches.rays(path);
-                    longest = branches.longest(path);
-                    branches.start_again();
-                }
-                counters.rays += rays - (kernel_config.keeps_first_hits ? 1 : 0);
+                counters.rays += branches.rays(path) - (kernel_config.keeps_first_hits ? 1 : 0);
                 counters.paths += 1;
                 if (ended != nullptr) {
-                    pt::atomic_add(&ended[longest - 1], std::uint64_t{1});
+                    pt::atomic_add(&ended[branches.longest(path) - 1], std::uint64_t{1});
                 }
             }
             const std::uint32_t wanted = __popc(~living);
@@ -82,6 +76,7 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
                 path =
                     first_path(scene.shade, pt::cuda::in_image(place, scene.shade.camera.width), round.sample, cache);
                 walk = {};
+                branches.start_again();
                 alive = place.index < pixels;
             } else {
                 const std::uint32_t rank = __popc(~living & before);
@@ -95,12 +90,7 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
             held = __ballot_sync(all_lanes, alive);
         }
         if (alive) {
-            // A member function that does no more than that gives some kernels other registers.
-            if constexpr (paths_split) {
-                alive = branches.take_step(scene, path, walk, cache, counters);
-            } else {
-                alive = take_step(scene, path, walk, cache, counters);
-            }
+            alive = branches.take_step(scene, path, walk, cache, counters);
         }
     } while (held != 0);
 }
