@@ -92,6 +92,8 @@ AxisChoices choices_of_paths() {
     axes.erase("light_sampling");  // of connections: three and two more of each
     axes.erase("light_selection");
     axes.erase("subsurface_sampling");  // of bodies
+    axes["russian_roulette"] = {"off", "throughput",
+                                "adjoint_splitting"};  // adjoint goes with all that throughput does
     return axes;
 }
 
@@ -437,9 +439,10 @@ TEST(RegistryTest, EveryIntegratorIsCompiledForTheSameFeatureSets) {
         EXPECT_TRUE(depth_first.contains(features));
         EXPECT_EQ(packet.contains(features), !contains(features, Feature::mesh));
     }
-    // Other formulas are compiled for a path at a time only, each alone.
+    // Other formulas are compiled for a path at a time only, each alone; and only such paths split.
     for (const auto& [features, function] : depth_first) {
-        EXPECT_TRUE(wavefront.contains(features) || std::popcount(features & formulas) == 1);
+        EXPECT_TRUE(wavefront.contains(features) || std::popcount(features & formulas) == 1 ||
+                    contains(features, Feature::splitting));
     }
     const auto& audited = registry().find("integrator", "audited")->hook.integrator;
     for (const auto& [features, function] : audited) {
@@ -574,7 +577,8 @@ TEST(VariantTest, ReferenceIsThePlainestVariantOfTheSameExpectation) {
         const bool excluded =
             (formula == "matrix" && (variant["precision"] == "double" || variant["sampler"] != "pcg4d")) ||
             (has_formulas && (formula == "matrix" || variant["sampler"] != "pcg4d")) ||
-            (variant["precision"] == "double_intersection" && variant["robustness"] == "naive");
+            (variant["precision"] == "double_intersection" && variant["robustness"] == "naive") ||
+            (variant["russian_roulette"] == "adjoint_splitting" && (has_formulas || formula == "matrix"));
         if (!excluded && variant["sampler"] != "minstd_by_position") {
             EXPECT_EQ(why_not_applicable(reference, all_features), "");
         }
@@ -700,6 +704,16 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApply) {
         {{{"first_bounce", "cached_jitters"}},
          plain_features,
          "first_bounce=cached_jitters needs jitter, a lens or motion; without them first_bounce=cached is it"},
+        {{{"russian_roulette", "adjoint"}}, plain_features, ""},
+        {{{"russian_roulette", "adjoint_splitting"}},
+         plain_features,
+         "russian_roulette=adjoint_splitting needs an integrator that keeps the branches of a path: depth_first, "
+         "megakernel, megakernel_regen or persistent, not wavefront"},
+        {{{"integrator", "depth_first"}, {"russian_roulette", "adjoint_splitting"}}, plain_features, ""},
+        {{{"integrator", "depth_first"}, {"russian_roulette", "adjoint_splitting"}, {"robustness", "naive"}},
+         plain_features,
+         "russian_roulette=adjoint_splitting is compiled for the usual formulas only: needs robustness=robust, another "
+         "specialisation than matrix, and precision=float or double"},
         {{{"launch", "graph"}}, plain_features, "launch=graph is not there on the backend cpu"},
         {{{"sort_key", "ray"}}, plain_features, "sort_key=ray is not there on the backend cpu"},
         {{{"precision", "double"}},
