@@ -6,10 +6,17 @@
 namespace pt::cuda::integrator::regroup {
 namespace {
 
+constexpr Tunable min_blocks = [] {
+    Tunable bound = min_blocks_tunable;
+    bound.default_value = 4;
+    bound.generic_value = 0;
+    return bound;
+}();
+
 constexpr Tunable tunables[] = {
     {"block", 256, 32, 1024, 32, "threads a block"},
     shading_tunable,
-    min_blocks_tunable,
+    min_blocks,
     piece_tunable,
     {"pool", 0, 0, 4096, 32, "paths a block, as far as 48 KiB hold them; 0: as many as keep every warp full"},
     {"walk_until", 16, 0, 31, 1, "walks within bodies are taken on together until no more lanes than this walk"},
@@ -57,9 +64,9 @@ private:
     void launch(std::uint32_t first_sample, std::uint32_t samples) override {
         JobOf<Real>& job = this->job_;
         clear(next_piece_, sizeof *next_piece_, job.stream);
-        job.launch_blocks(blocks_, RegroupParameters<Real>{job.scene, job.film, first_sample, samples, job.cache,
-                                                           job.totals, job.lengths(),
-                                                           samples_per_strip(job, samples_per_piece_), next_piece_});
+        job.launch_blocks(
+            blocks_, RegroupParameters<Real>{job.scene, job.film, first_sample, samples, job.cache, job.totals,
+                                             job.lengths(), samples_per_strip(job, samples_per_piece_), next_piece_});
     }
 
     std::uint32_t blocks_;
