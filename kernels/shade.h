@@ -331,8 +331,8 @@ PT_HD inline void meet_light(const SceneView<typename Config::Real>& scene,
 // `branch`: what befalls the path at the vertex before it scatters; a branch that begins there has met the light there.
 template <class Config, class Branch = OneBranch>
 PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
-                        Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit,
-                        auto& counters, WalkOf<Config>& walk, Branch branch = {}) {
+                        Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit, auto& counters,
+                        WalkOf<Config>& walk, Branch branch = {}) {
     using Real = typename Config::Real;
     const bool arrives = !branch.resumes();
     if (arrives) {
@@ -411,8 +411,7 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
 // The same, walks and all.
 template <class Config>
 PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
-                        Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit,
-                        auto& counters) {
+                        Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit, auto& counters) {
     WalkOf<Config> walk;
     bool alive = shade<Config>(scene, traced, path, hit, counters, walk);
     if constexpr (has<Config>(Feature::subsurface)) {

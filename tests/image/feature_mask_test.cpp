@@ -195,8 +195,7 @@ TEST(FeatureMask, HasWhatTheSceneNeedsAndNothingElse) {
         const bool on_another = c.feature == Feature::absorption || c.feature == Feature::subsurface_boundary ||
                                 c.feature == Feature::multiple_importance ||
                                 c.feature == Feature::multiple_scattering || c.feature == Feature::one_sample ||
-                                c.feature == Feature::guided_walk ||
-                                c.feature == Feature::shading_normals ||
+                                c.feature == Feature::guided_walk || c.feature == Feature::shading_normals ||
                                 contains(light_samplings | light_selections, c.feature);
         const FeatureSet stood_on = set_of(Feature::dielectric, Feature::subsurface, Feature::next_event,
                                            Feature::multiple_importance, Feature::rough_conductor, Feature::textures);

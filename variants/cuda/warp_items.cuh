@@ -41,9 +41,10 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
                                    const HitCache& cache, ThreadCounters& counters, std::uint64_t* ended) {
     constexpr unsigned all_lanes = 0xffffffffu;
     constexpr std::uint32_t warps = (kernel_config.block + warp_size - 1) / warp_size;
-    // Of blocks too large for that, and of paths that split, whose branches stay with their lane, warps begin paths only
-    // once all of theirs have ended.
-    constexpr bool may_wait = !pt::has<Configuration>(pt::Feature::splitting) && warps * sizeof(WaitingPaths) <= most_waiting_bytes;
+    // Of blocks too large for that, and of paths that split, whose branches stay with their lane, warps begin paths
+    // only once all of theirs have ended.
+    constexpr bool may_wait =
+        !pt::has<Configuration>(pt::Feature::splitting) && warps * sizeof(WaitingPaths) <= most_waiting_bytes;
     __shared__ WaitingPaths waiting_of_warp[may_wait ? warps : 1];
     WaitingPaths& waiting = waiting_of_warp[may_wait ? threadIdx.x / warp_size : 0];
     std::uint32_t waiting_count = 0;  // the same in all lanes, as `held` is

@@ -29,8 +29,9 @@ Reason unsupported_reason(FeatureSet features, const VariantTraits& variant) {
                                              std::string(variant.traversal_stack.name)};
     }
     if (!variant.subsurface_sampling.is_classical) {
-        return {"keeps_plain_walks", "keeps no guide of a walk with its paths: needs subsurface_sampling=classical, not " +
-                                         std::string(variant.subsurface_sampling.name)};
+        return {"keeps_plain_walks",
+                "keeps no guide of a walk with its paths: needs subsurface_sampling=classical, not " +
+                    std::string(variant.subsurface_sampling.name)};
     }
     return megakernel_unsupported_reason(features, variant);
 }
