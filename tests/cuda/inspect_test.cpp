@@ -237,7 +237,7 @@ TEST_F(InspectTest, LeavingOutMakesAKernelSmaller) {
                                           "textures",
                                           "principled",
                                           "shading_normals"}));
-    EXPECT_EQ(generic["features"].size(), 36u);
+    EXPECT_EQ(generic["features"].size(), 37u);
     EXPECT_EQ(generic["left_out"], Json::array());
     EXPECT_LT(features["code_bytes"], generic["code_bytes"]);
     for (const Json& report : {features, generic}) {

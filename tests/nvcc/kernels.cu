@@ -117,7 +117,8 @@ void on_host(const SceneView<typename Config::Real>& scene, const FilmView& film
     template __global__ void accumulate_paths<CONFIG>(FilmView, const Path<CONFIG::Real>*, std::uint32_t);        \
     template void on_host<CONFIG>(const SceneView<CONFIG::Real>&, const FilmView&, PathCounters&);
 
-using Everything = Config<float, all_features | samplings>;
+// Without tangents of images, which are in double: of small triangles they would be nothing.
+using Everything = Config<float, (all_features & ~static_cast<FeatureSet>(Feature::shading_normals)) | samplings>;
 using EverythingDouble = Config<double, all_features | samplings>;
 using Small = Config<float, Feature::axis_box | Feature::diffuse | Feature::emitter | Feature::jitter>;
 

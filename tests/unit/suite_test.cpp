@@ -467,7 +467,7 @@ TEST_F(SuiteTest, ExpansionCounts) {
     axes.erase("light_sampling");
     axes.erase("light_selection");
     axes.erase("subsurface_sampling");
-    EXPECT_EQ(expand(axes).size(), 4u * 5u * 3u * 3u * 5u * 2u * 7u * 2u * 3u * 3u * 2u);
+    EXPECT_EQ(expand(axes).size(), 4u * 5u * 3u * 3u * 5u * 4u * 7u * 2u * 3u * 3u * 2u);
 }
 
 TEST_F(SuiteTest, AxisArguments) {

@@ -490,7 +490,7 @@ TEST(VariantTest, SpelledOutItSaysEveryChoiceAndTheTunablesThatAreNotAtTheirDefa
     Variant variant = baseline_with({{"first_bounce", "cached_jitters"}});
     const std::string choices =
         "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust.brute_force."
-        "sah_binned.while_while.local.each_object.solid_angle.1.samples.uniform";
+        "sah_binned.while_while.local.each_object.solid_angle.1.samples.uniform.classical";
     EXPECT_EQ(variant.spelled_out(), choices);
     variant.tuning["jitters"] = 4;
     variant.tuning["block"] = 256;
@@ -669,7 +669,7 @@ TEST(VariantTest, FeatureNamesAreInTheOrderOfResults) {
     EXPECT_TRUE(feature_names(no_features).empty());
     EXPECT_EQ(feature_names(Feature::jitter | Feature::sphere), (std::vector<std::string>{"sphere", "jitter"}));
     const std::vector<std::string> all = feature_names(all_features);
-    EXPECT_EQ(all.size(), 36u);
+    EXPECT_EQ(all.size(), 37u);
     EXPECT_EQ(all.back(), "shading_normals");
     EXPECT_EQ(feature_names(samplers),
               (std::vector<std::string>{"philox", "sobol_owen", "minstd", "sobol_rotated", "pmj02", "halton"}));
