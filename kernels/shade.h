@@ -88,13 +88,14 @@ PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene,
     }
     scatter_diffuse<Config>(path, vertex, albedo, words.y, words.z);
     if (is_connected) {
-        // Never 0, which says that there was no connection; that is all that matters unless light that is met is
-        // weighed, or left out.
-        path.bsdf_pdf = Real(1);
-        if constexpr (has<Config>(Feature::multiple_importance) || has<Config>(Feature::one_sample)) {
+        if constexpr (has<Config>(Feature::multiple_importance)) {
             constexpr Real least = Real(0x1p-60);
             path.bsdf_pdf =
                 kept_pdf<Config>(path, max(vertex.dot_normal(path.direction), least) * (Real(1) / pi<Real>));
+        } else {
+            // Not 0, which says that there was no connection: that is all that matters unless light that is met is
+            // weighed.
+            path.bsdf_pdf = Real(1);
         }
     }
     return true;

@@ -86,7 +86,7 @@ Reason reason_of_a_tunable(const Variant& variant, Backend backend) {
 }  // namespace
 
 Choice& Registry::insert(Backend backend, const Descriptor& descriptor) {
-    auto& choices = backends_[backend][std::string(descriptor.axis)];
+    Choices& choices = backends_[backend][Variant::index(descriptor.axis)];
     return choices.try_emplace(std::string(descriptor.name), Choice{descriptor, {}}).first->second;
 }
 
@@ -116,10 +116,8 @@ void Registry::add_integrator(const Descriptor& descriptor, FeatureSet features,
 std::vector<const Choice*> Registry::choices(std::string_view axis, Backend backend) const {
     std::vector<const Choice*> found;
     if (const auto axes = backends_.find(backend); axes != backends_.end()) {
-        if (const auto position = axes->second.find(axis); position != axes->second.end()) {
-            for (const auto& [name, choice] : position->second) {
-                found.push_back(&choice);
-            }
+        for (const auto& [name, choice] : axes->second[Variant::index(axis)]) {
+            found.push_back(&choice);
         }
     }
     std::stable_partition(found.begin(), found.end(),
@@ -132,12 +130,9 @@ const Choice* Registry::find(std::string_view axis, std::string_view name, Backe
     if (axes == backends_.end()) {
         return nullptr;
     }
-    const auto position = axes->second.find(axis);
-    if (position == axes->second.end()) {
-        return nullptr;
-    }
-    const auto choice = position->second.find(name);
-    return choice == position->second.end() ? nullptr : &choice->second;
+    const Choices& choices = axes->second[Variant::index(axis)];
+    const auto choice = choices.find(name);
+    return choice == choices.end() ? nullptr : &choice->second;
 }
 
 const Choice& Registry::at(std::string_view axis, const Variant& variant, Backend backend) const {
