@@ -22,7 +22,12 @@ WorkCounters& WorkCounters::operator+=(const WorkCounters& other) {
 }
 
 std::size_t Variant::index(std::string_view axis) {
-    const auto* found = std::find(std::begin(axis_names), std::end(axis_names), axis);
+    // Mostly a name of the table itself, whose letters need no look.
+    const auto* found = std::find_if(std::begin(axis_names), std::end(axis_names),
+                                     [&](std::string_view name) { return name.data() == axis.data(); });
+    found = found != std::end(axis_names) && *found == axis
+                ? found
+                : std::find(std::begin(axis_names), std::end(axis_names), axis);
     if (found == std::end(axis_names)) {
         throw std::out_of_range("no axis '" + std::string(axis) + "'");
     }

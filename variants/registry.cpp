@@ -42,27 +42,71 @@ const Descriptor& descriptor_at(std::string_view axis, const Variant& variant, B
     return Registry::instance().at(axis, variant, backend).descriptor;
 }
 
-template <class AxisTraits>
-Chosen<AxisTraits> chosen(std::string_view axis, const Variant& variant, Backend backend) {
-    const Choice* choice = Registry::instance().find(axis, variant[axis], backend);
-    for (const Backend other : all_backends) {
-        choice = choice == nullptr ? Registry::instance().find(axis, variant[axis], other) : choice;
+// What the variant's choices say of themselves, in the order of the axes; null: no backend has the choice.
+using Descriptors = std::array<const Descriptor*, axis_count>;
+
+// Of a choice that the backend lacks, what it says on the other.
+Descriptors descriptors_of(const Variant& variant, Backend backend) {
+    Descriptors descriptors{};
+    for (std::size_t axis = 0; axis < axis_count; ++axis) {
+        const std::string_view name = axis_names[axis];
+        const Choice* choice = Registry::instance().find(name, variant[name], backend);
+        for (const Backend other : all_backends) {
+            choice = choice == nullptr ? Registry::instance().find(name, variant[name], other) : choice;
+        }
+        descriptors[axis] = choice == nullptr ? nullptr : &choice->descriptor;
     }
-    if (choice == nullptr) {
-        return {};
-    }
-    return {traits_in<AxisTraits>(choice->descriptor), choice->descriptor.name};
+    return descriptors;
 }
 
-// The first of the variant's choices that does not go with the others or with the scene.
+template <class AxisTraits>
+Chosen<AxisTraits> chosen(std::string_view axis, const Descriptors& descriptors) {
+    const Descriptor* const descriptor = descriptors[Variant::index(axis)];
+    if (descriptor == nullptr) {
+        return {};
+    }
+    return {traits_in<AxisTraits>(*descriptor), descriptor->name};
+}
+
+VariantTraits traits_of(const Descriptors& descriptors, const Variant& variant) {
+    return {
+        .integrator = chosen<IntegratorTraits>("integrator", descriptors),
+        .compaction = chosen<CompactionTraits>("compaction", descriptors),
+        .sorting = chosen<SortingTraits>("sorting", descriptors),
+        .sort_key = chosen<SortKeyTraits>("sort_key", descriptors),
+        .first_bounce = chosen<FirstBounceTraits>("first_bounce", descriptors),
+        .direct_light = chosen<DirectLightTraits>("direct_light", descriptors),
+        .russian_roulette = chosen<RouletteTraits>("russian_roulette", descriptors),
+        .sampler = chosen<SamplerTraits>("sampler", descriptors),
+        .layout = chosen<LayoutTraits>("layout", descriptors),
+        .specialisation = chosen<SpecialisationTraits>("specialisation", descriptors),
+        .launch = chosen<LaunchTraits>("launch", descriptors),
+        .arithmetic = chosen<ArithmeticTraits>("arithmetic", descriptors),
+        .precision = chosen<PrecisionTraits>("precision", descriptors),
+        .robustness = chosen<RobustnessTraits>("robustness", descriptors),
+        .accelerator = chosen<AcceleratorTraits>("accelerator", descriptors),
+        .builder = chosen<BuilderTraits>("builder", descriptors),
+        .traversal = chosen<TraversalTraits>("traversal", descriptors),
+        .traversal_stack = chosen<TraversalStackTraits>("traversal_stack", descriptors),
+        .levels = chosen<LevelsTraits>("levels", descriptors),
+        .light_sampling = chosen<LightSamplingTraits>("light_sampling", descriptors),
+        .devices = chosen<DevicesTraits>("devices", descriptors),
+        .partition = chosen<PartitionTraits>("partition", descriptors),
+        .light_selection = chosen<LightSelectionTraits>("light_selection", descriptors),
+        .subsurface_sampling = chosen<SubsurfaceSamplingTraits>("subsurface_sampling", descriptors),
+        .tuning = variant.tuning,
+    };
+}
+
+// The first of the variant's choices, all there on the backend, that does not go with the others or with the scene.
 Reason reason_of_a_choice(const Variant& variant, FeatureSet scene, Backend backend) {
-    const VariantTraits traits = traits_of(variant, backend);
-    for (const std::string_view axis : axis_names) {
-        const Descriptor& descriptor = descriptor_at(axis, variant, backend);
+    const Descriptors descriptors = descriptors_of(variant, backend);
+    const VariantTraits traits = traits_of(descriptors, variant);
+    for (const Descriptor* const descriptor : descriptors) {
         Reason reason =
-            descriptor.unsupported_reason == nullptr ? Reason{} : descriptor.unsupported_reason(scene, traits);
+            descriptor->unsupported_reason == nullptr ? Reason{} : descriptor->unsupported_reason(scene, traits);
         if (!reason.empty()) {
-            return {reason.code, label(descriptor) + " " + reason.text, descriptor.axis};
+            return {reason.code, label(*descriptor) + " " + reason.text, descriptor->axis};
         }
     }
     return {};
@@ -183,33 +227,7 @@ Variant Registry::reference(const Variant& variant, Backend backend) const {
 }
 
 VariantTraits traits_of(const Variant& variant, Backend backend) {
-    return {
-        .integrator = chosen<IntegratorTraits>("integrator", variant, backend),
-        .compaction = chosen<CompactionTraits>("compaction", variant, backend),
-        .sorting = chosen<SortingTraits>("sorting", variant, backend),
-        .sort_key = chosen<SortKeyTraits>("sort_key", variant, backend),
-        .first_bounce = chosen<FirstBounceTraits>("first_bounce", variant, backend),
-        .direct_light = chosen<DirectLightTraits>("direct_light", variant, backend),
-        .russian_roulette = chosen<RouletteTraits>("russian_roulette", variant, backend),
-        .sampler = chosen<SamplerTraits>("sampler", variant, backend),
-        .layout = chosen<LayoutTraits>("layout", variant, backend),
-        .specialisation = chosen<SpecialisationTraits>("specialisation", variant, backend),
-        .launch = chosen<LaunchTraits>("launch", variant, backend),
-        .arithmetic = chosen<ArithmeticTraits>("arithmetic", variant, backend),
-        .precision = chosen<PrecisionTraits>("precision", variant, backend),
-        .robustness = chosen<RobustnessTraits>("robustness", variant, backend),
-        .accelerator = chosen<AcceleratorTraits>("accelerator", variant, backend),
-        .builder = chosen<BuilderTraits>("builder", variant, backend),
-        .traversal = chosen<TraversalTraits>("traversal", variant, backend),
-        .traversal_stack = chosen<TraversalStackTraits>("traversal_stack", variant, backend),
-        .levels = chosen<LevelsTraits>("levels", variant, backend),
-        .light_sampling = chosen<LightSamplingTraits>("light_sampling", variant, backend),
-        .devices = chosen<DevicesTraits>("devices", variant, backend),
-        .partition = chosen<PartitionTraits>("partition", variant, backend),
-        .light_selection = chosen<LightSelectionTraits>("light_selection", variant, backend),
-        .subsurface_sampling = chosen<SubsurfaceSamplingTraits>("subsurface_sampling", variant, backend),
-        .tuning = variant.tuning,
-    };
+    return traits_of(descriptors_of(variant, backend), variant);
 }
 
 Reason reason_not_applicable(const Variant& variant, FeatureSet scene, Backend backend) {

@@ -101,7 +101,8 @@ TEST(ShippedScenes, HaveExactKernelsOfEveryIntegrator) {
 }
 
 TEST(ShippedScenes, NeedEveryListedFeatureSet) {
-    constexpr FeatureSet estimators = (Feature::final_bounce | Feature::next_event) | Feature::multiple_importance;
+    constexpr FeatureSet estimators =
+        Feature::final_bounce | Feature::next_event | Feature::multiple_importance | Feature::projected_sampling;
     std::set<FeatureSet> needed;
     for (const std::filesystem::path& file : scene_files()) {
         needed.insert(features_of(load_scene(file.string())));
@@ -128,6 +129,21 @@ TEST(ShippedScenes, OfTheBoxesHaveKernelsWithDirectLight) {
                 EXPECT_FALSE(is_superset(kernel.compiled, all_features))
                     << name << " by " << variant.spelled_out() << " needs " << names_of(kernel.needed);
             }
+        }
+    }
+}
+
+// And those of two materials with the way to draw a point on the lamp that costs least.
+TEST(ShippedScenes, OfTheBoxesHaveKernelsThatDrawPointsByProjectedArea) {
+    for (const char* const name : {"cornell_open", "cornell_open_45", "cornell_closed", "cornell_open_one"}) {
+        for (const char* const integrator : {"depth_first", "packet", "wavefront"}) {
+            Variant variant = Registry::instance().baseline();
+            variant.set("integrator", integrator);
+            variant.set("direct_light", "nee_mis");
+            variant.set("light_sampling", "projected");
+            const KernelChoice kernel = choose_kernel(shipped(name), variant);
+            EXPECT_EQ(kernel.compiled & light_samplings, no_features | Feature::projected_sampling)
+                << name << " by " << variant.spelled_out() << " needs " << names_of(kernel.needed);
         }
     }
 }

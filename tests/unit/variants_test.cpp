@@ -1154,6 +1154,24 @@ TEST(KernelTest, FeaturesTakesTheSmallestSuperset) {
     EXPECT_EQ(choose(a, {all_features | Feature::matrix, all_features}), all_features);
 }
 
+// A kernel with one way to draw lights draws them in that way, whatever it is asked for.
+TEST(KernelTest, FeaturesTakesNoKernelThatDrawsLightsInAnotherWay) {
+    const Variant variant = baseline_with({{"specialisation", "features"}});
+    const auto choose = [&](FeatureSet needed, const std::vector<FeatureSet>& compiled) {
+        return registry()
+            .find("specialisation", "features")
+            ->hook.specialisation({needed, no_features, compiled}, variant, Backend::cpu);
+    };
+    const FeatureSet connects = Feature::sphere | Feature::diffuse | Feature::next_event;
+    for (const Feature way : {Feature::projected_sampling, Feature::area_sampling, Feature::power_selection}) {
+        const FeatureSet fixed = connects | way;
+        EXPECT_EQ(choose(connects, {all_features, fixed}), all_features);
+        EXPECT_EQ(choose(fixed, {all_features, connects, fixed}), fixed);
+    }
+    const FeatureSet at_run_time = connects | Feature::projected_sampling | Feature::area_sampling;
+    EXPECT_EQ(choose(connects, {all_features, at_run_time}), at_run_time);
+}
+
 // A shortcut is taken where the scene allows it, a kernel has it, and nobody asked to leave it out.
 TEST(KernelTest, FeaturesTakesTheShortcutsOfTheScene) {
     Variant variant = baseline_with({{"specialisation", "features"}});
@@ -1257,7 +1275,8 @@ TEST(KernelTest, EveryShippedSceneHasItsExactKernelAndNoKernelIsThereForNothing)
         used.insert(features_of(scene));
         used.insert(features_of(scene) | shortcuts_of(scene));
     }
-    constexpr FeatureSet estimators = (Feature::final_bounce | Feature::next_event) | Feature::multiple_importance;
+    constexpr FeatureSet estimators =
+        Feature::final_bounce | Feature::next_event | Feature::multiple_importance | Feature::projected_sampling;
     for (const auto& [features, function] : registry().find("integrator", "wavefront")->hook.integrator) {
         if ((features & all_features) != all_features) {
             EXPECT_TRUE(used.contains(features & ~estimators)) << testing::PrintToString(feature_names(features));

@@ -29,6 +29,13 @@ inline FeatureSet every_feature(const KernelOffer& offer) {
     return best;
 }
 
+// Whether a kernel does one of these as the variant asks: it has none, or chooses at run time among several, or has the
+// very one. A kernel that has one alone does nothing else.
+inline bool does_as_asked(FeatureSet candidate, FeatureSet needed, FeatureSet ways) {
+    const FeatureSet compiled = candidate & ways;
+    return std::popcount(compiled) != 1 || compiled == (needed & ways);
+}
+
 // The least surplus counts first, then the most shortcuts.
 inline FeatureSet smallest_superset(const KernelOffer& offer, const Variant& variant, Backend backend) {
     const FeatureSet allowed = tunable(variant, "room", backend) != 0 ? offer.shortcuts : no_features;
@@ -36,7 +43,8 @@ inline FeatureSet smallest_superset(const KernelOffer& offer, const Variant& var
     const auto surplus = [](FeatureSet set) { return std::popcount(set & (all_features | samplings)); };
     for (const FeatureSet candidate : offer.compiled) {
         const bool fits =
-            is_superset(candidate, offer.needed) &&
+            is_superset(candidate, offer.needed) && does_as_asked(candidate, offer.needed, light_samplings) &&
+            does_as_asked(candidate, offer.needed, light_selections) &&
             is_superset(all_features | samplings | allowed | (offer.needed & only_where_asked), candidate);
         if (fits && (surplus(candidate) < surplus(best) ||
                      (surplus(candidate) == surplus(best) && std::popcount(candidate) > std::popcount(best)))) {
