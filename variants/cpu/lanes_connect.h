@@ -101,6 +101,21 @@ inline void weigh_encounters(Connections<typename Config::Real>& work, const Sce
     }
 }
 
+// The objects of the lights that were chosen, and what they send.
+template <bool one_light, class Real>
+inline void look_up_lights(Connections<Real>& work, const LightTable<Real>& lights) {
+    const std::uint32_t* const object = lights.object.data();
+    const Real *const red = lights.emission[0].data(), *const green = lights.emission[1].data(),
+                      *const blue = lights.emission[2].data();
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < width; ++l) {
+        const std::uint32_t i = work.drawn.light[l];
+        work.light[l] = of_light<one_light>(object, i);
+        work.emission.set(l,
+                          {of_light<one_light>(red, i), of_light<one_light>(green, i), of_light<one_light>(blue, i)});
+    }
+}
+
 // Chooses lights.
 template <class Config>
 inline void choose_lights(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
@@ -117,15 +132,7 @@ inline void choose_lights(Connections<typename Config::Real>& work, const SceneV
         work.drawn.v[l] = unit_interval<Real>(words.z);
         work.drawn.w[l] = unit_interval<Real>(words.w);
     }
-    const std::uint32_t* const object = lights.object.data();
-    const Real *const red = lights.emission[0].data(), *const green = lights.emission[1].data(),
-                      *const blue = lights.emission[2].data();
-#pragma GCC ivdep
-    for (std::uint32_t l = 0; l < width; ++l) {
-        const std::uint32_t i = work.drawn.light[l];
-        work.light[l] = gathered(object, i);
-        work.emission.set(l, {gathered(red, i), gathered(green, i), gathered(blue, i)});
-    }
+    lights.object.size() == 1 ? look_up_lights<true>(work, lights) : look_up_lights<false>(work, lights);
 }
 
 // Draws the directions of the lanes that connect.
@@ -138,7 +145,10 @@ inline void draw_directions(Connections<typename Config::Real>& work, const Scen
     if constexpr (has<Config>(Feature::motion)) {
         drawn.is_other = work.connects;
     } else if constexpr (draws_points<Config>) {
-        sample_faces<face_sampling<Config>>(drawn, lights, positions, work.connects, near_light_of<Real>(scene));
+        constexpr LightSampling sampling = face_sampling<Config>;
+        const Real near_limit = near_light_of<Real>(scene);
+        lights.object.size() == 1 ? sample_faces<sampling, true>(drawn, lights, positions, work.connects, near_limit)
+                                  : sample_faces<sampling, false>(drawn, lights, positions, work.connects, near_limit);
     } else {
         look_at_lights(drawn, lights, positions, work.connects);
         sample_boxes(work.observers, drawn, lights);

@@ -271,6 +271,12 @@ inline T gathered(const T* from, std::uint32_t index) {
     return from[static_cast<std::int32_t>(index)];
 }
 
+// Of a table of one light, the number itself: a gathering load of 16 lanes costs as much as 16 loads.
+template <bool one_light, class T>
+inline T of_light(const T* from, std::uint32_t light) {
+    return one_light ? *from : gathered(from, light);
+}
+
 // How the lanes that are to draw a direction see their lights.
 template <class Real>
 inline void look_at_lights(LightDirections<Real>& drawn, const LightTable<Real>& table, const Vectors<Real>& positions,
