@@ -133,17 +133,22 @@ TEST(ShippedScenes, OfTheBoxesHaveKernelsWithDirectLight) {
     }
 }
 
-// And those of two materials with the way to draw a point on the lamp that costs least.
-TEST(ShippedScenes, OfTheBoxesHaveKernelsThatDrawPointsByProjectedArea) {
-    for (const char* const name : {"cornell_open", "cornell_open_45", "cornell_closed", "cornell_open_one"}) {
+// And with the ways to draw a point on a lamp that cost least.
+TEST(ShippedScenes, OfTheBoxesHaveKernelsThatDrawPointsOnLamps) {
+    const std::pair<const char*, Feature> ways[] = {{"projected", Feature::projected_sampling},
+                                                    {"auto", Feature::automatic_sampling}};
+    for (const char* const name : {"cornell_open", "cornell_open_45", "cornell_closed", "cornell_open_one",
+                                   "cornell_open_five", "cornell_closed_five", "many_lights", "small_light"}) {
         for (const char* const integrator : {"depth_first", "packet", "wavefront"}) {
-            Variant variant = Registry::instance().baseline();
-            variant.set("integrator", integrator);
-            variant.set("direct_light", "nee_mis");
-            variant.set("light_sampling", "projected");
-            const KernelChoice kernel = choose_kernel(shipped(name), variant);
-            EXPECT_EQ(kernel.compiled & light_samplings, no_features | Feature::projected_sampling)
-                << name << " by " << variant.spelled_out() << " needs " << names_of(kernel.needed);
+            for (const auto& [way, feature] : ways) {
+                Variant variant = Registry::instance().baseline();
+                variant.set("integrator", integrator);
+                variant.set("direct_light", "nee_mis");
+                variant.set("light_sampling", way);
+                const KernelChoice kernel = choose_kernel(shipped(name), variant);
+                EXPECT_EQ(kernel.compiled & light_samplings, no_features | feature)
+                    << name << " by " << variant.spelled_out() << " needs " << names_of(kernel.needed);
+            }
         }
     }
 }

@@ -37,6 +37,8 @@ from ptbench.findings.peers import SCHEMA as PEERS
 from ptbench.findings.peers import PeersSource
 from ptbench.findings.quantities import span
 from ptbench.findings.rays import RaysFolder
+from ptbench.findings.rays_on_a_cpu import SCHEMA as CPU_RAYS
+from ptbench.findings.rays_on_a_cpu import CpuRaysSource
 from ptbench.findings.records import Inspection, Record, StabilitySource, Transcript
 from ptbench.findings.simulation import WORK, SimulationSource
 from ptbench.findings.source import Source
@@ -68,6 +70,7 @@ AnySource = (
     | PeersSource
     | ImportsSource
     | LeaksSource
+    | CpuRaysSource
     | FleetSource
     | SimulationSource
 )
@@ -115,6 +118,8 @@ def _opened(results: Path, file: str, where: str) -> AnySource:
         return ImportsSource(results, file)
     if root.value.get("schema") == LEAKS:
         return LeaksSource(results, file)
+    if root.value.get("schema") == CPU_RAYS:
+        return CpuRaysSource(results, file)
     if root.value.get("schema") == PEERS:
         return PeersSource(results, file)
     if root.value.get("schema") == WORK:
