@@ -13,6 +13,19 @@ Registry& Registry::instance() {
 
 namespace {
 
+// Among the axes; their number for a name that is none. Mostly it is a name of the table itself, whose letters need no
+// look.
+std::size_t place_of(std::string_view axis) {
+    std::size_t place = 0;
+    while (place < axis_count && axis_names[place].data() != axis.data()) {
+        ++place;
+    }
+    if (place < axis_count && axis_names[place] == axis) {
+        return place;
+    }
+    return static_cast<std::size_t>(std::find(axis_names.begin(), axis_names.end(), axis) - axis_names.begin());
+}
+
 std::string label(const Descriptor& descriptor) {
     return std::string(descriptor.axis) + "=" + std::string(descriptor.name);
 }
@@ -160,8 +173,10 @@ void Registry::add_integrator(const Descriptor& descriptor, FeatureSet features,
 std::vector<const Choice*> Registry::choices(std::string_view axis, Backend backend) const {
     std::vector<const Choice*> found;
     if (const auto axes = backends_.find(backend); axes != backends_.end()) {
-        for (const auto& [name, choice] : axes->second[Variant::index(axis)]) {
-            found.push_back(&choice);
+        if (const std::size_t place = place_of(axis); place < axis_count) {
+            for (const auto& [name, choice] : axes->second[place]) {
+                found.push_back(&choice);
+            }
         }
     }
     std::stable_partition(found.begin(), found.end(),
@@ -171,10 +186,11 @@ std::vector<const Choice*> Registry::choices(std::string_view axis, Backend back
 
 const Choice* Registry::find(std::string_view axis, std::string_view name, Backend backend) const {
     const auto axes = backends_.find(backend);
-    if (axes == backends_.end()) {
+    const std::size_t place = place_of(axis);
+    if (axes == backends_.end() || place == axis_count) {
         return nullptr;
     }
-    const Choices& choices = axes->second[Variant::index(axis)];
+    const Choices& choices = axes->second[place];
     const auto choice = choices.find(name);
     return choice == choices.end() ? nullptr : &choice->second;
 }

@@ -101,8 +101,8 @@ TEST(ShippedScenes, HaveExactKernelsOfEveryIntegrator) {
 }
 
 TEST(ShippedScenes, NeedEveryListedFeatureSet) {
-    constexpr FeatureSet estimators =
-        Feature::final_bounce | Feature::next_event | Feature::multiple_importance | Feature::projected_sampling;
+    constexpr FeatureSet estimators = Feature::final_bounce | Feature::next_event | Feature::multiple_importance |
+                                      Feature::projected_sampling | Feature::automatic_sampling;
     std::set<FeatureSet> needed;
     for (const std::filesystem::path& file : scene_files()) {
         needed.insert(features_of(load_scene(file.string())));
