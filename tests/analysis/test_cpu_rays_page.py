@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from ptbench.errors import FindingError
+from ptbench.findings.cpu_rates import CpuRaysSource
 from ptbench.findings.page import source_of
-from ptbench.findings.rays_on_a_cpu import CpuRaysSource
 
 RESULTS = Path(__file__).parents[2] / "results"
 

@@ -26,6 +26,8 @@ from jinja2 import Environment, StrictUndefined, TemplateError
 
 from ptbench.errors import FindingError
 from ptbench.findings.commits import age_fault
+from ptbench.findings.cpu_rates import SCHEMA as CPU_RAYS
+from ptbench.findings.cpu_rates import CpuRaysSource
 from ptbench.findings.crosscheck import SCHEMA as CROSSCHECK
 from ptbench.findings.crosscheck import CrosscheckSource
 from ptbench.findings.fleet import FleetSource
@@ -37,8 +39,6 @@ from ptbench.findings.peers import SCHEMA as PEERS
 from ptbench.findings.peers import PeersSource
 from ptbench.findings.quantities import span
 from ptbench.findings.rays import RaysFolder
-from ptbench.findings.rays_on_a_cpu import SCHEMA as CPU_RAYS
-from ptbench.findings.rays_on_a_cpu import CpuRaysSource
 from ptbench.findings.records import Inspection, Record, StabilitySource, Transcript
 from ptbench.findings.simulation import WORK, SimulationSource
 from ptbench.findings.source import Source
