@@ -25,10 +25,11 @@ file(CONFIGURE OUTPUT ${generated}/layouts.cpp CONTENT
 "#include \"variants/registry.h\"\nnamespace pt { namespace {\n${layout_registrations}} }\n")
 
 # One translation unit an integrator and feature set; the generic kernel has them all, once with pcg4d alone and once
-# with every sampler.
+# with every sampler and guided walks.
 option(PTBENCH_CPU_FEATURE_SETS "Compile the CPU integrators for the sets of cpu_feature_sets.txt too (off: the generic kernels alone)" ON)
-set(feature_sets "all_features" "all_features | Feature::matrix" "all_features | samplers"
-    "all_features | samplers | traversals")
+set(feature_sets "all_features" "all_features | Feature::matrix" "all_features | samplings"
+    "all_features | samplings | traversals" "all_features | samplings | traversals | path_trees"
+    "all_features | samplings | path_trees")
 set(lines "")
 if(PTBENCH_CPU_FEATURE_SETS)
   file(STRINGS ${feature_set_file} lines)
@@ -49,6 +50,8 @@ set(integrator_sources ${generated}/layouts.cpp)
 set(integrators_in_double depth_first audited)
 # For health, not for times: no specialised kernels.
 set(integrators_generic_only audited)
+# Their paths may split.
+set(integrators_with_trees depth_first)
 # They meet shapes in a way of their own.
 set(integrators_without_meshes packet)
 # Other formulas as well, by precision (kernels/config.h: formulas).
@@ -79,6 +82,9 @@ foreach(header ${integrator_headers})
   set(index 0)
   foreach(features ${feature_sets})
     if(name IN_LIST integrators_generic_only AND NOT features MATCHES "^all_features")
+      continue()
+    endif()
+    if(features MATCHES "path_trees" AND NOT name IN_LIST integrators_with_trees)
       continue()
     endif()
     if(name IN_LIST integrators_without_meshes AND features MATCHES "traversals|::mesh")
@@ -146,7 +152,7 @@ ptbench_precompile_headers(ptbench_variants)
 # namespace of its own. What renders on the CPU stays single: its machine code is that of its file alone.
 if(PTBENCH_GROUP_SOURCES)
   set_target_properties(ptbench_variants PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  set(registering_axes arithmetic devices direct_light first_bounce launch light_sampling light_selection partition precision robustness russian_roulette sampler sort_key specialisation traversal traversal_stack)
+  set(registering_axes arithmetic devices direct_light first_bounce launch light_sampling light_selection partition precision robustness russian_roulette sampler sort_key specialisation subsurface_sampling traversal traversal_stack)
   list(JOIN registering_axes "|" registering_axes)
   foreach(source ${variant_sources})
     if(source MATCHES "/variants/((${registering_axes})/[a-z0-9_]+|[a-z_]+/none)\\.cpp$")

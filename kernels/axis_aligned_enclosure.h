@@ -41,7 +41,8 @@ struct EnclosureExit {
 template <class Real>
 inline constexpr Real room_slack = Real(1) + Real(4) * gamma<Real>(3);
 
-// Whether a ray from outside comes in by an open side, plainly before it leaves at `exit`.
+// Whether a ray from outside comes in by an open side, plainly before it leaves at `exit`: across the last of the three
+// planes that it meets. No two are the last by more than the slack, so the axes can be asked one by one.
 template <class Real>
 PT_HD inline bool enters_by_open_side(const AxisAlignedEnclosure<Real>& enclosure, const Vec3<Real>& origin,
                                       const Vec3<Real>& inverse, Real exit) {
@@ -51,18 +52,17 @@ PT_HD inline bool enters_by_open_side(const AxisAlignedEnclosure<Real>& enclosur
     const Real x = ((from_high_x ? enclosure.high.x : enclosure.low.x) - origin.x) * inverse.x;
     const Real y = ((from_high_y ? enclosure.high.y : enclosure.low.y) - origin.y) * inverse.y;
     const Real z = ((from_high_z ? enclosure.high.z : enclosure.low.z) - origin.z) * inverse.z;
-    const Real last = keep_larger(keep_larger(x, y), z);
-    const Real before = keep_larger(keep_smaller(x, y), keep_smaller(keep_larger(x, y), z));
-    const std::uint32_t side = last == x   ? (from_high_x ? 1u : 0u)
-                               : last == y ? (from_high_y ? 3u : 2u)
-                                           : (from_high_z ? 5u : 4u);
-    return last > Real(0) && before * room_slack<Real> < last && last * room_slack<Real> < exit &&
-           ((enclosure.open_sides >> side) & 1u) != 0;
+    const auto enters = [&](std::uint32_t axis, bool from_high, Real t, Real other, Real another) {
+        return ((enclosure.open_sides >> (2 * axis)) & (from_high ? 2u : 1u)) != 0 && t > Real(0) &&
+               keep_larger(other, another) * room_slack<Real> < t && t * room_slack<Real> < exit;
+    };
+    return enters(0, from_high_x, x, y, z) || enters(1, from_high_y, y, x, z) || enters(2, from_high_z, z, x, y);
 }
 
+// `is_finite`: has_finite_reciprocal of the ray's direction, whose reciprocal is `inverse`.
 template <class Real>
 PT_HD inline EnclosureExit<Real> leave_enclosure(const AxisAlignedEnclosure<Real>& enclosure, const Vec3<Real>& origin,
-                                                 const Vec3<Real>& inverse) {
+                                                 const Vec3<Real>& inverse, bool is_finite) {
     const bool to_low_x = inverse.x < Real(0);
     const bool to_low_y = inverse.y < Real(0);
     const bool to_low_z = inverse.z < Real(0);
@@ -71,10 +71,7 @@ PT_HD inline EnclosureExit<Real> leave_enclosure(const AxisAlignedEnclosure<Real
     const Real z = ((to_low_z ? enclosure.low.z : enclosure.high.z) - origin.z) * inverse.z;
     const Real t = keep_smaller(keep_smaller(x, y), z);
     const Real next = keep_smaller(keep_larger(x, y), keep_larger(keep_smaller(x, y), z));
-    // A ray along an axis has an infinite reciprocal; so, by overflow, may one that is nearly so.
-    const bool plain = enclosure.walls != 0 &&
-                       absolute(inverse.x * inverse.y * inverse.z) < std::numeric_limits<Real>::infinity() &&
-                       t > Real(0) && t * room_slack<Real> < next;
+    const bool plain = enclosure.walls != 0 && is_finite && t > Real(0) && t * room_slack<Real> < next;
     const bool by_x = t == x;
     const bool by_y = t == y;
     const SurfaceId side_x = to_low_x ? enclosure.low_side[0] : enclosure.high_side[0];

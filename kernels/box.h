@@ -29,11 +29,30 @@ PT_HD inline Interval<Real> slab_interval(const Vec3<Real>& low, const Vec3<Real
     return {near, far, near <= far * (Real(1) + Real(2) * gamma<Real>(3))};
 }
 
+// The same for a reciprocal without infinite entries, with which no product is a NaN: of two planes the one that is met
+// first is the nearer.
+template <class Real>
+PT_HD inline Interval<Real> finite_slab_interval(const Vec3<Real>& low, const Vec3<Real>& high,
+                                                 const Vec3<Real>& origin, const Vec3<Real>& inverse) {
+    const Vec3<Real> to_low = (low - origin) * inverse;
+    const Vec3<Real> to_high = (high - origin) * inverse;
+    const Real near = keep_larger(keep_larger(keep_smaller(to_low.x, to_high.x), keep_smaller(to_low.y, to_high.y)),
+                                  keep_smaller(to_low.z, to_high.z));
+    const Real far = keep_smaller(keep_smaller(keep_larger(to_low.x, to_high.x), keep_larger(to_low.y, to_high.y)),
+                                  keep_larger(to_low.z, to_high.z));
+    return {near, far, near <= far * (Real(1) + Real(2) * gamma<Real>(3))};
+}
+
+// Whether all entries of a vector's reciprocal are far from infinite.
+template <class Real>
+PT_HD inline bool has_finite_reciprocal(const Vec3<Real>& v) {
+    return keep_smaller(keep_smaller(absolute(v.x), absolute(v.y)), absolute(v.z)) >= Real(0x1p-100);
+}
+
 // Of a vector no longer than 1, but for rounding; infinite where an entry is 0.
 template <class Real>
 PT_HD inline Vec3<Real> reciprocal(const Vec3<Real>& v) {
-    const Real least = keep_smaller(keep_smaller(absolute(v.x), absolute(v.y)), absolute(v.z));
-    if (least >= Real(0x1p-100)) {
+    if (has_finite_reciprocal(v)) {
         return {reciprocal_in_range(v.x), reciprocal_in_range(v.y), reciprocal_in_range(v.z)};
     }
     return {Real(1) / v.x, Real(1) / v.y, Real(1) / v.z};

@@ -24,8 +24,8 @@ inline constexpr FeatureSet camera = FeatureSet{1} << 0;      // 4 bits
 inline constexpr FeatureSet shape = FeatureSet{1} << 4;       // 16 bits
 inline constexpr FeatureSet material = FeatureSet{1} << 20;   // 17 bits
 inline constexpr FeatureSet light = FeatureSet{1} << 37;      // 11 bits
-inline constexpr FeatureSet sampling = FeatureSet{1} << 48;   // 8 bits
-inline constexpr FeatureSet traversal = FeatureSet{1} << 56;  // 8 bits
+inline constexpr FeatureSet sampling = FeatureSet{1} << 48;   // 10 bits
+inline constexpr FeatureSet traversal = FeatureSet{1} << 58;  // 6 bits
 }  // namespace feature_bit
 
 enum class Feature : FeatureSet {
@@ -54,6 +54,7 @@ enum class Feature : FeatureSet {
     multiple_scattering = feature_bit::material << 11,  // rough conductors that lose no light
     textures = feature_bit::material << 12,             // colours and roughnesses that are images (kernels/texture.h)
     principled = feature_bit::material << 13,           // kernels/principled.h
+    shading_normals = feature_bit::material << 14,      // other normals than the surface's (kernels/shading_normal.h)
     environment = feature_bit::light << 0,
     // What the variant asks for rather than the scene.
     final_bounce = feature_bit::light << 1,
@@ -81,6 +82,11 @@ enum class Feature : FeatureSet {
     sobol_rotated = feature_bit::sampling << 4,
     pmj02 = feature_bit::sampling << 5,
     halton = feature_bit::sampling << 6,
+    // Walks through bodies drawn towards the surface (kernels/guided_walk.h), of materials that say so.
+    guided_walk = feature_bit::sampling << 7,
+    // Roulette, and splitting, by what a path is expected to bring (kernels/adjoint.h, kernels/path_tree.h).
+    adjoint_roulette = feature_bit::sampling << 8,
+    splitting = feature_bit::sampling << 9,
     // A shortcut: a scene that has it needs it not, and a kernel that has it leaves the same film.
     enclosure = feature_bit::traversal << 0,
     // Other formulas too, and so other roundings: intersection in double within single precision (kernels/widen.h), and
@@ -109,7 +115,8 @@ inline constexpr FeatureSet shape_features = no_features PT_SHAPES(PT_FEATURE);
 inline constexpr FeatureSet material_features =
     set_of(Feature::diffuse, Feature::emitter, Feature::mirror, Feature::mix, Feature::dielectric, Feature::subsurface,
            Feature::emission, Feature::absorption, Feature::subsurface_boundary, Feature::rough_conductor,
-           Feature::rough_dielectric, Feature::multiple_scattering, Feature::textures, Feature::principled);
+           Feature::rough_dielectric, Feature::multiple_scattering, Feature::textures, Feature::principled,
+           Feature::shading_normals);
 inline constexpr FeatureSet light_samplings =
     set_of(Feature::area_sampling, Feature::projected_sampling, Feature::automatic_sampling);
 inline constexpr FeatureSet light_selections = set_of(Feature::power_selection, Feature::tree_selection);
@@ -119,15 +126,21 @@ inline constexpr FeatureSet all_features =
     light_selections |
     set_of(Feature::near_sphere, Feature::motion, Feature::environment, Feature::environment_map, Feature::jitter,
            Feature::lens, Feature::final_bounce, Feature::next_event, Feature::multiple_importance, Feature::one_sample,
-           Feature::russian_roulette);
+           Feature::russian_roulette, Feature::adjoint_roulette);
 inline constexpr FeatureSet shortcuts = set_of(Feature::enclosure);
 inline constexpr FeatureSet samplers = set_of(Feature::philox, Feature::sobol_owen, Feature::minstd,
                                               Feature::sobol_rotated, Feature::pmj02, Feature::halton);
+// What a kernel chooses at run time among what it has, and has only where it is asked for some of it: no other kernel,
+// not even a generic one, pays for it.
+inline constexpr FeatureSet samplings = samplers | static_cast<FeatureSet>(Feature::guided_walk);
 
 // A kernel has it only for a scene that has it: the way through an accelerator takes registers from every other shape.
 inline constexpr FeatureSet traversals = set_of(Feature::mesh);
 // The same, at most one of them, for a variant that has it.
 inline constexpr FeatureSet mesh_levels = set_of(Feature::object_tree, Feature::flat_tree);
+
+// A kernel has it only for a variant that asks for it: the branches that wait take registers and memory.
+inline constexpr FeatureSet path_trees = set_of(Feature::splitting);
 
 // Of these a kernel has just the ones that it is asked for: they change what is computed.
 inline constexpr FeatureSet formulas = set_of(Feature::double_intersection, Feature::naive);
@@ -161,6 +174,16 @@ struct Config {
     static constexpr FeatureSet features = Features;
     using Accelerator = AcceleratorT;
 };
+
+// Whether a kernel is for scenes with one light alone, always the same object: then all threads read the same numbers
+// of it. A device's configuration says so where it knows.
+template <class Config>
+PT_HD constexpr bool has_one_light() {
+    if constexpr (requires { Config::has_one_light; }) {
+        return Config::has_one_light;
+    }
+    return false;
+}
 
 template <class Config>
 PT_HD constexpr bool has(Feature feature) {

@@ -16,10 +16,60 @@ struct Vertex {
     std::uint32_t material;
     SurfaceId hit;  // with the face, where it is known
     std::uint32_t primitive = 0;
-
-    // Unit, on the incoming ray's side: a face is met from outside.
+    // Unit, on the incoming ray's side: a face is met from outside. What the vertex is shaded with.
     PT_HD Vec3<Real> normal() const { return hit.has_face() ? face_normal<Real>(hit) : surface_normal; }
+    // Of a finite vector with the normal: of a face's, whose other entries are 0, one entry of the vector.
+    PT_HD Real dot_normal(const Vec3<Real>& v) const {
+        if (!hit.has_face()) {
+            return dot(v, surface_normal);
+        }
+        const Real along = component_of(v, hit.face_axis());
+        return hit.face_looks_up() ? along : -along;
+    }
 };
+
+// One that may be shaded with another normal than the surface's, which is kept here.
+template <class Real>
+struct BentVertex : Vertex<Real> {
+    bool is_bent = false;
+    Vec3<Real> unbent{};
+};
+
+// As the kernel has it: without shading normals the very Vertex, whose size counts where it lies in memory.
+template <class Config, bool bends = has<Config>(Feature::shading_normals)>
+struct VertexOfKernel {
+    using Type = Vertex<typename Config::Real>;
+};
+template <class Config>
+struct VertexOfKernel<Config, true> {
+    using Type = BentVertex<typename Config::Real>;
+};
+template <class Config>
+using VertexOf = typename VertexOfKernel<Config>::Type;
+
+// The surface's own normal, likewise; what tells its sides apart.
+template <class Config>
+PT_HD inline Vec3<typename Config::Real> geometric_normal(const VertexOf<Config>& vertex) {
+    if constexpr (has<Config>(Feature::shading_normals)) {
+        return vertex.is_bent ? vertex.unbent : vertex.normal();
+    } else {
+        return vertex.normal();
+    }
+}
+
+// Whether a direction away from the vertex is for the surface what it is for the normal that the vertex is shaded with:
+// on the side that the path comes from or, where it `passes`, on the other one.
+template <class Config>
+PT_HD inline bool is_on_one_side(const VertexOf<Config>& vertex, const Vec3<typename Config::Real>& direction,
+                                 bool passes) {
+    if constexpr (has<Config>(Feature::shading_normals)) {
+        using Real = typename Config::Real;
+        const Real cosine = dot(direction, vertex.unbent);
+        return !vertex.is_bent || (passes ? cosine < Real(0) : cosine > Real(0));
+    } else {
+        return true;
+    }
+}
 
 // Sends the path away from the vertex on the side that it came from.
 template <class Real>
@@ -40,7 +90,8 @@ PT_HD inline void leave_on_other_side(Path<Real>& path, const Vertex<Real>& vert
 }
 
 // Frame::to_world for a normal along an axis: the frame's entries are 0, 1 and -1, so coordinates only change places
-// and signs. Where one is 0, the frame's sums decide about the sign of a zero: then only the frame has its bits.
+// and signs. Where one is 0, the frame's sums decide about the sign of a zero: then only the frame has its bits, if
+// anybody wants them.
 template <class Real>
 PT_HD inline bool axis_to_world(const SurfaceId& face, const Vec3<Real>& local, Vec3<Real>& world) {
     const Real sign = face.face_looks_up() ? Real(1) : Real(-1);
@@ -51,16 +102,16 @@ PT_HD inline bool axis_to_world(const SurfaceId& face, const Vec3<Real>& local, 
              : axis == 2 ? sign * local.y
                          : local.y,
              axis == 2 ? along : -sign * (axis == 0 ? local.x : local.y)};
-    return local.x * local.y * local.z != Real(0);
+    return draws_approximately<Real> || local.x * local.y * local.z != Real(0);
 }
 
+// By two words of 32 bits.
 template <class Config>
 PT_HD inline void scatter_diffuse(Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
-                                  const Vec3<typename Config::Real>& albedo, typename Config::Real u,
-                                  typename Config::Real v) {
+                                  const Vec3<typename Config::Real>& albedo, std::uint32_t u, std::uint32_t v) {
     using Real = typename Config::Real;
     path.throughput *= albedo;
-    const Vec3<Real> local = cosine_hemisphere(u, v);
+    const Vec3<Real> local = cosine_hemisphere_of_square(symmetric_interval<Real>(u), symmetric_interval<Real>(v));
     Vec3<Real> direction;
     if (!has<Config>(Feature::enclosure) || !vertex.hit.has_face() || !axis_to_world(vertex.hit, local, direction)) {
         direction = Frame<Real>(vertex.normal()).to_world(local);

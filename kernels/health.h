@@ -153,7 +153,7 @@ public:
         look(HealthSite::direction, is_finite(path.direction), path);
         look(HealthSite::throughput, is_finite(path.throughput), path);
         counters_.negative += is_negative(path.throughput) ? 1u : 0u;
-        if (scene_.roulette_start == 0) {
+        if (scene_.roulette_start == 0 && scene_.adjoint == nullptr) {
             const Real sum = path.throughput.x + path.throughput.y + path.throughput.z;
             counters_.gains += sum > Real(3) * (Real(1) + Real(0x1p-20)) ? 1u : 0u;
         }
@@ -201,13 +201,13 @@ private:
 template <class Config>
 PT_HD inline void inspect_path(const SceneView<typename Config::Real>& scene,
                                const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
-                               BodySet around_eye, bool knows_sides, PathCounters& counters, HealthCounters& health) {
+                               BodySet around_eye, bool knows_sides, auto& counters, HealthCounters& health) {
     using Real = typename Config::Real;
     Inspection<Config> inspection(scene, around_eye, knows_sides, health);
     inspection.camera(path);
     Hit<Real> hit;
     Vec3<Real> throughput = path.throughput;
-    const std::uint64_t lost_before = counters.unfinished_walks;
+    const auto lost_before = counters.unfinished_walks;
     for (bool alive = true; alive;) {
         hit = closest_hit<Config>(traced, ray_of(path));
         inspection.hit(path, hit);

@@ -57,6 +57,74 @@ PT_HD inline Real square_root_in_range(Real x) {
     return square_root(x);
 }
 
+// Approximations to a few units in the last place, where the arithmetic allows them (variants/arithmetic): for numbers
+// whose error moves a sample or a point along its ray, and nothing else. Elsewhere the correctly rounded ones.
+#if defined(__CUDA_ARCH__) && defined(PT_APPROXIMATE)
+#define PT_DEVICE_APPROXIMATIONS 1
+#else
+#define PT_DEVICE_APPROXIMATIONS 0
+#endif
+
+// Whether the kernel has them, and so owes nobody the last bits of what it draws.
+template <class Real>
+inline constexpr bool draws_approximately = PT_DEVICE_APPROXIMATIONS && sizeof(Real) == 4;
+
+// a / b for 2^-50 <= |b| <= 2^120.
+template <class Real>
+PT_HD inline Real nearly_divide(Real a, Real b) {
+#if PT_DEVICE_APPROXIMATIONS
+    if constexpr (sizeof(Real) == 4) {
+        float inverse;
+        asm("rcp.approx.ftz.f32 %0, %1;" : "=f"(inverse) : "f"(b));
+        return a * inverse;
+    }
+#endif
+    return a / b;
+}
+
+// The square root of x, as square_root_in_range.
+template <class Real>
+PT_HD inline Real nearly_square_root_in_range(Real x) {
+#if PT_DEVICE_APPROXIMATIONS
+    if constexpr (sizeof(Real) == 4) {
+        float root;
+        asm("sqrt.approx.ftz.f32 %0, %1;" : "=f"(root) : "f"(x));
+        return root;
+    }
+#endif
+    return square_root_in_range(x);
+}
+
+// The square root of x, as square_root_in_range, and 1 over it.
+template <class Real>
+struct RootAndInverse {
+    Real root, inverse;
+};
+template <class Real>
+PT_HD inline RootAndInverse<Real> nearly_root_and_inverse_in_range(Real x) {
+#if PT_DEVICE_APPROXIMATIONS
+    if constexpr (sizeof(Real) == 4) {
+        float inverse;
+        asm("rsqrt.approx.ftz.f32 %0, %1;" : "=f"(inverse) : "f"(x));
+        return {x * inverse, inverse};
+    }
+#endif
+    const Real root = square_root_in_range(x);
+    return {root, reciprocal_in_range(root)};
+}
+
+// Sine and cosine for |x| <= pi/4; an approximation has an absolute error of 2^-20.
+template <class Real>
+PT_HD inline SinCos<Real> nearly_sin_cos_octant(Real x) {
+#if PT_DEVICE_APPROXIMATIONS
+    if constexpr (sizeof(Real) == 4) {
+        return {__sinf(x), __cosf(x)};
+    }
+#endif
+    return sin_cos_octant(x);
+}
+
 #undef PT_DEVICE_SEQUENCES
+#undef PT_DEVICE_APPROXIMATIONS
 
 }  // namespace pt

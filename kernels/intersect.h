@@ -116,9 +116,12 @@ PT_HD inline bool comes_before(Real t, std::uint32_t object, const Hit<Real>& be
 // Keeps the nearer of `best` and a convex body crossed over [near, far]: entered from outside, or left from inside.
 template <VisitOrder order = VisitOrder::ascending, class Real>
 PT_HD inline void keep_nearer(Hit<Real>& best, const Interval<Real>& crossing, std::uint32_t object) {
+    if (!crossing.hits) {
+        return;
+    }
     const bool inside = !(crossing.near > Real(0));
     const Real t = inside ? crossing.far : crossing.near;
-    if (crossing.hits && t > Real(0) && comes_before<order>(t, object, best)) {
+    if (t > Real(0) && comes_before<order>(t, object, best)) {
         best.t = t;
         best.side = SurfaceId::of(object, inside);
     }
@@ -143,13 +146,21 @@ PT_HD inline void keep_nearer_flat(Hit<Real>& best, const Interval<Real>& crossi
     }
 }
 
+// Shapes of which a line that passes by is met at 0, and so not at all: nobody needs to ask whether it hits.
+template <class Shape>
+inline constexpr bool misses_at_zero = requires {
+    Shape::misses_at_zero;
+};
+
 template <class Config, class Scene, class Body>
 PT_HD inline void closest_body(Hit<typename Config::Real>& best, const Scene& scene, const Body& body,
                                std::uint32_t object, const Ray<typename Config::Real>& ray) {
     const auto origin = at_rest<Config>(scene, object, ray.origin, ray.time);
     const bool starts_here = ray.origin_surface.is_of(object);
     if (!starts_here) {
-        keep_nearer(best, interval(body, origin, ray.direction), object);
+        auto crossing = interval(body, origin, ray.direction);
+        crossing.hits = misses_at_zero<Body> || crossing.hits;
+        keep_nearer(best, crossing, object);
     } else if (ray.origin_surface.inside()) {
         keep_nearer(best, chord(body, origin, ray.direction), ray.origin_surface);
     }
@@ -179,7 +190,9 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
         const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
         // A copy: of a reference nvcc 13.0 makes one load a plane, at an address that depends on the lane.
         const AxisBox<Real> box = scene.axis_boxes[i];
-        const Interval<Real> crossing = slab_interval(box.low, box.high, origin, inverse);
+        // Without walls a ray is plainly within their enclosure, and so has a finite reciprocal.
+        const Interval<Real> crossing = without_walls ? finite_slab_interval(box.low, box.high, origin, inverse)
+                                                      : slab_interval(box.low, box.high, origin, inverse);
         bool starts_here = ray.origin_surface.is_of(object);
         if constexpr (has<Config>(Feature::enclosure)) {
             starts_here =
@@ -199,7 +212,8 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
     using Real = typename Config::Real;
     const Vec3<Real> inverse = reciprocal(ray.direction);
     if constexpr (has<Config>(Feature::enclosure)) {
-        const EnclosureExit<Real> exit = leave_enclosure(scene.enclosure, ray.origin, inverse);
+        const EnclosureExit<Real> exit =
+            leave_enclosure(scene.enclosure, ray.origin, inverse, has_finite_reciprocal(ray.direction));
         // A ray inside a wall is none of the enclosure's, not even on its face.
         bool in_wall = ray.origin_surface.exists() && ray.origin_surface.inside();
         if constexpr (has<Config>(Feature::dielectric) || has<Config>(Feature::rough_dielectric) ||
@@ -210,7 +224,7 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
         if (exit.known && !in_wall) {
             closest_axis_box<Config>(best, scene, ray, inverse, true);
             if (exit.side.exists() && exit.t <= best.t) {
-                const bool wins = exit.t < best.t || exit.side.object() < best.side.object();
+                const bool wins = exit.t < best.t || exit.side.precedes(best.side);
                 best.side = wins ? exit.side : best.side;
                 best.t = exit.t;
             }

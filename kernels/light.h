@@ -26,14 +26,13 @@ PT_HD inline LightSample<typename Config::Real> sample_light(const SceneView<typ
 template <class Config>
 PT_HD inline std::uint32_t connect_to_environment(const SceneView<typename Config::Real>& scene,
                                                   const SceneView<typename Config::Real>& traced,
-                                                  Path<typename Config::Real>& path,
-                                                  const Vertex<typename Config::Real>& vertex,
+                                                  Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
                                                   const Vec3<typename Config::Real>& albedo, const RandomWords& words,
                                                   std::uint32_t choices) {
     using Real = typename Config::Real;
     const EnvironmentSample<Real> sample = sample_environment(*scene.environment_map, words.y, words.z, words.w);
     const Real cosine = dot(sample.direction, vertex.normal());
-    if (!(cosine > Real(0))) {
+    if (!(cosine > Real(0)) || !is_on_one_side<Config>(vertex, sample.direction, false)) {
         return 0;
     }
     const Ray<Real> ray{vertex.position, sample.direction, path.time, SurfaceId::of(vertex.object, vertex.inside),
@@ -55,8 +54,8 @@ PT_HD inline std::uint32_t connect_to_environment(const SceneView<typename Confi
 template <class Config>
 PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene,
                                    const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
-                                   const Vertex<typename Config::Real>& vertex,
-                                   const Vec3<typename Config::Real>& albedo, const RandomWords& direction_words) {
+                                   const VertexOf<Config>& vertex, const Vec3<typename Config::Real>& albedo,
+                                   const RandomWords& direction_words) {
     using Real = typename Config::Real;
     std::uint32_t environment_light =
         has<Config>(Feature::environment) && scene.environment != Vec3<Real>(Real(0)) ? 1u : 0u;
@@ -76,8 +75,10 @@ PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene
                 return connect_to_environment<Config>(scene, traced, path, vertex, albedo, words, choices);
             }
         }
-        scatter_diffuse<Config>(path, vertex, albedo, unit_interval<Real>(direction_words.y),
-                                unit_interval<Real>(direction_words.z));
+        scatter_diffuse<Config>(path, vertex, albedo, direction_words.y, direction_words.z);
+        if (!is_on_one_side<Config>(vertex, path.direction, false)) {
+            return 0;
+        }
         if (!closest_hit<Config>(traced, ray_of(path)).side.exists()) {
             path.radiance += path.throughput * scene.environment * static_cast<Real>(choices);
         }
@@ -94,7 +95,7 @@ PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene
     const Vec3<Real> direction = to_light * (Real(1) / square_root(distance_squared));
     const Real cosine = dot(direction, vertex.normal());
     const Real light_cosine = dot(direction, light.normal);
-    if (!(cosine > Real(0)) || light_cosine == Real(0)) {
+    if (!(cosine > Real(0)) || light_cosine == Real(0) || !is_on_one_side<Config>(vertex, direction, false)) {
         return 0;
     }
     const Ray<Real> ray{vertex.position, direction, path.time, SurfaceId::of(vertex.object, vertex.inside),

@@ -122,9 +122,8 @@ struct FacesByArea {
         if (!(square >= Real(0x1p-100))) {
             return {{Real(0), Real(0), Real(1)}, Real(0)};
         }
-        const Real length = square_root_in_range(square);
-        const Real inverse = reciprocal_in_range(length);
-        return {to_light * inverse, inverse_pdf(axis, inverse), 0, length};
+        const RootAndInverse<Real> length = nearly_root_and_inverse_in_range(square);
+        return {to_light * length.inverse, inverse_pdf(axis, length.inverse), 0, length.root};
     }
 };
 

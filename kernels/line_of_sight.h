@@ -47,7 +47,9 @@ PT_HD inline bool is_hidden_by(Segment<typename Config::Real>& segment, const Sc
     const auto& ray = segment.ray;
     const auto origin = at_rest<Config>(scene, object, ray.origin, ray.time);
     if (!ray.origin_surface.is_of(object)) {
-        return segment.is_hidden_by(interval(shape, origin, ray.direction), Shape::is_flat);
+        auto crossing = interval(shape, origin, ray.direction);
+        crossing.hits = misses_at_zero<Shape> || crossing.hits;
+        return segment.is_hidden_by(crossing, Shape::is_flat);
     }
     if constexpr (Shape::is_flat) {
         return false;

@@ -35,13 +35,20 @@ struct Boundary {
 template <class Real>
 struct Material {
     MaterialType type;
-    std::uint32_t emits;     // 1 if emission is not black
-    Vec3<Real> emission;     // radiance, linear RGB
-    Vec3<Real> albedo;       // diffuse, mix; principled: base colour
-    Vec3<Real> reflectance;  // mirror, mix; rough_conductor: at normal incidence
+    std::uint32_t emits;  // 1 if emission is not black
+    Vec3<Real> emission;  // radiance, linear RGB
+    union {
+        Vec3<Real> albedo;       // diffuse, mix; principled: base colour
+        Vec3<Real> guide_decay;  // subsurface that is guided (guided_walk.h): decay with depth, per mean free path
+    };
+    union {
+        Vec3<Real> reflectance;   // mirror, mix; rough_conductor: at normal incidence
+        Vec3<Real> guide_albedo;  // subsurface that is guided: guide_decay / artanh(guide_decay)
+    };
     union {
         Real mirror_probability;  // mix
         Real metallic;            // principled
+        Real guided_share;        // subsurface: the share of steps that is guided (kernels/guided_walk.h); 0: none
     };
     Vec3<Real> tint;                   // dielectrics: factor on each transmission
     Boundary<Real> entering, leaving;  // dielectrics, subsurface, principled
@@ -63,6 +70,11 @@ struct Material {
         Real alpha;  // rough materials: width of the GGX distribution, roughness^2
     };
     std::uint32_t max_scatterings;  // cap of one walk
+
+    // Whether the three channels of a guided walk are drawn alike.
+    PT_HD constexpr bool has_one_guide() const {
+        return grey != 0 && guide_decay.x == guide_decay.y && guide_decay.y == guide_decay.z;
+    }
 };
 
 // What most hits need of an object's material, in one 16-byte read.

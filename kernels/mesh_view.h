@@ -56,6 +56,11 @@ struct CornerCoordinates {
     float v[3];
 };
 
+// The normals of the three corners of a triangle, in the mesh's own space: unit, outward; all 0: the triangle's own.
+struct CornerNormals {
+    float of[3][3];
+};
+
 // A triangle where a leaf finds it, with its number in the mesh: 48 bytes, three accesses.
 struct alignas(16) LeafTriangle {
     float a[3];

@@ -87,7 +87,7 @@ PT_HD inline typename Config::Real inverse_direction_pdf_to(const SceneView<type
                                                             const Hit<typename Config::Real>& hit,
                                                             const Ray<typename Config::Real>& ray) {
     using Real = typename Config::Real;
-    const std::uint32_t object = hit.side.object();
+    const std::uint32_t object = has_one_light<Config>() ? scene.lights[0].object : hit.side.object();
     const Vec3<Real> observer = at_rest<Config>(scene, object, ray.origin, ray.time);
     Real inverse_pdf = Real(0);
     visit_shape<Config>(scene, object, [&](const auto& shape) {
@@ -110,9 +110,11 @@ PT_HD inline Real mis_weight_light(Real ratio, std::uint32_t exponent) {
     return Real(1) / (Real(1) + (exponent == 2 ? ratio * ratio : ratio));
 }
 
-// What light counts that the path meets at `hit`, at the end of its ray.
+// What light counts that the path meets at `hit`, at the end of its ray. `traced`: the same scene, as rays walk through
+// it.
 template <class Config>
 PT_HD inline typename Config::Real encounter_weight(const SceneView<typename Config::Real>& scene,
+                                                    const SceneView<typename Config::Real>& traced,
                                                     const Path<typename Config::Real>& path,
                                                     const Hit<typename Config::Real>& hit) {
     using Real = typename Config::Real;
@@ -128,7 +130,8 @@ PT_HD inline typename Config::Real encounter_weight(const SceneView<typename Con
                 }
                 techniques = scene.one_sample != 0 ? Real(2) : Real(1);
             }
-            const Real inverse_pdf = inverse_direction_pdf_to<Config>(scene, hit, ray_of(path));
+            const Real inverse_pdf =
+                inverse_direction_pdf_to<Config>(has_one_light<Config>() ? traced : scene, hit, ray_of(path));
             Real inverse_weighing = inverse_light_weighing<Config>(scene, hit.side.object(), path.origin);
             if constexpr (has<Config>(Feature::environment_map)) {
                 if (scene.environment_map != nullptr) {
@@ -236,15 +239,17 @@ PT_HD inline Hit<typename Config::Real> hit_of_light(const SceneView<typename Co
 template <class Config, class Lobe>
 PT_HD inline std::uint32_t connect_environment(const SceneView<typename Config::Real>& scene,
                                                const SceneView<typename Config::Real>& traced,
-                                               Path<typename Config::Real>& path,
-                                               const Vertex<typename Config::Real>& vertex, const Lobe& lobe,
-                                               const RandomWords& words) {
+                                               Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
+                                               const Lobe& lobe, const RandomWords& words) {
     using Real = typename Config::Real;
     const EnvironmentMap<Real>& map = *scene.environment_map;
     const EnvironmentSample<Real> sample = sample_environment(map, words.y, words.z, words.w);
-    const Real cosine = dot(sample.direction, vertex.normal());
+    const Real cosine = vertex.dot_normal(sample.direction);
     const bool passes = Lobe::transmits && cosine < Real(0);
     if (sample.place.radiance == Vec3<Real>(Real(0)) || !(cosine > Real(0) || passes)) {
+        return 0;
+    }
+    if (!is_on_one_side<Config>(vertex, sample.direction, passes)) {
         return 0;
     }
     if constexpr (Lobe::may_be_opaque) {
@@ -276,8 +281,8 @@ PT_HD inline std::uint32_t connect_environment(const SceneView<typename Config::
 template <class Config, class Lobe>
 PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::Real>& scene,
                                               const SceneView<typename Config::Real>& traced,
-                                              Path<typename Config::Real>& path,
-                                              const Vertex<typename Config::Real>& vertex, const Lobe& lobe) {
+                                              Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
+                                              const Lobe& lobe) {
     using Real = typename Config::Real;
     RandomWords words = random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::light});
     if (!is_to_be_connected<Config>(scene, path, words)) {
@@ -296,12 +301,16 @@ PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::R
         }
     }
     const std::uint32_t object = scene.lights[pick.light].object;
+    const SceneView<Real>& read = has_one_light<Config>() ? traced : scene;
     const DirectionSample<Real> sample =
-        sample_direction_to<Config>(scene, object, vertex.position, path.time, unit_interval<Real>(words.y),
+        sample_direction_to<Config>(read, object, vertex.position, path.time, unit_interval<Real>(words.y),
                                     unit_interval<Real>(words.z), unit_interval<Real>(words.w));
-    const Real cosine = dot(sample.direction, vertex.normal());
+    const Real cosine = vertex.dot_normal(sample.direction);
     const bool passes = Lobe::transmits && cosine < Real(0);
     if (!(sample.inverse_pdf > Real(0)) || !(cosine > Real(0) || passes)) {
+        return 0;
+    }
+    if (!is_on_one_side<Config>(vertex, sample.direction, passes)) {
         return 0;
     }
     if constexpr (Lobe::may_be_opaque) {

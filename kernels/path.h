@@ -22,6 +22,8 @@ struct SurfaceId {
     }
     PT_HD constexpr bool exists() const { return code != nowhere; }
     PT_HD constexpr std::uint32_t object() const { return (code >> 1) & (most_objects - 1); }
+    // Both exist, and are of different objects: whether this one's has the lower number.
+    PT_HD constexpr bool precedes(const SurfaceId& other) const { return (code << 4) < (other.code << 4); }
     // A surface of this object; nowhere is none of anybody's.
     PT_HD constexpr bool is_of(std::uint32_t number) const { return exists() && object() == number; }
     PT_HD constexpr bool has_face() const { return (code >> 29) != 0; }
@@ -54,7 +56,7 @@ struct Path {
     Real time;              // seconds
     std::uint32_t pixel;    // row-major index
     std::uint32_t sample;
-    std::uint32_t segment;     // ray segments traced so far; `ended` once the path is over
+    std::uint32_t segment;     // ray segments traced so far (segments_of); `ended` once the path is over
     SurfaceId origin_surface;  // the surface that the ray starts on
     std::uint32_t medium;      // material whose absorption the ray runs through, or no_medium
     // Density, by solid angle, with which the ray's direction was drawn where next-event estimation had its turn too;
@@ -70,5 +72,17 @@ struct Path {
 
     PT_HD bool alive() const { return segment != ended; }
 };
+
+// In kernels whose paths split the upper bits of Path::segment number the branch: its random numbers follow from them.
+inline constexpr std::uint32_t segment_bits = 20;
+
+template <class Config>
+PT_HD inline std::uint32_t segments_of(const Path<typename Config::Real>& path) {
+    if constexpr (has<Config>(Feature::splitting)) {
+        return path.segment & ((1u << segment_bits) - 1u);
+    } else {
+        return path.segment;
+    }
+}
 
 }  // namespace pt

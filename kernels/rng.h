@@ -30,9 +30,11 @@ struct RandomSeed {
 // a feature out sees the same numbers as one that has it. Bounce 0 is the camera; bounce k the k-th surface hit.
 // A block is one hash: four numbers.
 //   camera   block 0: pixel x, pixel y, lens u, lens v      block 1: time, -, -, -
-//   surface  block 0: lobe or Fresnel, direction u, direction v, Russian roulette
+//   surface  block 0: lobe or Fresnel, direction u (a guided walk: its first step's densities), direction v, Russian
+//            roulette
 //            block 1: light index, light point u, light point v, light face
-//   walk     block 2 + step: free path, colour channel, phase cosine or Fresnel, phase azimuth
+//   walk     block 2 + step: free path, colour channel (a guided walk: the next step's densities), phase cosine or
+//            Fresnel, phase azimuth
 namespace random_block {
 inline constexpr std::uint32_t camera_position = 0;
 inline constexpr std::uint32_t camera_time = 1;
@@ -80,6 +82,16 @@ PT_HD constexpr Real unit_interval(std::uint32_t bits) {
         return static_cast<Real>(bits >> 8) * Real(0x1p-24);
     } else {
         return static_cast<Real>(bits) * Real(0x1p-32);
+    }
+}
+
+// The same in [-1, 1): exactly 2 u - 1, with one rounding less to compute.
+template <class Real>
+PT_HD constexpr Real symmetric_interval(std::uint32_t bits) {
+    if constexpr (sizeof(Real) == 4) {
+        return static_cast<Real>(bits >> 8) * Real(0x1p-23) - Real(1);
+    } else {
+        return static_cast<Real>(bits) * Real(0x1p-31) - Real(1);
     }
 }
 

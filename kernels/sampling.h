@@ -7,26 +7,40 @@ namespace pt {
 
 // Uniform on the unit disc. Shirley and Chiu, "A Low Distortion Map Between Disk and Square", JGT 2(3), 1997,
 // in the branch-light form of pbrt; every angle lies in [-pi/4, pi/4].
+// From the square [-1, 1]^2.
 template <class Real>
-PT_HD inline Vec2<Real> concentric_disc(Real u, Real v) {
-    const Real x = Real(2) * u - Real(1);
-    const Real y = Real(2) * v - Real(1);
+PT_HD inline Vec2<Real> concentric_disc_of_square(Real x, Real y) {
     const bool x_is_radius = absolute(x) > absolute(y);
     const Real radius = x_is_radius ? x : y;
     const Real other = x_is_radius ? y : x;
     // Both are whole multiples of 2^-23 (in double 2^-31) and at most 1.
-    const Real ratio = radius == Real(0) ? Real(0) : divide_in_range(other, radius);
-    const SinCos<Real> angle = sin_cos_octant(ratio * (pi<Real> / Real(4)));
+    Real ratio;
+    if constexpr (draws_approximately<Real>) {
+        ratio = keep_smaller(Real(1), nearly_divide(other, radius));  // 0 / 0 is passed over
+    } else {
+        ratio = radius == Real(0) ? Real(0) : divide_in_range(other, radius);
+    }
+    const SinCos<Real> angle = nearly_sin_cos_octant(ratio * (pi<Real> / Real(4)));
     return {radius * (x_is_radius ? angle.cosine : angle.sine), radius * (x_is_radius ? angle.sine : angle.cosine)};
 }
 
-// Density cos(theta) / pi on the hemisphere around +z (Malley's method).
 template <class Real>
-PT_HD inline Vec3<Real> cosine_hemisphere(Real u, Real v) {
-    const Vec2<Real> disc = concentric_disc(u, v);
+PT_HD inline Vec2<Real> concentric_disc(Real u, Real v) {
+    return concentric_disc_of_square(Real(2) * u - Real(1), Real(2) * v - Real(1));
+}
+
+// Density cos(theta) / pi on the hemisphere around +z (Malley's method), from the square [-1, 1]^2.
+template <class Real>
+PT_HD inline Vec3<Real> cosine_hemisphere_of_square(Real x, Real y) {
+    const Vec2<Real> disc = concentric_disc_of_square(x, y);
     const Real rest = Real(1) - disc.x * disc.x - disc.y * disc.y;
     // A difference of numbers up to 1: if it is not 0, it is no less than their last bit.
-    return {disc.x, disc.y, rest > Real(0) ? square_root_in_range(rest) : Real(0)};
+    return {disc.x, disc.y, rest > Real(0) ? nearly_square_root_in_range(rest) : Real(0)};
+}
+
+template <class Real>
+PT_HD inline Vec3<Real> cosine_hemisphere(Real u, Real v) {
+    return cosine_hemisphere_of_square(Real(2) * u - Real(1), Real(2) * v - Real(1));
 }
 
 // Density 1 / (4 pi) on the unit sphere.

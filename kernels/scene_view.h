@@ -59,6 +59,23 @@ struct ObjectTexture {
     std::uint32_t first_coordinate;  // of a mesh: of its first triangle, in SceneView::texture_coordinates
 };
 
+// The normals that an object is shaded with.
+template <class Real>
+struct ObjectNormals {
+    static constexpr std::uint32_t none = 0xffffffffu;
+    // From a mesh's own space to the scene, but for a factor that all normals share.
+    Vec3<Real> row[3];
+    std::uint32_t first_normal;  // of its first triangle, in ShadingNormals::corners; none: the triangles' own
+    TexelBlock map;              // in the tangent space of the texture's coordinates
+    Real map_scale;              // of its first two components
+};
+
+template <class Real>
+struct ShadingNormals {
+    View<ObjectNormals<Real>> objects;  // by object number; empty: all surfaces are shaded with their own
+    View<CornerNormals> corners;
+};
+
 template <class Real>
 struct Ray;
 
@@ -74,6 +91,9 @@ using MeetMeshes = void (*)(Hit<Real>&, const SceneView<Real>&, const Ray<Real>&
 // Light from all round that is drawn as lights are.
 template <class Real>
 struct EnvironmentMap;
+// What paths are expected to bring.
+template <class Real>
+struct AdjointCache;
 
 // One tree over all triangles of all objects that show meshes, in the scene's space; slots name them.
 struct FlatSlot {
@@ -94,6 +114,9 @@ struct MeshSearch {
     MeetMeshes<Real> meet_meshes = nullptr;
     ObjectTree objects;
     FlatTree flat;
+    // For kernels with Feature::shading_normals. Here, because kernels keep copies of a SceneView: others would have
+    // more in memory.
+    ShadingNormals<Real> normals;
 };
 
 template <class Real>
@@ -127,10 +150,11 @@ struct SceneView {
     LightSelection light_selection;
     std::uint32_t one_sample;  // 1: of a connection and light that is met, one at random, with mis_exponent
 
-    // Of a device: null unless its kernels have one of mesh_levels.
+    // Of a device: null unless its kernels have one of mesh_levels, or shading_normals.
     const MeshSearch<Real>* mesh_search;
     // Null: none.
     const EnvironmentMap<Real>* environment_map;
+    const AdjointCache<Real>* adjoint;
 
     PT_HD std::uint32_t pixel_count() const { return camera.width * camera.height; }
     // Segments that the longest path can have: with a final bounce, a path whose last vertex is specular goes one

@@ -5,6 +5,7 @@
 // exhausted contributes nothing more.
 #pragma once
 
+#include "kernels/adjoint.h"
 #include "kernels/film.h"
 #include "kernels/light.h"
 #include "kernels/mix.h"
@@ -13,18 +14,20 @@
 #include "kernels/rough_conductor.h"
 #include "kernels/rough_dielectric.h"
 #include "kernels/russian_roulette.h"
+#include "kernels/shading_normal.h"
 #include "kernels/subsurface.h"
-#include "kernels/texture.h"
 
 namespace pt {
 
 // What one thread counts while it runs stages; summed by whoever runs it.
-struct PathCounters {
-    std::uint64_t paths = 0;
-    std::uint64_t rays = 0;              // closest-hit queries: path segments and connections to lights
-    std::uint64_t connections = 0;       // of the rays, those to lights
-    std::uint64_t unfinished_walks = 0;  // paths lost in a subsurface body: the walk met its cap, or began inside
+template <class Count>
+struct PathCountersOf {
+    Count paths = 0;
+    Count rays = 0;              // closest-hit queries: path segments and connections to lights
+    Count connections = 0;       // of the rays, those to lights
+    Count unfinished_walks = 0;  // paths lost in a subsurface body: the walk met its cap, or began inside
 };
+using PathCounters = PathCountersOf<std::uint64_t>;
 
 template <class Config>
 PT_HD inline Path<typename Config::Real> generate(const SceneView<typename Config::Real>& scene,
@@ -62,8 +65,8 @@ PT_HD inline void accumulate(const FilmView& film, const Path<Real>& path) {
 template <class Config>
 PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene,
                                 const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
-                                const Vertex<typename Config::Real>& vertex, const Vec3<typename Config::Real>& albedo,
-                                const RandomWords& words, bool last, PathCounters& counters) {
+                                const VertexOf<Config>& vertex, const Vec3<typename Config::Real>& albedo,
+                                const RandomWords& words, bool last, auto& counters) {
     using Real = typename Config::Real;
     if constexpr (has<Config>(Feature::final_bounce)) {
         if (last) {
@@ -83,11 +86,17 @@ PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene,
             counters.connections += connections;
         }
     }
-    scatter_diffuse<Config>(path, vertex, albedo, unit_interval<Real>(words.y), unit_interval<Real>(words.z));
+    scatter_diffuse<Config>(path, vertex, albedo, words.y, words.z);
     if (is_connected) {
-        // Never 0, which says that there was no connection.
-        constexpr Real least = Real(0x1p-60);
-        path.bsdf_pdf = kept_pdf<Config>(path, max(dot(path.direction, vertex.normal()), least) * (Real(1) / pi<Real>));
+        if constexpr (has<Config>(Feature::multiple_importance)) {
+            constexpr Real least = Real(0x1p-60);
+            path.bsdf_pdf =
+                kept_pdf<Config>(path, max(vertex.dot_normal(path.direction), least) * (Real(1) / pi<Real>));
+        } else {
+            // Not 0, which says that there was no connection: that is all that matters unless light that is met is
+            // weighed.
+            path.bsdf_pdf = Real(1);
+        }
     }
     return true;
 }
@@ -96,7 +105,7 @@ PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene,
 template <class Config, class Lobe>
 PT_HD inline bool connect_rough(const SceneView<typename Config::Real>& scene,
                                 const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
-                                const Vertex<typename Config::Real>& vertex, const Lobe& lobe, PathCounters& counters) {
+                                const VertexOf<Config>& vertex, const Lobe& lobe, auto& counters) {
     bool is_connected = false;
     if constexpr (has<Config>(Feature::next_event)) {
         is_connected = scene.next_event != 0 && lobe.is_connectable();
@@ -112,8 +121,7 @@ PT_HD inline bool connect_rough(const SceneView<typename Config::Real>& scene,
 // The width of the facets' distribution at a vertex at the end of the path's ray: a roughness may be an image.
 template <class Config>
 PT_HD inline typename Config::Real facet_width(const SceneView<typename Config::Real>& scene,
-                                               const Path<typename Config::Real>& path,
-                                               const Vertex<typename Config::Real>& vertex,
+                                               const Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
                                                const Material<typename Config::Real>& material) {
     using Real = typename Config::Real;
     Real alpha = material.alpha;
@@ -121,7 +129,7 @@ PT_HD inline typename Config::Real facet_width(const SceneView<typename Config::
         Hit<Real> hit;
         hit.side = vertex.hit;
         hit.primitive = vertex.primitive;
-        put_roughness<Config>(alpha, scene, ray_of(path), hit, vertex.position, vertex.normal());
+        put_roughness<Config>(alpha, scene, ray_of(path), hit, vertex.position, geometric_normal<Config>(vertex));
     }
     return alpha;
 }
@@ -131,10 +139,10 @@ PT_HD inline typename Config::Real facet_width(const SceneView<typename Config::
 template <class Config>
 PT_HD inline bool shade_rough_conductor(const SceneView<typename Config::Real>& scene,
                                         const SceneView<typename Config::Real>& traced,
-                                        Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
+                                        Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
                                         const Material<typename Config::Real>& material,
                                         const Vec3<typename Config::Real>& reflectance, const RandomWords& words,
-                                        PathCounters& counters) {
+                                        auto& counters) {
     using Real = typename Config::Real;
     constexpr bool has_gain = has<Config>(Feature::multiple_scattering);
     RoughConductor<Real, has_gain> lobe(reflectance, facet_width<Config>(scene, path, vertex, material),
@@ -161,9 +169,9 @@ PT_HD inline bool shade_rough_conductor(const SceneView<typename Config::Real>& 
 template <class Config>
 PT_HD inline bool shade_rough_dielectric(const SceneView<typename Config::Real>& scene,
                                          const SceneView<typename Config::Real>& traced,
-                                         Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
+                                         Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
                                          const Material<typename Config::Real>& material, const RandomWords& words,
-                                         PathCounters& counters) {
+                                         auto& counters) {
     using Real = typename Config::Real;
     const RoughDielectric<Config> lobe(material, facet_width<Config>(scene, path, vertex, material), -path.direction,
                                        vertex);
@@ -195,10 +203,9 @@ PT_HD inline bool shade_rough_dielectric(const SceneView<typename Config::Real>&
 template <class Config>
 PT_HD inline bool shade_principled(const SceneView<typename Config::Real>& scene,
                                    const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
-                                   const Vertex<typename Config::Real>& vertex,
-                                   const Material<typename Config::Real>& material,
+                                   const VertexOf<Config>& vertex, const Material<typename Config::Real>& material,
                                    const Vec3<typename Config::Real>& colour, const RandomWords& words,
-                                   PathCounters& counters) {
+                                   auto& counters) {
     using Real = typename Config::Real;
     const Principled<Config> lobe(material, colour, facet_width<Config>(scene, path, vertex, material), -path.direction,
                                   vertex);
@@ -237,9 +244,9 @@ PT_HD inline const Vec3<typename Config::Real>& colour_of(const Surface<typename
 // Picks the lobe and the next direction by the material's type. Returns whether the path goes on.
 template <class Config>
 PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
-                          Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
+                          Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
                           const Surface<typename Config::Real>& surface, const RandomWords& words, bool last,
-                          PathCounters& counters, Walk& walk) {
+                          auto& counters, WalkOf<Config>& walk) {
     using Real = typename Config::Real;
     const Real lobe = unit_interval<Real>(words.x);
     if (has<Config>(Feature::diffuse) && surface.type == MaterialType::diffuse) {
@@ -286,7 +293,7 @@ PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const S
     }
     if constexpr (has<Config>(Feature::subsurface)) {
         if (material.type == MaterialType::subsurface) {
-            const bool begun = scatter_subsurface<Config>(scene, path, vertex, material, lobe, walk);
+            const bool begun = scatter_subsurface<Config>(scene, path, vertex, material, lobe, words.y, walk);
             counters.unfinished_walks += begun ? 0u : 1u;
             return begun;
         }
@@ -296,8 +303,8 @@ PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const S
 
 // Takes the path one step further on its walk. False: the path is lost.
 template <class Config>
-PT_HD inline bool walk_on(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path, Walk& walk,
-                          PathCounters& counters) {
+PT_HD inline bool walk_on(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+                          WalkOf<Config>& walk, auto& counters) {
     const WalkStep step = walk_step<Config>(scene, path, walk, scene.materials[scene.object_material[walk.object]]);
     if (step != WalkStep::goes_on) {
         walk.step = Walk::none;
@@ -308,11 +315,12 @@ PT_HD inline bool walk_on(const SceneView<typename Config::Real>& scene, Path<ty
 
 // Light that the path meets at the end of its ray.
 template <class Config>
-PT_HD inline void meet_light(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+PT_HD inline void meet_light(const SceneView<typename Config::Real>& scene,
+                             const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
                              const Hit<typename Config::Real>& hit, const Vec3<typename Config::Real>& emission) {
     using Real = typename Config::Real;
     if constexpr (has<Config>(Feature::next_event)) {
-        const Real weight = encounter_weight<Config>(scene, path, hit);
+        const Real weight = encounter_weight<Config>(scene, traced, path, hit);
         path.radiance += path.throughput * emission * weight;
     } else {
         path.radiance += path.throughput * emission;
@@ -321,12 +329,16 @@ PT_HD inline void meet_light(const SceneView<typename Config::Real>& scene, Path
 
 // What happens where the segment ends. On return the path has its next ray, or is at the beginning of a walk that the
 // caller takes to its end by walk_on, or is over (returns false). `traced`: the same scene, as rays walk through it.
-template <class Config>
+// `branch`: what befalls the path at the vertex before it scatters; a branch that begins there has met the light there.
+template <class Config, class Branch = OneBranch>
 PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
-                        Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit,
-                        PathCounters& counters, Walk& walk) {
+                        Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit, auto& counters,
+                        WalkOf<Config>& walk, Branch branch = {}) {
     using Real = typename Config::Real;
-    path.segment += 1;
+    const bool arrives = !branch.resumes();
+    if (arrives) {
+        path.segment += 1;
+    }
     if (!hit.side.exists()) {
         if constexpr (has<Config>(Feature::environment)) {
             path.radiance += path.throughput * scene.environment;
@@ -337,42 +349,57 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
         return false;
     }
     if constexpr (has<Config>(Feature::absorption)) {
-        if (path.medium != Path<Real>::no_medium) {
+        if (arrives && path.medium != Path<Real>::no_medium) {
             attenuate(path, scene.materials[path.medium], hit.t);
         }
     }
     Surface<Real> surface = scene.surfaces[hit.side.object()];
     if (has<Config>(Feature::emitter) && surface.type == MaterialType::emitter) {
-        meet_light<Config>(scene, path, hit, surface.colour);
+        meet_light<Config>(scene, traced, path, hit, surface.colour);
         return false;
     }
     const std::uint32_t material_index = scene.object_material[hit.side.object()];
     if constexpr (has<Config>(Feature::emission)) {
         const Material<Real>& material = scene.materials[material_index];
-        if (material.emits != 0) {
-            meet_light<Config>(scene, path, hit, material.emission);
+        if (arrives && material.emits != 0) {
+            meet_light<Config>(scene, traced, path, hit, material.emission);
         }
     }
-    const bool last = path.segment >= scene.depth;
-    if (last && (!has<Config>(Feature::final_bounce) || path.segment >= scene.longest_path())) {
+    const std::uint32_t segments = segments_of<Config>(path);
+    const bool last = segments >= scene.depth;
+    if (last && (!has<Config>(Feature::final_bounce) || segments >= scene.longest_path())) {
         return false;
     }
     const SurfacePoint<Real> point = surface_at<Config, false>(scene, ray_of(path), hit);
     const bool inside = hit.side.inside();
-    const Vertex<Real> vertex{
+    VertexOf<Config> vertex{
         point.position, inside ? -point.normal : point.normal, hit.side.object(), inside, material_index, hit.side,
         hit.primitive};
     if constexpr (has<Config>(Feature::textures)) {
         put_texture<Config>(surface.colour, scene, ray_of(path), hit, vertex.position, vertex.normal());
     }
+    if constexpr (has<Config>(Feature::shading_normals)) {
+        if (!bend_normal<Config>(vertex, scene, ray_of(path), hit)) {
+            return false;
+        }
+    }
     path.bsdf_pdf = Real(0);
     const RandomWords words =
         random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::scatter});
+    // A call that does nothing gives some kernels other registers.
+    if constexpr (Branch::template acts_in<Config>) {
+        if (!branch.template goes_on<Config>(scene, path, vertex, hit, unit_interval<Real>(words.w))) {
+            return false;
+        }
+    }
     if (!scatter<Config>(scene, traced, path, vertex, surface, words, last, counters, walk)) {
         return false;
     }
+    if (!is_on_one_side<Config>(vertex, path.direction, path.origin_surface.inside() != vertex.inside)) {
+        return false;
+    }
     if constexpr (has<Config>(Feature::russian_roulette)) {
-        if (scene.roulette_start != 0 && path.segment >= scene.roulette_start) {
+        if (scene.roulette_start != 0 && segments >= scene.roulette_start) {
             if (!survives_roulette(path, unit_interval<Real>(words.w))) {
                 walk.step = Walk::none;
                 return false;
@@ -385,9 +412,8 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
 // The same, walks and all.
 template <class Config>
 PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
-                        Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit,
-                        PathCounters& counters) {
-    Walk walk;
+                        Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit, auto& counters) {
+    WalkOf<Config> walk;
     bool alive = shade<Config>(scene, traced, path, hit, counters, walk);
     if constexpr (has<Config>(Feature::subsurface)) {
         while (alive && walk.is_on()) {

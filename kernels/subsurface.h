@@ -4,10 +4,12 @@
 // coefficients bring no bias, and the sum of the three throughputs never grows; under a uniform choice their variance
 // grows with every step. A grey medium has the weight sigma_s / sigma_t exactly. Phase function: Henyey and Greenstein
 // 1941. Boundary: index-matched, or Fresnel with internal reflection. The walk sees its own body only: objects inside
-// the body are not met.
+// the body are not met. Where the variant asks for it, walks are guided to the surface (kernels/guided_walk.h).
 #pragma once
 
 #include "kernels/dielectric.h"
+#include "kernels/guided_walk.h"
+#include "kernels/nearest_surface.h"
 
 namespace pt {
 
@@ -37,13 +39,6 @@ PT_HD inline typename Config::Real distance_to_exit(const Scene& scene, std::uin
         distance = distance_out_of(as_met<Config>(shape), origin, direction, on_surface);
     });
     return distance;
-}
-
-// The channel to draw a free path from; never one that carries nothing while another does.
-template <class Real>
-PT_HD inline std::uint32_t choose_channel(const Vec3<Real>& throughput, Real u) {
-    const Real target = u * (throughput.x + throughput.y + throughput.z);
-    return target < throughput.x ? 0u : target < throughput.x + throughput.y ? 1u : 2u;
 }
 
 template <class Real>
@@ -82,13 +77,103 @@ struct Walk {
     PT_HD bool is_on() const { return step != none; }
 };
 
+// The same where walks are guided (kernels/guided_walk.h).
+template <class Real>
+struct GuidedWalk : Walk {
+    Vec3<Real> normal;            // outward, of the surface that is nearest as far as is known
+    StepChoice choice;            // of the next step
+    bool drew_direction = false;  // together with the choice
+
+    PT_HD void meet_surface(const Vec3<Real>& outward, const StepChoice& next) {
+        normal = outward;
+        choice = next;
+        drew_direction = false;
+    }
+};
+
+// The walk of a kernel: one that guides none keeps nothing for it.
+template <class Config>
+using WalkOf = std::conditional_t<has<Config>(Feature::guided_walk), GuidedWalk<typename Config::Real>, Walk>;
+
+// Not so where a kernel could guide walks and the variant asks for none.
+template <class Real>
+PT_HD inline bool is_guided(const Material<Real>& medium) {
+    return medium.guided_share > Real(0);
+}
+
+// The sigma_t that the next flight is drawn by.
+template <class Config>
+PT_HD inline typename Config::Real sigma_of_flight(const Path<typename Config::Real>& path, const WalkOf<Config>& walk,
+                                                   const Material<typename Config::Real>& medium,
+                                                   const RandomWords& words) {
+    using Real = typename Config::Real;
+    if constexpr (has<Config>(Feature::guided_walk)) {
+        if (is_guided(medium)) {
+            const std::uint32_t colour = walk.choice.colour;
+            const Real decay = walk.choice.is_guided ? channel(medium.guide_decay, colour) : Real(0);
+            return channel(medium.sigma_t, colour) * (Real(1) - decay * dot(path.direction, walk.normal));
+        }
+    }
+    return channel(medium.sigma_t, choose_channel(path.throughput, unit_interval<Real>(words.y)));
+}
+
+// Weight of the flight, and of a guided walk's direction too.
+template <class Config>
+PT_HD inline Vec3<typename Config::Real> step_weight(const Path<typename Config::Real>& path,
+                                                     const WalkOf<Config>& walk,
+                                                     const Material<typename Config::Real>& medium,
+                                                     typename Config::Real t, bool scattered) {
+    using Real = typename Config::Real;
+    if constexpr (has<Config>(Feature::guided_walk)) {
+        if (is_guided(medium)) {
+            const Real cosine = dot(path.direction, walk.normal);
+            return guided_step_weight<Real>(medium, path.throughput, {cosine, walk.drew_direction, scattered}, t);
+        }
+    }
+    return flight_weight(medium, path.throughput, t, scattered);
+}
+
+// The direction at a cosine to an axis, turned about it by a random number.
+template <class Real>
+PT_HD inline Vec3<Real> turn_about(const Vec3<Real>& axis, Real cosine, std::uint32_t random) {
+    const Real sine = square_root(max(Real(0), (Real(1) - cosine) * (Real(1) + cosine)));
+    const SinCos<Real> azimuth = sin_cos_turn(unit_interval<Real>(random));
+    return renormalize(Frame<Real>(axis).to_world({sine * azimuth.cosine, sine * azimuth.sine, cosine}));
+}
+
+// The direction after a collision. A guided walk chooses here by what it goes on.
+template <class Config>
+PT_HD inline void scatter_in_medium(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+                                    WalkOf<Config>& walk, const Material<typename Config::Real>& medium,
+                                    const RandomWords& words) {
+    using Real = typename Config::Real;
+    const Real u = unit_interval<Real>(words.z);
+    if constexpr (has<Config>(Feature::guided_walk)) {
+        if (is_guided(medium)) {
+            visit_shape<Config>(scene, walk.object, [&](const auto& shape) {
+                walk.normal = outward_near(shape, path.origin, walk.normal);
+            });
+            walk.choice = choose_step(medium, path.throughput, unit_interval<Real>(words.y));
+            walk.drew_direction = medium.g == Real(0);
+            if (walk.choice.is_guided && walk.drew_direction) {
+                const std::uint32_t colour = walk.choice.colour;
+                const Real cosine =
+                    guided_cosine(channel(medium.guide_decay, colour), channel(medium.guide_albedo, colour), u);
+                path.direction = turn_about(walk.normal, cosine, words.w);
+                return;
+            }
+        }
+    }
+    path.direction = turn_about(path.direction, henyey_greenstein_cosine(medium.g, u), words.w);
+}
+
 enum class WalkStep { goes_on, left, lost };
 
 // One flight of the walk, to a collision or to the surface. `left`: the path stands on the surface, heading out;
 // `lost`: the cap on scatterings and internal reflections was met first.
 template <class Config>
 PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
-                                Walk& walk, const Material<typename Config::Real>& medium) {
+                                WalkOf<Config>& walk, const Material<typename Config::Real>& medium) {
     using Real = typename Config::Real;
     if (walk.step > medium.max_scatterings) {
         return WalkStep::lost;
@@ -102,20 +187,15 @@ PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, P
     if (!(to_exit <= std::numeric_limits<Real>::max())) {
         return WalkStep::lost;
     }
-    const std::uint32_t colour = choose_channel(path.throughput, unit_interval<Real>(words.y));
-    const Real sigma = channel(medium.sigma_t, colour);
+    const Real sigma = sigma_of_flight<Config>(path, walk, medium, words);
     const Real flight = sigma > Real(0) ? -logarithm(positive_unit_interval<Real>(words.x)) / sigma
                                         : std::numeric_limits<Real>::infinity();
     const bool scattered = flight < to_exit;
-    path.throughput *= flight_weight(medium, path.throughput, scattered ? flight : to_exit, scattered);
+    path.throughput *= step_weight<Config>(path, walk, medium, scattered ? flight : to_exit, scattered);
     if (scattered) {
         path.origin = path.origin + direction * flight;
         walk.on_surface = false;
-        const Real cosine = henyey_greenstein_cosine(medium.g, unit_interval<Real>(words.z));
-        const Real sine = square_root(max(Real(0), (Real(1) - cosine) * (Real(1) + cosine)));
-        const SinCos<Real> azimuth = sin_cos_turn(unit_interval<Real>(words.w));
-        path.direction =
-            renormalize(Frame<Real>(direction).to_world({sine * azimuth.cosine, sine * azimuth.sine, cosine}));
+        scatter_in_medium<Config>(scene, path, walk, medium, words);
         return WalkStep::goes_on;
     }
     const Ray<Real> ray{in_motion<Config>(scene, walk.object, path.origin, path.time), direction, path.time,
@@ -130,6 +210,9 @@ PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, P
                 path.origin = at_rest<Config>(scene, walk.object, exit.position, path.time);
                 path.direction = reflect(direction, inward);
                 walk.on_surface = true;
+                if constexpr (has<Config>(Feature::guided_walk)) {
+                    walk.meet_surface(exit.normal, choose_step(medium, path.throughput, unit_interval<Real>(words.y)));
+                }
                 return WalkStep::goes_on;
             }
             path.direction = refract(medium.leaving, direction, inward, cosine, refraction.q);
@@ -142,12 +225,13 @@ PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, P
 }
 
 // One event of the path at a subsurface surface: reflected at the boundary, or let in, to begin a walk.
-// False: the walk cannot begin; the path is lost and must be counted.
+// False: the walk cannot begin; the path is lost and must be counted. `u`: whether it is let in; `of_first_step`: by
+// what a guided walk begins.
 template <class Config>
 PT_HD inline bool scatter_subsurface(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
                                      const Vertex<typename Config::Real>& vertex,
                                      const Material<typename Config::Real>& medium, typename Config::Real u,
-                                     Walk& walk) {
+                                     std::uint32_t of_first_step, WalkOf<Config>& walk) {
     using Real = typename Config::Real;
     // Walks start at surfaces. A path that meets one from within came there through another body that reaches in: what
     // it missed is not known, so it is lost and counted (the loader refuses an eye inside a body).
@@ -166,7 +250,10 @@ PT_HD inline bool scatter_subsurface(const SceneView<typename Config::Real>& sce
         }
     }
     path.origin = at_rest<Config>(scene, vertex.object, vertex.position, path.time);
-    walk = {.step = 0, .object = vertex.object, .on_surface = true};
+    static_cast<Walk&>(walk) = {.step = 0, .object = vertex.object, .on_surface = true};
+    if constexpr (has<Config>(Feature::guided_walk)) {
+        walk.meet_surface(vertex.normal(), choose_step(medium, path.throughput, unit_interval<Real>(of_first_step)));
+    }
     return true;
 }
 

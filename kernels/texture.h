@@ -81,12 +81,11 @@ PT_HD inline Vec2<Real> sphere_coordinates(const Vec3<Real>& p) {
     return {fraction_of_turn(azimuth_in_turns(Vec3<Real>(-p.x, p.y, p.z))), half + latitude};
 }
 
-// Where a ray meets a triangle of a mesh. A ray that was traced in double may pass the triangle in single precision:
-// then by its weights as far as they go.
+// The weights of the corners where a ray meets a triangle of a mesh. A ray that was traced in double may pass the
+// triangle in single precision: then by its weights as far as they go.
 template <class Real>
-PT_HD inline Vec2<Real> triangle_coordinates(const MeshInstance<Real>& mesh, std::uint32_t primitive,
-                                             const CornerCoordinates& corners, const Vec3<Real>& origin,
-                                             const Vec3<Real>& direction) {
+PT_HD inline Vec3<Real> weights_of_corners(const MeshInstance<Real>& mesh, std::uint32_t primitive,
+                                           const Vec3<Real>& origin, const Vec3<Real>& direction) {
     const TriangleHit<Real> hit = intersect(mesh.triangle(primitive), mesh.point_in(origin),
                                             ShearedDirection<Real>::of(mesh.direction_in(direction)));
     const Real third = Real(1) / Real(3);
@@ -94,6 +93,15 @@ PT_HD inline Vec2<Real> triangle_coordinates(const MeshInstance<Real>& mesh, std
     if (hit.det != Real(0)) {
         weights = Vec3<Real>(hit.u, hit.v, hit.w) * (Real(1) / hit.det);
     }
+    return weights;
+}
+
+// Where it meets it in an image.
+template <class Real>
+PT_HD inline Vec2<Real> triangle_coordinates(const MeshInstance<Real>& mesh, std::uint32_t primitive,
+                                             const CornerCoordinates& corners, const Vec3<Real>& origin,
+                                             const Vec3<Real>& direction) {
+    const Vec3<Real> weights = weights_of_corners(mesh, primitive, origin, direction);
     return {corners.u[0] * weights.x + corners.u[1] * weights.y + corners.u[2] * weights.z,
             corners.v[0] * weights.x + corners.v[1] * weights.y + corners.v[2] * weights.z};
 }

@@ -17,6 +17,18 @@ PT_HD constexpr bool is_last(ShapeKind kind, FeatureSet features) {
                              !contains(features, Feature::mesh));
 }
 
+// One of an array. A kernel that is compiled for a scene's numbers of objects need not ask which one it is if there is
+// one alone.
+template <class Config, class Shapes>
+PT_HD inline decltype(auto) shape_in(const Shapes& shapes, std::uint32_t i) {
+#if defined(__CUDA_ARCH__)
+    if constexpr (!is_superset(Config::features, all_features)) {
+        return shapes[shapes.size == 1 ? 0 : i];
+    }
+#endif
+    return shapes[i];
+}
+
 // Calls visit(shape) with the object's shape: a Sphere, Ellipsoid, and so on. Kinds that the kernel has not leave
 // nothing behind; an object of such a kind is not visited. The last kind takes what is left, with no comparison.
 template <class Config, class Scene, class Visitor>
@@ -24,7 +36,7 @@ PT_HD inline void visit_shape(const Scene& scene, std::uint32_t object, Visitor&
 #define PT_VISIT(name, array, Type)                                                                \
     if (has<Config>(Feature::name) &&                                                              \
         (is_last(ShapeKind::name, Config::features) || object < end_of<ShapeKind::name>(scene))) { \
-        visit(scene.array[object - first_of<ShapeKind::name>(scene)]);                             \
+        visit(shape_in<Config>(scene.array, object - first_of<ShapeKind::name>(scene)));           \
     } else
     PT_SHAPES(PT_VISIT) {}
 #undef PT_VISIT

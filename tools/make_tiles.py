@@ -1,14 +1,18 @@
-"""Writes scenes/textures/tiles.png: tiles with dark joints, the lower left one red and the upper right one blue.
+"""Writes the images of scenes/textures: tiles.png, tiles with dark joints, the lower left one red and the upper right
+one blue, and studs.png, the normals of 4 x 4 domes on a plane.
 
 The bytes are the same everywhere: the data is stored, not deflated.
 """
 
+import math
 import struct
 import sys
 import zlib
+from collections.abc import Callable
 from pathlib import Path
 
 SIDE, TILE = 32, 4
+STUD, STUD_RADIUS, SPHERE_RADIUS = 8, 3.4, 4.2
 Colour = tuple[int, int, int]
 
 
@@ -25,6 +29,15 @@ def _colour(column: int, row: int) -> Colour:
     return (230 - shade, 210 - shade, 180 - shade)
 
 
+def _normal(column: int, row: int) -> Colour:
+    """Of a dome cut from a sphere, x to the right and y up; 128 is 0, as harness/scene/texture_image.h reads it."""
+    x, y = (place % STUD + 0.5 - STUD / 2 for place in (column, row))
+    if math.hypot(x, y) > STUD_RADIUS:
+        return (128, 128, 255)
+    z = math.sqrt(SPHERE_RADIUS**2 - x**2 - y**2)
+    return tuple(128 + round(127 * part / SPHERE_RADIUS) for part in (x, y, z))
+
+
 def _chunk(kind: bytes, data: bytes) -> bytes:
     return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
@@ -39,14 +52,24 @@ def _stored(data: bytes) -> bytes:
     )
 
 
-def tiles() -> bytes:
+def _png(texel: Callable[[int, int], Colour], kind: list[tuple[bytes, bytes]]) -> bytes:
     rows = b"".join(
-        b"\0" + b"".join(bytes(_colour(column, row)) for column in range(SIDE)) for row in reversed(range(SIDE))
+        b"\0" + b"".join(bytes(texel(column, row)) for column in range(SIDE)) for row in reversed(range(SIDE))
     )
     header = struct.pack(">IIBBBBB", SIDE, SIDE, 8, 2, 0, 0, 0)
-    chunks = [(b"IHDR", header), (b"sRGB", b"\0"), (b"IDAT", _stored(rows)), (b"IEND", b"")]
+    chunks = [(b"IHDR", header), *kind, (b"IDAT", _stored(rows)), (b"IEND", b"")]
     return b"\x89PNG\r\n\x1a\n" + b"".join(_chunk(kind, data) for kind, data in chunks)
 
 
+def tiles() -> bytes:
+    return _png(_colour, [(b"sRGB", b"\0")])
+
+
+def studs() -> bytes:
+    return _png(_normal, [])
+
+
 if __name__ == "__main__":
-    Path(sys.argv[1] if len(sys.argv) > 1 else "scenes/textures/tiles.png").write_bytes(tiles())
+    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "scenes/textures")
+    (folder / "tiles.png").write_bytes(tiles())
+    (folder / "studs.png").write_bytes(studs())

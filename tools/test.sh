@@ -124,7 +124,7 @@ run_extra_checks() { # run_extra_checks [--sanitize]
         return
     fi
     run_check "fuzz build" build_preset fuzz fuzz
-    [[ ! -x $root/build-fuzz/fuzz/fuzz_scene ]] || run_check fuzz fuzz_all 60
+    [[ ! -x $root/build-fuzz/fuzz/fuzz_scene ]] || run_check fuzz fuzz_all 30
     run_check "sanitizers' build" build_preset sanitize all
     sanitize_tests
 }

@@ -52,6 +52,7 @@ inline constexpr Axis axis_table[] = {
     {"devices", "how many GPUs of the host render one image", "14df631", "1"},
     {"partition", "which of its samples or pixels each of them takes", "14df631", "samples"},
     {"light_selection", "which of several lights is drawn", "48ac371", "uniform"},
+    {"subsurface_sampling", "how walks through bodies are drawn", "c229cea", "classical"},
 };
 inline constexpr std::size_t axis_count = std::size(axis_table);
 
@@ -72,6 +73,7 @@ struct IntegratorTraits {
     bool seeds_by_position = false;     // tells a sampler where in the queue a path lies
     bool sums_in_order = false;         // adds a pixel's samples in their order
     bool traces_in_own_kernel = false;  // which can be one whose warps fetch rays
+    bool keeps_branches = false;        // a path may split: its branches wait beside it
 };
 
 struct CompactionTraits {
@@ -110,6 +112,7 @@ struct DirectLightTraits {
 
 struct RouletteTraits {
     bool ends_paths = true;
+    bool splits_paths = false;
 };
 
 struct SamplerTraits {
@@ -153,7 +156,6 @@ struct AcceleratorTraits {
     bool builds_itself = false;        // it has none of those, but one of its own
     bool checks_large_scenes = false;  // the reference where every triangle in turn would take too long
     bool has_steps = false;            // others may put its steps in order: variants/acceleration/walk.h
-    bool leaves_trail = false;         // a walk that has lost what waits finds it again: stacks.h
 };
 
 struct BuilderTraits {
@@ -190,12 +192,17 @@ struct LightSelectionTraits {
     bool is_uniform = true;
 };
 
+struct SubsurfaceSamplingTraits {
+    bool is_classical = true;
+};
+
 // What a descriptor holds: nothing (the defaults of its axis), or the traits of its axis; in the order of axis_table.
-using Traits = std::variant<std::monostate, IntegratorTraits, CompactionTraits, SortingTraits, SortKeyTraits,
-                            FirstBounceTraits, DirectLightTraits, RouletteTraits, SamplerTraits, LayoutTraits,
-                            SpecialisationTraits, LaunchTraits, ArithmeticTraits, PrecisionTraits, RobustnessTraits,
-                            AcceleratorTraits, BuilderTraits, TraversalTraits, TraversalStackTraits, LevelsTraits,
-                            LightSamplingTraits, DevicesTraits, PartitionTraits, LightSelectionTraits>;
+using Traits =
+    std::variant<std::monostate, IntegratorTraits, CompactionTraits, SortingTraits, SortKeyTraits, FirstBounceTraits,
+                 DirectLightTraits, RouletteTraits, SamplerTraits, LayoutTraits, SpecialisationTraits, LaunchTraits,
+                 ArithmeticTraits, PrecisionTraits, RobustnessTraits, AcceleratorTraits, BuilderTraits, TraversalTraits,
+                 TraversalStackTraits, LevelsTraits, LightSamplingTraits, DevicesTraits, PartitionTraits,
+                 LightSelectionTraits, SubsurfaceSamplingTraits>;
 static_assert(std::variant_size_v<Traits> == axis_count + 1);
 
 // The traits of the choice that a variant has, and its name: for messages alone.
@@ -229,6 +236,7 @@ struct VariantTraits {
     Chosen<DevicesTraits> devices;
     Chosen<PartitionTraits> partition;
     Chosen<LightSelectionTraits> light_selection;
+    Chosen<SubsurfaceSamplingTraits> subsurface_sampling;
     std::map<std::string, std::uint32_t, std::less<>> tuning;  // Variant::tuning
 };
 

@@ -22,7 +22,12 @@ WorkCounters& WorkCounters::operator+=(const WorkCounters& other) {
 }
 
 std::size_t Variant::index(std::string_view axis) {
-    const auto* found = std::find(std::begin(axis_names), std::end(axis_names), axis);
+    // Mostly a name of the table itself, whose letters need no look.
+    const auto* found = std::find_if(std::begin(axis_names), std::end(axis_names),
+                                     [&](std::string_view name) { return name.data() == axis.data(); });
+    found = found != std::end(axis_names) && *found == axis
+                ? found
+                : std::find(std::begin(axis_names), std::end(axis_names), axis);
     if (found == std::end(axis_names)) {
         throw std::out_of_range("no axis '" + std::string(axis) + "'");
     }
@@ -92,6 +97,8 @@ constexpr NamedFeature named_features[] = {
     {Feature::one_sample, "one_sample"},
     {Feature::environment_map, "environment_map"},
     {Feature::russian_roulette, "russian_roulette"},
+    {Feature::adjoint_roulette, "adjoint_roulette"},
+    {Feature::splitting, "splitting"},
     {Feature::enclosure, "enclosure"},
     {Feature::matrix, "matrix"},
     {Feature::philox, "philox"},
@@ -105,8 +112,10 @@ constexpr NamedFeature named_features[] = {
     {Feature::near_sphere, "near_sphere"},
     {Feature::textures, "textures"},
     {Feature::principled, "principled"},
+    {Feature::shading_normals, "shading_normals"},
     {Feature::object_tree, "object_tree"},
     {Feature::flat_tree, "flat_tree"},
+    {Feature::guided_walk, "guided_walk"},
 };
 
 constexpr FeatureSet all_named() {
@@ -116,8 +125,8 @@ constexpr FeatureSet all_named() {
     }
     return set;
 }
-static_assert(all_named() ==
-              (all_features | traversals | mesh_levels | shortcuts | Feature::matrix | samplers | formulas));
+static_assert(all_named() == (all_features | traversals | mesh_levels | shortcuts | Feature::matrix | samplings |
+                              formulas | path_trees));
 
 }  // namespace
 

@@ -13,6 +13,19 @@ Registry& Registry::instance() {
 
 namespace {
 
+// Among the axes; their number for a name that is none. Mostly it is a name of the table itself, whose letters need no
+// look.
+std::size_t place_of(std::string_view axis) {
+    std::size_t place = 0;
+    while (place < axis_count && axis_names[place].data() != axis.data()) {
+        ++place;
+    }
+    if (place < axis_count && axis_names[place] == axis) {
+        return place;
+    }
+    return static_cast<std::size_t>(std::find(axis_names.begin(), axis_names.end(), axis) - axis_names.begin());
+}
+
 std::string label(const Descriptor& descriptor) {
     return std::string(descriptor.axis) + "=" + std::string(descriptor.name);
 }
@@ -42,27 +55,70 @@ const Descriptor& descriptor_at(std::string_view axis, const Variant& variant, B
     return Registry::instance().at(axis, variant, backend).descriptor;
 }
 
-template <class AxisTraits>
-Chosen<AxisTraits> chosen(std::string_view axis, const Variant& variant, Backend backend) {
-    const Choice* choice = Registry::instance().find(axis, variant[axis], backend);
-    for (const Backend other : all_backends) {
-        choice = choice == nullptr ? Registry::instance().find(axis, variant[axis], other) : choice;
+// What the variant's choices say of themselves, in the order of the axes; null: no backend has the choice.
+using Descriptors = std::array<const Descriptor*, axis_count>;
+
+// Of a choice that the backend lacks, what it says on the other.
+Descriptors descriptors_of(const Variant& variant, Backend backend) {
+    Descriptors descriptors{};
+    for (std::size_t axis = 0; axis < axis_count; ++axis) {
+        const std::string_view name = axis_names[axis];
+        const Choice* choice = Registry::instance().find(name, variant[name], backend);
+        for (const Backend other : all_backends) {
+            choice = choice == nullptr ? Registry::instance().find(name, variant[name], other) : choice;
+        }
+        descriptors[axis] = choice == nullptr ? nullptr : &choice->descriptor;
     }
-    if (choice == nullptr) {
-        return {};
-    }
-    return {traits_in<AxisTraits>(choice->descriptor), choice->descriptor.name};
+    return descriptors;
 }
 
-// The first of the variant's choices that does not go with the others or with the scene.
-Reason reason_of_a_choice(const Variant& variant, FeatureSet scene, Backend backend) {
-    const VariantTraits traits = traits_of(variant, backend);
-    for (const std::string_view axis : axis_names) {
-        const Descriptor& descriptor = descriptor_at(axis, variant, backend);
+template <class AxisTraits>
+Chosen<AxisTraits> chosen(std::string_view axis, const Descriptors& descriptors) {
+    const Descriptor* const descriptor = descriptors[Variant::index(axis)];
+    if (descriptor == nullptr) {
+        return {};
+    }
+    return {traits_in<AxisTraits>(*descriptor), descriptor->name};
+}
+
+VariantTraits traits_of(const Descriptors& descriptors, const Variant& variant) {
+    return {
+        .integrator = chosen<IntegratorTraits>("integrator", descriptors),
+        .compaction = chosen<CompactionTraits>("compaction", descriptors),
+        .sorting = chosen<SortingTraits>("sorting", descriptors),
+        .sort_key = chosen<SortKeyTraits>("sort_key", descriptors),
+        .first_bounce = chosen<FirstBounceTraits>("first_bounce", descriptors),
+        .direct_light = chosen<DirectLightTraits>("direct_light", descriptors),
+        .russian_roulette = chosen<RouletteTraits>("russian_roulette", descriptors),
+        .sampler = chosen<SamplerTraits>("sampler", descriptors),
+        .layout = chosen<LayoutTraits>("layout", descriptors),
+        .specialisation = chosen<SpecialisationTraits>("specialisation", descriptors),
+        .launch = chosen<LaunchTraits>("launch", descriptors),
+        .arithmetic = chosen<ArithmeticTraits>("arithmetic", descriptors),
+        .precision = chosen<PrecisionTraits>("precision", descriptors),
+        .robustness = chosen<RobustnessTraits>("robustness", descriptors),
+        .accelerator = chosen<AcceleratorTraits>("accelerator", descriptors),
+        .builder = chosen<BuilderTraits>("builder", descriptors),
+        .traversal = chosen<TraversalTraits>("traversal", descriptors),
+        .traversal_stack = chosen<TraversalStackTraits>("traversal_stack", descriptors),
+        .levels = chosen<LevelsTraits>("levels", descriptors),
+        .light_sampling = chosen<LightSamplingTraits>("light_sampling", descriptors),
+        .devices = chosen<DevicesTraits>("devices", descriptors),
+        .partition = chosen<PartitionTraits>("partition", descriptors),
+        .light_selection = chosen<LightSelectionTraits>("light_selection", descriptors),
+        .subsurface_sampling = chosen<SubsurfaceSamplingTraits>("subsurface_sampling", descriptors),
+        .tuning = variant.tuning,
+    };
+}
+
+// The first of the variant's choices, all there on the backend, that does not go with the others or with the scene.
+Reason reason_of_a_choice(const Descriptors& descriptors, const Variant& variant, FeatureSet scene) {
+    const VariantTraits traits = traits_of(descriptors, variant);
+    for (const Descriptor* const descriptor : descriptors) {
         Reason reason =
-            descriptor.unsupported_reason == nullptr ? Reason{} : descriptor.unsupported_reason(scene, traits);
+            descriptor->unsupported_reason == nullptr ? Reason{} : descriptor->unsupported_reason(scene, traits);
         if (!reason.empty()) {
-            return {reason.code, label(descriptor) + " " + reason.text, descriptor.axis};
+            return {reason.code, label(*descriptor) + " " + reason.text, descriptor->axis};
         }
     }
     return {};
@@ -86,7 +142,7 @@ Reason reason_of_a_tunable(const Variant& variant, Backend backend) {
 }  // namespace
 
 Choice& Registry::insert(Backend backend, const Descriptor& descriptor) {
-    auto& choices = backends_[backend][std::string(descriptor.axis)];
+    Choices& choices = backends_[backend][Variant::index(descriptor.axis)];
     return choices.try_emplace(std::string(descriptor.name), Choice{descriptor, {}}).first->second;
 }
 
@@ -116,8 +172,8 @@ void Registry::add_integrator(const Descriptor& descriptor, FeatureSet features,
 std::vector<const Choice*> Registry::choices(std::string_view axis, Backend backend) const {
     std::vector<const Choice*> found;
     if (const auto axes = backends_.find(backend); axes != backends_.end()) {
-        if (const auto position = axes->second.find(axis); position != axes->second.end()) {
-            for (const auto& [name, choice] : position->second) {
+        if (const std::size_t place = place_of(axis); place < axis_count) {
+            for (const auto& [name, choice] : axes->second[place]) {
                 found.push_back(&choice);
             }
         }
@@ -129,15 +185,17 @@ std::vector<const Choice*> Registry::choices(std::string_view axis, Backend back
 
 const Choice* Registry::find(std::string_view axis, std::string_view name, Backend backend) const {
     const auto axes = backends_.find(backend);
-    if (axes == backends_.end()) {
+    const std::size_t place = place_of(axis);
+    if (axes == backends_.end() || place == axis_count) {
         return nullptr;
     }
-    const auto position = axes->second.find(axis);
-    if (position == axes->second.end()) {
-        return nullptr;
+    // A few names, most of other lengths: faster than a search by their order, and suites ask millions of times.
+    for (const auto& [other, choice] : axes->second[place]) {
+        if (other == name) {
+            return &choice;
+        }
     }
-    const auto choice = position->second.find(name);
-    return choice == position->second.end() ? nullptr : &choice->second;
+    return nullptr;
 }
 
 const Choice& Registry::at(std::string_view axis, const Variant& variant, Backend backend) const {
@@ -188,45 +246,23 @@ Variant Registry::reference(const Variant& variant, Backend backend) const {
 }
 
 VariantTraits traits_of(const Variant& variant, Backend backend) {
-    return {
-        .integrator = chosen<IntegratorTraits>("integrator", variant, backend),
-        .compaction = chosen<CompactionTraits>("compaction", variant, backend),
-        .sorting = chosen<SortingTraits>("sorting", variant, backend),
-        .sort_key = chosen<SortKeyTraits>("sort_key", variant, backend),
-        .first_bounce = chosen<FirstBounceTraits>("first_bounce", variant, backend),
-        .direct_light = chosen<DirectLightTraits>("direct_light", variant, backend),
-        .russian_roulette = chosen<RouletteTraits>("russian_roulette", variant, backend),
-        .sampler = chosen<SamplerTraits>("sampler", variant, backend),
-        .layout = chosen<LayoutTraits>("layout", variant, backend),
-        .specialisation = chosen<SpecialisationTraits>("specialisation", variant, backend),
-        .launch = chosen<LaunchTraits>("launch", variant, backend),
-        .arithmetic = chosen<ArithmeticTraits>("arithmetic", variant, backend),
-        .precision = chosen<PrecisionTraits>("precision", variant, backend),
-        .robustness = chosen<RobustnessTraits>("robustness", variant, backend),
-        .accelerator = chosen<AcceleratorTraits>("accelerator", variant, backend),
-        .builder = chosen<BuilderTraits>("builder", variant, backend),
-        .traversal = chosen<TraversalTraits>("traversal", variant, backend),
-        .traversal_stack = chosen<TraversalStackTraits>("traversal_stack", variant, backend),
-        .levels = chosen<LevelsTraits>("levels", variant, backend),
-        .light_sampling = chosen<LightSamplingTraits>("light_sampling", variant, backend),
-        .devices = chosen<DevicesTraits>("devices", variant, backend),
-        .partition = chosen<PartitionTraits>("partition", variant, backend),
-        .light_selection = chosen<LightSelectionTraits>("light_selection", variant, backend),
-        .tuning = variant.tuning,
-    };
+    return traits_of(descriptors_of(variant, backend), variant);
 }
 
 Reason reason_not_applicable(const Variant& variant, FeatureSet scene, Backend backend) {
-    const Registry& registry = Registry::instance();
-    for (const std::string_view axis : axis_names) {
-        if (registry.find(axis, variant[axis], backend) == nullptr) {
+    Descriptors descriptors{};
+    for (std::size_t place = 0; place < axis_count; ++place) {
+        const std::string_view axis = axis_names[place];
+        const Choice* const choice = Registry::instance().find(axis, variant[axis], backend);
+        if (choice == nullptr) {
             return {"not_on_backend",
                     std::string(axis) + "=" + variant[axis] + " is not there on the backend " +
                         std::string(to_string(backend)),
                     axis};
         }
+        descriptors[place] = &choice->descriptor;
     }
-    Reason reason = reason_of_a_choice(variant, scene, backend);
+    Reason reason = reason_of_a_choice(descriptors, variant, scene);
     return reason.empty() ? reason_of_a_tunable(variant, backend) : reason;
 }
 

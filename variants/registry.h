@@ -2,7 +2,9 @@
 // `Registration`; nothing else in the program names the choice.
 #pragma once
 
+#include <array>
 #include <functional>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -79,7 +81,8 @@ public:
     Variant reference(const Variant& variant, Backend backend = Backend::cpu) const;
 
 private:
-    using Axes = std::map<std::string, std::map<std::string, Choice, std::less<>>, std::less<>>;
+    using Choices = std::map<std::string, Choice, std::less<>>;
+    using Axes = std::array<Choices, axis_count>;  // in the order of axis_table
     Choice& insert(Backend backend, const Descriptor& descriptor);
 
     std::map<Backend, Axes> backends_;

@@ -174,8 +174,11 @@ std::vector<std::uint32_t> candidates(const Tunable& tunable) {
             offer(tunable.lowest + std::uint64_t{range} * step / std::max(1u, steps));
         }
     } else {
-        // By factors of two round the standard over a long one.
+        // By factors of two round the standard over a long one, or, where the standard is none, down from the end.
         for (std::uint64_t factor = 1; factor <= 16; factor *= 2) {
+            if (tunable.default_value == 0) {
+                offer(tunable.highest / factor);
+            }
             offer(tunable.default_value * factor);
             offer(tunable.default_value / factor);
         }

@@ -191,9 +191,9 @@ std::string plain_accelerator(const Scene& scene, Backend backend) {
 }
 
 // A product of all choices is small on the CPU backend but for roulette, samplers, robustness, accelerators,
-// builders, levels and ways to draw lights, which multiply it by hundreds; on CUDA it is millions. So without --axis
-// these meet the rest in a covering set, in which every two choices of two axes meet, on CUDA all axes do, and of means
-// each choice is tested by itself.
+// builders, levels and ways to draw lights and walks, which multiply it by hundreds; on CUDA it is millions. So without
+// --axis these meet the rest in a covering set, in which every two choices of two axes meet, on CUDA all axes do, and
+// of means each choice is tested by itself.
 std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backend backend, const Scene& scene) {
     const bool none_named = arguments.axes.empty() && arguments.devices.empty() && arguments.tunables.empty();
     if (arguments.statistical && none_named) {
@@ -209,6 +209,7 @@ std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backen
         axes.erase("levels");
         axes.erase("light_sampling");
         axes.erase("light_selection");
+        axes.erase("subsurface_sampling");
         axes["accelerator"] = {plain_accelerator(scene, backend)};
     }
     for (const auto& [axis, choices] : parse_axis_arguments(arguments.axes, arguments.devices, backend)) {

@@ -12,6 +12,7 @@
 #include "harness/cuda/loaded_modules.h"
 #include "harness/render/process_clock.h"
 #include "harness/scene/scene_mesh.h"
+#include "kernels/path_tree.h"
 #include "variants/cuda/device.h"
 
 namespace pt::cuda {
@@ -71,10 +72,12 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
       features_(kernel.compiled),
       layout_(hooks("layout", request.variant).layout),
       buffers_(scene, settings, Acceleration::of(request.variant, Backend::cuda)),
+      learned_(learned_adjoint<Real>(scene, settings)),
       device_scene_(buffers_.view(), buffers_.meshes(), buffers_.tree(), kernel.compiled,
                     hooks("specialisation", request.variant).bakes_scene),
       host_film_(film),
       rows_(rows) {
+    buffers_.set_adjoint(learned_.cache());
     facts_.from_cache = true;
     job_.module = &loaded_module(module_request(scene, request.variant, device().architecture()), facts_);
     const auto start = std::chrono::steady_clock::now();
@@ -120,6 +123,7 @@ void RenderCell<Real>::describe_job(const RenderSettings& settings) {
     job_.pixels = settings.width * rows_.count(settings.height);
     job_.image_pixels = settings.width * settings.height;
     job_.longest_path = buffers_.view().longest_path();
+    job_.most_branches = traits_.russian_roulette.splits_paths ? most_branches_of_tree : 1;
     job_.materials = buffers_.view().materials.size;
     job_.first_sample = request_.first_sample;
     job_.samples = request_.samples;
@@ -215,6 +219,7 @@ void RenderCell<Real>::upload() {
 // but for the end of a part.
 template <class Real>
 void RenderCell<Real>::run(RenderResult& result) {
+    add_learning(result);
     for (const RenderPart& part : parts_of(request_)) {
         run_part(part, result);
         if (is_shown(request_)) {
@@ -260,6 +265,13 @@ double RenderCell<Real>::run_pieces(const std::function<std::optional<SampleRang
     float milliseconds = 0;
     PT_CUDA_CHECK(cudaEventElapsedTime(&milliseconds, begin_.get(), end_.get()));
     return pieces > 0 ? milliseconds : 0.0;
+}
+
+template <class Real>
+void RenderCell<Real>::add_learning(RenderResult& result) const {
+    result.wall_ms += learned_.wall_ms;
+    result.device_ms += learned_.wall_ms;
+    result.cpu_ms += learned_.cpu_ms;
 }
 
 template <class Real>

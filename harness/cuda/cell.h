@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "harness/cuda/device_scene.h"
+#include "harness/render/adjoint_table.h"
 #include "harness/render/checkpoints.h"
 #include "harness/render/device_shares.h"
 #include "harness/scene/scene_buffers.h"
@@ -34,6 +35,8 @@ public:
     void collect(RenderResult& result);
     // All but the film.
     void collect_counts(RenderResult& result);
+    // Adds what was spent before anything could be rendered, while the device waited.
+    void add_learning(RenderResult& result) const;
     FilmFaults faults() const;
     const JobOf<Real>& job() const { return job_; }
 
@@ -53,6 +56,7 @@ private:
     FeatureSet features_;  // of the kernels
     Layout layout_;
     SceneBuffers<Real> buffers_;
+    LearnedAdjoint<Real> learned_;
     DeviceScene<Real> device_scene_;
     FilmView host_film_;
     Rows rows_;

@@ -104,6 +104,7 @@ void fix_counts(const SceneView<Real>& scene, KernelConfig& config) {
         counts.low_sides[axis] = enclosure.low_side[axis].code;
         counts.high_sides[axis] = enclosure.high_side[axis].code;
     }
+    counts.one_light = scene.lights.size == 1 ? scene.lights[0].object : FixedCounts::none;
 }
 
 template <class Real>
@@ -155,9 +156,17 @@ void DeviceScene<Real>::reserve(Arena& arena) {
         }
     });
     view_.mesh_search = nullptr;
-    if (tree_ != nullptr) {
+    if (tree_ != nullptr || has_normals()) {
         view_.mesh_search = arena.take<MeshSearch<Real>>(1);
-        search_ = {nullptr, nullptr, tree_->objects(), tree_->flat()};
+        search_ = {};
+    }
+    if (tree_ != nullptr) {
+        search_.objects = tree_->objects();
+        search_.flat = tree_->flat();
+    }
+    if (has_normals()) {
+        const ShadingNormals<Real>& normals = host_.mesh_search->normals;
+        search_.normals = {placed(arena, normals.objects), placed(arena, normals.corners)};
     }
     view_.environment_map = nullptr;
     if (host_.environment_map != nullptr) {
@@ -165,6 +174,14 @@ void DeviceScene<Real>::reserve(Arena& arena) {
         environment_map_ = *host_.environment_map;
         environment_map_.rows = placed(arena, environment_map_.rows);
         environment_map_.texels = placed(arena, environment_map_.texels);
+    }
+    view_.adjoint = nullptr;
+    if (host_.adjoint != nullptr) {
+        view_.adjoint = arena.take<AdjointCache<Real>>(1);
+        adjoint_ = *host_.adjoint;
+        adjoint_.by_place = placed(arena, adjoint_.by_place);
+        adjoint_.by_segment = placed(arena, adjoint_.by_segment);
+        adjoint_.by_pixel = placed(arena, adjoint_.by_pixel);
     }
     instances_.assign(host_.meshes.data, host_.meshes.data + host_.meshes.size);
     for (std::size_t i = 0; i < instances_.size(); ++i) {
@@ -186,13 +203,23 @@ void DeviceScene<Real>::upload(const Module& module, cudaStream_t stream) const 
     SceneView<Real> host = host_;
     host.meshes = {instances_.data(), static_cast<std::uint32_t>(instances_.size())};
     copy_to_device(view_.meshes, host.meshes, stream);
-    if (tree_ != nullptr) {
+    if (view_.mesh_search != nullptr) {
         copy_to_device(View<MeshSearch<Real>>{view_.mesh_search, 1}, View<MeshSearch<Real>>{&search_, 1}, stream);
+    }
+    if (has_normals()) {
+        copy_to_device(search_.normals.objects, host_.mesh_search->normals.objects, stream);
+        copy_to_device(search_.normals.corners, host_.mesh_search->normals.corners, stream);
     }
     if (host_.environment_map != nullptr) {
         copy_to_device(environment_map_.rows, host_.environment_map->rows, stream);
         copy_to_device(environment_map_.texels, host_.environment_map->texels, stream);
         copy_to_device(View<EnvironmentMap<Real>>{view_.environment_map, 1}, {&environment_map_, 1}, stream);
+    }
+    if (host_.adjoint != nullptr) {
+        copy_to_device(adjoint_.by_place, host_.adjoint->by_place, stream);
+        copy_to_device(adjoint_.by_segment, host_.adjoint->by_segment, stream);
+        copy_to_device(adjoint_.by_pixel, host_.adjoint->by_pixel, stream);
+        copy_to_device(View<AdjointCache<Real>>{view_.adjoint, 1}, {&adjoint_, 1}, stream);
     }
     const std::vector<unsigned char> constant = constant_scene(host, features_);
     if (!is_baked_ && !constant.empty() && constant.size() <= constant_bytes) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "harness/cuda/device_meshes.h"
+#include "kernels/adjoint.h"
 #include "kernels/environment_map.h"
 #include "kernels/scene_arrays.h"
 #include "variants/cuda/arena.h"
@@ -41,6 +42,8 @@ public:
     std::size_t mesh_bytes() const;
 
 private:
+    bool has_normals() const { return contains(features_, Feature::shading_normals); }
+
     const SceneView<Real>& host_;
     FeatureSet features_;
     bool is_baked_;
@@ -49,6 +52,7 @@ private:
     std::shared_ptr<const DeviceTree> tree_;
     MeshSearch<Real> search_;                    // with pointers of the device
     EnvironmentMap<Real> environment_map_ = {};  // likewise
+    AdjointCache<Real> adjoint_ = {};            // likewise
     std::vector<MeshInstance<Real>> instances_;  // with pointers of the device
 };
 

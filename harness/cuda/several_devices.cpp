@@ -107,6 +107,8 @@ public:
     DeviceGroup(const DeviceGroup&) = delete;
     DeviceGroup& operator=(const DeviceGroup&) = delete;
 
+    // Once: a device learns for all of them.
+    void add_learning(RenderResult& result) const { cells_[0]->add_learning(result); }
     // Adds to the times of `result`.
     void run(const SampleRange& samples, RenderResult& result) {
         const auto devices = static_cast<std::uint32_t>(cells_.size());
@@ -213,6 +215,7 @@ void render_on_devices(const Scene& scene, const RenderRequest& request, const R
     result.devices.count = asked;
     result.devices.own_ms.assign(asked, 0.0);
     DeviceGroup<Real> group(scene, request, settings, kernel, result.film.view());
+    group.add_learning(result);
     for (const RenderPart& part : parts_of(request)) {
         group.run({request.first_sample + part.done, part.samples}, result);
         if (is_shown(request)) {

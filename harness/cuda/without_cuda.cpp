@@ -43,6 +43,6 @@ std::vector<Hit> brute_force_on_gpu(std::span<const Triangle<float>>, const std:
     throw MachineError(cuda::not_available());
 }
 bool has_encoder_on_gpu(const std::string&) { return false; }
-DeviceBuild time_device_build(std::span<const Triangle<float>>, int) { return {}; }
+DeviceBuild time_device_build(const std::string&, std::span<const Triangle<float>>, int) { return {}; }
 
 }  // namespace pt::rays

@@ -119,7 +119,7 @@ std::optional<ClosedForm> of_lit_quad(const Scene& scene, const RenderSettings& 
 
 // What every bounce keeps, if all that the material does keeps the same.
 std::optional<Vec3d> reflected_part(const SceneMaterial& material) {
-    if (material.texture != nullptr) {
+    if (shows_images(material)) {
         return std::nullopt;
     }
     if (material.type == MaterialType::diffuse) {
@@ -134,7 +134,8 @@ std::optional<ClosedForm> of_furnace(const Scene& scene, const RenderSettings& s
     const SceneMaterial& material = scene.materials[object.material];
     const std::optional<Vec3d> reflected = reflected_part(material);
     const bool can_move = object.velocity != Vec3d(0.0) || scene.camera.aperture_radius != 0;
-    if (!reflected || can_move || !contains_point(scene, object, scene.camera.eye)) {
+    if (!reflected || can_move || has_shading_normals(scene, object) ||
+        !contains_point(scene, object, scene.camera.eye)) {
         return std::nullopt;
     }
     ClosedForm form;

@@ -16,7 +16,8 @@ struct Generator {
     std::uint32_t least_size, most_size;
     std::uint64_t (*triangles)(std::uint32_t size);  // that generate_mesh returns
     std::uint64_t (*left_out)(std::uint32_t size);   // without area, at poles: not among them
-    bool closed;  // every edge is shared by two triangles, in opposite directions, and the volume inside is positive
+    bool closed;     // every edge is shared by two triangles, in opposite directions, and the volume inside is positive
+    bool is_smooth;  // what it approximates has no edges, so that normals of its vertices mean something
     Mesh (*make)(std::uint32_t size);
 };
 

@@ -207,6 +207,15 @@ __global__ void box_triangles(const Triangle<float>* triangles, std::uint32_t co
     }
 }
 
+struct DeviceBuilder {
+    std::string_view name;  // of the choice of the axis `builder`
+    void (builder::GpuTree::*build)(const Box*);
+};
+constexpr DeviceBuilder device_builders[] = {
+    {"hploc", &builder::GpuTree::build_hploc},
+    {"lbvh_gpu", &builder::GpuTree::build_lbvh},
+};
+
 bool equal(const BinaryTree& a, const BinaryTree& b) {
     return a.references == b.references && a.nodes.size() == b.nodes.size() &&
            std::memcmp(a.nodes.data(), b.nodes.data(), b.nodes.size() * sizeof b.nodes[0]) == 0;
@@ -258,9 +267,11 @@ std::vector<Hit> brute_force_on_gpu(std::span<const Triangle<float>> triangles, 
     return hits;
 }
 
-DeviceBuild time_device_build(std::span<const Triangle<float>> triangles, int repetitions) {
+DeviceBuild time_device_build(const std::string& name, std::span<const Triangle<float>> triangles, int repetitions) {
     DeviceBuild times;
-    if (triangles.empty()) {
+    const auto build = std::find_if(std::begin(device_builders), std::end(device_builders),
+                                    [&](const DeviceBuilder& candidate) { return candidate.name == name; });
+    if (triangles.empty() || build == std::end(device_builders)) {
         return times;
     }
     const auto count = static_cast<std::uint32_t>(triangles.size());
@@ -275,15 +286,15 @@ DeviceBuild time_device_build(std::span<const Triangle<float>> triangles, int re
     for (int i = 0; i <= repetitions; ++i) {
         events.start();
         box_triangles<<<blocks_for(count), block>>>(device_triangles.data(), count, device_boxes);
-        tree.build_hploc(device_boxes);
-        const float build = events.stop();
+        (tree.*build->build)(device_boxes);
+        const float build_ms = events.stop();
         events.start();
         encoder.encode(tree.device_nodes(), tree.device_root());
         const float encode = events.stop();
         if (i == 0) {  // warms up
             first = tree.download();
         } else {
-            times.build_ms.push_back(static_cast<double>(build));
+            times.build_ms.push_back(static_cast<double>(build_ms));
             times.encode_ms.push_back(static_cast<double>(encode));
         }
     }

@@ -22,11 +22,11 @@ std::unique_ptr<BatchTracer> make_gpu_tracer(const MeshView& mesh, const std::st
 std::vector<Hit> brute_force_on_gpu(std::span<const Triangle<float>> triangles, const std::vector<Ray>& rays);
 
 // Milliseconds by the GPU's events: from triangles in its memory to a binary tree there, and from that to a compressed
-// wide one. Empty without triangles.
+// wide one. Empty without triangles, and of builders that the GPU does not have.
 struct DeviceBuild {
     std::vector<double> build_ms, encode_ms;
     bool same_every_time = true;  // the tree of the first and of the last build
 };
-DeviceBuild time_device_build(std::span<const Triangle<float>> triangles, int repetitions);
+DeviceBuild time_device_build(const std::string& builder, std::span<const Triangle<float>> triangles, int repetitions);
 
 }  // namespace pt::rays

@@ -128,10 +128,8 @@ Json tree_json(const Tree& tree, const RayMesh& mesh, const RayStudy& study) {
     json["sah_cost"] = made.sah_cost;
     json["build_ms"] = made.build_ms;
     json["encode_ms"] = made.encode_ms;
-    // A builder that the CPU lacks builds on the GPU.
-    if (study.backend == Backend::cuda && has_encoder_on_gpu(tree.accelerator) && !tree.builder.empty() &&
-        Registry::instance().find("builder", tree.builder, Backend::cpu) == nullptr) {
-        const DeviceBuild device = time_device_build(mesh.triangles, study.repetitions);
+    if (study.backend == Backend::cuda && has_encoder_on_gpu(tree.accelerator)) {
+        const DeviceBuild device = time_device_build(tree.builder, mesh.triangles, study.repetitions);
         if (!device.build_ms.empty()) {
             json["device_build_ms"] = device.build_ms;
             json["device_encode_ms"] = device.encode_ms;

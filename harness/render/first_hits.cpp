@@ -38,12 +38,6 @@ private:
     double depth_ = 0, coverage_ = 0;
 };
 
-// Any accelerator gives the same hits: one that is quick on large meshes.
-Acceleration quick_acceleration(const Scene& scene) {
-    const Variant baseline = Registry::instance().baseline(Backend::cpu);
-    return Acceleration::of(fast_reference_on(scene, baseline, Backend::cpu), Backend::cpu);
-}
-
 template <class Real>
 void fill_first_hits(FirstHits& hits, const Scene& scene, const RenderRequest& request,
                      const RenderSettings& settings) {
@@ -73,7 +67,7 @@ void fill_first_hits(FirstHits& hits, const Scene& scene, const RenderRequest& r
                     continue;
                 }
                 const SurfacePoint<Real> point = surface_at<Config>(view, ray, hit);
-                const Vec3d outward(point.normal);
+                const Vec3d outward(shading_normal_at<Config>(view, ray, hit, point.position, point.normal));
                 Vec3d colour = albedo[hit.side.object()];
                 const SceneMaterial& material = *materials[hit.side.object()];
                 if (material.texture != nullptr) {

@@ -13,7 +13,7 @@ namespace pt {
 struct FirstHits {
     std::uint32_t rays = 0;       // a pixel
     std::vector<float> albedo;    // linear RGB; of what it is of a material, first_hit_albedo
-    std::vector<float> normal;    // of the surface as it lies in the world, towards where the ray came from
+    std::vector<float> normal;    // that it is shaded with, in the world, on the side that the ray came from
     std::vector<float> depth;     // along the ray from its origin, on the lens if there is one; scene units
     std::vector<float> coverage;  // the share of the rays that meet something
 };

@@ -7,6 +7,7 @@
 
 #include "harness/cuda/backend.h"
 #include "harness/error.h"
+#include "harness/render/adjoint_table.h"
 #include "harness/render/checkpoints.h"
 #include "harness/render/process_clock.h"
 #include "variants/cpu/parallel_for.h"
@@ -35,13 +36,17 @@ RenderResult render_in(const Scene& scene, const RenderRequest& request, const K
     const std::vector<RenderPart> parts = parts_of(request);
     const RenderSettings settings = settings_for(request, kernel);
 
-    const SceneBuffers<Real> buffers(scene, settings, Acceleration::of(request.variant, Backend::cpu));
+    SceneBuffers<Real> buffers(scene, settings, Acceleration::of(request.variant, Backend::cpu));
+    const LearnedAdjoint<Real> learned = learned_adjoint<Real>(scene, settings);
+    buffers.set_adjoint(learned.cache());
     const std::uint64_t film_samples = request.film_samples != 0 ? request.film_samples : request.samples;
     RenderResult result{.film = Film(settings.width, settings.height, radiance_bound(scene, settings), film_samples),
                         .work = {},
                         .stages = {},
                         .needed = kernel.needed,
-                        .compiled = kernel.compiled};
+                        .compiled = kernel.compiled,
+                        .wall_ms = learned.wall_ms,
+                        .cpu_ms = learned.cpu_ms};
     const auto compaction = registry.at("compaction", request.variant).hook.compaction();
     const auto sorting = registry.at("sorting", request.variant).hook.sorting();
     PathQueue& queue = queue_for(request.variant);
@@ -120,6 +125,11 @@ Variant fast_reference_on(const Scene& scene, const Variant& variant, Backend ba
     return reference;
 }
 
+Acceleration quick_acceleration(const Scene& scene) {
+    const Variant baseline = Registry::instance().baseline(Backend::cpu);
+    return Acceleration::of(fast_reference_on(scene, baseline, Backend::cpu), Backend::cpu);
+}
+
 Variant reference_on(const Scene& scene, const Variant& variant, Backend backend) {
     std::uint64_t triangles = 0;
     for (const SceneObject& object : scene.objects) {
@@ -145,6 +155,14 @@ RenderSettings settings_for(const RenderRequest& request, const KernelChoice& ke
     settings.roulette_start = contains(kernel.needed, Feature::russian_roulette)
                                   ? tunable(request.variant, "roulette_start", request.backend)
                                   : 0;
+    settings.guided_share = contains(kernel.needed, Feature::guided_walk)
+                                ? tunable(request.variant, "guided_percent", request.backend) * 0.01
+                                : 0;
+    if (contains(kernel.needed, Feature::adjoint_roulette)) {
+        const auto value = [&](std::string_view name) { return tunable(request.variant, name, request.backend); };
+        settings.adjoint = {value("adjoint_paths"), value("adjoint_cells"), value("weight_window"),
+                            contains(kernel.needed, Feature::splitting) ? value("most_branches") : 1};
+    }
     settings.sampler = kernel.needed & samplers;
     return settings;
 }
@@ -163,7 +181,7 @@ HealthRequest health_request(const Scene& scene, const std::vector<std::uint32_t
 }
 
 std::string KernelChoice::note() const {
-    const FeatureSet surplus = compiled & (all_features | samplers) & ~needed;
+    const FeatureSet surplus = compiled & (all_features | samplings) & ~needed;
     return surplus == 0 ? "exact" : fmt::format("has {} for nothing", fmt::join(feature_names(surplus), ", "));
 }
 
@@ -173,10 +191,10 @@ KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend b
     // On CUDA a kernel is compiled when it is needed, so there is one for every set.
     // A shortcut gives the bits of the plain formulas, not of others.
     const FeatureSet shortcuts_here = (needed & formulas) == 0 ? shortcuts_of(scene) : no_features;
-    KernelOffer offer{
-        needed,
-        shortcuts_here,
-        {needed, needed | shortcuts_here, all_features | (needed & (samplers | formulas | traversals | mesh_levels))}};
+    KernelOffer offer{needed,
+                      shortcuts_here,
+                      {needed, needed | shortcuts_here,
+                       all_features | (needed & (samplings | formulas | traversals | mesh_levels | path_trees))}};
     const Hook& integrator = registry.at("integrator", variant, backend).hook;
     const bool in_double = traits_of(variant, backend).precision.is_double();
     if (backend == Backend::cpu) {

@@ -76,7 +76,7 @@ struct RenderResult {
     CudaFacts cuda = {};                // of a render on CUDA
     MeshFacts meshes = {};              // of a scene that has some; else no triangles
     HealthCounters health = {};         // of an integrator that inspects its paths; else no paths
-    DeviceFacts devices = {};           // of several; wall_ms is slowest_ms and reduce_ms
+    DeviceFacts devices = {};  // of several; wall_ms is slowest_ms and reduce_ms, after what a roulette learned
 };
 
 // The kernel that a variant runs for a scene: what is needed, and what the kernel that was compiled contains.
@@ -98,6 +98,9 @@ Variant reference_on(const Scene& scene, const Variant& variant, Backend backend
 inline constexpr std::ptrdiff_t most_objects_in_turn = 16;
 // The same with an accelerator that has a tree, wherever there are meshes: for films that take long.
 Variant fast_reference_on(const Scene& scene, const Variant& variant, Backend backend);
+
+// Any accelerator gives the same hits: one of the CPU's that is quick on large meshes.
+Acceleration quick_acceleration(const Scene& scene);
 
 // The request's settings with what its variant asks of the kernel.
 RenderSettings settings_for(const RenderRequest& request, const KernelChoice& kernel);

@@ -31,6 +31,21 @@ std::string plain_part_of(const std::string& text) {
     return plain;
 }
 
+// By the map's cofactors, so that they stay across what they were across; outward of what it mirrors too.
+std::vector<std::array<float, 3>> normals_placed_by(const std::vector<std::array<float, 3>>& normals,
+                                                    const Affine& map) {
+    const auto& [x, y, z] = map.column;
+    const double side = determinant(map) < 0 ? -1 : 1;
+    std::vector<std::array<float, 3>> placed;
+    for (const auto& n : normals) {
+        const Vec3d turned =
+            (cross(y, z) * double{n[0]} + cross(z, x) * double{n[1]} + cross(x, y) * double{n[2]}) * side;
+        const Vec3<float> unit(turned * (1 / std::sqrt(dot(turned, turned))));
+        placed.push_back({unit.x, unit.y, unit.z});
+    }
+    return placed;
+}
+
 // Where a map mirrors, triangles go round the other way, so that their outside stays outside.
 Mesh mesh_placed_by(const Mesh& mesh, const Affine& map) {
     Mesh made;
@@ -40,6 +55,7 @@ Mesh mesh_placed_by(const Mesh& mesh, const Affine& map) {
     }
     made.triangles = mesh.triangles;
     made.coordinates = mesh.coordinates;
+    made.normals = normals_placed_by(mesh.normals, map);
     if (determinant(map) < 0) {
         for (auto& triangle : made.triangles) {
             std::swap(triangle[1], triangle[2]);
@@ -139,7 +155,8 @@ bool ImportDraft::add_shape(const std::string& shape, const Affine& map, std::si
     return true;
 }
 
-bool ImportDraft::add_mesh(const std::string& file, const Affine& map, std::size_t material, const Cis565Line* at) {
+bool ImportDraft::add_mesh(const std::string& file, const Affine& map, std::size_t material, const Cis565Line* at,
+                           bool has_normals) {
     if (!is_placeable(map, at)) {
         return false;
     }
@@ -151,6 +168,9 @@ bool ImportDraft::add_mesh(const std::string& file, const Affine& map, std::size
                 read_[file] = read_mesh(file);
             }
             Mesh anew = mesh_placed_by(read_[file], map);
+            if (!has_normals) {
+                anew.normals.clear();
+            }
             check_mesh(anew, at->text());
             name = name_in_scene(keep_mesh(anew));
         } catch (const InputError& error) {
@@ -164,6 +184,9 @@ bool ImportDraft::add_mesh(const std::string& file, const Affine& map, std::size
     }
     ScenePart made = object("mesh", material, at);
     made.add("file", json_of(name), at);
+    if (has_normals) {
+        made.add("shading_normals", "true", at);
+    }
     add_placement(made, placement, at);
     parts.objects.push_back(std::move(made));
     return true;

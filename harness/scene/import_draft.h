@@ -39,7 +39,9 @@ public:
     // placement.
     bool add_shape(const std::string& shape, const Affine& placed, std::size_t material, const Cis565Line* at);
     // Of a mesh in a file; one that is placed in a way that scene files lack becomes a file of its own.
-    bool add_mesh(const std::string& file, const Affine& placed, std::size_t material, const Cis565Line* at);
+    // `has_normals`: it is shaded with those of its vertices.
+    bool add_mesh(const std::string& file, const Affine& placed, std::size_t material, const Cis565Line* at,
+                  bool has_normals = false);
     // A mesh that is to be written beside the scene; returns the name to add it by.
     std::string keep_mesh(const Mesh& mesh);
     // Likewise an image file's content; `ending` with its dot. Returns the name that the scene has for it.

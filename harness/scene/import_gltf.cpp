@@ -43,6 +43,13 @@ glm::dmat4 matrix_of_node(const tinygltf::Node& node) {
     return GltfMeshMaker::matrix_of(exact);
 }
 
+bool are_directions(const std::vector<std::array<float, 3>>& normals) {
+    return std::all_of(normals.begin(), normals.end(), [](const std::array<float, 3>& n) {
+        return std::all_of(n.begin(), n.end(), [](float part) { return std::isfinite(part); }) &&
+               n != std::array<float, 3>{0, 0, 0};
+    });
+}
+
 class GltfImporter {
 public:
     GltfImporter(const tinygltf::Model& model, const ImportSource& source, ImportResult& result)
@@ -74,6 +81,7 @@ private:
     GltfMeshMaker maker_;
     std::map<std::pair<int, std::size_t>, std::string> files_;
     std::set<std::string> has_coordinates_;  // of files_
+    std::set<std::string> has_normals_;      // likewise
     int visits_ = 0;
     std::uint64_t vertices_ = 0;
     bool has_camera_ = false;
@@ -133,10 +141,10 @@ const std::string& GltfImporter::file_of(int mesh, std::size_t primitive, const 
         GltfMeshMaker maker(*model_, draft_.source().file);
         maker.add_primitive(part, glm::dmat4(1.0), pointer);
         Mesh made = maker.take();
-        if (!made.normals.empty()) {
-            draft_.notes().add(0, pointer + "/attributes/NORMAL is left out: triangles are flat here");
+        if (!are_directions(made.normals)) {
+            warn(pointer + "/attributes/NORMAL", "has one that is no direction: the triangles are flat here");
+            made.normals.clear();
         }
-        made.normals.clear();
         vertices_ += made.vertices.size();
         if (vertices_ > most_vertices) {
             refuse(pointer, "more vertices", fmt::format("at most {} in all", most_vertices));
@@ -146,6 +154,9 @@ const std::string& GltfImporter::file_of(int mesh, std::size_t primitive, const 
         known->second = draft_.keep_mesh(made);
         if (!made.coordinates.empty()) {
             has_coordinates_.insert(known->second);
+        }
+        if (!made.normals.empty()) {
+            has_normals_.insert(known->second);
         }
     } catch (const InputError& error) {
         draft_.problems().add(0, fmt::format("{}: {}", pointer, error.what()));
@@ -166,7 +177,7 @@ void GltfImporter::add_mesh(int index, const Affine& map, const Cis565Line* at) 
             refuse(fmt::format("/meshes/{}/primitives/{}/attributes", index, i), "no TEXCOORD_0 that can be read",
                    fmt::format("one for each vertex, since {} is an image", draft_.material_name_of(*material)));
         } else if (!file.empty() && material) {
-            (void)draft_.add_mesh(file, map, *material, at);
+            (void)draft_.add_mesh(file, map, *material, at, has_normals_.contains(file));
         }
     }
 }

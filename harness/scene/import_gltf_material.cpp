@@ -17,7 +17,7 @@ constexpr const char* index_of_refraction = "KHR_materials_ior";
 constexpr const char* specular = "KHR_materials_specular";
 constexpr const char* transmission = "KHR_materials_transmission";
 constexpr const char* volume = "KHR_materials_volume";
-constexpr const char* no_other_texture = "no texture: of a material baseColorTexture is read";
+constexpr const char* no_other_texture = "no texture: of a material baseColorTexture and normalTexture are read";
 
 bool is_white_colour(const Vec3d& v) { return v.x == 1 && v.y == 1 && v.z == 1; }
 
@@ -29,7 +29,8 @@ struct GltfMaterials::Reader {
     ImportDraft* draft;
     std::string pointer;  // "/materials/3"
     bool is_good = true;
-    GltfImage image = {};  // that the base colour is; without a value there is none
+    GltfImage image = {};      // that the base colour is; without a value there is none
+    std::string normals = {};  // likewise, as the scene file has them
 
     const Cis565Line* place(const std::string& key, const std::string& value) const {
         return draft->place(0, pointer + key + ": " + value);
@@ -77,6 +78,8 @@ struct GltfMaterials::Reader {
     }
 
     void read_image(GltfImages& images, const Vec3d& colour, bool is_glass);
+    void read_normals(GltfImages& images);
+    void add_normals(ScenePart& part) const;
     void refuse_textures();
     void refuse_extensions();
     void refuse_see_through();
@@ -110,6 +113,34 @@ void GltfMaterials::Reader::read_image(GltfImages& images, const Vec3d& colour, 
     }
 }
 
+void GltfMaterials::Reader::read_normals(GltfImages& images) {
+    const tinygltf::NormalTextureInfo& texture = material->normalTexture;
+    const std::string value = fmt::format("texture {}", texture.index);
+    if (texture.index < 0) {
+        return;
+    }
+    if (texture.texCoord != 0) {
+        fail("/normalTexture/texCoord", fmt::format("{}", texture.texCoord), "0, for TEXCOORD_0");
+    } else if (!texture.extensions.empty()) {
+        fail("/normalTexture", value, "a texture without " + texture.extensions.begin()->first);
+    } else {
+        const GltfImage found = images.of_texture(texture.index);
+        if (found.value.empty()) {
+            fail("/normalTexture", value, found.refusal);
+            return;
+        }
+        normals = texture.scale == 1
+                      ? found.value
+                      : found.value.substr(0, found.value.size() - 1) + ", \"scale\": " + json_of(texture.scale) + "}";
+    }
+}
+
+void GltfMaterials::Reader::add_normals(ScenePart& part) const {
+    if (!normals.empty()) {
+        part.add("normal", normals, place("/normalTexture", normals));
+    }
+}
+
 void GltfMaterials::Reader::refuse_textures() {
     const auto refuse = [&](int index, const char* key) {
         if (index >= 0) {
@@ -118,7 +149,6 @@ void GltfMaterials::Reader::refuse_textures() {
     };
     refuse(material->pbrMetallicRoughness.metallicRoughnessTexture.index,
            "/pbrMetallicRoughness/metallicRoughnessTexture");
-    refuse(material->normalTexture.index, "/normalTexture");
     refuse(material->emissiveTexture.index, "/emissiveTexture");
     if (material->occlusionTexture.index >= 0) {
         draft->notes().add(0, pointer + "/occlusionTexture is left out: what it stands for is computed");
@@ -178,6 +208,7 @@ void GltfMaterials::Reader::add_glass(ScenePart& part, const Vec3d& colour, doub
         part.add("roughness", json_of(roughness), place("/pbrMetallicRoughness/roughnessFactor", json_of(roughness)),
                  "1");
     }
+    add_normals(part);
     if (!(number_in(volume, "thicknessFactor", 0) > 0)) {
         warn_of_thin_walls();
         return;
@@ -291,6 +322,7 @@ void GltfMaterials::Reader::add_surface(ScenePart& part, const Vec3d& colour, do
         part.add("base_colour", shown, of_colour, "[0, 0, 0]");
         add_principled(part, metallic, roughness, through);
     }
+    add_normals(part);
     if (!is_black(emission)) {
         part.add("emission", json_of(emission), of_emission, "[0, 0, 0]");
     }
@@ -311,6 +343,7 @@ std::optional<std::size_t> GltfMaterials::read(int index) {
     const double metallic = material.pbrMetallicRoughness.metallicFactor;
     const double through = reader.number_in(transmission, "transmissionFactor", 0);
     reader.read_image(images_, colour, through == 1 && metallic == 0);
+    reader.read_normals(images_);
     reader.refuse_textures();
     reader.refuse_extensions();
     reader.refuse_see_through();

@@ -231,7 +231,7 @@ MeshesToBe::Meshes imported_meshes(const ImportResult& result, const std::string
     MeshesToBe::Meshes meshes;
     for (const ImportedMesh& imported : result.meshes) {
         const std::filesystem::path path = std::filesystem::path(scene_file).parent_path() / imported.file;
-        meshes[path.string()] = make_scene_mesh(imported.mesh, imported.file);
+        meshes[path.string()] = make_scene_mesh(imported.mesh, imported.file, true);
     }
     return meshes;
 }

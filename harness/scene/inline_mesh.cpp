@@ -9,13 +9,37 @@ namespace pt {
 
 namespace {
 
-// The three elements of an entry of "vertices" or "triangles".
+// The three elements of an entry of "vertices", "normals" or "triangles".
 std::vector<JsonValue> three(const JsonValue& value, const std::string& allowed) {
     std::vector<JsonValue> elements = value.elements();
     if (elements.size() != 3) {
         value.fail(allowed);
     }
     return elements;
+}
+
+std::array<float, 3> read_vector(const JsonValue& value) {
+    constexpr double most = std::numeric_limits<float>::max();
+    std::array<float, 3> vector{};
+    std::size_t axis = 0;
+    for (const JsonValue& number : three(value, "[x, y, z]")) {
+        vector[axis++] = static_cast<float>(number.number(-most, most, "a number of single precision"));
+    }
+    return vector;
+}
+
+// One a vertex.
+void read_normals(const JsonValue& value, Mesh& mesh) {
+    const std::vector<JsonValue> entries = value.elements();
+    if (entries.size() != mesh.vertices.size()) {
+        value.fail(fmt::format("one for each of the {} vertices", mesh.vertices.size()));
+    }
+    for (const JsonValue& entry : entries) {
+        mesh.normals.push_back(read_vector(entry));
+        if (mesh.normals.back() == std::array<float, 3>{0, 0, 0}) {
+            entry.fail("a direction that is not 0 in single precision");
+        }
+    }
 }
 
 // One a vertex.
@@ -40,16 +64,11 @@ void read_coordinates(const JsonValue& value, Mesh& mesh) {
 
 }  // namespace
 
-std::shared_ptr<const SceneMesh> read_inline_mesh(const JsonValue& vertices, const JsonValue& triangles,
-                                                  const std::optional<JsonValue>& coordinates) {
-    constexpr double most = std::numeric_limits<float>::max();
+std::shared_ptr<const SceneMesh> read_inline_mesh(const JsonObject& object, bool with_normals) {
+    const JsonValue vertices = object.at("vertices"), triangles = object.at("triangles");
     Mesh mesh;
     for (const JsonValue& entry : vertices.elements()) {
-        auto& vertex = mesh.vertices.emplace_back();
-        std::size_t axis = 0;
-        for (const JsonValue& number : three(entry, "[x, y, z]")) {
-            vertex[axis++] = static_cast<float>(number.number(-most, most, "a number of single precision"));
-        }
+        mesh.vertices.push_back(read_vector(entry));
     }
     if (mesh.vertices.empty()) {
         vertices.fail("at least one vertex");
@@ -63,14 +82,17 @@ std::shared_ptr<const SceneMesh> read_inline_mesh(const JsonValue& vertices, con
                 index.whole(0, last, fmt::format("a vertex, counted from 0: a whole number from 0 to {}", last)));
         }
     }
-    if (coordinates) {
-        read_coordinates(*coordinates, mesh);
+    if (object.has("texture_coordinates")) {
+        read_coordinates(object.at("texture_coordinates"), mesh);
+    }
+    if (object.has("normals")) {
+        read_normals(object.at("normals"), mesh);
     }
     check_mesh(mesh, triangles.file() + ": " + triangles.path());
-    std::shared_ptr<const SceneMesh> made = make_scene_mesh(mesh, "of the scene file");
+    std::shared_ptr<const SceneMesh> made = make_scene_mesh(mesh, "of the scene file", with_normals);
     // What was left out is part of what is told of a mesh, not of its content.
     static std::map<std::pair<std::string, std::uint32_t>, std::weak_ptr<const SceneMesh>> known;
-    auto& kept = known[{made->hash + made->coordinates_hash, made->degenerate_left_out}];
+    auto& kept = known[{made->hash + made->coordinates_hash + " " + made->normals_hash, made->degenerate_left_out}];
     if (const auto earlier = kept.lock(); earlier != nullptr && earlier->triangles.size() == made->triangles.size()) {
         return earlier;
     }

@@ -55,6 +55,10 @@ void check_material(const SceneMaterial& material, std::uint32_t depth, Problems
         problems.add(place + ".roughness", "the image " + material.roughness_texture->file,
                      "one number: roughness maps are not exported");
     }
+    if (material.normal_texture != nullptr) {
+        problems.add(place + ".normal", "the image " + material.normal_texture->file,
+                     "none: normal maps are not exported");
+    }
     switch (material.type) {
         case MaterialType::diffuse:
         case MaterialType::emitter:
@@ -102,6 +106,11 @@ void check_shape(const Scene& scene, const SceneObject& object, Problems& proble
         problems.add(place + ".velocity",
                      fmt::format("[{}, {}, {}]", object.velocity.x, object.velocity.y, object.velocity.z),
                      "0 while the shutter is open: Mitsuba 3 has no motion blur");
+    }
+    if (object.shading_normals) {
+        problems.add(place + ".shading_normals", "true",
+                     "false: where a viewer stands behind the normals of vertices, Mitsuba's twosided shades the "
+                     "surface's back, and ptbench nothing");
     }
     if (name != "sphere" && name != "box" && name != "quad" && name != "mesh") {
         problems.add(place + ".shape", name, "sphere, box, quad or mesh");

@@ -216,12 +216,17 @@ bool lets_light_in(const SceneMaterial& material) {
 }
 
 bool shows_images(const SceneMaterial& material) {
-    return material.texture != nullptr || material.roughness_texture != nullptr;
+    return material.texture != nullptr || material.roughness_texture != nullptr || material.normal_texture != nullptr;
 }
 
 bool has_textures(const Scene& scene) {
     return std::any_of(scene.objects.begin(), scene.objects.end(),
                        [&](const SceneObject& object) { return shows_images(scene.materials[object.material]); });
+}
+
+bool has_shading_normals(const Scene& scene, const SceneObject& object) {
+    const SceneMaterial& material = scene.materials[object.material];
+    return material.normal_texture != nullptr || (object.shading_normals && material.type != MaterialType::emitter);
 }
 
 FeatureSet features_of(const Scene& scene) {
@@ -236,6 +241,9 @@ FeatureSet features_of(const Scene& scene) {
         features |= features_of_material(scene.materials[object.material]);
         if (kind == ShapeKind::sphere && is_near_eye(object, scene.camera.eye)) {
             features = features | Feature::near_sphere;
+        }
+        if (has_shading_normals(scene, object)) {
+            features = features | Feature::shading_normals;
         }
         if (shutter_moves_objects && !is_black(object.velocity)) {
             features = features | Feature::motion;

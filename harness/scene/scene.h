@@ -49,6 +49,9 @@ struct SceneMaterial {
     double roughness = 0;
     // In place of the roughness, which then has the largest of its texels. Null: one number.
     std::shared_ptr<const SceneTexture> roughness_texture;
+    // Normals in tangent space, and the factor of their first two components. Null: the surface's own.
+    std::shared_ptr<const SceneTexture> normal_texture;
+    double normal_scale = 1;
     bool multiple_scattering = false;
     double metallic = 0, transmission = 0;  // principled
     double ior = 1;
@@ -79,6 +82,9 @@ struct SceneMesh {
     std::string hash;                            // of the triangles: 16 hex digits
     std::vector<CornerCoordinates> coordinates;  // by triangle; empty: none
     std::string coordinates_hash;                // of them: 16 hex digits; empty: there are none
+    std::vector<CornerNormals> normals;          // by triangle; empty: none were asked for, or they have a fault
+    std::string normals_hash;                    // of them: 16 hex digits; empty: there are none
+    std::string normals_fault;                   // why there are none where they were asked for
 };
 
 struct SceneObject {
@@ -87,6 +93,7 @@ struct SceneObject {
     Shape shape = Shape::sphere;
     std::uint32_t mesh = no_mesh;  // index into Scene::meshes
     std::uint32_t material = 0;
+    bool shading_normals = false;     // the mesh's, in place of its triangles'
     std::uint32_t index_in_file = 0;  // of $.objects; copies that a rule makes share it
     Vec3d translate{0.0}, rotate_degrees{0.0}, scale{1.0}, velocity{0.0};
 };
@@ -129,10 +136,12 @@ bool is_flat(const SceneObject& object);
 
 // Whether light passes the material's surface by refraction.
 bool lets_light_in(const SceneMaterial& material);
-// Whether the material's colour or roughness is an image.
+// Whether the material's colour, roughness or normal is an image.
 bool shows_images(const SceneMaterial& material);
 // Whether an object that the scene has shows an image.
 bool has_textures(const Scene& scene);
+// Whether the object is shaded with other normals than its surface's own; what only emits is not.
+bool has_shading_normals(const Scene& scene, const SceneObject& object);
 
 // Everything that rendering the scene needs, and nothing else.
 FeatureSet features_of(const Scene& scene);

@@ -10,6 +10,8 @@
 #include <tuple>
 
 #include "harness/scene/find_enclosure.h"
+#include "harness/scene/guide_walks.h"
+#include "kernels/adjoint.h"
 #include "kernels/scene_arrays.h"
 
 namespace pt {
@@ -20,7 +22,8 @@ std::array<double, 3> as_array(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
 auto canonical_key(const Scene& scene, const SceneObject& object) {
     const std::string mesh_hash = object.mesh != SceneObject::no_mesh
-                                      ? scene.meshes[object.mesh]->hash + scene.meshes[object.mesh]->coordinates_hash
+                                      ? scene.meshes[object.mesh]->hash + scene.meshes[object.mesh]->coordinates_hash +
+                                            (object.shading_normals ? scene.meshes[object.mesh]->normals_hash : "")
                                       : "";
     return std::make_tuple(classify(object), as_array(object.translate), as_array(object.rotate_degrees),
                            as_array(object.scale), as_array(object.velocity), object.material, mesh_hash);
@@ -86,6 +89,20 @@ Material<Real> make_material(const SceneMaterial& m) {
     }
     material.max_scatterings = m.max_scatterings;
     return material;
+}
+
+template <class Real>
+void guide_bodies(std::vector<Material<Real>>& materials, const Scene& scene, double guided_share) {
+    for (std::uint32_t index = 0; index < materials.size(); ++index) {
+        if (materials[index].type != MaterialType::subsurface) {
+            continue;
+        }
+        double depth = std::numeric_limits<double>::infinity();
+        for (const SceneObject& object : scene.objects) {
+            depth = object.material == index ? std::min(depth, depth_of(object)) : depth;
+        }
+        guide_walks(materials[index], scene.materials[index], guided_share, depth);
+    }
 }
 
 template <class Real>
@@ -240,6 +257,35 @@ View<T> view_of(const std::vector<T>& values) {
     return {values.data(), static_cast<std::uint32_t>(values.size())};
 }
 
+// Returns where the values begin in the array.
+template <class T>
+std::uint32_t append(std::vector<T>& array, const std::vector<T>& values) {
+    const auto first = static_cast<std::uint32_t>(array.size());
+    array.insert(array.end(), values.begin(), values.end());
+    return first;
+}
+
+// Images that are put among the texels once each.
+class PlacedImages {
+public:
+    explicit PlacedImages(std::vector<Vec3<float>>& texels) : texels_(texels) {}
+
+    TexelBlock place(const SceneTexture* texture) {
+        if (texture == nullptr) {
+            return {0, 0, 0};
+        }
+        const auto [first, is_new] = first_texel_.try_emplace(texture, 0);
+        if (is_new) {
+            first->second = append(texels_, texture->image.texels);
+        }
+        return {texture->image.width, texture->image.height, first->second};
+    }
+
+private:
+    std::vector<Vec3<float>>& texels_;
+    std::map<const SceneTexture*, std::uint32_t> first_texel_;
+};
+
 }  // namespace
 
 FeatureSet shortcuts_of(const Scene& scene) {
@@ -330,8 +376,14 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     for (const std::uint32_t index : arrays_.object_material) {
         arrays_.surfaces.push_back(surface_of(arrays_.materials[index]));
     }
+    if (settings.guided_share > 0) {
+        guide_bodies(arrays_.materials, scene, settings.guided_share);
+    }
     if (has_textures(scene)) {
         make_textures(scene);
+    }
+    if (contains(features_of(scene), Feature::shading_normals)) {
+        make_normals(scene);
     }
     if (settings.light_selection != LightSelection::uniform && !arrays_.lights.empty()) {
         make_light_tables();
@@ -357,6 +409,7 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     view_.light_selection = settings.light_selection;
     view_.one_sample = settings.one_sample ? 1 : 0;
     view_.roulette_start = settings.roulette_start;
+    view_.adjoint = nullptr;
     view_.enclosure = find_enclosure(view_);
     make_search(acceleration);
 }
@@ -364,28 +417,14 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
 // Each image once, and each mesh's coordinates once, however many objects show them.
 template <class Real>
 void SceneBuffers<Real>::make_textures(const Scene& scene) {
-    std::map<const SceneTexture*, std::uint32_t> first_texel;
+    PlacedImages images(arrays_.texels);
     std::map<std::uint32_t, std::uint32_t> first_coordinate;
-    const auto append = [](auto& array, const auto& values) {
-        const auto first = static_cast<std::uint32_t>(array.size());
-        array.insert(array.end(), values.begin(), values.end());
-        return first;
-    };
-    const auto block_of = [&](const SceneTexture* texture) -> TexelBlock {
-        if (texture == nullptr) {
-            return {0, 0, 0};
-        }
-        const auto [texels, is_new] = first_texel.try_emplace(texture, 0);
-        if (is_new) {
-            texels->second = append(arrays_.texels, texture->image.texels);
-        }
-        return {texture->image.width, texture->image.height, texels->second};
-    };
     for (std::size_t number = 0; number < file_index_.size(); ++number) {
         const SceneObject& object = scene.objects[file_index_[number]];
         const SceneMaterial& material = scene.materials[object.material];
         const SceneTexture* const roughness = is_smooth(material) ? nullptr : material.roughness_texture.get();
-        ObjectTexture<Real> shown{arrays_.transforms[number], block_of(material.texture.get()), block_of(roughness), 0};
+        ObjectTexture<Real> shown{arrays_.transforms[number], images.place(material.texture.get()),
+                                  images.place(roughness), 0};
         if (shows_images(material) && object.mesh != SceneObject::no_mesh) {
             const auto [coordinates, is_new] = first_coordinate.try_emplace(object.mesh, 0);
             if (is_new) {
@@ -394,6 +433,34 @@ void SceneBuffers<Real>::make_textures(const Scene& scene) {
             shown.first_coordinate = coordinates->second;
         }
         arrays_.object_textures.push_back(shown);
+    }
+}
+
+// Each image once, and each mesh's normals once.
+template <class Real>
+void SceneBuffers<Real>::make_normals(const Scene& scene) {
+    PlacedImages images(arrays_.texels);
+    std::map<std::uint32_t, std::uint32_t> first_normal;
+    for (const std::uint32_t index : file_index_) {
+        const SceneObject& object = scene.objects[index];
+        const SceneMaterial& material = scene.materials[object.material];
+        const Placement placement = placement_of(object, scene.camera.eye);
+        const double least = std::min({object.scale.x, object.scale.y, object.scale.z});
+        ObjectNormals<Real> normals{};
+        for (int axis = 0; axis < 3; ++axis) {
+            normals.row[axis] = narrow<Real>(placement.column[axis] * (least / object.scale[axis]));
+        }
+        normals.first_normal = ObjectNormals<Real>::none;
+        if (object.shading_normals) {
+            const auto [first, is_new] = first_normal.try_emplace(object.mesh, 0);
+            if (is_new) {
+                first->second = append(corner_normals_, scene.meshes[object.mesh]->normals);
+            }
+            normals.first_normal = first->second;
+        }
+        normals.map = images.place(material.normal_texture.get());
+        normals.map_scale = static_cast<Real>(material.normal_scale);
+        object_normals_.push_back(normals);
     }
 }
 
@@ -426,6 +493,7 @@ void SceneBuffers<Real>::make_search(const Acceleration& acceleration) {
         search_.objects = tree_->objects_view();
         search_.flat = tree_->flat_view();
     }
+    search_.normals = {view_of(object_normals_), view_of(corner_normals_)};
     view_.mesh_search = &search_;
 }
 
@@ -491,9 +559,10 @@ double bound_on_environment(const Scene& scene, double room) {
 }  // namespace
 
 double radiance_bound(const Scene& scene, const RenderSettings& settings) {
-    const double room = settings.final_bounce || settings.next_event ? 1024 : 1;
+    const double room = settings.final_bounce || settings.next_event || settings.guided_share > 0 ? 1024 : 1;
+    const double carried = settings.adjoint.paths != 0 ? most_carried<double> : 1;
     const double bound = std::max(bound_on_sources(scene, settings.depth) * room, bound_on_environment(scene, room));
-    return bound > 0 ? bound : room;
+    return (bound > 0 ? bound : room) * carried;
 }
 
 double radiance_bound(const Scene& scene, std::uint32_t depth) {

@@ -13,6 +13,14 @@
 
 namespace pt {
 
+// Roulette, and splitting, by what a path is expected to bring (harness/render/adjoint_table.h).
+struct AdjointSettings {
+    std::uint32_t paths = 0;     // that are traced to learn it; 0: there is none
+    std::uint32_t cells = 8;     // of the grid, along each axis
+    std::uint32_t window = 5;    // the upper bound of the weight window over the lower
+    std::uint32_t branches = 1;  // of a path at a vertex, at most; 1: no splitting
+};
+
 // What a run may set differently from the scene's file.
 struct RenderSettings {
     std::uint32_t width = 0, height = 0;
@@ -27,6 +35,8 @@ struct RenderSettings {
     LightSelection light_selection = LightSelection::uniform;
     bool one_sample = false;
     std::uint32_t roulette_start = 0;
+    double guided_share = 0;  // of the steps of walks in bodies
+    AdjointSettings adjoint = {};
     FeatureSet sampler = no_features;
 };
 
@@ -60,6 +70,8 @@ public:
                  const Acceleration& acceleration = Acceleration::none());
     // Valid as long as this object lives and stays where it is.
     const SceneView<Real>& view() const { return view_; }
+    // What the view shows from here on; null: none.
+    void set_adjoint(const AdjointCache<Real>* adjoint) { view_.adjoint = adjoint; }
     SceneBuffers(const SceneBuffers&) = delete;
     SceneBuffers& operator=(const SceneBuffers&) = delete;
 
@@ -76,6 +88,7 @@ private:
                   const Placement& placement, const Acceleration& acceleration);
     void make_light_tables();
     void make_textures(const Scene& scene);
+    void make_normals(const Scene& scene);
     void make_search(const Acceleration& acceleration);
 
     SceneStorage<Real> arrays_;
@@ -84,6 +97,8 @@ private:
     std::vector<MeshGeometry> meshes_;
     std::vector<LightExtent> light_extents_;  // of arrays_.lights
     std::shared_ptr<const SceneTree> tree_;
+    std::vector<ObjectNormals<Real>> object_normals_;
+    std::vector<CornerNormals> corner_normals_;
     MeshSearch<Real> search_;
     std::unique_ptr<const EnvironmentTable<Real>> environment_;
     SceneView<Real> view_;
@@ -97,6 +112,7 @@ FeatureSet shortcuts_of(const Scene& scene);
 double radiance_bound(const Scene& scene, std::uint32_t depth);
 // The same for what is rendered with these settings: connections weigh more than light that is met, the rarer the more
 // (without bound where lights are sampled by area), so they have 1024 times the room. What goes beyond it is counted.
+// By adjoint-driven roulette a path comes to carry up to most_carried.
 double radiance_bound(const Scene& scene, const RenderSettings& settings);
 
 extern template class SceneBuffers<float>;

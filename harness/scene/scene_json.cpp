@@ -147,7 +147,7 @@ double read_roughness(const JsonValue& value, SceneMaterial& material) {
 
 SceneMaterial read_dielectric(const JsonValue& value, MaterialType type) {
     const bool is_rough = type == MaterialType::rough_dielectric;
-    std::vector<std::string> keys{"type", "ior", "tint", "sigma_a"};
+    std::vector<std::string> keys{"type", "ior", "tint", "sigma_a", "normal"};
     if (is_rough) {
         keys.insert(keys.begin() + 2, "roughness");
     }
@@ -157,6 +157,7 @@ SceneMaterial read_dielectric(const JsonValue& value, MaterialType type) {
     material.ior = read_ior(object.required("ior"));
     material.tint = object.has("tint") ? fraction_colour(object.at("tint")) : Vec3d(1.0);
     material.sigma_a = object.has("sigma_a") ? sigma(object.at("sigma_a")) : Vec3d(0.0);
+    read_normal_map(object, material);
     if (is_rough) {
         material.roughness = read_roughness(object.required("roughness"), material);
     }
@@ -164,18 +165,20 @@ SceneMaterial read_dielectric(const JsonValue& value, MaterialType type) {
 }
 
 SceneMaterial read_rough_conductor(const JsonValue& value) {
-    const JsonObject object(value, {"type", "reflectance", "roughness", "multiple_scattering", "emission"});
+    const JsonObject object(value, {"type", "reflectance", "roughness", "multiple_scattering", "emission", "normal"});
     SceneMaterial material;
     material.type = MaterialType::rough_conductor;
     material.reflectance = read_colour(object.required("reflectance"), material);
     material.roughness = read_roughness(object.required("roughness"), material);
     material.multiple_scattering = object.has("multiple_scattering") && object.at("multiple_scattering").boolean();
     material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
+    read_normal_map(object, material);
     return material;
 }
 
 SceneMaterial read_principled(const JsonValue& value) {
-    const JsonObject object(value, {"type", "base_colour", "metallic", "roughness", "transmission", "ior", "emission"});
+    const JsonObject object(
+        value, {"type", "base_colour", "metallic", "roughness", "transmission", "ior", "emission", "normal"});
     const auto share = [&](const char* key) {
         return object.has(key) ? object.at(key).number(0, 1, "a number from 0 to 1") : 0;
     };
@@ -187,6 +190,7 @@ SceneMaterial read_principled(const JsonValue& value) {
     material.transmission = share("transmission");
     material.ior = object.has("ior") ? object.at("ior").number(1, 1e4, "a number from 1 to 1e4") : 1.5;
     material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
+    read_normal_map(object, material);
     if (!is_black(material.emission) && lets_light_in(material)) {
         object.at("emission").fail("none, where light passes through: transmission 0 or metallic 1");
     }
@@ -227,25 +231,28 @@ SceneMaterial read_material(const JsonValue& value) {
         return material;
     }
     if (type == "diffuse") {
-        const JsonObject object(value, {"type", "albedo", "emission"});
+        const JsonObject object(value, {"type", "albedo", "emission", "normal"});
         material.type = MaterialType::diffuse;
         material.albedo = read_colour(object.required("albedo"), material);
         material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
+        read_normal_map(object, material);
         return material;
     }
     if (type == "mirror") {
-        const JsonObject object(value, {"type", "reflectance", "emission"});
+        const JsonObject object(value, {"type", "reflectance", "emission", "normal"});
         material.type = MaterialType::mirror;
         material.reflectance = read_colour(object.required("reflectance"), material);
         material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
+        read_normal_map(object, material);
         return material;
     }
-    const JsonObject object(value, {"type", "albedo", "reflectance", "mirror_probability", "emission"});
+    const JsonObject object(value, {"type", "albedo", "reflectance", "mirror_probability", "emission", "normal"});
     material.type = MaterialType::mix;
     material.albedo = read_colour(object.required("albedo"), material);
     material.reflectance = fraction_colour(object.required("reflectance"));
     material.mirror_probability = object.required("mirror_probability").number(0, 1, "a number from 0 to 1");
     material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
+    read_normal_map(object, material);
     return material;
 }
 
@@ -289,7 +296,7 @@ void check_object(const Scene& scene, const SceneObject& object, std::size_t ind
 }
 
 // A generator's mesh: {"mesh": NAME, "size": N}.
-std::shared_ptr<const SceneMesh> read_recipe(const JsonValue& value) {
+std::shared_ptr<const SceneMesh> read_recipe(const JsonValue& value, bool with_normals) {
     const JsonObject recipe(value, {"mesh", "size"});
     std::vector<std::string> names;
     for (const Generator& generator : generators()) {
@@ -300,11 +307,11 @@ std::shared_ptr<const SceneMesh> read_recipe(const JsonValue& value) {
     const long long size = recipe.required("size").whole(
         generator.least_size, generator.most_size,
         fmt::format("a whole number from {} to {} ({})", generator.least_size, generator.most_size, generator.size));
-    return mesh_from_generator(name, static_cast<std::uint32_t>(size));
+    return mesh_from_generator(name, static_cast<std::uint32_t>(size), with_normals);
 }
 
 // A file's name is relative to the scene's own.
-std::shared_ptr<const SceneMesh> read_mesh_of(const JsonObject& object, const JsonValue& value) {
+std::shared_ptr<const SceneMesh> read_mesh_of(const JsonObject& object, const JsonValue& value, bool with_normals) {
     std::vector<std::string> sources;
     for (const char* key : {"file", "generate", "vertices"}) {
         if (object.has(key)) {
@@ -320,20 +327,18 @@ std::shared_ptr<const SceneMesh> read_mesh_of(const JsonObject& object, const Js
     if (object.has("triangles") != object.has("vertices")) {
         value.fail("\"vertices\" with \"triangles\", or neither");
     }
-    if (object.has("texture_coordinates") && !object.has("vertices")) {
-        value.fail("\"texture_coordinates\" with \"vertices\", or neither");
+    for (const char* key : {"texture_coordinates", "normals"}) {
+        if (object.has(key) && !object.has("vertices")) {
+            value.fail(fmt::format("\"{}\" with \"vertices\", or neither", key));
+        }
     }
     if (object.has("vertices")) {
-        std::optional<JsonValue> coordinates;
-        if (object.has("texture_coordinates")) {
-            coordinates = object.at("texture_coordinates");
-        }
-        return read_inline_mesh(object.at("vertices"), object.at("triangles"), coordinates);
+        return read_inline_mesh(object, with_normals);
     }
     if (object.has("generate")) {
-        return read_recipe(object.at("generate"));
+        return read_recipe(object.at("generate"), with_normals);
     }
-    return mesh_from_file(object.at("file").named_file());
+    return mesh_from_file(object.at("file").named_file(), with_normals);
 }
 
 // The mesh's index among the scene's.
@@ -391,13 +396,19 @@ SceneObject read_object(const JsonValue& value, Scene& scene) {
     std::vector<std::string> keys{"shape", "material", "translate", "rotate_degrees", "scale", "velocity"};
     const bool is_mesh = value.json().is_object() && value.json().value("shape", Json()) == name_of(Shape::mesh);
     if (is_mesh) {
-        keys.insert(keys.end(), {"file", "generate", "vertices", "triangles", "texture_coordinates", "instances"});
+        keys.insert(keys.end(), {"file", "generate", "vertices", "triangles", "texture_coordinates", "normals",
+                                 "shading_normals", "instances"});
     }
     const JsonObject object(value, keys);
     SceneObject result;
     result.shape = shape_named(object.required("shape").one_of(shape_names()));
     if (is_mesh) {
-        result.mesh = index_of(read_mesh_of(object, value), scene);
+        result.shading_normals = object.has("shading_normals") && object.at("shading_normals").boolean();
+        const std::shared_ptr<const SceneMesh> mesh = read_mesh_of(object, value, result.shading_normals);
+        if (result.shading_normals && mesh->normals.empty()) {
+            object.at("shading_normals").fail("false: " + mesh->normals_fault);
+        }
+        result.mesh = index_of(mesh, scene);
     }
     const JsonValue material_value = object.required("material");
     const std::string name = material_value.text();

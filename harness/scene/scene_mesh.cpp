@@ -13,6 +13,7 @@
 #include "harness/error.h"
 #include "harness/mesh/generate.h"
 #include "harness/mesh/read_mesh.h"
+#include "harness/mesh/vertex_normals.h"
 
 namespace pt {
 
@@ -52,24 +53,91 @@ auto sort_key_of(const Triangle<float>& t) {
 
 auto sort_key_of(const CornerCoordinates& c) { return std::make_tuple(c.u[0], c.v[0], c.u[1], c.v[1], c.u[2], c.v[2]); }
 
-// The triangles in the order of those of a mesh without coordinates; triangles in one place by their coordinates.
-void sort_with_coordinates(SceneMesh& mesh) {
+auto sort_key_of(const CornerNormals& c) {
+    return std::to_array(
+        {c.of[0][0], c.of[0][1], c.of[0][2], c.of[1][0], c.of[1][1], c.of[1][2], c.of[2][0], c.of[2][1], c.of[2][2]});
+}
+
+template <class T>
+std::vector<T> in_order(const std::vector<T>& values, const std::vector<std::uint32_t>& order) {
+    std::vector<T> ordered;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        ordered.push_back(values[order[i]]);
+    }
+    return ordered;
+}
+
+template <class T>
+std::string hash_of(const std::vector<T>& values) {
+    return values.empty() ? "" : fmt::format("{:016x}", fnv1a(values.data(), values.size() * sizeof(T)));
+}
+
+// The triangles in the order of those of a mesh that has no more of its corners; triangles in one place by what theirs
+// have.
+void sort_with_corners(SceneMesh& mesh) {
     std::vector<std::uint32_t> order(mesh.triangles.size());
     std::iota(order.begin(), order.end(), 0u);
+    const auto differ = [](const auto& values, std::uint32_t a, std::uint32_t b) {
+        return !values.empty() && sort_key_of(values[a]) != sort_key_of(values[b]);
+    };
     std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-        const auto key_a = sort_key_of(mesh.triangles[a]), key_b = sort_key_of(mesh.triangles[b]);
-        return key_a < key_b || (key_a == key_b && sort_key_of(mesh.coordinates[a]) < sort_key_of(mesh.coordinates[b]));
+        if (differ(mesh.triangles, a, b)) {
+            return sort_key_of(mesh.triangles[a]) < sort_key_of(mesh.triangles[b]);
+        }
+        if (differ(mesh.coordinates, a, b)) {
+            return sort_key_of(mesh.coordinates[a]) < sort_key_of(mesh.coordinates[b]);
+        }
+        return differ(mesh.normals, a, b) && sort_key_of(mesh.normals[a]) < sort_key_of(mesh.normals[b]);
     });
-    const std::vector<Triangle<float>> triangles = std::move(mesh.triangles);
-    const std::vector<CornerCoordinates> coordinates = std::move(mesh.coordinates);
-    mesh.triangles.clear();
-    mesh.coordinates.clear();
-    for (const std::uint32_t i : order) {
-        mesh.triangles.push_back(triangles[i]);
-        mesh.coordinates.push_back(coordinates[i]);
+    mesh.triangles = in_order(mesh.triangles, order);
+    mesh.coordinates = in_order(mesh.coordinates, order);
+    mesh.normals = in_order(mesh.normals, order);
+    mesh.coordinates_hash = hash_of(mesh.coordinates);
+    mesh.normals_hash = hash_of(mesh.normals);
+}
+
+Vec3d unit(const Vec3d& v) { return v * (1 / std::sqrt(dot(v, v))); }
+
+// On the side where the corners go round anticlockwise, as the mesh may have turned them all round; all 0 where they
+// are the triangle's own normal but for the rounding of a file's numbers.
+CornerNormals normals_from_least_corner(const Mesh& mesh, std::size_t triangle) {
+    const std::array<std::uint32_t, 3>& indices = mesh.triangles[triangle];
+    const std::size_t first = least_corner(mesh, indices);
+    const auto vector = [](const Corner& c) { return Vec3d(c[0], c[1], c[2]); };
+    const Vec3d a = vector(mesh.vertices[indices[0]]);
+    const Vec3d own = unit(cross(vector(mesh.vertices[indices[1]]) - a, vector(mesh.vertices[indices[2]]) - a));
+    Vec3d corners[3];
+    for (std::size_t i = 0; i < 3; ++i) {
+        corners[i] = unit(vector(mesh.normals[indices[(first + i) % 3]]));
     }
-    mesh.coordinates_hash =
-        fmt::format("{:016x}", fnv1a(mesh.coordinates.data(), mesh.coordinates.size() * sizeof(CornerCoordinates)));
+    const double side = dot(corners[0] + corners[1] + corners[2], own) < 0 ? -1 : 1;
+    CornerNormals normals{};
+    bool is_own = true;
+    for (int i = 0; i < 3; ++i) {
+        const Vec3d off = corners[i] * side - own;
+        constexpr double rounding = 0x1p-20;
+        is_own = is_own && dot(off, off) <= rounding * rounding;
+        for (int axis = 0; axis < 3; ++axis) {
+            // Of +0 and -0 the first: they are one direction.
+            normals.of[i][axis] = static_cast<float>(corners[i][axis] * side) + 0.0f;
+        }
+    }
+    return is_own ? CornerNormals{} : normals;
+}
+
+// Nothing where each corner has a normal.
+std::string fault_of_normals(const Mesh& mesh, const std::string& source) {
+    if (mesh.normals.empty()) {
+        return fmt::format("the mesh {} has no normals of its vertices", source);
+    }
+    for (const auto& indices : mesh.triangles) {
+        for (const std::uint32_t vertex : indices) {
+            if (mesh.normals[vertex] == Corner{0, 0, 0}) {
+                return fmt::format("in the mesh {} the normal of vertex {} (from 0) is (0, 0, 0)", source, vertex);
+            }
+        }
+    }
+    return "";
 }
 
 // Corners are one where their coordinates are, whatever their numbers in the file.
@@ -106,7 +174,7 @@ MeshesToBe::MeshesToBe(Meshes meshes) { meshes_to_be() = std::move(meshes); }
 
 MeshesToBe::~MeshesToBe() { meshes_to_be().clear(); }
 
-std::shared_ptr<const SceneMesh> make_scene_mesh(const Mesh& mesh, const std::string& source) {
+std::shared_ptr<const SceneMesh> make_scene_mesh(const Mesh& mesh, const std::string& source, bool with_normals) {
     auto made = std::make_shared<SceneMesh>();
     made->source = source;
     made->degenerate_left_out = mesh.degenerate_left_out;
@@ -114,14 +182,23 @@ std::shared_ptr<const SceneMesh> make_scene_mesh(const Mesh& mesh, const std::st
     for (const auto& indices : mesh.triangles) {
         made->triangles.push_back(from_least_corner(mesh, indices));
     }
-    if (mesh.coordinates.empty()) {
+    if (with_normals) {
+        made->normals_fault = fault_of_normals(mesh, source);
+    }
+    const bool has_normals = with_normals && made->normals_fault.empty();
+    if (mesh.coordinates.empty() && !has_normals) {
         std::sort(made->triangles.begin(), made->triangles.end(),
                   [](const Triangle<float>& a, const Triangle<float>& b) { return sort_key_of(a) < sort_key_of(b); });
     } else {
         for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-            made->coordinates.push_back(coordinates_from_least_corner(mesh, i));
+            if (!mesh.coordinates.empty()) {
+                made->coordinates.push_back(coordinates_from_least_corner(mesh, i));
+            }
+            if (has_normals) {
+                made->normals.push_back(normals_from_least_corner(mesh, i));
+            }
         }
-        sort_with_coordinates(*made);
+        sort_with_corners(*made);
     }
     made->is_closed = made->triangles.size() <= most_triangles_with_sides && is_closed(made->triangles);
     for (const Triangle<float>& t : made->triangles) {
@@ -136,27 +213,31 @@ std::shared_ptr<const SceneMesh> make_scene_mesh(const Mesh& mesh, const std::st
     return made;
 }
 
-std::shared_ptr<const SceneMesh> mesh_from_file(const std::filesystem::path& file) {
+std::shared_ptr<const SceneMesh> mesh_from_file(const std::filesystem::path& file, bool with_normals) {
     using Stamp = std::pair<std::filesystem::file_time_type, std::uintmax_t>;
-    static std::map<std::string, std::pair<Stamp, std::shared_ptr<const SceneMesh>>> known;
+    static std::map<std::pair<std::string, bool>, std::pair<Stamp, std::shared_ptr<const SceneMesh>>> known;
     if (const auto to_be = meshes_to_be().find(file.string()); to_be != meshes_to_be().end()) {
         return to_be->second;
     }
     std::error_code error;
     const Stamp stamp{std::filesystem::last_write_time(file, error), std::filesystem::file_size(file, error)};
-    auto& [known_stamp, mesh] = known[file.string()];
+    auto& [known_stamp, mesh] = known[{file.string(), with_normals}];
     if (mesh == nullptr || error || known_stamp != stamp) {
-        mesh = make_scene_mesh(read_mesh(file), file.filename().string());
+        mesh = make_scene_mesh(read_mesh(file), file.filename().string(), with_normals);
         known_stamp = stamp;
     }
     return mesh;
 }
 
-std::shared_ptr<const SceneMesh> mesh_from_generator(const std::string& name, std::uint32_t size) {
-    static std::map<std::pair<std::string, std::uint32_t>, std::shared_ptr<const SceneMesh>> known;
-    auto& mesh = known[{name, size}];
+std::shared_ptr<const SceneMesh> mesh_from_generator(const std::string& name, std::uint32_t size, bool with_normals) {
+    static std::map<std::tuple<std::string, std::uint32_t, bool>, std::shared_ptr<const SceneMesh>> known;
+    auto& mesh = known[{name, size, with_normals}];
     if (mesh == nullptr) {
-        mesh = make_scene_mesh(generate_mesh(name, size), fmt::format("{} {}", name, size));
+        Mesh generated = generate_mesh(name, size);
+        if (with_normals && find_generator(name)->is_smooth) {
+            give_vertex_normals(generated);
+        }
+        mesh = make_scene_mesh(generated, fmt::format("{} {}", name, size), with_normals);
     }
     return mesh;
 }

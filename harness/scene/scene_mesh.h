@@ -12,12 +12,15 @@
 
 namespace pt {
 
-// Canonical order, hash, and whether it is closed. `source`: for messages and results.
-std::shared_ptr<const SceneMesh> make_scene_mesh(const Mesh& mesh, const std::string& source);
+// Canonical order, hash, and whether it is closed. `source`: for messages and results. `with_normals`: those of its
+// vertices are asked for.
+std::shared_ptr<const SceneMesh> make_scene_mesh(const Mesh& mesh, const std::string& source,
+                                                 bool with_normals = false);
 // The same, once for the whole process: files are read again only when their time or size has changed. Throws
-// InputError for a file or a size that is none.
-std::shared_ptr<const SceneMesh> mesh_from_file(const std::filesystem::path& file);
-std::shared_ptr<const SceneMesh> mesh_from_generator(const std::string& name, std::uint32_t size);
+// InputError for a file or a size that is none. Those of generators are computed (harness/mesh/vertex_normals.h).
+std::shared_ptr<const SceneMesh> mesh_from_file(const std::filesystem::path& file, bool with_normals = false);
+std::shared_ptr<const SceneMesh> mesh_from_generator(const std::string& name, std::uint32_t size,
+                                                     bool with_normals = false);
 
 // While one lives, mesh_from_file has these meshes, by path, whether or not they are written yet. One at a time.
 class MeshesToBe {

@@ -10,15 +10,17 @@ namespace pt {
 
 namespace {
 
-// Of its colour and of its roughness; null: none.
-std::array<const SceneTexture*, 2> both_images_of(const SceneMaterial& material) {
-    return {material.texture.get(), material.roughness_texture.get()};
+// Of its colour, of its roughness and of its normal; null: none.
+std::array<const SceneTexture*, 3> images_of(const SceneMaterial& material) {
+    return {material.texture.get(), material.roughness_texture.get(), material.normal_texture.get()};
 }
 
 }  // namespace
 
 std::shared_ptr<const SceneTexture> read_texture(const JsonValue& value, TexelMeaning meaning) {
-    const JsonValue named = JsonObject(value, {"image"}).required("image");
+    const std::vector<std::string> keys = meaning == TexelMeaning::normal ? std::vector<std::string>{"image", "scale"}
+                                                                          : std::vector<std::string>{"image"};
+    const JsonValue named = JsonObject(value, keys).required("image");
     auto texture = std::make_shared<SceneTexture>();
     texture->path = named.named_file().string();
     texture->image = read_texture_image(texture->path, meaning);
@@ -27,6 +29,18 @@ std::shared_ptr<const SceneTexture> read_texture(const JsonValue& value, TexelMe
     texture->hash = fmt::format(
         "{:016x}", fnv1a(texels.data(), texels.size() * sizeof(Vec3<float>), fnv1a(&texture->image.width, 4)));
     return texture;
+}
+
+void read_normal_map(const JsonObject& object, SceneMaterial& material) {
+    if (!object.has("normal")) {
+        return;
+    }
+    const JsonValue value = object.at("normal");
+    material.normal_texture = read_texture(value, TexelMeaning::normal);
+    if (value.json().contains("scale")) {
+        material.normal_scale =
+            JsonObject(value, {"image", "scale"}).at("scale").number(-1000, 1000, "a number from -1000 to 1000");
+    }
 }
 
 Vec3d largest_texel(const SceneTexture& texture) {
@@ -65,7 +79,7 @@ void check_texture(const JsonValue& value, const SceneMaterial& material, const 
 void check_texels(const Scene& scene, const std::string& file) {
     std::uint64_t texels = 0;
     for (const SceneMaterial& material : scene.materials) {
-        for (const SceneTexture* image : both_images_of(material)) {
+        for (const SceneTexture* image : images_of(material)) {
             texels += image != nullptr ? image->image.texels.size() : 0;
         }
     }
@@ -78,13 +92,14 @@ void check_texels(const Scene& scene, const std::string& file) {
 std::string text_of_textures(const Scene& scene) {
     std::string text;
     for (const SceneMaterial& material : scene.materials) {
-        for (const SceneTexture* image : both_images_of(material)) {
+        for (const SceneTexture* image : images_of(material)) {
             text += image != nullptr ? image->hash : "";
         }
     }
     for (const SceneObject& object : scene.objects) {
         const bool shows = shows_images(scene.materials[object.material]) && object.mesh != SceneObject::no_mesh;
         text += shows ? scene.meshes[object.mesh]->coordinates_hash : "";
+        text += object.shading_normals ? scene.meshes[object.mesh]->normals_hash : "";
     }
     return text;
 }

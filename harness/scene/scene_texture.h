@@ -10,8 +10,10 @@
 
 namespace pt {
 
-// {"image": NAME}; the name is relative to the scene's file. Throws InputError.
+// {"image": NAME}; the name is relative to the scene's file. Of normals there may be a "scale" too. Throws InputError.
 std::shared_ptr<const SceneTexture> read_texture(const JsonValue& value, TexelMeaning meaning);
+// The material's key "normal", where it has one. Throws InputError.
+void read_normal_map(const JsonObject& object, SceneMaterial& material);
 // In each channel.
 Vec3d largest_texel(const SceneTexture& texture);
 

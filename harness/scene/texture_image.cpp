@@ -39,24 +39,37 @@ bool ends_early(std::string_view content) {
     return last_end == std::string_view::npos || (last_scan != std::string_view::npos && last_scan > last_end);
 }
 
-// Rows from the bottom; `most`: what a channel is at its brightest.
+// What each value of a channel means.
 template <class Channel>
-std::vector<Vec3<float>> linear_texels(const Channel* channels, std::uint32_t width, std::uint32_t height,
-                                       TexelMeaning meaning) {
-    constexpr std::size_t most = std::numeric_limits<Channel>::max();
+std::vector<float> linear_channel(TexelMeaning meaning) {
+    constexpr std::size_t most = std::numeric_limits<Channel>::max(), middle = most / 2 + 1;
     std::vector<float> linear(most + 1);
     for (std::size_t i = 0; i <= most; ++i) {
         const double share = static_cast<double>(i) / static_cast<double>(most);
-        linear[i] = static_cast<float>(meaning == TexelMeaning::colour ? srgb_to_linear(share) : share);
+        const double signed_share =
+            std::max(-1.0, (static_cast<double>(i) - static_cast<double>(middle)) / static_cast<double>(middle - 1));
+        linear[i] = static_cast<float>(meaning == TexelMeaning::colour   ? srgb_to_linear(share)
+                                       : meaning == TexelMeaning::number ? share
+                                                                         : signed_share);
     }
+    return linear;
+}
+
+// Rows from the bottom.
+template <class Channel>
+std::vector<Vec3<float>> linear_texels(const Channel* channels, std::uint32_t width, std::uint32_t height,
+                                       TexelMeaning meaning) {
+    const std::vector<float> linear = linear_channel<Channel>(meaning);
     std::vector<Vec3<float>> texels;
     texels.reserve(std::size_t{width} * height);
     for (std::uint32_t row = height; row-- > 0;) {
         const Channel* channel = channels + std::size_t{3} * width * row;
         for (std::uint32_t column = 0; column < width; ++column, channel += 3) {
-            texels.emplace_back(meaning == TexelMeaning::colour
-                                    ? Vec3<float>(linear[channel[0]], linear[channel[1]], linear[channel[2]])
-                                    : Vec3<float>(linear[channel[0]]));
+            const Vec3<float> all(linear[channel[0]], linear[channel[1]], linear[channel[2]]);
+            const bool is_inward = meaning == TexelMeaning::normal && !(all.z > 0);
+            texels.emplace_back(meaning == TexelMeaning::number ? Vec3<float>(all.x)
+                                : is_inward                     ? Vec3<float>(0, 0, 1)
+                                                                : all);
         }
     }
     return texels;
@@ -113,6 +126,9 @@ TextureImage parse_texture_image(std::string_view content, const std::string& fi
     }
     if (ends_early(content)) {
         refuse_texture(file, "a file that ends early");
+    }
+    if (meaning == TexelMeaning::normal && channels < 3) {
+        throw InputError(file, "content", "a grey image", "normals, as red, green and blue");
     }
     TextureImage image{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), {}};
     if (stbi_is_16_bit_from_memory(bytes, size) != 0) {

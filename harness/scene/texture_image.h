@@ -15,11 +15,14 @@ namespace pt {
 
 struct TextureImage {
     std::uint32_t width = 0, height = 0;
-    std::vector<Vec3<float>> texels;  // linear, from 0 to 1; row-major from the bottom
+    std::vector<Vec3<float>> texels;  // linear, from 0 to 1, of normals from -1; row-major from the bottom
 };
 
-// What a file's numbers are: sRGB colours, or one number a texel: the first channel, as all three, linear from 0 to 1.
-enum class TexelMeaning { colour, number };
+// What a file's numbers are: sRGB colours; one number a texel: the first channel, as all three, linear from 0 to 1; or
+// normals: each channel linear from -1 to 1, by way of 0 at 128 (of 16 bits at 32768), which no other rule makes of
+// what programs write for a flat surface. A normal that does not point outward (z above 0) is taken for a flat one, (0,
+// 0, 1).
+enum class TexelMeaning { colour, number, normal };
 
 inline constexpr std::uint64_t largest_texture_file = std::uint64_t{1} << 28;  // in bytes: stb_image has an int of them
 inline constexpr std::uint32_t most_texture_side = 8192;

@@ -17,6 +17,7 @@ struct Sphere {
 
     static constexpr const char* file_name = "sphere";
     static constexpr bool is_flat = false;
+    static constexpr bool misses_at_zero = true;  // kernels/intersect.h
     static constexpr UnitShape unit_shape = UnitShape::sphere;
     static bool is_kind_of(const Placement& object) {
         return object.scale.x == object.scale.y && object.scale.y == object.scale.z;
@@ -48,9 +49,9 @@ PT_HD inline Interval<Real> interval(const Sphere<Real>& sphere, const Vec3<Real
         return {Real(0), Real(0), false};
     }
     // One less a number up to 1: if it is not 0, it is no less than that number's last bit.
-    const Real root = square_root_in_range(discriminant);
+    const Real root = nearly_square_root_in_range(discriminant);
     const Real q = b < Real(0) ? b - root : b + root;
-    const Real other = (dot(f, f) - Real(1)) / q;
+    const Real other = nearly_divide(dot(f, f) - Real(1), q);
     return {keep_smaller(q, other) * sphere.radius, keep_larger(q, other) * sphere.radius, true};
 }
 

@@ -42,7 +42,7 @@ std::vector<TestRay> rays_with_a_nan() {
 template <class Open, std::uint32_t most>
 using Local = traversal_stack::local::Stack<Open, most>;
 template <class Open, std::uint32_t>
-using Short = ShortStack<Open, LocalMemory<Open, 1>, 1>;
+using Short = typename ShortStackFor<Open, LocalMemory<Open, 1>, 1>::Type;
 
 template <class Traversal>
 void expect_nothing_met(const EncodedTree& tree, const Triangles& triangles) {
@@ -63,15 +63,11 @@ void expect_an_end(EncodedTree (*encode)(const BinaryTree&)) {
         expect_nothing_met<Accelerator>(tree, triangles);
         expect_nothing_met<traversal::while_while::Traversal<Accelerator, Local>>(tree, triangles);
         expect_nothing_met<traversal::if_if::Traversal<Accelerator, Local>>(tree, triangles);
+        expect_nothing_met<traversal::while_while::Traversal<Accelerator, Short>>(tree, triangles);
     }
 }
 
-TEST(NanRaysTest, ComeToAnEndInBvh2) {
-    expect_an_end<accelerator::bvh2::Traversal>(accelerator::bvh2::encode);
-    const Triangles triangles = random_soup(30, 0.5f, 1);
-    expect_nothing_met<traversal::while_while::Traversal<accelerator::bvh2::Traversal, Short>>(
-        accelerator::bvh2::encode(builder::sah_binned::build(boxes_of(triangles), 1)), triangles);
-}
+TEST(NanRaysTest, ComeToAnEndInBvh2) { expect_an_end<accelerator::bvh2::Traversal>(accelerator::bvh2::encode); }
 TEST(NanRaysTest, ComeToAnEndInBvh4) { expect_an_end<accelerator::bvh4::Traversal>(accelerator::bvh4::encode); }
 TEST(NanRaysTest, ComeToAnEndInBvh8) { expect_an_end<accelerator::bvh8::Traversal>(accelerator::bvh8::encode); }
 TEST(NanRaysTest, ComeToAnEndInCwbvh) { expect_an_end<accelerator::cwbvh::Traversal>(accelerator::cwbvh::encode); }

@@ -95,13 +95,14 @@ Traced with_short_stack(const EncodedTree& tree, const Triangles& triangles, con
     return trace<Loop<Accelerator, Short<entries>::template Stack>>(tree, triangles, rays);
 }
 
-// 64 entries hold all that waits: no restart, and the work of a whole stack. One entry: restarts all the time.
+// As many entries as can wait: no restart, and the work of a whole stack. One entry: restarts all the time.
 template <class Accelerator>
 void expect_short_stacks_find_their_way(const EncodedTree& encoded, const Triangles& triangles,
                                         const std::vector<TestRay>& rays) {
     using namespace traversal;
+    constexpr std::uint32_t most_open = Accelerator::template Walk<float>::most_open;
     const Traced own = trace<Accelerator>(encoded, triangles, rays);
-    const Traced whole = with_short_stack<Accelerator, while_while::Traversal, 64>(encoded, triangles, rays);
+    const Traced whole = with_short_stack<Accelerator, while_while::Traversal, most_open>(encoded, triangles, rays);
     expect_equal(whole, own);
     expect_same_work(whole, own);
     const Traced four = with_short_stack<Accelerator, while_while::Traversal, 4>(encoded, triangles, rays);
@@ -110,20 +111,32 @@ void expect_short_stacks_find_their_way(const EncodedTree& encoded, const Triang
     for (const Traced& found : {four, one, late}) {
         expect_equal(found, own);
     }
-    if constexpr (std::is_same_v<Accelerator, accelerator::bvh2::Traversal>) {
-        for (const Traced& found : {four, one, late}) {
-            EXPECT_GE(found.work.nodes_visited, own.work.nodes_visited);
-        }
-        EXPECT_GE(one.work.nodes_visited, four.work.nodes_visited);
-    } else {
+    if constexpr (std::is_same_v<Accelerator, accelerator::cwbvh::Traversal>) {
         // On the way back boxes are held against a nearer hit and triangles are not tested again: there is less to do.
         EXPECT_LE(four.work.primitives_tested, own.work.primitives_tested);
         EXPECT_LE(one.work.primitives_tested, own.work.primitives_tested);
+        return;
+    }
+    for (const Traced& found : {four, one, late}) {
+        EXPECT_GE(found.work.nodes_visited, own.work.nodes_visited);
+    }
+    EXPECT_GE(one.work.nodes_visited, four.work.nodes_visited);
+    if constexpr (!std::is_same_v<Accelerator, accelerator::bvh2::Traversal>) {
+        // The way back leads past the leaves that were visited.
+        EXPECT_EQ(four.work.primitives_tested, own.work.primitives_tested);
+        EXPECT_EQ(one.work.primitives_tested, own.work.primitives_tested);
     }
 }
 
 TEST_P(StepsTest, ShortStacksFindTheirWay) {
     expect_short_stacks_find_their_way<accelerator::bvh2::Traversal>(accelerator::bvh2::encode(tree(1)), triangles(),
+                                                                     rays());
+}
+
+TEST_P(StepsTest, ShortStacksFindTheirWayAmongChildrenInOrder) {
+    expect_short_stacks_find_their_way<accelerator::bvh4::Traversal>(accelerator::bvh4::encode(tree(1)), triangles(),
+                                                                     rays());
+    expect_short_stacks_find_their_way<accelerator::bvh8::Traversal>(accelerator::bvh8::encode(tree(2)), triangles(),
                                                                      rays());
 }
 
@@ -170,20 +183,26 @@ TEST(ShortStackTest, RestartsWhereItHasForgotten) {
     EXPECT_LT(one.work.primitives_tested, 2 * own.work.primitives_tested);
 }
 
-TEST(ShortGroupStackTest, RestartsWhereItHasForgotten) {
-    using accelerator::cwbvh::Traversal;
-    const Triangles triangles = random_soup(20000, 0.3f, 5);
-    const EncodedTree tree = accelerator::cwbvh::encode(builder::sah_binned::build(boxes_of(triangles), 1));
-    const std::vector<TestRay> rays = rays_for(triangles, 2000, 3);
-    const Traced own = trace<Traversal>(tree, triangles, rays);
-    const Traced one = with_short_stack<Traversal, traversal::while_while::Traversal, 1>(tree, triangles, rays);
-    const Traced two = with_short_stack<Traversal, traversal::while_while::Traversal, 2>(tree, triangles, rays);
+template <class Accelerator>
+void expect_restarts(const EncodedTree& tree, const Triangles& triangles, const std::vector<TestRay>& rays) {
+    const Traced own = trace<Accelerator>(tree, triangles, rays);
+    const Traced one = with_short_stack<Accelerator, traversal::while_while::Traversal, 1>(tree, triangles, rays);
+    const Traced two = with_short_stack<Accelerator, traversal::while_while::Traversal, 2>(tree, triangles, rays);
     for (const Traced& found : {one, two}) {
         expect_equal(found, own);
         EXPECT_LE(found.work.primitives_tested, own.work.primitives_tested);
     }
     EXPECT_GT(one.work.nodes_visited, two.work.nodes_visited);
     EXPECT_GT(one.work.nodes_visited, own.work.nodes_visited);
+}
+
+TEST(ShortStackTest, RestartsInWideTreesWhereItHasForgotten) {
+    const Triangles triangles = random_soup(20000, 0.3f, 5);
+    const BinaryTree binary = builder::sah_binned::build(boxes_of(triangles), 1);
+    const std::vector<TestRay> rays = rays_for(triangles, 2000, 3);
+    expect_restarts<accelerator::bvh4::Traversal>(accelerator::bvh4::encode(binary), triangles, rays);
+    expect_restarts<accelerator::bvh8::Traversal>(accelerator::bvh8::encode(binary), triangles, rays);
+    expect_restarts<accelerator::cwbvh::Traversal>(accelerator::cwbvh::encode(binary), triangles, rays);
 }
 
 // A group of two waits at every level down to the 64th, nothing is hit: each bit of the trail is used, and the walk
@@ -228,20 +247,29 @@ TEST(ShortGroupStackTest, EveryLevelIsFoundAgain) {
     }
 }
 
+template <class Accelerator, template <class Open, std::uint32_t most> class Stack>
+std::uint64_t nodes_until_a_negative_best(const EncodedTree& tree) {
+    float best = std::numeric_limits<float>::infinity();
+    TraversalCounter counter;
+    const auto leaf = [&](std::uint32_t, std::uint32_t) { best = -1; };
+    traversal::if_if::Traversal<Accelerator, Stack>::template traverse<float>(tree.view(), {0.25f, 0.25f, -1},
+                                                                              {0, 0, 1}, best, leaf, counter);
+    return counter.nodes_visited;
+}
+
+template <class Accelerator>
+void expect_negative_best_ends_the_walk(const EncodedTree& tree) {
+    EXPECT_LE((nodes_until_a_negative_best<Accelerator, Local>(tree)), 64u);
+    EXPECT_LE((nodes_until_a_negative_best<Accelerator, Short<1>::template Stack>(tree)), 64u);
+}
+
 TEST(StepsTest, NegativeBestEndsTheWalk) {
     const Triangles triangles = equal_triangles(1000);
     const BinaryTree binary = builder::sah_binned::build(boxes_of(triangles), 1);
-    const auto nodes_visited = [&]<class Accelerator>(const EncodedTree& tree, Accelerator) {
-        float best = std::numeric_limits<float>::infinity();
-        TraversalCounter counter;
-        const auto leaf = [&](std::uint32_t, std::uint32_t) { best = -1; };
-        traversal::if_if::Traversal<Accelerator, Local>::template traverse<float>(tree.view(), {0.25f, 0.25f, -1},
-                                                                                  {0, 0, 1}, best, leaf, counter);
-        return counter.nodes_visited;
-    };
-    const auto bvh2 = accelerator::bvh2::encode(binary);
-    EXPECT_LE(nodes_visited(bvh2, accelerator::bvh2::Traversal()), 64u);
-    EXPECT_LE(nodes_visited(accelerator::cwbvh::encode(binary), accelerator::cwbvh::Traversal()), 64u);
+    expect_negative_best_ends_the_walk<accelerator::bvh2::Traversal>(accelerator::bvh2::encode(binary));
+    expect_negative_best_ends_the_walk<accelerator::bvh4::Traversal>(accelerator::bvh4::encode(binary));
+    expect_negative_best_ends_the_walk<accelerator::bvh8::Traversal>(accelerator::bvh8::encode(binary));
+    expect_negative_best_ends_the_walk<accelerator::cwbvh::Traversal>(accelerator::cwbvh::encode(binary));
 }
 
 }  // namespace

@@ -439,6 +439,7 @@ LAST_AXES = {
     "devices": "1",
     "partition": "samples",
     "light_selection": "uniform",
+    "subsurface_sampling": "classical",
 }
 
 

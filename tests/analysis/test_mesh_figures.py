@@ -44,7 +44,7 @@ def test_what_a_mesh_is_made_of_is_read(tmp_path):
 
 
 def test_builders_on_the_gpu_are_cuda_programs():
-    assert set(GPU_BUILDERS) == {path.stem for path in (ROOT / "variants/builder").glob("*.cu")}
+    assert set(GPU_BUILDERS) == {path.name.split(".")[0] for path in (ROOT / "variants/builder").glob("*.cuda.cpp")}
 
 
 def way(name: str, before: float, sample: float, spread: float = 0.0) -> Way:

@@ -228,6 +228,9 @@ def test_cost_is_variance_times_time():
 def test_what_is_timed_by_default():
     names = [one.name for one in own_variants("cpu", 1)]
     assert names == ["bvh8 nee_mis", "bvh8 off", "embree_native nee_mis", "embree_native off"]
+    boxes = own_variants("cpu", 0)
+    assert [one.name for one in boxes[:2]] == ["packet nee_mis projected", "packet nee_mis"]
+    assert "light_sampling=projected" in boxes[0].axes
     assert [one.estimator for one in own_variants("cuda", 0)] == ["nee_mis", "nee_mis", "off"]
     for meshes, is_by_tree in ((1, False), (10_000, True)):
         for one in own_variants("cuda", meshes):

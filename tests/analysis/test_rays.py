@@ -407,6 +407,7 @@ ROOMS = {
     "levels": "The suite `levels`: not measured yet",
     "errors": "Next-event estimation over meshes (suite `mesh_convergence`): not measured yet",
     "cpu": "The suite `accelerators` on a CPU: not measured yet",
+    "cpu_rays": "Batches of rays beside Embree on a CPU: not measured yet",
     "other_traversal": "Not measured yet: all of this is one model of GPU",
 }
 
@@ -437,7 +438,8 @@ def test_the_page_of_meshes_takes_what_is_there(tmp_path):
     cpu.mkdir()
     for name in ("accelerators.json.gz", "meshes.json.gz", "rays_accelerators", "traversal.json.gz"):
         (h100 / name).symlink_to(ROOT / "results/nvidia-h200" / name)
-    (cpu / "accelerators.json.gz").symlink_to(ROOT / "results/amd-epyc-2-threads/accelerators.json.gz")
+    for name in ("accelerators.json.gz", "rays_cpu.json"):
+        (cpu / name).symlink_to(ROOT / "results/amd-epyc-2-threads" / name)
     (h200 / "levels.json.gz").symlink_to(ROOT / "results/nvidia-h200/levels_sphereflake.json.gz")
     errors_over_meshes(h200 / "mesh_convergence.json")
     counted(h200 / "rays_counters")

@@ -156,6 +156,7 @@ void add_optimised(Programs& programs) {
     for (const std::string& stack : choices_of("traversal_stack")) {
         programs.add(room, baseline_with({{"accelerator", "cwbvh"}, {"traversal_stack", stack}}));
     }
+    programs.add(room, baseline_with({{"accelerator", "bvh8"}, {"traversal_stack", "short_restart"}}));
     programs.add(room, baseline_with({{"accelerator", "bvh2"}, {"traversal", "persistent"}}));
     programs.optimise(false);
 }
@@ -222,6 +223,8 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
                      integrators.size());
     }
     add_by_turns(five, {{"direct_light", "nee_one_sample"}, {"light_selection", "light_tree"}}, integrators.size());
+    add_by_turns(five, {{"subsurface_sampling", "dwivedi"}}, integrators.size());
+    add_by_turns(five, {{"subsurface_sampling", "dwivedi"}, {"precision", "double"}, {"specialisation", "generic"}}, 3);
     for (const std::string& selection : choices_of("light_selection")) {
         add_by_turns(five, {{"light_selection", selection}, {"direct_light", "nee_mis"}}, 6);
         add_by_turns(room, {{"light_selection", selection}, {"direct_light", "nee"}, {"precision", "double"}},
@@ -247,7 +250,7 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
                                           {"traversal_stack", "shared"},
                                           {axis, choice}}));
     }
-    for (const char* const name : {"textures/textures", "textures/roughness_map"}) {
+    for (const char* const name : {"textures/textures", "textures/roughness_map", "textures/shading_normals"}) {
         for (const auto& [axis, choice] : Choices{{"layout", "soa"},
                                                   {"arithmetic", "exact"},
                                                   {"precision", "double"},
@@ -263,6 +266,10 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
     add_by_turns(still, {{"direct_light", "final_bounce"}}, 3);
     add_by_turns(still, {{"direct_light", "nee_mis"}, {"russian_roulette", "throughput"}, {"sampler", "sobol_owen"}},
                  2);
+    add_by_turns(room, {{"russian_roulette", "adjoint"}}, 3);
+    for (const char* integrator : {"megakernel", "persistent"}) {
+        programs.add(five, baseline_with({{"integrator", integrator}, {"russian_roulette", "adjoint_splitting"}}));
+    }
     ASSERT_GE(stages().size(), 5u);
     for (const Choice* stage : stages()) {
         for (const std::string& layout : choices_of("layout")) {

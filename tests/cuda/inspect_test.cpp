@@ -232,10 +232,12 @@ TEST_F(InspectTest, LeavingOutMakesAKernelSmaller) {
                                           "one_sample",
                                           "environment_map",
                                           "russian_roulette",
+                                          "adjoint_roulette",
                                           "near_sphere",
                                           "textures",
-                                          "principled"}));
-    EXPECT_EQ(generic["features"].size(), 35u);
+                                          "principled",
+                                          "shading_normals"}));
+    EXPECT_EQ(generic["features"].size(), 37u);
     EXPECT_EQ(generic["left_out"], Json::array());
     EXPECT_LT(features["code_bytes"], generic["code_bytes"]);
     for (const Json& report : {features, generic}) {

@@ -250,6 +250,7 @@ TEST(KernelKeyTest, EverythingThatChangesTheCodeChangesTheKey) {
         changed([](ModuleRequest& r) { r.config.has_fixed_counts = true; }),
         changed([](ModuleRequest& r) { r.config.counts.quads = 1; }),
         changed([](ModuleRequest& r) { r.config.counts.low_sides[1] = 1; }),
+        changed([](ModuleRequest& r) { r.config.counts.one_light = 0; }),
         changed([](ModuleRequest& r) {
             r.constants = {{"more", 1}};
         }),
@@ -287,6 +288,7 @@ TEST(KernelKeyTest, VariantsShareProgramsWhereTheCodeIsTheSame) {
     EXPECT_NE(key("direct_light", "nee"), key("direct_light", "final_bounce"));
     EXPECT_NE(key("direct_light", "nee_mis"), key("direct_light", "nee"));
     EXPECT_NE(key("russian_roulette", "throughput"), base);
+    EXPECT_NE(key("russian_roulette", "adjoint"), key("russian_roulette", "throughput"));
     EXPECT_NE(key("sampler", "philox"), base);
     EXPECT_NE(key("specialisation", "generic"), base);
     EXPECT_NE(key("integrator", "megakernel"), base);

@@ -215,10 +215,15 @@ TEST(ModuleRequestTest, CountsAreConstantsWhereTheKernelIsTheScenes) {
     EXPECT_EQ(own.config.counts.quads, buffers.view().quads.size);
     EXPECT_EQ(own.config.counts.objects(), object_count(buffers.view()));
     EXPECT_EQ(own.config.counts.walls, buffers.view().enclosure.walls);
+    ASSERT_EQ(buffers.view().lights.size, 1u);
+    EXPECT_EQ(own.config.counts.one_light, buffers.view().lights[0].object);
+    EXPECT_EQ(cuda::module_request(find_scene("many_lights"), baseline(), "sm_90").config.counts.one_light,
+              cuda::FixedCounts::none);
     EXPECT_EQ(own.scene, "in_constant");
     const cuda::ModuleRequest generic = cuda::module_request(scene, with("specialisation", "generic"), "sm_90");
     EXPECT_EQ(generic.config.features, all_features);
     EXPECT_FALSE(generic.config.has_fixed_counts);
+    EXPECT_EQ(generic.config.counts.one_light, cuda::FixedCounts::none);
     EXPECT_EQ(cuda::module_request(scene, with("specialisation", "baked"), "sm_90").scene, "baked");
 }
 
@@ -322,7 +327,8 @@ TEST(ModuleRequestTest, AProgramReadsTheConfigurationThatTheHostWrote) {
               "{.features = 9223372036854775809ull, .block = 96u, .min_blocks = 3u, .keeps_first_hits = true, "
               ".shading_fmas = 7u, .constant_scene_bytes = 64u, .has_fixed_counts = true, .counts = {.spheres = 2u, "
               ".ellipsoids = 0u, .axis_boxes = 0u, .oriented_boxes = 0u, .quads = 5u, .meshes = 0u, .walls = 9u, "
-              ".lamps = 0u, .open_sides = 0u, .low_sides = {0u, 0u, 0u}, .high_sides = {0u, 0u, 4294967295u}}}");
+              ".lamps = 0u, .open_sides = 0u, .low_sides = {0u, 0u, 0u}, .high_sides = {0u, 0u, 4294967295u}, "
+              ".one_light = 4294967295u}}");
 }
 
 // What a kernel's parameters are is held by their struct's members (kernel_parameters.h).

@@ -9,7 +9,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const pt::ImportResult result = pt::import_gltf(pt::fuzz::source_of(data, size, "scene.gltf"));
     pt::MeshesToBe::Meshes meshes;
     for (const pt::ImportedMesh& imported : result.meshes) {
-        meshes[imported.file] = pt::make_scene_mesh(imported.mesh, imported.file);
+        meshes[imported.file] = pt::make_scene_mesh(imported.mesh, imported.file, true);
     }
     const pt::MeshesToBe to_be(std::move(meshes));
     pt::ImagesToBe::Contents images;

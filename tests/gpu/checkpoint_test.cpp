@@ -89,7 +89,7 @@ protected:
                                       std::uint32_t in_flight) {
         const Scene scene = small_scene(scene_name, jitter);
         Variant tuned = variant;
-        if (variant["integrator"] != "persistent" && in_flight != 1) {
+        if (variant["integrator"] != "persistent" && variant["integrator"] != "regroup" && in_flight != 1) {
             tuned.tuning["spp_in_flight"] = in_flight;
         }
         if (!why_not_applicable(tuned, features_of(scene), Backend::cuda).empty()) {
@@ -112,6 +112,7 @@ constexpr Pipeline pipelines[] = {
     {"megakernel", "none", "none", "aos"},
     {"megakernel_regen", "none", "none", "aos"},
     {"persistent", "none", "none", "aos"},
+    {"regroup", "none", "none", "aos"},
     {"wavefront", "none", "none", "soa"},
     {"wavefront", "gap_fill", "none", "aos"},
     {"wavefront", "cub_select_flagged", "bucket", "soa"},
@@ -142,8 +143,8 @@ TEST_F(CheckpointTest, EveryIntegratorAndLaunchShowsTheFilmOfTheSamplesSoFar) {
             }
         }
     }
-    // 12 by stream, 8 of the 9 with a queue by graph (Thrust waits), 6 of those with a compaction by graph_while.
-    EXPECT_EQ(tested, 2 * (12 + 8 + 6));
+    // 13 by stream, 8 of the 9 with a queue by graph (Thrust waits), 6 of those with a compaction by graph_while.
+    EXPECT_EQ(tested, 2 * (13 + 8 + 6));
 }
 
 TEST_F(CheckpointTest, AFirstBounceCacheIsFilledOnce) {
@@ -160,11 +161,11 @@ TEST_F(CheckpointTest, AFirstBounceCacheIsFilledOnce) {
             }
         }
     }
-    EXPECT_EQ(tested, 5 * (12 + 8));
+    EXPECT_EQ(tested, 5 * (13 + 8));
 }
 
 TEST_F(CheckpointTest, SubsurfaceWalksAndSixMaterials) {
-    for (const char* const integrator : {"megakernel", "megakernel_regen", "persistent", "wavefront"}) {
+    for (const char* const integrator : {"megakernel", "megakernel_regen", "persistent", "regroup", "wavefront"}) {
         const Variant variant = variant_of({integrator, "none", "none", "aos"}, "stream");
         EXPECT_EQ(expect_right_films_for("cornell_closed_five", true, variant, 4), 1);
         EXPECT_EQ(expect_right_films_for("subsurface_box_on", true, variant, 4), 1);

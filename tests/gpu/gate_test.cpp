@@ -105,10 +105,34 @@ protected:
 };
 
 TEST_F(Gate, PassesASoundIntegrator) {
-    for (const char* integrator : {"megakernel", "megakernel_regen", "persistent", "wavefront", "wavefront_fused"}) {
+    for (const char* integrator :
+         {"megakernel", "megakernel_regen", "persistent", "regroup", "wavefront", "wavefront_fused"}) {
         const Verdict sound = verdict(integrator);
         EXPECT_TRUE(sound.holds) << sound.message;
         EXPECT_NE(sound.message.find("the CPU's"), std::string::npos) << sound.message;
+    }
+}
+
+// Warps whose lanes take waiting paths at the first and at the last moment, and those of blocks so large that no paths
+// can wait in their shared memory (variants/cuda/warp_items.cuh).
+TEST_F(Gate, PassesWarpsWhateverTheirPathsWaitFor) {
+    const Scene scene = find_scene("cornell_open_five");
+    RenderSettings settings = default_settings(scene);
+    settings.width = 40;  // not a whole number of strips
+    settings.height = 33;
+    settings.seed = 1;
+    Verifier verifier(scene, settings, 3, Backend::cuda);
+    const std::pair<const char*, std::uint32_t> tunings[] = {
+        {"regenerate_at", 0}, {"regenerate_at", 31}, {"block", 1024}};
+    for (const char* integrator : {"megakernel_regen", "persistent"}) {
+        for (const auto& [tunable, value] : tunings) {
+            Variant variant = expand({}, Backend::cuda).front();
+            variant.set("arithmetic", "exact");
+            variant.set("integrator", integrator);
+            variant.tuning[tunable] = value;
+            const Verdict sound = verifier.check(variant);
+            EXPECT_TRUE(sound.holds) << integrator << ' ' << tunable << '=' << value << ": " << sound.message;
+        }
     }
 }
 

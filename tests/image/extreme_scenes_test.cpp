@@ -157,7 +157,7 @@ struct Kernel {
 std::vector<Kernel> kernels() {
     std::vector<Kernel> all{{"plain", {}},      {"final_bounce", {}}, {"next_event", {}}, {"mis", {}},
                             {"area", {}},       {"projected", {}},    {"auto", {}},       {"power", {}},
-                            {"light_tree", {}}, {"one_sample", {}}};
+                            {"light_tree", {}}, {"one_sample", {}},   {"guided", {}}};
     all[1].options.final_bounce = true;
     all[2].options.next_event = true;
     all[3].options.next_event = true;
@@ -175,6 +175,7 @@ std::vector<Kernel> kernels() {
     all[8].options.light_selection = LightSelection::tree;
     all[9].options = all[3].options;
     all[9].options.one_sample = true;
+    all[10].options.guided_share = 0.75;
     return all;
 }
 

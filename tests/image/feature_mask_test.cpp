@@ -2,6 +2,7 @@
 // the kernel that has everything. For every feature a scene with it and one without.
 #include <gtest/gtest.h>
 
+#include "harness/render/adjoint_table.h"
 #include "harness/render/renderer.h"
 #include "tests/support/scenes.h"
 #include "variants/integrator/depth_first.h"
@@ -26,8 +27,12 @@ Film film_of(const Scene& scene, FeatureSet asked) {
     settings.light_selection = light_selection_in(asked);
     settings.one_sample = contains(asked, Feature::one_sample);
     settings.roulette_start = contains(asked, Feature::russian_roulette) ? 2 : 0;
+    settings.guided_share = contains(asked, Feature::guided_walk) ? 0.75 : 0;
+    settings.adjoint.paths = contains(asked, Feature::adjoint_roulette) ? 256 : 0;
     settings.sampler = asked & samplers;
-    const SceneBuffers<float> buffers(scene, settings);
+    SceneBuffers<float> buffers(scene, settings);
+    const LearnedAdjoint<float> learned = learned_adjoint<float>(scene, settings);
+    buffers.set_adjoint(learned.cache());
     Film film(settings.width, settings.height, radiance_bound(scene, settings), samples);
     PathCounters counters;
     for (std::uint32_t pixel = 0; pixel < settings.width * settings.height; ++pixel) {
@@ -143,6 +148,11 @@ const Case cases[] = {
         [](Still& s) {
             s.builder.texture(s.grey, 2, 2, {{0.9, 0.1, 0.1}, {0.1, 0.9, 0.1}, {0.1, 0.1, 0.9}, {0.5, 0.5, 0.5}});
         }),
+    with<Feature::shading_normals, Feature::textures>(
+        "shading_normals",
+        [](Still& s) {
+            s.builder.normal_map(s.grey, 2, 1, {{0.5, 0.25, 0.75}, {-0.5, 0.25, 0.75}});
+        }),
     with<Feature::jitter>("jitter", [](Still& s) { s.builder.scene.camera.jitter = true; }),
     with<Feature::lens>("lens",
                         [](Still& s) {
@@ -159,12 +169,16 @@ const Case cases[] = {
     asked_for<Feature::tree_selection, no_features | Feature::next_event>("tree_selection"),
     asked_for<Feature::one_sample, Feature::next_event | Feature::multiple_importance>("one_sample"),
     asked_for<Feature::russian_roulette>("russian_roulette"),
+    asked_for<Feature::adjoint_roulette>("adjoint_roulette"),
     asked_for<Feature::philox>("philox"),
     asked_for<Feature::sobol_owen>("sobol_owen"),
     asked_for<Feature::minstd>("minstd"),
     asked_for<Feature::sobol_rotated>("sobol_rotated"),
     asked_for<Feature::pmj02>("pmj02"),
     asked_for<Feature::halton>("halton"),
+    {"guided_walk", Feature::guided_walk,
+     [](Still& s) { make_ball(s, s.builder.subsurface(Vec3d(4, 3, 2), Vec3d(0.1))); },
+     &film_of<(base | Feature::subsurface) | Feature::guided_walk>, no_features | Feature::guided_walk},
 };
 
 // What a scene needs, with what its variant asks for.
@@ -181,9 +195,10 @@ TEST(FeatureMask, HasWhatTheSceneNeedsAndNothingElse) {
         const bool on_another = c.feature == Feature::absorption || c.feature == Feature::subsurface_boundary ||
                                 c.feature == Feature::multiple_importance ||
                                 c.feature == Feature::multiple_scattering || c.feature == Feature::one_sample ||
+                                c.feature == Feature::guided_walk || c.feature == Feature::shading_normals ||
                                 contains(light_samplings | light_selections, c.feature);
         const FeatureSet stood_on = set_of(Feature::dielectric, Feature::subsurface, Feature::next_event,
-                                           Feature::multiple_importance, Feature::rough_conductor);
+                                           Feature::multiple_importance, Feature::rough_conductor, Feature::textures);
         EXPECT_EQ(rest & ~stood_on, base) << c.name;
         EXPECT_EQ((rest & stood_on) != 0, on_another) << c.name;
     }
@@ -192,12 +207,12 @@ TEST(FeatureMask, HasWhatTheSceneNeedsAndNothingElse) {
 TEST(FeatureMask, LeavesTheFilmOfAllFeatures) {
     const Still plain;
     EXPECT_EQ(film_of<base>(plain.builder.scene, no_features).hash(),
-              film_of<all_features | samplers>(plain.builder.scene, no_features).hash());
+              film_of<all_features | samplings>(plain.builder.scene, no_features).hash());
     for (const Case& c : cases) {
         Still still;
         c.add(still);
         const Film own = c.own(still.builder.scene, c.asked);
-        EXPECT_EQ(own.hash(), film_of<all_features | samplers>(still.builder.scene, c.asked).hash()) << c.name;
+        EXPECT_EQ(own.hash(), film_of<all_features | samplings>(still.builder.scene, c.asked).hash()) << c.name;
         // And the feature is to be seen: a kernel that lacks it leaves another film.
         EXPECT_NE(own.hash(), film_of<base>(still.builder.scene, no_features).hash()) << c.name;
     }

@@ -73,6 +73,20 @@ TEST(FirstHitsTest, NormalsAreOnTheSideThatTheRayComesFrom) {
     EXPECT_EQ(hits.depth[0], 3);
 }
 
+// The one that is shaded with; from behind, the whole normal is turned round: a bump is a dent.
+TEST(FirstHitsTest, NormalsAreThoseOfAMap) {
+    for (const double turn : {-90.0, 90.0}) {
+        SceneBuilder builder;
+        const std::uint32_t grey = builder.diffuse(Vec3d(0.5));
+        builder.normal_map(grey, 1, 1, {{0.6, 0, 0.8}});
+        builder.quad(grey, {0, 0, 4}, 20, 20, {turn, 0, 0});
+        const Vec3d normal = vector_at(first_hits(builder.scene, first_hit_request(builder.scene, 1)).normal, 0);
+        EXPECT_NEAR(normal.x, turn < 0 ? 0.6 : -0.6, 1e-6);
+        EXPECT_NEAR(normal.y, 0, 1e-6);
+        EXPECT_NEAR(normal.z, -0.8, 1e-6);
+    }
+}
+
 TEST(FirstHitsTest, WhatMeetsNothingCountsAsZero) {
     SceneBuilder builder;
     builder.image(8, 8, 90, true).environment(1);

@@ -44,9 +44,11 @@ Outcome outcome(const Scene& scene, const RenderSettings& settings, void (*rende
 }
 
 template <FeatureSet features>
-void expect_one_film(const Scene& scene, const std::string& name) {
+void expect_one_film_as_drawn(const Scene& scene, const std::string& name) {
     using Kernel = Config<float, features>;
     RenderSettings settings = default_settings(scene);
+    settings.light_sampling = light_sampling_in(features);
+    settings.near_light = 20;
     settings.width = settings.height = 24;
     settings.depth = std::max(settings.depth, 4u);
     settings.seed = 3;
@@ -63,6 +65,15 @@ void expect_one_film(const Scene& scene, const std::string& name) {
         EXPECT_GT(packet.work.connections, 100u);
         EXPECT_TRUE(packet.is_lit);
     }
+}
+
+// However points on lights are drawn.
+template <FeatureSet features>
+void expect_one_film(const Scene& scene, const std::string& name) {
+    expect_one_film_as_drawn<features>(scene, name + ", solid angle");
+    expect_one_film_as_drawn<(features | Feature::area_sampling)>(scene, name + ", area");
+    expect_one_film_as_drawn<(features | Feature::projected_sampling)>(scene, name + ", projected");
+    expect_one_film_as_drawn<(features | Feature::automatic_sampling)>(scene, name + ", automatic");
 }
 
 TEST(PacketConnections, OfShippedRooms) {

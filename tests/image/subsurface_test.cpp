@@ -5,14 +5,17 @@
 #include <gtest/gtest.h>
 
 #include "kernels/sampling.h"
+#include "tests/support/bodies.h"
 #include "tests/support/render.h"
 #include "tests/support/scenes.h"
 
 namespace pt {
 namespace {
 
+using test::add_body;
 using test::Mean;
 using test::SceneBuilder;
+using test::Slab;
 using test::Stages;
 using test::tolerated_errors;
 
@@ -20,17 +23,6 @@ template <class Real>
 class SubsurfaceTest : public testing::Test {};
 using Reals = testing::Types<float, double>;
 TYPED_TEST_SUITE(SubsurfaceTest, Reals);
-
-// The bodies of the tests below, about 1 across.
-void add_body(SceneBuilder& builder, int shape, std::uint32_t material) {
-    if (shape == 0) {
-        builder.sphere(material, {0, 0, 0}, 1.5);
-    } else if (shape == 1) {
-        builder.ellipsoid(material, {0, 0, 0}, {1.5, 1, 1.25}, {10, 20, 30});
-    } else {
-        builder.box(material, {0, 0, 0}, {1, 1.25, 1.5}, shape == 2 ? Vec3d(0.0) : Vec3d(10, 20, 30));
-    }
-}
 
 TYPED_TEST(SubsurfaceTest, WhiteBodyInAnEvenEnvironmentIsInvisible) {
     // numerics.md S36: every path comes out again, with weight exactly 1; with a matched index in 2 segments.
@@ -75,35 +67,11 @@ TYPED_TEST(SubsurfaceTest, UnfinishedWalksAreCountedAndBlack) {
     EXPECT_LT(black, 900u);
 }
 
-// Sends light into a wide slab of optical depth tau from above, at cosine `mu` (0: diffuse incidence).
-struct Slab {
-    Mean reflected, transmitted;
-};
-
 template <class Real>
-Slab slab(double tau, double albedo, double mu, int count, std::uint32_t max_scatterings = 1000000, double g = 0,
-          std::uint64_t seed = 5) {
-    SceneBuilder builder;
-    builder.camera({0, tau / 2 + 1, 0}, {0, 0, 0}, {1, 0, 0}).depth(2);
-    const std::uint32_t material = builder.subsurface(Vec3d(albedo), Vec3d(1 - albedo), g);
-    builder.scene.materials[material].max_scatterings = max_scatterings;
-    builder.box(material, {0, 0, 0}, {1e5, tau, 1e5});
+Slab slab(double tau, double albedo, double mu, int count, std::uint32_t max_scatterings = 1000000, double g = 0) {
     test::RenderOptions options;
-    options.seed = seed;
-    Stages<Real> stages(builder.scene, options);
-    test::Random random(seed);
-    Slab result;
-    for (int i = 0; i < count; ++i) {
-        Path<Real> path = stages.generate(0, static_cast<std::uint32_t>(i));
-        const double cosine = mu > 0 ? mu : std::max(1e-3, std::sqrt(random.uniform()));
-        path.direction = {static_cast<Real>(std::sqrt(1 - cosine * cosine)), static_cast<Real>(-cosine), Real(0)};
-        const bool finished = stages.shade(path, stages.intersect(path));
-        const double weight = finished ? static_cast<double>(path.throughput.y) : 0;
-        const bool up = path.direction.y > 0;
-        result.reflected.add(up ? weight : 0);
-        result.transmitted.add(up ? 0 : weight);
-    }
-    return result;
+    options.seed = 5;
+    return test::slab<Real>({tau, albedo, g, max_scatterings}, mu, count, options);
 }
 
 TYPED_TEST(SubsurfaceTest, SlabReflectsAndTransmitsItsShare) {
@@ -166,47 +134,15 @@ TYPED_TEST(SubsurfaceTest, SimilarSlabsOfForwardScatterersTransmitAlike) {
                 0.02 * .116745 + tolerated_errors * forward.transmitted.standard_error());
 }
 
-// Light from everywhere alike on a convex body: the mean path inside is n^2 4V/S per photon that arrives (those that
-// the boundary reflects count 0). To first order in a weak absorption, that is the share lost over sigma_a. numerics.md
-// S35.
-double mean_path(int shape, double ior, double sigma_s, double g, int count, double* error) {
-    const double sigma_a = 1e-7;
-    SceneBuilder builder;
-    builder.depth(2);
-    add_body(builder, shape, builder.subsurface(Vec3d(sigma_s), Vec3d(sigma_a), g, ior));
-    Stages<double> stages(builder.scene);
-    test::Random random(9);
-    Mean mean;
-    for (std::uint32_t sample = 0; mean.count() < static_cast<std::uint64_t>(count); ++sample) {
-        // Parallel rays through a disc that covers the body, from every direction.
-        const Frame<double> frame(uniform_sphere(random.uniform(), random.uniform()));
-        const Vec2<double> disc = concentric_disc(random.uniform(), random.uniform());
-        Path<double> path = stages.generate(0, sample);
-        path.origin = frame.to_world({1.2 * disc.x, 1.2 * disc.y, -3});
-        path.direction = frame.normal;
-        const Hit<double> hit = stages.intersect(path);
-        if (hit.side.exists()) {
-            stages.shade(path, hit);
-            mean.add((1 - path.throughput.y) / sigma_a);
-        }
-    }
-    *error = mean.standard_error();
-    return mean.value();
-}
-
 TEST(SubsurfaceTest, MeanPathDoesNotDependOnTheScattering) {
-    const double pi_ = pi<double>;
-    const double four_v_over_s[] = {4.0 / 3.0 * 0.75, 0, 4 * 1.875 / (2 * (1.25 + 1.5 + 1.875)),
-                                    4 * 1.875 / (2 * (1.25 + 1.5 + 1.875))};
-    EXPECT_NEAR(four_v_over_s[0], 4 * (4.0 / 3.0 * pi_ * 0.421875) / (4 * pi_ * 0.5625), 1e-12);
     for (const int shape : {0, 2, 3}) {
         struct Case {
             double ior, sigma_s, g;
         };
         for (const Case& c : {Case{1, 0.5, 0}, Case{1, 10, 0}, Case{1, 10, 0.9}, Case{1.5, 5, 0}, Case{1.5, 5, 0.8}}) {
-            double error = 0;
-            const double length = mean_path(shape, c.ior, c.sigma_s, c.g, 40000, &error);
-            const double exact = c.ior * c.ior * four_v_over_s[shape];
+            const Mean path = test::mean_path(shape, {c.ior, c.sigma_s, c.g}, 40000);
+            const double length = path.value(), error = path.standard_error();
+            const double exact = c.ior * c.ior * test::four_v_over_s(shape);
             // 1 - (1 - x)^k = k x to 1e-7 k; the throughput's own rounding is 1e-16 / 1e-7.
             EXPECT_NEAR(length, exact, tolerated_errors * error + 1e-4)
                 << shape << " " << c.ior << " " << c.sigma_s << " " << c.g;

@@ -65,6 +65,7 @@ TEST_P(ShippedScene, HoldsTheClaimOfEveryVariant) {
     axes["levels"] = {"each_object"};
     axes["light_sampling"] = {"solid_angle"};
     axes["light_selection"] = {"uniform"};
+    axes["subsurface_sampling"] = {"classical"};
     // The kernels of a scene are those of the first with its features: all of them there, every pair of choices here.
     const bool is_first = first_with(features) == GetParam();
     for (const Variant& variant : is_first ? expand(axes, Backend::cpu, {{"jitters", {16, 2}}})

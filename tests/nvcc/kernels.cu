@@ -1,5 +1,6 @@
 // Every kernel header through nvcc, host and device: the four stages as kernels, for every feature in both precisions
 // and for one small feature set. Compiled by nvcc_test; never run.
+#include "kernels/adjoint.h"
 #include "kernels/any_hit.h"
 #include "kernels/axis_aligned_enclosure.h"
 #include "kernels/box.h"
@@ -11,6 +12,7 @@
 #include "kernels/film.h"
 #include "kernels/ggx.h"
 #include "kernels/ggx_gain.h"
+#include "kernels/guided_walk.h"
 #include "kernels/halton.h"
 #include "kernels/health.h"
 #include "kernels/in_range.h"
@@ -26,10 +28,12 @@
 #include "kernels/mirror.h"
 #include "kernels/mix.h"
 #include "kernels/naive.h"
+#include "kernels/nearest_surface.h"
 #include "kernels/next_event.h"
 #include "kernels/object_tree.h"
 #include "kernels/path.h"
 #include "kernels/path_fields.h"
+#include "kernels/path_tree.h"
 #include "kernels/philox.h"
 #include "kernels/pmj02.h"
 #include "kernels/principled.h"
@@ -42,6 +46,7 @@
 #include "kernels/scene_arrays.h"
 #include "kernels/scene_view.h"
 #include "kernels/shade.h"
+#include "kernels/shading_normal.h"
 #include "kernels/shape.h"
 #include "kernels/shape_list.h"
 #include "kernels/shapes.h"
@@ -112,8 +117,9 @@ void on_host(const SceneView<typename Config::Real>& scene, const FilmView& film
     template __global__ void accumulate_paths<CONFIG>(FilmView, const Path<CONFIG::Real>*, std::uint32_t);        \
     template void on_host<CONFIG>(const SceneView<CONFIG::Real>&, const FilmView&, PathCounters&);
 
-using Everything = Config<float, all_features | samplers>;
-using EverythingDouble = Config<double, all_features | samplers>;
+// Without tangents of images, which are in double: of small triangles they would be nothing.
+using Everything = Config<float, (all_features & ~static_cast<FeatureSet>(Feature::shading_normals)) | samplings>;
+using EverythingDouble = Config<double, all_features | samplings>;
 using Small = Config<float, Feature::axis_box | Feature::diffuse | Feature::emitter | Feature::jitter>;
 
 PT_INSTANTIATE(Everything)
@@ -121,8 +127,8 @@ PT_INSTANTIATE(EverythingDouble)
 PT_INSTANTIATE(Small)
 
 // With meshes, whose triangles are in single precision and whose edges ask for double: counted apart, by their names.
-struct WithMeshes : Config<float, all_features | samplers | traversals> {};
-struct WithMeshesInDouble : Config<double, all_features | samplers | traversals> {};
+struct WithMeshes : Config<float, all_features | samplings | traversals> {};
+struct WithMeshesInDouble : Config<double, all_features | samplings | traversals> {};
 PT_INSTANTIATE(WithMeshes)
 PT_INSTANTIATE(WithMeshesInDouble)
 

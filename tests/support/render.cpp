@@ -7,7 +7,7 @@ namespace pt::test {
 namespace {
 
 template <class Real>
-using Generic = Config<Real, all_features | samplers | traversals>;
+using Generic = Config<Real, all_features | samplings | traversals>;
 
 RenderSettings settings_of(const Scene& scene, const RenderOptions& options) {
     RenderSettings settings = default_settings(scene);
@@ -21,6 +21,7 @@ RenderSettings settings_of(const Scene& scene, const RenderOptions& options) {
     settings.light_selection = options.light_selection;
     settings.one_sample = options.one_sample;
     settings.roulette_start = options.roulette_start;
+    settings.guided_share = options.guided_share;
     settings.sampler = options.sampler;
     return settings;
 }

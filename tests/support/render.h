@@ -26,6 +26,7 @@ struct RenderOptions {
     LightSelection light_selection = LightSelection::uniform;
     bool one_sample = false;
     std::uint32_t roulette_start = 0;
+    double guided_share = 0;
     FeatureSet sampler = no_features;
 };
 
@@ -37,7 +38,7 @@ Film render(const Scene& scene, const RenderOptions& options);
 Film render_variant(const Scene& scene, const RenderOptions& options, const std::string& axis = "",
                     const std::string& choice = "");
 
-// The stages, one at a time, for Config<Real, all_features | samplers | traversals>.
+// The stages, one at a time, for Config<Real, all_features | samplings | traversals>.
 template <class Real>
 class Stages {
 public:

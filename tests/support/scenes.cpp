@@ -130,6 +130,17 @@ void SceneBuilder::roughness_texture(std::uint32_t index, std::uint32_t width, s
     material.roughness_texture = texture;
 }
 
+void SceneBuilder::normal_map(std::uint32_t index, std::uint32_t width, std::uint32_t height,
+                              const std::vector<Vec3d>& texels, double scale) {
+    auto texture = std::make_shared<SceneTexture>();
+    texture->image = {width, height, {}};
+    for (const Vec3d& texel : texels) {
+        texture->image.texels.emplace_back(texel);
+    }
+    scene.materials.at(index).normal_texture = texture;
+    scene.materials.at(index).normal_scale = scale;
+}
+
 std::uint32_t SceneBuilder::emitter(const Vec3d& radiance) {
     SceneMaterial material;
     material.type = MaterialType::emitter;

@@ -37,6 +37,9 @@ struct SceneBuilder {
     // The same in place of its roughness.
     void roughness_texture(std::uint32_t material, std::uint32_t width, std::uint32_t height,
                            const std::vector<double>& texels);
+    // Likewise normals in tangent space.
+    void normal_map(std::uint32_t material, std::uint32_t width, std::uint32_t height, const std::vector<Vec3d>& texels,
+                    double scale = 1);
     std::uint32_t dielectric(double ior, const Vec3d& sigma_a = Vec3d(0.0), const Vec3d& tint = Vec3d(1.0));
     std::uint32_t rough_dielectric(double ior, double roughness, const Vec3d& sigma_a = Vec3d(0.0),
                                    const Vec3d& tint = Vec3d(1.0));

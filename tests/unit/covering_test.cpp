@@ -90,6 +90,7 @@ TEST(CoveringTest, OnTheCpuHasExactlyThePairsOfTheWholeProduct) {
         axes.erase("levels");
         axes.erase("light_sampling");
         axes.erase("light_selection");
+        axes.erase("subsurface_sampling");
         std::vector<Variant> all = expand(axes);
         std::erase_if(all, [&](const Variant& variant) { return !applies(variant, scene, Backend::cpu); });
         const std::vector<Variant> chosen = covering_variants(axes, scene, Backend::cpu);
@@ -161,7 +162,7 @@ TEST(CoveringTest, OnCudaLeavesNoPairOutThatCanBeFound) {
         // The search would be idle if nothing were left out, and the set worth nothing if it were large.
         EXPECT_GT(left_out, 50u);
         EXPECT_GT(covered.size(), 500u);
-        EXPECT_LT(variants.size(), 500u);
+        EXPECT_LT(variants.size(), 600u);
     }
 }
 
@@ -179,10 +180,11 @@ TEST(CoveringTest, NoRandomVariantHasAPairThatIsLeftOut) {
         axes["devices"] = {"1"};
         axes["partition"] = {"samples"};
         axes["light_selection"] = {"uniform"};
+        axes["subsurface_sampling"] = {"classical"};  // for scenes with walks
         for (const FeatureSet scene : scenes) {
             const std::set<Pair> covered = pairs_in(covering_variants(axes, scene, backend));
             std::size_t found = 0;
-            for (int trial = 0; trial < 90000; ++trial) {
+            for (int trial = 0; trial < 100000; ++trial) {
                 Variant variant;
                 for (const auto& [axis, names] : axes) {
                     variant.set(axis, names[random() % names.size()]);

@@ -75,7 +75,7 @@ struct Gltf {
         result = import_gltf({.text = text, .file = "in/small.gltf", .out = "back.json", .name = ""});
         MeshesToBe::Meshes meshes;
         for (const ImportedMesh& imported : result.meshes) {
-            meshes[imported.file] = make_scene_mesh(imported.mesh, imported.file);
+            meshes[imported.file] = make_scene_mesh(imported.mesh, imported.file, true);
         }
         const MeshesToBe to_be(std::move(meshes));
         ImagesToBe::Contents images;
@@ -398,13 +398,100 @@ TEST_F(ImportGltfTest, ImagesThatCannotBeShownAreRefused) {
               "vertex, since "
               "tiles is an image");
     changed = good;
-    changed["materials"][0]["normalTexture"]["index"] = 0;
-    EXPECT_EQ(
-        problem(changed),
-        "f: found /materials/0/normalTexture: texture 0, allowed: no texture: of a material baseColorTexture is read");
+    changed["materials"][0]["normalTexture"] = {{"index", 0}, {"texCoord", 1}};
+    EXPECT_EQ(problem(changed), "f: found /materials/0/normalTexture/texCoord: 1, allowed: 0, for TEXCOORD_0");
+    changed["materials"][0]["normalTexture"] = {{"index", 5}};
+    EXPECT_EQ(problem(changed), "f: found /materials/0/normalTexture: texture 5, allowed: a texture from 0 to 0");
+    changed = good;
+    changed["materials"][0]["emissiveTexture"]["index"] = 0;
+    EXPECT_EQ(problem(changed),
+              "f: found /materials/0/emissiveTexture: texture 0, allowed: no texture: of a material baseColorTexture "
+              "and normalTexture are read");
     changed = good;
     changed["materials"][0]["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}};
     EXPECT_EQ(problem(changed), texture + "no texture on glass");
+}
+
+// The triangle of document_with_image with these normals of its corners.
+Json document_with_normals(const std::vector<float>& normals) {
+    Json json = document_with_image({{"uri", tiles}});
+    const std::string bytes = bytes_of<float>(normals);
+    json["buffers"].push_back(
+        {{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + base64(bytes)}});
+    json["bufferViews"].push_back({{"buffer", 1}, {"byteOffset", 0}, {"byteLength", bytes.size()}});
+    json["accessors"].push_back({{"bufferView", 3}, {"componentType", 5126}, {"count", 3}, {"type", "VEC3"}});
+    json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = 3;
+    return json;
+}
+
+TEST_F(ImportGltfTest, NormalsOfVertices) {
+    const Gltf read(document_with_normals({1, 0, 1, 0, 0, 2, 0, 1, 1}));
+    ASSERT_EQ(read.problems(), Lines());
+    ASSERT_EQ(read.scene.objects.size(), 1u);
+    EXPECT_TRUE(read.scene.objects[0].shading_normals);
+    EXPECT_TRUE(contains(features_of(read.scene), Feature::shading_normals));
+    ASSERT_EQ(read.scene.meshes.at(0)->normals.size(), 1u);
+    // The least corner stands first in the file too.
+    const CornerNormals& corners = read.scene.meshes[0]->normals[0];
+    const float half = static_cast<float>(std::sqrt(0.5));
+    EXPECT_EQ(Vec3<float>(corners.of[0][0], corners.of[0][1], corners.of[0][2]), Vec3<float>(half, 0, half));
+    for (int i = 1; i < 3; ++i) {
+        const Triangle<float>& t = read.scene.meshes[0]->triangles[0];
+        const bool is_second = (i == 1 ? t.b : t.c).y == 0;
+        EXPECT_EQ(Vec3<float>(corners.of[i][0], corners.of[i][1], corners.of[i][2]),
+                  is_second ? Vec3<float>(0, 0, 1) : Vec3<float>(0, half, half));
+    }
+    // What is no direction leaves the triangles flat.
+    for (const float bad : {0.0f, std::numeric_limits<float>::quiet_NaN()}) {
+        const Gltf flat(document_with_normals({1, 0, 1, bad, bad, bad, 0, 1, 1}));
+        EXPECT_EQ(flat.problems(), Lines());
+        EXPECT_FALSE(flat.scene.objects.at(0).shading_normals);
+        EXPECT_EQ(
+            flat.warnings().at(0),
+            "f: /meshes/0/primitives/0/attributes/NORMAL has one that is no direction: the triangles are flat here");
+    }
+}
+
+// A node that mirrors gets a mesh of its own, whose normals go with it.
+TEST_F(ImportGltfTest, NormalsOfAMeshThatIsMirrored) {
+    Json json = document_with_normals({1, 0, 1, 0, 0, 2, 0, 1, 1});
+    for (Json& node : json["nodes"]) {
+        if (node.contains("mesh")) {
+            node["scale"] = {-1, 1, 1};
+        }
+    }
+    const Gltf read(json);
+    ASSERT_EQ(read.problems(), Lines());
+    ASSERT_EQ(read.scene.objects.size(), 1u);
+    EXPECT_TRUE(read.scene.objects[0].shading_normals);
+    bool has_leaning = false;
+    for (const CornerNormals& corners : read.scene.meshes.at(read.scene.objects[0].mesh)->normals) {
+        for (const auto& normal : corners.of) {
+            has_leaning = has_leaning || (normal[0] < -0.7f && std::abs(normal[2]) > 0.7f);
+            EXPECT_LE(normal[0], 0);
+        }
+    }
+    EXPECT_TRUE(has_leaning);
+}
+
+TEST_F(ImportGltfTest, ANormalTexture) {
+    Json json = document_with_image({{"uri", PTBENCH_SOURCE_DIR "/scenes/textures/studs.png"}});
+    json["materials"][0]["pbrMetallicRoughness"].erase("baseColorTexture");
+    for (const double scale : {1.0, 0.25}) {
+        json["materials"][0]["normalTexture"] = {{"index", 0}, {"scale", scale}};
+        const Gltf read(json);
+        ASSERT_EQ(read.problems(), Lines());
+        const SceneMaterial& material = read.scene.materials.at(0);
+        ASSERT_NE(material.normal_texture, nullptr);
+        EXPECT_EQ(material.texture, nullptr);
+        EXPECT_EQ(material.normal_scale, scale);
+        EXPECT_EQ(material.normal_texture->image.texels,
+                  read_texture_image(PTBENCH_SOURCE_DIR "/scenes/textures/studs.png", TexelMeaning::normal).texels);
+    }
+    // Of glass too.
+    json["materials"][0]["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}};
+    json["meshes"][0]["primitives"][0]["attributes"].erase("TEXCOORD_0");
+    EXPECT_EQ(Gltf(json).problems().size(), 1u);  // no coordinates
 }
 
 TEST_F(ImportGltfTest, EverythingThatIsNotReadIsListedAtOnce) {

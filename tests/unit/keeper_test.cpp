@@ -30,7 +30,7 @@ TEST_F(KeeperTest, MakesOnce) {
 }
 
 TEST_F(KeeperTest, WhatWasUsedLongestAgoMakesRoom) {
-    constexpr std::size_t third = most_kept_bytes / 3;
+    const std::size_t third = most_kept_bytes / 3;
     get("a", third);
     get("b", third);
     EXPECT_EQ(get("a"), 1);
@@ -46,6 +46,14 @@ TEST_F(KeeperTest, KeepsNoMoreThanItMay) {
     const int all = made;
     EXPECT_EQ(get(std::to_string(most_kept)), all);
     EXPECT_EQ(get("0"), all + 1);
+}
+
+TEST(KeptBytesTest, AreAnEighthOfTheMemoryWithinBounds) {
+    constexpr std::size_t gibibyte = std::size_t{1} << 30;
+    EXPECT_EQ(kept_bytes_of(4 * gibibyte), 6 * gibibyte);
+    EXPECT_EQ(kept_bytes_of(80 * gibibyte), 10 * gibibyte);
+    EXPECT_EQ(kept_bytes_of(1024 * gibibyte), 16 * gibibyte);
+    EXPECT_GE(most_kept_bytes, 6 * gibibyte);
 }
 
 TEST_F(KeeperTest, WhatAloneIsTooLargeIsKeptUntilTheNext) {

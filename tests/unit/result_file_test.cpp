@@ -193,7 +193,7 @@ TEST_F(ResultFileTest, CellsSayWhatTheyAreAndHowTheyEnded) {
         "specialisation": "features", "launch": "stream", "arithmetic": "exact", "precision": "float", "robustness": "robust",
         "accelerator": "brute_force", "builder": "sah_binned", "traversal": "while_while", "traversal_stack": "local",
         "levels": "each_object", "light_sampling": "solid_angle", "devices": "1", "partition": "samples",
-        "light_selection": "uniform"})"));
+        "light_selection": "uniform", "subsurface_sampling": "classical"})"));
     EXPECT_EQ(ok.at("resolution"), Json({20, 10}));
     EXPECT_EQ(ok.at("depth"), 4);
     EXPECT_EQ(ok.at("spp"), 2);

@@ -101,7 +101,8 @@ TEST(ShippedScenes, HaveExactKernelsOfEveryIntegrator) {
 }
 
 TEST(ShippedScenes, NeedEveryListedFeatureSet) {
-    constexpr FeatureSet estimators = (Feature::final_bounce | Feature::next_event) | Feature::multiple_importance;
+    constexpr FeatureSet estimators = Feature::final_bounce | Feature::next_event | Feature::multiple_importance |
+                                      Feature::projected_sampling | Feature::automatic_sampling;
     std::set<FeatureSet> needed;
     for (const std::filesystem::path& file : scene_files()) {
         needed.insert(features_of(load_scene(file.string())));
@@ -126,6 +127,26 @@ TEST(ShippedScenes, OfTheBoxesHaveKernelsWithDirectLight) {
                 variant.set("direct_light", direct_light);
                 const KernelChoice kernel = choose_kernel(shipped(name), variant);
                 EXPECT_FALSE(is_superset(kernel.compiled, all_features))
+                    << name << " by " << variant.spelled_out() << " needs " << names_of(kernel.needed);
+            }
+        }
+    }
+}
+
+// And with the ways to draw a point on a lamp that cost least.
+TEST(ShippedScenes, OfTheBoxesHaveKernelsThatDrawPointsOnLamps) {
+    const std::pair<const char*, Feature> ways[] = {{"projected", Feature::projected_sampling},
+                                                    {"auto", Feature::automatic_sampling}};
+    for (const char* const name : {"cornell_open", "cornell_open_45", "cornell_closed", "cornell_open_one",
+                                   "cornell_open_five", "cornell_closed_five", "many_lights", "small_light"}) {
+        for (const char* const integrator : {"depth_first", "packet", "wavefront"}) {
+            for (const auto& [way, feature] : ways) {
+                Variant variant = Registry::instance().baseline();
+                variant.set("integrator", integrator);
+                variant.set("direct_light", "nee_mis");
+                variant.set("light_sampling", way);
+                const KernelChoice kernel = choose_kernel(shipped(name), variant);
+                EXPECT_EQ(kernel.compiled & light_samplings, no_features | feature)
                     << name << " by " << variant.spelled_out() << " needs " << names_of(kernel.needed);
             }
         }

@@ -1,6 +1,7 @@
 // Images that surfaces show: what a file's numbers become, which way up, and what is refused; and the scenes that name
 // them.
 #include <cmath>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -111,6 +112,30 @@ TEST(TextureImage, OfNumbersIsTheFirstChannelAsItIs) {
     EXPECT_EQ(parse(png(1, 1, 4, {255, 7, 7, 7})).texels[0], share(255, 255));
     const TextureImage fine = parse(png_of_16_bits(2, {30000, 65535, 1, 65535, 40000, 50000}));
     EXPECT_EQ(fine.texels, (std::vector<Vec3<float>>{share(30000, 65535), share(65535, 65535)}));
+}
+
+TEST(TextureImage, OfNormalsIsSignedAndPointsOutward) {
+    const auto parse = [](const std::string& content) {
+        return parse_texture_image(content, "a.png", TexelMeaning::normal);
+    };
+    const auto share = [](int value) { return static_cast<float>(value / 127.0); };
+    const TextureImage image = parse(png(2, 2, 3, {128, 128, 255, 255, 1, 129, 0, 200, 128, 64, 64, 0}));
+    EXPECT_EQ(image.texels[0], Vec3<float>(0, 0, 1));  // lies in the surface
+    EXPECT_EQ(image.texels[1], Vec3<float>(0, 0, 1));  // points inward
+    EXPECT_EQ(image.texels[2], Vec3<float>(0, 0, 1));
+    EXPECT_EQ(image.texels[3], Vec3<float>(1, -1, share(1)));
+    EXPECT_EQ(parse(png(1, 1, 4, {0, 192, 192, 7})).texels[0], Vec3<float>(-1, share(64), share(64)));
+    const TextureImage fine = parse(png_of_16_bits(2, {32768, 32768, 65535, 1, 0, 49152}));
+    EXPECT_EQ(fine.texels[0], Vec3<float>(0, 0, 1));
+    EXPECT_EQ(fine.texels[1], Vec3<float>(-1, -1, static_cast<float>(16384 / 32767.0)));
+    for (const int channels : {1, 2}) {
+        try {
+            (void)parse(png(1, 1, channels, {200, 255}));
+            FAIL();
+        } catch (const InputError& error) {
+            EXPECT_STREQ(error.what(), "a.png: content: found a grey image, allowed: normals, as red, green and blue");
+        }
+    }
 }
 
 TEST(TextureImage, MayBeAJpeg) {
@@ -284,6 +309,49 @@ TEST(TexturedScene, WhoseRoughnessIsWrongIsRefusedInOneLine) {
                             R"("shape": "box")")
                   .find("unknown key \"roughness\""),
               std::string::npos);
+}
+
+TEST(TexturedScene, MayHaveANormalMapOnAllThatReflects) {
+    const std::string normal = R"("normal": {"image": "tiles.png", "scale": -0.5}})";
+    std::set<std::string> hashes;
+    for (const char* const rest :
+         {R"("diffuse", "albedo": [1, 1, 1], )", R"("mirror", "reflectance": [1, 1, 1], )",
+          R"("mix", "albedo": [1, 1, 1], "reflectance": [1, 1, 1], "mirror_probability": 0.5, )",
+          R"("dielectric", "ior": 1.5, )", R"("rough_dielectric", "ior": 1.5, "roughness": 0.5, )",
+          R"("rough_conductor", "reflectance": [1, 1, 1], "roughness": 0.5, )",
+          R"("principled", "base_colour": [1, 1, 1], "roughness": 0.5, )"}) {
+        const std::string type = std::string(R"({"type": )") + rest;
+        const Scene scene = scene_of(type + normal, R"("shape": "box")");
+        ASSERT_NE(scene.materials[0].normal_texture, nullptr) << rest;
+        EXPECT_EQ(scene.materials[0].normal_scale, -0.5);
+        EXPECT_TRUE(contains(features_of(scene), Feature::textures));
+        EXPECT_TRUE(contains(features_of(scene), Feature::shading_normals));
+        EXPECT_EQ(
+            scene_of(type + R"("normal": {"image": "tiles.png"}})", R"("shape": "box")").materials[0].normal_scale, 1);
+        EXPECT_NE(refused_scene(type + normal, R"("shape": "mesh", "generate": {"mesh": "icosphere", "size": 0})")
+                      .find("which has no texture coordinates"),
+                  std::string::npos);
+        hashes.insert(scene.hash);
+    }
+    EXPECT_EQ(hashes.size(), 7u);
+    for (const auto& [wrong, expected] : std::vector<std::pair<std::string, std::string>>{
+             {R"({"image": "none.png"})", "none.png"},
+             {R"({"image": "tiles.png", "scale": 1e4})",
+              "$.materials.m.normal.scale: found 10000.0, allowed: a number from -1000 to 1000"},
+             {R"({"image": "tiles.png", "size": 1})", "$.materials.m.normal: found unknown key \"size\""},
+             {"[0, 0, 1]", "$.materials.m.normal"},
+             {"{}", "image"}}) {
+        const std::string message =
+            refused_scene(R"({"type": "diffuse", "albedo": [1, 1, 1], "normal": )" + wrong + "}", R"("shape": "box")");
+        EXPECT_NE(message.find(expected), std::string::npos) << wrong << ": " << message;
+        EXPECT_EQ(message.find('\n'), std::string::npos);
+    }
+    for (const char* const none :
+         {R"("emitter", "radiance": [1, 1, 1], )", R"("subsurface", "sigma_s": [1, 1, 1], )"}) {
+        EXPECT_NE(refused_scene(std::string(R"({"type": )") + none + normal, R"("shape": "box")")
+                      .find("unknown key \"normal\""),
+                  std::string::npos);
+    }
 }
 
 TEST(TexturedScene, ThatIsWrongIsRefusedInOneLine) {

@@ -52,7 +52,8 @@ TEST(TunableTest, AVariantHasThoseOfItsChoices) {
     EXPECT_EQ(names_of(tunables_of(variant_with({{"first_bounce", "cached_jitters"}}), Backend::cpu)),
               (std::vector<std::string>{"jitters", "room"}));
     EXPECT_EQ(names_of(all_tunables(Backend::cpu)),
-              (std::vector<std::string>{"jitters", "mis_exponent", "roulette_start", "room", "near_light"}));
+              (std::vector<std::string>{"jitters", "mis_exponent", "adjoint_paths", "adjoint_cells", "weight_window",
+                                        "most_branches", "roulette_start", "room", "near_light", "guided_percent"}));
     if (!test::cuda_is_built()) {
         return;
     }
@@ -200,7 +201,7 @@ TEST(TunableTest, TheStandardThatIsLeftOutIsThatOfTheVariantsOwnChoice) {
     const std::vector<std::uint32_t> values{64, 128, 256, 512};
     const std::vector<Variant> variants =
         expand({{"integrator", all_choices(Backend::cuda).at("integrator")}}, Backend::cuda, {{"block", values}});
-    ASSERT_EQ(variants.size(), 6u * values.size());
+    ASSERT_EQ(variants.size(), 7u * values.size());
     for (std::size_t i = 0; i < variants.size(); ++i) {
         const std::uint32_t asked = values[i % values.size()];
         EXPECT_EQ(tunable(variants[i], "block", Backend::cuda), asked) << variants[i].spelled_out();

@@ -91,6 +91,9 @@ AxisChoices choices_of_paths() {
     axes.erase("levels");
     axes.erase("light_sampling");  // of connections: three and two more of each
     axes.erase("light_selection");
+    axes.erase("subsurface_sampling");  // of bodies
+    axes["russian_roulette"] = {"off", "throughput",
+                                "adjoint_splitting"};  // adjoint goes with all that throughput does
     return axes;
 }
 
@@ -133,7 +136,7 @@ TEST(RegistryTest, HasEveryAxisAndChoice) {
             {"sort_key", {"material"}},
             {"first_bounce", {"off", "cached", "cached_jitters"}},
             {"direct_light", {"off", "final_bounce", "nee", "nee_mis", "nee_one_sample"}},
-            {"russian_roulette", {"off", "throughput"}},
+            {"russian_roulette", {"off", "adjoint", "adjoint_splitting", "throughput"}},
             {"sampler", {"pcg4d", "halton", "minstd_by_position", "philox", "pmj02", "sobol_owen", "sobol_rotated"}},
             {"layout", {"aos", "soa"}},
             {"specialisation", {"features", "generic", "matrix"}},
@@ -150,6 +153,7 @@ TEST(RegistryTest, HasEveryAxisAndChoice) {
             {"devices", {"1"}},
             {"partition", {"samples"}},
             {"light_selection", {"uniform", "light_tree", "power"}},
+            {"subsurface_sampling", {"classical", "dwivedi"}},
         },
         Backend::cpu);
 }
@@ -160,7 +164,8 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
     }
     expect_choices(
         {
-            {"integrator", {"wavefront", "audited", "megakernel", "megakernel_regen", "persistent", "wavefront_fused"}},
+            {"integrator",
+             {"wavefront", "audited", "megakernel", "megakernel_regen", "persistent", "regroup", "wavefront_fused"}},
             {"compaction",
              {"none", "atomic_append", "block_scan_append", "cub_partition", "cub_select_flagged", "cub_select_if",
               "cub_three_way", "gap_fill", "thrust_copy_if_index", "thrust_partition", "thrust_remove_if",
@@ -169,7 +174,7 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
             {"sort_key", {"material", "material_hit", "ray"}},
             {"first_bounce", {"off", "cached", "cached_jitters"}},
             {"direct_light", {"off", "final_bounce", "nee", "nee_mis", "nee_one_sample"}},
-            {"russian_roulette", {"off", "throughput"}},
+            {"russian_roulette", {"off", "adjoint", "adjoint_splitting", "throughput"}},
             {"sampler", {"pcg4d", "halton", "minstd_by_position", "philox", "pmj02", "sobol_owen", "sobol_rotated"}},
             {"layout", {"aos", "packed", "soa"}},
             {"specialisation", {"features", "baked", "generic", "matrix"}},
@@ -178,7 +183,7 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
             {"precision", {"float", "double", "double_intersection"}},
             {"robustness", {"robust", "naive"}},
             {"accelerator", {"brute_force", "bvh2", "bvh4", "bvh8", "cwbvh"}},
-            {"builder", {"sah_binned", "hploc", "lbvh", "ploc", "sah_sweep", "sbvh"}},
+            {"builder", {"sah_binned", "hploc", "lbvh", "lbvh_gpu", "ploc", "sah_sweep", "sbvh"}},
             {"traversal", {"while_while", "if_if", "persistent", "speculative"}},
             {"traversal_stack", {"local", "shared", "short_restart"}},
             {"levels", {"each_object", "flat", "two_level"}},
@@ -186,6 +191,7 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
             {"devices", {"1", "2", "3", "4", "5", "6", "7", "8"}},
             {"partition", {"samples", "dynamic", "tiles"}},
             {"light_selection", {"uniform", "light_tree", "power"}},
+            {"subsurface_sampling", {"classical", "dwivedi"}},
         },
         Backend::cuda);
 }
@@ -258,12 +264,15 @@ TEST(RegistryTest, WhatClaimsLessThanBits) {
                                           {"sampler=sobol_owen", Claim::statistical},
                                           {"sampler=sobol_rotated", Claim::statistical},
                                           {"sampler=minstd_by_position", Claim::biased},
+                                          {"russian_roulette=adjoint", Claim::statistical},
+                                          {"russian_roulette=adjoint_splitting", Claim::statistical},
                                           {"russian_roulette=throughput", Claim::statistical},
                                           {"light_sampling=area", Claim::statistical},
                                           {"light_sampling=auto", Claim::statistical},
                                           {"light_sampling=projected", Claim::statistical},
                                           {"light_selection=light_tree", Claim::statistical},
                                           {"light_selection=power", Claim::statistical},
+                                          {"subsurface_sampling=dwivedi", Claim::statistical},
                                           {"specialisation=matrix", Claim::statistical},
                                           {"arithmetic=precise", Claim::statistical},
                                           {"arithmetic=fast", Claim::statistical},
@@ -430,9 +439,10 @@ TEST(RegistryTest, EveryIntegratorIsCompiledForTheSameFeatureSets) {
         EXPECT_TRUE(depth_first.contains(features));
         EXPECT_EQ(packet.contains(features), !contains(features, Feature::mesh));
     }
-    // Other formulas are compiled for a path at a time only, each alone.
+    // Other formulas are compiled for a path at a time only, each alone; and only such paths split.
     for (const auto& [features, function] : depth_first) {
-        EXPECT_TRUE(wavefront.contains(features) || std::popcount(features & formulas) == 1);
+        EXPECT_TRUE(wavefront.contains(features) || std::popcount(features & formulas) == 1 ||
+                    contains(features, Feature::splitting));
     }
     const auto& audited = registry().find("integrator", "audited")->hook.integrator;
     for (const auto& [features, function] : audited) {
@@ -480,7 +490,7 @@ TEST(VariantTest, SpelledOutItSaysEveryChoiceAndTheTunablesThatAreNotAtTheirDefa
     Variant variant = baseline_with({{"first_bounce", "cached_jitters"}});
     const std::string choices =
         "wavefront.none.none.material.cached_jitters.off.off.pcg4d.aos.features.stream.exact.float.robust.brute_force."
-        "sah_binned.while_while.local.each_object.solid_angle.1.samples.uniform";
+        "sah_binned.while_while.local.each_object.solid_angle.1.samples.uniform.classical";
     EXPECT_EQ(variant.spelled_out(), choices);
     variant.tuning["jitters"] = 4;
     variant.tuning["block"] = 256;
@@ -554,20 +564,21 @@ TEST(VariantTest, ReferenceIsThePlainestVariantOfTheSameExpectation) {
         const std::string first_bounce = variant["first_bounce"] == "cached_jitters" ? "cached_jitters" : "off";
         const std::string formula = variant["specialisation"] == "matrix" ? "matrix" : "generic";
         // Its film depends on every other choice: nothing but itself has it.
-        EXPECT_EQ(reference.spelled_out(), variant["sampler"] == "minstd_by_position"
-                                               ? variant.spelled_out()
-                                               : "depth_first.none.none.material." + first_bounce + "." +
-                                                     estimator_of(variant) + ".aos." + formula + ".stream.exact." +
-                                                     variant["precision"] + "." + variant["robustness"] +
-                                                     ".brute_force." + variant["builder"] +
-                                                     ".while_while.local.each_object.solid_angle.1.samples.uniform");
+        EXPECT_EQ(reference.spelled_out(),
+                  variant["sampler"] == "minstd_by_position"
+                      ? variant.spelled_out()
+                      : "depth_first.none.none.material." + first_bounce + "." + estimator_of(variant) + ".aos." +
+                            formula + ".stream.exact." + variant["precision"] + "." + variant["robustness"] +
+                            ".brute_force." + variant["builder"] +
+                            ".while_while.local.each_object.solid_angle.1.samples.uniform.classical");
         EXPECT_EQ(registry().reference(reference), reference);
         // Which do not go together.
         const bool has_formulas = variant["precision"] == "double_intersection" || variant["robustness"] == "naive";
         const bool excluded =
             (formula == "matrix" && (variant["precision"] == "double" || variant["sampler"] != "pcg4d")) ||
             (has_formulas && (formula == "matrix" || variant["sampler"] != "pcg4d")) ||
-            (variant["precision"] == "double_intersection" && variant["robustness"] == "naive");
+            (variant["precision"] == "double_intersection" && variant["robustness"] == "naive") ||
+            (variant["russian_roulette"] == "adjoint_splitting" && (has_formulas || formula == "matrix"));
         if (!excluded && variant["sampler"] != "minstd_by_position") {
             EXPECT_EQ(why_not_applicable(reference, all_features), "");
         }
@@ -594,7 +605,8 @@ TEST(VariantTest, ReferenceOnCudaIsThePlainestVariantOfTheSameExpectation) {
                             (by_matrix ? "matrix" : "features") + ".stream." + variant["arithmetic"] + "." +
                             variant["precision"] + "." + variant["robustness"] +
                             ".brute_force.sah_binned.while_while.local.each_object." + variant["light_sampling"] +
-                            ".1.samples." + variant["light_selection"] + (by_matrix ? "" : "+room=0"));
+                            ".1.samples." + variant["light_selection"] + "." + variant["subsurface_sampling"] +
+                            (by_matrix ? "" : "+room=0"));
         EXPECT_EQ(registry().reference(reference, Backend::cuda), reference);
         EXPECT_EQ(why_not_applicable(reference, all_features, Backend::cuda), "") << reference.spelled_out();
     }
@@ -657,8 +669,8 @@ TEST(VariantTest, FeatureNamesAreInTheOrderOfResults) {
     EXPECT_TRUE(feature_names(no_features).empty());
     EXPECT_EQ(feature_names(Feature::jitter | Feature::sphere), (std::vector<std::string>{"sphere", "jitter"}));
     const std::vector<std::string> all = feature_names(all_features);
-    EXPECT_EQ(all.size(), 35u);
-    EXPECT_EQ(all.back(), "principled");
+    EXPECT_EQ(all.size(), 37u);
+    EXPECT_EQ(all.back(), "shading_normals");
     EXPECT_EQ(feature_names(samplers),
               (std::vector<std::string>{"philox", "sobol_owen", "minstd", "sobol_rotated", "pmj02", "halton"}));
     EXPECT_EQ(std::set<std::string>(all.begin(), all.end()).size(), all.size());
@@ -692,6 +704,16 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApply) {
         {{{"first_bounce", "cached_jitters"}},
          plain_features,
          "first_bounce=cached_jitters needs jitter, a lens or motion; without them first_bounce=cached is it"},
+        {{{"russian_roulette", "adjoint"}}, plain_features, ""},
+        {{{"russian_roulette", "adjoint_splitting"}},
+         plain_features,
+         "russian_roulette=adjoint_splitting needs an integrator that keeps the branches of a path: depth_first, "
+         "megakernel, megakernel_regen or persistent, not wavefront"},
+        {{{"integrator", "depth_first"}, {"russian_roulette", "adjoint_splitting"}}, plain_features, ""},
+        {{{"integrator", "depth_first"}, {"russian_roulette", "adjoint_splitting"}, {"robustness", "naive"}},
+         plain_features,
+         "russian_roulette=adjoint_splitting is compiled for the usual formulas only: needs robustness=robust, another "
+         "specialisation than matrix, and precision=float or double"},
         {{{"launch", "graph"}}, plain_features, "launch=graph is not there on the backend cpu"},
         {{{"sort_key", "ray"}}, plain_features, "sort_key=ray is not there on the backend cpu"},
         {{{"precision", "double"}},
@@ -821,6 +843,10 @@ TEST(ApplicabilityTest, SaysWordForWordWhichTraversalsDoNotApply) {
         std::string reason;
     } cases[] = {
         {{{"accelerator", "bvh8"}, {"traversal", "if_if"}, {"traversal_stack", "shared"}}, with_mesh, ""},
+        {{{"integrator", "regroup"}, {"accelerator", "bvh8"}}, with_mesh, ""},
+        {{{"integrator", "regroup"}, {"accelerator", "bvh8"}, {"traversal_stack", "shared"}},
+         with_mesh,
+         "integrator=regroup keeps its paths in shared memory: needs traversal_stack=local, not shared"},
         {{{"accelerator", "bvh2"}, {"traversal", "speculative"}, {"traversal_stack", "short_restart"}}, with_mesh, ""},
         {{{"accelerator", "cwbvh"}, {"traversal", "persistent"}, {"precision", "double"}}, with_mesh, ""},
         {{{"traversal", "if_if"}}, plain_features, "traversal=if_if has nothing to do: the scene has no mesh"},
@@ -828,10 +854,7 @@ TEST(ApplicabilityTest, SaysWordForWordWhichTraversalsDoNotApply) {
          with_mesh,
          "traversal_stack=shared has nothing to do: accelerator=brute_force needs no tree"},
         {{{"accelerator", "cwbvh"}, {"traversal", "if_if"}, {"traversal_stack", "short_restart"}}, with_mesh, ""},
-        {{{"accelerator", "bvh8"}, {"traversal_stack", "short_restart"}},
-         with_mesh,
-         "traversal_stack=short_restart finds its way by a trail: needs two children a node or an order of children "
-         "that no hit changes, not accelerator=bvh8"},
+        {{{"accelerator", "bvh8"}, {"traversal_stack", "short_restart"}}, with_mesh, ""},
         {{{"accelerator", "cwbvh"}, {"traversal", "persistent"}, {"integrator", "megakernel_regen"}},
          with_mesh,
          "traversal=persistent needs an integrator that traces in a kernel of its own, not "
@@ -864,6 +887,8 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApplyOnCuda) {
          "integrator=megakernel_regen has no queue to sort: needs sorting=none, not bucket"},
         {{{"integrator", "persistent"}, {"layout", "packed"}},
          "integrator=persistent keeps one path in registers, no array of paths: needs layout=aos, not packed"},
+        {{{"integrator", "regroup"}, {"layout", "soa"}},
+         "integrator=regroup keeps one path in registers, no array of paths: needs layout=aos, not soa"},
         {{{"integrator", "megakernel"}, {"launch", "graph"}},
          "integrator=megakernel is one kernel, nothing to capture: needs launch=stream, not graph"},
         {{{"integrator", "wavefront_fused"}, {"sorting", "bucket"}},
@@ -1019,7 +1044,7 @@ std::vector<WorkCase> work_cases() {
         cases.push_back(
             {"integrator", name, launched, {{one_kernel, "ran no queue"}, {queued, "launched no kernel"}}, on_cuda});
     }
-    for (const char* name : {"audited", "megakernel", "megakernel_regen", "persistent"}) {
+    for (const char* name : {"audited", "megakernel", "megakernel_regen", "persistent", "regroup"}) {
         cases.push_back(
             {"integrator", name, one_kernel, {{launched, "ran a queue"}, {idle, "launched no kernel"}}, on_cuda});
     }
@@ -1129,6 +1154,24 @@ TEST(KernelTest, FeaturesTakesTheSmallestSuperset) {
     EXPECT_EQ(choose(a, {all_features | Feature::matrix, all_features}), all_features);
 }
 
+// A kernel with one way to draw lights draws them in that way, whatever it is asked for.
+TEST(KernelTest, FeaturesTakesNoKernelThatDrawsLightsInAnotherWay) {
+    const Variant variant = baseline_with({{"specialisation", "features"}});
+    const auto choose = [&](FeatureSet needed, const std::vector<FeatureSet>& compiled) {
+        return registry()
+            .find("specialisation", "features")
+            ->hook.specialisation({needed, no_features, compiled}, variant, Backend::cpu);
+    };
+    const FeatureSet connects = Feature::sphere | Feature::diffuse | Feature::next_event;
+    for (const Feature way : {Feature::projected_sampling, Feature::area_sampling, Feature::power_selection}) {
+        const FeatureSet fixed = connects | way;
+        EXPECT_EQ(choose(connects, {all_features, fixed}), all_features);
+        EXPECT_EQ(choose(fixed, {all_features, connects, fixed}), fixed);
+    }
+    const FeatureSet at_run_time = connects | Feature::projected_sampling | Feature::area_sampling;
+    EXPECT_EQ(choose(connects, {all_features, at_run_time}), at_run_time);
+}
+
 // A shortcut is taken where the scene allows it, a kernel has it, and nobody asked to leave it out.
 TEST(KernelTest, FeaturesTakesTheShortcutsOfTheScene) {
     Variant variant = baseline_with({{"specialisation", "features"}});
@@ -1232,7 +1275,8 @@ TEST(KernelTest, EveryShippedSceneHasItsExactKernelAndNoKernelIsThereForNothing)
         used.insert(features_of(scene));
         used.insert(features_of(scene) | shortcuts_of(scene));
     }
-    constexpr FeatureSet estimators = (Feature::final_bounce | Feature::next_event) | Feature::multiple_importance;
+    constexpr FeatureSet estimators = Feature::final_bounce | Feature::next_event | Feature::multiple_importance |
+                                      Feature::projected_sampling | Feature::automatic_sampling;
     for (const auto& [features, function] : registry().find("integrator", "wavefront")->hook.integrator) {
         if ((features & all_features) != all_features) {
             EXPECT_TRUE(used.contains(features & ~estimators)) << testing::PrintToString(feature_names(features));
@@ -1261,6 +1305,7 @@ TEST_P(EveryVariantTest, RendersTheReferencesBits) {
     axes["levels"] = {"each_object"};
     axes["light_sampling"] = {"solid_angle"};
     axes["light_selection"] = {"uniform"};
+    axes["subsurface_sampling"] = {"classical"};
     for (const Variant& variant : expand(axes, Backend::cpu, {{"jitters", {16, 2}}})) {
         if (!why_not_applicable(variant, features).empty()) {
             continue;

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "harness/bench/machine.h"
 #include "harness/rays/cpu_batch.h"
 #include "harness/rays/probe_meshes.h"
 #include "harness/rays/ray_sets.h"
@@ -304,7 +305,7 @@ double load() {
 int run(int argc, char** argv) {
     const Options options = read(argc, argv);
     std::ostringstream json;
-    json << "{\"cpu\": \"" << cpu_name() << "\", \"threads\": 1, \"clock\": \"CPU time of the thread\", "
+    json << "{\"schema\": \"ptbench-rays-cpu-1\", \"commit\": \"" << git_sha() << "\", \"cpu\": \"" << cpu_name() << "\", \"threads\": 1, \"clock\": \"CPU time of the thread\", "
          << "\"statistic\": \"median\", \"repetitions\": " << options.repeat
          << ", \"order\": \"all contenders in turn, repeated\", \"compiler\": \"" << __VERSION__
          << "\", \"load_before\": " << load() << ", \"meshes\": [\n";

@@ -1,9 +1,8 @@
 // Stacks of a walk (walk.h). Where their entries lie is their Memory's: get(i), set(i, open).
 #pragma once
 
-#include "kernels/config.h"
-
-#include <cstdint>
+#include "kernels/math.h"
+#include "variants/acceleration/walk.h"
 
 namespace pt {
 
@@ -33,11 +32,24 @@ public:
         return true;
     }
 
-    // For nodes of many children, which are put in order where they wait.
-    PT_HD std::uint32_t size() const { return size_; }
-    PT_HD Open get(std::uint32_t i) const { return memory_.get(i); }
-    PT_HD void set(std::uint32_t i, const Open& open) { memory_.set(i, open); }
-    PT_HD void grow() { ++size_; }
+    // For nodes of many children, of which those are met that have an entry of 0 or more: the nearest is on top.
+    // Whether `link` is the child to enter; here the walk takes it from the stack, as all others.
+    template <class Real, int width>
+    PT_HD bool enters_nearest(const Real (&entries)[width], const std::uint32_t (&links)[width], std::uint32_t&) {
+        const std::uint32_t bottom = size_;
+        for (int child = 0; child < width; ++child) {
+            if (entries[child] < Real(0)) {
+                continue;
+            }
+            std::uint32_t at = size_;
+            for (; at > bottom && memory_.get(at - 1).entry < entries[child]; --at) {
+                memory_.set(at, memory_.get(at - 1));
+            }
+            memory_.set(at, {entries[child], links[child]});
+            ++size_;
+        }
+        return false;
+    }
 
     // For nodes of two children: which one to enter where both are met, and whether to where one is.
     PT_HD bool enters_nearer(const Open& further) {
@@ -215,13 +227,146 @@ private:
     std::uint32_t size_ = 0, top_ = 0;
 };
 
-template <class Open, class Memory, std::uint32_t entries, bool in_groups = Open::is_group>
-struct ShortStackFor {
-    using Type = ShortStack<Open, Memory, entries>;
+// The same of a tree of up to 8 children a node that are entered by their distances, in 32 levels of inner nodes at
+// most. A ray enters each box at a place of its own, whatever it has hit: a nearer hit takes away the last of a node's
+// children and leaves the order of the others, so that their count finds the one to go on with. The trail has for each
+// level the place in this order of the child that was entered last, and whether others wait. Vaidyanathan, Woop,
+// Benthin, "Wide BVH Traversal with a Short Stack", HPG 2019.
+template <class Open, class MemoryT, std::uint32_t entries>
+class ShortOrderStack {
+public:
+    using Memory = MemoryT;
+
+    PT_HD explicit ShortOrderStack(Memory& memory) : memory_(memory) {}
+
+    PT_HD void clear() {
+        waits_ = level_ = target_ = 0;
+        for (std::uint32_t bit = 0; bit < place_bits; ++bit) {
+            place_[bit] = 0;
+        }
+        size_ = top_ = 0;
+    }
+    template <class Real, int width>
+    PT_HD bool enters_nearest(const Real (&entries_of)[width], const std::uint32_t (&links)[width],
+                              std::uint32_t& link) {
+        std::uint32_t place[width];
+        const std::uint32_t met = put_in_order(entries_of, place);
+        level_ = level_ == 0 ? highest_level : level_ >> 1;
+        const std::uint32_t first = target_ != 0 ? place_at(level_) : 0;
+        if (target_ == level_ || met <= first) {
+            target_ = 0;
+        }
+        waits_ &= ~(level_ | (level_ - 1));
+        // Nothing is met, or the hit has come nearer than the child that leads back: what waits below is out of reach.
+        if (met <= first) {
+            return false;
+        }
+        set_place_at(level_, first);
+        const std::uint32_t waiting = met - first - 1;
+        waits_ |= waiting != 0 ? level_ : 0;
+        for (int child = 0; child < width; ++child) {
+            if (place[child] == first) {
+                link = links[child];
+            }
+            const std::uint32_t above = place[child] - first - 1;  // entries that will lie above it
+            if (above < waiting && above < entries) {
+                const Real entry = absolute(entries_of[child]);  // a zero may have a sign
+                memory_.set((top_ + waiting - 1 - above) % entries,
+                            {above == waiting - 1 ? -entry : entry, links[child]});
+            }
+        }
+        top_ = (top_ + waiting) % entries;
+        size_ = size_ + waiting < entries ? size_ + waiting : entries;
+        return true;
+    }
+    PT_HD bool pop(Open& open) {
+        if (waits_ == 0 || target_ != 0) {
+            return false;
+        }
+        const std::uint32_t deepest = waits_ & (0 - waits_);
+        step_place_at(deepest);
+        if (size_ == 0) {
+            target_ = deepest;
+            level_ = 0;
+            open = Open::root();
+            return true;
+        }
+        level_ = deepest;
+        --size_;
+        top_ = (top_ == 0 ? entries : top_) - 1;
+        open = memory_.get(top_);
+        if (bits_of(open.entry) < 0) {
+            waits_ &= ~deepest;
+            open.entry = -open.entry;
+        }
+        return true;
+    }
+
+private:
+    static constexpr std::uint32_t place_bits = Open::width <= 4 ? 2 : 3;
+    static constexpr std::uint32_t highest_level = 1u << 31;
+    static_assert(Open::width <= 8);
+
+    // The place of each child in the order of their entries, of equal ones as FullStack has it; those that are not met
+    // come last. How many are met.
+    template <class Real, int width>
+    PT_HD static std::uint32_t put_in_order(const Real (&entries_of)[width], std::uint32_t (&place)[width]) {
+        std::uint32_t met = 0;
+        for (int child = 0; child < width; ++child) {
+            met += entries_of[child] < Real(0) ? 0 : 1;
+            place[child] = 0;
+        }
+        for (int later = 1; later < width; ++later) {
+            for (int child = 0; child < later; ++child) {
+                const bool is_first = entries_of[later] >= Real(0) &&
+                                      (entries_of[child] < Real(0) || entries_of[later] <= entries_of[child]);
+                place[child] += is_first ? 1 : 0;
+                place[later] += is_first ? 0 : 1;
+            }
+        }
+        return met;
+    }
+    PT_HD std::uint32_t place_at(std::uint32_t level) const {
+        std::uint32_t place = 0;
+        for (std::uint32_t bit = 0; bit < place_bits; ++bit) {
+            place |= (place_[bit] & level) != 0 ? 1u << bit : 0;
+        }
+        return place;
+    }
+    PT_HD void set_place_at(std::uint32_t level, std::uint32_t place) {
+        for (std::uint32_t bit = 0; bit < place_bits; ++bit) {
+            place_[bit] = (place_[bit] & ~level) | ((place >> bit & 1u) != 0 ? level : 0);
+        }
+    }
+    PT_HD void step_place_at(std::uint32_t level) {
+        std::uint32_t carry = level;
+        for (std::uint32_t bit = 0; bit < place_bits; ++bit) {
+            const std::uint32_t before = place_[bit];
+            place_[bit] = before ^ carry;
+            carry &= before;
+        }
+    }
+
+    Memory& memory_;
+    // A bit a level, the highest the root's. In memory the last child of a node's has its entry negated.
+    std::uint32_t waits_ = 0;
+    std::uint32_t place_[place_bits] = {};
+    std::uint32_t level_ = 0;   // of the choice that led to the node at hand; 0: it is the root
+    std::uint32_t target_ = 0;  // of the choice that the walk finds its way back to
+    std::uint32_t size_ = 0, top_ = 0;
 };
+
 template <class Open, class Memory, std::uint32_t entries>
-struct ShortStackFor<Open, Memory, entries, true> {
+struct ShortStackFor {
     using Type = ShortGroupStack<Open, Memory, entries>;
+};
+template <class Real, class Memory, std::uint32_t entries, int width>
+struct ShortStackFor<OpenLink<Real, width>, Memory, entries> {
+    using Type = ShortOrderStack<OpenLink<Real, width>, Memory, entries>;
+};
+template <class Real, class Memory, std::uint32_t entries>
+struct ShortStackFor<OpenLink<Real, 2>, Memory, entries> {
+    using Type = ShortStack<OpenLink<Real, 2>, Memory, entries>;
 };
 
 }  // namespace pt

@@ -24,10 +24,10 @@ struct SlotRange {
     }
 };
 
-// A child that waits, and where the ray enters it.
-template <class Real>
+// A child that waits, of a node with up to `width` of them, and where the ray enters it: 0 or more.
+template <class Real, int width_of_nodes = 2>
 struct OpenLink {
-    static constexpr bool is_group = false;
+    static constexpr int width = width_of_nodes;
     Real entry;
     std::uint32_t link;
 
@@ -38,10 +38,10 @@ struct OpenLink {
 inline constexpr std::uint32_t no_link = leaf_flag - 1;
 
 // The steps that trees with links share: where the walk is.
-template <class Real>
+template <class Real, int width = 2>
 class LinkWalk {
 public:
-    using Open = OpenLink<Real>;
+    using Open = OpenLink<Real, width>;
     using Leaf = SlotRange;
 
     PT_HD bool wants_node() const { return link_ < no_link; }

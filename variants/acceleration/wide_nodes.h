@@ -126,9 +126,9 @@ PT_HD void traverse_wide(const TreeView& tree, const Vec3<Real>& origin, const V
     }
 }
 
-// The same in steps; needs a stack that holds all that waits.
+// The same in steps.
 template <int width, class Real>
-class WideWalk : public LinkWalk<Real> {
+class WideWalk : public LinkWalk<Real, width> {
 public:
     static constexpr std::uint32_t most_open = wide_stack_size<width>;
 
@@ -147,19 +147,9 @@ public:
         counter.boxes(width);
         Real entries[width];
         child_entries<Real, width>(node, ray_, best_t, entries);
-        const std::uint32_t bottom = stack.size();
-        for (int child = 0; child < width; ++child) {
-            if (entries[child] < Real(0)) {
-                continue;
-            }
-            std::uint32_t at = stack.size();  // the nearest on top
-            for (; at > bottom && stack.get(at - 1).entry < entries[child]; --at) {
-                stack.set(at, stack.get(at - 1));
-            }
-            stack.set(at, {entries[child], node.link[child]});
-            stack.grow();
+        if (!stack.enters_nearest(entries, node.link, this->link_)) {
+            this->take_open(best_t, stack);
         }
-        this->take_open(best_t, stack);
     }
 
 private:

@@ -21,7 +21,7 @@ const Registration registration(
         .name = "bvh2",
         .summary = "binary tree, 64-byte nodes with both children's boxes",
         .origin = "Aila and Laine 2009",
-        .traits = AcceleratorTraits{.checks_large_scenes = true, .has_steps = true, .leaves_trail = true},
+        .traits = AcceleratorTraits{.checks_large_scenes = true, .has_steps = true},
         .backends = on_every_backend,
         .unsupported_reason = needs_meshes,
     },

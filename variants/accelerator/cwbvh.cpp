@@ -142,7 +142,7 @@ const Registration registration(
         .name = "cwbvh",
         .summary = "compressed tree of eight children a node, 80-byte nodes, visited by octant",
         .origin = "Ylitie, Karras and Laine 2017",
-        .traits = AcceleratorTraits{.has_steps = true, .leaves_trail = true},
+        .traits = AcceleratorTraits{.has_steps = true},
         .backends = on_every_backend,
         .unsupported_reason = needs_meshes,
     },

@@ -233,7 +233,6 @@ PT_HD inline std::uint32_t by_octant(std::uint32_t bits, std::uint32_t flip) {
 // children are nodes. Without values of its own: an array of them, which waits on a stack, would be written whole for
 // every ray, 512 bytes a lane.
 struct NodeGroup {
-    static constexpr bool is_group = true;
     std::uint32_t base;
     std::uint32_t bits;
 

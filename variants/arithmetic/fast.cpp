@@ -17,7 +17,7 @@ const Registration registration(
         .traits = ArithmeticTraits{.is_approximate = true},
         .backends = on_cuda,
     },
-    {.cuda = {.options = {"--use_fast_math", "-DPT_FAST_MATH=1"}}});
+    {.cuda = {.options = {"--use_fast_math", "-DPT_FAST_MATH=1", "-DPT_APPROXIMATE=1"}}});
 
 }  // namespace
 }  // namespace pt::arithmetic::fast

@@ -1,5 +1,6 @@
-// nvcc's default: IEEE division and square root; the compiler contracts a multiplication and an addition where it
-// likes, so two kernels of one formula may differ in the last bit, and a path that grazes an edge may go elsewhere.
+// nvcc's default: IEEE division and square root, but where random directions are drawn and spheres are met; the
+// compiler contracts a multiplication and an addition where it likes, so two kernels of one formula may differ in the
+// last bit, and a path that grazes an edge may go elsewhere.
 #include "variants/registry.h"
 
 namespace pt::arithmetic::precise {
@@ -9,7 +10,8 @@ const Registration registration(
     {
         .axis = "arithmetic",
         .name = "precise",
-        .summary = "nvcc's default: IEEE but for contraction to fused multiply-adds",
+        .summary = "nvcc's default: IEEE but for contraction to fused multiply-adds; drawn directions and spheres "
+                   "approximately",
         .origin = "nvcc",
         .baseline = on_cuda,
         .claim = Claim::statistical,
@@ -18,7 +20,9 @@ const Registration registration(
         .fp_relaxed = true,
         .backends = on_cuda,
     },
-    {});
+    // Where an error of a few units in the last place moves a sample, or a point along its ray, and nothing else
+    // (kernels/in_range.h).
+    {.cuda = {.options = {"-DPT_APPROXIMATE=1"}}});
 
 }  // namespace
 }  // namespace pt::arithmetic::precise

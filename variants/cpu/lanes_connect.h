@@ -1,13 +1,14 @@
 // Next-event estimation (kernels/next_event.h) over all lanes of a packet at once: the connections of diffuse vertices,
 // with their shadow rays, and the weights of lights that paths meet. Lights that are axis boxes are drawn by
-// lanes_lights.h, others lane by lane. A path has the bits of kernels/shade.h.
+// lanes_lights.h or lanes_light_faces.h, others lane by lane. A path has the bits of kernels/shade.h.
 #pragma once
 
 #include <iterator>
 #include <numeric>
 
 #include "variants/cpu/lanes_intersect.h"
-#include "variants/cpu/lanes_lights.h"
+#include "variants/cpu/lanes_light_faces.h"
+#include "variants/cpu/lanes_line_of_sight.h"
 
 namespace pt::lanes {
 
@@ -30,11 +31,15 @@ struct Connections {
     LightDirections<Real> drawn;
     Vectors<Real> emission;
     Lanes<std::uint32_t> light;  // object
-    Flags connects, sends;
+    Flags connects, sends, sees;
     Lanes<Real> weight, cosine;  // what light counts that is met or connected to
     Paths<Real> shadow;
     Hits<Real> hits;
 };
+
+// Kernels that draw points on boxes and quads, which shadow rays then are sent to.
+template <class Config>
+inline constexpr bool draws_points = face_sampling<Config> != LightSampling::solid_angle&& has_lines_of_sight<Config>;
 
 // The number of an object among the axis boxes.
 template <class Real>
@@ -76,8 +81,9 @@ inline void weigh_encounters(Connections<typename Config::Real>& work, const Sce
     observers.clear();
     for (const std::uint32_t l : LaneList(asks)) {
         const std::uint32_t object = SurfaceId{hits.side[l]}.object();
-        if (!observes_box<Config>(observers, l, scene, lights, object, paths.origin[l], paths.time[l])) {
-            work.weight[l] = encounter_weight<Config>(scene, paths.load(l), hits[l]);
+        if (draws_points<Config> ||
+            !observes_box<Config>(observers, l, scene, lights, object, paths.origin[l], paths.time[l])) {
+            work.weight[l] = encounter_weight<Config>(scene, scene, paths.load(l), hits[l]);
         }
     }
     const auto set = [&](std::uint32_t l, Real inverse_pdf) {
@@ -92,6 +98,21 @@ inline void weigh_encounters(Connections<typename Config::Real>& work, const Sce
     for (std::uint32_t k = 0; k < observers.far.size; ++k) {
         const std::uint32_t l = observers.far.lane[k];
         set(l, far_inverse_pdf(observers.far.total[k], hits.t[l], observers.far.diagonal[k]));
+    }
+}
+
+// The objects of the lights that were chosen, and what they send.
+template <bool one_light, class Real>
+inline void look_up_lights(Connections<Real>& work, const LightTable<Real>& lights) {
+    const std::uint32_t* const object = lights.object.data();
+    const Real *const red = lights.emission[0].data(), *const green = lights.emission[1].data(),
+                      *const blue = lights.emission[2].data();
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < width; ++l) {
+        const std::uint32_t i = work.drawn.light[l];
+        work.light[l] = of_light<one_light>(object, i);
+        work.emission.set(l,
+                          {of_light<one_light>(red, i), of_light<one_light>(green, i), of_light<one_light>(blue, i)});
     }
 }
 
@@ -111,15 +132,7 @@ inline void choose_lights(Connections<typename Config::Real>& work, const SceneV
         work.drawn.v[l] = unit_interval<Real>(words.z);
         work.drawn.w[l] = unit_interval<Real>(words.w);
     }
-    const std::uint32_t* const object = lights.object.data();
-    const Real *const red = lights.emission[0].data(), *const green = lights.emission[1].data(),
-                      *const blue = lights.emission[2].data();
-#pragma GCC ivdep
-    for (std::uint32_t l = 0; l < width; ++l) {
-        const std::uint32_t i = work.drawn.light[l];
-        work.light[l] = gathered(object, i);
-        work.emission.set(l, {gathered(red, i), gathered(green, i), gathered(blue, i)});
-    }
+    lights.object.size() == 1 ? look_up_lights<true>(work, lights) : look_up_lights<false>(work, lights);
 }
 
 // Draws the directions of the lanes that connect.
@@ -131,6 +144,11 @@ inline void draw_directions(Connections<typename Config::Real>& work, const Scen
     LightDirections<Real>& drawn = work.drawn;
     if constexpr (has<Config>(Feature::motion)) {
         drawn.is_other = work.connects;
+    } else if constexpr (draws_points<Config>) {
+        constexpr LightSampling sampling = face_sampling<Config>;
+        const Real near_limit = near_light_of<Real>(scene);
+        lights.object.size() == 1 ? sample_faces<sampling, true>(drawn, lights, positions, work.connects, near_limit)
+                                  : sample_faces<sampling, false>(drawn, lights, positions, work.connects, near_limit);
     } else {
         look_at_lights(drawn, lights, positions, work.connects);
         sample_boxes(work.observers, drawn, lights);
@@ -140,10 +158,12 @@ inline void draw_directions(Connections<typename Config::Real>& work, const Scen
             scene, work.light[l], positions[l], paths.time[l], drawn.u[l], drawn.v[l], drawn.w[l]);
         drawn.direction.set(l, sample.direction);
         drawn.inverse_pdf[l] = sample.inverse_pdf;
+        drawn.distance[l] = sample.distance;
     }
 }
 
-// The shadow rays; in lanes that send none the path's last ray, which is as good as any.
+// The shadow rays; in lanes that send none the path's last ray, which is as good as any. `work.sees`: the lanes whose
+// light nothing hides.
 template <class Config>
 inline void trace_shadows(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
                           const Paths<typename Config::Real>& paths, const Surfaces<typename Config::Real>& surfaces,
@@ -163,7 +183,18 @@ inline void trace_shadows(Connections<typename Config::Real>& work, const SceneV
         work.shadow.time[l] = paths.time[l];
         work.shadow.origin_surface[l] = sends ? without_face(hits.side[l]) : paths.origin_surface[l];
     }
-    lanes::closest_hit<Config>(work.hits, scene, work.shadow);
+    if constexpr (draws_points<Config>) {
+        work.sees = work.sends;
+        look_along<Config>(work.sees, scene, work.light, work.shadow, work.drawn.distance);
+    } else {
+        lanes::closest_hit<Config>(work.hits, scene, work.shadow);
+#pragma GCC ivdep
+        for (std::uint32_t l = 0; l < width; ++l) {
+            const SurfaceId side{work.hits.side[l]};
+            const bool is_light = side.exists() & (side.object() == work.light[l]);
+            work.sees[l] = is_light ? work.sends[l] : 0u;
+        }
+    }
 }
 
 // From the ratios of the densities in `work.weight` to what connections count.
@@ -196,10 +227,8 @@ inline void connect(Connections<typename Config::Real>& work, const SceneView<ty
     }
 #pragma GCC ivdep
     for (std::uint32_t l = 0; l < width; ++l) {
-        const SurfaceId side{work.hits.side[l]};
-        const bool sees = (work.sends[l] != 0) & side.exists() & (side.object() == work.light[l]);
         const Vec3<Real> carried = paths.throughput[l] * surfaces.colour[l];
-        paths.radiance.set_if(sees, l, paths.radiance[l] + carried * work.emission[l] * work.weight[l]);
+        paths.radiance.set_if(work.sees[l] != 0, l, paths.radiance[l] + carried * work.emission[l] * work.weight[l]);
     }
     const std::uint32_t sent = std::accumulate(std::begin(work.sends.of), std::end(work.sends.of), 0u);
     counters.rays += sent;

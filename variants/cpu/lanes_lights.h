@@ -30,6 +30,8 @@ struct LightTable {
     std::vector<BoxLight<Real>> boxes;
     std::vector<std::uint32_t> object, is_box;
     std::vector<Real> centre[3], half[3], emission[3], diagonal, inverse_diagonal;
+    // As SeenFaces has them: half extents in its units, units a scene unit, and the reverse.
+    std::vector<Real> face_half[3], scale, unit;
 
     LightTable() = default;
     explicit LightTable(const SceneView<Real>& scene)
@@ -49,7 +51,8 @@ private:
         const std::uint32_t box = number - first_of<ShapeKind::axis_box>(scene);
         const bool is_one = box < scene.axis_boxes.size;
         // What another light has for a box is of no account.
-        const BoxLight<Real> light = is_one ? boxes[box] : BoxLight<Real>({Vec3<Real>(Real(-1)), Vec3<Real>(Real(1))});
+        const AxisBox<Real> unit_box{Vec3<Real>(Real(-1)), Vec3<Real>(Real(1))};
+        const BoxLight<Real> light = is_one ? boxes[box] : BoxLight<Real>(unit_box);
         object.push_back(number);
         is_box.push_back(is_one ? 1u : 0u);
         push(centre, light.centre);
@@ -57,6 +60,11 @@ private:
         push(emission, scene.materials[scene.object_material[number]].emission);
         diagonal.push_back(light.diagonal);
         inverse_diagonal.push_back(light.inverse_diagonal);
+        const BoxFrame<Real> frame = box_frame(is_one ? scene.axis_boxes[box] : unit_box, Vec3<Real>(Real(0)));
+        const SeenFaces<Real> faces(frame);
+        push(face_half, faces.half);
+        scale.push_back(faces.scale);
+        unit.push_back(reciprocal_of_power_of_two(faces.scale));
     }
 };
 
@@ -254,12 +262,19 @@ struct LightDirections {
     Flags is_near, is_far, is_other;  // how the box is seen, if it is one
     Vectors<Real> direction;
     Lanes<Real> inverse_pdf;
+    Lanes<Real> distance;  // to the point that was drawn; 0: it is not known
 };
 
 // A gathering load's index is a signed number.
 template <class T>
 inline T gathered(const T* from, std::uint32_t index) {
     return from[static_cast<std::int32_t>(index)];
+}
+
+// Of a table of one light, the number itself: a gathering load of 16 lanes costs as much as 16 loads.
+template <bool one_light, class T>
+inline T of_light(const T* from, std::uint32_t light) {
+    return one_light ? *from : gathered(from, light);
 }
 
 // How the lanes that are to draw a direction see their lights.

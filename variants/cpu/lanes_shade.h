@@ -7,14 +7,21 @@
 
 namespace pt::lanes {
 
+// Kernels in which lights are drawn in one way, not one that is chosen at run time.
+template <class Config>
+inline constexpr bool has_one_light_sampling = ((Config::features & light_samplings) &
+                                                ((Config::features & light_samplings) - 1u)) == 0;
+
 // Kernels whose shading has no more to it than that. Kinds of objects and materials may be there: they only send a lane
 // through shade.
 template <class Config>
-inline constexpr bool shades_in_lanes = (Config::features &
+inline constexpr bool shades_in_lanes = has_one_light_sampling<Config> &&
+                                        (Config::features &
                                          (Feature::emission | Feature::absorption | Feature::environment |
-                                          Feature::environment_map | Feature::final_bounce | light_samplings |
-                                          light_selections | Feature::one_sample | Feature::russian_roulette |
-                                          Feature::matrix | Feature::textures | samplers)) == 0;
+                                          Feature::environment_map | Feature::final_bounce | light_selections |
+                                          Feature::one_sample | Feature::russian_roulette | Feature::adjoint_roulette |
+                                          Feature::matrix | Feature::textures | Feature::shading_normals | samplers)) ==
+                                            0;
 
 // Loads at addresses that depend on the lane: no vectors. A lane that hit nothing reads object 0.
 template <class Real>

@@ -20,14 +20,18 @@
 // With blocks of any size, and as many registers as that leaves.
 #define PT_UNBOUNDED_KERNEL(...) PT_KERNEL_WITH(, __VA_ARGS__)
 
-using Configuration = pt::Config<Real, kernel_config.features, Accelerator>;
+struct Configuration : pt::Config<Real, kernel_config.features, Accelerator> {
+    static constexpr bool has_one_light = kernel_config.counts.one_light != pt::cuda::FixedCounts::none;
+};
 using Scene = pt::SceneView<Real>;
 using Path = pt::Path<Real>;
 using Hit = pt::Hit<Real>;
 using StoredHit = pt::StoredHit<Real>;
+// What a thread counts in one kernel fits in 32 bits: the host splits longer renders into several launches, or the
+// kernel adds up in between.
+using ThreadCounters = pt::PathCountersOf<std::uint32_t>;
 using HitCache = pt::cuda::HitCache<Real>;
 using pt::FilmView;
-using pt::PathCounters;
 using pt::cuda::PathStore;
 using pt::cuda::SegmentCounts;
 using pt::cuda::SegmentNumber;
@@ -50,6 +54,15 @@ __device__ inline std::uint32_t warp_sum(std::uint32_t value) {
     }
     return value;
 #endif
+}
+
+// The next number of a counter in global memory, one for the warp. Every lane must call it.
+__device__ inline std::uint32_t take_number(std::uint64_t* counter) {
+    unsigned long long taken = 0;
+    if (lane() == 0) {
+        taken = atomicAdd(reinterpret_cast<unsigned long long*>(counter), 1ull);
+    }
+    return warp_sum(static_cast<std::uint32_t>(taken));
 }
 
 // Adds each thread's values to totals in global memory, with one atomic operation a block and value. Every thread of
@@ -88,7 +101,7 @@ __device__ inline void add_votes(std::uint64_t* total, bool vote) {
 
 // Of a kernel that shades one segment a thread: whether the thread's path ended and, where the features know them, rare
 // events. Rays are told from how many paths were traced. Every thread of the block must call it.
-__device__ inline void add_shade_counters(Totals* totals, const PathCounters& counters) {
+__device__ inline void add_shade_counters(Totals* totals, const ThreadCounters& counters) {
     Totals* const mine = own_copy(totals);
     add_votes(&mine->paths.paths, counters.paths != 0);
     if constexpr (has<Configuration>(Feature::final_bounce) || has<Configuration>(Feature::next_event) ||
@@ -109,26 +122,23 @@ __device__ inline void add_segment_counts(const SegmentCounts& segments, std::ui
 }
 
 // What a thread has counted, if that is more than a block can add up: added by itself, and counted anew.
-__device__ inline void add_if_many(Totals* totals, PathCounters& counters) {
+__device__ inline void add_if_many(Totals* totals, ThreadCounters& counters) {
     if (counters.rays + counters.paths < few_rays) {
         return;
     }
     Totals* const mine = own_copy(totals);
-    atomic_add(&mine->paths.paths, counters.paths);
-    atomic_add(&mine->paths.rays, counters.rays);
-    atomic_add(&mine->paths.connections, counters.connections);
-    atomic_add(&mine->paths.unfinished_walks, counters.unfinished_walks);
-    atomic_add(&mine->cache_uses, kernel_config.keeps_first_hits ? counters.paths : 0);
+    const auto add = [](std::uint64_t& total, std::uint32_t count) { atomic_add(&total, std::uint64_t{count}); };
+    add(mine->paths.paths, counters.paths);
+    add(mine->paths.rays, counters.rays);
+    add(mine->paths.connections, counters.connections);
+    add(mine->paths.unfinished_walks, counters.unfinished_walks);
+    add(mine->cache_uses, kernel_config.keeps_first_hits ? counters.paths : 0);
     counters = {};
 }
 
-// A thread's counters of one kernel fit in 32 bits: the host splits longer renders into several launches, or the kernel
-// adds up in between.
-__device__ inline void add_counters(Totals* totals, const PathCounters& counters, std::uint32_t cache_uses) {
-    const std::uint32_t values[] = {static_cast<std::uint32_t>(counters.paths),
-                                    static_cast<std::uint32_t>(counters.rays),
-                                    static_cast<std::uint32_t>(counters.connections),
-                                    static_cast<std::uint32_t>(counters.unfinished_walks), cache_uses};
+__device__ inline void add_counters(Totals* totals, const ThreadCounters& counters, std::uint32_t cache_uses) {
+    const std::uint32_t values[] = {counters.paths, counters.rays, counters.connections, counters.unfinished_walks,
+                                    cache_uses};
     Totals* const mine = own_copy(totals);
     std::uint64_t* const sums[] = {&mine->paths.paths, &mine->paths.rays, &mine->paths.connections,
                                    &mine->paths.unfinished_walks, &mine->cache_uses};
@@ -146,12 +156,28 @@ struct SceneViews {
         if constexpr (kernel_config.has_fixed_counts) {
             fix_counts(shade);
         }
+        if constexpr (Configuration::has_one_light) {
+            static constexpr pt::Light light{kernel_config.counts.one_light};
+            shade.lights = {&light, 1};
+        }
         pt::cuda::bake(shade);
         trace = shade;
         pt::cuda::place_traced_arrays(trace);
+        if constexpr (kernel_config.has_fixed_counts) {
+            share_single_shapes();
+        }
     }
 
 private:
+    // Of a shape that is alone of its kind all lanes read the same numbers when they shade, too.
+    __device__ void share_single_shapes() {
+#define PT_SHARE(name, kind, word)                   \
+    if constexpr (kernel_config.counts.name == 1u) { \
+        shade.name.data = trace.name.data;           \
+    }
+        PT_OBJECT_ARRAYS(PT_SHARE)
+#undef PT_SHARE
+    }
     __device__ static void fix_counts(Scene& scene) {
         constexpr pt::cuda::FixedCounts counts = kernel_config.counts;
 #define PT_FIX(name, kind, word) scene.name.size = counts.name;
@@ -231,15 +257,15 @@ __device__ inline void injected_cost(const Scene& scene, const Hit& hit, Path& p
     }
 }
 
-__device__ inline bool shade(const SceneViews& scene, Path& path, const Hit& hit, PathCounters& counters) {
+__device__ inline bool shade(const SceneViews& scene, Path& path, const Hit& hit, ThreadCounters& counters) {
     injected_cost(scene.shade, hit, path);
     return pt::shade<Configuration>(scene.shade, scene.trace, path, hit, counters);
 }
 
 // One step of a path: of its walk, if it is on one, else its segment traced and shaded. A warp whose lanes take their
 // walks step by step does not wait for the longest of them. Returns whether the path lives.
-__device__ inline bool take_step(const SceneViews& scene, Path& path, pt::Walk& walk, const HitCache& cache,
-                                 PathCounters& counters) {
+__device__ inline bool take_step(const SceneViews& scene, Path& path, pt::WalkOf<Configuration>& walk,
+                                 const HitCache& cache, ThreadCounters& counters) {
     if constexpr (pt::has<Configuration>(pt::Feature::subsurface)) {
         if (walk.is_on()) {
             return pt::walk_on<Configuration>(scene.shade, path, walk, counters);

@@ -14,10 +14,11 @@ namespace pt::cuda {
 
 struct Job {
     const Module* module = nullptr;
-    FilmView film;                   // device pointers
-    std::uint32_t pixels = 0;        // that this device renders
-    std::uint32_t image_pixels = 0;  // of film and cache
-    std::uint32_t longest_path = 1;  // segments
+    FilmView film;                    // device pointers
+    std::uint32_t pixels = 0;         // that this device renders
+    std::uint32_t image_pixels = 0;   // of film and cache
+    std::uint32_t longest_path = 1;   // segments
+    std::uint32_t most_branches = 1;  // of a path that splits
     std::uint32_t materials = 0;
     // The samples to take now, a pixel: the whole render's, or those of one part of it, from checkpoint to checkpoint.
     std::uint32_t first_sample = 0;

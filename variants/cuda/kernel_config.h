@@ -9,14 +9,16 @@ namespace pt::cuda {
 
 inline constexpr std::uint32_t warp_size = 32;
 
-// The numbers of a scene's objects and which of them are a room's walls (AxisAlignedEnclosure), where a program is for
-// scenes with the same numbers alone.
+// The numbers of a scene's objects, which of them are a room's walls (AxisAlignedEnclosure) and which is its one light,
+// where a program is for scenes with the same numbers alone.
 struct FixedCounts {
+    static constexpr std::uint32_t none = 0xffffffffu;
 #define PT_COUNT(name, kind, word) std::uint32_t name = 0;
     PT_OBJECT_ARRAYS(PT_COUNT)
 #undef PT_COUNT
     std::uint32_t walls = 0, lamps = 0, open_sides = 0;
     std::uint32_t low_sides[3] = {0, 0, 0}, high_sides[3] = {0, 0, 0};
+    std::uint32_t one_light = none;  // the object; none: lights are none or several
 
     PT_HD constexpr std::uint32_t objects() const {
         std::uint32_t sum = 0;

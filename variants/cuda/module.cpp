@@ -214,11 +214,11 @@ std::string text_of(const KernelConfig& config) {
     return fmt::format(
         "{{.features = {}ull, .block = {}u, .min_blocks = {}u, .keeps_first_hits = {}, .shading_fmas = {}u, "
         ".constant_scene_bytes = {}u, .has_fixed_counts = {}, .counts = {{{}.walls = {}u, .lamps = {}u, .open_sides = "
-        "{}u, .low_sides = {{{}u}}, .high_sides = {{{}u}}}}}}",
+        "{}u, .low_sides = {{{}u}}, .high_sides = {{{}u}}, .one_light = {}u}}}}",
         config.features, config.block, config.min_blocks, config.keeps_first_hits, config.shading_fmas,
         config.constant_scene_bytes, config.has_fixed_counts, counts, config.counts.walls, config.counts.lamps,
-        config.counts.open_sides, fmt::join(config.counts.low_sides, "u, "),
-        fmt::join(config.counts.high_sides, "u, "));
+        config.counts.open_sides, fmt::join(config.counts.low_sides, "u, "), fmt::join(config.counts.high_sides, "u, "),
+        config.counts.one_light);
 }
 
 std::string kernel_source_hash() { return fmt::format("{:016x}", sources_hash()); }

@@ -13,11 +13,12 @@ inline std::uint32_t samples_per_persistent_launch(const Job& job) {
 }
 
 // Of the strip of pixels, one a lane, that is a piece: samples_per_piece, or fewer, so that a thread that happens to
-// trace them all can count them.
+// trace them all, and the paths of the piece before that wait or live, can count them.
 inline std::uint32_t samples_per_strip(const Job& job, std::uint32_t samples_per_piece) {
-    const std::uint64_t rays_per_sample = std::uint64_t{warp_size} * 2 * job.longest_path;
+    const std::uint64_t rays_per_sample = std::uint64_t{warp_size} * 2 * job.longest_path * job.most_branches;
     const std::uint64_t countable = (0xffffffffull - few_rays) / rays_per_sample;
-    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(countable, 1, samples_per_piece));
+    const std::uint64_t of_piece = countable > 2 ? countable - 2 : 1;
+    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(of_piece, 1, samples_per_piece));
 }
 
 }  // namespace pt::cuda

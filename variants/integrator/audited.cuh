@@ -36,7 +36,7 @@ PT_KERNEL(audited, pt::cuda::AuditedParameters<Real>,
           (Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples, std::uint32_t stride,
            pt::HealthRequest health, Totals* totals)) {
     const SceneViews scene(parameter);
-    PathCounters counters;
+    ThreadCounters counters;
     pt::HealthCounters mine;
     pt::PixelSum<Configuration> sum;
     const std::uint32_t pixels = pt::cuda::own_pixels(scene.shade);

@@ -4,6 +4,7 @@
 
 #include <atomic>
 
+#include "kernels/path_tree.h"
 #include "variants/cpu/parallel_for.h"
 #include "variants/no_queue.h"
 #include "variants/registry.h"
@@ -24,12 +25,29 @@ inline constexpr Descriptor descriptor{
     .summary = "a path at a time, state in registers (the megakernel's loop on a CPU core)",
     .origin = "Kajiya 1986",
     .reference = on_cpu,
-    .traits = IntegratorTraits{.sums_in_order = true},
+    .traits = IntegratorTraits{.sums_in_order = true, .keeps_branches = true},
     .unsupported_reason = unsupported_reason,
     .check_counters = check_counters,
 };
 
 inline constexpr std::size_t pixels_per_chunk = 64;
+
+// Traces one path that may split, from its first hit on; returns the number of segments to the end of the longest
+// branch.
+template <class Config>
+std::uint32_t trace_tree(const SceneView<typename Config::Real>& scene, const FilmView& film, PixelSum<Config>& sum,
+                         Path<typename Config::Real>& path, Hit<typename Config::Real> hit, PathCounters& counters) {
+    PathTree<Config> tree;
+    for (bool has_branch = true; has_branch; has_branch = tree.take_next(path)) {
+        hit = tree.resumes() ? tree.hit() : hit;
+        while (shade_in_tree<Config>(scene, scene, path, hit, counters, tree)) {
+            hit = intersect<Config>(scene, path);
+        }
+    }
+    sum.add(film, path.radiance);
+    counters.rays += tree.rays();
+    return tree.longest();
+}
 
 // Traces one path to its end and returns the number of segments it had. With a cache its camera ray is one of those
 // kept, and its first hit comes from there unless this path is the one that fills it.
@@ -44,11 +62,14 @@ std::uint32_t trace(const SceneView<typename Config::Real>& scene, const FilmVie
     if (cache != nullptr && !cache_has_it) {
         cache->hits[cache->index(pixel, sample)] = hit;
     }
+    counters.paths += 1;
+    if constexpr (has<Config>(Feature::splitting)) {
+        return trace_tree<Config>(scene, film, sum, path, hit, counters);
+    }
     while (shade<Config>(scene, scene, path, hit, counters)) {
         hit = intersect<Config>(scene, path);
     }
     sum.add(film, path.radiance);
-    counters.paths += 1;
     counters.rays += path.segment;
     return path.segment;
 }

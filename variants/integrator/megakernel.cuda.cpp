@@ -11,7 +11,7 @@ constexpr Descriptor descriptor{
     .summary = "one kernel, a thread a pixel, a path at a time, state in registers",
     .origin = "Aila and Laine 2009 for the shape",
     .reference = on_cuda,
-    .traits = IntegratorTraits{.sums_in_order = true},
+    .traits = IntegratorTraits{.sums_in_order = true, .keeps_branches = true},
     .backends = on_cuda,
     .tunables = megakernel_tunables,
     .unsupported_reason = megakernel_unsupported_reason,

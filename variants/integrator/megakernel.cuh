@@ -2,7 +2,7 @@
 // kernel in exact arithmetic is the reference that bitwise claims on the GPU are held against.
 #pragma once
 
-#include "variants/cuda/device.cuh"
+#include "variants/cuda/branches.cuh"
 #include "variants/integrator/megakernel_parameters.cuh"
 
 // Thread t takes the samples t / pixels, t / pixels + stride, ... of pixel t mod pixels.
@@ -11,7 +11,7 @@ PT_KERNEL(megakernel, pt::cuda::MegakernelParameters<Real>,
           (Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples, std::uint32_t stride,
            HitCache cache, Totals* totals, std::uint64_t* ended)) {
     const SceneViews scene(parameter);
-    PathCounters counters;
+    ThreadCounters counters;
     pt::PixelSum<Configuration> sum;
     const std::uint32_t pixels = pt::cuda::own_pixels(scene.shade);
     const std::uint32_t pixel = pt::cuda::image_pixel(pt::cuda::thread_number() % pixels, scene.shade.camera.width);
@@ -19,19 +19,16 @@ PT_KERNEL(megakernel, pt::cuda::MegakernelParameters<Real>,
     if (part < stride) {
         for (std::uint32_t i = part; i < samples; i += stride) {
             Path path = first_path(scene.shade, pixel, first_sample + i, cache);
-            bool alive = shade(scene, path, first_hit(scene, path, cache), counters);
-            while (alive) {
-                alive = shade(scene, path, trace(scene, path), counters);
-            }
+            BranchesHere branches;
+            branches.finish(scene, path, cache, counters);
             sum.add(film, path.radiance);
-            counters.rays += path.segment - (kernel_config.keeps_first_hits ? 1 : 0);
+            counters.rays += branches.rays(path) - (kernel_config.keeps_first_hits ? 1 : 0);
             counters.paths += 1;
             if (ended != nullptr) {
-                pt::atomic_add(&ended[path.segment - 1], std::uint64_t{1});
+                pt::atomic_add(&ended[branches.longest(path) - 1], std::uint64_t{1});
             }
         }
         sum.finish(film, pixel);
     }
-    pt::cuda::add_counters(totals, counters,
-                           kernel_config.keeps_first_hits ? static_cast<std::uint32_t>(counters.paths) : 0);
+    pt::cuda::add_counters(totals, counters, kernel_config.keeps_first_hits ? counters.paths : 0);
 }

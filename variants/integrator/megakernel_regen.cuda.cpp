@@ -11,8 +11,10 @@ constexpr Tunable tunables[] = {megakernel_tunables[0], megakernel_tunables[1], 
 constexpr Descriptor descriptor{
     .axis = "integrator",
     .name = "megakernel_regen",
-    .summary = "one kernel, a warp a strip of pixels; a lane whose path ended takes the strip's next sample",
+    .summary =
+        "one kernel, a warp a strip of pixels; a lane whose path ended takes one that waits; full warps begin paths",
     .origin = "Novák, Havran and Dachsbacher 2010 (path regeneration)",
+    .traits = IntegratorTraits{.keeps_branches = true},
     .backends = on_cuda,
     .tunables = tunables,
     .unsupported_reason = megakernel_unsupported_reason,

@@ -11,6 +11,7 @@ constexpr Descriptor descriptor{
     .name = "persistent",
     .summary = "as many warps as fit at once, each taking pieces of the image from a global counter",
     .origin = "Aila and Laine 2009 (persistent threads)",
+    .traits = IntegratorTraits{.keeps_branches = true},
     .backends = on_cuda,
     .tunables = persistent_tunables,
     .unsupported_reason = megakernel_unsupported_reason,

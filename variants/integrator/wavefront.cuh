@@ -97,7 +97,7 @@ PT_KERNEL(shade_paths, pt::cuda::ShadePathsParameters<Real>,
            const StoredHit* hits, Totals* totals)) {
     const SceneViews scene(parameter);
     const Paths paths(store);
-    PathCounters counters;
+    ThreadCounters counters;
     const std::uint32_t i = pt::cuda::thread_number();
     if (i < *count) {
         const std::uint32_t slot = slot_at(order, i);

@@ -76,7 +76,7 @@ __device__ inline void put_path(const Path& path, bool shaded, bool alive, std::
 
 // Traces and shades one segment; accumulates a path that ends. Returns whether it lives.
 __device__ inline bool bounce(const SceneViews& scene, const FilmView& film, Path& path, const Hit& hit,
-                              PathCounters& counters) {
+                              ThreadCounters& counters) {
     if (shade(scene, path, hit, counters)) {
         return true;
     }
@@ -91,7 +91,7 @@ PT_KERNEL(first_bounce, pt::cuda::FirstBounceParameters<Real>,
            std::uint32_t first_sample, const std::uint32_t* cursor, HitCache cache, Totals* totals,
            SegmentCounts segments)) {
     const SceneViews scene(parameter);
-    PathCounters counters;
+    ThreadCounters counters;
     const std::uint32_t i = pt::cuda::thread_number();
     const bool mine = i < pool;
     bool alive = false;
@@ -119,7 +119,7 @@ PT_KERNEL(next_bounce, pt::cuda::NextBounceParameters<Real>,
           (Scene parameter, FilmView film, PathStore in, const std::uint32_t* order, const std::uint32_t* in_count,
            PathStore out, std::uint32_t* out_count, SegmentNumber segment, Totals* totals, SegmentCounts segments)) {
     const SceneViews scene(parameter);
-    PathCounters counters;
+    ThreadCounters counters;
     const std::uint32_t i = pt::cuda::thread_number();
     bool live = false;
     bool alive = false;

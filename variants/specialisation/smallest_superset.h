@@ -16,10 +16,12 @@ inline constexpr Tunable feature_tunables[] = {
      .is_shortcut = true},
 };
 
-// Every feature of scenes and estimators, meshes only where the scene has one; of formulas only those that the variant
-// asks for, and the fewest samplers that serve it, since neither depends on the scene.
+inline constexpr FeatureSet only_where_asked = formulas | traversals | mesh_levels | path_trees;
+
+// Every feature of scenes and estimators, meshes only where the scene has one; of formulas and trees of paths only
+// those that the variant asks for, and the fewest samplings that serve it, since neither depends on the scene.
 inline FeatureSet every_feature(const KernelOffer& offer) {
-    FeatureSet best = all_features | samplers | (offer.needed & (formulas | traversals | mesh_levels));
+    FeatureSet best = all_features | samplings | (offer.needed & only_where_asked);
     for (const FeatureSet candidate : offer.compiled) {
         const bool fits = is_superset(candidate, all_features | offer.needed) && is_superset(best, candidate);
         best = fits ? candidate : best;
@@ -27,16 +29,23 @@ inline FeatureSet every_feature(const KernelOffer& offer) {
     return best;
 }
 
+// Whether a kernel does one of these as the variant asks: it has none, or chooses at run time among several, or has the
+// very one. A kernel that has one alone does nothing else.
+inline bool does_as_asked(FeatureSet candidate, FeatureSet needed, FeatureSet ways) {
+    const FeatureSet compiled = candidate & ways;
+    return std::popcount(compiled) != 1 || compiled == (needed & ways);
+}
+
 // The least surplus counts first, then the most shortcuts.
 inline FeatureSet smallest_superset(const KernelOffer& offer, const Variant& variant, Backend backend) {
     const FeatureSet allowed = tunable(variant, "room", backend) != 0 ? offer.shortcuts : no_features;
     FeatureSet best = every_feature(offer);
-    const auto surplus = [](FeatureSet set) { return std::popcount(set & (all_features | samplers)); };
+    const auto surplus = [](FeatureSet set) { return std::popcount(set & (all_features | samplings)); };
     for (const FeatureSet candidate : offer.compiled) {
         const bool fits =
-            is_superset(candidate, offer.needed) &&
-            is_superset(all_features | samplers | allowed | (offer.needed & (formulas | traversals | mesh_levels)),
-                        candidate);
+            is_superset(candidate, offer.needed) && does_as_asked(candidate, offer.needed, light_samplings) &&
+            does_as_asked(candidate, offer.needed, light_selections) &&
+            is_superset(all_features | samplings | allowed | (offer.needed & only_where_asked), candidate);
         if (fits && (surplus(candidate) < surplus(best) ||
                      (surplus(candidate) == surplus(best) && std::popcount(candidate) > std::popcount(best)))) {
             best = candidate;

@@ -6,8 +6,10 @@
 
 namespace pt::traversal_stack {
 
-// Of a block's shared memory, which has 48 KiB without asking for more.
-inline constexpr std::uint32_t most_shared_bytes = 32768;
+// Of a block's shared memory, which has 48 KiB without asking for more. What else a kernel keeps there asks for the
+// macro.
+#define PT_STACK_BYTES 32768
+inline constexpr std::uint32_t most_shared_bytes = PT_STACK_BYTES;
 
 template <class Open>
 constexpr std::uint32_t shared_entries(std::uint32_t wanted) {

@@ -23,8 +23,8 @@ from ptbench.stats.estimates import Estimate, median_estimate
 from ptbench.studies.notes import notes_of
 from ptbench.studies.rows import measure
 
-# Those of variants/builder that are CUDA programs.
-GPU_BUILDERS = ("hploc",)
+# Those of variants/builder that only CUDA has.
+GPU_BUILDERS = ("hploc", "lbvh_gpu")
 # The box round the mesh that `ptbench rays` adds: two triangles a side.
 BOX_TRIANGLES = 12
 SPPS = tuple(2**n for n in range(15))

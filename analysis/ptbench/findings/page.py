@@ -26,11 +26,15 @@ from jinja2 import Environment, StrictUndefined, TemplateError
 
 from ptbench.errors import FindingError
 from ptbench.findings.commits import age_fault
+from ptbench.findings.cpu_rates import SCHEMA as CPU_RAYS
+from ptbench.findings.cpu_rates import CpuRaysSource
 from ptbench.findings.crosscheck import SCHEMA as CROSSCHECK
 from ptbench.findings.crosscheck import CrosscheckSource
 from ptbench.findings.fleet import FleetSource
 from ptbench.findings.imports import SCHEMA as IMPORTS
 from ptbench.findings.imports import ImportsSource
+from ptbench.findings.leaks import SCHEMA as LEAKS
+from ptbench.findings.leaks import LeaksSource
 from ptbench.findings.peers import SCHEMA as PEERS
 from ptbench.findings.peers import PeersSource
 from ptbench.findings.quantities import span
@@ -65,6 +69,8 @@ AnySource = (
     | CrosscheckSource
     | PeersSource
     | ImportsSource
+    | LeaksSource
+    | CpuRaysSource
     | FleetSource
     | SimulationSource
 )
@@ -110,6 +116,10 @@ def _opened(results: Path, file: str, where: str) -> AnySource:
         return CrosscheckSource(results, file)
     if root.value.get("schema") == IMPORTS:
         return ImportsSource(results, file)
+    if root.value.get("schema") == LEAKS:
+        return LeaksSource(results, file)
+    if root.value.get("schema") == CPU_RAYS:
+        return CpuRaysSource(results, file)
     if root.value.get("schema") == PEERS:
         return PeersSource(results, file)
     if root.value.get("schema") == WORK:

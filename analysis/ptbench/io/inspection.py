@@ -23,6 +23,7 @@ from ptbench.io.older import before, filled_in
 _LAST = tuple(
     before(axis)
     for axis in (
+        "subsurface_sampling",
         "light_selection",
         "partition",
         "devices",

@@ -48,6 +48,7 @@ _AXES: dict[str, dict[str, OlderAxis]] = {
         "devices": OlderAxis(before="1"),
         "partition": OlderAxis(before="samples"),
         "light_selection": OlderAxis(before="uniform"),
+        "subsurface_sampling": OlderAxis(before="classical"),
     },
 }
 # The same for files of `ptbench stability`, which name no baselines: the plainest formulas, by their schema.

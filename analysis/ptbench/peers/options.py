@@ -59,7 +59,8 @@ def own_variants(backend: str, meshes: int) -> list[Wanted]:
     if backend == "cuda":
         return _own_on_gpu(meshes)
     if not meshes:
-        return [
+        faces = ("integrator=packet", f"direct_light={LIGHTS}", "light_sampling=projected")
+        return [_own(f"packet {LIGHTS} projected", *faces)] + [
             _own(f"{name} {light}", f"integrator={name}", f"direct_light={light}")
             for light in (LIGHTS, CHANCE)
             for name in ("packet", "depth_first")

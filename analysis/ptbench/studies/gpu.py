@@ -16,7 +16,7 @@ _STAGE_KERNELS = {
     "shade": ("shade_paths",),
     "first bounce": ("first_bounce",),
     "bounce": ("next_bounce",),
-    "trace": ("megakernel", "megakernel_regen", "persistent"),
+    "trace": ("megakernel", "megakernel_regen", "persistent", "regroup"),
 }
 
 

@@ -101,7 +101,8 @@ struct Mean {
 
 // The way that the path makes inside the body on its walk.
 template <class Kernel>
-double walk_length(const SceneView<typename Kernel::Real>& scene, Path<typename Kernel::Real>& path, Walk& walk) {
+double walk_length(const SceneView<typename Kernel::Real>& scene, Path<typename Kernel::Real>& path,
+                   WalkOf<Kernel>& walk) {
     PathCounters counters;
     double length = 0;
     while (walk.is_on()) {
@@ -155,7 +156,7 @@ std::vector<Measurement> mean_path(const Values& v, const DirectSetting& setting
                 continue;
             }
             PathCounters counters;
-            Walk walk;
+            WalkOf<Kernel> walk;
             shade<Kernel>(scene.view(), scene.view(), path, hit, counters, walk);
             mean.add(walk_length<Kernel>(scene.view(), path, walk));
         }

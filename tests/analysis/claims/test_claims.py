@@ -526,7 +526,8 @@ def test_every_condition_names_cells_of_its_suite():
 
 
 _STANDARDS = {"shading_fmas=0", "accelerator=brute_force", "traversal=while_while", "specialisation=features",
-              "fetch_at=8", "short_entries=4", "shared_entries=8", "mis_exponent=2"}  # fmt: skip
+              "fetch_at=8", "short_entries=4", "shared_entries=8", "mis_exponent=2",
+              "subsurface_sampling=classical"}  # fmt: skip
 
 
 def _planned(binary: Path, suite: str, backend: str) -> list[set[str]]:

@@ -1,0 +1,61 @@
+"""A file of `ptbench rays --leaks`, as a page asks it: how many rays there were from within closed meshes, and left."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ptbench.errors import FindingError
+from ptbench.findings.commits import shown_commit
+from ptbench.findings.quantities import link_to
+from ptbench.io.nodes import read_json
+from ptbench.numbers import figures
+
+SCHEMA = "ptbench-leaks-1"
+
+
+class LeaksSource:
+    """Rays at vertices and edges, by mesh, tree and kernel."""
+
+    def __init__(self, results: Path, file: str) -> None:
+        self._shown, self._results = file, results
+        self._value = read_json(results / file).value
+
+    @property
+    def commit(self) -> str:
+        """The program's."""
+        return self._value["context"]["ptbench.git_sha"]
+
+    @property
+    def meshes(self) -> list[str]:
+        """Their names."""
+        return [mesh["mesh"] for mesh in self._value["meshes"]]
+
+    def _ways(self) -> list[dict]:
+        return [way for mesh in self._value["meshes"] for tree in mesh["trees"] for way in tree["kernels"]]
+
+    @property
+    def ways(self) -> int:
+        """Meshes by trees by kernels: each had rays of its own."""
+        return len(self._ways())
+
+    @property
+    def least_rays(self) -> str:
+        """Rays of the way that had the fewest, in 1e9."""
+        return figures(min(way["rays"] for way in self._ways()) / 1e9, 3)
+
+    @property
+    def leaks(self) -> int:
+        """Rays that no triangle stopped."""
+        return sum(way["leaks"] for way in self._ways())
+
+    def must_be_closed(self, said: str) -> str:
+        """`said`, if there was a ray and none left."""
+        if self.leaks or not all(way["rays"] for way in self._ways()) or not self._ways():
+            raise FindingError(f"{self._shown}: {self.leaks} rays leave {self.ways} meshes; the page says: {said}")
+        return said
+
+    @property
+    def provenance(self) -> str:
+        """A line of a list."""
+        commit = shown_commit(self._results, self.commit)
+        return f"- {link_to(self._results, self._shown)}: `ptbench rays --leaks`, {self.ways} ways; commit {commit}."

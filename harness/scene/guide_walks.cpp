@@ -1,0 +1,68 @@
+#include "harness/scene/guide_walks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pt {
+
+double artanh_of_decay(double albedo) {
+    // tanh(theta) - albedo theta is concave and negative from the root on: Newton's steps fall towards it and stop
+    // where rounding turns one about. Next to an albedo of 1 a step is a third of the way, until the root is near.
+    double theta = 1 / albedo;
+    for (int step = 0; step < 200; ++step) {
+        const double tangent = std::tanh(theta);
+        const double slope = (1 - tangent) * (1 + tangent) - albedo;
+        const double next = theta - (tangent - albedo * theta) / slope;
+        if (!(next < theta && next > 0)) {
+            break;
+        }
+        theta = next;
+    }
+    return theta;
+}
+
+double guide_decay(double albedo, double g, double depth) {
+    if (albedo >= 1) {
+        return least_decay;
+    }
+    const double remaining = 1 - albedo * g;  // of sigma_t, by similarity
+    const double similar = albedo * (1 - g) / remaining;
+    // Below, the root is 1 in double precision.
+    const double root = similar > 0.04 ? similar * artanh_of_decay(similar) : 1;
+    const double in_half_space = root * remaining;
+    return std::clamp(in_half_space * std::tanh(in_half_space * depth), least_decay, most_decay);
+}
+
+double depth_of(const SceneObject& object) {
+    const Vec3d& size = object.scale;
+    if (object.shape == Shape::box) {
+        return 0.5 / (1 / size.x + 1 / size.y + 1 / size.z);
+    }
+    if (object.shape == Shape::sphere) {
+        // Of an ellipsoid the surface by Thomsen's formula, to 1.1 %.
+        constexpr double p = 1.6075;
+        const double x = std::pow(size.x, p), y = std::pow(size.y, p), z = std::pow(size.z, p);
+        return size.x * size.y * size.z / 6 / std::pow((x * y + y * z + z * x) / 3, 1 / p);
+    }
+    return std::numeric_limits<double>::infinity();
+}
+
+template <class Real>
+void guide_walks(Material<Real>& material, const SceneMaterial& body, double guided_share, double depth) {
+    material.guided_share = static_cast<Real>(guided_share);
+    for (int i = 0; i < 3; ++i) {
+        const double sigma_t = body.sigma_a[i] + body.sigma_s[i];
+        const double albedo = sigma_t > 0 ? body.sigma_s[i] / sigma_t : 0;
+        const double in_mean_free_paths = sigma_t > 0 ? sigma_t * depth : 0;
+        material.guide_decay[i] = static_cast<Real>(guide_decay(albedo, body.g, in_mean_free_paths));
+        // Of the decay as it is kept, so that the densities add up.
+        const auto kept = static_cast<double>(material.guide_decay[i]);
+        material.guide_albedo[i] = static_cast<Real>(kept / std::atanh(kept));
+    }
+}
+
+template void guide_walks(Material<float>&, const SceneMaterial&, double, double);
+template void guide_walks(Material<double>&, const SceneMaterial&, double, double);
+
+}  // namespace pt

@@ -1,0 +1,120 @@
+// Russian roulette and splitting by what a path is expected to bring: its throughput times an estimate of the radiance
+// that leaves the vertex towards it, over an estimate of its pixel. A path that is expected to bring little of its
+// pixel is likely to be ended before it scatters, and one that is expected to bring much of it scatters several times
+// (kernels/path_tree.h); between the two bounds of the weight window neither happens. The estimates come from paths of
+// their own (harness/scene/adjoint_table.h): whatever they are, the mean is the same.
+// Vorba and Krivanek, "Adjoint-Driven Russian Roulette and Splitting in Light Transport Simulation", SIGGRAPH 2016.
+#pragma once
+
+#include "kernels/diffuse.h"
+
+namespace pt {
+
+// A path is not ended with a higher probability than 1 less this, nor does it then carry more than that. Without such
+// bounds an estimate that is far too small would leave samples that no film has room for.
+template <class Real>
+inline constexpr Real least_survival = Real(0.0625);
+template <class Real>
+inline constexpr Real most_carried = Real(64);
+
+template <class Real>
+struct AdjointCache {
+    Vec3<Real> low;  // the grid's corner, relative to the eye
+    Vec3<Real> cells_a_unit;
+    std::uint32_t cells;  // along each axis
+    // Window on what a path is expected to bring, in units of its pixel.
+    Real lowest, highest;
+    std::uint32_t most_branches;  // 1: no splitting
+    // All relative to the image's mean: what paths bring from a cell and side on, over what they carried there; how
+    // much more it is after so many segments; and 1 over what a pixel is.
+    View<float> by_place;
+    View<float> by_segment;
+    View<float> by_pixel;
+};
+
+// Which of six directions a unit vector is nearest to: twice the axis, and 1 more if it looks down.
+template <class Real>
+PT_HD inline std::uint32_t nearest_side(const Vec3<Real>& normal) {
+    const Vec3<Real> size{absolute(normal.x), absolute(normal.y), absolute(normal.z)};
+    const std::uint32_t axis = size.x >= size.y && size.x >= size.z ? 0u : size.y >= size.z ? 1u : 2u;
+    return 2 * axis + (component_of(normal, axis) < Real(0) ? 1u : 0u);
+}
+
+// Of a coordinate in units of cells; what lies outside belongs to the outermost.
+template <class Real>
+PT_HD inline std::uint32_t cell_along(Real coordinate, std::uint32_t cells) {
+    return coordinate > Real(0) ? static_cast<std::uint32_t>(min(coordinate, static_cast<Real>(cells - 1))) : 0u;
+}
+
+template <class Real>
+PT_HD inline std::uint32_t adjoint_place(const AdjointCache<Real>& cache, const Vec3<Real>& position,
+                                         const Vec3<Real>& normal) {
+    const Vec3<Real> cell = (position - cache.low) * cache.cells_a_unit;
+    const std::uint32_t x = cell_along(cell.x, cache.cells);
+    const std::uint32_t y = cell_along(cell.y, cache.cells);
+    const std::uint32_t z = cell_along(cell.z, cache.cells);
+    return ((nearest_side(normal) * cache.cells + z) * cache.cells + y) * cache.cells + x;
+}
+
+template <class Real>
+PT_HD inline Real sum_of_channels(const Vec3<Real>& colour) {
+    return colour.x + colour.y + colour.z;
+}
+
+// What a path that has arrived at a vertex, after `segments`, is expected to bring from there, in units of its pixel.
+template <class Real>
+PT_HD inline Real expected_share(const AdjointCache<Real>& cache, const Path<Real>& path, const Vertex<Real>& vertex,
+                                 std::uint32_t segments) {
+    const std::uint32_t step = min(segments, cache.by_segment.size) - 1;
+    const Real place = static_cast<Real>(cache.by_place[adjoint_place(cache, vertex.position, vertex.normal())]);
+    return sum_of_channels(path.throughput) * place * static_cast<Real>(cache.by_segment[step]) *
+           static_cast<Real>(cache.by_pixel[path.pixel]);
+}
+
+// 1 within the window and above it. A number that is none is no reason to end a path: the film will count it.
+template <class Real>
+PT_HD inline Real survival_probability(Real share, Real lowest, const Vec3<Real>& throughput) {
+    const Real wanted = min(share / lowest, Real(1));
+    const Real carried = max(throughput.x, max(throughput.y, throughput.z));
+    return min(max(wanted, max(least_survival<Real>, carried * (Real(1) / most_carried<Real>))), Real(1));
+}
+
+// Into how many paths one is split: 1 within the window and below it.
+template <class Real>
+PT_HD inline std::uint32_t branch_count(Real share, Real highest, std::uint32_t most) {
+    return share > highest ? 1 + static_cast<std::uint32_t>(min(share / highest, static_cast<Real>(most - 1))) : 1u;
+}
+
+// u in [0, 1). Returns whether the path goes on.
+template <class Real>
+PT_HD inline bool survives_by_share(Path<Real>& path, Real share, Real lowest, Real u) {
+    const Real probability = survival_probability(share, lowest, path.throughput);
+    if (u >= probability) {
+        return false;
+    }
+    if (probability < Real(1)) {
+        path.throughput *= Real(1) / probability;
+    }
+    return true;
+}
+
+// What befalls a path at a vertex before it scatters: in kernels without adjoint-driven roulette nothing.
+struct OneBranch {
+    template <class Config>
+    static constexpr bool acts_in = has<Config>(Feature::adjoint_roulette);
+    // The path is a branch that begins at its vertex: it has been there.
+    PT_HD static constexpr bool resumes() { return false; }
+    // Returns whether the path goes on. `u`: in [0, 1).
+    template <class Config>
+    PT_HD bool goes_on(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
+                       const Vertex<typename Config::Real>& vertex, const Hit<typename Config::Real>&,
+                       typename Config::Real u) const {
+        if (scene.adjoint == nullptr) {
+            return true;
+        }
+        const auto share = expected_share(*scene.adjoint, path, vertex, segments_of<Config>(path));
+        return survives_by_share(path, share, scene.adjoint->lowest, u);
+    }
+};
+
+}  // namespace pt

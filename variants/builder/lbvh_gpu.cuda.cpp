@@ -1,0 +1,24 @@
+// Kernels in hploc.cu. Cells are cubes of 63 bits, where those of `lbvh` on the host have 30, and leaves hold one
+// primitive: another tree over the same kind of codes.
+#include "variants/acceleration/reasons.h"
+#include "variants/builder/gpu_build.h"
+#include "variants/registry.h"
+
+namespace pt::builder::lbvh_gpu {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "builder",
+        .name = "lbvh_gpu",
+        .summary = "the radix tree of Morton codes on the GPU, from the leaves up",
+        .origin = "Karras 2012; Apetrei 2014",
+        .backends = on_cuda,
+        .unsupported_reason = needs_tree,
+    },
+    {.builder = {[](const PrimitiveBoxes& boxes, std::span<const Triangle<float>>) {
+         return build_on_the_gpu(boxes, &GpuTree::build_lbvh);
+     }}});
+
+}  // namespace
+}  // namespace pt::builder::lbvh_gpu

@@ -1,0 +1,183 @@
+// Shadow rays to known points of lights, over all lanes of a packet at once: kernels/line_of_sight.h. Spheres and axis
+// boxes are vectors of lanes; other kinds, and rays that an enclosure's walls may lie in the way of, go lane by lane.
+// The sums and comparisons are the kernels', so a lane's answer is the same.
+#pragma once
+
+#include "kernels/line_of_sight.h"
+#include "variants/cpu/lanes_intersect.h"
+
+namespace pt::lanes {
+
+// The rays as far as the points: Segment of kernels/line_of_sight.h.
+template <class Real>
+struct Sights {
+    Lanes<Real> before, about;   // of the point's distance
+    Lanes<std::uint32_t> light;  // object that the point is of
+    Flags asks;                  // a ray whose point is known
+    Flags blocked, unsure;
+    Flags by_lane;  // walls may lie between: asked lane by lane, whatever is in the flags before
+};
+
+// Segment::is_hidden_by of one lane.
+template <class Real>
+inline void note_crossing(Sights<Real>& sights, std::uint32_t l, bool meets, Real t) {
+    sights.unsure[l] |= meets & (t < sights.about[l]) ? 1u : 0u;
+    sights.blocked[l] |= meets & (t < sights.before[l]) ? 1u : 0u;
+}
+
+// Of a convex body, entered or left, or, if the ray starts on it (`is_departed`), left at the end of the chord.
+template <class Real>
+inline void note_body(Sights<Real>& sights, std::uint32_t l, const Interval<Real>& crossing, Real chord,
+                      std::uint32_t object, bool is_departed, SurfaceId origin_surface) {
+    const Real entered = crossing.near > Real(0) ? crossing.near : crossing.far;
+    const bool is_other = sights.light[l] != object;
+    const bool meets = !is_departed & crossing.hits & (entered > Real(0));
+    const bool leaves = is_departed & is_inside(origin_surface);
+    note_crossing(sights, l, is_other & (leaves | meets), leaves ? chord : entered);
+}
+
+// Which rays cross no wall of the enclosure (walls_between). The rest is `by_lane`.
+template <class Config>
+inline void leave_out_walls(Sights<typename Config::Real>& sights, const SceneView<typename Config::Real>& scene,
+                            const Paths<typename Config::Real>& shadow, const Lanes<typename Config::Real>& distance) {
+    using Real = typename Config::Real;
+    constexpr Real infinity = std::numeric_limits<Real>::infinity();
+    const AxisAlignedEnclosure<Real> enclosure = scene.enclosure;
+    const Vec3<Real> low = enclosure.low, high = enclosure.high;
+    const auto is_open = [&](std::uint32_t side) { return ((enclosure.open_sides >> side) & 1u) != 0; };
+    // Of the open sides alone, and of the walls alone: the others are infinitely far.
+    const Vec3<Real> open_low{is_open(0) ? low.x : -infinity, is_open(2) ? low.y : -infinity,
+                              is_open(4) ? low.z : -infinity};
+    const Vec3<Real> open_high{is_open(1) ? high.x : infinity, is_open(3) ? high.y : infinity,
+                               is_open(5) ? high.z : infinity};
+    const Vec3<Real> wall_low{is_open(0) ? -infinity : low.x, is_open(2) ? -infinity : low.y,
+                              is_open(4) ? -infinity : low.z};
+    const Vec3<Real> wall_high{is_open(1) ? infinity : high.x, is_open(3) ? infinity : high.y,
+                               is_open(5) ? infinity : high.z};
+    const auto beyond = [](const Vec3<Real>& from, const Vec3<Real>& up_to, const Vec3<Real>& p) {
+        return max(max(max(from.x - p.x, p.x - up_to.x), max(from.y - p.y, p.y - up_to.y)),
+                   max(from.z - p.z, p.z - up_to.z));
+    };
+    const Real margin = gamma<Real>(64) * (absolute(low.x) + absolute(low.y) + absolute(low.z) + absolute(high.x) +
+                                           absolute(high.y) + absolute(high.z));
+    const bool has_walls = enclosure.walls != 0;
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < width; ++l) {
+        const SurfaceId origin_surface{shadow.origin_surface[l]};
+        const Vec3<Real> origin = shadow.origin[l];
+        const Vec3<Real> to = origin + shadow.direction[l] * distance[l];
+        const bool is_in_body = origin_surface.exists() & is_inside(origin_surface);
+        const bool is_known =
+            has_walls & lanes::contains(enclosure, origin) & (beyond(open_low, open_high, to) < -margin) & !is_in_body;
+        const bool is_within = is_known & (beyond(wall_low, wall_high, to) < -margin);
+        sights.by_lane[l] = is_within ? 0u : sights.asks[l];
+    }
+}
+
+template <class Config>
+inline void note_spheres(Sights<typename Config::Real>& sights, const SceneView<typename Config::Real>& scene,
+                         const Paths<typename Config::Real>& shadow) {
+    using Real = typename Config::Real;
+    for (std::uint32_t object = 0; object < scene.spheres.size; ++object) {
+        const Sphere<Real> sphere = scene.spheres[object];
+#pragma GCC ivdep
+        for (std::uint32_t l = 0; l < width; ++l) {
+            const SurfaceId origin_surface{shadow.origin_surface[l]};
+            const Vec3<Real> origin = at_rest<Config>(scene, object, shadow.origin[l], shadow.time[l]);
+            note_body(sights, l, lanes::interval(sphere, origin, shadow.direction[l]),
+                      chord(sphere, origin, shadow.direction[l]), object, origin_surface.object() == object,
+                      origin_surface);
+        }
+    }
+}
+
+template <class Config>
+inline void note_axis_boxes(Sights<typename Config::Real>& sights, const SceneView<typename Config::Real>& scene,
+                            const Paths<typename Config::Real>& shadow) {
+    using Real = typename Config::Real;
+    const std::uint32_t only_light = scene.lights.size == 1 ? scene.lights[0].object : SurfaceId::nowhere;
+    for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
+        const std::uint32_t object = first_of<ShapeKind::axis_box>(scene) + i;
+        if ((has<Config>(Feature::enclosure) && scene.enclosure.is_wall(i)) || object == only_light) {
+            continue;
+        }
+        const AxisBox<Real> box = scene.axis_boxes[i];
+#pragma GCC ivdep
+        for (std::uint32_t l = 0; l < width; ++l) {
+            const SurfaceId origin_surface{shadow.origin_surface[l]};
+            const Vec3<Real> direction = shadow.direction[l];
+            const Vec3<Real> origin = at_rest<Config>(scene, object, shadow.origin[l], shadow.time[l]);
+            const Interval<Real> crossing = slab_interval(
+                box.low, box.high, origin, {Real(1) / direction.x, Real(1) / direction.y, Real(1) / direction.z});
+            note_body(sights, l, crossing, max(crossing.far, Real(0)), object, origin_surface.object() == object,
+                      origin_surface);
+        }
+    }
+}
+
+// All objects of one kind, in the lanes that are not blocked yet.
+template <class Config, ShapeKind kind, class Shapes>
+inline void note_kind(Sights<typename Config::Real>& sights, const SceneView<typename Config::Real>& scene,
+                      const Shapes& shapes, const Paths<typename Config::Real>& shadow,
+                      const Lanes<typename Config::Real>& distance) {
+    using Real = typename Config::Real;
+    if constexpr (kind == ShapeKind::sphere && !has<Config>(Feature::near_sphere)) {
+        note_spheres<Config>(sights, scene, shadow);
+    } else if constexpr (kind == ShapeKind::axis_box) {
+        note_axis_boxes<Config>(sights, scene, shadow);
+    } else if (shapes.size != 0) {
+        for (const std::uint32_t l : LaneList(sights.asks)) {
+            const Ray<Real> ray = shadow.ray(l);
+            Segment<Real> segment(ray, sights.light[l], distance[l]);
+            const bool hides = is_hidden_by_kind<Config, kind>(segment, scene, shapes, true);
+            sights.blocked[l] |= hides ? 1u : 0u;
+            sights.unsure[l] |= segment.unsure ? 1u : 0u;
+        }
+    }
+}
+
+// hit_of_light of the lanes that `sends`: what is left in it are the lanes that see their points. `distance`: to the
+// points, 0 where a point is not known and the light is seen if it is the closest hit.
+template <class Config>
+inline void look_along(Flags& sends, const SceneView<typename Config::Real>& scene, const Lanes<std::uint32_t>& lights,
+                       const Paths<typename Config::Real>& shadow, const Lanes<typename Config::Real>& distance) {
+    using Real = typename Config::Real;
+    Sights<Real> sights;
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < width; ++l) {
+        const bool is_known = distance[l] > Real(0);
+        sights.before[l] = distance[l] * (Real(1) - gamma<Real>(16));
+        sights.about[l] = distance[l] * (Real(1) + gamma<Real>(16));
+        sights.light[l] = lights[l];
+        sights.asks[l] = is_known ? sends[l] : 0u;
+        sights.blocked[l] = 0;
+        sights.unsure[l] = is_known ? 0u : 1u;
+        sights.by_lane[l] = 0;
+    }
+    if constexpr (has<Config>(Feature::enclosure)) {
+        leave_out_walls<Config>(sights, scene, shadow, distance);
+    }
+#define PT_NOTE(name, array, Type)                                                        \
+    if constexpr (has<Config>(Feature::name)) {                                           \
+        note_kind<Config, ShapeKind::name>(sights, scene, scene.array, shadow, distance); \
+    }
+    PT_SHAPES(PT_NOTE)
+#undef PT_NOTE
+    for (const std::uint32_t l : LaneList(sights.by_lane)) {
+        const Sight sight = line_of_sight<Config>(scene, lights[l], shadow.ray(l), distance[l]);
+        sights.blocked[l] = sight == Sight::blocked ? 1u : 0u;
+        sights.unsure[l] = sight == Sight::unsure ? 1u : 0u;
+    }
+    Flags asks_closest;
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < width; ++l) {
+        sends[l] = sends[l] & ~sights.blocked[l];
+        asks_closest[l] = sends[l] & sights.unsure[l];
+    }
+    for (const std::uint32_t l : LaneList(asks_closest)) {
+        const Hit<Real> hit = pt::closest_hit<Config>(scene, shadow.ray(l));
+        sends[l] = hit.side.exists() && hit.side.object() == lights[l] ? 1u : 0u;
+    }
+}
+
+}  // namespace pt::lanes

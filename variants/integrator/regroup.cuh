@@ -1,0 +1,124 @@
+// Warps stay full *and* of one mind: a block keeps more paths than it has threads, in shared memory, and each warp
+// takes 32 of them that do the same next, shades or walks, traces the next segment, and hands them back under the kind
+// of what they met (path_pool.cuh). What shader execution reordering does in hardware. Queues by material: Laine,
+// Karras and Aila 2013; regrouping within a block through shared memory: Hoberock et al. 2009.
+#pragma once
+
+#include "variants/cuda/block_items.cuh"
+#include "variants/cuda/path_pool.cuh"
+#include "variants/integrator/regroup_parameters.cuh"
+
+// Of a lane whose path is over: the film has it, and the lane's counters.
+__device__ inline void end_path(const FilmView& film, Path& path, ThreadCounters& counters, std::uint64_t* ended) {
+    pt::accumulate(film, path);
+    counters.rays += path.segment - (kernel_config.keeps_first_hits ? 1 : 0);
+    counters.paths += 1;
+    if (ended != nullptr) {
+        pt::atomic_add(&ended[path.segment - 1], std::uint64_t{1});
+    }
+    path.segment = Path::ended;
+}
+
+// Takes walks on together, each at least one step, until few lanes are on one. Returns whether the lane's path lives.
+// Every lane of the warp must call it.
+__device__ inline bool walk_on(const SceneViews& scene, Path& path, pt::Walk& walk, bool alive,
+                               ThreadCounters& counters) {
+    bool walks = alive && walk.is_on();
+    do {
+        if (walks) {
+            alive = pt::walk_on<Configuration>(scene.shade, path, walk, counters);
+            walks = alive && walk.is_on();
+        }
+    } while (__popc(__ballot_sync(pt::cuda::all_lanes, walks)) > static_cast<int>(tuned::walk_until));
+    return alive;
+}
+
+// Begins a path in each lane that asks for one, as long as there are any. Returns whether the lane has one;
+// `is_exhausted`: those that got none get none later. Every lane of the warp must call it.
+__device__ inline bool begin_paths(const SceneViews& scene, BlockItems& items, const Pieces& pieces, bool asks,
+                                   const HitCache& cache, Path& path, bool& is_exhausted) {
+    const unsigned asking = __ballot_sync(pt::cuda::all_lanes, asks);
+    const GivenItems given = items.take(pieces, __popc(asking));
+    is_exhausted = given.is_exhausted;
+    const std::uint32_t rank = pt::cuda::rank_in(asking);
+    const std::uint32_t item = given.first + rank;
+    if (!asks || rank >= given.count || !given.items.exists(item)) {
+        return false;
+    }
+    path = first_path(scene.shade, pt::cuda::in_image(given.items.place(item), given.items.width),
+                      given.items.sample(item), cache);
+    return true;
+}
+
+PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
+          (Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples, HitCache cache,
+           Totals* totals, std::uint64_t* ended, std::uint32_t samples_per_piece, std::uint64_t* next_piece)) {
+    const SceneViews scene(parameter);
+    __shared__ PathPool pool;
+    __shared__ BlockItems items;
+    items.begin();
+    pool.fill();
+    const Pieces pieces{pt::cuda::own_pixels(scene.shade),
+                        scene.shade.camera.width,
+                        first_sample,
+                        samples,
+                        samples_per_piece,
+                        next_piece};
+    ThreadCounters counters;
+    Path path;
+    Hit hit;
+    pt::Walk walk;
+    std::uint32_t kind = Kinds::nothing;  // of what comes next for the lane's path
+    Taken taken = pool.exchange(0, kind);
+    bool is_taken = true;  // and not yet read
+    while (!taken.finished) {
+        if (is_taken) {
+            kind = pt::cuda::lane() < taken.count ? taken.kind : Kinds::nothing;
+            if (kind != Kinds::nothing) {
+                pool.load(taken.slot, scene.shade, path, hit, walk);
+            }
+        }
+        const bool active = kind == taken.kind;
+        const bool was_alive = active && path.alive();
+        bool alive = was_alive;
+        if (alive && Kinds::is_traced(taken.kind)) {
+            injected_cost(scene.shade, hit, path);
+            alive = pt::shade<Configuration>(scene.shade, scene.trace, path, hit, counters, walk);
+        }
+        if constexpr (Kinds::has_walks) {
+            if (Kinds::may_walk(taken.kind)) {
+                alive = walk_on(scene, path, walk, alive, counters);
+            }
+        }
+        if (was_alive && !alive) {
+            end_path(film, path, counters, ended);
+            kind = Kinds::over;
+        }
+        pt::cuda::add_if_many(totals, counters);
+        if (taken.kind == Kinds::over) {
+            bool is_exhausted = false;
+            alive = begin_paths(scene, items, pieces, active && !alive, cache, path, is_exhausted) || alive;
+            kind = active && is_exhausted ? Kinds::retired : kind;
+        }
+        if (alive && Kinds::has_walks && walk.is_on()) {
+            kind = Kinds::walking;
+        } else if (alive && Kinds::may_walk(taken.kind)) {
+            kind = Kinds::starting;  // traced with others: few leave a body at a time
+        } else if (alive) {
+            const bool is_kept = kernel_config.keeps_first_hits && path.segment == 0;
+            hit = is_kept ? first_hit(scene, path, cache) : trace(scene, path);
+            path.primitive = hit.primitive;
+            kind = Kinds::of(scene.shade, path, hit);
+        }
+        // A warp that goes on with most of its lanes saves the exchange.
+        const unsigned staying = __ballot_sync(pt::cuda::all_lanes, kind == taken.kind);
+        is_taken = __popc(staying) < static_cast<int>(tuned::stay_at);
+        if (is_taken) {
+            if (kind < Kinds::lists) {
+                pool.store(taken.slot, path, hit, walk);
+            }
+            taken = pool.exchange(taken.slot, kind);
+        }
+    }
+    pt::cuda::add_counters(totals, counters, kernel_config.keeps_first_hits ? counters.paths : 0);
+}
