@@ -23,7 +23,6 @@ class CpuRays:
     """One class of rays over one mesh: 10^6 rays a second by contender, medians."""
 
     mesh: str
-    triangles: int
     name: str
     rates: dict[str, float]
 
@@ -76,7 +75,7 @@ class CpuRaysSource:
                     if by["name"] in TREES and (by["other_primitive"] or by["other_bits"]):
                         raise FindingError(f"{self._shown}: {by['name']} over {mesh['mesh']} leaves other hits")
                 rates = {by["name"]: by["mrays_per_s"] for by in one["by"]}
-                yield CpuRays(mesh["mesh"], mesh["triangles"], one["class"], rates)
+                yield CpuRays(mesh["mesh"], one["class"], rates)
 
     @property
     def least_over_peer(self) -> str:

@@ -103,6 +103,17 @@ def read_page(template: Path) -> Page:
     return Page(template, head, text[match.end() :])
 
 
+# Files of one form each, by the name that they have for it.
+_BY_SCHEMA = {
+    CROSSCHECK: CrosscheckSource,
+    IMPORTS: ImportsSource,
+    LEAKS: LeaksSource,
+    CPU_RAYS: CpuRaysSource,
+    PEERS: PeersSource,
+    WORK: SimulationSource,
+}
+
+
 @cache
 def _opened(results: Path, file: str, where: str) -> AnySource:
     if file.endswith(".txt"):
@@ -112,18 +123,8 @@ def _opened(results: Path, file: str, where: str) -> AnySource:
     root = read_json(results / file)
     if isinstance(root.value, list):
         return Inspection(results, file)
-    if root.value.get("schema") == CROSSCHECK:
-        return CrosscheckSource(results, file)
-    if root.value.get("schema") == IMPORTS:
-        return ImportsSource(results, file)
-    if root.value.get("schema") == LEAKS:
-        return LeaksSource(results, file)
-    if root.value.get("schema") == CPU_RAYS:
-        return CpuRaysSource(results, file)
-    if root.value.get("schema") == PEERS:
-        return PeersSource(results, file)
-    if root.value.get("schema") == WORK:
-        return SimulationSource(results, file)
+    if (source := _BY_SCHEMA.get(root.value.get("schema"))) is not None:
+        return source(results, file)
     if is_stability(root):
         return StabilitySource(results, file)
     return Source(results, file, where) if "ptbench" in root.fields() else Record(results, file)
