@@ -21,17 +21,22 @@ WorkCounters& WorkCounters::operator+=(const WorkCounters& other) {
     return *this;
 }
 
-std::size_t Variant::index(std::string_view axis) {
+std::size_t Variant::place(std::string_view axis) {
     // Mostly a name of the table itself, whose letters need no look.
-    const auto* found = std::find_if(std::begin(axis_names), std::end(axis_names),
+    const auto* found = std::find_if(axis_names.begin(), axis_names.end(),
                                      [&](std::string_view name) { return name.data() == axis.data(); });
-    found = found != std::end(axis_names) && *found == axis
-                ? found
-                : std::find(std::begin(axis_names), std::end(axis_names), axis);
-    if (found == std::end(axis_names)) {
+    if (found == axis_names.end() || *found != axis) {
+        found = std::find(axis_names.begin(), axis_names.end(), axis);
+    }
+    return static_cast<std::size_t>(found - axis_names.begin());
+}
+
+std::size_t Variant::index(std::string_view axis) {
+    const std::size_t found = place(axis);
+    if (found == axis_count) {
         throw std::out_of_range("no axis '" + std::string(axis) + "'");
     }
-    return static_cast<std::size_t>(found - std::begin(axis_names));
+    return found;
 }
 
 std::string Variant::spelled_out() const {

@@ -62,7 +62,9 @@ public:
         return choices_ != other.choices_ ? choices_ < other.choices_ : tuning < other.tuning;
     }
 
-    // Position of an axis; throws std::out_of_range for a name that is none.
+    // Position of an axis; axis_count for a name that is none.
+    static std::size_t place(std::string_view axis);
+    // The same; throws std::out_of_range for a name that is none.
     static std::size_t index(std::string_view axis);
 
     std::map<std::string, std::uint32_t, std::less<>> tuning;

@@ -13,19 +13,6 @@ Registry& Registry::instance() {
 
 namespace {
 
-// Among the axes; their number for a name that is none. Mostly it is a name of the table itself, whose letters need no
-// look.
-std::size_t place_of(std::string_view axis) {
-    std::size_t place = 0;
-    while (place < axis_count && axis_names[place].data() != axis.data()) {
-        ++place;
-    }
-    if (place < axis_count && axis_names[place] == axis) {
-        return place;
-    }
-    return static_cast<std::size_t>(std::find(axis_names.begin(), axis_names.end(), axis) - axis_names.begin());
-}
-
 std::string label(const Descriptor& descriptor) {
     return std::string(descriptor.axis) + "=" + std::string(descriptor.name);
 }
@@ -172,7 +159,7 @@ void Registry::add_integrator(const Descriptor& descriptor, FeatureSet features,
 std::vector<const Choice*> Registry::choices(std::string_view axis, Backend backend) const {
     std::vector<const Choice*> found;
     if (const auto axes = backends_.find(backend); axes != backends_.end()) {
-        if (const std::size_t place = place_of(axis); place < axis_count) {
+        if (const std::size_t place = Variant::place(axis); place < axis_count) {
             for (const auto& [name, choice] : axes->second[place]) {
                 found.push_back(&choice);
             }
@@ -185,7 +172,7 @@ std::vector<const Choice*> Registry::choices(std::string_view axis, Backend back
 
 const Choice* Registry::find(std::string_view axis, std::string_view name, Backend backend) const {
     const auto axes = backends_.find(backend);
-    const std::size_t place = place_of(axis);
+    const std::size_t place = Variant::place(axis);
     if (axes == backends_.end() || place == axis_count) {
         return nullptr;
     }

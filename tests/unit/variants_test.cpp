@@ -1134,42 +1134,37 @@ TEST(WorkTest, TheVariantNamesTheChoice) {
 
 // ---- Kernels ----
 
-TEST(KernelTest, FeaturesTakesTheSmallestSuperset) {
+FeatureSet chosen_by_features(FeatureSet needed, const std::vector<FeatureSet>& compiled) {
     const Variant variant = baseline_with({{"specialisation", "features"}});
-    const auto choose = [&](FeatureSet needed, const std::vector<FeatureSet>& compiled) {
-        return registry()
-            .find("specialisation", "features")
-            ->hook.specialisation({needed, no_features, compiled}, variant, Backend::cpu);
-    };
+    return registry()
+        .find("specialisation", "features")
+        ->hook.specialisation({needed, no_features, compiled}, variant, Backend::cpu);
+}
+
+TEST(KernelTest, FeaturesTakesTheSmallestSuperset) {
     const FeatureSet a = Feature::sphere | Feature::diffuse;
     const FeatureSet larger = a | Feature::jitter;
     const FeatureSet largest = larger | Feature::lens | Feature::quad;
     const std::vector<FeatureSet> compiled{all_features, largest, a, larger};
-    EXPECT_EQ(choose(a, compiled), a);
-    EXPECT_EQ(choose(no_features | Feature::sphere, compiled), a);
-    EXPECT_EQ(choose(Feature::sphere | Feature::jitter, compiled), larger);
-    EXPECT_EQ(choose(no_features | Feature::quad, compiled), largest);
-    EXPECT_EQ(choose(no_features | Feature::subsurface, compiled), all_features);
-    EXPECT_EQ(choose(a, {all_features}), all_features);
-    EXPECT_EQ(choose(a, {all_features | Feature::matrix, all_features}), all_features);
+    EXPECT_EQ(chosen_by_features(a, compiled), a);
+    EXPECT_EQ(chosen_by_features(no_features | Feature::sphere, compiled), a);
+    EXPECT_EQ(chosen_by_features(Feature::sphere | Feature::jitter, compiled), larger);
+    EXPECT_EQ(chosen_by_features(no_features | Feature::quad, compiled), largest);
+    EXPECT_EQ(chosen_by_features(no_features | Feature::subsurface, compiled), all_features);
+    EXPECT_EQ(chosen_by_features(a, {all_features}), all_features);
+    EXPECT_EQ(chosen_by_features(a, {all_features | Feature::matrix, all_features}), all_features);
 }
 
 // A kernel with one way to draw lights draws them in that way, whatever it is asked for.
 TEST(KernelTest, FeaturesTakesNoKernelThatDrawsLightsInAnotherWay) {
-    const Variant variant = baseline_with({{"specialisation", "features"}});
-    const auto choose = [&](FeatureSet needed, const std::vector<FeatureSet>& compiled) {
-        return registry()
-            .find("specialisation", "features")
-            ->hook.specialisation({needed, no_features, compiled}, variant, Backend::cpu);
-    };
     const FeatureSet connects = Feature::sphere | Feature::diffuse | Feature::next_event;
     for (const Feature way : {Feature::projected_sampling, Feature::area_sampling, Feature::power_selection}) {
         const FeatureSet fixed = connects | way;
-        EXPECT_EQ(choose(connects, {all_features, fixed}), all_features);
-        EXPECT_EQ(choose(fixed, {all_features, connects, fixed}), fixed);
+        EXPECT_EQ(chosen_by_features(connects, {all_features, fixed}), all_features);
+        EXPECT_EQ(chosen_by_features(fixed, {all_features, connects, fixed}), fixed);
     }
     const FeatureSet at_run_time = connects | Feature::projected_sampling | Feature::area_sampling;
-    EXPECT_EQ(choose(connects, {all_features, at_run_time}), at_run_time);
+    EXPECT_EQ(chosen_by_features(connects, {all_features, at_run_time}), at_run_time);
 }
 
 // A shortcut is taken where the scene allows it, a kernel has it, and nobody asked to leave it out.
