@@ -92,12 +92,16 @@ struct SortingTraits {
     bool reproducible_order = true;  // as of a compaction
 };
 
-// A key is (material << bits) + rest, or rest alone; rest is below 2^bits.
+// A key is (material << bits) + rest, or rest alone; rest is below 2^bits. By chunk it is a number of its own for each
+// material of each chunk of the queue's slots: the chunk comes first, then the material, and bits is 0.
 struct SortKeyTraits {
     std::uint32_t bits = 0;
     bool has_material = true;  // which is known only after the hit; other keys sort paths before they are traced
+    bool by_chunk = false;     // it has the tunable `chunk`
 
-    constexpr bool is_material_alone() const { return has_material && bits == 0; }
+    constexpr bool is_material_alone() const { return has_material && bits == 0 && !by_chunk; }
+    // As many keys as materials, or as many a chunk: few enough to be counted.
+    constexpr bool is_countable() const { return has_material && bits == 0; }
 };
 
 struct FirstBounceTraits {

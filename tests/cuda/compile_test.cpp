@@ -196,7 +196,7 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
     for (const char* compaction : {"atomic_append", "block_scan_append"}) {
         programs.add(five, baseline_with({{"integrator", "wavefront_fused"}, {"compaction", compaction}}));
     }
-    for (const char* key : {"material_hit", "ray"}) {
+    for (const char* key : {"chunk_material", "material_hit", "ray"}) {
         programs.add(five, baseline_with({{"sorting", "cub_radix"}, {"sort_key", key}}));
     }
     const Scene room = find_scene("meshes/icosphere_room");

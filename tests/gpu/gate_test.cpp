@@ -136,6 +136,37 @@ TEST_F(Gate, PassesWarpsWhateverTheirPathsWaitFor) {
     }
 }
 
+// Keys by chunk, of a queue that has several chunks, the last one shorter; from a thread a path and from fetching
+// warps.
+TEST_F(Gate, PassesSortsWithinChunksOfTheQueue) {
+    const std::pair<const char*, std::vector<std::pair<const char*, const char*>>> cases[] = {
+        {"cornell_open_five", {{"compaction", "none"}, {"sorting", "bucket"}}},
+        {"cornell_open_five", {{"compaction", "block_scan_append"}, {"sorting", "bucket"}}},
+        {"cornell_open_five", {{"compaction", "block_scan_append"}, {"sorting", "cub_radix"}}},
+        {"cornell_open_five", {{"compaction", "gap_fill"}, {"sorting", "cub_radix_full"}}},
+        {"cornell_open_five", {{"compaction", "thrust_partition"}, {"sorting", "thrust_sort_by_key"}}},
+        {"meshes/icosphere_room", {{"sorting", "bucket"}, {"accelerator", "bvh2"}, {"traversal", "persistent"}}},
+    };
+    for (const auto& [name, choices] : cases) {
+        const Scene scene = find_scene(name);
+        RenderSettings settings = default_settings(scene);
+        settings.width = 40;
+        settings.height = 33;
+        settings.seed = 1;
+        Variant variant = expand({}, Backend::cuda).front();
+        variant.set("integrator", "wavefront");
+        variant.set("arithmetic", "exact");
+        variant.set("sort_key", "chunk_material");
+        for (const auto& [axis, choice] : choices) {
+            variant.set(axis, choice);
+        }
+        variant.tuning["chunk"] = 256;
+        ASSERT_EQ(why_not_applicable(variant, features_of(scene), Backend::cuda), "");
+        const Verdict sound = Verifier(scene, settings, 3, Backend::cuda).check(variant);
+        EXPECT_TRUE(sound.holds) << variant.spelled_out() << ": " << sound.message;
+    }
+}
+
 // The reference has the features of its scene alone; the kernel with every feature has other code and the same film.
 TEST_F(Gate, TheKernelWithEveryFeatureLeavesTheReferencesFilm) {
     for (const char* name : {"cornell_open_five", "environments/environment_sky", "meshes/icosphere_room"}) {

@@ -1,4 +1,5 @@
 // The host's side of wavefront.cuh.
+#include "variants/cuda/queue_chunks.h"
 #include "variants/cuda/wavefronts.h"
 #include "variants/integrator/wavefront_parameters.cuh"
 
@@ -22,7 +23,9 @@ template <class Real>
 class StagedWavefront final : public Wavefront {
 public:
     StagedWavefront(JobOf<Real>& job, IntegratorNeeds&& needs)
-        : Wavefront(job, std::move(needs), sizeof(Real), sizeof(StoredHit<Real>)), job_(job) {
+        : Wavefront(job, std::move(needs), sizeof(Real), sizeof(StoredHit<Real>)),
+          job_(job),
+          asked_chunk_(sort_key().by_chunk ? this->needs().tunable("chunk") : 0) {
         if (this->needs().traits.traversal.needs_own_kernel) {
             const int blocks = job.module->blocks_per_multiprocessor(IntersectPathsParameters<Real>::kernel, job.block);
             most_intersecting_threads_ = static_cast<std::uint32_t>(blocks) * job.multiprocessors * job.block;
@@ -64,7 +67,7 @@ private:
             job_.launch(intersecting_threads(),
                         IntersectPathsParameters<Real>{job_.scene, queue_.paths, order(), queue_.count, queue_.bound,
                                                        hits(), job_.cache, batches().segment(segment), job_.segments,
-                                                       keys, sort_key().bits, last_key(), needs().key_bounds});
+                                                       keys, sort_key().bits, chunk(), last_key(), needs().key_bounds});
         }
         if (sorts && by_hit) {
             const Stage stage(job_.stages, "sort", job_.stream);
@@ -79,8 +82,18 @@ private:
     const SortKeyTraits& sort_key() const { return needs().traits.sort_key; }
     StoredHit<Real>* hits() const { return static_cast<StoredHit<Real>*>(queue_.hits); }
 
+    // Slots, the same in every segment.
+    std::uint32_t chunk() const {
+        return sort_key().by_chunk ? slots_of_chunk(queue_.capacity, job_.materials, asked_chunk_) : 0;
+    }
+
     // One material more than the scene has: "missed".
-    std::uint32_t last_key() const { return (sort_key().has_material ? job_.materials + 1 : 1) << sort_key().bits; }
+    std::uint32_t last_key() const {
+        if (sort_key().by_chunk) {
+            return keys_of_chunks(queue_.capacity, job_.materials, chunk());
+        }
+        return (sort_key().has_material ? job_.materials + 1 : 1) << sort_key().bits;
+    }
 
     void sort() {
         needs().sorting->sort(queue_, last_key() + 1);
@@ -100,6 +113,7 @@ private:
     }
 
     JobOf<Real>& job_;
+    std::uint32_t asked_chunk_;  // slots; of keys by chunk
     std::uint32_t most_intersecting_threads_ = ~0u;
 };
 

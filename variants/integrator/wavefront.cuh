@@ -35,12 +35,13 @@ PT_KERNEL(generate_paths, pt::cuda::GeneratePathsParameters<Real>,
 PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
           (Scene parameter, PathStore store, const std::uint32_t* order, const std::uint32_t* count,
            std::uint32_t bound, StoredHit* hits, HitCache cache, SegmentNumber segment, SegmentCounts segments,
-           std::uint32_t* keys, std::uint32_t bits, std::uint32_t last_key, pt::cuda::KeyBounds bounds)) {
+           std::uint32_t* keys, std::uint32_t bits, std::uint32_t chunk, std::uint32_t last_key,
+           pt::cuda::KeyBounds bounds)) {
     const SceneViews scene(parameter);
     const Paths paths(store);
     if constexpr (pt::cuda::fetches_paths<Accelerator>) {
-        const pt::cuda::IntersectStage stage{scene, paths,   order, count, bound,    hits,
-                                             cache, segment, keys,  bits,  last_key, bounds};
+        const pt::cuda::IntersectStage stage{scene,   paths, order, count, bound,    hits,  cache,
+                                             segment, keys,  bits,  chunk, last_key, bounds};
         pt::cuda::intersect_fetched<Accelerator>(stage, segments);
         return;
     }
@@ -66,7 +67,7 @@ PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
                 paths.primitive(slot) = hit.primitive;
             }
             if (keys != nullptr) {
-                key = pt::cuda::key_of(scene.shade, ray, hit, bits, bounds);
+                key = pt::cuda::key_of(scene.shade, ray, hit, slot, bits, chunk, bounds);
             }
         }
     }

@@ -15,11 +15,16 @@ inline constexpr bool fetches_paths = requires {
 };
 
 // The sort key of a path by what its ray has met: its material (the number of materials where it met nothing), then
-// what the axis sort_key adds.
+// what the axis sort_key adds. By chunk: the chunk that its slot lies in, then its material.
 __device__ inline std::uint32_t key_of(const Scene& scene, const Ray<Real>& ray, const Hit<Real>& hit,
-                                       std::uint32_t bits, const KeyBounds& bounds) {
+                                       std::uint32_t slot, std::uint32_t bits, std::uint32_t chunk,
+                                       const KeyBounds& bounds) {
     const std::uint32_t material = hit.side.exists() ? scene.object_material[hit.side.object()] : scene.materials.size;
-    return (material << bits) | ::sort_key::rest(ray, hit, bounds);
+    if constexpr (::sort_key::by_chunk) {
+        return slot / chunk * (scene.materials.size + 1) + material;
+    } else {
+        return (material << bits) | ::sort_key::rest(ray, hit, bounds);
+    }
 }
 
 // What the stage is about: its parameters (IntersectPathsParameters), in views.
@@ -33,7 +38,7 @@ struct IntersectStage {
     const HitCache<Real>& cache;
     std::uint32_t segment;
     std::uint32_t* keys;
-    std::uint32_t bits, last_key;
+    std::uint32_t bits, chunk, last_key;
     const KeyBounds& bounds;
 
     // Positions that somebody has to look at.
@@ -133,8 +138,8 @@ private:
     __device__ void finish() {
         stage_.hits[slot_] = {best_.t, best_.side};
         if (stage_.keys != nullptr) {
-            stage_.keys[position_] =
-                key_of(stage_.scene.shade, stage_.paths.ray(slot_), best_, stage_.bits, stage_.bounds);
+            stage_.keys[position_] = key_of(stage_.scene.shade, stage_.paths.ray(slot_), best_, slot_, stage_.bits,
+                                            stage_.chunk, stage_.bounds);
         }
         if constexpr (carried_fields.primitive) {
             stage_.paths.primitive(slot_) = best_.primitive;

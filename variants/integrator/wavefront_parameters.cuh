@@ -37,6 +37,7 @@ struct IntersectPathsParameters {
     SegmentCounts segments;
     std::uint32_t* keys;
     std::uint32_t bits;
+    std::uint32_t chunk;  // slots; read by keys by chunk only
     std::uint32_t last_key;
     KeyBounds bounds;
 };

@@ -6,6 +6,7 @@
 namespace pt::sort_key::material {
 
 inline constexpr bool has_material = true;
+inline constexpr bool by_chunk = false;
 
 // What follows the material in the key: nothing.
 __device__ inline std::uint32_t rest(const Ray<Real>&, const pt::Hit<Real>&, const cuda::KeyBounds&) { return 0; }

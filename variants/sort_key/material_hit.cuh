@@ -7,6 +7,7 @@
 namespace pt::sort_key::material_hit {
 
 inline constexpr bool has_material = true;
+inline constexpr bool by_chunk = false;
 
 __device__ inline std::uint32_t rest(const Ray<Real>& ray, const pt::Hit<Real>& hit, const cuda::KeyBounds& bounds) {
     return hit.side.exists() ? cuda::morton(ray.origin + ray.direction * hit.t, bounds) : 0;

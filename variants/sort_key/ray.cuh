@@ -7,6 +7,7 @@
 namespace pt::sort_key::ray {
 
 inline constexpr bool has_material = false;
+inline constexpr bool by_chunk = false;
 
 __device__ inline std::uint32_t rest(const Ray<Real>& ray, const pt::Hit<Real>&, const cuda::KeyBounds& bounds) {
     const std::uint32_t octant = (ray.direction.x < Real(0) ? 4u : 0u) | (ray.direction.y < Real(0) ? 2u : 0u) |

@@ -49,11 +49,12 @@ constexpr Descriptor descriptor{
     .traits = SortingTraits{.reproducible_order = false},
     .backends = on_cuda,
     .unsupported_reason = [](FeatureSet, const VariantTraits& variant) -> Reason {
-        if (variant.sort_key.is_material_alone()) {
+        if (variant.sort_key.is_countable()) {
             return {};
         }
         return {"needs_material_key",
-                "has a bucket a material: needs sort_key=material, not " + std::string(variant.sort_key.name)};
+                "has a bucket a material, or one in each chunk: needs sort_key=material or chunk_material, not " +
+                    std::string(variant.sort_key.name)};
     },
     .check_counters = sorted_every_bounce,
 };

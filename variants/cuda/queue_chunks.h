@@ -1,0 +1,29 @@
+// The chunks of a queue's slots within which sort_key=chunk_material has paths put in order. Host side.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "variants/sorting/bucket_parameters.cuh"
+
+namespace pt::cuda {
+
+// The last one may be shorter.
+constexpr std::uint32_t chunks_of(std::uint32_t capacity, std::uint32_t chunk) {
+    return capacity / chunk + (capacity % chunk != 0 ? 1 : 0);
+}
+
+// Keys of paths that are alive, and so the key of all others: for each chunk one a material and one for "missed".
+constexpr std::uint32_t keys_of_chunks(std::uint32_t capacity, std::uint32_t materials, std::uint32_t chunk) {
+    return chunks_of(capacity, chunk) * (materials + 1);
+}
+
+// Slots of a chunk: as many as asked for, or the fewest with which a counting sort can count the keys and the one
+// behind them. One chunk is always allowed: with more materials than such a sort counts, it is no worse off than by
+// material alone.
+constexpr std::uint32_t slots_of_chunk(std::uint32_t capacity, std::uint32_t materials, std::uint32_t asked) {
+    const std::uint32_t most_chunks = std::max(1u, (most_bucket_keys - 1) / (materials + 1));
+    return std::max(asked, chunks_of(capacity, most_chunks));
+}
+
+}  // namespace pt::cuda
