@@ -103,7 +103,7 @@ private:
         xml_.open("integrator", {{"type", has_walks ? "volpathmis" : has_media ? "volpath" : "path"}});
         if (has_walks) {
             value("integer", "max_depth", "-1");
-            whole("rr_depth", 128);
+            whole("rr_depth", roulette_depth(scene_));
         } else {
             whole("max_depth", settings_.depth);
             whole("rr_depth", std::uint64_t{settings_.depth} + 1);  // never

@@ -321,4 +321,29 @@ double mitsuba_offset_by_thickness(const Scene& scene, double scale) {
     return offset_by_size * (1 + largest) / thinnest;
 }
 
+std::uint64_t roulette_depth(const Scene& scene) {
+    constexpr double of_surfaces = 128, least_left = 1e-5, of_reflections = 6, most = 1e6;
+    double steps = 0;
+    for (const SceneObject& object : scene.objects) {
+        const SceneMaterial& material = scene.materials[object.material];
+        if (material.type != MaterialType::subsurface) {
+            continue;
+        }
+        const Extent extent = extent_of(scene, object);
+        const Vec3d size = extent.high - extent.low;
+        for (int channel = 0; channel < 3; ++channel) {
+            const double scattering = material.sigma_s[channel];
+            const double density = material.sigma_a[channel] + scattering;
+            if (scattering > 0) {
+                const double turning = 1 - material.g;
+                const double slab = std::min({size.x, size.y, size.z}) * density * turning + of_reflections;
+                const double lost =
+                    turning * pi<double> * pi<double> / (3 * slab * slab) + std::log(density / scattering);
+                steps = std::max(steps, -std::log(least_left) / lost);
+            }
+        }
+    }
+    return static_cast<std::uint64_t>(std::min(most, of_surfaces + std::ceil(steps)));
+}
+
 }  // namespace pt

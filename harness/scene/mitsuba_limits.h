@@ -1,6 +1,7 @@
 // What of a scene Mitsuba 3 cannot render to the same picture: docs/other_renderers.md has the reasons.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,14 @@ struct Extent {
     Vec3d low, high;
 };
 Extent extent_of(const Scene& scene, const SceneObject& object);
+
+// Events of a path after which Mitsuba's roulette begins, in a scene with bodies that scatter. It kills at least one
+// path in twenty at each event, so walks that are longer by some hundreds are never seen and the picture is too dark:
+// it begins where less than 10^-5 of any body's light is left. In a slab of L transport mean free paths a step leaves
+// albedo * exp(-(1 - g) pi^2 / (3 L^2)) in the mode of diffusion that lasts longest (A. Ishimaru, Wave Propagation and
+// Scattering in Random Media, 1978, chapter 9); a surface that reflects six tenths of what comes from within is as
+// three more mean free paths on its side.
+std::uint64_t roulette_depth(const Scene& scene);
 
 // contains_point where the object stands while the shutter is open.
 bool contains_as_it_stands(const Scene& scene, const SceneObject& object, const Vec3d& point);

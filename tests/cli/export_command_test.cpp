@@ -310,7 +310,7 @@ TEST(ExportCommandTest, ABodyIsAMediumAndPathsHaveNoEnd) {
     const std::string xml = content_of(exported.folder.file("small.xml"));
     EXPECT_EQ(lines_from(xml, "<integrator", 3),
               "<integrator type=\"volpathmis\">\n<integer name=\"max_depth\" value=\"-1\"/>\n"
-              "<integer name=\"rr_depth\" value=\"128\"/>\n");
+              "<integer name=\"rr_depth\" value=\"300\"/>\n");
     EXPECT_EQ(lines_from(xml, "<bsdf", 5),
               "<bsdf type=\"dielectric\" id=\"material_0\">\n<float name=\"int_ior\" value=\"1.25\"/>\n"
               "<float name=\"ext_ior\" value=\"1\"/>\n</bsdf>\n<bsdf type=\"null\" id=\"material_1\"/>\n");
@@ -318,6 +318,22 @@ TEST(ExportCommandTest, ABodyIsAMediumAndPathsHaveNoEnd) {
               "<medium name=\"interior\" type=\"homogeneous\">\n<rgb name=\"sigma_t\" value=\"0.5, 0, 1\"/>\n"
               "<float name=\"scale\" value=\"2\"/>\n<rgb name=\"albedo\" value=\"0.75, 0, 0.75\"/>\n"
               "<phase type=\"hg\">\n<float name=\"g\" value=\"0.25\"/>\n</phase>\n</medium>\n");
+}
+
+// 128 and what a step must be taken to for 10^-5 to be left: a decay of pi^2 / (3 L^2), L the diameter in mean free
+// paths and 6; in a white body of 94 there is no other one, and an albedo of 0.99 adds ln(1 / 0.99) to it.
+TEST(ExportMitsubaTest, RouletteBeginsWhereWalksInDenseBodiesHaveEnded) {
+    const auto begins = [](const Vec3d& sigma_s, const Vec3d& sigma_a, double radius) {
+        SceneBuilder builder;
+        builder.camera({0, 0, 0}, {0, 0, 1});
+        builder.sphere(builder.subsurface(sigma_s, sigma_a), {0, 0, 500}, radius);
+        const std::string xml = mitsuba_scene(builder.scene, {.width = 8, .height = 8, .depth = 1000}, "scene").xml;
+        const std::string before = "\"rr_depth\" value=\"";
+        return std::stoul(xml.substr(xml.find(before) + before.size()));
+    };
+    EXPECT_EQ(begins({47, 0.5, 0}, {0, 0, 0}, 1), 128u + 34996u);
+    EXPECT_EQ(begins({4.7, 0.5, 0}, {0, 0, 0}, 10), 128u + 34996u);
+    EXPECT_EQ(begins({0.99, 0, 0}, {0.01, 0, 0}, 47), 128u + 1110u);
 }
 
 TEST(XmlTextTest, WhatXmlCannotHoldIsEscaped) {
