@@ -22,10 +22,11 @@ def scene(name: str, verdict: str, bias: float = 0.001) -> dict:
     }  # fmt: skip
 
 
-def source(tmp_path, *scenes: dict) -> CrosscheckSource:
+def source(tmp_path, *scenes: dict, scenes_of_call: int = 4) -> CrosscheckSource:
     context = {"date": "2026-11-23T03:00:00+0000", "ptbench.version": f"ptbench 1.0.0 (commit {COMMIT})"}
     context |= {"ptbench.machine": "m", "mitsuba.version": "3.9.1", "mitsuba.variant": "scalar_rgb"}
-    settings = {"resolution": [64, 64], "seeds": 8, "power": 0.9, "family": 0.01, "family_scenes": 4}
+    settings = {"resolution": [64, 64], "seeds": 8, "power": 0.9, "family": 0.01}
+    settings["family_scenes"] = scenes_of_call
     document = {"schema": "ptbench-crosscheck-1", "context": context, "settings": settings, "scenes": list(scenes)}
     name = f"{len(list(tmp_path.iterdir()))}.json"
     (tmp_path / name).write_text(json.dumps(document), encoding="utf-8")
@@ -61,6 +62,15 @@ def test_a_scene_that_was_rendered_again_had_another_chance(tmp_path):
     assert source(tmp_path, scene("a", "agrees")).family == "1.0 %"
     # Of the call's four scenes one was rendered three times: six chances.
     assert source(tmp_path, scene("a", "agrees") | {"first_seed": 17}).family == "1.5 %"
+
+
+def test_calls_of_different_sizes_add_up_to_one_probability(tmp_path):
+    once, again = {"first_seed": 1}, {"first_seed": 9}
+    refused = {"scene": "fog", "verdict": "not expressible", "aim": 0.005, "reasons": []}
+    first = source(tmp_path, scene("a", "agrees") | once, scene("b", "agrees") | again, refused)
+    assert first.told_apart() == "0.75 %"  # three renders of a call of four scenes, of 1 %
+    later = source(tmp_path, scene("c", "agrees") | once, scenes_of_call=16)
+    assert first.told_apart(later) == "0.81 %"
 
 
 def test_a_scene_that_differs_makes_the_sentence_false(tmp_path):

@@ -96,6 +96,22 @@ class CrosscheckSource:
         again = sum((scene.get("first_seed", 1) - 1) // self._settings["seeds"] for scene in self._scenes)
         return _percent(self._settings["family"] * (scenes + again) / scenes)
 
+    def told_apart(self, *others: CrosscheckSource) -> str:
+        """The probability, at most, that equal renderers are told apart in any scene that these files have.
+
+        A scene has its call's share each time that it was rendered. A share that is smaller than another call's makes
+        limits wider, so calls of different numbers of scenes may stand side by side.
+        """
+        shares = (
+            one._settings["family"]
+            / one._settings["family_scenes"]
+            * (1 + (scene["first_seed"] - 1) // one._settings["seeds"])
+            for one in (self, *others)
+            for scene in one._scenes
+            if "image" in scene
+        )
+        return _percent(sum(shares))
+
     def shared_by(self, *others: CrosscheckSource) -> int:
         """How many scenes share `family`; raises FindingError for files of calls that do not share one."""
         counts = {one._settings.get("family_scenes") for one in (self, *others)}
