@@ -139,6 +139,25 @@ std::string find_completion(const Pair& pair, const AxisChoices& axes, FeatureSe
     return "";
 }
 
+// Choices that no covering variant has, each of which is searched for like a pair: with itself.
+std::set<Place> hopeless_choices(const std::set<Pair>& covered, const AxisChoices& axes, FeatureSet scene,
+                                 std::mt19937& random) {
+    std::set<Place> had, hopeless;
+    for (const auto& [first, second] : covered) {
+        had.insert({first, second});
+    }
+    for (std::size_t axis = 0; axis < std::size(axis_names); ++axis) {
+        for (const std::string& name : axes.at(std::string(axis_names[axis]))) {
+            const Place place{axis, name};
+            if (!had.contains(place)) {
+                EXPECT_EQ(find_completion({place, place}, axes, scene, Backend::cuda, random), "") << name;
+                hopeless.insert(place);
+            }
+        }
+    }
+    return hopeless;
+}
+
 TEST(CoveringTest, OnCudaLeavesNoPairOutThatCanBeFound) {
     if (!test::cuda_is_built()) {
         GTEST_SKIP() << "built without a CUDA toolkit";
@@ -150,9 +169,10 @@ TEST(CoveringTest, OnCudaLeavesNoPairOutThatCanBeFound) {
     for (const FeatureSet scene : scenes) {
         const std::vector<Variant> variants = covering_variants(axes, scene, Backend::cuda);
         const std::set<Pair> covered = pairs_in(variants);
+        const std::set<Place> hopeless = hopeless_choices(covered, axes, scene, random);
         std::size_t left_out = 0;
         for (const Pair& pair : pairs_of(axes)) {
-            if (!covered.contains(pair)) {
+            if (!covered.contains(pair) && !hopeless.contains(pair.first) && !hopeless.contains(pair.second)) {
                 ++left_out;
                 EXPECT_EQ(find_completion(pair, axes, scene, Backend::cuda, random), "")
                     << axis_names[pair.first.first] << "=" << pair.first.second << " " << axis_names[pair.second.first]
