@@ -26,7 +26,7 @@ EXAMPLES = PACKAGE.parent / "examples"
 COMMITTED = [
     ROOT / "results" / "nvidia-h200" / "sorting.json",
     ROOT / "results" / "amd-epyc-2-threads" / "schedulers.json",
-    ROOT / "results" / "nvidia-h200" / "convergence.json",
+    ROOT / "results" / "nvidia-h200" / "convergence_fa77827.json",  # it has cells that failed
 ]
 
 

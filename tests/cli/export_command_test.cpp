@@ -323,17 +323,17 @@ TEST(ExportCommandTest, ABodyIsAMediumAndPathsHaveNoEnd) {
 // 128 and what a step must be taken to for 10^-5 to be left: a decay of pi^2 / (3 L^2), L the diameter in mean free
 // paths and 6; in a white body of 94 there is no other one, and an albedo of 0.99 adds ln(1 / 0.99) to it.
 TEST(ExportMitsubaTest, RouletteBeginsWhereWalksInDenseBodiesHaveEnded) {
-    const auto begins = [](const Vec3d& sigma_s, const Vec3d& sigma_a, double radius) {
+    const auto begins = [](const Vec3d& sigma_s, const Vec3d& sigma_a, double diameter) {
         SceneBuilder builder;
         builder.camera({0, 0, 0}, {0, 0, 1});
-        builder.sphere(builder.subsurface(sigma_s, sigma_a), {0, 0, 500}, radius);
+        builder.sphere(builder.subsurface(sigma_s, sigma_a), {0, 0, 500}, diameter);
         const std::string xml = mitsuba_scene(builder.scene, {.width = 8, .height = 8, .depth = 1000}, "scene").xml;
         const std::string before = "\"rr_depth\" value=\"";
         return std::stoul(xml.substr(xml.find(before) + before.size()));
     };
-    EXPECT_EQ(begins({47, 0.5, 0}, {0, 0, 0}, 1), 128u + 34996u);
-    EXPECT_EQ(begins({4.7, 0.5, 0}, {0, 0, 0}, 10), 128u + 34996u);
-    EXPECT_EQ(begins({0.99, 0, 0}, {0.01, 0, 0}, 47), 128u + 1110u);
+    EXPECT_EQ(begins({47, 0.5, 0}, {0, 0, 0}, 2), 128u + 34996u);
+    EXPECT_EQ(begins({4.7, 0.5, 0}, {0, 0, 0}, 20), 128u + 34996u);
+    EXPECT_EQ(begins({0.99, 0, 0}, {0.01, 0, 0}, 94), 128u + 1110u);
 }
 
 TEST(XmlTextTest, WhatXmlCannotHoldIsEscaped) {
