@@ -82,7 +82,7 @@ sanitize_tests() {
     while IFS= read -r name; do
         count_cases "sanitized $name" "$reports/sanitized_$name.xml"
     done < <(find "$root/build-sanitize/tests" -maxdepth 1 -name '*_test' -type f -executable -printf '%f\n' | sort |
-        xargs -P "$jobs" -I{} bash -c 'run_one_sanitized {}')
+        slowest_first | xargs -P "$jobs" -I{} bash -c 'run_one_sanitized {}')
 }
 
 run_sanitize() {

@@ -69,15 +69,22 @@ run_one_of_all() { # run_one_of_all NAME
     printf '%s\n' "$1"
 }
 
-# As many at once as there are processors: most have one thread. Those that take minutes come first.
+# Names, a line each, those first that take longest: a program that takes minutes and begins last runs alone.
+slowest_first() {
+    local slowest=(compile_test pytest verify_shipped_test inspect_test variants_test covering_test levels_test nvcc_test
+        mesh_test new_choice_test next_event_test suite_test)
+    local names
+    mapfile -t names
+    printf '%s\n' "${slowest[@]}" | grep -xF -f <(printf '%s\n' "${names[@]}") || true
+    printf '%s\n' "${names[@]}" | grep -vxF -f <(printf '%s\n' "${slowest[@]}") || true
+}
+
+# As many at once as there are processors: most have one thread.
 run_all_cases() {
-    local first=(compile_test pytest verify_shipped_test inspect_test nvcc_test) programs name
+    local programs name
     mapfile -t programs < <(find "$build_dir/tests" -maxdepth 1 -name '*_test' -type f -executable -printf '%f\n' | sort)
     ((${#programs[@]})) || fail "no test program in $(shown "$build_dir/tests")"
-    mapfile -t programs < <(
-        printf '%s\n' "${first[@]}" | grep -xF -e pytest -f <(printf '%s\n' "${programs[@]}")
-        printf '%s\n' "${programs[@]}" | grep -vxF -f <(printf '%s\n' "${first[@]}")
-    )
+    mapfile -t programs < <(printf '%s\n' pytest "${programs[@]}" | slowest_first)
     export build_dir venv reports
     export -f run_one_of_all start_cases
     while IFS= read -r name; do
