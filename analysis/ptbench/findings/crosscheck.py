@@ -93,8 +93,12 @@ class CrosscheckSource:
         A scene that was too noisy at first had a chance of one each time that it was rendered.
         """
         scenes = self._settings["family_scenes"]
-        again = sum((scene.get("first_seed", 1) - 1) // self._settings["seeds"] for scene in self._scenes)
+        again = sum(self._renders(scene) - 1 for scene in self._scenes)
         return _percent(self._settings["family"] * (scenes + again) / scenes)
+
+    def _renders(self, scene: dict) -> int:
+        """How often it was rendered: once, and again with later seeds where it was too noisy."""
+        return 1 + (scene.get("first_seed", 1) - 1) // self._settings["seeds"]
 
     def told_apart(self, *others: CrosscheckSource) -> str:
         """The probability, at most, that equal renderers are told apart in any scene that these files have.
@@ -103,9 +107,7 @@ class CrosscheckSource:
         limits wider, so calls of different numbers of scenes may stand side by side.
         """
         shares = (
-            one._settings["family"]
-            / one._settings["family_scenes"]
-            * (1 + (scene["first_seed"] - 1) // one._settings["seeds"])
+            one._settings["family"] / one._settings["family_scenes"] * one._renders(scene)
             for one in (self, *others)
             for scene in one._scenes
             if "image" in scene
