@@ -74,6 +74,7 @@ struct IntegratorTraits {
     bool sums_in_order = false;         // adds a pixel's samples in their order
     bool traces_in_own_kernel = false;  // which can be one whose warps fetch rays
     bool keeps_branches = false;        // a path may split: its branches wait beside it
+    bool refills_queue = false;         // paths of any number of segments are in the queue together
 };
 
 struct CompactionTraits {

@@ -60,6 +60,13 @@ std::vector<std::uint64_t> alive_by_segment(std::vector<std::uint64_t> by_length
     return by_length;
 }
 
+// Of a queue in which paths of any number of segments are together: its kernels count the rays.
+void add_refilled_work(const DeviceCounts& counts, WorkCounters& work) {
+    const std::uint64_t segments = counts.totals.paths.rays;
+    work.rays = segments + counts.totals.paths.connections;
+    work.sorted = work.sorts > 0 ? segments : 0;
+}
+
 // Of kernels that trace one segment a thread: rays are told from how many paths were traced.
 void add_queue_work(const Job& job, const DeviceCounts& counts, WorkCounters& work) {
     const std::uint64_t segments = sum_of(counts.live);
@@ -91,11 +98,11 @@ DeviceCounts download_counts(const Job& job, const IntegratorTraits& integrator)
     download(job, &counts.health, job.health.counters, 1);
     counts.live = download_segments(job, job.segments.live);
     counts.in_play = download_segments(job, job.segments.in_play);
-    if (integrator.has_queue) {
+    if (integrator.has_queue && !integrator.refills_queue) {
         counts.live = sum_of_copies(counts.live, job.segments.copies);
         counts.in_play = sum_of_copies(counts.in_play, job.segments.copies);
     } else {
-        // Megakernels count path lengths in the place of `live`, without copies.
+        // Others count path lengths in the place of `live`, without copies.
         counts.live.resize(job.longest_path);
         counts.live = alive_by_segment(std::move(counts.live));
     }
@@ -110,7 +117,9 @@ WorkCounters work_of(const Job& job, const IntegratorTraits& integrator, const W
     work.connections = counts.totals.paths.connections;
     work.unfinished_walks = counts.totals.paths.unfinished_walks;
     work.cache_fills = counts.totals.cache_fills;
-    if (integrator.has_queue) {
+    if (integrator.refills_queue) {
+        add_refilled_work(counts, work);
+    } else if (integrator.has_queue) {
         add_queue_work(job, counts, work);
     } else {
         work.rays = counts.totals.paths.rays;

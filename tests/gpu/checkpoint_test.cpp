@@ -122,6 +122,8 @@ constexpr Pipeline pipelines[] = {
     {"wavefront_fused", "atomic_append", "none", "packed"},
     {"wavefront_fused", "block_scan_append", "none", "aos"},
     {"wavefront_fused", "cub_three_way", "none", "soa"},
+    {"wavefront_refill", "none", "none", "packed"},
+    {"wavefront_refill", "none", "per_material_queue", "soa"},
 };
 
 Variant variant_of(const Pipeline& pipeline, const char* launch) {
@@ -143,8 +145,9 @@ TEST_F(CheckpointTest, EveryIntegratorAndLaunchShowsTheFilmOfTheSamplesSoFar) {
             }
         }
     }
-    // 13 by stream, 8 of the 9 with a queue by graph (Thrust waits), 6 of those with a compaction by graph_while.
-    EXPECT_EQ(tested, 2 * (13 + 8 + 6));
+    // 15 by stream, 8 of the 9 with a queue and a known end by graph (Thrust waits), 6 of those with a compaction by
+    // graph_while.
+    EXPECT_EQ(tested, 2 * (15 + 8 + 6));
 }
 
 TEST_F(CheckpointTest, AFirstBounceCacheIsFilledOnce) {
@@ -165,7 +168,8 @@ TEST_F(CheckpointTest, AFirstBounceCacheIsFilledOnce) {
 }
 
 TEST_F(CheckpointTest, SubsurfaceWalksAndSixMaterials) {
-    for (const char* const integrator : {"megakernel", "megakernel_regen", "persistent", "regroup", "wavefront"}) {
+    for (const char* const integrator :
+         {"megakernel", "megakernel_regen", "persistent", "regroup", "wavefront", "wavefront_refill"}) {
         const Variant variant = variant_of({integrator, "none", "none", "aos"}, "stream");
         EXPECT_EQ(expect_right_films_for("cornell_closed_five", true, variant, 4), 1);
         EXPECT_EQ(expect_right_films_for("subsurface_box_on", true, variant, 4), 1);

@@ -105,8 +105,8 @@ protected:
 };
 
 TEST_F(Gate, PassesASoundIntegrator) {
-    for (const char* integrator :
-         {"megakernel", "megakernel_regen", "persistent", "regroup", "wavefront", "wavefront_fused"}) {
+    for (const char* integrator : {"megakernel", "megakernel_regen", "persistent", "regroup", "wavefront",
+                                   "wavefront_fused", "wavefront_refill"}) {
         const Verdict sound = verdict(integrator);
         EXPECT_TRUE(sound.holds) << sound.message;
         EXPECT_NE(sound.message.find("the CPU's"), std::string::npos) << sound.message;

@@ -99,6 +99,12 @@ T __shfl_sync(unsigned, T value, unsigned lane) {
     return pt::test::with_values_of_warp(value,
                                          [&](const std::uint64_t* values) { return static_cast<T>(values[lane]); });
 }
+// A lane that has none so far below it keeps its own.
+template <class T>
+T __shfl_up_sync(unsigned mask, T value, unsigned distance) {
+    const unsigned lane = pt::test::host_thread % 32;
+    return __shfl_sync(mask, value, lane >= distance ? lane - distance : lane);
+}
 template <class T>
 T __shfl_xor_sync(unsigned mask, T value, unsigned distance) {
     return __shfl_sync(mask, value, (pt::test::host_thread % 32) ^ distance);

@@ -165,7 +165,8 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
     expect_choices(
         {
             {"integrator",
-             {"wavefront", "audited", "megakernel", "megakernel_regen", "persistent", "regroup", "wavefront_fused"}},
+             {"wavefront", "audited", "megakernel", "megakernel_regen", "persistent", "regroup", "wavefront_fused",
+              "wavefront_refill"}},
             {"compaction",
              {"none", "atomic_append", "block_scan_append", "cub_partition", "cub_select_flagged", "cub_select_if",
               "cub_three_way", "gap_fill", "thrust_copy_if_index", "thrust_partition", "thrust_remove_if",
@@ -887,6 +888,15 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApplyOnCuda) {
          "integrator=megakernel_regen has no queue to sort: needs sorting=none, not bucket"},
         {{{"integrator", "persistent"}, {"layout", "packed"}},
          "integrator=persistent keeps one path in registers, no array of paths: needs layout=aos, not packed"},
+        {{{"integrator", "wavefront_refill"}, {"layout", "soa"}, {"sorting", "bucket"}}, ""},
+        {{{"integrator", "wavefront_refill"}, {"compaction", "gap_fill"}},
+         "integrator=wavefront_refill replaces paths that end: needs compaction=none, not gap_fill"},
+        {{{"integrator", "wavefront_refill"}, {"launch", "graph"}},
+         "integrator=wavefront_refill ends when the device says so, nothing to capture: needs launch=stream, not "
+         "graph"},
+        {{{"integrator", "wavefront_refill"}, {"sorting", "cub_radix"}, {"sort_key", "ray"}},
+         "integrator=wavefront_refill sorts paths once they have met something: needs a key with the material, not "
+         "sort_key=ray"},
         {{{"integrator", "regroup"}, {"layout", "soa"}},
          "integrator=regroup keeps one path in registers, no array of paths: needs layout=aos, not soa"},
         {{{"integrator", "megakernel"}, {"launch", "graph"}},
@@ -1051,7 +1061,7 @@ std::vector<WorkCase> work_cases() {
          on_cuda},
         {"launch", "graph_while", too_short_to_loop, {{one_kernel, "launched no graph"}}, on_cuda},
     };
-    for (const char* name : {"wavefront", "wavefront_fused"}) {
+    for (const char* name : {"wavefront", "wavefront_fused", "wavefront_refill"}) {
         cases.push_back(
             {"integrator", name, launched, {{one_kernel, "ran no queue"}, {queued, "launched no kernel"}}, on_cuda});
     }

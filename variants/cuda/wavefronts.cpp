@@ -78,10 +78,14 @@ void Wavefront::render() {
     batches_.run([this](std::uint32_t first_sample, std::uint32_t samples) { enqueue(first_sample, samples); });
 }
 
+void Wavefront::start_queue(std::uint32_t paths) {
+    queue_ = start_;
+    queue_.bound = paths;
+}
+
 // One batch: every path of it from its camera ray to its end.
 void Wavefront::enqueue(std::uint32_t first_sample, std::uint32_t samples) {
-    queue_ = start_;
-    queue_.bound = job_.pixels * samples;
+    start_queue(job_.pixels * samples);
     begin(first_sample);
     for (std::uint32_t segment = 1 + batches_.enqueue_loop([this] { return enqueue_round(); });
          segment < job_.longest_path && queue_.bound > 0; ++segment) {

@@ -34,13 +34,14 @@ inline std::string wavefront_work_missing(const WorkCounters& work, std::uint64_
     return work.launches == 0 ? "launched no kernel" : "";
 }
 
-// An integrator tells how a batch begins and what a segment is; the rest is here.
+// An integrator tells how a batch begins and what a segment is; the rest is here, but for one that does not take its
+// samples in batches and has a loop of its own.
 class Wavefront : public Integrator {
 public:
     void reserve(Arena& arena) final;
     void upload() final;
     void prepare() final;
-    void render() final;
+    void render() override;
     WorkCounters device_work() const final { return batches_.loop_work(); }
     PathBytes path_bytes() const final { return path_bytes_; }
 
@@ -61,6 +62,8 @@ protected:
     // it.
     virtual LiveCounts end_round(const Queue& before);
 
+    // queue_ as a render finds it, with so many paths in play.
+    void start_queue(std::uint32_t paths);
     // After a segment: counts it, and compacts where the kernel did not.
     void end_segment(std::uint32_t segment);
     bool is_last(std::uint32_t segment) const { return segment + 1 == job_.longest_path; }

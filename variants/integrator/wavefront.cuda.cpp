@@ -1,5 +1,5 @@
 // The host's side of wavefront.cuh.
-#include "variants/cuda/queue_chunks.h"
+#include "variants/cuda/sort_stage.h"
 #include "variants/cuda/wavefronts.h"
 #include "variants/integrator/wavefront_parameters.cuh"
 
@@ -25,7 +25,7 @@ public:
     StagedWavefront(JobOf<Real>& job, IntegratorNeeds&& needs)
         : Wavefront(job, std::move(needs), sizeof(Real), sizeof(StoredHit<Real>)),
           job_(job),
-          asked_chunk_(sort_key().by_chunk ? this->needs().tunable("chunk") : 0) {
+          sort_stage_(job, this->needs()) {
         if (this->needs().traits.traversal.needs_own_kernel) {
             const int blocks = job.module->blocks_per_multiprocessor(IntersectPathsParameters<Real>::kernel, job.block);
             most_intersecting_threads_ = static_cast<std::uint32_t>(blocks) * job.multiprocessors * job.block;
@@ -53,13 +53,15 @@ private:
     }
 
     void trace(std::uint32_t segment) override {
-        const bool sorts = needs().sorting != nullptr && !is_last(segment);
-        const bool by_hit = sort_key().has_material;
+        const bool sorts = sort_stage_.exists() && !is_last(segment);
+        const SortKeyTraits& key = sort_stage_.key();
+        const bool by_hit = key.has_material;
         if (sorts && !by_hit) {
             const Stage stage(job_.stages, "sort", job_.stream);
-            job_.launch(queue_.bound, WriteRayKeysParameters{queue_.paths, order(), queue_.count, queue_.bound,
-                                                             queue_.keys, last_key(), needs().key_bounds});
-            sort();
+            job_.launch(queue_.bound,
+                        WriteRayKeysParameters{queue_.paths, order(), queue_.count, queue_.bound, queue_.keys,
+                                               sort_stage_.last_key(queue_), needs().key_bounds});
+            sort_stage_.sort(queue_);
         }
         {
             const Stage stage(job_.stages, "intersect", job_.stream);
@@ -67,11 +69,12 @@ private:
             job_.launch(intersecting_threads(),
                         IntersectPathsParameters<Real>{job_.scene, queue_.paths, order(), queue_.count, queue_.bound,
                                                        hits(), job_.cache, batches().segment(segment), job_.segments,
-                                                       keys, sort_key().bits, chunk(), last_key(), needs().key_bounds});
+                                                       keys, key.bits, sort_stage_.chunk(queue_),
+                                                       sort_stage_.last_key(queue_), needs().key_bounds});
         }
         if (sorts && by_hit) {
             const Stage stage(job_.stages, "sort", job_.stream);
-            sort();
+            sort_stage_.sort(queue_);
         }
         shade(sorts && by_hit);
     }
@@ -79,41 +82,18 @@ private:
     // One a path, or as many as fit at once.
     std::uint32_t intersecting_threads() const { return std::min(queue_.bound, most_intersecting_threads_); }
 
-    const SortKeyTraits& sort_key() const { return needs().traits.sort_key; }
     StoredHit<Real>* hits() const { return static_cast<StoredHit<Real>*>(queue_.hits); }
 
-    // Slots, the same in every segment.
-    std::uint32_t chunk() const {
-        return sort_key().by_chunk ? slots_of_chunk(queue_.capacity, job_.materials, asked_chunk_) : 0;
-    }
-
-    // One material more than the scene has: "missed".
-    std::uint32_t last_key() const {
-        if (sort_key().by_chunk) {
-            return keys_of_chunks(queue_.capacity, job_.materials, chunk());
-        }
-        return (sort_key().has_material ? job_.materials + 1 : 1) << sort_key().bits;
-    }
-
-    void sort() {
-        needs().sorting->sort(queue_, last_key() + 1);
-        job_.work.sorts += 1;
-    }
-
-    void shade(bool sorted) {
+    void shade(bool is_sorted) {
         const Stage stage(job_.stages, "shade", job_.stream);
-        std::vector<ShadeRange> ranges = sorted ? needs().sorting->shade_ranges() : std::vector<ShadeRange>();
-        if (ranges.empty()) {
-            ranges.push_back({order(), queue_.count});
-        }
-        for (const ShadeRange& range : ranges) {
+        for (const ShadeRange& range : sort_stage_.shade_ranges(queue_, is_sorted)) {
             job_.launch(queue_.bound, ShadePathsParameters<Real>{job_.scene, job_.film, queue_.paths, range.order,
                                                                  range.count, hits(), job_.totals});
         }
     }
 
     JobOf<Real>& job_;
-    std::uint32_t asked_chunk_;  // slots; of keys by chunk
+    SortStage sort_stage_;
     std::uint32_t most_intersecting_threads_ = ~0u;
 };
 

@@ -1,0 +1,220 @@
+// integrator=wavefront_refill without a GPU: its kernels, a thread a lane (tests/support/block_on_threads.h), leave the
+// film of depth_first, bit for bit, in the rounds that the host's side counts on. What is tested is which path goes
+// into which slot, when, and that none is lost or traced twice.
+#include "tests/support/block_on_threads.h"
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "harness/places.h"
+#include "harness/render/film.h"
+#include "harness/scene/scene_buffers.h"
+#include "variants/accelerator/brute_force.h"
+#include "variants/cuda/kernel_config.h"
+#include "variants/integrator/depth_first.h"
+#include "variants/integrator/wavefront_refill_parameters.cuh"
+#include "variants/layout/aos.cuh"
+
+using std::max;
+using std::min;
+
+using Real = float;
+inline constexpr pt::cuda::KernelConfig kernel_config{.features = pt::all_features, .block = 64};
+namespace host_bytes {
+inline constexpr unsigned fill_queue = sizeof(pt::cuda::FillQueueParameters<float>);
+inline constexpr unsigned intersect_queue = sizeof(pt::cuda::IntersectQueueParameters<float>);
+inline constexpr unsigned shade_and_refill = sizeof(pt::cuda::ShadeAndRefillParameters<float>);
+}  // namespace host_bytes
+using Paths = pt::layout::aos::DevicePaths<Real>;
+using Accelerator = pt::accelerator::brute_force::Traversal;
+namespace sort_key {
+inline constexpr bool by_chunk = false;
+template <class Ray, class Hit, class Bounds>
+std::uint32_t rest(const Ray&, const Hit&, const Bounds&) {
+    return 0;
+}
+}  // namespace sort_key
+#include "variants/cuda/scene_in_global.cuh"
+// After it: they need no more than its names.
+#include "variants/cuda/pixels_all.cuh"
+#include "variants/integrator/wavefront_refill.cuh"
+
+namespace pt::test {
+namespace {
+
+constexpr std::uint32_t samples = 3, width = 11, height = 7, total = samples * width * height;
+constexpr std::uint32_t first_sample = 2;
+
+// A queue of so many slots, and what the host's side does with it.
+class RefilledQueue {
+public:
+    RefilledQueue(const SceneView<float>& view, Film film, std::uint32_t slots)
+        : view_(view),
+          film_(std::move(film)),
+          slots_(slots),
+          blocks_((slots + kernel_config.block - 1) / kernel_config.block),
+          records_(slots),
+          store_{reinterpret_cast<unsigned char*>(records_.data()), slots},
+          hits_(slots),
+          order_(slots),
+          keys_(slots, 12345u),
+          ended_(view.longest_path()) {
+        std::iota(order_.begin(), order_.end(), 0u);
+        run([&] { ::fill_queue(view_, store_, &count_, slots_, supply(), ::HitCache{}); });
+    }
+
+    // With the paths in order of their keys in between. Returns what the device reports when the round begins.
+    std::uint64_t round(std::uint32_t number) {
+        std::uint64_t report = 0;
+        run([&] {
+            ::intersect_queue(view_, store_, order_.data(), slots_, hits_.data(), keys_.data(), 0, 0, last_key(),
+                              cuda::KeyBounds{}, supply(), cuda::ProgressReport{&report, number}, totals_.data());
+        });
+        sort();
+        const FilmView sums = film_.view();
+        run([&] {
+            ::shade_and_refill(view_, sums, store_, order_.data(), &count_, hits_.data(), supply(), ::HitCache{},
+                               totals_.data(), ended_.data());
+        });
+        return report;
+    }
+
+    std::uint32_t alive() const {
+        const ::Paths paths(store_);
+        std::uint32_t alive = 0;
+        for (std::uint32_t slot = 0; slot < slots_; ++slot) {
+            alive += paths.alive(slot) ? 1u : 0u;
+        }
+        return alive;
+    }
+    PathCounters counted() const {
+        PathCounters sum;
+        for (const cuda::Totals& copy : totals_) {
+            sum.paths += copy.paths.paths;
+            sum.rays += copy.paths.rays + copy.paths.connections;
+            sum.connections += copy.paths.connections;
+            sum.unfinished_walks += copy.paths.unfinished_walks;
+        }
+        return sum;
+    }
+    const Film& film() const { return film_; }
+    std::uint32_t handed_out() const { return next_; }
+    std::uint32_t count() const { return count_; }
+    // Paths by their number of segments: 1 and more.
+    const std::vector<std::uint64_t>& lengths() const { return ended_; }
+
+private:
+    template <class Kernel>
+    void run(const Kernel& kernel) {
+        run_blocks(blocks_, kernel_config.block, kernel);
+    }
+    cuda::PathSupply supply() { return {&next_, total, first_sample}; }
+    std::uint32_t last_key() const { return view_.materials.size + 1; }
+
+    // Every position has a key, and an ended path the last one.
+    void sort() {
+        std::vector<std::uint32_t> positions(slots_);
+        std::iota(positions.begin(), positions.end(), 0u);
+        const ::Paths paths(store_);
+        for (const std::uint32_t position : positions) {
+            EXPECT_EQ(keys_[position] == last_key(), !paths.alive(order_[position]));
+            EXPECT_LE(keys_[position], last_key());
+        }
+        std::stable_sort(positions.begin(), positions.end(),
+                         [&](std::uint32_t a, std::uint32_t b) { return keys_[a] < keys_[b]; });
+        std::vector<std::uint32_t> sorted;
+        for (const std::uint32_t position : positions) {
+            sorted.push_back(order_[position]);
+        }
+        order_ = sorted;
+        std::fill(keys_.begin(), keys_.end(), 12345u);
+    }
+
+    SceneView<float> view_;
+    Film film_;
+    std::uint32_t slots_, blocks_;
+    std::vector<layout::aos::Record<float>> records_;
+    cuda::PathStore store_;
+    std::vector<StoredHit<float>> hits_;
+    std::vector<std::uint32_t> order_, keys_;
+    std::vector<std::uint64_t> ended_;
+    std::vector<cuda::Totals> totals_{cuda::counter_copies};
+    std::uint32_t count_ = 0, next_ = 0;
+};
+
+struct OneByOne {
+    Film film;
+    PathCounters counted;
+    std::vector<std::uint64_t> lengths;
+};
+
+OneByOne one_by_one(const SceneView<float>& view, Film film) {
+    OneByOne rendered{std::move(film), {}, std::vector<std::uint64_t>(view.longest_path())};
+    for (std::uint32_t pixel = 0; pixel < view.pixel_count(); ++pixel) {
+        PixelSum<::Configuration> sum;
+        for (std::uint32_t sample = 0; sample < samples; ++sample) {
+            const std::uint32_t length = integrator::depth_first::trace<::Configuration>(
+                view, rendered.film.view(), sum, pixel, first_sample + sample, nullptr, false, rendered.counted);
+            rendered.lengths[length - 1] += 1;
+        }
+        sum.finish(rendered.film.view(), pixel);
+    }
+    return rendered;
+}
+
+void expect_same(const char* name, const std::function<void(RenderSettings&)>& change) {
+    const ::pt::Scene scene = find_scene(name);
+    RenderSettings settings = default_settings(scene);
+    settings.seed = 1;
+    settings.width = width;
+    settings.height = height;
+    change(settings);
+    const SceneBuffers<float> buffers(scene, settings);
+    const SceneView<float> view = buffers.view();
+    const Film film(width, height, radiance_bound(scene, settings), first_sample + samples);
+    const OneByOne expected = one_by_one(view, film);
+    // One of the last block's warps has fewer slots than lanes, and one none; and a slot for every path.
+    for (const std::uint32_t slots : {width * height, total}) {
+        SCOPED_TRACE(testing::Message() << name << ", " << slots << " slots");
+        RefilledQueue queue(view, film, slots);
+        EXPECT_EQ(queue.count(), slots);
+        std::uint32_t all_begun = ~0u, before = slots;
+        for (std::uint32_t round = 0; all_begun == ~0u || round < all_begun + view.longest_path(); ++round) {
+            if (before < total) {
+                ASSERT_EQ(queue.alive(), slots) << "before round " << round;
+            }
+            ASSERT_EQ(queue.round(round), std::uint64_t{round} << 32 | before);
+            if (before >= total && all_begun == ~0u) {
+                all_begun = round;
+            }
+            before = queue.handed_out();
+        }
+        EXPECT_EQ(queue.alive(), 0u);
+        EXPECT_EQ(queue.handed_out(), slots + total);  // every path that ended asked for one
+        EXPECT_EQ(queue.film().sums(), expected.film.sums());
+        EXPECT_EQ(queue.counted().paths, total);
+        EXPECT_EQ(queue.counted().rays, expected.counted.rays);
+        EXPECT_EQ(queue.counted().connections, expected.counted.connections);
+        EXPECT_EQ(queue.counted().unfinished_walks, expected.counted.unfinished_walks);
+        EXPECT_EQ(queue.lengths(), expected.lengths);
+    }
+}
+
+TEST(WavefrontRefill, LeavesTheSameFilm) {
+    expect_same("cornell_closed_five", [](RenderSettings&) {});
+    expect_same("cornell_open_five", [](RenderSettings& settings) { settings.depth = 1; });
+}
+
+TEST(WavefrontRefill, CountsConnectionsAndPathsThatRouletteEnds) {
+    expect_same("cornell_closed_five", [](RenderSettings& settings) {
+        settings.next_event = true;
+        settings.mis_exponent = 1;
+        settings.roulette_start = 2;
+    });
+}
+
+}  // namespace
+}  // namespace pt::test

@@ -1,0 +1,72 @@
+// The parameters of the refilled wavefront's kernels, for both sides.
+#pragma once
+
+#include "kernels/film.h"
+#include "variants/cuda/key_bounds.h"
+#include "variants/cuda/parameters.h"
+#include "variants/cuda/path_store.h"
+
+namespace pt::cuda {
+
+// The paths of one go, by number: path n is pixel n mod pixels, sample first_sample + n / pixels.
+struct PathSupply {
+    std::uint32_t* next;  // device: the path that is handed out next; total and beyond: none is left
+    std::uint32_t total;
+    std::uint32_t first_sample;
+};
+
+// How far the device has come, as it tells the host without being asked: a word in the host's memory, written when a
+// round begins. Upper half: rounds before it; lower half: paths that these have handed out.
+struct ProgressReport {
+    std::uint64_t* word;
+    std::uint32_t round;
+};
+
+// Path n into slot n, for every slot.
+template <class Real>
+struct FillQueueParameters {
+    static constexpr const char* kernel = "fill_queue";
+    SceneView<Real> scene;
+    PathStore store;
+    std::uint32_t* count;
+    std::uint32_t slots;
+    PathSupply supply;
+    HitCache<Real> cache;  // none: first_path takes one
+};
+
+// With `keys`, also writes the sort key of every position; ended paths have the last one.
+template <class Real>
+struct IntersectQueueParameters {
+    static constexpr const char* kernel = "intersect_queue";
+    SceneView<Real> scene;
+    PathStore store;
+    const std::uint32_t* order;  // null: slot i at position i
+    std::uint32_t slots;
+    StoredHit<Real>* hits;
+    std::uint32_t* keys;
+    std::uint32_t bits;
+    std::uint32_t chunk;  // slots; read by keys by chunk only
+    std::uint32_t last_key;
+    KeyBounds bounds;
+    PathSupply supply;
+    ProgressReport report;
+    Totals* totals;
+};
+
+// Shades the paths in slots order[0..*count-1]; the next path takes the slot of one that ends.
+template <class Real>
+struct ShadeAndRefillParameters {
+    static constexpr const char* kernel = "shade_and_refill";
+    SceneView<Real> scene;
+    FilmView film;
+    PathStore store;
+    const std::uint32_t* order;
+    const std::uint32_t* count;
+    const StoredHit<Real>* hits;
+    PathSupply supply;
+    HitCache<Real> cache;
+    Totals* totals;
+    std::uint64_t* ended;  // paths by their number of segments; null: not counted
+};
+
+}  // namespace pt::cuda
