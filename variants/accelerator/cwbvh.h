@@ -299,7 +299,7 @@ PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<R
 // Triangles of one node that are yet to be tested, of all its leaves.
 struct SlotGroup {
     std::uint32_t bits = 0;  // as in boxes_hit
-    std::uint32_t contents, base;
+    std::uint32_t contents = 0, base = 0;
 
     PT_HD bool empty() const { return bits == 0; }
     PT_HD std::uint32_t take() {

@@ -64,7 +64,7 @@ Wavefront::Wavefront(Job& job, IntegratorNeeds&& needs, std::size_t real_bytes, 
       real_bytes_(real_bytes),
       hit_bytes_(hit_bytes),
       batches_(job, std::min(needs_.tunable("spp_in_flight"), job.all_samples), needs_.traits.launch),
-      reads_back_(needs_.tunable("read_back") != 0),
+      reads_back_(!needs_.traits.integrator.refills_queue && needs_.tunable("read_back") != 0),
       pinned_(make_pinned_words(pinned_words)) {}
 
 // ---- the loop over the segments
