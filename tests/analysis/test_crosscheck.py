@@ -17,7 +17,7 @@ from conftest import ROOT
 from ptbench.cli.main import main
 from ptbench.crosscheck import command
 from ptbench.crosscheck.command import _wanted
-from ptbench.crosscheck.document import AGREES, DIFFERS, REFUSED, WEAK, Checked, as_json, as_scene, as_text
+from ptbench.crosscheck.document import AGREES, DIFFERS, REFUSED, WEAK, Checked, as_json, as_scene, as_text, spp_of
 from ptbench.crosscheck.renders import WHEEL, CannotExport, Images, Settings, export, render_here, shipped_scenes
 from ptbench.crosscheck.statistics import FAMILY, POWER, block_means, compare, family_of
 from ptbench.errors import InputError
@@ -219,6 +219,48 @@ def test_a_scene_is_rendered_until_it_sees_the_aim_each_time_by_other_seeds(stan
     # The most is rendered once, and found too weak.
     assert main([*call, "--most-spp", "8"]) == 1
     assert asked == [(4, 1), (8, 5)]
+
+
+def test_samples_here_may_be_others_than_there(stand_ins, tmp_path, monkeypatch):
+    asked = []
+    random = np.random.default_rng(12)
+    mean = picture(random)
+
+    def images(about: dict):
+        def render(_, settings: Settings, *__: object, **___: object) -> Images:
+            asked.append((settings.spp_here, settings.spp, settings.first_seed))
+            return Images(rendered(random, mean, 0.5, seeds=settings.seeds), about)
+
+        return render
+
+    about = {"scene_hash": "0123456789abcdef", "variant": "depth_first", "depth": 8, "render_seconds": 1.5}
+    monkeypatch.setattr(command, "render_here", images(about))
+    monkeypatch.setattr(command, "render_there", images({"seconds": 1}))
+    file = tmp_path / "crosscheck.json"
+    call = ["crosscheck", "a", *stand_ins, "--seeds", "4", "--out", str(file)]
+    assert main([*call, "--spp", "4", "--spp-here", "10", "--most-spp", "8"]) == 1
+    # A second time with as many times more of each.
+    assert asked == [(10, 4, 1)] * 2 + [(20, 8, 5)] * 2
+    (scene,) = json.loads(file.read_text())["scenes"]
+    assert [scene["spp_here"], scene["spp"]] == [20, 8]
+    assert spp_of(scene) == "20 here, 8 there"
+    assert list(complaints(json.loads(file.read_text()), "crosscheck")) == []
+    assert main([*call, "--spp", "4"]) == 1
+    (scene,) = json.loads(file.read_text())["scenes"]
+    assert "spp_here" not in scene
+    assert spp_of(scene) == "4"
+
+
+def test_each_renderer_takes_its_own_samples(monkeypatch, tmp_path):
+    if not BINARY.is_file():
+        pytest.skip("build/ptbench is not there")
+    monkeypatch.setenv("PTBENCH_HOME", str(ROOT))
+    few = replace(settings(), axes=("direct_light=off",), seeds=2)
+    paths = [
+        render_here("edge", replace(few, spp_here=here), tmp_path, has_meshes=False).about["paths"]
+        for here in (None, 3)
+    ]
+    assert paths == [32 * 32 * 4, 32 * 32 * 3]
 
 
 def refusal(capsys, *arguments: str) -> str:

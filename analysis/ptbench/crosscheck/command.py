@@ -79,6 +79,7 @@ def _settings(options: argparse.Namespace) -> Settings:
         seeds=options.seeds,
         first_seed=1,
         spp=options.spp,
+        spp_here=options.spp_here,
         resolution=options.resolution,
         depth=options.depth,
         scale=options.scale,
@@ -128,10 +129,16 @@ def _check(scene: str, settings: Settings, options: argparse.Namespace, family: 
         checked = _rendered(scene, xml, settings, options, scratch, family)
         while (spp := _wanted(checked, options.most_spp)) > checked.settings.spp:
             # By other seeds: the last images only said how much noise there is.
-            more = replace(settings, spp=spp, first_seed=checked.settings.first_seed + settings.seeds)
+            more = _more(checked.settings, spp)
             checked = _rendered(scene, xml, more, options, scratch, family)
     print(f"{scene}: {checked.verdict}", file=sys.stderr)
     return checked
+
+
+def _more(settings: Settings, spp: int) -> Settings:
+    """As many times more samples in both renderers, by other seeds."""
+    here = None if settings.spp_here is None else math.ceil(settings.spp_here * spp / settings.spp)
+    return replace(settings, spp=spp, spp_here=here, first_seed=settings.first_seed + settings.seeds)
 
 
 def _exported(scene: str, settings: Settings, scratch: Path) -> tuple[Settings, Path]:

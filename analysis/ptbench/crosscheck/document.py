@@ -65,6 +65,7 @@ def as_scene(checked: Checked) -> dict:
         "variant": about["variant"],
         "depth": about["depth"],
         "spp": checked.settings.spp,
+        **({} if checked.settings.spp_here is None else {"spp_here": checked.settings.spp_here}),
         "first_seed": checked.settings.first_seed,
         "seconds_here": about["render_seconds"],
         "seconds_there": checked.there.about["seconds"],
@@ -72,6 +73,11 @@ def as_scene(checked: Checked) -> dict:
         "blocks": _fields(checked.comparison.blocks),
         "pixels": _fields(checked.comparison.pixels),
     }
+
+
+def spp_of(scene: dict) -> str:
+    """Of a scene of a file, for a table."""
+    return f"{scene['spp_here']} here, {scene['spp']} there" if "spp_here" in scene else str(scene["spp"])
 
 
 def _fields(test: object) -> dict:
@@ -105,7 +111,7 @@ def row_of(scene: dict) -> tuple[str, ...]:
     image, blocks = scene["image"], scene["blocks"]
     return (
         scene["scene"],
-        str(scene["spp"]),
+        spp_of(scene),
         *(f"{sum(image[side]) / len(image[side]):.5g}" for side in ("here", "there")),
         f"{100 * max(image['bias'], key=abs):+.3f} %",
         _percent(image["sees"]),

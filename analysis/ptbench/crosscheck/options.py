@@ -34,6 +34,10 @@ def add_crosscheck(commands: argparse._SubParsersAction) -> None:
         "--spp", type=whole(1, 100_000_000), default=128, metavar="N", help="samples a pixel and seed (default: 128)"
     )
     parser.add_argument(
+        "--spp-here", type=whole(1, 100_000_000), metavar="N",
+        help="of ptbench's images, where they need other numbers than Mitsuba's for as little noise (default: as --spp)",
+    )  # fmt: skip
+    parser.add_argument(
         "--most-spp", type=whole(1, 100_000_000), default=1, metavar="N",
         help="a scene that is too weak is rendered once more, with as many as the aim needs, up to N (default: not)",
     )  # fmt: skip

@@ -50,10 +50,11 @@ class Settings:
     axes: tuple[str, ...]
     seeds: int
     first_seed: int
-    spp: int
+    spp: int  # of Mitsuba's images, and of ptbench's, unless spp_here says otherwise
     resolution: tuple[int, int]
     depth: int | None
     scale: float
+    spp_here: int | None = None
 
     @property
     def program(self) -> Program:
@@ -115,7 +116,8 @@ def export(scene: str, settings: Settings, folder: Path) -> Path:
 def render_here(scene: str, settings: Settings, folder: Path, *, has_meshes: bool) -> Images:
     """One image a seed by `ptbench render`."""
     target = folder / "here.pfm"
-    call = ["render", "--scene", scene, "--out", target, "--resolution", settings.size, "--spp", settings.spp]
+    call = ["render", "--scene", scene, "--out", target, "--resolution", settings.size]
+    call += ["--spp", settings.spp if settings.spp_here is None else settings.spp_here]
     call += [] if settings.depth is None else ["--depth", settings.depth]
     call += ["--backend", settings.backend] if settings.backend else []
     trees = [*_TREES.get(settings.backend, _TREES_ELSEWHERE)] if has_meshes else []

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from ptbench.crosscheck.document import spp_of
 from ptbench.errors import FindingError
 from ptbench.findings.quantities import link_to
 from ptbench.io.nodes import read_json
@@ -178,7 +179,7 @@ def _row(scene: dict) -> str:
     bias, error = image["bias"][worst], image["errors"][worst]
     cells = (
         Path(scene["scene"]).stem,
-        str(scene["spp"]),
+        spp_of(scene),
         f"{'+' if bias > 0 else ''}{_percent(bias)} ± {_percent(error)}",
         _percent(image["sees"]),
         f"{abs(blocks['worst']):.1f} of {blocks['limit']:.1f}",
