@@ -35,7 +35,7 @@ def add_crosscheck(commands: argparse._SubParsersAction) -> None:
     )
     parser.add_argument(
         "--spp-here", type=whole(1, 100_000_000), metavar="N",
-        help="of ptbench's images, where they need other numbers than Mitsuba's for as little noise (default: as --spp)",
+        help="of ptbench's images, where they need other numbers for as little noise (default: as --spp)",
     )  # fmt: skip
     parser.add_argument(
         "--most-spp", type=whole(1, 100_000_000), default=1, metavar="N",
