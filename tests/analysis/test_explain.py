@@ -156,6 +156,19 @@ def test_what_else_differs_comes_from_the_rows(tmp_path):
     assert facts["MB of states in the queue"].a == 64 * 40000 / 1e6
 
 
+def test_a_queue_that_is_refilled_holds_live_paths(tmp_path):
+    builder = Builder("refill").on_gpu().study("refill")
+    for integrator in ("wavefront", "wavefront_refill"):
+        axes = {} if integrator == "wavefront" else {"integrator": integrator}
+        cell = builder.cell(
+            "refill", ms_per_spp=3.5, noise=0.0, spp=SPP, depth=4, axes=axes, instrumented=passed(4.0, {"shade": 2.0})
+        )
+        cell["counters"]["compactions"] = 0
+    _, pair = pair_of(builder, tmp_path)
+    live = facts_by_name(pair)["live share of the queue, mean over bounces"]
+    assert (live.a, live.b) == (7 / 16, 1.0)
+
+
 def test_the_difference_in_rays_and_in_their_price_add_up(tmp_path):
     builder = compacted()
     for row in builder.rows:

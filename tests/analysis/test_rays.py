@@ -440,7 +440,7 @@ def test_the_page_of_meshes_takes_what_is_there(tmp_path):
         (h100 / name).symlink_to(ROOT / "results/nvidia-h200" / name)
     for name in ("accelerators.json.gz", "rays_cpu.json"):
         (cpu / name).symlink_to(ROOT / "results/amd-epyc-2-threads" / name)
-    (h200 / "levels.json.gz").symlink_to(ROOT / "results/nvidia-h200/levels_sphereflake.json.gz")
+    (h100 / "levels.json.gz").symlink_to(ROOT / "results/nvidia-h200/levels_sphereflake.json.gz")
     errors_over_meshes(h200 / "mesh_convergence.json")
     counted(h200 / "rays_counters")
     page = read_page(ROOT / "docs/templates/meshes.md")

@@ -20,6 +20,7 @@ MILLION_RAYS, NS_A_RAY = "million rays a spp", "ns a ray"
 # A clock or a count that differs by less is the same one.
 _SAME = 0.001
 _CLOCK_MATTERS = 0.005
+_REFILLED = "wavefront_refill"  # the integrator whose queue holds live paths alone
 
 
 @dataclass(frozen=True)
@@ -117,7 +118,8 @@ def _slots(a: Cell, b: Cell) -> Iterator[Fact]:
         done = cell.instrumented
         if done is None or not done.live_paths or cell.axes.get("integrator", "").find("wavefront") < 0:
             return None
-        return 1.0 if cell.counters.get("compactions") else sum(done.live_paths) / (done.paths * cell.depth)
+        is_full = cell.counters.get("compactions") or cell.axes["integrator"] == _REFILLED
+        return 1.0 if is_full else sum(done.live_paths) / (done.paths * cell.depth)
 
     shares = live_share(a), live_share(b)
     if shares == (1.0, 1.0) or None in shares:
@@ -125,7 +127,7 @@ def _slots(a: Cell, b: Cell) -> Iterator[Fact]:
     yield Fact(
         "live share of the queue, mean over bounces",
         *shares,
-        "without compaction each bounce passes over the slots of ended paths; after one the queue holds live paths",
+        "a queue that is neither compacted nor refilled has the slots of ended paths passed over in each bounce",
     )
 
 
