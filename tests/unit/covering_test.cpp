@@ -196,7 +196,7 @@ TEST(CoveringTest, OnCudaLeavesNoPairOutThatCanBeFound) {
         // The search would be idle if nothing were left out, and the set worth nothing if it were large.
         EXPECT_GT(left_out, 50u);
         EXPECT_GT(covered.size(), 500u);
-        EXPECT_LT(variants.size(), 600u);
+        EXPECT_LT(variants.size(), 650u);
     }
 }
 
