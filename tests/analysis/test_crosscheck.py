@@ -238,9 +238,9 @@ def test_samples_here_may_be_others_than_there(stand_ins, tmp_path, monkeypatch)
     monkeypatch.setattr(command, "render_there", images({"seconds": 1}))
     file = tmp_path / "crosscheck.json"
     call = ["crosscheck", "a", *stand_ins, "--seeds", "4", "--out", str(file)]
-    assert main([*call, "--spp", "4", "--spp-here", "10", "--most-spp", "8"]) == 1
+    assert main([*call, "--spp", "4", "--spp-here", "10", "--most-spp", "8", "--first-seed", "101"]) == 1
     # A second time with as many times more of each.
-    assert asked == [(10, 4, 1)] * 2 + [(20, 8, 5)] * 2
+    assert asked == [(10, 4, 101)] * 2 + [(20, 8, 105)] * 2
     (scene,) = json.loads(file.read_text())["scenes"]
     assert [scene["spp_here"], scene["spp"]] == [20, 8]
     assert spp_of(scene) == "20 here, 8 there"

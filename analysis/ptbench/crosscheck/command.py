@@ -77,7 +77,7 @@ def _settings(options: argparse.Namespace) -> Settings:
         backend=options.backend,
         axes=tuple(options.axis),
         seeds=options.seeds,
-        first_seed=1,
+        first_seed=options.first_seed,
         spp=options.spp,
         spp_here=options.spp_here,
         resolution=options.resolution,

@@ -31,6 +31,10 @@ def add_crosscheck(commands: argparse._SubParsersAction) -> None:
     )
     parser.add_argument("--seeds", type=whole(2, 1000), default=8, metavar="N", help="images of each (default: 8)")
     parser.add_argument(
+        "--first-seed", type=whole(1, 1_000_000), default=1, metavar="N",
+        help="of both (default: 1); what is to be taken together with another call's needs other seeds than that",
+    )  # fmt: skip
+    parser.add_argument(
         "--spp", type=whole(1, 100_000_000), default=128, metavar="N", help="samples a pixel and seed (default: 128)"
     )
     parser.add_argument(

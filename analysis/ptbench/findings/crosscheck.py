@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from ptbench.crosscheck.document import spp_of
+from ptbench.crosscheck.pooled import Pooled, pooled
 from ptbench.errors import FindingError
 from ptbench.findings.quantities import link_to
 from ptbench.io.nodes import read_json
@@ -60,6 +61,30 @@ class CrosscheckSource:
         if self.differing:
             raise FindingError(f"{self._shown}: {', '.join(self.differing)} differ; the page says: {said}")
         return said
+
+    @staticmethod
+    def worst(found: Pooled) -> str:
+        """The bias of the channel that has most of it, of the mean, with its standard error."""
+        channel = max(range(len(found.bias)), key=lambda i: abs(found.bias[i]))
+        bias, error = found.bias[channel], found.errors[channel]
+        return f"{'+' if bias > 0 else ''}{_percent(bias)} ± {_percent(error)}"
+
+    @staticmethod
+    def seen(found: Pooled) -> str:
+        """The bias that would have been seen."""
+        return _percent(found.sees)
+
+    def together(self, scene: str, *others: CrosscheckSource) -> Pooled:
+        """A scene of this file and of others, by other seeds."""
+        found = [
+            (one, source._settings["seeds"])
+            for source in (self, *others)
+            for one in source._of("agrees", "differs", "too weak")
+            if one["scene"] == scene
+        ]
+        if len(found) != 1 + len(others):
+            raise FindingError(f"{self._shown} and others: {scene} is in {len(found)} of {1 + len(others)} files")
+        return pooled(found)
 
     @property
     def mitsuba(self) -> str:

@@ -1,0 +1,69 @@
+"""Several cross-checks of one scene by different seeds, taken together: whether the image's mean differs.
+
+Each is unbiased by itself, so their biases are averaged with the weights 1 / error^2; the degrees of freedom of the
+error are Welch's and Satterthwaite's (Biometrics 2, 1946), each cross-check with those of its smaller side.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import stdtr, stdtrit
+
+from ptbench.crosscheck.document import AGREES, DIFFERS, WEAK
+from ptbench.crosscheck.statistics import POWER
+from ptbench.errors import FindingError
+
+
+@dataclass(frozen=True)
+class Pooled:
+    """Of the image's mean, by channel, as shares of it."""
+
+    bias: tuple[float, ...]
+    errors: tuple[float, ...]
+    worst_p: float
+    limit_p: float
+    sees: float  # of the worst channel, with the probability POWER
+    aim: float
+
+    @property
+    def verdict(self) -> str:
+        """One of three words; of the mean alone."""
+        if self.worst_p < self.limit_p:
+            return DIFFERS
+        return AGREES if self.sees <= self.aim else WEAK
+
+
+def pooled(scenes: list[tuple[dict, int]]) -> Pooled:
+    """Of scenes of report files with the seeds of each; raises FindingError unless they are of one scene by different
+    seeds."""
+    _check(scenes)
+    images = [scene["image"] for scene, _ in scenes]
+    bias, errors = (np.array([image[name] for image in images]) for name in ("bias", "errors"))
+    freedom = np.array([seeds - 1 for _, seeds in scenes])[:, None]
+    weights = errors**-2 / (errors**-2).sum(axis=0)
+    mean, error = (weights * bias).sum(axis=0), (errors**-2).sum(axis=0) ** -0.5
+    # Of the variance of the mean, w e^2 of each: as large a part as its weight.
+    together = 1 / (weights**2 / freedom).sum(axis=0)
+    limit_p = min(image["limit_p"] for image in images)
+    sees = (stdtrit(together, 1 - limit_p / 2) + stdtrit(together, POWER)) * error
+    return Pooled(
+        bias=tuple(map(float, mean)),
+        errors=tuple(map(float, error)),
+        worst_p=float(np.min(2 * stdtr(together, -np.abs(mean / error)))),
+        limit_p=limit_p,
+        sees=float(sees.max()),
+        aim=min(scene["aim"] for scene, _ in scenes),
+    )
+
+
+def _check(scenes: list[tuple[dict, int]]) -> None:
+    names = ("scene", "scene_hash", "depth")
+    if len({tuple(scene.get(name) for name in names) for scene, _ in scenes}) != 1:
+        raise FindingError(
+            f"cross-checks of several scenes: {[[scene.get(name) for name in names] for scene, _ in scenes]}"
+        )
+    seeds = [seed for scene, count in scenes for seed in range(scene["first_seed"], scene["first_seed"] + count)]
+    if len(set(seeds)) != len(seeds):
+        raise FindingError(f"{scenes[0][0]['scene']}: two cross-checks have a seed in common")
