@@ -10,11 +10,10 @@
 #include <gtest/gtest.h>
 
 #include "harness/places.h"
-#include "harness/render/film.h"
 #include "harness/scene/scene_buffers.h"
+#include "tests/support/one_by_one.h"
 #include "variants/accelerator/brute_force.h"
 #include "variants/cuda/kernel_config.h"
-#include "variants/integrator/depth_first.h"
 #include "variants/integrator/wavefront_refill_parameters.cuh"
 #include "variants/layout/aos.cuh"
 
@@ -145,26 +144,6 @@ private:
     std::uint32_t count_ = 0, next_ = 0;
 };
 
-struct OneByOne {
-    Film film;
-    PathCounters counted;
-    std::vector<std::uint64_t> lengths;
-};
-
-OneByOne one_by_one(const SceneView<float>& view, Film film) {
-    OneByOne rendered{std::move(film), {}, std::vector<std::uint64_t>(view.longest_path())};
-    for (std::uint32_t pixel = 0; pixel < view.pixel_count(); ++pixel) {
-        PixelSum<::Configuration> sum;
-        for (std::uint32_t sample = 0; sample < samples; ++sample) {
-            const std::uint32_t length = integrator::depth_first::trace<::Configuration>(
-                view, rendered.film.view(), sum, pixel, first_sample + sample, nullptr, false, rendered.counted);
-            rendered.lengths[length - 1] += 1;
-        }
-        sum.finish(rendered.film.view(), pixel);
-    }
-    return rendered;
-}
-
 void expect_same(const char* name, const std::function<void(RenderSettings&)>& change) {
     const ::pt::Scene scene = find_scene(name);
     RenderSettings settings = default_settings(scene);
@@ -175,7 +154,7 @@ void expect_same(const char* name, const std::function<void(RenderSettings&)>& c
     const SceneBuffers<float> buffers(scene, settings);
     const SceneView<float> view = buffers.view();
     const Film film(width, height, radiance_bound(scene, settings), first_sample + samples);
-    const OneByOne expected = one_by_one(view, film);
+    const OneByOne expected = one_by_one<::Configuration>(view, film, first_sample, samples);
     // One of the last block's warps has fewer slots than lanes, and one none; and a slot for every path.
     for (const std::uint32_t slots : {width * height, total}) {
         SCOPED_TRACE(testing::Message() << name << ", " << slots << " slots");

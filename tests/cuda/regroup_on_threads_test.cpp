@@ -9,11 +9,10 @@
 #include <gtest/gtest.h>
 
 #include "harness/places.h"
-#include "harness/render/film.h"
 #include "harness/scene/scene_buffers.h"
+#include "tests/support/one_by_one.h"
 #include "variants/accelerator/brute_force.h"
 #include "variants/cuda/kernel_config.h"
-#include "variants/integrator/depth_first.h"
 #include "variants/integrator/regroup_parameters.cuh"
 #include "variants/layout/aos.cuh"
 
@@ -63,19 +62,6 @@ Rendered regrouped(const SceneView<float>& view, Film film, std::uint32_t sample
     return rendered;
 }
 
-Rendered one_by_one(const SceneView<float>& view, Film film) {
-    Rendered rendered{std::move(film), {}};
-    for (std::uint32_t pixel = 0; pixel < view.pixel_count(); ++pixel) {
-        PixelSum<::Configuration> sum;
-        for (std::uint32_t sample = 0; sample < samples; ++sample) {
-            integrator::depth_first::trace<::Configuration>(view, rendered.film.view(), sum, pixel, sample, nullptr,
-                                                            false, rendered.counted);
-        }
-        sum.finish(rendered.film.view(), pixel);
-    }
-    return rendered;
-}
-
 void expect_same(const char* name, const std::function<void(RenderSettings&)>& change) {
     const ::pt::Scene scene = find_scene(name);
     RenderSettings settings = default_settings(scene);
@@ -85,7 +71,7 @@ void expect_same(const char* name, const std::function<void(RenderSettings&)>& c
     change(settings);
     const SceneBuffers<float> buffers(scene, settings);
     const Film film(settings.width, settings.height, radiance_bound(scene, settings), samples);
-    const Rendered expected = one_by_one(buffers.view(), film);
+    const OneByOne expected = one_by_one<::Configuration>(buffers.view(), film, 0, samples);
     for (const std::uint32_t samples_per_piece : {1u, 2u}) {
         const Rendered rendered = regrouped(buffers.view(), film, samples_per_piece);
         EXPECT_EQ(rendered.film.sums(), expected.film.sums()) << name;
