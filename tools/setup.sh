@@ -127,6 +127,16 @@ setup_xml_reader() {
     }
 }
 
+setup_compiler_cache() {
+    local stamp=$build_dir/without-ccache
+    [[ ${PTBENCH_PACKAGES:-} != skip && ! -e $stamp ]] || return 0
+    command -v ccache >/dev/null || try_to_install ccache || {
+        say "no ccache: what was compiled in another folder is compiled again"
+        mkdir -p -- "$build_dir"
+        touch -- "$stamp"
+    }
+}
+
 setup_embree() {
     local stamp=$build_dir/without-libembree-dev
     [[ ${PTBENCH_PACKAGES:-} != skip && ! -e $stamp ]] || return 0
@@ -198,6 +208,7 @@ setup_compilers() {
     nvcc=$(find_nvcc)
     cuda_thrust=$(find_cuda_thrust)
     setup_packages
+    setup_compiler_cache
     setup_mesh_readers
     setup_xml_reader
     setup_embree

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from ptbench.stats import estimates
 from ptbench.stats.estimates import (
     FASTER,
     SAME,
@@ -55,6 +56,16 @@ def test_agrees_with_scipy():
     theirs = stats.bootstrap((values,), np.median, method="percentile", n_resamples=20_000, rng=7).confidence_interval
     ours = median_estimate(values)
     assert (ours.low, ours.high) == pytest.approx((theirs.low, theirs.high), abs=0.05)
+
+
+@pytest.mark.parametrize("sizes", [(2,), (9,), (10, 10), (11, 30), (31, 12), (3, 255), (256, 9), (390, 20)])
+@pytest.mark.parametrize("decimals", [1, 12])
+def test_counted_medians_are_those_of_the_resamples(sizes, decimals):
+    sets = [np.round(np.random.default_rng(size).lognormal(size=size), decimals) + 0.1 for size in sizes]
+    random = np.random.default_rng(estimates.SEED)
+    for values, medians in zip(sets, estimates._medians_of(*sets), strict=True):
+        resamples = values[random.integers(0, values.size, size=(estimates.RESAMPLES, values.size))]
+        assert np.array_equal(medians, np.median(resamples, axis=1))
 
 
 def test_the_same_samples_give_the_same_interval():

@@ -7,6 +7,7 @@
 #include "harness/bench/machine.h"
 #include "harness/render/renderer.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 
 namespace pt::test {
 namespace {
@@ -113,7 +114,7 @@ TEST(RenderTest, OnATerminalItSaysWhereTheFileIs) {
     const TemporaryFolder folder;
     const CommandResult shown =
         run_command({"/usr/bin/script", "-qec",
-                     std::string(PTBENCH_BINARY) +
+                     test::program_file() +
                          " render --scene cornell_open --backend cpu --resolution 4x3 --spp 1 --out image.png",
                      "/dev/null"},
                     in_repository({.folder = folder.path()}));
@@ -137,7 +138,7 @@ TEST(RenderTest, PngHasTheSizeThatWasAskedFor) {
 
 TEST(RenderTest, PfmHasTheExactBytesOfTheFilm) {
     const std::string pfm = render_image({"--spp", "2", "--seed", "5"}).image;
-    const Scene scene = load_scene(PTBENCH_SOURCE_DIR "/scenes/cornell_open.json");
+    const Scene scene = load_scene(test::in_source("scenes/cornell_open.json"));
     RenderSettings settings = default_settings(scene);
     settings.width = 13;
     settings.height = 7;
@@ -204,7 +205,7 @@ TEST(RenderTest, ThreadsThatWaitDoNotSpin) {
         env -u OMP_WAIT_POLICY -u GOMP_SPINCOUNT "$0" render --scene cornell_open --backend cpu --spp 100000 --out "$1" &
         until tr '\0' '\n' </proc/$!/environ | grep GOMP_SPINCOUNT; do kill -0 $! || exit 1; sleep 0.01; done
         kill $!)";
-    EXPECT_EQ(run_command({"/bin/bash", "-c", script, PTBENCH_BINARY, folder.file("image.png")}, in_repository()).out,
+    EXPECT_EQ(run_command({"/bin/bash", "-c", script, test::program_file(), folder.file("image.png")}, in_repository()).out,
               "GOMP_SPINCOUNT=0\n");
 }
 
@@ -242,7 +243,7 @@ TEST(RenderTest, WorksFromAnotherFolderAndWithAnotherHome) {
     const TemporaryFolder folder;
     std::filesystem::create_directories(folder.path() / "home" / "scenes" / "suites");
     std::filesystem::create_directories(folder.path() / "work");
-    std::filesystem::copy_file(PTBENCH_SOURCE_DIR "/scenes/ball_glass.json",
+    std::filesystem::copy_file(test::in_source("scenes/ball_glass.json"),
                                folder.path() / "home" / "scenes" / "mine.json");
     const CommandOptions options{.folder = folder.file("work"), .environment = {{"PTBENCH_HOME", folder.file("home")}}};
     const std::vector<std::string> call{"render", "--scene", "mine",  "--resolution", "4x3",
@@ -251,7 +252,7 @@ TEST(RenderTest, WorksFromAnotherFolderAndWithAnotherHome) {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_TRUE(std::filesystem::exists(folder.file("work/new/image.png")));
     // And a scene by a path relative to the folder of the call.
-    std::filesystem::copy_file(PTBENCH_SOURCE_DIR "/scenes/ball_glass.json", folder.path() / "work" / "here.json");
+    std::filesystem::copy_file(test::in_source("scenes/ball_glass.json"), folder.path() / "work" / "here.json");
     EXPECT_EQ(run_command(ptbench_arguments({"render", "--scene", "here.json", "--resolution", "4x3", "--spp", "1",
                                              "--out", "b.png"}),
                           options)
@@ -264,14 +265,14 @@ TEST(RenderTest, FindsTheScenesFromWhereTheBinaryLies) {
     const TemporaryFolder folder;
     std::filesystem::create_directories(folder.path() / "build");
     std::filesystem::create_directories(folder.path() / "elsewhere");
-    std::filesystem::copy_file(PTBENCH_BINARY, folder.path() / "build" / "ptbench");
-    std::filesystem::create_directory_symlink(PTBENCH_SOURCE_DIR "/scenes", folder.path() / "scenes");
+    std::filesystem::copy_file(test::program_file(), folder.path() / "build" / "ptbench");
+    std::filesystem::create_directory_symlink(test::in_source("scenes"), folder.path() / "scenes");
     const CommandOptions options{.folder = folder.file("elsewhere"), .environment = {{"PTBENCH_HOME", ""}}};
     const CommandResult result =
         run_command({folder.file("build/ptbench"), "list", "--scene", "cornell_open"}, options);
     EXPECT_EQ(result.exit_code, 0) << result.err;
     std::filesystem::remove(folder.path() / "scenes");
-    std::filesystem::create_directory_symlink(PTBENCH_SOURCE_DIR "/scenes", folder.path() / "build" / "scenes");
+    std::filesystem::create_directory_symlink(test::in_source("scenes"), folder.path() / "build" / "scenes");
     EXPECT_EQ(run_command({folder.file("build/ptbench"), "list", "--scene", "cornell_open"}, options).exit_code, 0);
 }
 

@@ -3,6 +3,7 @@
 
 #include "tests/support/backends.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 
 namespace pt::test {
 namespace {
@@ -15,7 +16,7 @@ std::string completed(const std::string& line, const std::string& breaks = " \t\
         COMP_LINE=$1 COMP_POINT=${#1} COMP_WORDBREAKS=$2
         _ptbench "$0" && echo "${COMPREPLY[*]}")";
     const CommandResult result =
-        run_command({"/bin/bash", "-c", script, PTBENCH_BINARY, line, breaks}, in_repository());
+        run_command({"/bin/bash", "-c", script, test::program_file(), line, breaks}, in_repository());
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.err, "");
     return result.out.substr(0, result.out.find('\n'));

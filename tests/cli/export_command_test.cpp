@@ -6,6 +6,7 @@
 #include "harness/scene/mitsuba_limits.h"
 #include "harness/scene/xml_text.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 #include "tests/support/scenes.h"
 
 namespace pt::test {
@@ -120,7 +121,7 @@ TEST(ExportCommandTest, AFolderGetsTheSceneByItsName) {
 }
 
 TEST(ExportCommandTest, ARoughnessMapIsRefused) {
-    const std::string tiles = std::string(PTBENCH_SOURCE_DIR) + "/scenes/textures/tiles.png";
+    const std::string tiles = test::in_source("scenes/textures/tiles.png");
     const Exported exported(scene_text(
         "",
         R"("steel": {"type": "rough_conductor", "reflectance": [1, 1, 1], "roughness": {"image": ")" + tiles + "\"}}",
@@ -214,7 +215,7 @@ TEST(ExportCommandTest, MeshesAreFilesAndCopiesAreInstances) {
 }
 
 TEST(ExportCommandTest, ImagesAreCopiedBesideTheFile) {
-    const std::string tiles = PTBENCH_SOURCE_DIR "/scenes/textures/tiles.png";
+    const std::string tiles = test::in_source("scenes/textures/tiles.png");
     const std::string material = "\"shown\": {\"type\": \"diffuse\", \"albedo\": {\"image\": \"" + tiles + "\"}}";
     const Exported exported(scene_text("", material, R"({"shape": "quad", "material": "shown"})"), "out");
     EXPECT_EQ(exported.command.exit_code, 0) << exported.command.err;

@@ -4,6 +4,7 @@
 
 #include "tests/support/cis565_texts.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 
 namespace pt::test {
 namespace {
@@ -85,7 +86,7 @@ TEST(ImportCommandTest, AllProblemsAreListedAndAnOldSceneStays) {
 
 // An image that lies within the file is written beside the scene; of a file that is refused nothing is.
 TEST(ImportCommandTest, AnImageOfTheFileIsWrittenBesideTheScene) {
-    const std::string corpus = PTBENCH_SOURCE_DIR "/tests/fuzz/corpus/import_gltf/";
+    const std::string corpus = test::in_source("tests/fuzz/corpus/import_gltf/");
     const TemporaryFolder folder;
     const CommandResult good = ptbench({"import", corpus + "image.gltf", "--out", folder.file("a.json")});
     if (good.err.find("no reader for glTF") != std::string::npos) {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 #include "tests/support/same_result.h"
 
 namespace pt::test {
@@ -74,7 +75,7 @@ protected:
     }
     CommandResult run(const Arguments& arguments, const Moment* end = nullptr, const std::string& log = "") const {
         CommandOptions options{.environment = {{"OMP_NUM_THREADS", "1"},  // twelve pixels
-                                               {"LD_PRELOAD", PTBENCH_KILL_AT},
+                                               {"LD_PRELOAD", test::kill_at_library()},
                                                {"KILL_AT_FOLDER", folder.path().string()},
                                                {"KILL_AT_LOG", log}}};
         if (end != nullptr) {
@@ -413,7 +414,7 @@ TEST_F(ShardedRunTest, MergeRefusesWhatIsNotOneRun) {
 
 TEST_F(ShardedRunTest, AnotherShardsJournalIsRefused) {
     const std::string journal = whole + ".journal.jsonl";
-    const CommandOptions killed{.environment = {{"LD_PRELOAD", PTBENCH_KILL_AT},
+    const CommandOptions killed{.environment = {{"LD_PRELOAD", test::kill_at_library()},
                                                 {"KILL_AT_FOLDER", folder.path().string()},
                                                 {"KILL_AT_OPERATION", "8"}}};
     const Arguments call{"run", "--suite", folder.file("suite.json"), "--backend", "cpu", "--out", whole, "--resume"};

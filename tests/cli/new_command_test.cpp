@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 
 namespace pt::test {
 namespace {
@@ -23,16 +24,16 @@ protected:
         }
         for (const char* file :
              {"choice.cpp.in", "choice.cuh.in", "choice_parameters.cuh.in", "choice.cuda.cpp.in", "test.cpp.in"}) {
-            fs::copy_file(fs::path(PTBENCH_SOURCE_DIR) / axis_folder / file, home.path() / axis_folder / file);
+            fs::copy_file(fs::path(test::source_folder()) / axis_folder / file, home.path() / axis_folder / file);
         }
-        for (const auto& entry : fs::directory_iterator(fs::path(PTBENCH_SOURCE_DIR) / integrator_folder)) {
+        for (const auto& entry : fs::directory_iterator(fs::path(test::source_folder()) / integrator_folder)) {
             fs::copy_file(entry.path(), home.path() / integrator_folder / entry.path().filename());
         }
         fs::create_directories(home.path() / "kernels/shapes");
         fs::create_directories(home.path() / "harness/templates/shape");
         for (const char* file :
              {"kernels/shape_list.h", "harness/templates/shape/shape.h.in", "harness/templates/shape/test.cpp.in"}) {
-            fs::copy_file(fs::path(PTBENCH_SOURCE_DIR) / file, home.path() / file);
+            fs::copy_file(fs::path(test::source_folder()) / file, home.path() / file);
         }
     }
     CommandResult call(std::vector<std::string> arguments) const {
@@ -216,7 +217,7 @@ TEST_F(NewCommandTest, AFileThatCannotBeWrittenLeavesNothing) {
     write_text(home.file(std::string(axis_folder) + "/test.cpp.in"), large);
     const std::vector<std::string> before = home.content();
     const CommandResult result =
-        run_command({"/bin/sh", "-c", "ulimit -f 512; exec \"$0\" new compaction my_scan", PTBENCH_BINARY},
+        run_command({"/bin/sh", "-c", "ulimit -f 512; exec \"$0\" new compaction my_scan", test::program_file()},
                     {.folder = home.path(), .environment = {{"PTBENCH_HOME", home.path()}}});
     EXPECT_EQ(result.exit_code, 3);
     EXPECT_EQ(result.err, "ptbench: " + home.file("tests/unit/my_scan_compaction_test.cpp") +

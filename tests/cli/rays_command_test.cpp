@@ -8,6 +8,7 @@
 #include "harness/mesh/read_mesh.h"
 #include "harness/rays/ray_file.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 
 namespace pt::test {
 namespace {
@@ -21,7 +22,7 @@ CommandResult rays_in(const TemporaryFolder& folder, const Arguments& added) {
         arguments.insert(arguments.end(), {"--log2-rays", "7"});
     }
     arguments.insert(arguments.end(), added.begin(), added.end());
-    return ptbench(arguments, {.folder = folder.path(), .environment = {{"PTBENCH_HOME", PTBENCH_SOURCE_DIR}}});
+    return ptbench(arguments, {.folder = folder.path(), .environment = {{"PTBENCH_HOME", test::source_folder()}}});
 }
 
 // class -> every checksum that a batch of it has.
@@ -82,7 +83,7 @@ TEST(RaysCommandTest, AFileOfRaysAndItsMeshGiveTheSameHits) {
 
 TEST(RaysCommandTest, AScenesMeshesAreSeenByItsCamera) {
     const TemporaryFolder folder;
-    const CommandResult result = rays_in(folder, {"--scene", PTBENCH_SOURCE_DIR "/scenes/meshes/teapot_room.json",
+    const CommandResult result = rays_in(folder, {"--scene", test::in_source("scenes/meshes/teapot_room.json"),
                                                   "--check", "2", "--class", "primary", "--out", "s.json"});
     ASSERT_EQ(result.exit_code, 0) << result.err;
     const Json json = Json::parse(content_of(folder.file("s.json")));

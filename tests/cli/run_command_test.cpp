@@ -7,6 +7,7 @@
 
 #include "tests/support/backends.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 
 namespace pt::test {
 namespace {
@@ -317,7 +318,7 @@ TEST_F(RunCommandTest, AllScenesAreTheShippedOnes) {
     const CommandResult listed = ptbench({"run", "--scene", "all", "--backend", "cpu", "--dry-run"});
     EXPECT_EQ(listed.exit_code, 0) << listed.err;
     std::size_t scenes = 0;
-    for (const auto& entry : std::filesystem::directory_iterator(PTBENCH_SOURCE_DIR "/scenes")) {
+    for (const auto& entry : std::filesystem::directory_iterator(test::in_source("scenes"))) {
         const bool is_scene = entry.path().extension() == ".json";
         scenes += is_scene ? 1u : 0u;
         EXPECT_TRUE(!is_scene || listed.out.find("/scene:" + entry.path().stem().string() + "/") != std::string::npos)
@@ -450,7 +451,7 @@ TEST_F(RunCommandTest, AnInterruptedRunEndsWithAFileAndGoesOn) {
         interrupted.signal(number);
         const CommandResult ended = interrupted.wait();
         EXPECT_EQ(ended.exit_code, 130);
-        std::string again = PTBENCH_BINARY;
+        std::string again = test::program_file();
         for (const std::string& argument : call(repetitions)) {
             again += " " + argument;
         }

@@ -27,6 +27,7 @@
 #include "harness/cuda/kernel_request.h"
 #include "harness/places.h"
 #include "harness/write_file.h"
+#include "tests/support/places.h"
 #include "variants/cuda/nvrtc.h"
 #include "variants/cuda/sources.h"
 
@@ -303,8 +304,8 @@ class CompileTest : public testing::TestWithParam<const char*> {
 protected:
     // Everything at once: NVRTC compiles one program at a time in a process, so this is where the time goes.
     static void SetUpTestSuite() {
-        ::setenv("PTBENCH_HOME", PTBENCH_SOURCE_DIR, 1);
-        ::setenv("XDG_CACHE_HOME", (fs::path(PTBENCH_BINARY).parent_path() / "kernel-cache").c_str(), 1);
+        ::setenv("PTBENCH_HOME", test::source_folder().c_str(), 1);
+        ::setenv("XDG_CACHE_HOME", (fs::path(test::program_file()).parent_path() / "kernel-cache").c_str(), 1);
         ASSERT_EQ(cuda::nvrtc_missing(), "");
         const std::vector<Scene> scenes = scenes_by_program();
         ASSERT_GE(scenes.size(), 10u);
@@ -386,7 +387,7 @@ TEST(CudaCompileTest, WithoutOptimisationWhatDoesNotCompileIsRefused) {
     if (!cuda::nvrtc_missing().empty()) {
         GTEST_SKIP() << cuda::nvrtc_missing();
     }
-    ::setenv("XDG_CACHE_HOME", (fs::path(PTBENCH_BINARY).parent_path() / "kernel-cache").c_str(), 1);
+    ::setenv("XDG_CACHE_HOME", (fs::path(test::program_file()).parent_path() / "kernel-cache").c_str(), 1);
     const auto checked = [](const std::string& prelude) {
         cuda::ModuleRequest request;
         request.name = "tests/prelude";
@@ -412,8 +413,8 @@ TEST(CudaCompileTest, InjectedCostIsInTheCode) {
     if (!cuda::nvrtc_missing().empty()) {
         GTEST_SKIP() << cuda::nvrtc_missing();
     }
-    ::setenv("PTBENCH_HOME", PTBENCH_SOURCE_DIR, 1);
-    ::setenv("XDG_CACHE_HOME", (fs::path(PTBENCH_BINARY).parent_path() / "kernel-cache").c_str(), 1);
+    ::setenv("PTBENCH_HOME", test::source_folder().c_str(), 1);
+    ::setenv("XDG_CACHE_HOME", (fs::path(test::program_file()).parent_path() / "kernel-cache").c_str(), 1);
     const Scene scene = find_scene("cornell_open");
     Variant costly = baseline_with({{"integrator", "megakernel"}});
     const std::size_t without = cuda::compile(scene, costly, "sm_90");

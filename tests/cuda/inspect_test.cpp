@@ -13,6 +13,7 @@
 #include "harness/error.h"
 #include "harness/places.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 #include "variants/cuda/compiler_report.h"
 #include "variants/cuda/nvrtc.h"
 #include "variants/registry.h"
@@ -177,7 +178,7 @@ protected:
         if (const std::string missing = cuda::nvrtc_missing(); !missing.empty()) {
             GTEST_SKIP() << missing;
         }
-        ::setenv("PTBENCH_HOME", PTBENCH_SOURCE_DIR, 1);
+        ::setenv("PTBENCH_HOME", test::source_folder().c_str(), 1);
         ::setenv("XDG_CACHE_HOME", folder.path().c_str(), 1);
     }
 

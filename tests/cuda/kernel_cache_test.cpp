@@ -11,6 +11,7 @@
 #include "harness/cuda/kernel_request.h"
 #include "harness/places.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 #include "variants/registry.h"
 
 namespace pt {
@@ -270,7 +271,7 @@ TEST(KernelKeyTest, EverythingThatChangesTheCodeChangesTheKey) {
 }
 
 TEST(KernelKeyTest, VariantsShareProgramsWhereTheCodeIsTheSame) {
-    ::setenv("PTBENCH_HOME", PTBENCH_SOURCE_DIR, 1);
+    ::setenv("PTBENCH_HOME", test::source_folder().c_str(), 1);
     const Scene scene = find_scene("cornell_open");
     const auto key = [&](const char* axis, const char* choice) {
         Variant variant = baseline();

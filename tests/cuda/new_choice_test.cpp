@@ -8,6 +8,7 @@
 #include "harness/cuda/kernel_request.h"
 #include "harness/places.h"
 #include "harness/render/renderer.h"
+#include "tests/support/places.h"
 #include "variants/cuda/nvrtc.h"
 #include "variants/registry.h"
 
@@ -47,7 +48,7 @@ TEST(NewChoiceTest, ACompactionSaysWhatItIs) {
 
 TEST(NewChoiceTest, KernelsOfAnIntegratorCompile) {
     ASSERT_EQ(cuda::nvrtc_missing(), "");
-    ::setenv("PTBENCH_HOME", PTBENCH_SOURCE_DIR, 1);
+    ::setenv("PTBENCH_HOME", test::source_folder().c_str(), 1);
     const Scene scene = find_scene("cornell_open_unjittered");
     for (const auto& [axis, choice] : {std::pair{"specialisation", "features"},
                                        {"specialisation", "generic"},
@@ -78,7 +79,7 @@ TEST(NewChoiceTest, AnIntegratorSaysWhatItIs) {
 // The list with the example's line and its header stand before the program's own.
 TEST(NewChoiceTest, KernelsOfAShapeCompile) {
     ASSERT_EQ(cuda::nvrtc_missing(), "");
-    const Scene scene = load_scene(PTBENCH_SOURCE_DIR "/scenes/cornell_closed.json");
+    const Scene scene = load_scene(test::in_source("scenes/cornell_closed.json"));
     for (const auto& [axis, choice] :
          {std::pair{"direct_light", "nee_mis"}, std::pair{"specialisation", "matrix"}, std::pair{"robustness", "naive"},
           std::pair{"precision", "double"}, std::pair{"precision", "double_intersection"}}) {

@@ -16,6 +16,7 @@
 #include "harness/places.h"
 #include "harness/stability/evaluate.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 #include "variants/cuda/arena.h"
 #include "variants/cuda/sources.h"
 #include "variants/variant_name.h"
@@ -28,7 +29,7 @@ class NoDevice : public testing::Environment {
 public:
     void SetUp() override {
         ::setenv("CUDA_VISIBLE_DEVICES", "-1", 1);
-        ::setenv("PTBENCH_HOME", PTBENCH_SOURCE_DIR, 1);
+        ::setenv("PTBENCH_HOME", test::source_folder().c_str(), 1);
         ::setenv("XDG_CACHE_HOME", cache_.path().c_str(), 1);
     }
 

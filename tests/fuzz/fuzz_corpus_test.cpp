@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 
 // Each is LLVMFuzzerTestOneInput of one target (tests/fuzz/CMakeLists.txt).
 extern "C" {
@@ -40,7 +41,7 @@ const std::map<std::string, Target> targets{{"scene", fuzz_scene},
                                             {"mesh_mtl", fuzz_mesh_mtl},
                                             {"mesh_glb", fuzz_mesh_glb},
                                             {"environment_hdr", fuzz_environment_hdr}};
-const std::filesystem::path corpus = std::filesystem::path(PTBENCH_SOURCE_DIR) / "tests/fuzz/corpus";
+const std::filesystem::path corpus = std::filesystem::path(test::in_source("tests/fuzz/corpus"));
 
 class FuzzCorpusTest : public testing::TestWithParam<std::string> {};
 

@@ -7,13 +7,14 @@
 #include "harness/bench/suite.h"
 #include "harness/bench/verify.h"
 #include "harness/places.h"
+#include "tests/support/places.h"
 
 namespace pt {
 namespace {
 
 std::vector<std::string> shipped_scenes() {
     std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(std::string(PTBENCH_SOURCE_DIR) + "/scenes")) {
+    for (const auto& entry : std::filesystem::directory_iterator(test::in_source("scenes"))) {
         if (entry.path().extension() == ".json") {
             names.push_back(entry.path().stem().string());
         }
@@ -23,7 +24,7 @@ std::vector<std::string> shipped_scenes() {
 }
 
 Scene shipped(const std::string& name) {
-    return load_scene(std::string(PTBENCH_SOURCE_DIR) + "/scenes/" + name + ".json");
+    return load_scene(test::in_source("scenes/" + name + ".json"));
 }
 
 std::string first_with(FeatureSet features) {

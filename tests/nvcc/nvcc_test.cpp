@@ -9,11 +9,13 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/places.h"
+
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path source = PTBENCH_SOURCE_DIR;
+const fs::path source = pt::test::source_folder();
 
 // An image's texels lie in memory in single precision whatever the kernel computes in: what reads and widens them,
 // which is exact. A constant in single precision would be read by another instruction: of a named memory.

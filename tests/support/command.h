@@ -18,6 +18,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/support/places.h"
+
 namespace pt::test {
 
 // A new folder, removed with all that is in it at the end.
@@ -146,12 +148,12 @@ inline CommandResult run_command(const std::vector<std::string>& arguments, cons
 
 // The arguments of a call of ptbench, and the environment in which it finds the repository's scenes.
 inline std::vector<std::string> ptbench_arguments(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), PTBENCH_BINARY);
+    arguments.insert(arguments.begin(), program_file());
     return arguments;
 }
 
 inline CommandOptions in_repository(CommandOptions options = {}) {
-    options.environment.insert(options.environment.begin(), {"PTBENCH_HOME", PTBENCH_SOURCE_DIR});
+    options.environment.insert(options.environment.begin(), {"PTBENCH_HOME", source_folder()});
     return options;
 }
 

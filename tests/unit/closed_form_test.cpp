@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/places.h"
 #include "tests/support/render.h"
 #include "tests/support/scenes.h"
 
@@ -12,7 +13,7 @@ namespace pt {
 namespace {
 
 Scene shipped(const std::string& name) {
-    return load_scene(std::string(PTBENCH_SOURCE_DIR) + "/scenes/" + name + ".json");
+    return load_scene(test::in_source("scenes/" + name + ".json"));
 }
 
 RenderSettings settings_of(std::uint32_t width, std::uint32_t height, std::uint32_t depth = 1) {

@@ -9,6 +9,7 @@
 #include "harness/bench/short_names.h"
 #include "tests/support/backends.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 #include "tests/support/scenes.h"
 
 namespace pt {
@@ -125,10 +126,10 @@ struct CommittedRun {
 
 // Bit for bit: one generator of random numbers, one order of operations.
 TEST(ComparisonsTest, CommittedResultsHaveTheVerdictsThatPythonGivesThem) {
-    const Json expected = Json::parse(test::content_of(PTBENCH_SOURCE_DIR "/tests/support/run_verdicts.json"));
+    const Json expected = Json::parse(test::content_of(test::in_source("tests/support/run_verdicts.json")));
     ASSERT_GE(expected.size(), 4u);
     for (const auto& [file, pairs] : expected.items()) {
-        const CommittedRun run(Json::parse(test::content_of(PTBENCH_SOURCE_DIR "/" + file)));
+        const CommittedRun run(Json::parse(test::content_of(test::in_source(file))));
         const Json found = run.pairs();
         ASSERT_EQ(found.size(), pairs.size()) << file;
         for (std::size_t i = 0; i < pairs.size(); ++i) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/cis565_texts.h"
+#include "tests/support/places.h"
 #include "tests/support/render.h"
 #include "tests/support/statistics.h"
 
@@ -270,7 +271,7 @@ void expect_equal_scenes(Scene a, Scene b) {
 }
 
 Scene shipped(const std::string& name) {
-    return load_scene(std::string(PTBENCH_SOURCE_DIR) + "/scenes/" + name + ".json");
+    return load_scene(test::in_source("scenes/" + name + ".json"));
 }
 
 TEST(ImportCis565, OpenBoxIsTheShippedOne) {

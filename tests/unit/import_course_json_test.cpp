@@ -10,6 +10,7 @@
 #include "harness/scene/scene.h"
 #include "tests/support/cis565_texts.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 
 namespace pt {
 namespace {
@@ -66,7 +67,7 @@ std::string with_grey(const std::string& material) {
 SceneMaterial grey_of(const std::string& material) { return scene_of(with_grey(material)).materials.at(0); }
 
 TEST(ImportCourseJson, ATextureIsTheImageThatIsShown) {
-    const std::string tiles = PTBENCH_SOURCE_DIR "/scenes/textures/tiles.png";
+    const std::string tiles = test::in_source("scenes/textures/tiles.png");
     const std::string text = replaced(plain, "\"RGB\": [0.5, 0.5, 0.5]", "\"TEXTURE\": \"" + tiles + "\"");
     EXPECT_NE(scene_of(text).materials.at(0).texture, nullptr);
     const Lines warnings = warnings_of(text);
@@ -184,7 +185,7 @@ TEST(ImportCourseJson, MeshesByFileAndByTheirNames) {
 }
 
 TEST(ImportCourseJson, EnvironmentsAreImagesWithAWarning) {
-    const std::string sky = PTBENCH_SOURCE_DIR "/scenes/environments/sky.hdr";
+    const std::string sky = test::in_source("scenes/environments/sky.hdr");
     for (const std::string& said :
          {R"("EnvMap": ")" + sky + "\"", R"("Background": {"type": "skybox", "path": ")" + sky + "\"}"}) {
         const std::string text = replaced(plain, "\"Materials\":", said + ", \"Materials\":");

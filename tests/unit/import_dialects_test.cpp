@@ -5,6 +5,7 @@
 
 #include "tests/support/cis565_texts.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 
 namespace pt {
 namespace {
@@ -61,12 +62,12 @@ TEST(ImportDialects, WhatIsOnAndHasNoPlaceIsRefusedOrWarnedOf) {
               Lines{"cis565.txt:3: warning: FRESNELPOW 3 is lost: scene files have nothing like it"});
 }
 
-const std::string tiles = PTBENCH_SOURCE_DIR "/scenes/textures/tiles.png";
+const std::string tiles = test::in_source("scenes/textures/tiles.png");
 const std::string unsaid = " is read as sRGB with v upwards; formats of the course do not say";
 
 // In each spelling; the hash of the texels is that of the image itself.
 TEST(ImportDialects, ATextureIsTheImageThatIsShown) {
-    const Scene shipped = load_scene(PTBENCH_SOURCE_DIR "/scenes/textures/textures.json");
+    const Scene shipped = load_scene(test::in_source("scenes/textures/textures.json"));
     for (const std::string word : {"TEXTURE", "DIFFUSE_MAP", "DIFFUSE_TEXTURE", "DIFFUSE", "D_PATH", "ALBEDO_MAP"}) {
         for (const std::string colour : {"RGB 1 1 1\n", "RGB 0 0 0\n", "\n"}) {
             std::string lines = colour;

@@ -13,6 +13,7 @@
 #include "harness/scene/scene_mesh.h"
 #include "harness/scene/texture_image.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 
 namespace pt::test {
 namespace {
@@ -298,7 +299,7 @@ TEST_F(ImportGltfTest, TransmissionIsGlass) {
                     "with emission"});
 }
 
-const std::string tiles = PTBENCH_SOURCE_DIR "/scenes/textures/tiles.png";
+const std::string tiles = test::in_source("scenes/textures/tiles.png");
 
 // The triangle of document() with v down, as glTF has it, and an image for its base colour.
 Json document_with_image(const Json& image) {
@@ -475,7 +476,7 @@ TEST_F(ImportGltfTest, NormalsOfAMeshThatIsMirrored) {
 }
 
 TEST_F(ImportGltfTest, ANormalTexture) {
-    Json json = document_with_image({{"uri", PTBENCH_SOURCE_DIR "/scenes/textures/studs.png"}});
+    Json json = document_with_image({{"uri", test::in_source("scenes/textures/studs.png")}});
     json["materials"][0]["pbrMetallicRoughness"].erase("baseColorTexture");
     for (const double scale : {1.0, 0.25}) {
         json["materials"][0]["normalTexture"] = {{"index", 0}, {"scale", scale}};
@@ -486,7 +487,7 @@ TEST_F(ImportGltfTest, ANormalTexture) {
         EXPECT_EQ(material.texture, nullptr);
         EXPECT_EQ(material.normal_scale, scale);
         EXPECT_EQ(material.normal_texture->image.texels,
-                  read_texture_image(PTBENCH_SOURCE_DIR "/scenes/textures/studs.png", TexelMeaning::normal).texels);
+                  read_texture_image(test::in_source("scenes/textures/studs.png"), TexelMeaning::normal).texels);
     }
     // Of glass too.
     json["materials"][0]["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}};

@@ -13,6 +13,7 @@
 #include "harness/scene/scene_mesh.h"
 #include "harness/scene/xml_document.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 #include "tests/support/render.h"
 #include "tests/support/scenes.h"
 
@@ -24,7 +25,7 @@ bool is_expressible(const Scene& scene) { return mitsuba_problems(scene, "", sce
 // The shipped scenes that Mitsuba can express; of those with meshes, one of each kind that is quick to read.
 std::vector<std::string> scenes_to_export() {
     std::vector<std::string> names{"scenes/meshes/menger_room.json", "scenes/meshes/sphereflake_room.json"};
-    const std::filesystem::path source(PTBENCH_SOURCE_DIR);
+    const std::filesystem::path source(test::source_folder());
     for (const auto& entry : std::filesystem::directory_iterator(source / "scenes")) {
         if (entry.path().extension() == ".json" && is_expressible(load_scene(entry.path().string()))) {
             names.push_back(entry.path().lexically_relative(source).string());
@@ -98,7 +99,7 @@ TEST_P(MitsubaRoundTripTest, EveryNumberComesBack) {
     if (!reads_xml()) {
         GTEST_SKIP() << "this build has no reader for XML";
     }
-    const Scene scene = load_scene((std::filesystem::path(PTBENCH_SOURCE_DIR) / GetParam()).string());
+    const Scene scene = load_scene(test::in_source(GetParam()));
     const Scene back = there_and_back(scene);
     EXPECT_EQ(result.warnings.messages("there.xml", ""), std::vector<std::string>());
     EXPECT_EQ(back.name, scene.name);
@@ -133,7 +134,7 @@ TEST_P(MitsubaRoundTripTest, EveryBitOfTheFilmComesBack) {
     if (!reads_xml()) {
         GTEST_SKIP() << "this build has no reader for XML";
     }
-    Scene scene = load_scene((std::filesystem::path(PTBENCH_SOURCE_DIR) / GetParam()).string());
+    Scene scene = load_scene(test::in_source(GetParam()));
     Scene back = there_and_back(scene);
     scene.camera.width = scene.camera.height = back.camera.width = back.camera.height = 12;
     const RenderOptions options{.samples = 2};
@@ -151,7 +152,7 @@ INSTANTIATE_TEST_SUITE_P(Shipped, MitsubaRoundTripTest, testing::ValuesIn(scenes
 
 // One of each that can show an image, each turned about all axes, and a mesh that two objects show.
 std::string scene_with_images() {
-    const std::string image = "{\"image\": \"" PTBENCH_SOURCE_DIR "/scenes/textures/tiles.png\"}";
+    const std::string image = "{\"image\": \"" + test::in_source("scenes/textures/tiles.png") + "\"}";
     const std::string mesh =
         R"("vertices": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.3]], "triangles": [[0, 1, 2], [0, 2, 3]],
         "texture_coordinates": [[0.1, 0.2], [1.7, 0], [2, 1], [0, 3]], "material": "tiles", "rotate_degrees": [10, 20, 30])";

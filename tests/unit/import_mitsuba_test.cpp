@@ -14,6 +14,7 @@
 #include "harness/scene/mitsuba_object.h"
 #include "harness/scene/xml_document.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 
 namespace pt::test {
 namespace {
@@ -288,7 +289,7 @@ TEST_F(ImportMitsubaTest, ALampInGlassIsDimmedByTheSquareOfTheIndex) {
     EXPECT_NE(within.warnings()[0].find("a dielectric with the eye inside"), std::string::npos);
 }
 
-const std::string tiles = PTBENCH_SOURCE_DIR "/scenes/textures/tiles.png";
+const std::string tiles = test::in_source("scenes/textures/tiles.png");
 
 // A BSDF with an image, and what else its texture has.
 std::string with_image(const std::string& more = "", const std::string& file = tiles) {
@@ -512,7 +513,7 @@ TEST_F(ImportMitsubaTest, MeshesAreNamedFromTheSceneFileAndMirrorsAreWritten) {
 }
 
 TEST_F(ImportMitsubaTest, EnvironmentImages) {
-    const std::string sky = PTBENCH_SOURCE_DIR "/scenes/environments/sky.hdr";
+    const std::string sky = test::in_source("scenes/environments/sky.hdr");
     const auto envmap = [](const std::string& name, const std::string& more = "") {
         return scene_of("<emitter type=\"envmap\"><string name=\"filename\" value=\"" + name + "\"/>" + more +
                         "</emitter>");

@@ -7,6 +7,7 @@
 #include "harness/scene/import_course_json.h"
 #include "tests/support/cis565_texts.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 
 namespace pt {
 namespace {
@@ -170,7 +171,7 @@ TEST(ImportMtl, AMirrorBesideADiffuseColour) {
 }
 
 TEST(ImportMtl, AnImage) {
-    const std::string tiles = PTBENCH_SOURCE_DIR "/scenes/textures/tiles.png";
+    const std::string tiles = test::in_source("scenes/textures/tiles.png");
     const Course course(left + "newmtl right\nKd 1 1 1\nmap_Kd my tiles.png\n");
     std::filesystem::copy(tiles, course.folder.path() / "my tiles.png");
     const ImportResult result = course.import();

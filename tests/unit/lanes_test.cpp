@@ -6,6 +6,7 @@
 
 #include "harness/places.h"
 #include "harness/scene/scene_buffers.h"
+#include "tests/support/places.h"
 #include "tests/support/statistics.h"
 
 namespace pt {
@@ -83,7 +84,7 @@ TEST(LanesTest, MeetWhatARayAloneMeets) {
         EXPECT_GT(expect_the_hits_of_single_rays<general>(name), many);
     }
     EXPECT_GT(expect_the_hits_of_single_rays<(general | Feature::matrix)>("cornell_open"), many);
-    EXPECT_GT(expect_the_hits_of_single_rays<general>(PTBENCH_SOURCE_DIR "/scenes/stability/ground_view.json"), many);
+    EXPECT_GT(expect_the_hits_of_single_rays<general>(test::in_source("scenes/stability/ground_view.json")), many);
 }
 
 TEST(LanesTest, HaveTheSinesAndArcTangentsOfSingleNumbers) {

@@ -7,6 +7,7 @@
 
 #include "harness/error.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 
 namespace pt {
 namespace {
@@ -95,7 +96,7 @@ TEST_F(PlacesTest, AHomeWithoutScenesIsAnError) {
 }
 
 TEST_F(PlacesTest, EveryShippedSceneIsNamedAsItsFile) {
-    ::setenv("PTBENCH_HOME", PTBENCH_SOURCE_DIR, 1);
+    ::setenv("PTBENCH_HOME", test::source_folder().c_str(), 1);
     ASSERT_GE(scene_names().size(), 20u);
     for (const std::string& name : scene_names()) {
         EXPECT_EQ(find_scene(name).name, name);

@@ -7,6 +7,7 @@
 
 #include "harness/error.h"
 #include "harness/scene/scene.h"
+#include "tests/support/places.h"
 
 namespace pt {
 namespace {
@@ -73,7 +74,7 @@ TEST(SceneJson, SceneDefaults) {
 }
 
 TEST(SceneJson, EnvironmentsThatAreDrawn) {
-    const std::string folder = PTBENCH_SOURCE_DIR "/scenes/environments/";
+    const std::string folder = test::in_source("scenes/environments/");
     const auto with = [&](const std::string& environment) {
         return parse_scene(replaced(good, "\"max_depth\": 4", "\"max_depth\": 4, \"environment\": " + environment),
                            folder + "s.json");

@@ -8,11 +8,12 @@
 #include <gtest/gtest.h>
 
 #include "harness/render/renderer.h"
+#include "tests/support/places.h"
 
 namespace pt {
 namespace {
 
-const std::filesystem::path source_folder = PTBENCH_SOURCE_DIR;
+const std::filesystem::path source_folder = test::source_folder();
 
 std::vector<std::filesystem::path> scene_files() {
     std::vector<std::filesystem::path> files;

@@ -11,6 +11,7 @@
 #include "harness/places.h"
 #include "tests/support/backends.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 #include "variants/variant_name.h"
 
 namespace pt {
@@ -538,7 +539,7 @@ std::set<std::string> studies_with_cells(const Suite& suite, Backend backend) {
 
 class ShippedSuitesTest : public testing::Test {
 protected:
-    void SetUp() override { ::setenv("PTBENCH_HOME", PTBENCH_SOURCE_DIR, 1); }
+    void SetUp() override { ::setenv("PTBENCH_HOME", test::source_folder().c_str(), 1); }
     void TearDown() override { ::unsetenv("PTBENCH_HOME"); }
 };
 

@@ -8,6 +8,7 @@
 #include "harness/error.h"
 #include "harness/scene/scene.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 
 // Of stb_image_write.h, which harness/render/image.cpp compiles.
 extern "C" int stbi_write_png_to_func(void (*write)(void*, void*, int), void* context, int width, int height,
@@ -18,7 +19,7 @@ extern "C" int stbi_write_jpg_to_func(void (*write)(void*, void*, int), void* co
 namespace pt {
 namespace {
 
-const std::string source_folder = PTBENCH_SOURCE_DIR;
+const std::string source_folder = test::source_folder();
 
 void append(void* context, void* data, int size) {
     static_cast<std::string*>(context)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));

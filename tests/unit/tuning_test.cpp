@@ -12,6 +12,7 @@
 #include "harness/bench/suite.h"
 #include "harness/error.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 #include "variants/variant_name.h"
 
 namespace pt {
@@ -226,7 +227,7 @@ TEST(TunedVariantTest, KeepsWhatIsAskedFor) {
 }
 
 TEST(TunedVariantTest, ItsCellsSayItInTheirNames) {
-    ::setenv("PTBENCH_HOME", PTBENCH_SOURCE_DIR, 1);
+    ::setenv("PTBENCH_HOME", test::source_folder().c_str(), 1);
     Tuning tuning;
     tuning.put(tuned(plain, {{"room", 0}}));
     Study study;

@@ -13,6 +13,7 @@
 #include "harness/bench/suite.h"
 #include "harness/render/renderer.h"
 #include "tests/support/backends.h"
+#include "tests/support/places.h"
 #include "tests/support/render.h"
 #include "tests/support/scenes.h"
 #include "variants/devices/here.h"
@@ -102,7 +103,7 @@ AxisChoices choices_of_paths() {
 using AxisTable = std::vector<std::pair<std::string, std::vector<std::string>>>;
 
 bool has_source(const std::string& axis, const std::string& name) {
-    const std::filesystem::path folder = std::filesystem::path(PTBENCH_SOURCE_DIR) / "variants" / axis;
+    const std::filesystem::path folder = std::filesystem::path(test::in_source("variants")) / axis;
     return std::any_of(std::filesystem::directory_iterator(folder), {},
                        [&](const auto& entry) { return entry.path().stem() == name; });
 }
@@ -1274,12 +1275,12 @@ TEST(KernelTest, DoublePrecisionHasAKernelOfItsOwn) {
 
 std::vector<std::filesystem::path> shipped_scene_files() {
     std::vector<std::filesystem::path> files;
-    for (const auto& entry : std::filesystem::directory_iterator(PTBENCH_SOURCE_DIR "/scenes")) {
+    for (const auto& entry : std::filesystem::directory_iterator(test::in_source("scenes"))) {
         if (entry.path().extension() == ".json") {
             files.push_back(entry.path());
         }
     }
-    files.emplace_back(PTBENCH_SOURCE_DIR "/scenes/meshes/icosphere_room.json");  // the smallest of its kind
+    files.emplace_back(test::in_source("scenes/meshes/icosphere_room.json"));  // the smallest of its kind
     return files;
 }
 

@@ -1,0 +1,13 @@
+#include "tests/support/places.h"
+
+namespace pt::test {
+
+std::string source_folder() { return PTBENCH_SOURCE_DIR; }
+
+std::string in_source(const std::string& path) { return source_folder() + "/" + path; }
+
+std::string program_file() { return PTBENCH_BINARY; }
+
+std::string kill_at_library() { return PTBENCH_KILL_AT; }
+
+}  // namespace pt::test

@@ -1,0 +1,21 @@
+// Where the tests find the repository, the program under test and what they load into it. One file of the build knows:
+// with the clone's folder on its command line, no test's object could be taken from a compiler cache by another clone.
+#pragma once
+
+#include <string>
+
+namespace pt::test {
+
+// The repository's folder, without a slash at its end.
+std::string source_folder();
+
+// A file or folder of the repository, named from its root.
+std::string in_source(const std::string& path);
+
+// build/ptbench of this build.
+std::string program_file();
+
+// tests/preload/kill_at.cpp as a library for LD_PRELOAD.
+std::string kill_at_library();
+
+}  // namespace pt::test
