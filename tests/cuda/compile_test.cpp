@@ -11,8 +11,10 @@
 //   scene; each gets every second stage in one layout and one specialisation, which change from GPU to GPU. Nothing in
 //   the sources depends on the scene and the GPU at once.
 // - The scenes of scenes/stability are run with the generic kernels.
-// What has compiled is kept in the build folder, so a second run takes seconds.
+// What has compiled is kept in the user's cache folder, so a second run takes seconds, in another clone of the same
+// sources too: what a program is kept by is all that the compiler reads, and its version.
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <set>
@@ -38,6 +40,19 @@ namespace fs = std::filesystem;
 
 constexpr const char* architectures[] = {"sm_75", "sm_80", "sm_86", "sm_89", "sm_90", "sm_100", "sm_120"};
 constexpr std::string_view full_architecture = "sm_90";
+
+// Beside what ptbench itself keeps. Without a home: in the build folder.
+void use_cache_of_tests() {
+    static const fs::path folder = [] {
+        const char* const cache = std::getenv("XDG_CACHE_HOME");
+        const char* const home = std::getenv("HOME");
+        const fs::path parent = cache != nullptr && *cache != '\0'   ? fs::path(cache)
+                                : home != nullptr && *home != '\0' ? fs::path(home) / ".cache"
+                                                                   : fs::path(test::program_file()).parent_path();
+        return parent / "ptbench-compile-test";
+    }();
+    ::setenv("XDG_CACHE_HOME", folder.c_str(), 1);
+}
 
 Variant baseline_with(const std::map<std::string, std::string>& choices) {
     Variant variant = Registry::instance().baseline(Backend::cuda);
@@ -305,7 +320,7 @@ protected:
     // Everything at once: NVRTC compiles one program at a time in a process, so this is where the time goes.
     static void SetUpTestSuite() {
         ::setenv("PTBENCH_HOME", test::source_folder().c_str(), 1);
-        ::setenv("XDG_CACHE_HOME", (fs::path(test::program_file()).parent_path() / "kernel-cache").c_str(), 1);
+        use_cache_of_tests();
         ASSERT_EQ(cuda::nvrtc_missing(), "");
         const std::vector<Scene> scenes = scenes_by_program();
         ASSERT_GE(scenes.size(), 10u);
@@ -336,7 +351,7 @@ protected:
         return programs;
     }
 
-    // Programs of earlier sources would fill the build folder.
+    // Programs of earlier sources would fill the disk. Another clone may be at those of today.
     static void remove_what_others_left() {
         std::set<std::string> names{"include-" + cuda::kernel_source_hash()};
         for (const auto& [architecture, programs] : all()) {
@@ -346,8 +361,9 @@ protected:
             }
         }
         std::error_code ignored;
+        const fs::file_time_type yesterday = fs::file_time_type::clock::now() - std::chrono::hours(24);
         for (const auto& entry : fs::directory_iterator(cuda::kernel_cache_folder(), ignored)) {
-            if (!names.contains(entry.path().filename().string())) {
+            if (!names.contains(entry.path().filename().string()) && entry.last_write_time(ignored) < yesterday) {
                 fs::remove_all(entry.path(), ignored);
             }
         }
@@ -387,7 +403,7 @@ TEST(CudaCompileTest, WithoutOptimisationWhatDoesNotCompileIsRefused) {
     if (!cuda::nvrtc_missing().empty()) {
         GTEST_SKIP() << cuda::nvrtc_missing();
     }
-    ::setenv("XDG_CACHE_HOME", (fs::path(test::program_file()).parent_path() / "kernel-cache").c_str(), 1);
+    use_cache_of_tests();
     const auto checked = [](const std::string& prelude) {
         cuda::ModuleRequest request;
         request.name = "tests/prelude";
@@ -414,7 +430,7 @@ TEST(CudaCompileTest, InjectedCostIsInTheCode) {
         GTEST_SKIP() << cuda::nvrtc_missing();
     }
     ::setenv("PTBENCH_HOME", test::source_folder().c_str(), 1);
-    ::setenv("XDG_CACHE_HOME", (fs::path(test::program_file()).parent_path() / "kernel-cache").c_str(), 1);
+    use_cache_of_tests();
     const Scene scene = find_scene("cornell_open");
     Variant costly = baseline_with({{"integrator", "megakernel"}});
     const std::size_t without = cuda::compile(scene, costly, "sm_90");
