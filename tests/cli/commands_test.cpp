@@ -112,12 +112,11 @@ TEST(RenderTest, TakesTheFastestIntegratorThatApplies) {
 // has a word on standard error.)
 TEST(RenderTest, OnATerminalItSaysWhereTheFileIs) {
     const TemporaryFolder folder;
-    const CommandResult shown =
-        run_command({"/usr/bin/script", "-qec",
-                     test::program_file() +
-                         " render --scene cornell_open --backend cpu --resolution 4x3 --spp 1 --out image.png",
-                     "/dev/null"},
-                    in_repository({.folder = folder.path()}));
+    const CommandResult shown = run_command(
+        {"/usr/bin/script", "-qec",
+         test::program_file() + " render --scene cornell_open --backend cpu --resolution 4x3 --spp 1 --out image.png",
+         "/dev/null"},
+        in_repository({.folder = folder.path()}));
     EXPECT_EQ(shown.exit_code, 0);
     const std::string file = std::filesystem::canonical(folder.path() / "image.png").string();
     EXPECT_NE(shown.out.find("rendered with packet on cpu, chosen by ptbench: the fastest integrator known that goes "
@@ -205,8 +204,9 @@ TEST(RenderTest, ThreadsThatWaitDoNotSpin) {
         env -u OMP_WAIT_POLICY -u GOMP_SPINCOUNT "$0" render --scene cornell_open --backend cpu --spp 100000 --out "$1" &
         until tr '\0' '\n' </proc/$!/environ | grep GOMP_SPINCOUNT; do kill -0 $! || exit 1; sleep 0.01; done
         kill $!)";
-    EXPECT_EQ(run_command({"/bin/bash", "-c", script, test::program_file(), folder.file("image.png")}, in_repository()).out,
-              "GOMP_SPINCOUNT=0\n");
+    EXPECT_EQ(
+        run_command({"/bin/bash", "-c", script, test::program_file(), folder.file("image.png")}, in_repository()).out,
+        "GOMP_SPINCOUNT=0\n");
 }
 
 TEST(RenderTest, ReplacesAnImageAndLeavesItWhereItFails) {

@@ -46,7 +46,7 @@ void use_cache_of_tests() {
     static const fs::path folder = [] {
         const char* const cache = std::getenv("XDG_CACHE_HOME");
         const char* const home = std::getenv("HOME");
-        const fs::path parent = cache != nullptr && *cache != '\0'   ? fs::path(cache)
+        const fs::path parent = cache != nullptr && *cache != '\0' ? fs::path(cache)
                                 : home != nullptr && *home != '\0' ? fs::path(home) / ".cache"
                                                                    : fs::path(test::program_file()).parent_path();
         return parent / "ptbench-compile-test";

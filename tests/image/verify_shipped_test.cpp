@@ -23,9 +23,7 @@ std::vector<std::string> shipped_scenes() {
     return names;
 }
 
-Scene shipped(const std::string& name) {
-    return load_scene(test::in_source("scenes/" + name + ".json"));
-}
+Scene shipped(const std::string& name) { return load_scene(test::in_source("scenes/" + name + ".json")); }
 
 std::string first_with(FeatureSet features) {
     const std::vector<std::string> names = shipped_scenes();

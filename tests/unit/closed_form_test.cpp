@@ -12,9 +12,7 @@
 namespace pt {
 namespace {
 
-Scene shipped(const std::string& name) {
-    return load_scene(test::in_source("scenes/" + name + ".json"));
-}
+Scene shipped(const std::string& name) { return load_scene(test::in_source("scenes/" + name + ".json")); }
 
 RenderSettings settings_of(std::uint32_t width, std::uint32_t height, std::uint32_t depth = 1) {
     return {width, height, depth, 0, false};

@@ -270,9 +270,7 @@ void expect_equal_scenes(Scene a, Scene b) {
     EXPECT_EQ(test::render_variant(a, {}).hash(), test::render_variant(b, {}).hash());
 }
 
-Scene shipped(const std::string& name) {
-    return load_scene(test::in_source("scenes/" + name + ".json"));
-}
+Scene shipped(const std::string& name) { return load_scene(test::in_source("scenes/" + name + ".json")); }
 
 TEST(ImportCis565, OpenBoxIsTheShippedOne) {
     expect_equal_scenes(import(cis565_materials_and_camera + cis565_open_objects), shipped("cornell_open"));
