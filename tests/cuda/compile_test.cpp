@@ -12,7 +12,7 @@
 //   the sources depends on the scene and the GPU at once.
 // - The scenes of scenes/stability are run with the generic kernels.
 // What has compiled is kept in the user's cache folder, so a second run takes seconds, in another clone of the same
-// sources too: what a program is kept by is all that the compiler reads, and its version.
+// sources too: a program is kept by its text, the sources, the options, and the versions of NVRTC and CCCL.
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
@@ -22,7 +22,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
+#include "cccl_version.h"
 #include "harness/bench/compile_ahead.h"
 #include "harness/bench/suite.h"
 #include "harness/cuda/backend.h"
@@ -41,15 +43,23 @@ namespace fs = std::filesystem;
 constexpr const char* architectures[] = {"sm_75", "sm_80", "sm_86", "sm_89", "sm_90", "sm_100", "sm_120"};
 constexpr std::string_view full_architecture = "sm_90";
 
-// Beside what ptbench itself keeps. Without a home: in the build folder.
+// Raised by hand where compile_quickly changes what it refuses.
+constexpr int checks = 1;
+
+// Beside what ptbench itself keeps. Without a home that can be written: in the build folder.
 void use_cache_of_tests() {
     static const fs::path folder = [] {
         const char* const cache = std::getenv("XDG_CACHE_HOME");
         const char* const home = std::getenv("HOME");
         const fs::path parent = cache != nullptr && *cache != '\0' ? fs::path(cache)
                                 : home != nullptr && *home != '\0' ? fs::path(home) / ".cache"
-                                                                   : fs::path(test::program_file()).parent_path();
-        return parent / "ptbench-compile-test";
+                                                                   : fs::path();
+        const fs::path kept = parent / "ptbench-compile-test" / fmt::format("cccl-{}-{}", PTBENCH_CCCL_VERSION, checks);
+        std::error_code refused;
+        fs::create_directories(kept, refused);
+        return parent.empty() || ::access(kept.c_str(), W_OK) != 0
+                   ? fs::path(test::program_file()).parent_path() / "kernel-cache"
+                   : kept;
     }();
     ::setenv("XDG_CACHE_HOME", folder.c_str(), 1);
 }
@@ -361,9 +371,11 @@ protected:
             }
         }
         std::error_code ignored;
-        const fs::file_time_type yesterday = fs::file_time_type::clock::now() - std::chrono::hours(24);
+        const fs::file_time_type now = fs::file_time_type::clock::now();
         for (const auto& entry : fs::directory_iterator(cuda::kernel_cache_folder(), ignored)) {
-            if (!names.contains(entry.path().filename().string()) && entry.last_write_time(ignored) < yesterday) {
+            if (names.contains(entry.path().filename().string())) {
+                fs::last_write_time(entry.path(), now, ignored);
+            } else if (entry.last_write_time(ignored) < now - std::chrono::hours(24)) {
                 fs::remove_all(entry.path(), ignored);
             }
         }
