@@ -15,7 +15,7 @@ import pytest
 from conftest import ROOT
 
 from ptbench.cli.main import main
-from ptbench.crosscheck import command
+from ptbench.crosscheck import command, renders
 from ptbench.crosscheck.command import _wanted
 from ptbench.crosscheck.document import AGREES, DIFFERS, REFUSED, WEAK, Checked, as_json, as_scene, as_text, spp_of
 from ptbench.crosscheck.renders import WHEEL, CannotExport, Images, Settings, export, render_here, shipped_scenes
@@ -152,6 +152,10 @@ def test_a_histogram_counts_every_pixel_that_has_noise():
     assert pixels.histogram[5] == pytest.approx(pixels.expected[5], rel=0.1)
 
 
+ASKED = {"scenes": ["a", "b", "c", "d"], "backend": "", "axes": [], "spp": 4, "spp_here": None, "most_spp": 1,
+         "first_seed": 1, "aim": 0.005}  # fmt: skip
+
+
 def settings() -> Settings:
     return Settings(BINARY, Path(sys.executable), "auto", "", (), SEEDS, 1, 4, (32, 32), None, 1.0)
 
@@ -172,7 +176,7 @@ def test_verdicts_and_the_file():
     context = {"date": "2026-11-23T02:00:00+0000", "ptbench.version": "ptbench 1", "ptbench.machine": "m"}
     context |= {"mitsuba.version": "3.9.1", "mitsuba.variant": "scalar_rgb"}
     scenes = [as_scene(one) for one in all_of_them]
-    document = json.loads(json.dumps(as_json(scenes, settings(), context, 0.0, 4), allow_nan=False))
+    document = json.loads(json.dumps(as_json(scenes, settings(), context, 0.0, ASKED), allow_nan=False))
     assert list(complaints(document, "crosscheck")) == []
     text = as_text(document["scenes"], settings(), 0.005)
     assert [line.split("  ")[-1].strip() for line in text[1:5]] == [AGREES, DIFFERS, WEAK, REFUSED]
@@ -263,6 +267,32 @@ def test_each_renderer_takes_its_own_samples(monkeypatch, tmp_path):
     assert paths == [32 * 32 * 4, 32 * 32 * 3]
 
 
+@pytest.mark.parametrize(
+    ("pixel", "faults", "said"),
+    [
+        (np.nan, {}, "ptbench's image, seed 1: found 1 pixels that are infinite or no number"),
+        (np.inf, {}, "ptbench's image, seed 1: found 1 pixels that are infinite or no number"),
+        (1.0, {"nonfinite": 3}, "ptbench's image, seed 1: found faulty samples {'nonfinite': 3}"),
+        (1.0, {"saturated": 1}, "ptbench's image, seed 1: found faulty samples {'saturated': 1}"),
+    ],
+)
+def test_faulty_pictures_are_not_compared(monkeypatch, tmp_path, pixel, faults, said):
+    image = np.ones((*SHAPE[:2], 3))
+    image[2, 3, 1] = pixel
+    monkeypatch.setattr(renders, "read_pfm", lambda _: image)
+    about = json.dumps({"render_seconds": 1, "nonfinite": 0, "negative": 0, "saturated": 0} | faults)
+    done = subprocess.CompletedProcess([], 0, about, "")
+    monkeypatch.setattr(Program, "called", lambda *_: done)
+    with pytest.raises(InputError) as error:
+        render_here("edge", settings(), tmp_path, has_meshes=False)
+    assert said in str(error.value)
+    if not faults:
+        monkeypatch.setattr(renders, "_worker", lambda *_: {"seconds": 1})
+        with pytest.raises(InputError) as error:
+            renders.render_there(tmp_path / "scene.xml", settings(), tmp_path)
+        assert said.replace("ptbench's", "Mitsuba's") in str(error.value)
+
+
 def refusal(capsys, *arguments: str) -> str:
     try:
         code = main(["crosscheck", *arguments], "ptbench")
@@ -319,14 +349,14 @@ def stand_ins(tmp_path, monkeypatch):
     images = np.ones((2, 8, 8, 3))
     about = {"scene_hash": "0123456789abcdef", "variant": "depth_first", "depth": 8, "render_seconds": 1.5}
     module = "ptbench.crosscheck.command."
-    monkeypatch.setattr(module + "mitsuba_version", lambda _: {"version": "3.9.1", "variant": "scalar_rgb"})
+    monkeypatch.setattr(module + "mitsuba_version", lambda _: {"version": "3.9.1", "variant": "llvm_ad_rgb"})
     monkeypatch.setattr(module + "has_meshes", lambda _: False)
     monkeypatch.setattr(module + "render_here", lambda *_, **__: Images(images, about))
     monkeypatch.setattr(module + "render_there", lambda *_: Images(images, {"seconds": 2.5}))
     return ["--binary", str(program), "--seeds", "2", "--resolution", "8x8", "--out", str(tmp_path / "found.json")]
 
 
-def test_an_unfinished_file_is_gone_on_with(stand_ins, tmp_path, capsys):
+def test_an_unfinished_file_is_gone_on_with(stand_ins, tmp_path):
     found, calls = tmp_path / "found.json", tmp_path / "calls"
     assert main(["crosscheck", "a", "b", *stand_ins]) == 0
     whole = json.loads(found.read_text())
@@ -339,9 +369,50 @@ def test_an_unfinished_file_is_gone_on_with(stand_ins, tmp_path, capsys):
     assert resumed["scenes"] == whole["scenes"]
     assert list(complaints(resumed, "crosscheck")) == []
     assert [line.split()[1] for line in calls.read_text().splitlines() if line.startswith("export")] == ["b"]
+
+
+@pytest.mark.parametrize(
+    ("scenes", "other", "said"),
+    [
+        (["a", "b"], ["--depth", "3"], "$.settings.depth: found null, allowed: 3"),
+        (["a", "b"], ["--spp", "64"], "$.call.spp: found"),
+        (["a", "b"], ["--spp-here", "64"], "$.call.spp_here: found null, allowed: 64"),
+        (["a", "b"], ["--first-seed", "101"], "$.call.first_seed: found 1, allowed: 101"),
+        (["a", "b"], ["--aim", "10"], "$.call.aim: found 0.005, allowed: 0.1"),
+        (["a", "b"], ["--most-spp", "7"], "$.call.most_spp: found"),
+        (["a", "b"], ["--axis", "direct_light=nee"], '$.call.axes: found [], allowed: ["direct_light=nee"]'),
+        (["c", "d"], [], '$.call.scenes: found ["a", "b"], allowed: ["c", "d"]'),
+    ],
+)
+def test_a_file_of_another_call_is_not_gone_on_with(stand_ins, tmp_path, capsys, scenes, other, said):
+    assert main(["crosscheck", "a", "b", *stand_ins]) == 0
+    kept = (tmp_path / "found.json").read_bytes()
     capsys.readouterr()
-    assert main(["crosscheck", "a", "b", *stand_ins, "--resume", "--spp", "64", "--depth", "3"]) == 2
-    assert "$.settings: found another call's, allowed: this call's" in capsys.readouterr().err
+    assert main(["crosscheck", *scenes, *stand_ins, "--resume", *other]) == 2
+    assert said in capsys.readouterr().err
+    assert (tmp_path / "found.json").read_bytes() == kept
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (["--resolution", "48x64"], "--resolution: found 48x64, allowed: multiples of 32 with scalar_rgb"),
+        (["--resolution", "1024x1024", "--first-seed", "4095"], "found 4096 as the last seed, allowed: below 4096"),
+        (["--resolution", "1024x1024", "--first-seed", "4094"], None),
+        (["--resolution", "32x64"], None),
+    ],
+)
+def test_seeds_that_would_share_random_numbers_are_refused(stand_ins, capsys, monkeypatch, given, said):
+    peer = {"version": "3.9.1", "variant": "scalar_rgb"}
+    monkeypatch.setattr("ptbench.crosscheck.command.mitsuba_version", lambda _: peer)
+    assert main(["crosscheck", "a", *stand_ins, *given]) == (0 if said is None else 2)
+    assert said is None or said in capsys.readouterr().err
+
+
+def test_a_file_of_something_else_is_not_gone_on_with(stand_ins, tmp_path, capsys):
+    (tmp_path / "found.json").write_text("[]")
+    assert main(["crosscheck", "a", *stand_ins, "--resume"]) == 2
+    assert "$: found list, allowed: a file of crosscheck" in capsys.readouterr().err
 
 
 def test_several_scenes_at_a_time_are_written_in_the_order_asked_for(stand_ins, tmp_path, monkeypatch):

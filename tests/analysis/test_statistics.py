@@ -68,6 +68,15 @@ def test_counted_medians_are_those_of_the_resamples(sizes, decimals):
         assert np.array_equal(medians, np.median(resamples, axis=1))
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_what_is_no_number_is_not_counted(value):
+    values = np.array([1.0, 2.0, value, 3.0])
+    (medians,) = estimates._medians_of(values)
+    random = np.random.default_rng(estimates.SEED)
+    expected = np.median(values[random.integers(0, 4, size=(estimates.RESAMPLES, 4))], axis=1)
+    assert np.array_equal(medians, expected, equal_nan=True)
+
+
 def test_the_same_samples_give_the_same_interval():
     values = np.random.default_rng(1).normal(size=12)
     assert median_estimate(values) == median_estimate(values)

@@ -18,7 +18,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from ptbench.crosscheck.document import AGREES, REFUSED, WEAK, Checked, as_json, as_scene, as_text
-from ptbench.crosscheck.options import ALL
+from ptbench.crosscheck.options import ALL, MOST_SPP
 from ptbench.crosscheck.renders import (
     CannotExport,
     Settings,
@@ -35,6 +35,8 @@ from ptbench.io.files import check_output_file, write_text
 from ptbench.io.nodes import read_json
 from ptbench.terminal import say
 
+SCALAR_BLOCK = 32  # pixels of a side of Mitsuba's blocks
+
 
 def crosscheck_command(options: argparse.Namespace) -> int:
     """The exit code; raises InputError."""
@@ -43,17 +45,20 @@ def crosscheck_command(options: argparse.Namespace) -> int:
     settings = _settings(options)
     settings.program.check()
     peer = mitsuba_version(settings)
+    _check_streams(settings, peer["variant"])
     named = [scene for scene in options.scenes if scene != ALL]
     scenes = list(dict.fromkeys(named + (shipped_scenes(settings.program) if ALL in options.scenes else [])))
     context = _context(settings, peer)
-    done = _done(options, as_json([], settings, context, options.allow, len(scenes))) if options.resume else {}
+    asked = _asked(options, settings, scenes)
+    done = _done(options, as_json([], settings, context, options.allow, asked)) if options.resume else {}
     family = family_of(len(scenes))
 
     def kept() -> list[dict]:
         # After each scene: all of them take long, and what is done is not lost.
         checked = [done[scene] for scene in scenes if scene in done]
         if options.out is not None and checked:
-            text = json.dumps(as_json(checked, settings, context, options.allow, len(scenes)), indent=1) + "\n"
+            whole = as_json(checked, settings, context, options.allow, asked)
+            text = json.dumps(whole, indent=1, allow_nan=False) + "\n"
             write_text(options.out, text)
         return checked
 
@@ -86,6 +91,38 @@ def _settings(options: argparse.Namespace) -> Settings:
     )
 
 
+def _check_streams(settings: Settings, variant: str) -> None:
+    """Raises InputError where images of two seeds would share random numbers.
+
+    Mitsuba's scalar variants number their streams seed x pixels + block x 32^2 + pixel of the block, in 32 bits: blocks
+    that reach over the image's border take numbers of the next seed.
+    """
+    if not variant.startswith("scalar"):
+        return
+    width, height = settings.resolution
+    if width % SCALAR_BLOCK or height % SCALAR_BLOCK:
+        raise InputError(f"--resolution: found {settings.size}, allowed: multiples of {SCALAR_BLOCK} with {variant}")
+    if (last := settings.first_seed + settings.seeds) * width * height > 1 << 32:
+        most = (1 << 32) // (width * height)
+        raise InputError(
+            f"--first-seed, --seeds: found {last - 1} as the last seed, allowed: below {most} with {variant}"
+        )
+
+
+def _asked(options: argparse.Namespace, settings: Settings, scenes: list[str]) -> dict:
+    """What a file that is gone on with must have been asked for beside `settings`."""
+    return {
+        "scenes": scenes,
+        "backend": settings.backend,
+        "axes": list(settings.axes),
+        "spp": settings.spp,
+        "spp_here": settings.spp_here,
+        "most_spp": options.most_spp,
+        "first_seed": settings.first_seed,
+        "aim": options.aim,
+    }
+
+
 def _done(options: argparse.Namespace, planned: dict) -> dict[str, dict]:
     """The scenes of an unfinished file that was begun with the same call; raises InputError for another one."""
     if options.out is None:
@@ -93,10 +130,14 @@ def _done(options: argparse.Namespace, planned: dict) -> dict[str, dict]:
     if not options.out.is_file():
         return {}
     begun = read_json(options.out).value
-    for part in ("context", "settings"):
-        kept, wanted = ({**one.get(part, {}), "date": ""} for one in (begun, planned))
-        if kept != wanted:
-            raise bad_value(options.out, f"$.{part}", "another call's", "this call's, to go on with it")
+    if not isinstance(begun, dict):
+        raise bad_value(options.out, "$", type(begun).__name__, "a file of crosscheck, to go on with it")
+    for part in ("context", "settings", "call"):
+        kept = begun.get(part, {})
+        for name, wanted in planned[part].items():
+            if name != "date" and kept.get(name) != wanted:
+                found = json.dumps(kept.get(name))
+                raise bad_value(options.out, f"$.{part}.{name}", found, f"{json.dumps(wanted)}, to go on with it")
     return {scene["scene"]: scene for scene in begun["scenes"]}
 
 
@@ -127,12 +168,18 @@ def _check(scene: str, settings: Settings, options: argparse.Namespace, family: 
         except CannotExport as refusal:
             return Checked(scene, settings, None, options.aim, reasons=tuple(refusal.reasons))
         checked = _rendered(scene, xml, settings, options, scratch, family)
-        while (spp := _wanted(checked, options.most_spp)) > checked.settings.spp:
+        while (spp := _wanted(checked, _most(settings, options.most_spp))) > checked.settings.spp:
             # By other seeds: the last images only said how much noise there is.
             more = _more(checked.settings, spp)
             checked = _rendered(scene, xml, more, options, scratch, family)
     print(f"{scene}: {checked.verdict}", file=sys.stderr)
     return checked
+
+
+def _most(settings: Settings, most: int) -> int:
+    """As many samples as the call allows in either renderer."""
+    here = settings.spp if settings.spp_here is None else settings.spp_here
+    return min(most, MOST_SPP * settings.spp // here)
 
 
 def _more(settings: Settings, spp: int) -> Settings:

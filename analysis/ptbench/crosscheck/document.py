@@ -33,8 +33,9 @@ class Checked:
         return AGREES if self.comparison.image.sees <= self.aim else WEAK
 
 
-def as_json(scenes: list[dict], settings: Settings, context: dict, allowed: float, count: int) -> dict:
-    """The whole file: `scenes` of the `count` that were asked for."""
+def as_json(scenes: list[dict], settings: Settings, context: dict, allowed: float, asked: dict) -> dict:
+    """The whole file: `scenes` of those that were asked for; `asked` has what the scenes' own settings began with."""
+    count = len(asked["scenes"])
     return {
         "schema": "ptbench-crosscheck-1",
         "context": context,
@@ -50,6 +51,7 @@ def as_json(scenes: list[dict], settings: Settings, context: dict, allowed: floa
             "block": SIDE,
             "z_edges": list(EDGES),
         },
+        "call": asked,
         "scenes": scenes,
     }
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 SIDE = 8  # pixels of a block
 ALL = "all"
+MOST_SPP = 100_000_000  # samples a pixel of an image
 
 
 def add_crosscheck(commands: argparse._SubParsersAction) -> None:
@@ -35,15 +36,15 @@ def add_crosscheck(commands: argparse._SubParsersAction) -> None:
         help="of both (default: 1); what is to be taken together with another call's needs other seeds than that",
     )  # fmt: skip
     parser.add_argument(
-        "--spp", type=whole(1, 100_000_000), default=128, metavar="N", help="samples a pixel and seed (default: 128)"
+        "--spp", type=whole(1, MOST_SPP), default=128, metavar="N", help="samples a pixel and seed (default: 128)"
     )
     parser.add_argument(
-        "--spp-here", type=whole(1, 100_000_000), metavar="N",
+        "--spp-here", type=whole(1, MOST_SPP), metavar="N",
         help="of ptbench's images, where they need other numbers for as little noise (default: as --spp)",
     )  # fmt: skip
     parser.add_argument(
-        "--most-spp", type=whole(1, 100_000_000), default=1, metavar="N",
-        help="a scene that is too weak is rendered once more, with as many as the aim needs, up to N (default: not)",
+        "--most-spp", type=whole(1, MOST_SPP), default=1, metavar="N",
+        help="a scene that is too weak is rendered again, with as many as the aim needs, up to N (default: not)",
     )  # fmt: skip
     parser.add_argument(
         "--resolution", type=blocks, default=(64, 64), metavar="WxH", help=f"multiples of {SIDE} (default: 64x64)"

@@ -1,7 +1,8 @@
 """Several cross-checks of one scene by different seeds, taken together: whether the image's mean differs.
 
-Each is unbiased by itself, so their biases are averaged with the weights 1 / error^2; the degrees of freedom of the
-error are Welch's and Satterthwaite's (Biometrics 2, 1946), each cross-check with those of its smaller side.
+Each is unbiased by itself, so their biases are averaged with the weights 1 / error^2. Those are estimated too, which
+makes the average noisier than it looks: by Meier's factor (Biometrics 9, 1953). The degrees of freedom of the error are
+Welch's and Satterthwaite's (Biometrics 2, 1946), each cross-check with those of its smaller side.
 """
 
 from __future__ import annotations
@@ -42,8 +43,12 @@ def pooled(scenes: list[tuple[dict, int]]) -> Pooled:
     images = [scene["image"] for scene, _ in scenes]
     bias, errors = (np.array([image[name] for image in images]) for name in ("bias", "errors"))
     freedom = np.array([seeds - 1 for _, seeds in scenes])[:, None]
-    weights = errors**-2 / (errors**-2).sum(axis=0)
-    mean, error = (weights * bias).sum(axis=0), (errors**-2).sum(axis=0) ** -0.5
+    lit = (errors > 0).all(axis=0)  # a channel that is black in both has nothing to differ in
+    squares = np.where(lit, errors, 1.0) ** -2
+    weights = squares / squares.sum(axis=0)
+    mean = np.where(lit, (weights * bias).sum(axis=0), 0.0)
+    meier = 1 + 4 * (weights * (1 - weights) / freedom).sum(axis=0)
+    error = np.where(lit, np.sqrt(meier / squares.sum(axis=0)), 0.0)
     # Of the variance of the mean, w e^2 of each: as large a part as its weight.
     together = 1 / (weights**2 / freedom).sum(axis=0)
     limit_p = min(image["limit_p"] for image in images)
@@ -51,7 +56,7 @@ def pooled(scenes: list[tuple[dict, int]]) -> Pooled:
     return Pooled(
         bias=tuple(map(float, mean)),
         errors=tuple(map(float, error)),
-        worst_p=float(np.min(2 * stdtr(together, -np.abs(mean / error)))),
+        worst_p=float(np.min(2 * stdtr(together, -np.abs(mean / np.where(lit, error, 1.0))))),
         limit_p=limit_p,
         sees=float(sees.max()),
         aim=min(scene["aim"] for scene, _ in scenes),

@@ -20,6 +20,7 @@ WHEEL = "mitsuba==3.9.1"  # pyproject.toml has the same
 # What takes least time, where the call says nothing: the estimator with the least noise, which a scene without diffuse
 # surfaces does not take, and trees for what has meshes. No axis changes the mean.
 _DIRECT_LIGHT = "direct_light=nee_mis"
+_FAULTS = ("nonfinite", "negative", "saturated")  # of a render's summary
 _FOLDERS = ("environments", "textures", "scaling", "meshes")  # of scenes, beside those that have a name alone
 _TREES = {"cuda": ("accelerator=cwbvh", "builder=hploc", "levels=two_level")}
 _TREES_ELSEWHERE = ("accelerator=bvh8", "levels=two_level")
@@ -133,8 +134,19 @@ def render_here(scene: str, settings: Settings, folder: Path, *, has_meshes: boo
             raise InputError(said_by(done)[-1])
         about = json.loads(done.stdout)
         seconds += about["render_seconds"]
-        images.append(read_pfm(target))
+        seed = settings.first_seed + len(images)
+        # The film leaves them out and counts them, so the picture does not show them.
+        if lost := {name: about[name] for name in _FAULTS if about.get(name)}:
+            raise InputError(f"ptbench's image, seed {seed}: found faulty samples {lost}, allowed: none")
+        images.append(_finite(read_pfm(target), "ptbench's image", seed))
     return Images(np.stack(images), {**about, "render_seconds": seconds})
+
+
+def _finite(image: np.ndarray, whose: str, seed: int) -> np.ndarray:
+    """The image; raises InputError for one with pixels that are no number: every comparison with those is false."""
+    if wrong := int((~np.isfinite(image)).any(axis=-1).sum()):
+        raise InputError(f"{whose}, seed {seed}: found {wrong} pixels that are infinite or no number, allowed: none")
+    return image
 
 
 def meshes_in(xml: Path) -> int:
@@ -153,4 +165,7 @@ def render_there(xml: Path, settings: Settings, folder: Path) -> Images:
     targets = [folder / f"there_{seed}.pfm" for seed in range(settings.seeds)]
     jobs = [[settings.first_seed + seed, str(target)] for seed, target in enumerate(targets)]
     about = _worker(settings, {"xml": str(xml), "spp": settings.spp, "images": jobs})
-    return Images(np.stack([read_pfm(target) for target in targets]), about)
+    images = [
+        _finite(read_pfm(target), "Mitsuba's image", seed) for (seed, _), target in zip(jobs, targets, strict=True)
+    ]
+    return Images(np.stack(images), about)

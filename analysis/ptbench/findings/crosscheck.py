@@ -13,6 +13,7 @@ from ptbench.io.nodes import read_json
 from ptbench.numbers import figures
 
 SCHEMA = "ptbench-crosscheck-1"
+_ALIKE = ("resolution", "scale", "allowed")  # in calls that may be taken together
 
 
 def _percent(share: float, digits: int = 2) -> str:
@@ -26,6 +27,7 @@ class CrosscheckSource:
         self._shown, self._results = file, results
         value = read_json(results / file).value
         self._context, self._settings, self._scenes = value["context"], value["settings"], value["scenes"]
+        self._first_seed: int = value.get("call", {}).get("first_seed", 1)
 
     @property
     def commit(self) -> str:
@@ -63,6 +65,13 @@ class CrosscheckSource:
         return said
 
     @staticmethod
+    def must_be_one(found: Pooled, said: str) -> str:
+        """`said`, unless calls taken together differ."""
+        if found.verdict == "differs":
+            raise FindingError(f"calls taken together differ by {found.bias}; the page says: {said}")
+        return said
+
+    @staticmethod
     def worst(found: Pooled) -> str:
         """The bias of the channel that has most of it, of the mean, with its standard error."""
         channel = max(range(len(found.bias)), key=lambda i: abs(found.bias[i]))
@@ -82,6 +91,9 @@ class CrosscheckSource:
             for one in source._of("agrees", "differs", "too weak")
             if one["scene"] == scene
         ]
+        ways = {tuple(str(source._settings[name]) for name in _ALIKE) for source in (self, *others)}
+        if len(ways) != 1 or self._settings["allowed"] != 0:
+            raise FindingError(f"{self._shown} and others: {', '.join(_ALIKE)} are not alike, or not all is told")
         if len(found) != 1 + len(others):
             raise FindingError(f"{self._shown} and others: {scene} is in {len(found)} of {1 + len(others)} files")
         return pooled(found)
@@ -124,10 +136,11 @@ class CrosscheckSource:
 
     def _renders(self, scene: dict) -> int:
         """How often it was rendered: once, and again with later seeds where it was too noisy."""
-        return 1 + (scene.get("first_seed", 1) - 1) // self._settings["seeds"]
+        return 1 + (scene.get("first_seed", 1) - self._first_seed) // self._settings["seeds"]
 
-    def told_apart(self, *others: CrosscheckSource) -> str:
-        """The probability, at most, that equal renderers are told apart in any scene that these files have.
+    def told_apart(self, *others: CrosscheckSource, with_pooled: Pooled | None = None) -> str:
+        """The probability, at most, that equal renderers are told apart in any scene that these files have, or in any
+        channel where their scene is taken together.
 
         A scene has its call's share each time that it was rendered. A share that is smaller than another call's makes
         limits wider, so calls of different numbers of scenes may stand side by side.
@@ -138,7 +151,7 @@ class CrosscheckSource:
             for scene in one._scenes
             if "image" in scene
         )
-        return _percent(sum(shares))
+        return _percent(sum(shares) + (len(with_pooled.bias) * with_pooled.limit_p if with_pooled else 0))
 
     def shared_by(self, *others: CrosscheckSource) -> int:
         """How many scenes share `family`; raises FindingError for files of calls that do not share one."""

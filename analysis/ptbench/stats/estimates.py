@@ -69,7 +69,7 @@ def _resampled_medians(values: np.ndarray, random: np.random.Generator) -> np.nd
     return np.median(values[_indices(values.size, random)], axis=1)
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=4)
 def _times_drawn(*sizes: int) -> tuple[np.ndarray, ...]:
     """How often each resample draws each sample, (size, RESAMPLES), of sets that one generator draws one after another.
 
