@@ -15,6 +15,7 @@ from ptbench.claims.evidence import Evidence, Found
 
 HOLDS, HOLDS_WHERE, DOES_NOT, NOT_REACHED = "holds", "holds only where", "does not hold", "not reached"
 WITHIN, LESS, MORE, OPEN, MISSING = "holds", "less", "more", "open", "no number"
+_SIDES = {LESS: "below", MORE: "above"}
 VERDICTS = (HOLDS, HOLDS_WHERE, DOES_NOT, NOT_REACHED)
 
 RULE = (
@@ -85,8 +86,8 @@ def word_of(found: Found) -> str:
 def _verdict(judged: Sequence[Judged]) -> tuple[str, str]:
     theirs = [one for one in judged if one.found.condition.side == THEIRS]
     others = [one for one in judged if one not in theirs]
-    tally = f"{_count(theirs)} of {len(theirs)} near theirs"
-    tally += f", {_count(others)} of {len(others)} elsewhere" if others else ""
+    tally = _tally(theirs, "near theirs")
+    tally += f", {_tally(others, 'elsewhere')}" if others else ""
     held = _count(judged)
     if unknown := sum(one.word == MISSING for one in theirs):
         return NOT_REACHED, f"{unknown} of {len(theirs)} conditions near theirs have no number"
@@ -98,8 +99,19 @@ def _verdict(judged: Sequence[Judged]) -> tuple[str, str]:
         return NOT_REACHED, f"no condition holds, and {_listed(undecided)} decided nothing"
     sides = {one.found.condition.side for one in judged}
     if not {"below", "above"} <= sides:
-        return NOT_REACHED, f"no condition holds ({tally}), but theirs were not approached from two sides"
+        return NOT_REACHED, f"no condition holds: {tally}; theirs were not approached from two sides"
     return DOES_NOT, tally
+
+
+def _tally(judged: Sequence[Judged], where: str) -> str:
+    """How many hold, and on which side of the rule the others lie: one above it may have gained more than claimed."""
+    sides = [f"{_words(judged, word)} {said}" for word, said in _SIDES.items() if _words(judged, word)]
+    beyond = f" ({', '.join(sides)} the rule)" if sides else ""
+    return f"{_count(judged)} of {len(judged)} {where}{beyond}"
+
+
+def _words(judged: Iterable[Judged], word: str) -> int:
+    return sum(one.word == word for one in judged)
 
 
 def _count(judged: Iterable[Judged]) -> int:

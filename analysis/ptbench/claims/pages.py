@@ -45,6 +45,8 @@ class Told:
     @property
     def word(self) -> str:
         """The verdict's word, with its mark where the data were there before the prediction."""
+        if self.evidence is None:
+            return "not run yet" if self.claim.experiment is not None else "cannot be asked yet"
         untested = self.order is not None and not self.order.is_test
         return f"{self.verdict.word} (no test)" if untested else self.verdict.word
 
@@ -105,10 +107,9 @@ def pages_of(ledger: Ledger, told: Sequence[Told]) -> dict[str, str]:
 
 def _counts(told: Sequence[Told]) -> dict[str, int]:
     """Verdicts by word, a device each; what was not run is counted apart from what cannot be asked."""
-    words = [one.word for one in told if one.evidence is not None]
+    words = [one.word for one in told]
     counts = {word: words.count(word) for plain in VERDICTS for word in (plain, f"{plain} (no test)")}
-    counts["not run yet"] = sum(one.evidence is None and one.claim.experiment is not None for one in told)
-    counts["cannot be asked yet"] = sum(one.claim.experiment is None for one in told)
+    counts |= {word: words.count(word) for word in words if word not in counts}
     return {word: count for word, count in counts.items() if count}
 
 

@@ -8,7 +8,7 @@ from ptbench.errors import FindingError
 from ptbench.findings.quantities import link_to
 from ptbench.io.inspection import Inspected, KernelCounters, load_inspected
 from ptbench.io.nodes import read_json
-from ptbench.io.stability import KNOWN_LIMIT, PASSED, Row, Stability, stability_of
+from ptbench.io.stability import KNOWN_LIMIT, NOT_APPLICABLE, PASSED, Row, Stability, stability_of
 from ptbench.numbers import figures, share
 from ptbench.stability.layout import Layout, count, failures
 from ptbench.stability.summary import family_text
@@ -113,6 +113,11 @@ class StabilitySource:
         return len({row.case.name for row in self._stability.rows})
 
     @property
+    def asked(self) -> int:
+        """Of them, those that could be asked in any variant."""
+        return len({row.case.name for row in self._stability.rows if row.status != NOT_APPLICABLE})
+
+    @property
     def passed(self) -> int:
         """Checks that must pass and passed."""
         return count(self._required, PASSED)
@@ -151,8 +156,10 @@ class StabilitySource:
     @property
     def provenance(self) -> str:
         """A line of a list: the file and what it is."""
-        folder = Path(self._shown).parent
+        file = Path(self._shown)
+        summary = file.parent / "figures" / file.stem / "summary.md"
+        drawn = f" [summary](../../results/{summary})" if (self._results / summary).is_file() else ""
         return (
             f"- {link_to(self._results, self._shown)}: `ptbench stability`, {self.rows} rows; commit "
-            f"{self.commit}. [summary](../../results/{folder}/figures/stability/summary.md)"
+            f"{self.commit}.{drawn}"
         )
