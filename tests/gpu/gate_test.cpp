@@ -238,6 +238,15 @@ TEST_F(Gate, WavefrontsEndWithTheirPathsNotWithTheDepth) {
             EXPECT_GE(result.work.host_waits, 3u);
         }
     }
+    // Its rounds are those of all samples together.
+    request.variant.set("integrator", "wavefront_refill");
+    request.variant.set("compaction", "none");
+    const RenderResult refilled = render(scene, request);
+    EXPECT_EQ(refilled.film.hash(), expected.film.hash());
+    EXPECT_EQ(refilled.work.paths, expected.work.paths);
+    EXPECT_EQ(refilled.work.rays, expected.work.rays);
+    EXPECT_LE(refilled.work.bounces, 3u * 1024);
+    EXPECT_GE(refilled.work.host_waits, 1u);
 }
 
 // Where the host reads the count back it need not ask, and paths that all live on must not be taken for ended.
