@@ -1,3 +1,9 @@
+# Named from the build's folder: with the clone's in the command line, ccache would find nothing of another clone.
+if(CMAKE_CXX_FLAGS MATCHES "-fsanitize=.*undefined")
+  file(RELATIVE_PATH ignorelist ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR}/cmake/sanitize_ignorelist.txt)
+  add_compile_options(-fsanitize-ignorelist=${ignorelist})
+endif()
+
 # What was compiled before, in this clone or in another, is taken from ccache where that is installed: by the compiler, its
 # options and all that it reads, a precompiled header by its content. Folders are taken relative to the clone, so a debugger
 # may be shown another clone's.
