@@ -12,9 +12,10 @@ if(PTBENCH_COMPILER_CACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   find_program(PTBENCH_CCACHE ccache)
 endif()
 if(PTBENCH_COMPILER_CACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER AND PTBENCH_CCACHE)
-  # ccache takes -march=native by the word: what that is on this machine keeps the caches of two machines apart.
+  # ccache takes -march=native by the word: what that is on this machine keeps the caches of two machines apart. Asked in
+  # one folder, which clang tells as well.
   execute_process(COMMAND ${CMAKE_CXX_COMPILER} -march=${PTBENCH_MARCH} -E -v -x c++ /dev/null
-                  OUTPUT_VARIABLE means ERROR_VARIABLE means)
+                  WORKING_DIRECTORY / OUTPUT_VARIABLE means ERROR_VARIABLE means)
   string(SHA256 means "${means}")
   # Precompiled headers need the first two of the words: ccache does not see which macros they define. It does not know
   # that -fsanitize-ignorelist= names a file that the compiler reads.
