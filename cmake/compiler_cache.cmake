@@ -1,4 +1,4 @@
-# Named from the build's folder: with the clone's in the command line, ccache would find nothing of another clone.
+# Named from the build's folder, so that a command does not differ by the clone for it.
 if(CMAKE_CXX_FLAGS MATCHES "-fsanitize=.*undefined")
   file(RELATIVE_PATH ignorelist ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR}/cmake/sanitize_ignorelist.txt)
   add_compile_options(-fsanitize-ignorelist=${ignorelist})
@@ -6,7 +6,8 @@ endif()
 
 # What was compiled before, in this clone or in another, is taken from ccache where that is installed: by the compiler, its
 # options and all that it reads, a precompiled header by its content. Folders are taken relative to the clone, so a debugger
-# may be shown another clone's.
+# may be shown another clone's. CMake passes clang its precompiled header by a word that ccache does not rewrite: what clang
+# compiled is found again in its own clone alone.
 option(PTBENCH_COMPILER_CACHE "Compile through ccache where it is found" ON)
 if(PTBENCH_COMPILER_CACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   find_program(PTBENCH_CCACHE ccache)
