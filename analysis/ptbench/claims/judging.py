@@ -105,17 +105,13 @@ def _verdict(judged: Sequence[Judged]) -> tuple[str, str]:
 
 def _tally(judged: Sequence[Judged], where: str) -> str:
     """How many hold, and on which side of the rule the others lie: one above it may have gained more than claimed."""
-    sides = [f"{_words(judged, word)} {said}" for word, said in _SIDES.items() if _words(judged, word)]
+    sides = [f"{count} {said}" for word, said in _SIDES.items() if (count := _count(judged, word))]
     beyond = f" ({', '.join(sides)} the rule)" if sides else ""
     return f"{_count(judged)} of {len(judged)} {where}{beyond}"
 
 
-def _words(judged: Iterable[Judged], word: str) -> int:
+def _count(judged: Iterable[Judged], word: str = WITHIN) -> int:
     return sum(one.word == word for one in judged)
-
-
-def _count(judged: Iterable[Judged]) -> int:
-    return sum(one.word == WITHIN for one in judged)
 
 
 def _listed(names: Sequence[str]) -> str:
