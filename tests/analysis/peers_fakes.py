@@ -62,7 +62,7 @@ for line in sys.stdin:
         print("LLVM ERROR: Cannot select: fminimum", file=sys.stderr, flush=True)
         os.kill(os.getpid(), signal.SIGABRT)
     elif request["do"] == "image":
-        brighter = 1.2 if variant == "wrong_rgb" else 1.0
+        brighter = {"wrong_rgb": 1.2, "faulty_rgb": float("nan")}.get(variant, 1.0)
         spread = 40.0 if variant == "noisy_rgb" else 0.2
         write_pfm(request["file"], request["spp"], 1000 + request["seed"], brighter, spread)
         said = {"ms": 8.0 * request["spp"], "wall_ms": 100.0 * request["spp"], "compile_ms": 0.0}

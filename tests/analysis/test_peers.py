@@ -90,7 +90,11 @@ def test_a_picture_that_is_too_noisy_to_tell_has_none_either(fakes):
 
 @pytest.mark.parametrize(
     ("variant", "reason"),
-    [("dying_rgb", "LLVM ERROR: Cannot select: fminimum"), ("late_rgb", "CUDA_ERROR_OUT_OF_MEMORY")],
+    [
+        ("dying_rgb", "LLVM ERROR: Cannot select: fminimum"),
+        ("late_rgb", "CUDA_ERROR_OUT_OF_MEMORY"),
+        ("faulty_rgb", "a picture with 256 pixels that are infinite or no number"),
+    ],
 )
 def test_a_peer_that_fails_says_why_and_the_others_go_on(fakes, variant, reason):
     assert fakes.call("--mitsuba", variant, "--mitsuba", "good_rgb") == 1

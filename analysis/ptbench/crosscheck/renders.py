@@ -13,7 +13,7 @@ import numpy as np
 from ptbench.crosscheck.mitsuba_worker import MISSING
 from ptbench.errors import InputError
 from ptbench.io.files import package_file, read_whole
-from ptbench.io.images import read_pfm
+from ptbench.io.images import faulty_pixels, read_pfm
 from ptbench.program import Program, run_program, said_by
 
 WHEEL = "mitsuba==3.9.1"  # pyproject.toml has the same
@@ -143,8 +143,8 @@ def render_here(scene: str, settings: Settings, folder: Path, *, has_meshes: boo
 
 
 def _finite(image: np.ndarray, whose: str, seed: int) -> np.ndarray:
-    """The image; raises InputError for one with pixels that are no number: every comparison with those is false."""
-    if wrong := int((~np.isfinite(image)).any(axis=-1).sum()):
+    """The image; raises InputError for one with faulty pixels."""
+    if wrong := faulty_pixels(image):
         raise InputError(f"{whose}, seed {seed}: found {wrong} pixels that are infinite or no number, allowed: none")
     return image
 

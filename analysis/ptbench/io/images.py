@@ -32,6 +32,11 @@ def read_pfm(path: Path) -> np.ndarray:
     return np.frombuffer(values, dtype=order).reshape(height, width, 3)[::-1].astype(np.float32)
 
 
+def faulty_pixels(image: np.ndarray) -> int:
+    """How many have a channel that is infinite or no number: every comparison with those is false."""
+    return int((~np.isfinite(image)).any(axis=-1).sum())
+
+
 def exposure_of(reference: np.ndarray) -> float:
     """What the 99th percentile of the reference's brightest channels is shown white with."""
     white = float(np.percentile(reference.max(axis=2), 99))

@@ -17,6 +17,7 @@ from ptbench.crosscheck.document import AGREES, DIFFERS, WEAK
 from ptbench.crosscheck.renders import CannotExport, Settings, export, meshes_in
 from ptbench.crosscheck.statistics import Comparison, compare
 from ptbench.errors import InputError
+from ptbench.io.images import faulty_pixels
 from ptbench.peers.options import Call, Wanted
 from ptbench.peers.process import PeerFailed
 from ptbench.peers.renderers import OwnVariant, Place, Talking, started
@@ -151,6 +152,8 @@ def _pictures(one: OwnVariant | Talking, plan: Plan) -> tuple[np.ndarray, float]
     images, times = [], []
     for seed in range(plan.seeds):
         parts = [one.image(plan.spp // passes, 1 + seed * passes + part) for part in range(passes)]
+        if wrong := sum(faulty_pixels(image) for image, _ in parts):
+            raise PeerFailed(f"a picture with {wrong} pixels that are infinite or no number")
         images.append(np.mean([image.astype(np.float64) for image, _ in parts], axis=0))
         times += [ms / (plan.spp // passes) for _, ms in parts]
     return np.stack(images), min(times)
