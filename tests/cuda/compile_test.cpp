@@ -46,20 +46,14 @@ constexpr std::string_view full_architecture = "sm_90";
 // Raised by hand where compile_quickly changes what it refuses.
 constexpr int checks = 1;
 
-// Beside what ptbench itself keeps. Without a home that can be written: in the build folder.
+// Beside what ptbench itself keeps; where that cannot be written, in the build folder.
 void use_cache_of_tests() {
     static const fs::path folder = [] {
-        const char* const cache = std::getenv("XDG_CACHE_HOME");
-        const char* const home = std::getenv("HOME");
-        const fs::path parent = cache != nullptr && *cache != '\0' ? fs::path(cache)
-                                : home != nullptr && *home != '\0' ? fs::path(home) / ".cache"
-                                                                   : fs::path();
-        const fs::path kept = parent / "ptbench-compile-test" / fmt::format("cccl-{}-{}", PTBENCH_CCCL_VERSION, checks);
+        const fs::path kept = fs::path(cuda::kernel_cache_folder()).parent_path() / "ptbench-compile-test" /
+                              fmt::format("cccl-{}-{}", PTBENCH_CCCL_VERSION, checks);
         std::error_code refused;
         fs::create_directories(kept, refused);
-        return parent.empty() || ::access(kept.c_str(), W_OK) != 0
-                   ? fs::path(test::program_file()).parent_path() / "kernel-cache"
-                   : kept;
+        return ::access(kept.c_str(), W_OK) == 0 ? kept : fs::path(test::program_file()).parent_path() / "kernel-cache";
     }();
     ::setenv("XDG_CACHE_HOME", folder.c_str(), 1);
 }
