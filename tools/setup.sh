@@ -107,64 +107,19 @@ try_to_install() { # try_to_install PACKAGE..
 }
 
 # What the program can do without. Asked for once in a build's folder: not every system has it.
-setup_mesh_readers() {
-    local stamp=$build_dir/without-libtinygltf-dev
+setup_optional() { # setup_optional WITHOUT_IT PACKAGE..
+    local without=$1 package stamp=$build_dir/without-$2
+    shift
     [[ ${PTBENCH_PACKAGES:-} != skip && ! -e $stamp ]] || return 0
-    is_installed libtinygltf-dev || try_to_install libtinygltf-dev || {
-        say "no libtinygltf-dev: this build reads no .glb meshes"
-        mkdir -p -- "$build_dir"
-        touch -- "$stamp"
-    }
-}
-
-setup_xml_reader() {
-    local stamp=$build_dir/without-libpugixml-dev
-    [[ ${PTBENCH_PACKAGES:-} != skip && ! -e $stamp ]] || return 0
-    is_installed libpugixml-dev || try_to_install libpugixml-dev || {
-        say "no libpugixml-dev: this build imports no scenes in Mitsuba's XML"
-        mkdir -p -- "$build_dir"
-        touch -- "$stamp"
-    }
-}
-
-setup_compiler_cache() {
-    local stamp=$build_dir/without-ccache
-    [[ ${PTBENCH_PACKAGES:-} != skip && ! -e $stamp ]] || return 0
-    command -v ccache >/dev/null || try_to_install ccache || {
-        say "no ccache: what was compiled in another folder is compiled again"
-        mkdir -p -- "$build_dir"
-        touch -- "$stamp"
-    }
-}
-
-setup_embree() {
-    local stamp=$build_dir/without-libembree-dev
-    [[ ${PTBENCH_PACKAGES:-} != skip && ! -e $stamp ]] || return 0
-    is_installed libembree-dev || try_to_install libembree-dev || {
-        say "no libembree-dev: this build has no accelerators embree and embree_native"
-        mkdir -p -- "$build_dir"
-        touch -- "$stamp"
-    }
-}
-
-setup_openexr() {
-    local stamp=$build_dir/without-libopenexr-dev
-    [[ ${PTBENCH_PACKAGES:-} != skip && ! -e $stamp ]] || return 0
-    is_installed libopenexr-dev || try_to_install libopenexr-dev || {
-        say "no libopenexr-dev: this build writes no .exr images"
-        mkdir -p -- "$build_dir"
-        touch -- "$stamp"
-    }
-}
-
-setup_mpi() {
-    local stamp=$build_dir/without-libopenmpi-dev
-    [[ ${PTBENCH_PACKAGES:-} != skip && ! -e $stamp ]] || return 0
-    { is_installed libopenmpi-dev && is_installed openmpi-bin; } || try_to_install libopenmpi-dev openmpi-bin || {
-        say "no libopenmpi-dev: this build does not run on several hosts by mpirun"
-        mkdir -p -- "$build_dir"
-        touch -- "$stamp"
-    }
+    for package in "$@"; do
+        is_installed "$package" || command -v "$package" >/dev/null || {
+            try_to_install "$@" && return
+            say "no $1: $without"
+            mkdir -p -- "$build_dir"
+            touch -- "$stamp"
+            return
+        }
+    done
 }
 
 # The report's tests look at its page in a browser. Not every system has one as a package: without it they are skipped.
@@ -208,12 +163,12 @@ setup_compilers() {
     nvcc=$(find_nvcc)
     cuda_thrust=$(find_cuda_thrust)
     setup_packages
-    setup_compiler_cache
-    setup_mesh_readers
-    setup_xml_reader
-    setup_embree
-    setup_openexr
-    setup_mpi
+    setup_optional "what was compiled in another folder is compiled again" ccache
+    setup_optional "this build reads no .glb meshes" libtinygltf-dev
+    setup_optional "this build imports no scenes in Mitsuba's XML" libpugixml-dev
+    setup_optional "this build has no accelerators embree and embree_native" libembree-dev
+    setup_optional "this build writes no .exr images" libopenexr-dev
+    setup_optional "this build does not run on several hosts by mpirun" libopenmpi-dev openmpi-bin
     [[ -n $nvcc ]] || say "no nvcc found: CPU backend only"
 }
 
