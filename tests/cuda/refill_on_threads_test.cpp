@@ -26,6 +26,7 @@ namespace host_bytes {
 inline constexpr unsigned fill_queue = sizeof(pt::cuda::FillQueueParameters<float>);
 inline constexpr unsigned intersect_queue = sizeof(pt::cuda::IntersectQueueParameters<float>);
 inline constexpr unsigned shade_and_refill = sizeof(pt::cuda::ShadeAndRefillParameters<float>);
+inline constexpr unsigned refill_queue = sizeof(pt::cuda::RefillQueueParameters<float>);
 }  // namespace host_bytes
 using Paths = pt::layout::aos::DevicePaths<Real>;
 using Accelerator = pt::accelerator::brute_force::Traversal;
@@ -50,10 +51,11 @@ constexpr std::uint32_t first_sample = 2;
 // A queue of so many slots, and what the host's side does with it.
 class RefilledQueue {
 public:
-    RefilledQueue(const SceneView<float>& view, Film film, std::uint32_t slots)
+    RefilledQueue(const SceneView<float>& view, Film film, std::uint32_t slots, std::uint32_t refill_every)
         : view_(view),
           film_(std::move(film)),
           slots_(slots),
+          refill_every_(refill_every),
           blocks_((slots + kernel_config.block - 1) / kernel_config.block),
           records_(slots),
           store_{reinterpret_cast<unsigned char*>(records_.data()), slots},
@@ -75,10 +77,15 @@ public:
         sort();
         const FilmView sums = film_.view();
         run([&] {
-            ::shade_and_refill(view_, sums, store_, order_.data(), &count_, hits_.data(), supply(), ::HitCache{},
-                               totals_.data(), ended_.data());
+            ::shade_and_refill(view_, sums, store_, order_.data(), &count_, hits_.data(),
+                               refill_every_ == 1 ? supply() : cuda::PathSupply{}, ::HitCache{}, totals_.data(),
+                               ended_.data());
         });
         return report;
+    }
+
+    void refill() {
+        run([&] { ::refill_queue(view_, store_, slots_, supply(), ::HitCache{}); });
     }
 
     std::uint32_t alive() const {
@@ -134,7 +141,7 @@ private:
 
     SceneView<float> view_;
     Film film_;
-    std::uint32_t slots_, blocks_;
+    std::uint32_t slots_, refill_every_, blocks_;
     std::vector<layout::aos::Record<float>> records_;
     cuda::PathStore store_;
     std::vector<StoredHit<float>> hits_;
@@ -143,6 +150,34 @@ private:
     std::vector<cuda::Totals> totals_{cuda::counter_copies};
     std::uint32_t count_ = 0, next_ = 0;
 };
+
+// Round after round, as the host's side does: it refills until it has seen that every path was handed out, and ends as
+// many rounds later as a path has segments.
+void render_all(RefilledQueue& queue, std::uint32_t slots, std::uint32_t refill_every, std::uint32_t longest_path) {
+    std::uint32_t all_begun = ~0u, before = slots;
+    for (std::uint32_t round = 0; all_begun == ~0u || round < all_begun + longest_path; ++round) {
+        if (before < total && round % refill_every == 0) {
+            ASSERT_EQ(queue.alive(), slots) << "before round " << round;
+        }
+        ASSERT_EQ(queue.round(round), std::uint64_t{round} << 32 | before);
+        if (before >= total && all_begun == ~0u) {
+            all_begun = round;
+        }
+        const std::uint32_t free_slots = slots - queue.alive();
+        if (refill_every > 1) {
+            ASSERT_EQ(queue.handed_out(), before) << "after round " << round;
+            if (all_begun == ~0u && (round + 1) % refill_every == 0) {
+                queue.refill();
+                ASSERT_EQ(queue.handed_out(), before + free_slots) << "after round " << round;
+            }
+        }
+        before = queue.handed_out();
+    }
+    // Every path that ended asked for one, where it was replaced at once.
+    if (refill_every == 1) {
+        EXPECT_EQ(queue.handed_out(), slots + total);
+    }
+}
 
 void expect_same(const char* name, const std::function<void(RenderSettings&)>& change) {
     const ::pt::Scene scene = find_scene(name);
@@ -157,28 +192,19 @@ void expect_same(const char* name, const std::function<void(RenderSettings&)>& c
     const OneByOne expected = one_by_one<::Configuration>(view, film, first_sample, samples);
     // One of the last block's warps has fewer slots than lanes, and one none; and a slot for every path.
     for (const std::uint32_t slots : {width * height, total}) {
-        SCOPED_TRACE(testing::Message() << name << ", " << slots << " slots");
-        RefilledQueue queue(view, film, slots);
-        EXPECT_EQ(queue.count(), slots);
-        std::uint32_t all_begun = ~0u, before = slots;
-        for (std::uint32_t round = 0; all_begun == ~0u || round < all_begun + view.longest_path(); ++round) {
-            if (before < total) {
-                ASSERT_EQ(queue.alive(), slots) << "before round " << round;
-            }
-            ASSERT_EQ(queue.round(round), std::uint64_t{round} << 32 | before);
-            if (before >= total && all_begun == ~0u) {
-                all_begun = round;
-            }
-            before = queue.handed_out();
+        for (const std::uint32_t refill_every : {1u, 3u}) {
+            SCOPED_TRACE(testing::Message() << name << ", " << slots << " slots, refilled every " << refill_every);
+            RefilledQueue queue(view, film, slots, refill_every);
+            EXPECT_EQ(queue.count(), slots);
+            render_all(queue, slots, refill_every, view.longest_path());
+            EXPECT_EQ(queue.alive(), 0u);
+            EXPECT_EQ(queue.film().sums(), expected.film.sums());
+            EXPECT_EQ(queue.counted().paths, total);
+            EXPECT_EQ(queue.counted().rays, expected.counted.rays);
+            EXPECT_EQ(queue.counted().connections, expected.counted.connections);
+            EXPECT_EQ(queue.counted().unfinished_walks, expected.counted.unfinished_walks);
+            EXPECT_EQ(queue.lengths(), expected.lengths);
         }
-        EXPECT_EQ(queue.alive(), 0u);
-        EXPECT_EQ(queue.handed_out(), slots + total);  // every path that ended asked for one
-        EXPECT_EQ(queue.film().sums(), expected.film.sums());
-        EXPECT_EQ(queue.counted().paths, total);
-        EXPECT_EQ(queue.counted().rays, expected.counted.rays);
-        EXPECT_EQ(queue.counted().connections, expected.counted.connections);
-        EXPECT_EQ(queue.counted().unfinished_walks, expected.counted.unfinished_walks);
-        EXPECT_EQ(queue.lengths(), expected.lengths);
     }
 }
 

@@ -136,6 +136,28 @@ TEST_F(Gate, PassesWarpsWhateverTheirPathsWaitFor) {
     }
 }
 
+// Slots that are refilled at once, now and then, and so late that every path has ended.
+TEST_F(Gate, PassesQueuesWheneverTheyAreRefilled) {
+    const Scene scene = find_scene("cornell_open_five");
+    RenderSettings settings = default_settings(scene);
+    settings.width = 40;  // not a whole number of blocks
+    settings.height = 33;
+    settings.seed = 1;
+    Verifier verifier(scene, settings, 5, Backend::cuda);
+    for (const char* sorting : {"none", "per_material_queue"}) {
+        for (const std::uint32_t rounds : {1u, 3u, 64u}) {
+            Variant variant = expand({}, Backend::cuda).front();
+            variant.set("arithmetic", "exact");
+            variant.set("integrator", "wavefront_refill");
+            variant.set("sorting", sorting);
+            variant.tuning["refill_every"] = rounds;
+            variant.tuning["spp_in_flight"] = 2;
+            const Verdict sound = verifier.check(variant);
+            EXPECT_TRUE(sound.holds) << sorting << " refill_every=" << rounds << ": " << sound.message;
+        }
+    }
+}
+
 // Keys by chunk, of a queue that has several chunks, the last one shorter; from a thread a path and from fetching
 // warps.
 TEST_F(Gate, PassesSortsWithinChunksOfTheQueue) {

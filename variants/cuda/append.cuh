@@ -50,4 +50,26 @@ __device__ inline std::uint32_t append_by_block(std::uint32_t* count, bool keep)
     return position;
 }
 
+// What a block has gathered: element i is the (first + i)th that the kernel has, for i below count.
+struct Gathered {
+    std::uint32_t first, count;
+    const std::uint32_t* values;  // in shared memory, until the block gathers again
+};
+
+// append_by_block, with the kept values of the block side by side in shared memory, in the order of their threads.
+__device__ inline Gathered gather_by_block(std::uint32_t* count, bool keep, std::uint32_t value) {
+    __shared__ std::uint32_t values[kernel_config.block];
+    __shared__ std::uint32_t first;
+    const std::uint32_t position = append_by_block(count, keep);
+    if (threadIdx.x == 0) {
+        first = position;  // of the block's first kept element, whether or not this thread keeps its own
+    }
+    const std::uint32_t kept = static_cast<std::uint32_t>(__syncthreads_count(keep ? 1 : 0));
+    if (keep) {
+        values[position - first] = value;
+    }
+    __syncthreads();
+    return {first, kept, values};
+}
+
 }  // namespace pt::cuda

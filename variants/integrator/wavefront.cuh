@@ -4,16 +4,12 @@
 
 #include "variants/cuda/advance.cuh"
 #include "variants/cuda/device.cuh"
+#include "variants/cuda/queue_slots.cuh"
 #include "variants/cuda/sort_keys.cuh"
 #include "variants/integrator/wavefront_fetching.cuh"
 #include "variants/integrator/wavefront_parameters.cuh"
 
-// The slot of the path at position i; no order: slot i.
-__device__ inline std::uint32_t slot_at(const std::uint32_t* order, std::uint32_t i) {
-    return order != nullptr ? order[i] : i;
-}
-
-// Path i: pixel i mod pixels, sample first_sample + i / pixels; with a cursor the first sample is there.
+// Path i into slot i; with a cursor the first sample is there.
 PT_KERNEL(generate_paths, pt::cuda::GeneratePathsParameters<Real>,
           (Scene parameter, PathStore store, std::uint32_t* count, std::uint32_t pool, std::uint32_t first_sample,
            const std::uint32_t* cursor, HitCache cache)) {
@@ -23,10 +19,8 @@ PT_KERNEL(generate_paths, pt::cuda::GeneratePathsParameters<Real>,
         *count = pool;
     }
     if (i < pool) {
-        const std::uint32_t pixels = pt::cuda::own_pixels(scene.shade);
         const std::uint32_t first = cursor != nullptr ? *cursor : first_sample;
-        const std::uint32_t pixel = pt::cuda::image_pixel(i % pixels, scene.shade.camera.width);
-        Paths(store).put<carried_fields>(i, first_path(scene.shade, pixel, first + i / pixels, cache));
+        Paths(store).put<carried_fields>(i, pt::cuda::path_of_number(scene.shade, i, first, cache));
     }
 }
 
@@ -49,7 +43,7 @@ PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
     std::uint32_t key = last_key;
     bool live = false;
     if (i < *count) {
-        const std::uint32_t slot = slot_at(order, i);
+        const std::uint32_t slot = pt::cuda::slot_at(order, i);
         if (paths.alive(slot)) {
             live = true;
             pt::Ray<Real> ray = paths.ray(slot);
@@ -85,7 +79,7 @@ PT_KERNEL(write_ray_keys, pt::cuda::WriteRayKeysParameters,
     const std::uint32_t i = pt::cuda::thread_number();
     if (i < bound) {
         std::uint32_t key = last_key;
-        const std::uint32_t slot = i < *count ? slot_at(order, i) : 0;
+        const std::uint32_t slot = i < *count ? pt::cuda::slot_at(order, i) : 0;
         if (i < *count && paths.alive(slot)) {
             key = sort_key::rest(paths.ray(slot), Hit(), bounds);
         }
@@ -101,7 +95,7 @@ PT_KERNEL(shade_paths, pt::cuda::ShadePathsParameters<Real>,
     ThreadCounters counters;
     const std::uint32_t i = pt::cuda::thread_number();
     if (i < *count) {
-        const std::uint32_t slot = slot_at(order, i);
+        const std::uint32_t slot = pt::cuda::slot_at(order, i);
         if (paths.alive(slot)) {
             Path path = load_path(paths, slot, scene.shade);
             // The generator of cis565 is seeded by where a path lies in the queue, not by whose it is.

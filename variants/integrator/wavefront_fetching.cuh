@@ -4,6 +4,7 @@
 #pragma once
 
 #include "variants/cuda/hit_keys.cuh"
+#include "variants/cuda/queue_slots.cuh"
 #include "variants/traversal/warp_queue.cuh"
 
 namespace pt::cuda {
@@ -56,7 +57,7 @@ public:
     __device__ void start(std::uint32_t position) {
         position_ = position;
         if (position < *stage_.count) {
-            slot_ = stage_.order != nullptr ? stage_.order[position] : position;
+            slot_ = slot_at(stage_.order, position);
             if (stage_.paths.alive(slot_)) {
                 ++live_paths_;
                 start_path();

@@ -6,6 +6,7 @@
 #include "variants/cuda/advance.cuh"
 #include "variants/cuda/append.cuh"
 #include "variants/cuda/append_in_kernel.h"
+#include "variants/cuda/queue_slots.cuh"
 #include "variants/integrator/wavefront_fused_parameters.cuh"
 
 // Where no kernel appends, paths stay in their slots.
@@ -85,7 +86,7 @@ __device__ inline bool bounce(const SceneViews& scene, const FilmView& film, Pat
     return false;
 }
 
-// Path i: pixel i mod pixels, sample first_sample + i / pixels; with a cursor the first sample is there.
+// The first bounce of path i (path_of_number); with a cursor the first sample is there.
 PT_KERNEL(first_bounce, pt::cuda::FirstBounceParameters<Real>,
           (Scene parameter, FilmView film, PathStore out, std::uint32_t* out_count, std::uint32_t pool,
            std::uint32_t first_sample, const std::uint32_t* cursor, HitCache cache, Totals* totals,
@@ -97,10 +98,8 @@ PT_KERNEL(first_bounce, pt::cuda::FirstBounceParameters<Real>,
     bool alive = false;
     Path path;
     if (mine) {
-        const std::uint32_t pixels = pt::cuda::own_pixels(scene.shade);
         const std::uint32_t first = cursor != nullptr ? *cursor : first_sample;
-        const std::uint32_t pixel = pt::cuda::image_pixel(i % pixels, scene.shade.camera.width);
-        path = first_path(scene.shade, pixel, first + i / pixels, cache);
+        path = pt::cuda::path_of_number(scene.shade, i, first, cache);
         alive = bounce(scene, film, path, first_hit(scene, path, cache), counters);
     }
     put_path<true>(path, mine, alive, i, out, out_count);
@@ -133,7 +132,7 @@ PT_KERNEL(next_bounce, pt::cuda::NextBounceParameters<Real>,
         slot = located.slot;
     } else {
         in_play = *in_count;
-        slot = i < in_play && order != nullptr ? order[i] : i;
+        slot = i < in_play ? pt::cuda::slot_at(order, i) : i;
     }
     if (i < in_play) {
         live = Paths(in).alive(slot);

@@ -13,7 +13,10 @@ namespace {
 constexpr Tunable tunables[] = {wavefront_tunables[0],
                                 wavefront_tunables[1],
                                 wavefront_tunables[2],
-                                {"spp_in_flight", 1, 1, 256, 1, "slots of the queue, times the number of pixels"}};
+                                {"spp_in_flight", 1, 1, 256, 1, "slots of the queue, times the number of pixels"},
+                                {"refill_every", 1, 1, 64, 1,
+                                 "rounds between two refills: 1: shading refills, in its own kernel; more: a kernel "
+                                 "of its own does, and until then the slots of paths that end stay empty"}};
 
 Reason unsupported_reason(FeatureSet, const VariantTraits& variant) {
     if (variant.compaction.compacts) {
@@ -74,16 +77,17 @@ public:
         : Wavefront(job, std::move(needs), sizeof(Real), sizeof(StoredHit<Real>)),
           job_(job),
           sort_stage_(job, this->needs()),
+          refill_every_(this->needs().tunable("refill_every")),
           ended_(make_pinned_words(counter_copies * sizeof(Totals) / sizeof(std::uint32_t))) {}
 
     static std::vector<KernelSignature> kernels() {
         return {kernel_of<FillQueueParameters<Real>>(), kernel_of<IntersectQueueParameters<Real>>(),
-                kernel_of<ShadeAndRefillParameters<Real>>()};
+                kernel_of<ShadeAndRefillParameters<Real>>(), kernel_of<RefillQueueParameters<Real>>()};
     }
 
-    // Go after go, each of so many samples of every pixel that its paths can be numbered.
+    // Go after go, each of so many samples of every pixel that its paths and its rounds can be numbered.
     void render() override {
-        const std::uint32_t most = std::max(1u, most_paths / job_.pixels);
+        const std::uint32_t most = std::max(1u, std::min(most_paths / job_.pixels, samples_within(most_rounds)));
         for (std::uint32_t done = 0; done < job_.samples;) {
             const std::uint32_t samples = std::min(most, job_.samples - done);
             run(job_.first_sample + done, samples);
@@ -93,10 +97,18 @@ public:
 
 private:
     static constexpr std::uint32_t most_paths = 1u << 30;
+    static constexpr std::uint32_t most_rounds = 1u << 31;
     // Enqueued beyond what the device has begun: enough that it never waits for the host.
     static constexpr std::uint32_t rounds_ahead = 4;
     // Once all paths have begun, between two looks at how many have ended. A look waits for the device.
     static constexpr std::uint32_t rounds_between_looks = 64;
+
+    // In each round every slot has a path that goes on, or one that waits less than refill_every_ rounds.
+    std::uint32_t samples_within(std::uint32_t rounds) const {
+        const std::uint64_t paths_a_slot = rounds / (std::uint64_t{job_.longest_path} + refill_every_);
+        return static_cast<std::uint32_t>(
+            std::min<std::uint64_t>(paths_a_slot * batches().samples_in_flight(), most_paths));
+    }
 
     void fill_first_hits() override {}
     void reserve_counts(Arena& arena) override { next_ = arena.take<std::uint32_t>(1); }
@@ -115,6 +127,9 @@ private:
         for (std::uint32_t round = 0; round < rounds && !is_over(round, rounds); ++round) {
             trace(round);
             job_.work.bounces += 1;
+            if (refill_every_ > 1 && rounds == ~0u && (round + 1) % refill_every_ == 0) {
+                refill();
+            }
             wait_for(round);
             if (rounds == ~0u && progress_.handed_out() >= total) {
                 rounds = std::max(round + 1, progress_.rounds() + job_.longest_path);
@@ -141,12 +156,20 @@ private:
             const Stage stage(job_.stages, "sort", job_.stream);
             sort_stage_.sort(queue_);
         }
+        const PathSupply none = {};
         const Stage stage(job_.stages, "shade", job_.stream);
         for (const ShadeRange& range : sort_stage_.shade_ranges(queue_, sort_stage_.exists())) {
             job_.launch(queue_.bound,
                         ShadeAndRefillParameters<Real>{job_.scene, job_.film, queue_.paths, range.order, range.count,
-                                                       hits(), supply_, job_.cache, job_.totals, job_.lengths()});
+                                                       hits(), refill_every_ == 1 ? supply_ : none, job_.cache,
+                                                       job_.totals, job_.lengths()});
         }
+    }
+
+    void refill() {
+        const Stage stage(job_.stages, "generate", job_.stream);
+        job_.launch(queue_.bound,
+                    RefillQueueParameters<Real>{job_.scene, queue_.paths, queue_.bound, supply_, job_.cache});
     }
 
     StoredHit<Real>* hits() const { return static_cast<StoredHit<Real>*>(queue_.hits); }
@@ -187,6 +210,7 @@ private:
     JobOf<Real>& job_;
     SortStage sort_stage_;
     Progress progress_;
+    std::uint32_t refill_every_;
     PinnedWords ended_;              // Totals, copied
     std::uint32_t* next_ = nullptr;  // device: PathSupply::next
     PathSupply supply_ = {};

@@ -1,24 +1,31 @@
-// A queue that stays full: shading puts the next path in the place of one that ends, so every kernel finds as many
-// paths alive as there are slots, until none is left to begin. Two kernels a round, between which paths can be sorted.
+// A queue that stays full: the next path takes the place of one that ends, so every kernel finds as many paths alive as
+// there are slots, until none is left to begin. Two kernels a round, between which paths can be sorted. Where a block
+// replaces paths, it first gathers the slots of those that ended: full warps make the camera rays of the next ones.
 // The path pool of Laine, Karras and Aila 2013, "Megakernels considered harmful", and of Novák, Havran and Dachsbacher
 // 2010, "Path regeneration for interactive path tracing".
 #pragma once
 
 #include "variants/cuda/append.cuh"
 #include "variants/cuda/hit_keys.cuh"
+#include "variants/cuda/queue_slots.cuh"
 #include "variants/integrator/wavefront_refill_parameters.cuh"
 
 namespace pt::cuda {
 
-__device__ inline ::Path path_of_number(const ::Scene& scene, const PathSupply& supply, std::uint32_t number,
-                                        const ::HitCache& cache) {
-    const std::uint32_t pixels = own_pixels(scene);
-    const std::uint32_t pixel = image_pixel(number % pixels, scene.camera.width);
-    return first_path(scene, pixel, supply.first_sample + number / pixels, cache);
-}
-
-__device__ inline std::uint32_t slot_of(const std::uint32_t* order, std::uint32_t position) {
-    return order != nullptr ? order[position] : position;
+// Every thread of the block calls it; the paths in `slot` of those that have `ended` are replaced, or marked as ended
+// where none is left.
+__device__ inline void refill(const ::Scene& scene, const ::Paths& paths, const PathSupply& supply, bool ended,
+                              std::uint32_t slot, const ::HitCache& cache) {
+    const Gathered free_slots = gather_by_block(supply.next, ended, slot);
+    if (threadIdx.x < free_slots.count) {
+        const std::uint32_t number = free_slots.first + threadIdx.x;
+        const std::uint32_t free_slot = free_slots.values[threadIdx.x];
+        if (number < supply.total) {
+            paths.put<carried_fields>(free_slot, path_of_number(scene, number, supply.first_sample, cache));
+        } else {
+            paths.end(free_slot);
+        }
+    }
 }
 
 }  // namespace pt::cuda
@@ -33,7 +40,7 @@ PT_KERNEL(fill_queue, pt::cuda::FillQueueParameters<Real>,
         *supply.next = slots;
     }
     if (i < slots) {
-        Paths(store).put<carried_fields>(i, pt::cuda::path_of_number(scene.shade, supply, i, cache));
+        Paths(store).put<carried_fields>(i, pt::cuda::path_of_number(scene.shade, i, supply.first_sample, cache));
     }
 }
 
@@ -49,7 +56,7 @@ PT_KERNEL(intersect_queue, pt::cuda::IntersectQueueParameters<Real>,
     }
     bool alive = false;
     if (i < slots) {
-        const std::uint32_t slot = pt::cuda::slot_of(order, i);
+        const std::uint32_t slot = pt::cuda::slot_at(order, i);
         std::uint32_t key = last_key;
         alive = paths.alive(slot);
         if (alive) {
@@ -83,7 +90,7 @@ PT_KERNEL(shade_and_refill, pt::cuda::ShadeAndRefillParameters<Real>,
     std::uint32_t slot = 0;
     bool has_ended = false;
     if (i < *count) {
-        slot = pt::cuda::slot_of(order, i);
+        slot = pt::cuda::slot_at(order, i);
         if (paths.alive(slot)) {
             Path path = load_path(paths, slot, scene.shade);
             const StoredHit stored = hits[slot];
@@ -99,12 +106,18 @@ PT_KERNEL(shade_and_refill, pt::cuda::ShadeAndRefillParameters<Real>,
             }
         }
     }
-    // One atomic operation a block: those of every warp on one counter would take longer than the shading.
-    const std::uint32_t number = pt::cuda::append_by_block(supply.next, has_ended);
-    if (has_ended && number < supply.total) {
-        paths.put<carried_fields>(slot, pt::cuda::path_of_number(scene.shade, supply, number, cache));
+    if (supply.total != 0) {
+        pt::cuda::refill(scene.shade, paths, supply, has_ended, slot, cache);
     } else if (has_ended) {
         paths.end(slot);
     }
     pt::cuda::add_shade_counters(totals, counters);
+}
+
+PT_KERNEL(refill_queue, pt::cuda::RefillQueueParameters<Real>,
+          (Scene parameter, PathStore store, std::uint32_t slots, pt::cuda::PathSupply supply, HitCache cache)) {
+    const SceneViews scene(parameter);
+    const Paths paths(store);
+    const std::uint32_t i = pt::cuda::thread_number();
+    pt::cuda::refill(scene.shade, paths, supply, i < slots && !paths.alive(i), i, cache);
 }

@@ -53,7 +53,8 @@ struct IntersectQueueParameters {
     Totals* totals;
 };
 
-// Shades the paths in slots order[0..*count-1]; the next path takes the slot of one that ends.
+// Shades the paths in slots order[0..*count-1]. The next path takes the slot of one that ends, but where
+// supply.total is 0: no path is handed out then, and the slot waits for refill_queue.
 template <class Real>
 struct ShadeAndRefillParameters {
     static constexpr const char* kernel = "shade_and_refill";
@@ -67,6 +68,17 @@ struct ShadeAndRefillParameters {
     HitCache<Real> cache;
     Totals* totals;
     std::uint64_t* ended;  // paths by their number of segments; null: not counted
+};
+
+// The next path into every slot whose path has ended.
+template <class Real>
+struct RefillQueueParameters {
+    static constexpr const char* kernel = "refill_queue";
+    SceneView<Real> scene;
+    PathStore store;
+    std::uint32_t slots;
+    PathSupply supply;
+    HitCache<Real> cache;
 };
 
 }  // namespace pt::cuda
