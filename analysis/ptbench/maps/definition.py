@@ -17,7 +17,8 @@ from ptbench.maps.scenes import RULES
 TO_IMAGE = "time to an image"
 STATISTICS = (TIME, VARIANCE, TO_IMAGE)
 # What an axis may set besides a parameter of the scene's rule ("scene.NAME") and a tunable of both ("tunable.NAME").
-_SETTINGS = ("depth", "samples")
+# "side": pixels along each side of a square image.
+_SETTINGS = ("depth", "samples", "side", "spp")
 
 
 @dataclass(frozen=True)
@@ -58,13 +59,17 @@ class Definition:
         ]  # fmt: skip
         study = {
             "name": "cell", "scenes": [scene], "variants": [_bare(one) for one in variants],
-            "resolution": setting["resolution"], "spp": setting["spp"],
+            "resolution": self._resolution(place), "spp": int(self.values(place, "spp").get("", setting["spp"])),
             "depth": int(self.values(place, "depth").get("", setting["depth"])),
         }  # fmt: skip
         if self.of_error:
             study |= {"type": "convergence", "figure": "convergence", "without_checkpoints": False,
                       "reference": setting["reference"]}  # fmt: skip
         return study
+
+    def _resolution(self, place: Place) -> list[int]:
+        side = self.values(place, "side").get("")
+        return self["setting"]["resolution"] if side is None else [int(side), int(side)]
 
     def samples(self, place: Place) -> float:
         """For how many samples a pixel the time to an image is asked."""

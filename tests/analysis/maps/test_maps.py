@@ -316,6 +316,15 @@ def test_a_cell_is_a_small_suite_of_both_choices(tmp_path):
     assert (study["depth"], study["spp"], study["resolution"]) == (8, 2, [20, 20])
 
 
+def test_axes_of_the_image_and_its_samples():
+    about = {"scene": {"rule": "balls", "materials": 2},
+             "x": {"label": "side, pixels", "sets": "side", "from": 32, "to": 2048, "cells": 3, "integer": True},
+             "y": {"label": "samples a pixel", "sets": "spp", "from": 4, "to": 64, "cells": 3, "integer": True}}  # fmt: skip
+    study = definition(**about).study((256.0, 16.0), "scene")
+    assert (study["depth"], study["spp"], study["resolution"]) == (8, 16, [256, 256])
+    assert [one["axes"]["sorting"] for one in study["variants"]] == [["bucket"], ["none"]]
+
+
 def test_the_whole_command(tmp_path, analysis):
     root = tmp_path / "house"
     (root / "maps").mkdir(parents=True)
