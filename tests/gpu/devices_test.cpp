@@ -8,6 +8,7 @@
 #include "harness/cuda/cell.h"
 #include "harness/places.h"
 #include "harness/render/device_shares.h"
+#include "variants/cuda/arena.h"
 #include "variants/devices/here.h"
 
 namespace pt {
@@ -69,6 +70,15 @@ protected:
         }
     }
 };
+
+// The sum of films is the one piece of its arena, and few images have a multiple of 32 pixels.
+TEST_F(DevicesTest, AnArenaHasRoomForThePieceItWasMadeFor) {
+    cuda::Arena arena(3 * 5 * sizeof(std::int64_t));
+    EXPECT_NE(arena.take<std::int64_t>(3 * 5), nullptr);
+    EXPECT_THROW(arena.take<std::int64_t>(1), std::logic_error);
+    cuda::Arena larger(300);
+    EXPECT_NE(larger.take_bytes(300), nullptr);
+}
 
 TEST_F(DevicesTest, PiecesOfEveryPartitionAddUpToOneFilm) {
     const Scene scene = find_scene("cornell_open_five");

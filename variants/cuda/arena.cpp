@@ -4,7 +4,15 @@
 
 namespace pt::cuda {
 
-Arena::Arena(std::size_t bytes) : size_(std::max<std::size_t>(bytes, 256)) {
+namespace {
+
+constexpr std::size_t border = 256;  // what cudaMalloc's own results lie on
+
+std::size_t up_to_border(std::size_t bytes) { return (bytes + border - 1) / border * border; }
+
+}  // namespace
+
+Arena::Arena(std::size_t bytes) : size_(std::max(up_to_border(bytes), border)) {
     void* memory = nullptr;
     const cudaError_t error = cudaMalloc(&memory, size_);
     if (error == cudaErrorMemoryAllocation) {
@@ -25,7 +33,7 @@ Arena::~Arena() {
 
 unsigned char* Arena::take_bytes(std::size_t bytes) {
     unsigned char* const piece = base_ == nullptr ? nullptr : base_ + used_;
-    used_ += (bytes + 255) / 256 * 256;
+    used_ += up_to_border(bytes);
     if (base_ != nullptr && used_ > size_) {
         throw std::logic_error("more device memory taken than was measured");
     }

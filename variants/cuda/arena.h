@@ -13,7 +13,7 @@ class Arena {
 public:
     // Measures: take() hands out null pointers.
     Arena() = default;
-    // Throws OutOfMemory with the size asked for.
+    // As many bytes, up to the next border. Throws OutOfMemory with the size asked for.
     explicit Arena(std::size_t bytes);
     ~Arena();
     Arena(const Arena&) = delete;
