@@ -268,7 +268,11 @@ int run(const VerifyArguments& arguments) {
     for (const Scene& scene : scenes) {
         variants.push_back(variants_to_verify(arguments, backend, scene));
         for (const Variant& variant : variants.back()) {
-            compilations.push_back({&scene, variant});
+            if (why_not_applicable(variant, features_of(scene), backend).empty()) {
+                for (const Variant& rendered : rendered_to_check(scene, variant, backend)) {
+                    compilations.push_back({&scene, rendered});
+                }
+            }
         }
     }
     if (arguments.statistical) {

@@ -576,5 +576,31 @@ TEST(VerifyTest, AOnePercentBiasOfADeclaredExpectationIsFound) {
     EXPECT_TRUE(check(scene, lit_reference()).holds);
 }
 
+// Compiled before the first is rendered: what is left out is compiled by itself, while nothing is said.
+TEST(VerifyTest, NamesAllThatItRendersOfAVariant) {
+    if (Registry::instance().choices("integrator", Backend::cuda).empty()) {
+        GTEST_SKIP() << "this build has no CUDA backend";
+    }
+    const auto names = [](const Variant& variant) {
+        std::set<std::string> all;
+        for (const Variant& rendered : rendered_to_check(closed_room(), variant, Backend::cuda)) {
+            all.insert(shown_name(rendered, Backend::cuda));
+        }
+        return all;
+    };
+    Variant variant = Registry::instance().baseline(Backend::cuda);
+    variant.set("integrator", "persistent");
+    variant.set("arithmetic", "precise");
+    variant.set("direct_light", "final_bounce");
+    const std::set<std::string> expected{
+        "persistent direct_light=final_bounce",                          // itself
+        "persistent direct_light=final_bounce arithmetic=exact",         // its twin
+        "megakernel direct_light=final_bounce arithmetic=exact room=0",  // whose bits the twin has
+        "megakernel arithmetic=exact room=0",                            // whose mean these have
+        "persistent arithmetic=exact",                                   // whose mean the variant has
+    };
+    EXPECT_EQ(names(variant), expected);
+}
+
 }  // namespace
 }  // namespace pt
