@@ -21,22 +21,24 @@ class Inspection:
         self._shown, self._results = file, results
         self._entries: list[Inspected] = load_inspected(results / file)
 
-    def kernel(self, integrator: str, specialisation: str = "features", kernel: str = "") -> KernelCounters:
-        """The one kernel of that name, of the one entry with those choices."""
+    def kernel(
+        self, integrator: str, specialisation: str = "features", kernel: str = "", scene: str = ""
+    ) -> KernelCounters:
+        """The one kernel of that name, of the one entry with those choices, in that scene where one is named."""
         found = [
             one
             for entry in self._entries
             if entry.choices[0] == integrator and specialisation in entry.choices
             for one in entry.kernels
-            if kernel in ("", one.name)
+            if kernel in ("", one.name) and scene in ("", entry.scene)
         ]
         if len(found) != 1:
             raise FindingError(f"{self._shown}: {len(found)} kernels: {integrator} {specialisation} {kernel}")
         return found[0]
 
-    def row(self, integrator: str, specialisation: str = "features", kernel: str = "") -> str:
+    def row(self, integrator: str, specialisation: str = "features", kernel: str = "", scene: str = "") -> str:
         """Cells of a table: registers, occupancy, lanes, instructions and bytes a ray, parts of the ceilings."""
-        one = self.kernel(integrator, specialisation, kernel)
+        one = self.kernel(integrator, specialisation, kernel, scene)
         ceiling = one.of_ceiling or {}
         counted = (one.active_lanes, one.thread_instructions_per_ray, one.memory_bytes_per_ray)
         return " | ".join(

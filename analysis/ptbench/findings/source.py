@@ -138,6 +138,14 @@ class Source:
             raise FindingError(f"{self.result.path}: {selection} has no mesh")
         return facts
 
+    def alive_percent(self, selection: str) -> float:
+        """Of the slots that a queue of as many paths has until the depth, how many hold a path that is alive."""
+        cell = self.cell(selection)
+        counted = cell.instrumented
+        if counted is None or not counted.paths:
+            raise FindingError(f"{self.result.path}: {selection} has no counts of live paths")
+        return 100 * sum(counted.live_paths) / (counted.paths * cell.depth)
+
     def sah(self, selection: str) -> Quantity:
         """SAH cost of the cell's largest tree."""
         return Quantity(Estimate(self.meshes(selection).sah_cost, None, None, 1), selection)
