@@ -19,7 +19,7 @@ from ptbench.fleet.text import (
     unowned_section,
     verdicts_section,
 )
-from ptbench.fleet.verdicts import Pair, crossover, ran_one_program, verdict_pairs
+from ptbench.fleet.verdicts import Pair, crossover, have_one_kernel_source, ran_one_program, verdict_pairs
 from ptbench.numbers import figures
 from ptbench.stats.estimates import Estimate
 
@@ -127,6 +127,11 @@ class FleetSource:
     def one_program(self) -> bool:
         """Whether one commit's program ran on both."""
         return ran_one_program(self._fleet.compared.results)
+
+    @property
+    def one_kernel_source(self) -> bool:
+        """Whether the same kernels ran on both, by whichever commits."""
+        return have_one_kernel_source(self._fleet.compared.results)
 
     @property
     def unpredicted(self) -> int:
