@@ -48,17 +48,23 @@ constexpr double shortest_to_mention = 2;  // seconds: a render that takes less 
 // takes is announced where it has more than these, which take seconds on a CPU.
 constexpr double most_samples_unmentioned = 1 << 23;
 
-// Seconds that a render will take, from one sample a pixel after one that warms up; nothing where two are too many.
-std::optional<double> expected_seconds(const Scene& scene, RenderRequest request) {
+struct Trial {
+    std::optional<double> seconds = {};  // that a render will take; nothing where a trial takes too long
+    std::optional<CudaFacts> cuda = {};  // nothing: none was made
+};
+
+// One sample a pixel, after one that warms up.
+Trial try_out(const Scene& scene, RenderRequest request) {
     constexpr std::uint32_t fewest_samples = 32;
     const std::uint32_t samples = request.samples;
     if (samples < fewest_samples) {
-        return std::nullopt;
+        return {};
     }
     request.samples = 1;
-    const auto measured = [&] { return 1e-3 * render(scene, request).wall_ms * samples / ranks().count; };
-    const double cold = measured();
-    return cold < shortest_to_mention ? cold : measured();
+    const auto seconds = [&](const RenderResult& result) { return 1e-3 * result.wall_ms * samples / ranks().count; };
+    const RenderResult cold = render(scene, request);
+    const bool is_short = seconds(cold) < shortest_to_mention;
+    return {seconds(is_short ? cold : render(scene, request)), cold.cuda};
 }
 
 // Where a long render stops to say how far it is: every two seconds or less often, at multiples of the samples that
@@ -78,9 +84,10 @@ std::vector<std::uint32_t> stops_of(const RenderRequest& request, std::optional<
     return stops;
 }
 
-// Says on standard error what a long render will take, and then how far it is. `variance`: fed from the stops; or null.
-RankedRender render_aloud(const Scene& scene, RenderRequest request, PixelVariance* variance) {
-    const std::optional<double> seconds = expected_seconds(scene, request);
+// Says on standard error what a long render will take, `seconds` if that is known, and then how far it is. `variance`:
+// fed from the stops; or null.
+RankedRender render_aloud(const Scene& scene, RenderRequest request, const std::optional<double>& seconds,
+                          PixelVariance* variance) {
     const double samples = static_cast<double>(request.settings.width) * request.settings.height * request.samples;
     const bool is_short = seconds ? *seconds < shortest_to_mention : samples < most_samples_unmentioned;
     if (is_short && variance == nullptr) {
@@ -230,7 +237,11 @@ int run(const RenderArguments& arguments) {
         request.settings.depth = arguments.depth;
     }
     aovs.check(arguments.out, request);
-    const RankedRender rendered = render_aloud(scene, request, aovs.variance());
+    const Trial trial = try_out(scene, request);
+    RankedRender rendered = render_aloud(scene, request, trial.seconds, aovs.variance());
+    if (trial.cuda) {
+        rendered.result.cuda.add_compilation(*trial.cuda);
+    }
     const RenderResult& result = rendered.result;
     nlohmann::ordered_json summary = summary_of(scene, request, arguments, result);
     add_ranks(summary, rendered.ranks);

@@ -53,6 +53,12 @@ struct CudaFacts {
     std::uint32_t threads = 0;         // a block
     std::vector<Kernel> kernels;
     std::vector<std::string> options;  // for the compiler
+
+    // What an earlier render of the same variant in this process had to compile.
+    void add_compilation(const CudaFacts& earlier) {
+        compile_seconds += earlier.compile_seconds;
+        from_cache = from_cache && earlier.from_cache;
+    }
 };
 
 // What several devices add to a render's facts; of one device `count` is 1 and all else empty.

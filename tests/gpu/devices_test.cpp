@@ -71,7 +71,7 @@ protected:
     }
 };
 
-// The sum of films is the one piece of its arena, and few images have a multiple of 32 pixels.
+// The sum of films is the one piece of its arena, whose size is no multiple of 256 bytes in most images.
 TEST_F(DevicesTest, AnArenaHasRoomForThePieceItWasMadeFor) {
     cuda::Arena arena(3 * 5 * sizeof(std::int64_t));
     EXPECT_NE(arena.take<std::int64_t>(3 * 5), nullptr);

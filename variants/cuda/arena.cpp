@@ -6,13 +6,13 @@ namespace pt::cuda {
 
 namespace {
 
-constexpr std::size_t border = 256;  // what cudaMalloc's own results lie on
+constexpr std::size_t alignment = 256;  // that of cudaMalloc's own results
 
-std::size_t up_to_border(std::size_t bytes) { return (bytes + border - 1) / border * border; }
+std::size_t aligned(std::size_t bytes) { return (bytes + alignment - 1) / alignment * alignment; }
 
 }  // namespace
 
-Arena::Arena(std::size_t bytes) : size_(std::max(up_to_border(bytes), border)) {
+Arena::Arena(std::size_t bytes) : size_(std::max(aligned(bytes), alignment)) {
     void* memory = nullptr;
     const cudaError_t error = cudaMalloc(&memory, size_);
     if (error == cudaErrorMemoryAllocation) {
@@ -33,7 +33,7 @@ Arena::~Arena() {
 
 unsigned char* Arena::take_bytes(std::size_t bytes) {
     unsigned char* const piece = base_ == nullptr ? nullptr : base_ + used_;
-    used_ += up_to_border(bytes);
+    used_ += aligned(bytes);
     if (base_ != nullptr && used_ > size_) {
         throw std::logic_error("more device memory taken than was measured");
     }

@@ -13,13 +13,13 @@ class Arena {
 public:
     // Measures: take() hands out null pointers.
     Arena() = default;
-    // As many bytes, up to the next border. Throws OutOfMemory with the size asked for.
+    // As many bytes, up to the next multiple of 256. Throws OutOfMemory with the size asked for.
     explicit Arena(std::size_t bytes);
     ~Arena();
     Arena(const Arena&) = delete;
     Arena& operator=(const Arena&) = delete;
 
-    // `count` elements on a 256-byte border. Throws std::logic_error if more is taken than was measured.
+    // `count` elements, aligned to 256 bytes. Throws std::logic_error if more is taken than was measured.
     template <class T>
     T* take(std::size_t count) {
         return reinterpret_cast<T*>(take_bytes(count * sizeof(T)));

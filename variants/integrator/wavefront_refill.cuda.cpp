@@ -103,7 +103,8 @@ private:
     // Once all paths have begun, between two looks at how many have ended. A look waits for the device.
     static constexpr std::uint32_t rounds_between_looks = 64;
 
-    // In each round every slot has a path that goes on, or one that waits less than refill_every_ rounds.
+    // A path has its slot for at most longest_path rounds and leaves it empty for fewer than refill_every_. The rounds
+    // of the last paths have room in the other half of the 32 bits.
     std::uint32_t samples_within(std::uint32_t rounds) const {
         const std::uint64_t paths_a_slot = rounds / (std::uint64_t{job_.longest_path} + refill_every_);
         return static_cast<std::uint32_t>(

@@ -1,6 +1,7 @@
-// A queue that stays full: the next path takes the place of one that ends, so every kernel finds as many paths alive as
-// there are slots, until none is left to begin. Two kernels a round, between which paths can be sorted. Where a block
-// replaces paths, it first gathers the slots of those that ended: full warps make the camera rays of the next ones.
+// A queue that stays full: the next path takes the place of one that ends. Refilled at once, every kernel finds as many
+// paths alive as there are slots, until none is left to begin. Two kernels a round, between which paths can be sorted,
+// and a third in rounds after which a queue is refilled that is so now and then. Where a block replaces paths, it first
+// gathers the slots of those that ended, so that its first warps make the camera rays of the next ones together.
 // The path pool of Laine, Karras and Aila 2013, "Megakernels considered harmful", and of Novák, Havran and Dachsbacher
 // 2010, "Path regeneration for interactive path tracing".
 #pragma once

@@ -79,6 +79,7 @@ class Claim:
     document: dict
     experiment: Experiment | None
     not_reached: str  # why it cannot be asked; empty where it can
+    seen: tuple[str, ...] = ()  # machines whose results the prediction was made from
 
     def __getitem__(self, key: str) -> object:
         return self.document[key]
@@ -134,7 +135,7 @@ def read_claim(path: Path, folder: Path) -> Claim:
     experiment = None if about is None else _experiment(path, about, span_of(_ends(document["rule"])))
     if experiment is not None and experiment.suite and not (folder / "suites" / f"{experiment.suite}.json").is_file():
         raise bad_value(path, "$.experiment.suite", shown(experiment.suite), "the name of a file in claims/suites")
-    return Claim(path.stem, document, experiment, document.get("not_reached", ""))
+    return Claim(path.stem, document, experiment, document.get("not_reached", ""), tuple(document.get("seen", ())))
 
 
 def _experiment(path: Path, about: dict, rule: Span) -> Experiment:

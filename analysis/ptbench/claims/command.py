@@ -69,7 +69,7 @@ def _told(ledger: Ledger, claim: Claim, results: Path, recorded: Mapping) -> lis
         return [Told(claim, judge(claim, None))]
     told = []
     for one in evidence:
-        order = order_of(ledger, claim, one.measured)
+        order = order_of(ledger, claim, one.machine, one.measured)
         kept = recorded.get(claim.name, {}).get(one.machine, {}).get("order")
         if order.grade == UNKNOWN and kept is not None:  # a copy without history: as it was when there was one
             order = Order(**kept)

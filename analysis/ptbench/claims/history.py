@@ -13,6 +13,8 @@ from ptbench.claims.claim import Claim, Ledger, prediction_in
 from ptbench.git import git
 
 TEST, BY_DATE, LOOK_UP, UNCOMMITTED, UNKNOWN = "test", "test by dates", "look-up", "not committed", "unknown"
+# Measured again where the prediction was read off: whatever the dates, it could not have come out otherwise.
+REPEAT = "repeat"
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,8 @@ class Order:
             return "the prediction is not committed: whatever is measured now proves nothing"
         if self.grade == UNKNOWN:
             return "git cannot say which came first"
+        if self.grade == REPEAT:
+            return "the prediction was made from this machine's data: a repeat, not a test"
         predicted = f"predicted in {self.predicted[:7]}, {_minute(self.predicted_on)}"
         measured = f"measured with {self.measured[:7]}, {_minute(self.measured_on)}"
         if self.grade == LOOK_UP:
@@ -62,8 +66,10 @@ def _minute(date: str) -> str:
     return f"{date[:10]} {date[11:16]}"
 
 
-def order_of(ledger: Ledger, claim: Claim, measured: Measured) -> Order:
+def order_of(ledger: Ledger, claim: Claim, machine: str, measured: Measured) -> Order:
     """Which of the two came first; UNKNOWN where there is no git or not all of its history."""
+    if machine in claim.seen:
+        return Order(REPEAT)
     if git(ledger.root, "rev-parse", "--is-shallow-repository") != "false":
         return Order(UNKNOWN)
     predicted = prediction_commit(ledger, claim)

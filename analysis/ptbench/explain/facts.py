@@ -118,7 +118,10 @@ def _slots(a: Cell, b: Cell) -> Iterator[Fact]:
         done = cell.instrumented
         if done is None or not done.live_paths or cell.axes.get("integrator", "").find("wavefront") < 0:
             return None
-        is_full = cell.counters.get("compactions") or cell.axes["integrator"] == _REFILLED
+        is_refilled = cell.axes["integrator"] == _REFILLED
+        if is_refilled and cell.tunables.get("refill_every", 1) > 1:
+            return None  # nobody counts what lies empty until it is refilled
+        is_full = cell.counters.get("compactions") or is_refilled
         return 1.0 if is_full else sum(done.live_paths) / (done.paths * cell.depth)
 
     shares = live_share(a), live_share(b)

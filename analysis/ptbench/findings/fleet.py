@@ -10,6 +10,7 @@ from ptbench.compare.text import MARKS, estimate_text
 from ptbench.errors import FindingError
 from ptbench.findings.quantities import Quantity, link_to
 from ptbench.fleet.fleet import BAR, NEAR_ENOUGH, Fleet, Other, Score, fleet_of
+from ptbench.fleet.model import USED
 from ptbench.fleet.text import (
     changes_section,
     gpus_section,
@@ -138,19 +139,19 @@ class FleetSource:
         """Cells without counters."""
         return len(self._other.unpredicted)
 
-    def score(self, rule: str = "exposed memory", *, own: bool = True, without: str = "") -> Score:
+    def score(self, rule: str = USED.name, *, own: bool = True, without: str = "") -> Score:
         """How well a rule predicts; `without`: a scene that does not count."""
         found = [score for score in self._other.scores(own=own, without=without) if score.rule.name == rule]
         if not found:
             raise FindingError(f"{self._inspected}: no counters of a cell of {self._files[0]}")
         return found[0]
 
-    def share(self, rule: str = "exposed memory", *, own: bool = True) -> Quantity:
+    def share(self, rule: str = USED.name, *, own: bool = True) -> Quantity:
         """Per cent of the variants that a rule predicts well enough."""
         score = self.score(rule, own=own)
         return Quantity(Estimate(100 * score.share, None, None, score.count), rule)
 
-    def worst(self, rule: str = "exposed memory", *, own: bool = True) -> Quantity:
+    def worst(self, rule: str = USED.name, *, own: bool = True) -> Quantity:
         """Per cent by which a rule is off at most, without its sign."""
         return Quantity(Estimate(100 * abs(self.score(rule, own=own).worst), None, None, 1), rule)
 

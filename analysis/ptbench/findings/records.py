@@ -33,7 +33,8 @@ class Inspection:
             if kernel in ("", one.name) and scene in ("", entry.scene)
         ]
         if len(found) != 1:
-            raise FindingError(f"{self._shown}: {len(found)} kernels: {integrator} {specialisation} {kernel}")
+            asked = f"{integrator} {specialisation} {kernel} {scene}".rstrip()
+            raise FindingError(f"{self._shown}: {len(found)} kernels: {asked}")
         return found[0]
 
     def row(self, integrator: str, specialisation: str = "features", kernel: str = "", scene: str = "") -> str:

@@ -132,12 +132,12 @@ class SimulationSource:
         """Lines of a list: the parts."""
         about = self._parts.definition
         files = [
-            (about["render"]["file"], "one GPU's time by image size"),
+            (about["render"]["file"], "one GPU's time by number of samples"),
             (about["noise"]["file"], "noise of renders"),
             (about["work"], "rays a path by block of pixels, counted by `simulate --work`"),
             *((file, "adding up films over MPI ranks of one host, suite `reduction`")
               for file in (about["reduction"]["fit"], *about["reduction"]["check"])),
-            *([(about["devices"]["file"], "two GPUs of one host")] if self._parts.devices else []),
+            *([(about["devices"]["file"], "two and four GPUs of one host")] if self._parts.devices else []),
         ]  # fmt: skip
         return "\n".join(f"- {link_to(self._results, file)}: {what}." for file, what in files)
 

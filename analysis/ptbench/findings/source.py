@@ -139,7 +139,7 @@ class Source:
         return facts
 
     def alive_percent(self, selection: str) -> float:
-        """Of the slots that a queue of as many paths has until the depth, how many hold a path that is alive."""
+        """Of paths times depth, the slots of all rounds where ended paths stay, the per cent that are alive."""
         cell = self.cell(selection)
         counted = cell.instrumented
         if counted is None or not counted.paths:
@@ -290,7 +290,8 @@ class Source:
     def provenance(self) -> str:
         """A line of a list: the file, what it holds, the commit and the day."""
         failed = f"{self.failed} failed" if self.failed else "none failed"
-        disturbed = f", {self.disturbed} samples taken while other processes used the host" if self.disturbed else ""
+        count = f"{self.disturbed} sample{'s' if self.disturbed > 1 else ''}"
+        disturbed = f", {count} whose time other processes may have changed" if self.disturbed else ""
         summary = Path(self._shown).parent / "figures" / Path(self._shown).stem / "summary.md"
         every_row = f" Every row: [summary](../../results/{summary})." if (self._results / summary).exists() else ""
         return (

@@ -12,7 +12,7 @@ from ptbench.errors import NotDrawable
 from ptbench.figures import style
 from ptbench.figures.saving import save_figure
 from ptbench.fleet.fleet import NEAR_ENOUGH, Fleet, Other
-from ptbench.fleet.model import EXPOSED
+from ptbench.fleet.model import USED
 from ptbench.fleet.text import MODEL
 
 _BAND = "#e4e4e4"
@@ -38,7 +38,7 @@ def draw(fleet: Fleet, other: Other) -> Figure:
     title = f"{other.gpu.name} predicted from counters of {fleet.first.name}"
     page = style.Page(6.6, 4.4, title, _caption(fleet, other))
     axes = page.axes(0.75, 0.6, 3.7, 3.7)
-    x = [one.ratios[EXPOSED.name] for one in points]
+    x = [one.ratios[USED.name] for one in points]
     y = [one.row.ratio.value for one in points]
     ends = np.array([min(x + y) / 1.06, max(x + y) * 1.06])
     axes.fill_between(ends, ends / (1 + NEAR_ENOUGH), ends / (1 - NEAR_ENOUGH), color=_BAND, linewidth=0, zorder=0)

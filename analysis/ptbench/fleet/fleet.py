@@ -10,7 +10,7 @@ from ptbench.compare.compared import Compared, compare_files
 from ptbench.compare.verdicts import Comparison, Row
 from ptbench.fleet.evidence import OWN, Evidence, check_gpu, evidence_of
 from ptbench.fleet.gpus import Gpu, gpu_of_result, gpu_of_sheet
-from ptbench.fleet.model import EXPOSED, RULES, Rule, bound_of, predicted
+from ptbench.fleet.model import RULES, USED, Rule, bound_of, predicted
 from ptbench.io.cells import Cell
 from ptbench.io.inspection import Inspected, load_inspected
 
@@ -38,7 +38,7 @@ class Prediction:
         """Whether the very variant was counted, in the very render."""
         return self.evidence.kind == OWN
 
-    def error(self, rule: Rule = EXPOSED) -> float:
+    def error(self, rule: Rule = USED) -> float:
         """Of the predicted ratio, relative to the measured one."""
         return self.ratios[rule.name] / self.row.ratio.value - 1
 
@@ -134,7 +134,7 @@ def _prediction(row: Row, evidence: Evidence, first: Gpu, gpu: Gpu) -> Predictio
 
 def _unowned(gpu: Gpu, first: Gpu, cells: Sequence[Cell], found: dict[str, Evidence]) -> Unowned:
     chosen = [cell for cell in cells if cell.name in found and found[cell.name].kind == OWN]
-    return Unowned(gpu, {cell.name: _ratio_by(cell, found[cell.name], first, gpu)(EXPOSED) for cell in chosen})
+    return Unowned(gpu, {cell.name: _ratio_by(cell, found[cell.name], first, gpu)(USED) for cell in chosen})
 
 
 def _ratio_by(cell: Cell, evidence: Evidence, first: Gpu, gpu: Gpu) -> Callable[[Rule], float]:

@@ -12,17 +12,17 @@ from ptbench.compare.verdicts import WORDS
 from ptbench.fleet.evidence import NEAR
 from ptbench.fleet.fleet import BAR, NEAR_ENOUGH, Fleet, Other, Prediction
 from ptbench.fleet.gpus import Gpu
-from ptbench.fleet.model import EXPOSED, MEMORY
+from ptbench.fleet.model import MEMORY, USED
 from ptbench.fleet.verdicts import crossover, ran_one_program, verdict_pairs
 from ptbench.io.inspection import Inspected, KernelCounters
 from ptbench.numbers import figures, interval, ratio
 
 MODEL = (
     "Model: t' / t = e B / B' + (1 - e) C / C', a kernel; e = m (1 - u) / (1 - m u): the part of time in which memory "
-    "works and pipes do not; m, u: the parts of the memory's and of the nearest other ceiling that it reached on the "
-    "first GPU; B: bandwidth; C: multiprocessors x clock x instructions a clock of that pipe; primes: the other GPU. A "
-    "variant's ratio is its kernels' by their time; the host's part of a render stays. Caches of another size are not "
-    "modelled."
+    "works and pipes do not; m, u: the parts of the memory's ceiling and of the nearest pipe's that it reached on the "
+    "first GPU; B: bandwidth; C: multiprocessors x clock x instructions a clock of the nearest other ceiling; primes: "
+    "the other GPU. A variant's ratio is its kernels' by their time; the host's part of a render stays. Caches of "
+    "another size are not modelled."
 )
 
 
@@ -181,7 +181,7 @@ def _row(one: Prediction, label: Labels) -> tuple[str, ...]:
         one.bound,
         _percent(one.shares[MEMORY]),
         _percent(one.shares["issue"]),
-        ratio(one.ratios[EXPOSED.name]),
+        ratio(one.ratios[USED.name]),
         ratio(one.row.ratio.value),
         "" if low is None or high is None else f"[{ratio(low)}, {ratio(high)}]",
         _signed(one.error()),

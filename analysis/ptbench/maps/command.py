@@ -128,7 +128,7 @@ def _sentences(sheet: Sheet) -> Iterator[str]:
     counts = ", ".join(f"{sides.count(side)} {side}" for side in dict.fromkeys(sides))
     yield f"{len(known)} cells: {counts}; {sheet.ended or CUT_SHORT} ({figures(sheet.seconds, _DIGITS)} s)"
     if disturbed:
-        yield f"{disturbed} runs were disturbed by other processes: they settle nothing and are measured again"
+        yield f"{disturbed} runs were disturbed by other processes: they settle nothing until they are measured again"
     if failed:
         yield f"{len(failed)} runs failed: {failed[0]}"
     if numbers:
@@ -144,7 +144,12 @@ def _sentences(sheet: Sheet) -> Iterator[str]:
 
 def _span_text(sheet: Sheet, one: Bracket) -> str:
     along, other = sheet.definition.axes[one.along], sheet.definition.axes[1 - one.along]
-    wide = "" if one.width <= sheet.definition["bracket"] else ", wider than asked"
+    wide = ""
+    if one.width > sheet.definition["bracket"]:
+        between = [
+            cell for cell in sheet.known if cell[1 - one.along] == one.at and one.low < cell[one.along] < one.high
+        ]
+        wide = f", wider than asked{': the cells between are open' if between else ''}"
     return (
         f"at {other.name} {figures(one.at, _DIGITS)} the line lies between {along.name} {figures(one.low, _DIGITS)} "
         f"and {figures(one.high, _DIGITS)}{wide}"

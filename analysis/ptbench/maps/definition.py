@@ -18,7 +18,8 @@ TO_IMAGE = "time to an image"
 STATISTICS = (TIME, VARIANCE, TO_IMAGE)
 # What an axis may set besides a parameter of the scene's rule ("scene.NAME") and a tunable of both ("tunable.NAME").
 # "side": pixels along each side of a square image.
-_SETTINGS = ("depth", "samples", "side", "spp")
+_INTEGERS = ("depth", "side", "spp")
+_SETTINGS = (*_INTEGERS, "samples")
 
 
 @dataclass(frozen=True)
@@ -116,6 +117,10 @@ def _axis(path: Path, document: Mapping, key: str) -> Axis:
         raise bad_value(path, f"$.{key}.sets", shown(sets), allowed)
     if sets == "samples" and document["statistic"] != TO_IMAGE:
         raise bad_value(path, f"$.{key}.sets", shown(sets), f'with "statistic": "{TO_IMAGE}" only')
+    if sets == "spp" and document["statistic"] == TO_IMAGE:
+        raise bad_value(path, f"$.{key}.sets", shown(sets), f'"samples" with "statistic": "{TO_IMAGE}"')
+    if sets in _INTEGERS and not (about.get("integer", False) and about["from"] >= 1):
+        raise bad_value(path, f"$.{key}", f'{sets} without "integer": true or from below 1', "integers from 1")
     low, high = about["from"], about["to"]
     if not low < high:
         raise bad_value(path, f"$.{key}", f"from {low:g} to {high:g}", "a first value below the last")

@@ -142,7 +142,7 @@ def _checks(parts: Parts) -> tuple[Point, ...]:
 def device_checks(parts: Parts, cells: tuple[Cell, ...]) -> tuple[Point, ...]:
     """Of cells with the axes `devices` and `partition`: one GPU's time over N times that of N, at equal work.
 
-    One GPU's time is the file's own, so that what is checked is the split and the reduction, not t0 and c.
+    The measured efficiency is over one GPU's own time in the same file; the simulated one has the parts' line for both.
     """
     near = parts.networks[parts.definition["near"]]
     noise = _Noise(parts.noise, parts.definition["seed"], parts.definition["trials"])

@@ -17,7 +17,7 @@ from convergence_builder import Law, rows_of_errors
 from ptbench.claims.claim import Ledger, read_claim
 from ptbench.claims.command import Call, claims
 from ptbench.claims.evidence import evidence_of
-from ptbench.claims.history import BY_DATE, LOOK_UP, TEST, UNCOMMITTED, UNKNOWN, Measured, order_of
+from ptbench.claims.history import BY_DATE, LOOK_UP, REPEAT, TEST, UNCOMMITTED, UNKNOWN, Measured, order_of
 from ptbench.claims.judging import DOES_NOT, HOLDS, HOLDS_WHERE, LESS, MISSING, MORE, NOT_REACHED, OPEN, WITHIN, judge
 from ptbench.errors import InputError
 from ptbench.findings.page import Page, typed_by_hand
@@ -103,8 +103,8 @@ class House:
     def verdict(self):
         return judge(self.read(), self.evidence())
 
-    def order(self, date: str, sha: str = "0" * 40):
-        return order_of(self.ledger, self.read(), Measured(sha, date))
+    def order(self, date: str, sha: str = "0" * 40, machine: str = "box"):
+        return order_of(self.ledger, self.read(), machine, Measured(sha, date))
 
 
 @pytest.fixture
@@ -294,6 +294,16 @@ def test_a_program_with_the_prediction_in_its_history_tested_it(house):
     assert house.order(LATE, "f" * 40).grade == BY_DATE
     assert "a look-up, not a test" in house.order(EARLY, later).said
     assert house.order(EARLY, later).grade == LOOK_UP
+
+
+def test_what_a_prediction_was_read_off_is_repeated_there_and_tested_elsewhere(house):
+    house.claim(boxes(), seen=["box"])
+    house.commit(PREDICTED)
+    later = house.commit(PREDICTED)
+    repeated = house.order(LATE, later)
+    assert (repeated.grade, repeated.is_test) == (REPEAT, False)
+    assert "a repeat, not a test" in repeated.said
+    assert house.order(LATE, later, machine="bag").grade == TEST
 
 
 @pytest.mark.parametrize("changed", ["claim", "rule", "prediction", "suite", "condition"])

@@ -227,6 +227,9 @@ def test_another_definition_does_not_go_on(tmp_path):
         ({"scene": {"rule": "lamps"}}, "the parameters of its rule"),
         ({"x": {**MAP["x"], "sets": "width"}}, r"\$.x.sets: found"),
         ({"x": {**MAP["x"], "sets": "samples"}}, 'with "statistic": "time to an image" only'),
+        ({"x": {**MAP["x"], "sets": "side", "integer": False}}, 'side without "integer": true'),
+        ({"x": {**MAP["x"], "sets": "spp", "from": 0.5}}, "from below 1, allowed: integers from 1"),
+        ({"x": {**MAP["x"], "sets": "spp"}, "statistic": "time to an image"}, 'found "spp", allowed: "samples" with'),
         ({"x": {**MAP["x"], "from": 64}}, "a first value below the last"),
         ({"statistic": "variance at equal samples"}, "setting.reference"),
     ],
@@ -317,9 +320,11 @@ def test_a_cell_is_a_small_suite_of_both_choices(tmp_path):
 
 
 def test_axes_of_the_image_and_its_samples():
-    about = {"scene": {"rule": "balls", "materials": 2},
-             "x": {"label": "side, pixels", "sets": "side", "from": 32, "to": 2048, "cells": 3, "integer": True},
-             "y": {"label": "samples a pixel", "sets": "spp", "from": 4, "to": 64, "cells": 3, "integer": True}}  # fmt: skip
+    about = {
+        "scene": {"rule": "balls", "materials": 2},
+        "x": {"label": "side, pixels", "sets": "side", "from": 32, "to": 2048, "cells": 3, "integer": True},
+        "y": {"label": "samples a pixel", "sets": "spp", "from": 4, "to": 64, "cells": 3, "integer": True},
+    }
     study = definition(**about).study((256.0, 16.0), "scene")
     assert (study["depth"], study["spp"], study["resolution"]) == (8, 16, [256, 256])
     assert [one["axes"]["sorting"] for one in study["variants"]] == [["bucket"], ["none"]]
