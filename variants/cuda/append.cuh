@@ -52,7 +52,7 @@ __device__ inline std::uint32_t append_by_block(std::uint32_t* count, bool keep)
 
 // What a block has gathered: element i below count has place first + i among all that the kernel's blocks gather.
 struct Gathered {
-    std::uint32_t first, count;  // of no elements `first` says nothing
+    std::uint32_t first, count;   // of no elements `first` says nothing
     const std::uint32_t* values;  // in shared memory, until the block gathers again
 };
 
