@@ -118,15 +118,11 @@ std::vector<const Cell*> unknown_cells(const Plan& plan, const Journal& journal)
     return unknown;
 }
 
-// What they are checked against as well: of many estimators that takes longer to compile than the cells' own kernels.
 void compile_kernels(const std::vector<const Cell*>& cells) {
     std::vector<CompileTask> tasks;
     for (const Cell* const cell : cells) {
         if (cell->backend == Backend::cuda) {
-            for (const Variant& variant : rendered_to_check(*cell->scene, cell->variant, cell->backend)) {
-                tasks.push_back({cell->scene.get(), variant});
-            }
-            tasks.push_back({cell->scene.get(), bitwise_reference(*cell)});
+            tasks.push_back({cell->scene.get(), cell->variant});
         }
     }
     compile_ahead(tasks);

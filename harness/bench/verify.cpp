@@ -246,21 +246,6 @@ const Verifier::MeanCheck& Verifier::mean_check(const Variant& variant) {
     return position->second;
 }
 
-std::vector<Variant> rendered_to_check(const Scene& scene, const Variant& variant, Backend backend) {
-    std::vector<Variant> rendered{variant};
-    const bool is_relaxed = fp_relaxed(variant, backend);
-    const Variant exact = is_relaxed ? exact_twin(variant, backend) : variant;
-    const Variant reference = reference_on(scene, exact, backend);
-    rendered.insert(rendered.end(), {exact, reference});
-    if (is_relaxed) {
-        rendered.push_back(variant_of_mean(variant, backend));
-    }
-    if (claim_of(exact, backend) == Claim::statistical) {
-        rendered.push_back(variant_of_mean(reference, backend));
-    }
-    return rendered;
-}
-
 Verdict Verifier::check(const Variant& variant) {
     return fp_relaxed(variant, backend_) ? check_freely_rounded(variant) : check_bits(variant);
 }

@@ -3,7 +3,6 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "harness/render/renderer.h"
 
@@ -63,9 +62,6 @@ private:
     std::map<Variant, CpuCheck> against_cpu_;  // by reference variant
     std::map<Variant, Verdict> bits_;          // of exact twins
 };
-
-// What Verifier::check renders of a variant on the backend: it, its twin, references, what its mean is compared with.
-std::vector<Variant> rendered_to_check(const Scene& scene, const Variant& variant, Backend backend);
 
 // Precondition: the films of the two variants differ at these settings.
 Difference first_difference(const Scene& scene, const RenderSettings& settings, std::uint32_t spp,

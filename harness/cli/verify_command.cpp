@@ -258,36 +258,24 @@ int run_statistical(const VerifyArguments& arguments, Backend backend, const std
     return tally.failed == 0 && tally.held > 0 ? exit_good : exit_check_failed;
 }
 
-// By scene: what checking the variants that apply renders on CUDA.
-std::vector<CompileTask> compilations_of(const std::vector<Scene>& scenes,
-                                         const std::vector<std::vector<Variant>>& variants) {
-    std::vector<CompileTask> tasks;
-    for (std::size_t i = 0; i < scenes.size(); ++i) {
-        for (const Variant& variant : variants[i]) {
-            if (why_not_applicable(variant, features_of(scenes[i]), Backend::cuda).empty()) {
-                for (const Variant& rendered : rendered_to_check(scenes[i], variant, Backend::cuda)) {
-                    tasks.push_back({&scenes[i], rendered});
-                }
-            }
-        }
-    }
-    return tasks;
-}
-
 int run(const VerifyArguments& arguments) {
     const Backend backend = parse_backend(arguments.backend);
     require_backend(backend);
     const std::vector<std::string> names = scenes_asked_for(arguments.scenes);
     const std::vector<Scene> scenes = find_scenes(names);
+    std::vector<CompileTask> compilations;
     std::vector<std::vector<Variant>> variants;
     for (const Scene& scene : scenes) {
         variants.push_back(variants_to_verify(arguments, backend, scene));
+        for (const Variant& variant : variants.back()) {
+            compilations.push_back({&scene, variant});
+        }
     }
     if (arguments.statistical) {
         return run_statistical(arguments, backend, scenes, variants);
     }
     if (backend == Backend::cuda) {
-        compile_ahead(compilations_of(scenes, variants));
+        compile_ahead(compilations);
     }
     Tally tally;
     for (std::size_t i = 0; i < scenes.size(); ++i) {

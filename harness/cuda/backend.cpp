@@ -41,20 +41,6 @@ const Ceilings& ceilings_here() {
     return ceilings;
 }
 
-// What verification renders: the variant, its exact twin, the reference, and what claims of a mean are held to.
-std::vector<Variant> variants_to_verify(const Scene& scene, const Variant& variant) {
-    const Variant twin = exact_twin(variant, Backend::cuda);
-    const Variant reference = reference_on(scene, twin, Backend::cuda);
-    std::vector<Variant> needed{variant, twin, reference};
-    if (fp_relaxed(variant, Backend::cuda)) {
-        needed.push_back(variant_of_mean(variant, Backend::cuda));
-    }
-    if (claim_of(twin, Backend::cuda) == Claim::statistical) {
-        needed.push_back(variant_of_mean(reference, Backend::cuda));
-    }
-    return needed;
-}
-
 }  // namespace
 
 std::string not_available() {
@@ -141,7 +127,7 @@ void collect_programs(const Scene& scene, const Variant& variant, const std::str
         return;
     }
     const std::string target = architecture.empty() ? device().architecture() : architecture;
-    for (const Variant& needed : variants_to_verify(scene, variant)) {
+    for (const Variant& needed : rendered_to_check(scene, variant, Backend::cuda)) {
         const ModuleRequest request = module_request(scene, needed, target);
         if (!is_cached(request)) {
             programs.try_emplace(request.name + " " + module_key(request), [request] { (void)build_module(request); });

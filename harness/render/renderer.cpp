@@ -139,6 +139,19 @@ Variant reference_on(const Scene& scene, const Variant& variant, Backend backend
                                            : Registry::instance().reference(variant, backend);
 }
 
+std::vector<Variant> rendered_to_check(const Scene& scene, const Variant& variant, Backend backend) {
+    const Variant twin = exact_twin(variant, backend);
+    const Variant reference = reference_on(scene, twin, backend);
+    std::vector<Variant> rendered{variant, twin, reference};
+    if (fp_relaxed(variant, backend)) {
+        rendered.push_back(variant_of_mean(variant, backend));
+    }
+    if (claim_of(twin, backend) == Claim::statistical) {
+        rendered.push_back(variant_of_mean(reference, backend));
+    }
+    return rendered;
+}
+
 RenderSettings settings_for(const RenderRequest& request, const KernelChoice& kernel) {
     RenderSettings settings = request.settings;
     settings.final_bounce = contains(kernel.needed, Feature::final_bounce);

@@ -100,6 +100,8 @@ inline constexpr std::uint64_t most_by_brute_force = 100'000;
 // The variant that this one must equal bit for bit on a scene (Registry::reference). Beyond most_by_brute_force
 // accelerators are held against one of themselves.
 Variant reference_on(const Scene& scene, const Variant& variant, Backend backend);
+// What verification renders: the variant, its exact twin, the reference, and what claims of a mean are held to.
+std::vector<Variant> rendered_to_check(const Scene& scene, const Variant& variant, Backend backend);
 // Objects with meshes up to which each in turn is the reference of large scenes; beyond, a tree over them.
 inline constexpr std::ptrdiff_t most_objects_in_turn = 16;
 // The same with an accelerator that has a tree, wherever there are meshes: for films that take long.

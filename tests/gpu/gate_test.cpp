@@ -93,14 +93,21 @@ protected:
 
     static Verdict verdict(const std::string& integrator) {
         const Scene scene = find_scene("cornell_open");
+        Verifier verifier(scene, settings_of(scene, 32, 32), 2, Backend::cuda);
+        return verifier.check(exact_variant(integrator));
+    }
+    static RenderSettings settings_of(const Scene& scene, std::uint32_t width, std::uint32_t height) {
         RenderSettings settings = default_settings(scene);
-        settings.width = settings.height = 32;
+        settings.width = width;
+        settings.height = height;
         settings.seed = 1;
-        Verifier verifier(scene, settings, 2, Backend::cuda);
+        return settings;
+    }
+    static Variant exact_variant(const std::string& integrator) {
         Variant variant = expand({}, Backend::cuda).front();
         variant.set("arithmetic", "exact");
         variant.set("integrator", integrator);
-        return verifier.check(variant);
+        return variant;
     }
 };
 
@@ -117,18 +124,12 @@ TEST_F(Gate, PassesASoundIntegrator) {
 // can wait in their shared memory (variants/cuda/warp_items.cuh).
 TEST_F(Gate, PassesWarpsWhateverTheirPathsWaitFor) {
     const Scene scene = find_scene("cornell_open_five");
-    RenderSettings settings = default_settings(scene);
-    settings.width = 40;  // not a whole number of strips
-    settings.height = 33;
-    settings.seed = 1;
-    Verifier verifier(scene, settings, 3, Backend::cuda);
+    Verifier verifier(scene, settings_of(scene, 40, 33), 3, Backend::cuda);  // pixels: no whole number of strips
     const std::pair<const char*, std::uint32_t> tunings[] = {
         {"regenerate_at", 0}, {"regenerate_at", 31}, {"block", 1024}};
     for (const char* integrator : {"megakernel_regen", "persistent"}) {
         for (const auto& [tunable, value] : tunings) {
-            Variant variant = expand({}, Backend::cuda).front();
-            variant.set("arithmetic", "exact");
-            variant.set("integrator", integrator);
+            Variant variant = exact_variant(integrator);
             variant.tuning[tunable] = value;
             const Verdict sound = verifier.check(variant);
             EXPECT_TRUE(sound.holds) << integrator << ' ' << tunable << '=' << value << ": " << sound.message;
@@ -139,16 +140,10 @@ TEST_F(Gate, PassesWarpsWhateverTheirPathsWaitFor) {
 // Slots that are refilled at once, now and then, and so late that every path has ended.
 TEST_F(Gate, PassesQueuesWheneverTheyAreRefilled) {
     const Scene scene = find_scene("cornell_open_five");
-    RenderSettings settings = default_settings(scene);
-    settings.width = 40;  // not a whole number of blocks
-    settings.height = 33;
-    settings.seed = 1;
-    Verifier verifier(scene, settings, 5, Backend::cuda);
+    Verifier verifier(scene, settings_of(scene, 40, 33), 5, Backend::cuda);  // pixels: no whole number of blocks
     for (const char* sorting : {"none", "per_material_queue"}) {
         for (const std::uint32_t rounds : {1u, 3u, 64u}) {
-            Variant variant = expand({}, Backend::cuda).front();
-            variant.set("arithmetic", "exact");
-            variant.set("integrator", "wavefront_refill");
+            Variant variant = exact_variant("wavefront_refill");
             variant.set("sorting", sorting);
             variant.tuning["refill_every"] = rounds;
             variant.tuning["spp_in_flight"] = 2;
@@ -171,20 +166,14 @@ TEST_F(Gate, PassesSortsWithinChunksOfTheQueue) {
     };
     for (const auto& [name, choices] : cases) {
         const Scene scene = find_scene(name);
-        RenderSettings settings = default_settings(scene);
-        settings.width = 40;
-        settings.height = 33;
-        settings.seed = 1;
-        Variant variant = expand({}, Backend::cuda).front();
-        variant.set("integrator", "wavefront");
-        variant.set("arithmetic", "exact");
+        Variant variant = exact_variant("wavefront");
         variant.set("sort_key", "chunk_material");
         for (const auto& [axis, choice] : choices) {
             variant.set(axis, choice);
         }
         variant.tuning["chunk"] = 256;
         ASSERT_EQ(why_not_applicable(variant, features_of(scene), Backend::cuda), "");
-        const Verdict sound = Verifier(scene, settings, 3, Backend::cuda).check(variant);
+        const Verdict sound = Verifier(scene, settings_of(scene, 40, 33), 3, Backend::cuda).check(variant);
         EXPECT_TRUE(sound.holds) << variant.spelled_out() << ": " << sound.message;
     }
 }

@@ -576,7 +576,7 @@ TEST(VerifyTest, AOnePercentBiasOfADeclaredExpectationIsFound) {
     EXPECT_TRUE(check(scene, lit_reference()).holds);
 }
 
-// Compiled before the first is rendered: what is left out is compiled by itself, while nothing is said.
+// What is compiled before the first is rendered: the rest would be compiled by itself, while nothing is said.
 TEST(VerifyTest, NamesAllThatItRendersOfAVariant) {
     if (Registry::instance().choices("integrator", Backend::cuda).empty()) {
         GTEST_SKIP() << "this build has no CUDA backend";

@@ -115,14 +115,14 @@ def _slots(a: Cell, b: Cell) -> Iterator[Fact]:
     """How full a queue is that no compaction shortens."""
 
     def live_share(cell: Cell) -> float | None:
-        done = cell.instrumented
-        if done is None or not done.live_paths or cell.axes.get("integrator", "").find("wavefront") < 0:
+        share = None if cell.instrumented is None else cell.instrumented.live_share(cell.depth)
+        if share is None or cell.axes.get("integrator", "").find("wavefront") < 0:
             return None
         is_refilled = cell.axes["integrator"] == _REFILLED
         if is_refilled and cell.tunables.get("refill_every", 1) > 1:
             return None  # nobody counts what lies empty until it is refilled
         is_full = cell.counters.get("compactions") or is_refilled
-        return 1.0 if is_full else sum(done.live_paths) / (done.paths * cell.depth)
+        return 1.0 if is_full else share
 
     shares = live_share(a), live_share(b)
     if shares == (1.0, 1.0) or None in shares:

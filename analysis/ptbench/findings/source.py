@@ -139,12 +139,12 @@ class Source:
         return facts
 
     def alive_percent(self, selection: str) -> float:
-        """Of paths times depth, the slots of all rounds where ended paths stay, the per cent that are alive."""
+        """Per cent of the slots of all rounds, where ended paths stay, that are alive."""
         cell = self.cell(selection)
-        counted = cell.instrumented
-        if counted is None or not counted.paths:
+        alive = None if cell.instrumented is None else cell.instrumented.live_share(cell.depth)
+        if alive is None:
             raise FindingError(f"{self.result.path}: {selection} has no counts of live paths")
-        return 100 * sum(counted.live_paths) / (counted.paths * cell.depth)
+        return 100 * alive
 
     def sah(self, selection: str) -> Quantity:
         """SAH cost of the cell's largest tree."""

@@ -103,6 +103,10 @@ class Instrumented:
     wall_ms: float | None
     unaccounted_ms: float | None
 
+    def live_share(self, depth: int) -> float | None:
+        """Of paths times depth, the slots of all rounds where ended paths stay, those alive; None: not counted."""
+        return sum(self.live_paths) / (self.paths * depth) if self.live_paths and self.paths else None
+
 
 @dataclass(frozen=True)
 class Kernel:
