@@ -247,7 +247,8 @@ void RenderCell<Real>::run_part(const RenderPart& part, RenderResult& result) {
 }
 
 template <class Real>
-double RenderCell<Real>::run_pieces(const std::function<std::optional<SampleRange>()>& next) {
+double RenderCell<Real>::run_pieces(const std::function<std::optional<SampleRange>()>& next,
+                                    const std::function<void()>& enqueue_more) {
     PT_CUDA_CHECK(cudaEventRecord(begin_.get(), job_.stream));
     std::size_t pieces = 0;
     for (std::optional<SampleRange> piece = next(); piece; piece = next()) {
@@ -261,7 +262,8 @@ double RenderCell<Real>::run_pieces(const std::function<std::optional<SampleRang
         }
     }
     PT_CUDA_CHECK(cudaEventRecord(end_.get(), job_.stream));
-    PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
+    enqueue_more();
+    PT_CUDA_CHECK(cudaEventSynchronize(end_.get()));
     float milliseconds = 0;
     PT_CUDA_CHECK(cudaEventElapsedTime(&milliseconds, begin_.get(), end_.get()));
     return pieces > 0 ? milliseconds : 0.0;

@@ -28,9 +28,11 @@ public:
 
     // Runs the integrator, in parts where the request has checkpoints, and adds up the times of `result`.
     void run(RenderResult& result);
-    // Renders what `next` hands out until it hands out nothing, and waits for the device. One piece is enqueued while
-    // the piece before it runs. Returns the time on the device, ms.
-    double run_pieces(const std::function<std::optional<SampleRange>()>& next);
+    // Renders what `next` hands out until it hands out nothing, and waits for it. One piece is enqueued while the piece
+    // before it runs. `enqueue_more`: what the device goes on with, neither waited for nor timed. Returns the time on
+    // the device, ms.
+    double run_pieces(
+        const std::function<std::optional<SampleRange>()>& next, const std::function<void()>& enqueue_more = [] {});
     // Reads film and counters back.
     void collect(RenderResult& result);
     // All but the film.

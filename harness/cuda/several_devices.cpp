@@ -109,18 +109,20 @@ public:
 
     // Once: a device learns for all of them.
     void add_learning(RenderResult& result) const { cells_[0]->add_learning(result); }
-    // Adds to the times of `result`.
+    // Adds to the times of `result`. A device's part in the sum is enqueued behind its last piece, while that is
+    // rendered: launching the sum when all have ended took longer than the sum.
     void run(const SampleRange& samples, RenderResult& result) {
         const auto devices = static_cast<std::uint32_t>(cells_.size());
         SampleSource source(traits_.partition, devices, samples);
         std::vector<double> device_ms(devices);
         std::vector<SteadyClock::time_point> ends(devices);
         const double cpu_start = process_cpu_ms();
-        const SteadyClock::time_point start = DeviceThreads::run(devices, [&](std::uint32_t device) {
-            device_ms[device] = cells_[device]->run_pieces([&] { return source.next(device); });
+        const SteadyClock::time_point start = run_threads([&](std::uint32_t device) {
+            device_ms[device] =
+                cells_[device]->run_pieces([&] { return source.next(device); }, [&] { enqueue_sum(device); });
             ends[device] = SteadyClock::now();
         });
-        add_up();
+        PT_CUDA_CHECK(cudaStreamSynchronize(stream_of(0)));
         const SteadyClock::time_point end = SteadyClock::now();
         const SteadyClock::time_point last = *std::max_element(ends.begin(), ends.end());
         DeviceFacts& facts = result.devices;
@@ -164,28 +166,35 @@ public:
 private:
     cudaStream_t stream_of(std::size_t device) const { return cells_[device]->job().stream; }
 
-    // Connects the devices and takes the reduction's memory; the films are still nought, and so is their sum.
+    // The devices that have ended their work may wait for the part of one that failed.
+    template <class Work>
+    SteadyClock::time_point run_threads(const Work& work) {
+        try {
+            return DeviceThreads::run(static_cast<std::uint32_t>(cells_.size()), work);
+        } catch (...) {
+            disconnect_devices();
+            throw;
+        }
+    }
+
+    // Connects the devices and takes the reduction's memory. A first sum, of films that are still nought, loads what
+    // NCCL loads at first use.
     void connect() {
+        connect_devices(cells_.size());
         memory_ = std::make_unique<Arena>(film_words_ * sizeof(std::int64_t));
         sum_ = memory_->take<std::int64_t>(film_words_);
         clear(sum_, film_words_ * sizeof(std::int64_t), stream_of(0));
-        add_up();
+        run_threads([&](std::uint32_t device) { enqueue_sum(device); });
         for (std::size_t device = 0; device < cells_.size(); ++device) {
             PT_CUDA_CHECK(cudaStreamSynchronize(stream_of(device)));
         }
     }
 
-    // Returns when the first device has the sum.
-    void add_up() {
-        if (cells_.size() == 1) {
-            return;
+    void enqueue_sum(std::uint32_t device) {
+        if (cells_.size() > 1) {
+            add_to_first({device, cells_.size(), stream_of(device), cells_[device]->job().film.sums}, sum_,
+                         film_words_);
         }
-        std::vector<Addend> addends;
-        for (std::size_t device = 0; device < cells_.size(); ++device) {
-            addends.push_back({static_cast<int>(device), stream_of(device), cells_[device]->job().film.sums});
-        }
-        add_to_first(addends, sum_, film_words_);
-        PT_CUDA_CHECK(cudaStreamSynchronize(stream_of(0)));
     }
 
     static void add_stages(StageTimes& into, const StageTimes& from) {

@@ -1,6 +1,7 @@
 // Renders on several GPUs: whatever the partition, the film is one GPU's. The pieces of a partition are tried on one
 // GPU as well, one after the other. Skipped where there is no GPU; what needs two, where there is one.
 #include <algorithm>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -9,6 +10,9 @@
 #include "harness/places.h"
 #include "harness/render/device_shares.h"
 #include "variants/cuda/arena.h"
+#include "variants/cuda/handles.h"
+#include "variants/cuda/nccl.h"
+#include "variants/cuda/on_device.h"
 #include "variants/devices/here.h"
 
 namespace pt {
@@ -137,6 +141,51 @@ TEST_F(DevicesTest, TwoDevicesLeaveTheFilmOfOne) {
             }
         }
     }
+}
+
+// Values of one device, and room for the sum, with a stream of its own.
+struct Summing {
+    explicit Summing(std::size_t device)
+        : on(static_cast<int>(device)),
+          arena(2 * bytes),
+          stream(cuda::make_stream()),
+          addend{device, 2, stream.get(), arena.take<std::int64_t>(count)},
+          sum(arena.take<std::int64_t>(count)) {
+        const std::vector<std::int64_t> ones(count, 1);
+        PT_CUDA_CHECK(cudaMemcpy(const_cast<std::int64_t*>(addend.values), ones.data(), bytes, cudaMemcpyHostToDevice));
+    }
+    void add() { cuda::add_to_first(addend, sum, count); }
+
+    static constexpr std::size_t count = 1 << 12, bytes = count * sizeof(std::int64_t);
+    cuda::OnDevice on;
+    cuda::Arena arena;
+    cuda::Stream stream;
+    cuda::Addend addend;
+    std::int64_t* sum;
+};
+
+std::int64_t last_of_sum_of_two(Summing& first, Summing& second) {
+    cuda::connect_devices(2);
+    std::jthread other([&] { second.add(); });
+    first.add();
+    other.join();
+    std::int64_t last = 0;
+    PT_CUDA_CHECK(cudaStreamSynchronize(first.stream.get()));
+    PT_CUDA_CHECK(cudaMemcpy(&last, first.sum + Summing::count - 1, sizeof last, cudaMemcpyDeviceToHost));
+    return last;
+}
+
+TEST_F(DevicesTest, ASumThatADeviceNeverJoinsEndsWhenItIsGivenUp) {
+    if (const Reason reason = why_not_on(devices_here(), 2); !reason.empty()) {
+        GTEST_SKIP() << reason.text;
+    }
+    Summing second(1), first(0);
+    EXPECT_EQ(last_of_sum_of_two(first, second), 2);
+    first.add();
+    EXPECT_EQ(cudaStreamQuery(first.stream.get()), cudaErrorNotReady);
+    cuda::disconnect_devices();
+    EXPECT_EQ(cudaStreamSynchronize(first.stream.get()), cudaSuccess);
+    EXPECT_EQ(last_of_sum_of_two(first, second), 2) << "after the devices were connected anew";
 }
 
 }  // namespace

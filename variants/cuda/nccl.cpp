@@ -32,8 +32,7 @@ static_assert(static_cast<int>(ncclSuccess) == nccl_success && static_cast<int>(
 struct NcclLibrary {
     NcclResult (*version)(int*) = nullptr;
     NcclResult (*make_all)(NcclCommunicator**, int, const int*) = nullptr;
-    NcclResult (*group_start)() = nullptr;
-    NcclResult (*group_end)() = nullptr;
+    NcclResult (*abort)(NcclCommunicator*) = nullptr;
     NcclResult (*reduce)(const void*, void*, std::size_t, int, int, int, NcclCommunicator*, cudaStream_t) = nullptr;
     const char* (*error_text)(NcclResult) = nullptr;
     std::string missing;
@@ -67,8 +66,7 @@ NcclLibrary load_nccl() {
     };
     resolve("ncclGetVersion", library.version);
     resolve("ncclCommInitAll", library.make_all);
-    resolve("ncclGroupStart", library.group_start);
-    resolve("ncclGroupEnd", library.group_end);
+    resolve("ncclCommAbort", library.abort);
     resolve("ncclReduce", library.reduce);
     resolve("ncclGetErrorString", library.error_text);
     return library;
@@ -85,19 +83,10 @@ void check_nccl(NcclResult result, const char* call) {
     }
 }
 
-// One a device, made once for each number of devices. Never destroyed: the driver may be gone when the process ends.
-const std::vector<NcclCommunicator*>& communicators(std::size_t devices) {
+// By number of devices: one a device. What is left is not destroyed: the driver may be gone when the process ends.
+std::map<std::size_t, std::vector<NcclCommunicator*>>& connections() {
     static auto& made = *new std::map<std::size_t, std::vector<NcclCommunicator*>>;
-    std::vector<NcclCommunicator*>& all = made[devices];
-    if (all.empty()) {
-        std::vector<int> numbers(devices);
-        std::iota(numbers.begin(), numbers.end(), 0);
-        std::vector<NcclCommunicator*> fresh(devices);
-        const OnDevice first(0);
-        check_nccl(nccl().make_all(fresh.data(), static_cast<int>(devices), numbers.data()), "ncclCommInitAll");
-        all = std::move(fresh);
-    }
-    return all;
+    return made;
 }
 
 }  // namespace
@@ -113,19 +102,34 @@ std::string nccl_version() {
            std::to_string(version % 100);
 }
 
-void add_to_first(const std::vector<Addend>& addends, std::int64_t* sum, std::size_t count) {
-    const std::vector<NcclCommunicator*>& all = communicators(addends.size());
-    check_nccl(nccl().group_start(), "ncclGroupStart");
-    NcclResult failed = nccl_success;
-    for (std::size_t i = 0; i < addends.size() && failed == nccl_success; ++i) {
-        const OnDevice on(addends[i].device);
-        // Of the others nobody reads what they receive.
-        failed = nccl().reduce(addends[i].values, i == 0 ? sum : nullptr, count, nccl_int64, nccl_sum, 0, all[i],
-                               addends[i].stream);
+void connect_devices(std::size_t devices) {
+    std::vector<NcclCommunicator*>& all = connections()[devices];
+    if (!all.empty()) {
+        return;
     }
-    const NcclResult ended = nccl().group_end();
-    check_nccl(failed, "ncclReduce");
-    check_nccl(ended, "ncclGroupEnd");
+    std::vector<int> numbers(devices);
+    std::iota(numbers.begin(), numbers.end(), 0);
+    std::vector<NcclCommunicator*> fresh(devices);
+    const OnDevice first(0);
+    check_nccl(nccl().make_all(fresh.data(), static_cast<int>(devices), numbers.data()), "ncclCommInitAll");
+    all = std::move(fresh);
+}
+
+void add_to_first(const Addend& addend, std::int64_t* sum, std::size_t count) {
+    const OnDevice on(static_cast<int>(addend.device));
+    NcclCommunicator* const own = connections().at(addend.devices).at(addend.device);
+    check_nccl(nccl().reduce(addend.values, addend.device == 0 ? sum : nullptr, count, nccl_int64, nccl_sum, 0, own,
+                             addend.stream),
+               "ncclReduce");
+}
+
+void disconnect_devices() {
+    for (const auto& [devices, all] : connections()) {
+        for (NcclCommunicator* const one : all) {
+            (void)nccl().abort(one);  // what is wrong has been said by what failed
+        }
+    }
+    connections().clear();
 }
 
 }  // namespace pt::cuda

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "variants/cuda/check.h"
 
@@ -15,15 +14,24 @@ std::string nccl_missing();
 // "2.28.3"; empty where it is missing.
 std::string nccl_version();
 
-// One of several devices, with what it adds.
+// Connects the devices 0, 1, .. `devices` - 1, which takes seconds at the first call for a number of them. From one
+// thread, before `add_to_first`.
+void connect_devices(std::size_t devices);
+
+// One of several devices that are connected, with what it adds.
 struct Addend {
-    int device = 0;
+    std::size_t device = 0, devices = 0;
     cudaStream_t stream = nullptr;
     const std::int64_t* values = nullptr;
 };
 
-// Enqueues the sum of all devices' values into memory of the first one, on the streams. The devices are 0, 1, .. The
-// first call for a number of devices connects them, which takes seconds.
-void add_to_first(const std::vector<Addend>& addends, std::int64_t* sum, std::size_t count);
+// Enqueues this device's part in the sum of all devices' values, into `sum` in memory of the first one; of the others
+// nobody reads it. The stream goes on when the device has done its part, and so does a thread: each device's part is
+// enqueued by its own thread, or two calls in a row from one may wait for each other for ever.
+void add_to_first(const Addend& addend, std::int64_t* sum, std::size_t count);
+
+// Ends all sums that were enqueued, whether or not every device takes part, and the connections with them: without it,
+// devices wait for one that has failed. From one thread, while no other is in `add_to_first`.
+void disconnect_devices();
 
 }  // namespace pt::cuda
