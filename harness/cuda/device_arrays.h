@@ -1,8 +1,7 @@
-// Arrays of the host in one piece of device memory, and copies of the last things that a study has used.
+// Arrays of the host in one piece of device memory.
 #pragma once
 
 #include <algorithm>
-#include <list>
 #include <memory>
 
 #include "variants/cuda/check.h"
@@ -52,39 +51,6 @@ private:
 
     std::size_t bytes_;
     std::unique_ptr<unsigned char, Free> memory_;
-};
-
-// Copies that there are, the one that was used last in front. A Copy says by is_of(host) what it is of.
-template <class Copy>
-class KeptCopies {
-public:
-    // Null: there is none.
-    template <class Host>
-    std::shared_ptr<const Copy> find(const Host& host) {
-        const auto known = std::find_if(copies_.begin(), copies_.end(),
-                                        [&](const std::shared_ptr<const Copy>& copy) { return copy->is_of(host); });
-        if (known == copies_.end()) {
-            return nullptr;
-        }
-        copies_.splice(copies_.begin(), copies_, known);
-        return copies_.front();
-    }
-    template <class Host>
-    std::shared_ptr<const Copy> make(const Host& host) {
-        return copies_.emplace_front(std::make_shared<const Copy>(host));
-    }
-    void drop_oldest() { copies_.pop_back(); }
-    std::size_t size() const { return copies_.size(); }
-    std::size_t bytes() const {
-        std::size_t bytes = 0;
-        for (const std::shared_ptr<const Copy>& copy : copies_) {
-            bytes += copy->bytes();
-        }
-        return bytes;
-    }
-
-private:
-    std::list<std::shared_ptr<const Copy>> copies_;
 };
 
 }  // namespace pt::cuda

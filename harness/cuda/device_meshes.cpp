@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "harness/cuda/kept_copies.h"
 #include "variants/cuda/on_device.h"
 
 namespace pt::cuda {

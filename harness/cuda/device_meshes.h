@@ -2,6 +2,8 @@
 // copying a mesh takes longer than rendering it.
 #pragma once
 
+#include <utility>
+
 #include "harness/cuda/device_arrays.h"
 #include "harness/scene/mesh_search.h"
 
@@ -12,13 +14,14 @@ class DeviceMesh {
 public:
     explicit DeviceMesh(const MeshGeometry& host);
 
-    bool is_of(const MeshGeometry& host) const { return host_.placed == host.placed && host_.tree == host.tree; }
+    using Key = std::pair<const PlacedMesh*, const MeshTree*>;
+    static Key key_of(const MeshGeometry& host) { return {host.placed.get(), host.tree.get()}; }
     // With pointers of the device.
     const MeshView& view() const { return view_; }
     std::size_t bytes() const { return arrays_.bytes(); }
 
 private:
-    MeshGeometry host_;  // kept, so that its address means this mesh as long as the copy lives
+    MeshGeometry host_;  // kept, so that its addresses mean this mesh as long as the copy lives
     MeshView view_;
     DeviceArrays arrays_;
 };
@@ -32,7 +35,8 @@ class DeviceTree {
 public:
     explicit DeviceTree(const std::shared_ptr<const SceneTree>& host);
 
-    bool is_of(const std::shared_ptr<const SceneTree>& host) const { return host_ == host; }
+    using Key = const SceneTree*;
+    static Key key_of(const std::shared_ptr<const SceneTree>& host) { return host.get(); }
     // With pointers of the device.
     const ObjectTree& objects() const { return objects_; }
     const FlatTree& flat() const { return flat_; }
