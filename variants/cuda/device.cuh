@@ -148,11 +148,12 @@ __device__ inline void add_counters(Totals* totals, const ThreadCounters& counte
 }  // namespace pt::cuda
 
 // A scene as kernels use it: `shade` for a surface that each lane chooses for itself, `trace` for all objects in turn.
-// Where the variant fixes the numbers of objects, they are constants from here on.
-struct SceneViews {
+// A kernel for one scene has copies, of which little is left: where the variant fixes the numbers of objects, they are
+// constants from here on.
+struct OwnSceneViews {
     Scene shade, trace;
 
-    __device__ explicit SceneViews(const Scene& scene) : shade(scene), trace(scene) {
+    __device__ explicit OwnSceneViews(const Scene& scene) : shade(scene), trace(scene) {
         if constexpr (kernel_config.has_fixed_counts) {
             fix_counts(shade);
         }
@@ -196,6 +197,30 @@ private:
         }
     }
 };
+
+// A kernel with everything is more than the compiler inlines, and each thread would write its copies to local memory
+// for the functions that are called. So it reads the parameter where it is, and a block has one other view.
+struct SharedSceneViews {
+    const Scene &shade, &trace;
+
+    // Every thread of the block must call it, once in a kernel.
+    __device__ explicit SharedSceneViews(const Scene& scene) : shade(scene), trace(traced(scene)) {}
+
+private:
+    __device__ static const Scene& traced(const Scene& scene) {
+        __shared__ alignas(16) unsigned char memory[sizeof(Scene)];
+        Scene& placed = *reinterpret_cast<Scene*>(memory);
+        if (threadIdx.x == 0) {
+            placed = scene;
+            pt::cuda::place_traced_arrays(placed);
+        }
+        __syncthreads();
+        return placed;
+    }
+};
+
+using SceneViews =
+    std::conditional_t<kernel_config.has_fixed_counts || pt::cuda::bakes_scene, OwnSceneViews, SharedSceneViews>;
 
 // What a path between two bounces has to remember in this variant.
 inline constexpr pt::PathFields carried_fields = pt::PathFields::of(Configuration::features);

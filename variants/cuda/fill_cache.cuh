@@ -5,8 +5,8 @@
 
 // Traces the camera rays that `samples` samples, no more than the cache keeps, will use: one thread a pixel.
 PT_UNBOUNDED_KERNEL(fill_cache, pt::cuda::FillCacheParameters<Real>,
-                    (Scene parameter, HitCache cache, std::uint32_t first_sample, std::uint32_t samples,
-                     Totals* totals)) {
+                    (const __grid_constant__ Scene parameter, HitCache cache, std::uint32_t first_sample,
+                     std::uint32_t samples, Totals* totals)) {
     const SceneViews scene(parameter);
     const std::uint32_t own = pt::cuda::thread_number();
     std::uint32_t fills = 0;

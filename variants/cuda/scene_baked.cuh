@@ -4,6 +4,8 @@
 
 namespace pt::cuda {
 
+inline constexpr bool bakes_scene = true;
+
 // Meshes stay where the parameter says: their arrays have addresses.
 template <class T>
 __device__ inline void bake_array(View<T>& view, const unsigned* words) {

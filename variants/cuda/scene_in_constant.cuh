@@ -9,6 +9,8 @@ __constant__ alignas(16) unsigned char pt_scene[kernel_config.constant_scene_byt
 
 namespace pt::cuda {
 
+inline constexpr bool bakes_scene = false;
+
 template <class Scene>
 __device__ inline void bake(Scene&) {}
 

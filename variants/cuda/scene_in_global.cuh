@@ -3,6 +3,8 @@
 
 namespace pt::cuda {
 
+inline constexpr bool bakes_scene = false;
+
 template <class Scene>
 __device__ inline void bake(Scene&) {}
 template <class Scene>

@@ -33,8 +33,8 @@ __device__ inline void add_health(HealthCounters* totals, const HealthCounters& 
 }  // namespace pt::cuda
 
 PT_KERNEL(audited, pt::cuda::AuditedParameters<Real>,
-          (Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples, std::uint32_t stride,
-           pt::HealthRequest health, Totals* totals)) {
+          (const __grid_constant__ Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples,
+           std::uint32_t stride, pt::HealthRequest health, Totals* totals)) {
     const SceneViews scene(parameter);
     ThreadCounters counters;
     pt::HealthCounters mine;

@@ -8,8 +8,8 @@
 // Thread t takes the samples t / pixels, t / pixels + stride, ... of pixel t mod pixels.
 // `ended`: paths by their number of segments, or null.
 PT_KERNEL(megakernel, pt::cuda::MegakernelParameters<Real>,
-          (Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples, std::uint32_t stride,
-           HitCache cache, Totals* totals, std::uint64_t* ended)) {
+          (const __grid_constant__ Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples,
+           std::uint32_t stride, HitCache cache, Totals* totals, std::uint64_t* ended)) {
     const SceneViews scene(parameter);
     ThreadCounters counters;
     pt::PixelSum<Configuration> sum;

@@ -25,8 +25,8 @@ struct Strided {
 
 // Warp w takes strip w mod strips, and of its samples w / strips, w / strips + stride, ...
 PT_KERNEL(megakernel_regen, pt::cuda::MegakernelRegenParameters<Real>,
-          (Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples, std::uint32_t stride,
-           HitCache cache, Totals* totals, std::uint64_t* ended)) {
+          (const __grid_constant__ Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples,
+           std::uint32_t stride, HitCache cache, Totals* totals, std::uint64_t* ended)) {
     const SceneViews scene(parameter);
     ThreadCounters counters;
     const std::uint32_t pixels = pt::cuda::own_pixels(scene.shade);

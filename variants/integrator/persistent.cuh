@@ -41,8 +41,9 @@ private:
 };
 
 PT_KERNEL(persistent, pt::cuda::PersistentParameters<Real>,
-          (Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples, HitCache cache,
-           Totals* totals, std::uint64_t* ended, std::uint32_t samples_per_piece, std::uint64_t* next_piece)) {
+          (const __grid_constant__ Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples,
+           HitCache cache, Totals* totals, std::uint64_t* ended, std::uint32_t samples_per_piece,
+           std::uint64_t* next_piece)) {
     const SceneViews scene(parameter);
     ThreadCounters counters;
     const std::uint32_t pixels = pt::cuda::own_pixels(scene.shade);

@@ -51,8 +51,9 @@ __device__ inline bool begin_paths(const SceneViews& scene, BlockItems& items, c
 }
 
 PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
-          (Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples, HitCache cache,
-           Totals* totals, std::uint64_t* ended, std::uint32_t samples_per_piece, std::uint64_t* next_piece)) {
+          (const __grid_constant__ Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples,
+           HitCache cache, Totals* totals, std::uint64_t* ended, std::uint32_t samples_per_piece,
+           std::uint64_t* next_piece)) {
     const SceneViews scene(parameter);
     __shared__ PathPool pool;
     __shared__ BlockItems items;

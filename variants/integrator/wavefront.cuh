@@ -11,8 +11,8 @@
 
 // Path i into slot i; with a cursor the first sample is there.
 PT_KERNEL(generate_paths, pt::cuda::GeneratePathsParameters<Real>,
-          (Scene parameter, PathStore store, std::uint32_t* count, std::uint32_t pool, std::uint32_t first_sample,
-           const std::uint32_t* cursor, HitCache cache)) {
+          (const __grid_constant__ Scene parameter, PathStore store, std::uint32_t* count, std::uint32_t pool,
+           std::uint32_t first_sample, const std::uint32_t* cursor, HitCache cache)) {
     const SceneViews scene(parameter);
     const std::uint32_t i = pt::cuda::thread_number();
     if (i == 0) {
@@ -27,9 +27,9 @@ PT_KERNEL(generate_paths, pt::cuda::GeneratePathsParameters<Real>,
 // With `keys`, also writes the sort key of every position below `bound`: ended paths and positions beyond the count
 // have the last one. A thread a position, but with traversal=persistent.
 PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
-          (Scene parameter, PathStore store, const std::uint32_t* order, const std::uint32_t* count,
-           std::uint32_t bound, StoredHit* hits, HitCache cache, SegmentNumber segment, SegmentCounts segments,
-           std::uint32_t* keys, std::uint32_t bits, std::uint32_t chunk, std::uint32_t last_key,
+          (const __grid_constant__ Scene parameter, PathStore store, const std::uint32_t* order,
+           const std::uint32_t* count, std::uint32_t bound, StoredHit* hits, HitCache cache, SegmentNumber segment,
+           SegmentCounts segments, std::uint32_t* keys, std::uint32_t bits, std::uint32_t chunk, std::uint32_t last_key,
            pt::cuda::KeyBounds bounds)) {
     const SceneViews scene(parameter);
     const Paths paths(store);
@@ -88,8 +88,8 @@ PT_KERNEL(write_ray_keys, pt::cuda::WriteRayKeysParameters,
 }
 
 PT_KERNEL(shade_paths, pt::cuda::ShadePathsParameters<Real>,
-          (Scene parameter, FilmView film, PathStore store, const std::uint32_t* order, const std::uint32_t* count,
-           const StoredHit* hits, Totals* totals)) {
+          (const __grid_constant__ Scene parameter, FilmView film, PathStore store, const std::uint32_t* order,
+           const std::uint32_t* count, const StoredHit* hits, Totals* totals)) {
     const SceneViews scene(parameter);
     const Paths paths(store);
     ThreadCounters counters;

@@ -88,8 +88,8 @@ __device__ inline bool bounce(const SceneViews& scene, const FilmView& film, Pat
 
 // The first bounce of path i (path_of_number); with a cursor the first sample is there.
 PT_KERNEL(first_bounce, pt::cuda::FirstBounceParameters<Real>,
-          (Scene parameter, FilmView film, PathStore out, std::uint32_t* out_count, std::uint32_t pool,
-           std::uint32_t first_sample, const std::uint32_t* cursor, HitCache cache, Totals* totals,
+          (const __grid_constant__ Scene parameter, FilmView film, PathStore out, std::uint32_t* out_count,
+           std::uint32_t pool, std::uint32_t first_sample, const std::uint32_t* cursor, HitCache cache, Totals* totals,
            SegmentCounts segments)) {
     const SceneViews scene(parameter);
     ThreadCounters counters;
@@ -115,8 +115,9 @@ PT_KERNEL(first_bounce, pt::cuda::FirstBounceParameters<Real>,
 // One bounce of the paths at order[0..*in_count-1] of `in` (no order: at 0..*in_count-1; where the kernel appends: as
 // located).
 PT_KERNEL(next_bounce, pt::cuda::NextBounceParameters<Real>,
-          (Scene parameter, FilmView film, PathStore in, const std::uint32_t* order, const std::uint32_t* in_count,
-           PathStore out, std::uint32_t* out_count, SegmentNumber segment, Totals* totals, SegmentCounts segments)) {
+          (const __grid_constant__ Scene parameter, FilmView film, PathStore in, const std::uint32_t* order,
+           const std::uint32_t* in_count, PathStore out, std::uint32_t* out_count, SegmentNumber segment,
+           Totals* totals, SegmentCounts segments)) {
     const SceneViews scene(parameter);
     ThreadCounters counters;
     const std::uint32_t i = pt::cuda::thread_number();

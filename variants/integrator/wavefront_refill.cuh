@@ -32,8 +32,8 @@ __device__ inline void refill(const ::Scene& scene, const ::Paths& paths, const 
 }  // namespace pt::cuda
 
 PT_KERNEL(fill_queue, pt::cuda::FillQueueParameters<Real>,
-          (Scene parameter, PathStore store, std::uint32_t* count, std::uint32_t slots, pt::cuda::PathSupply supply,
-           HitCache cache)) {
+          (const __grid_constant__ Scene parameter, PathStore store, std::uint32_t* count, std::uint32_t slots,
+           pt::cuda::PathSupply supply, HitCache cache)) {
     const SceneViews scene(parameter);
     const std::uint32_t i = pt::cuda::thread_number();
     if (i == 0) {
@@ -46,8 +46,8 @@ PT_KERNEL(fill_queue, pt::cuda::FillQueueParameters<Real>,
 }
 
 PT_KERNEL(intersect_queue, pt::cuda::IntersectQueueParameters<Real>,
-          (Scene parameter, PathStore store, const std::uint32_t* order, std::uint32_t slots, StoredHit* hits,
-           std::uint32_t* keys, std::uint32_t bits, std::uint32_t chunk, std::uint32_t last_key,
+          (const __grid_constant__ Scene parameter, PathStore store, const std::uint32_t* order, std::uint32_t slots,
+           StoredHit* hits, std::uint32_t* keys, std::uint32_t bits, std::uint32_t chunk, std::uint32_t last_key,
            pt::cuda::KeyBounds bounds, pt::cuda::PathSupply supply, pt::cuda::ProgressReport report, Totals* totals)) {
     const SceneViews scene(parameter);
     const Paths paths(store);
@@ -82,8 +82,9 @@ PT_KERNEL(intersect_queue, pt::cuda::IntersectQueueParameters<Real>,
 }
 
 PT_KERNEL(shade_and_refill, pt::cuda::ShadeAndRefillParameters<Real>,
-          (Scene parameter, FilmView film, PathStore store, const std::uint32_t* order, const std::uint32_t* count,
-           const StoredHit* hits, pt::cuda::PathSupply supply, HitCache cache, Totals* totals, std::uint64_t* ended)) {
+          (const __grid_constant__ Scene parameter, FilmView film, PathStore store, const std::uint32_t* order,
+           const std::uint32_t* count, const StoredHit* hits, pt::cuda::PathSupply supply, HitCache cache,
+           Totals* totals, std::uint64_t* ended)) {
     const SceneViews scene(parameter);
     const Paths paths(store);
     ThreadCounters counters;
@@ -116,7 +117,8 @@ PT_KERNEL(shade_and_refill, pt::cuda::ShadeAndRefillParameters<Real>,
 }
 
 PT_KERNEL(refill_queue, pt::cuda::RefillQueueParameters<Real>,
-          (Scene parameter, PathStore store, std::uint32_t slots, pt::cuda::PathSupply supply, HitCache cache)) {
+          (const __grid_constant__ Scene parameter, PathStore store, std::uint32_t slots, pt::cuda::PathSupply supply,
+           HitCache cache)) {
     const SceneViews scene(parameter);
     const Paths paths(store);
     const std::uint32_t i = pt::cuda::thread_number();
