@@ -190,4 +190,28 @@ PT_HD constexpr bool has(Feature feature) {
     return contains(Config::features, feature);
 }
 
+// A kernel that renders any scene calls what kernels for one scene have inlined: with a copy at each place it would be
+// 10^5 instructions.
+template <class Config>
+inline constexpr bool has_everything = is_superset(Config::features, all_features);
+
+template <class Function>
+#if defined(__CUDACC__)
+__noinline__
+#endif
+    PT_HD auto
+    call(const Function& function) {
+    return function();
+}
+
+// A function that is asked for at several places: `function`, whose type is the same at each, runs and returns.
+template <class Config, class Function>
+PT_HD inline auto in_one_place(const Function& function) {
+    if constexpr (has_everything<Config>) {
+        return call(function);
+    } else {
+        return function();
+    }
+}
+
 }  // namespace pt

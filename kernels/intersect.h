@@ -533,6 +533,13 @@ PT_HD inline Hit<typename Config::Real> closest_hit(const Scene& scene, const Ra
     return best;
 }
 
+// The same for rays that connect a vertex.
+template <class Config>
+PT_HD inline Hit<typename Config::Real> closest_hit_of_connection(const SceneView<typename Config::Real>& scene,
+                                                                  const Ray<typename Config::Real>& ray) {
+    return in_one_place<Config>([&] { return closest_hit<Config>(scene, ray); });
+}
+
 // The point left where the ray's rounding puts it.
 template <class Config, class Scene>
 PT_HD inline SurfacePoint<typename Config::Real> naive_surface_at(const Scene& scene,

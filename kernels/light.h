@@ -37,7 +37,7 @@ PT_HD inline std::uint32_t connect_to_environment(const SceneView<typename Confi
     }
     const Ray<Real> ray{vertex.position, sample.direction, path.time, SurfaceId::of(vertex.object, vertex.inside),
                         vertex.primitive};
-    if (!closest_hit<Config>(traced, ray).side.exists()) {
+    if (!closest_hit_of_connection<Config>(traced, ray).side.exists()) {
         const Real inverse_pdf = sample.place.inverse_pdf * static_cast<Real>(choices);
         const Real weight = cosine * inverse_pdf * (Real(1) / pi<Real>);
         path.radiance += path.throughput * albedo * sample.place.radiance * weight;
@@ -79,7 +79,7 @@ PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene
         if (!is_on_one_side<Config>(vertex, path.direction, false)) {
             return 0;
         }
-        if (!closest_hit<Config>(traced, ray_of(path)).side.exists()) {
+        if (!closest_hit_of_connection<Config>(traced, ray_of(path)).side.exists()) {
             path.radiance += path.throughput * scene.environment * static_cast<Real>(choices);
         }
         return 1;
@@ -100,7 +100,7 @@ PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene
     }
     const Ray<Real> ray{vertex.position, direction, path.time, SurfaceId::of(vertex.object, vertex.inside),
                         vertex.primitive};
-    const Hit<Real> hit = closest_hit<Config>(traced, ray);
+    const Hit<Real> hit = closest_hit_of_connection<Config>(traced, ray);
     if (hit.side.exists() && hit.side.object() == object && hit.side.inside() == (light_cosine > Real(0)) &&
         is_of_primitive<Config>(hit, light.primitive)) {
         // The square of the distance is divided out in two steps: 1 / distance^2 alone may overflow.

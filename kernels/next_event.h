@@ -88,13 +88,15 @@ PT_HD inline typename Config::Real inverse_direction_pdf_to(const SceneView<type
                                                             const Ray<typename Config::Real>& ray) {
     using Real = typename Config::Real;
     const std::uint32_t object = has_one_light<Config>() ? scene.lights[0].object : hit.side.object();
-    const Vec3<Real> observer = at_rest<Config>(scene, object, ray.origin, ray.time);
-    Real inverse_pdf = Real(0);
-    visit_shape<Config>(scene, object, [&](const auto& shape) {
-        inverse_pdf =
-            inverse_direction_pdf_in<Config>(scene, primitive_of(shape, hit.primitive), observer, ray.direction, hit.t);
+    return in_one_place<Config>([&] {
+        const Vec3<Real> observer = at_rest<Config>(scene, object, ray.origin, ray.time);
+        Real inverse_pdf = Real(0);
+        visit_shape<Config>(scene, object, [&](const auto& shape) {
+            inverse_pdf = inverse_direction_pdf_in<Config>(scene, primitive_of(shape, hit.primitive), observer,
+                                                           ray.direction, hit.t);
+        });
+        return inverse_pdf;
     });
-    return inverse_pdf;
 }
 
 // The share of light that a scattered direction met, and 1 less it: of `ratio` = r. Up to 2^60, whose square is finite
@@ -217,22 +219,24 @@ PT_HD inline Hit<typename Config::Real> hit_of_light(const SceneView<typename Co
                                                      std::uint32_t object, const Ray<typename Config::Real>& ray,
                                                      typename Config::Real distance) {
     using Real = typename Config::Real;
-    bool knows_point = false;
-    if constexpr (has_lines_of_sight<Config> && (Config::features & light_samplings) != 0) {
-        knows_point = distance > Real(0);
-        if (knows_point) {
-            const Sight sight = line_of_sight<Config>(scene, object, ray, distance);
-            if (sight != Sight::unsure) {
-                return {distance, sight == Sight::clear ? SurfaceId::of(object, false) : SurfaceId{}};
+    return in_one_place<Config>([&]() -> Hit<Real> {
+        bool knows_point = false;
+        if constexpr (has_lines_of_sight<Config> && (Config::features & light_samplings) != 0) {
+            knows_point = distance > Real(0);
+            if (knows_point) {
+                const Sight sight = line_of_sight<Config>(scene, object, ray, distance);
+                if (sight != Sight::unsure) {
+                    return {distance, sight == Sight::clear ? SurfaceId::of(object, false) : SurfaceId{}};
+                }
             }
         }
-    }
-    Hit<Real> hit = closest_hit<Config>(scene, ray);
-    if (hit.side.exists() && hit.side.object() != object) {
-        hit.side = {};
-    }
-    hit.t = knows_point ? distance : hit.t;
-    return hit;
+        Hit<Real> hit = closest_hit_of_connection<Config>(scene, ray);
+        if (hit.side.exists() && hit.side.object() != object) {
+            hit.side = {};
+        }
+        hit.t = knows_point ? distance : hit.t;
+        return hit;
+    });
 }
 
 // As connect_next_event, to the environment: seen where the ray leaves the scene.
@@ -259,7 +263,7 @@ PT_HD inline std::uint32_t connect_environment(const SceneView<typename Config::
     }
     const Ray<Real> ray{vertex.position, sample.direction, path.time,
                         SurfaceId::of(vertex.object, vertex.inside != passes), vertex.primitive};
-    if (closest_hit<Config>(traced, ray).side.exists()) {
+    if (closest_hit_of_connection<Config>(traced, ray).side.exists()) {
         return 1;
     }
     const LobeValue<Real> value = lobe.towards(sample.direction, cosine);
@@ -273,6 +277,37 @@ PT_HD inline std::uint32_t connect_environment(const SceneView<typename Config::
     }
     path.radiance += path.throughput * value.weight * sample.place.radiance * weight;
     return 1;
+}
+
+// A light, and a direction towards it.
+template <class Real>
+struct LightDraw {
+    LightPick<Real> pick;
+    std::uint32_t object;
+    DirectionSample<Real> sample;
+};
+
+// `two_sided`: to what is behind the vertex too. `traced`: the same scene, as rays walk through it.
+template <class Config>
+PT_HD inline LightDraw<typename Config::Real> draw_light(const SceneView<typename Config::Real>& scene,
+                                                         const SceneView<typename Config::Real>& traced,
+                                                         const VertexOf<Config>& vertex, typename Config::Real time,
+                                                         bool two_sided, const RandomWords& words) {
+    using Real = typename Config::Real;
+    return in_one_place<Config>([&]() -> LightDraw<Real> {
+        LightPick<Real> pick = pick_light<Config>(scene, vertex, two_sided, words);
+        if constexpr (has<Config>(Feature::environment_map)) {
+            if (scene.environment_map != nullptr) {
+                pick.inverse_probability *= scene.environment_map->inverse_object_probability;
+                pick.inverse_weighing *= scene.environment_map->inverse_object_probability;
+            }
+        }
+        const std::uint32_t object = scene.lights[pick.light].object;
+        const SceneView<Real>& read = has_one_light<Config>() ? traced : scene;
+        return {pick, object,
+                sample_direction_to<Config>(read, object, vertex.position, time, unit_interval<Real>(words.y),
+                                            unit_interval<Real>(words.z), unit_interval<Real>(words.w))};
+    });
 }
 
 // Adds to path.radiance the light of one direction towards one light, seen by way of a lobe of the vertex.
@@ -293,18 +328,7 @@ PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::R
             return connect_environment<Config>(scene, traced, path, vertex, lobe, words);
         }
     }
-    LightPick<Real> pick = pick_light<Config>(scene, vertex, Lobe::transmits, words);
-    if constexpr (has<Config>(Feature::environment_map)) {
-        if (scene.environment_map != nullptr) {
-            pick.inverse_probability *= scene.environment_map->inverse_object_probability;
-            pick.inverse_weighing *= scene.environment_map->inverse_object_probability;
-        }
-    }
-    const std::uint32_t object = scene.lights[pick.light].object;
-    const SceneView<Real>& read = has_one_light<Config>() ? traced : scene;
-    const DirectionSample<Real> sample =
-        sample_direction_to<Config>(read, object, vertex.position, path.time, unit_interval<Real>(words.y),
-                                    unit_interval<Real>(words.z), unit_interval<Real>(words.w));
+    const auto [pick, object, sample] = draw_light<Config>(scene, traced, vertex, path.time, Lobe::transmits, words);
     const Real cosine = vertex.dot_normal(sample.direction);
     const bool passes = Lobe::transmits && cosine < Real(0);
     if (!(sample.inverse_pdf > Real(0)) || !(cosine > Real(0) || passes)) {
