@@ -208,7 +208,7 @@ struct SharedSceneViews {
 
 private:
     __device__ static const Scene& traced(const Scene& scene) {
-        __shared__ alignas(16) unsigned char memory[sizeof(Scene)];
+        alignas(16) __shared__ unsigned char memory[sizeof(Scene)];
         Scene& placed = *reinterpret_cast<Scene*>(memory);
         if (threadIdx.x == 0) {
             placed = scene;
