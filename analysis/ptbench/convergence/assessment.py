@@ -26,6 +26,8 @@ from ptbench.stats.estimates import Estimate, median_estimate, telling_digits
 from ptbench.stats.intervals import half_width, holm, standard_error, stands_apart
 
 CONVERGES, PLATEAU, NOISE_LIMITED, INVALID = "converges", "plateau", "noise-limited", "invalid"
+# What the name of a cell ends with whose image was looked at after 1, 2, 4, .. samples.
+CHECKPOINTS = "/checkpoints:octaves"
 NO_VERDICT = "no verdict"
 FAMILY_LEVEL = 0.01
 LEAST_SEEDS = 8
@@ -83,6 +85,7 @@ class Assessment:
     bias2_family: tuple[float, float] | None = None  # the interval that the verdict rests on
     ms_per_spp: dict[str, Estimate] = field(default_factory=dict)  # by clock
     doubts: tuple[str, ...] = ()
+    ms_alone: np.ndarray | None = None  # per spp, of the same render without checkpoints, as many as seeds
 
     @property
     def cell(self) -> Cell:
@@ -241,9 +244,13 @@ def _assess(result: Result) -> dict[str, Assessment]:
     own = [name for name in fits if _origin(result, name, fits) == name]
     tested = [name for name in own if fits[name].slope is not None]
     rejected = dict(zip(tested, holm([fits[name].slope.p for name in tested], FAMILY_LEVEL), strict=True))
+    alone = {cell.name: cell.ms_per_spp for cell in result.cells if cell.convergence is None and cell.measured}
     assessed = {}
     for curve in curves:
         name = curve.cell.name
+        ms_alone = alone.get(name.removesuffix(CHECKPOINTS))
+        if ms_alone is not None and len(ms_alone) != curve.count:
+            ms_alone = None
         times = {clock: median_estimate(ms[:, -1] / curve.spp[-1]) for clock, ms in curve.times.items() if len(ms)}
         if name in unfit:
             assessed[name] = Assessment(curve, unfit[name], ms_per_spp=times)
@@ -254,7 +261,7 @@ def _assess(result: Result) -> dict[str, Assessment]:
             slope = replace(slope, rejected=True)
             fit = replace(fit, slope=slope)
         verdict, family = _verdict(curve, fit, slope, len(own))
-        assessed[name] = Assessment(curve, verdict, fit, family, times, _doubts(curve, fit, slope))
+        assessed[name] = Assessment(curve, verdict, fit, family, times, _doubts(curve, fit, slope), ms_alone)
     return assessed
 
 

@@ -11,14 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ptbench.convergence.assessment import PLATEAU, Assessment
+from ptbench.convergence.assessment import CHECKPOINTS, PLATEAU, Assessment
 from ptbench.io.cells import Cell, Result
 from ptbench.numbers import figures, interval
 from ptbench.stats.estimates import SEED, THRESHOLD, Estimate, interval_of_ratio, ratio_estimate, telling_digits
 from ptbench.stats.intervals import bootstrap_interval, resampled
 from ptbench.studies.questions import usual_baseline
 
-_SUFFIX = "/checkpoints:octaves"
 COMPANION = "_without_checkpoints"
 # What decides the error curve; the other axes shift it in time.
 _ESTIMATOR_AXES = ("first_bounce", "direct_light", "russian_roulette", "sampler", "precision")
@@ -29,7 +28,8 @@ _MOST_OF_PLATEAU = 0.5
 
 EFFICIENCY_RULE = (
     "Work-normalised variance: σ² times render wall time per spp; of samples that are not independent, N times MSE(N) "
-    "at the last checkpoint instead of σ². Efficiency: the baseline's over the cell's; a plateau is not in it. "
+    "at the last checkpoint instead of σ². Efficiency: the baseline's over the cell's, by the times of the same "
+    "renders without checkpoints where both ran so; a plateau is not in it. "
     "Intervals: "
     "95 %, bootstrap over seeds with expanded percentiles, errors and times of a seed drawn together, seeds that both "
     "cells ran drawn for both. Time to an error: where the fitted curve, with its plateau, meets it, at the cell's own "
@@ -151,9 +151,12 @@ def _variance_of_seeds(assessment: Assessment) -> np.ndarray:
     return assessment.fit.sigma2_of_seeds if curve.independent else curve.mse[:, -1] * curve.spp[-1]
 
 
-def _drawn_work(assessment: Assessment, drawn: np.ndarray) -> np.ndarray:
-    variance = _variance_of_seeds(assessment)[drawn].mean(axis=1)
-    return variance * np.median(assessment.curve.ms_per_spp[drawn], axis=1)
+def _drawn_work(assessment: Assessment, ms: np.ndarray, drawn: np.ndarray) -> np.ndarray:
+    return _variance_of_seeds(assessment)[drawn].mean(axis=1) * np.median(ms[drawn], axis=1)
+
+
+def _work(assessment: Assessment, ms: np.ndarray) -> float:
+    return float(_variance_of_seeds(assessment).mean() * np.median(ms))
 
 
 def _has_noise_apart(one: Assessment) -> bool:
@@ -165,17 +168,21 @@ def compare(assessment: Assessment, baseline: Assessment | None) -> Compared | N
     """None where there is no fit, or no noise that more time would take away or that is told apart from a plateau."""
     if not _has_noise_apart(assessment) or (baseline is not None and not _has_noise_apart(baseline)):
         return None
+    # A render in parts leaves a GPU without work at the end of each: a small image takes times as long.
+    alone = assessment.ms_alone is not None and (baseline is None or baseline.ms_alone is not None)
+    ms = assessment.ms_alone if alone else assessment.curve.ms_per_spp
     count = assessment.curve.count
     drawn = resampled(count)
-    own = _drawn_work(assessment, drawn)
-    value = float(_variance_of_seeds(assessment).mean() * np.median(assessment.curve.ms_per_spp))
+    own = _drawn_work(assessment, ms, drawn)
+    value = _work(assessment, ms)
     work = bootstrap_interval(value, own, count)
     if baseline is None or baseline is assessment:
         return Compared(work, None)
     paired = baseline.curve.seeds == assessment.curve.seeds
     others = baseline.curve.count
-    theirs = _drawn_work(baseline, drawn if paired else resampled(others, np.random.default_rng(SEED + 1)))
-    ratio = float(_variance_of_seeds(baseline).mean() * np.median(baseline.curve.ms_per_spp)) / value
+    base_ms = baseline.ms_alone if alone else baseline.curve.ms_per_spp
+    theirs = _drawn_work(baseline, base_ms, drawn if paired else resampled(others, np.random.default_rng(SEED + 1)))
+    ratio = _work(baseline, base_ms) / value
     return Compared(work, bootstrap_interval(ratio, theirs / own, min(count, others)))
 
 
@@ -287,7 +294,7 @@ def checkpoint_costs(result: Result, assessed: Sequence[Assessment]) -> list[Che
     plain = {cell.name: cell for cell in result.cells if cell.convergence is None and cell.measured}
     costs = []
     for assessment in assessed:
-        companion = plain.get(assessment.cell.name.removesuffix(_SUFFIX))
+        companion = plain.get(assessment.cell.name.removesuffix(CHECKPOINTS))
         if companion is not None and assessment.curve.count:
             ratio = ratio_estimate(assessment.curve.ms_per_spp, companion.ms_per_spp)
             costs.append(CheckpointCost(assessment.cell, ratio))

@@ -205,6 +205,13 @@ class Source:
         one = self.assessment(selection)
         return Quantity(one.ms_per_spp["wall_ms"], one.cell.name)
 
+    def wall_alone(self, selection: str) -> Quantity:
+        """The same of the companion cell, without checkpoints."""
+        one = self.assessment(selection)
+        if one.ms_alone is None:
+            raise FindingError(f"{self.result.path}: not run without checkpoints: {selection}")
+        return Quantity(median_estimate(one.ms_alone), one.cell.name)
+
     def verdicts(self) -> Counter:
         """How many cells of the studies of error converge, have a plateau, ..., by the first words of the verdict."""
         return Counter(one.verdict.word for one in assess(self.result).values())
