@@ -190,10 +190,7 @@ PT_HD constexpr bool has(Feature feature) {
     return contains(Config::features, feature);
 }
 
-// A kernel that renders any scene calls what kernels for one scene have inlined: with a copy at each place it would be
-// 10^5 instructions.
-template <class Config>
-inline constexpr bool has_everything = is_superset(Config::features, all_features);
+PT_HD constexpr bool has_everything(FeatureSet features) { return is_superset(features, all_features); }
 
 template <class Function>
 #if defined(__CUDACC__)
@@ -204,10 +201,11 @@ __noinline__
     return function();
 }
 
-// A function that is asked for at several places: `function`, whose type is the same at each, runs and returns.
+// Runs `function`. A kernel with everything calls it, so that all places share one body, for which the lambda must
+// stand in a function that is the same for all of them: with a copy at each place it would be 10^5 instructions.
 template <class Config, class Function>
 PT_HD inline auto in_one_place(const Function& function) {
-    if constexpr (has_everything<Config>) {
+    if constexpr (has_everything(Config::features)) {
         return call(function);
     } else {
         return function();

@@ -533,7 +533,7 @@ PT_HD inline Hit<typename Config::Real> closest_hit(const Scene& scene, const Ra
     return best;
 }
 
-// The same for rays that connect a vertex.
+// The same for rays that connect a vertex, for which many lobes ask.
 template <class Config>
 PT_HD inline Hit<typename Config::Real> closest_hit_of_connection(const SceneView<typename Config::Real>& scene,
                                                                   const Ray<typename Config::Real>& ray) {

@@ -22,7 +22,7 @@ PT_HD constexpr bool is_last(ShapeKind kind, FeatureSet features) {
 template <class Config, class Shapes>
 PT_HD inline decltype(auto) shape_in(const Shapes& shapes, std::uint32_t i) {
 #if defined(__CUDA_ARCH__)
-    if constexpr (!is_superset(Config::features, all_features)) {
+    if constexpr (!has_everything(Config::features)) {
         return shapes[shapes.size == 1 ? 0 : i];
     }
 #endif

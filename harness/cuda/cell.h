@@ -33,6 +33,8 @@ public:
     // the device, ms.
     double run_pieces(
         const std::function<std::optional<SampleRange>()>& next, const std::function<void()>& enqueue_more = [] {});
+    // Whether the pieces have been rendered, once they are all enqueued.
+    bool has_rendered() const { return is_ready(cudaEventQuery(end_.get())); }
     // Reads film and counters back.
     void collect(RenderResult& result);
     // All but the film.

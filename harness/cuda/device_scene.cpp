@@ -88,7 +88,7 @@ std::string scene_place(const SceneView<Real>& scene, FeatureSet features, bool 
 template <class Real>
 void fix_counts(const SceneView<Real>& scene, KernelConfig& config) {
     // A kernel with everything is compiled once, for any scene.
-    if ((config.features & all_features) == all_features) {
+    if (has_everything(config.features)) {
         return;
     }
     config.has_fixed_counts = true;

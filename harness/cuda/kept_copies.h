@@ -28,8 +28,8 @@ public:
     std::shared_ptr<const Copy> make(const Host& host) {
         const auto copy = std::make_shared<const Copy>(host);
         entries_.push_front({Copy::key_of(host), copy});
-        by_key_.emplace(entries_.front().key, entries_.begin());
         bytes_ += copy->bytes();
+        by_key_[entries_.front().key] = entries_.begin();
         return copy;
     }
     void drop_oldest() {

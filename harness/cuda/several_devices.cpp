@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <exception>
+#include <optional>
 #include <thread>
 
 #include "harness/cuda/accounting.h"
@@ -27,7 +28,8 @@ double milliseconds_between(SteadyClock::time_point begin, SteadyClock::time_poi
 // long as a short render.
 class DeviceThreads {
 public:
-    // `work(device)` may throw: what the first of them threw is thrown here, after all have ended.
+    // `work(device)` makes its device current, and may throw: what the first of them threw is thrown here, after all
+    // have ended.
     template <class Work>
     static SteadyClock::time_point run(std::uint32_t devices, const Work& work) {
         std::atomic<std::uint32_t> ready{0}, done{0};
@@ -35,7 +37,6 @@ public:
         std::vector<std::exception_ptr> failures(devices);
         const auto guarded = [&](std::uint32_t device) {
             try {
-                PT_CUDA_CHECK(cudaSetDevice(static_cast<int>(device)));
                 work(device);
             } catch (...) {
                 failures[device] = std::current_exception();
@@ -44,7 +45,6 @@ public:
         std::vector<std::jthread> threads;
         for (std::uint32_t device = 1; device < devices; ++device) {
             threads.emplace_back([&, device] {
-                (void)cudaSetDevice(static_cast<int>(device));
                 ready += 1;
                 while (!is_started) {
                     std::this_thread::yield();
@@ -70,6 +70,24 @@ public:
         }
         return start;
     }
+};
+
+// Opens when all threads have come or have given up.
+class Gate {
+public:
+    explicit Gate(std::uint32_t threads) : missing_(threads) {}
+    void come() { missing_ -= 1; }
+    void give_up() {
+        is_given_up_ = true;
+        missing_ -= 1;
+    }
+    bool is_open() const { return missing_ == 0; }
+    // Once it is open: whether all have come.
+    bool have_all_come() const { return !is_given_up_; }
+
+private:
+    std::atomic<std::uint32_t> missing_;
+    std::atomic<bool> is_given_up_{false};
 };
 
 template <class Real>
@@ -109,20 +127,14 @@ public:
 
     // Once: a device learns for all of them.
     void add_learning(RenderResult& result) const { cells_[0]->add_learning(result); }
-    // Adds to the times of `result`. A device's part in the sum is enqueued behind its last piece, while that is
-    // rendered: launching the sum when all have ended took longer than the sum.
+    // Adds to the times of `result`.
     void run(const SampleRange& samples, RenderResult& result) {
         const auto devices = static_cast<std::uint32_t>(cells_.size());
         SampleSource source(traits_.partition, devices, samples);
         std::vector<double> device_ms(devices);
         std::vector<SteadyClock::time_point> ends(devices);
         const double cpu_start = process_cpu_ms();
-        const SteadyClock::time_point start = run_threads([&](std::uint32_t device) {
-            device_ms[device] =
-                cells_[device]->run_pieces([&] { return source.next(device); }, [&] { enqueue_sum(device); });
-            ends[device] = SteadyClock::now();
-        });
-        PT_CUDA_CHECK(cudaStreamSynchronize(stream_of(0)));
+        const SteadyClock::time_point start = render_and_sum(source, device_ms, ends);
         const SteadyClock::time_point end = SteadyClock::now();
         const SteadyClock::time_point last = *std::max_element(ends.begin(), ends.end());
         DeviceFacts& facts = result.devices;
@@ -166,34 +178,85 @@ public:
 private:
     cudaStream_t stream_of(std::size_t device) const { return cells_[device]->job().stream; }
 
-    // The devices that have ended their work may wait for the part of one that failed.
-    template <class Work>
-    SteadyClock::time_point run_threads(const Work& work) {
+    // Returns when the first device has the sum; the time at which the threads started. Launched when all have ended,
+    // the sum would wait longer for its launch than it takes, so each device has its part behind its last piece. But
+    // not before all have asked for their last piece: a device whose part has begun waits for the others, and what they
+    // ask for may wait for all devices.
+    SteadyClock::time_point render_and_sum(SampleSource& source, std::vector<double>& device_ms,
+                                           std::vector<SteadyClock::time_point>& ends) {
+        const auto devices = static_cast<std::uint32_t>(cells_.size());
+        Gate gate(devices);
+        const auto work = [&](std::uint32_t device) {
+            bool has_come = false;
+            std::optional<SteadyClock::time_point> end;
+            const auto enqueue_sum_behind = [&] {
+                has_come = true;
+                gate.come();
+                while (!gate.is_open()) {
+                    if (!end && cells_[device]->has_rendered()) {
+                        end = SteadyClock::now();
+                    }
+                    std::this_thread::yield();
+                }
+                if (gate.have_all_come()) {
+                    enqueue_sum(device);
+                }
+            };
+            try {
+                PT_CUDA_CHECK(cudaSetDevice(static_cast<int>(device)));
+                device_ms[device] = cells_[device]->run_pieces([&] { return source.next(device); }, enqueue_sum_behind);
+            } catch (...) {
+                if (!has_come) {
+                    gate.give_up();
+                }
+                throw;
+            }
+            ends[device] = end.value_or(SteadyClock::now());
+        };
         try {
-            return DeviceThreads::run(static_cast<std::uint32_t>(cells_.size()), work);
+            const SteadyClock::time_point start = DeviceThreads::run(devices, work);
+            wait_for_sum();
+            return start;
         } catch (...) {
-            disconnect_devices();
+            disconnect_devices();  // others may wait for the part of a device that failed
             throw;
         }
     }
 
-    // Connects the devices and takes the reduction's memory. A first sum, of films that are still nought, loads what
-    // NCCL loads at first use.
+    // As cudaStreamSynchronize of the first device, which would not see that another one failed.
+    void wait_for_sum() {
+        while (!is_done(0)) {
+            for (std::size_t device = 1; device < cells_.size(); ++device) {
+                (void)is_done(device);
+            }
+            std::this_thread::yield();
+        }
+    }
+
+    bool is_done(std::size_t device) const { return is_ready(cudaStreamQuery(stream_of(device))); }
+
+    // Connects the devices and takes the reduction's memory; the films are still nought, and so is their sum.
     void connect() {
-        connect_devices(cells_.size());
         memory_ = std::make_unique<Arena>(film_words_ * sizeof(std::int64_t));
         sum_ = memory_->take<std::int64_t>(film_words_);
         clear(sum_, film_words_ * sizeof(std::int64_t), stream_of(0));
-        run_threads([&](std::uint32_t device) { enqueue_sum(device); });
+        std::vector<Addend> addends;
+        for (std::size_t device = 0; device < cells_.size(); ++device) {
+            addends.push_back(addend_of(device));
+        }
+        connect_devices(addends, sum_, film_words_);
         for (std::size_t device = 0; device < cells_.size(); ++device) {
             PT_CUDA_CHECK(cudaStreamSynchronize(stream_of(device)));
         }
     }
 
-    void enqueue_sum(std::uint32_t device) {
+    Addend addend_of(std::size_t device) const {
+        return {device, cells_.size(), stream_of(device), cells_[device]->job().film.sums};
+    }
+
+    void enqueue_sum(std::size_t device) {
         if (cells_.size() > 1) {
-            add_to_first({device, cells_.size(), stream_of(device), cells_[device]->job().film.sums}, sum_,
-                         film_words_);
+            add_to_first(addend_of(device), sum_, film_words_);
         }
     }
 

@@ -236,6 +236,20 @@ def test_checkpoints_are_held_against_the_same_render_without(tmp_path, with_che
     assert cost.ratio.value == pytest.approx(with_checkpoints / 2, rel=0.02)
 
 
+@pytest.mark.parametrize(("companions", "efficiency"), [(("off", "nee"), 10), (("nee",), 5), ((), 5)])
+def test_efficiency_is_by_times_without_checkpoints_where_both_ran_so(tmp_path, companions, efficiency):
+    """Ten times less noise; with checkpoints twice the time, without them the same."""
+    builder = convergence_study(on_gpu()).study("cornell_without_checkpoints", "")
+    for name, axes, sigma2, ms in (("off", {}, 0.5, 2.0), ("nee", NEE, 0.05, 4.0)):
+        law = exact(sigma2=sigma2)
+        cell = convergence_cell(builder, law, axes=axes, ms_per_spp=ms, time_noise=0.0)
+        if name in companions:
+            size = {"spp": SPPS[-1], "resolution": cell["resolution"]}
+            builder.cell("cornell_without_checkpoints", axes=axes, ms_per_spp=1.0, n=8, noise=0.0, **size)
+    _, (off, nee) = group_of(builder, tmp_path)
+    assert compare(nee, off).efficiency.value == pytest.approx(efficiency)
+
+
 def test_a_variant_without_noise_has_a_plateau_and_no_efficiency(tmp_path):
     # One frozen camera ray a pixel: more samples change nothing but the last bits.
     plain, frozen = pair(tmp_path, exact(sigma2=0.5), exact(sigma2=1e-15, bias2=4e-4), biases=["frozen"])

@@ -31,3 +31,17 @@ inline void check(cudaError_t code, const char* expression, const char* file, in
 }  // namespace pt::cuda
 
 #define PT_CUDA_CHECK(expression) ::pt::cuda::check((expression), #expression, __FILE__, __LINE__)
+
+namespace pt::cuda {
+
+// What cudaStreamQuery or cudaEventQuery found: whether the work is done.
+inline bool is_ready(cudaError_t found) {
+    if (found == cudaErrorNotReady) {
+        (void)cudaGetLastError();  // no error, but kept as one
+        return false;
+    }
+    PT_CUDA_CHECK(found);
+    return true;
+}
+
+}  // namespace pt::cuda

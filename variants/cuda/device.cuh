@@ -199,7 +199,8 @@ private:
 };
 
 // A kernel with everything is more than the compiler inlines, and each thread would write its copies to local memory
-// for the functions that are called. So it reads the parameter where it is, and a block has one other view.
+// for the functions that are called. So it reads the parameter where it is, and each block keeps one copy, for tracing,
+// in shared memory: as bytes, for what is shared has no constructor.
 struct SharedSceneViews {
     const Scene &shade, &trace;
 
@@ -208,7 +209,7 @@ struct SharedSceneViews {
 
 private:
     __device__ static const Scene& traced(const Scene& scene) {
-        alignas(16) __shared__ unsigned char memory[sizeof(Scene)];
+        alignas(Scene) __shared__ unsigned char memory[sizeof(Scene)];
         Scene& placed = *reinterpret_cast<Scene*>(memory);
         if (threadIdx.x == 0) {
             placed = scene;
@@ -219,8 +220,10 @@ private:
     }
 };
 
-using SceneViews =
-    std::conditional_t<kernel_config.has_fixed_counts || pt::cuda::bakes_scene, OwnSceneViews, SharedSceneViews>;
+inline constexpr bool shares_scene = !kernel_config.has_fixed_counts && !pt::cuda::bakes_scene;
+using SceneViews = std::conditional_t<shares_scene, SharedSceneViews, OwnSceneViews>;
+// Of a block's shared memory.
+inline constexpr std::size_t scene_bytes_shared = shares_scene ? sizeof(Scene) : 0;
 
 // What a path between two bounces has to remember in this variant.
 inline constexpr pt::PathFields carried_fields = pt::PathFields::of(Configuration::features);

@@ -33,6 +33,8 @@ struct NcclLibrary {
     NcclResult (*version)(int*) = nullptr;
     NcclResult (*make_all)(NcclCommunicator**, int, const int*) = nullptr;
     NcclResult (*abort)(NcclCommunicator*) = nullptr;
+    NcclResult (*group_start)() = nullptr;
+    NcclResult (*group_end)() = nullptr;
     NcclResult (*reduce)(const void*, void*, std::size_t, int, int, int, NcclCommunicator*, cudaStream_t) = nullptr;
     const char* (*error_text)(NcclResult) = nullptr;
     std::string missing;
@@ -67,6 +69,8 @@ NcclLibrary load_nccl() {
     resolve("ncclGetVersion", library.version);
     resolve("ncclCommInitAll", library.make_all);
     resolve("ncclCommAbort", library.abort);
+    resolve("ncclGroupStart", library.group_start);
+    resolve("ncclGroupEnd", library.group_end);
     resolve("ncclReduce", library.reduce);
     resolve("ncclGetErrorString", library.error_text);
     return library;
@@ -89,6 +93,14 @@ std::map<std::size_t, std::vector<NcclCommunicator*>>& connections() {
     return made;
 }
 
+// Of other devices than the first nobody reads what they receive.
+NcclResult enqueue(const Addend& addend, std::int64_t* sum, std::size_t count) {
+    const OnDevice on(static_cast<int>(addend.device));
+    NcclCommunicator* const own = connections().at(addend.devices).at(addend.device);
+    return nccl().reduce(addend.values, addend.device == 0 ? sum : nullptr, count, nccl_int64, nccl_sum, 0, own,
+                         addend.stream);
+}
+
 }  // namespace
 
 std::string nccl_missing() { return nccl().missing; }
@@ -102,25 +114,29 @@ std::string nccl_version() {
            std::to_string(version % 100);
 }
 
-void connect_devices(std::size_t devices) {
-    std::vector<NcclCommunicator*>& all = connections()[devices];
-    if (!all.empty()) {
-        return;
+void connect_devices(const std::vector<Addend>& addends, std::int64_t* sum, std::size_t count) {
+    std::vector<NcclCommunicator*>& all = connections()[addends.size()];
+    if (all.empty()) {
+        std::vector<int> numbers(addends.size());
+        std::iota(numbers.begin(), numbers.end(), 0);
+        std::vector<NcclCommunicator*> fresh(addends.size());
+        const OnDevice first(0);
+        check_nccl(nccl().make_all(fresh.data(), static_cast<int>(fresh.size()), numbers.data()), "ncclCommInitAll");
+        all = std::move(fresh);
     }
-    std::vector<int> numbers(devices);
-    std::iota(numbers.begin(), numbers.end(), 0);
-    std::vector<NcclCommunicator*> fresh(devices);
-    const OnDevice first(0);
-    check_nccl(nccl().make_all(fresh.data(), static_cast<int>(devices), numbers.data()), "ncclCommInitAll");
-    all = std::move(fresh);
+    // As a group one thread may enqueue all parts.
+    check_nccl(nccl().group_start(), "ncclGroupStart");
+    NcclResult failed = nccl_success;
+    for (std::size_t i = 0; i < addends.size() && failed == nccl_success; ++i) {
+        failed = enqueue(addends[i], sum, count);
+    }
+    const NcclResult ended = nccl().group_end();
+    check_nccl(failed, "ncclReduce");
+    check_nccl(ended, "ncclGroupEnd");
 }
 
 void add_to_first(const Addend& addend, std::int64_t* sum, std::size_t count) {
-    const OnDevice on(static_cast<int>(addend.device));
-    NcclCommunicator* const own = connections().at(addend.devices).at(addend.device);
-    check_nccl(nccl().reduce(addend.values, addend.device == 0 ? sum : nullptr, count, nccl_int64, nccl_sum, 0, own,
-                             addend.stream),
-               "ncclReduce");
+    check_nccl(enqueue(addend, sum, count), "ncclReduce");
 }
 
 void disconnect_devices() {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "variants/cuda/check.h"
 
@@ -14,10 +15,6 @@ std::string nccl_missing();
 // "2.28.3"; empty where it is missing.
 std::string nccl_version();
 
-// Connects the devices 0, 1, .. `devices` - 1, which takes seconds at the first call for a number of them. From one
-// thread, before `add_to_first`.
-void connect_devices(std::size_t devices);
-
 // One of several devices that are connected, with what it adds.
 struct Addend {
     std::size_t device = 0, devices = 0;
@@ -25,9 +22,13 @@ struct Addend {
     const std::int64_t* values = nullptr;
 };
 
-// Enqueues this device's part in the sum of all devices' values, into `sum` in memory of the first one; of the others
-// nobody reads it. The stream goes on when the device has done its part, and so does a thread: each device's part is
-// enqueued by its own thread, or two calls in a row from one may wait for each other for ever.
+// Connects the devices 0, 1, .., one an addend, which takes seconds the first time, and enqueues a first sum of their
+// values, which loads what NCCL loads at first use. From one thread, before `add_to_first`.
+void connect_devices(const std::vector<Addend>& addends, std::int64_t* sum, std::size_t count);
+
+// Enqueues this device's part in the sum of all devices' values, into `sum` in memory of the first one. The call may
+// wait until every device's part is enqueued, so each device has a thread of its own. A device whose part has begun
+// waits for the others: none of them may do until then what waits for all devices, as allocating memory may.
 void add_to_first(const Addend& addend, std::int64_t* sum, std::size_t count);
 
 // Ends all sums that were enqueued, whether or not every device takes part, and the connections with them: without it,

@@ -30,7 +30,7 @@ struct PoolSize {
     // As many as wanted, in whole warps, as far as a block's shared memory holds them: 48 KiB without asking for more.
     __device__ static constexpr std::uint32_t slots() {
         std::uint32_t fit = (wanted + warp_size - 1) / warp_size * warp_size;
-        while (16 * PackedPath::columns * fit + 2 * Kinds::lists * ring(fit) > 49152 - 512) {
+        while (16 * PackedPath::columns * fit + 2 * Kinds::lists * ring(fit) > 49152 - 512 - scene_bytes_shared) {
             fit -= warp_size;
         }
         return fit;

@@ -28,9 +28,9 @@ struct Round {
 // Of the 48 KiB of shared memory that a block has without asking for more: less what a traversal's stacks take and what
 // a kernel adds up in.
 #ifdef PT_STACK_BYTES
-inline constexpr std::size_t most_waiting_bytes = 47 * 1024 - PT_STACK_BYTES;
+inline constexpr std::size_t most_waiting_bytes = 47 * 1024 - PT_STACK_BYTES - scene_bytes_shared;
 #else
-inline constexpr std::size_t most_waiting_bytes = 47 * 1024;
+inline constexpr std::size_t most_waiting_bytes = 47 * 1024 - scene_bytes_shared;
 #endif
 
 // Traces what `rounds` gives: rounds.take(Round&, counters) says what comes next, or false once there is no more. Every
