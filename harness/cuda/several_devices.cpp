@@ -45,6 +45,7 @@ public:
         std::vector<std::jthread> threads;
         for (std::uint32_t device = 1; device < devices; ++device) {
             threads.emplace_back([&, device] {
+                (void)cudaSetDevice(static_cast<int>(device));  // takes its time before the clock starts
                 ready += 1;
                 while (!is_started) {
                     std::this_thread::yield();

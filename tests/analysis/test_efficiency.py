@@ -230,8 +230,8 @@ def test_checkpoints_are_held_against_the_same_render_without(tmp_path, with_che
     builder.cell(
         "cornell_without_checkpoints", ms_per_spp=2.0, n=8, spp=SPPS[-1], noise=noise, resolution=cell["resolution"]
     )
-    result, group = group_of(builder, tmp_path)
-    (cost,) = checkpoint_costs(result, group)
+    _, group = group_of(builder, tmp_path)
+    (cost,) = checkpoint_costs(group)
     assert cost.word == word
     assert cost.ratio.value == pytest.approx(with_checkpoints / 2, rel=0.02)
 

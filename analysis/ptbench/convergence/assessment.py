@@ -85,7 +85,7 @@ class Assessment:
     bias2_family: tuple[float, float] | None = None  # the interval that the verdict rests on
     ms_per_spp: dict[str, Estimate] = field(default_factory=dict)  # by clock
     doubts: tuple[str, ...] = ()
-    ms_alone: np.ndarray | None = None  # per spp, of the same render without checkpoints, as many as seeds
+    ms_alone: np.ndarray | None = None  # per spp, of the companion: the same render without checkpoints
 
     @property
     def cell(self) -> Cell:
@@ -249,11 +249,9 @@ def _assess(result: Result) -> dict[str, Assessment]:
     for curve in curves:
         name = curve.cell.name
         ms_alone = alone.get(name.removesuffix(CHECKPOINTS))
-        if ms_alone is not None and len(ms_alone) != curve.count:
-            ms_alone = None
         times = {clock: median_estimate(ms[:, -1] / curve.spp[-1]) for clock, ms in curve.times.items() if len(ms)}
         if name in unfit:
-            assessed[name] = Assessment(curve, unfit[name], ms_per_spp=times)
+            assessed[name] = Assessment(curve, unfit[name], ms_per_spp=times, ms_alone=ms_alone)
             continue
         fit = fits[name]
         slope = fit.slope

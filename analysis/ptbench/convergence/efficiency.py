@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ptbench.convergence.assessment import CHECKPOINTS, PLATEAU, Assessment
+from ptbench.convergence.assessment import PLATEAU, Assessment
 from ptbench.io.cells import Cell, Result
 from ptbench.numbers import figures, interval
 from ptbench.stats.estimates import SEED, THRESHOLD, Estimate, interval_of_ratio, ratio_estimate, telling_digits
@@ -159,6 +159,11 @@ def _work(assessment: Assessment, ms: np.ndarray) -> float:
     return float(_variance_of_seeds(assessment).mean() * np.median(ms))
 
 
+def _is_timed_alone(one: Assessment) -> bool:
+    """Whether each seed's error has a time without checkpoints beside it."""
+    return one.ms_alone is not None and len(one.ms_alone) == one.curve.count
+
+
 def _has_noise_apart(one: Assessment) -> bool:
     """Where samples depend on each other the last error stands for the noise, unless most of it is a plateau."""
     return one.has_noise and (one.curve.independent or one.plateau_bias2 < _MOST_OF_PLATEAU * one.last_error)
@@ -169,7 +174,7 @@ def compare(assessment: Assessment, baseline: Assessment | None) -> Compared | N
     if not _has_noise_apart(assessment) or (baseline is not None and not _has_noise_apart(baseline)):
         return None
     # A render in parts leaves a GPU without work at the end of each: a small image takes times as long.
-    alone = assessment.ms_alone is not None and (baseline is None or baseline.ms_alone is not None)
+    alone = all(_is_timed_alone(one) for one in (assessment, baseline) if one is not None)
     ms = assessment.ms_alone if alone else assessment.curve.ms_per_spp
     count = assessment.curve.count
     drawn = resampled(count)
@@ -289,13 +294,10 @@ class CheckpointCost:
         return "SLOWER with checkpoints" if low > 1 else "FASTER with checkpoints"
 
 
-def checkpoint_costs(result: Result, assessed: Sequence[Assessment]) -> list[CheckpointCost]:
+def checkpoint_costs(assessed: Sequence[Assessment]) -> list[CheckpointCost]:
     """The A/A comparison, where the file has the companion cells."""
-    plain = {cell.name: cell for cell in result.cells if cell.convergence is None and cell.measured}
-    costs = []
-    for assessment in assessed:
-        companion = plain.get(assessment.cell.name.removesuffix(CHECKPOINTS))
-        if companion is not None and assessment.curve.count:
-            ratio = ratio_estimate(assessment.curve.ms_per_spp, companion.ms_per_spp)
-            costs.append(CheckpointCost(assessment.cell, ratio))
-    return costs
+    return [
+        CheckpointCost(one.cell, ratio_estimate(one.curve.ms_per_spp, one.ms_alone))
+        for one in assessed
+        if one.ms_alone is not None and one.curve.count
+    ]

@@ -52,7 +52,7 @@ def convergence_tables(result: Result, study: Study) -> Lines:
         for table in (_verdicts(group, names, shown), _slopes(group, names), _errors(group, names)):
             lines += [*table, ""]
         lines += [*_costs(group, names, baseline), ""]
-        if costs := checkpoint_costs(result, group):
+        if costs := checkpoint_costs(group):
             lines += ["Render wall time per spp with checkpoints over that without, 95 % bootstrap of the medians:", ""]
             rows = [
                 [names[cost.cell.name], ratio(cost.ratio.value), cost.interval or _NONE, cost.word] for cost in costs

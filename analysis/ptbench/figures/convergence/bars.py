@@ -139,7 +139,7 @@ class CheckpointCost:
         found = groups_of(result, study, _EVERY)
         groups = []
         for group in found.groups:
-            costs = checkpoint_costs(result, group.members)
+            costs = checkpoint_costs(group.members)
             bars = [
                 Bar(
                     group.names[cost.cell.name],
