@@ -14,6 +14,13 @@
 #define PT_HD
 #endif
 
+// Stands before a loop that a device is to keep as a loop, however few its turns: a long kernel waits for instructions.
+#if defined(__CUDA_ARCH__)
+#define PT_ROLLED _Pragma("unroll 1")
+#else
+#define PT_ROLLED
+#endif
+
 namespace pt {
 
 using FeatureSet = std::uint64_t;

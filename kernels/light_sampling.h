@@ -177,41 +177,56 @@ PT_HD inline bool is_near(const SeenFaces<Real>& faces, Real limit) {
     return faces.square_gap() < limit * limit * dot(faces.half, faces.half);
 }
 
-template <class Real, class Shape>
-PT_HD inline DirectionSample<Real> sample_box_light(const Shape& shape, const Vec3<Real>& observer,
-                                                    LightSampling sampling, Real near_limit, Real u, Real v, Real w) {
-    const SeenFaces<Real> faces(box_frame(shape, observer));
-    DirectionSample<Real> sample;
+// In the box's frame.
+template <class Real>
+PT_HD inline DirectionSample<Real> sample_box_light(const BoxFrame<Real>& frame, LightSampling sampling,
+                                                    Real near_limit, Real u, Real v, Real w) {
+    const SeenFaces<Real> faces(frame);
     if (!faces.any()) {
         return faces.inside() ? DirectionSample<Real>{uniform_sphere(u, v), Real(4) * pi<Real>}
                               : DirectionSample<Real>{{Real(0), Real(0), Real(1)}, Real(0)};
     }
+    DirectionSample<Real> sample;
     if (sampling == LightSampling::automatic && is_near(faces, near_limit)) {
         sample = OneFaceBySolidAngle<Real>(faces).sample(u, v, w);
     } else {
         sample = FacesByArea<Real>(faces, sampling != LightSampling::area).sample(u, v, w);
     }
-    sample.direction = box_to_world(shape, sample.direction);
     sample.distance *= reciprocal_of_power_of_two(faces.scale);
     return sample;
 }
 
-// 1 / density of sample_box_light in the direction of a ray that meets the box after `distance`.
-template <class Real, class Shape>
-PT_HD inline Real inverse_box_light_pdf(const Shape& shape, const Vec3<Real>& observer, const Vec3<Real>& direction,
-                                        Real distance, LightSampling sampling, Real near_limit) {
-    const SeenFaces<Real> faces(box_frame(shape, observer));
+// 1 / density of sample_box_light in the direction, in the box's frame, of a ray that meets the box after `distance`.
+template <class Real>
+PT_HD inline Real inverse_box_light_pdf(const BoxFrame<Real>& frame, const Vec3<Real>& direction, Real distance,
+                                        LightSampling sampling, Real near_limit) {
+    const SeenFaces<Real> faces(frame);
     if (!faces.any()) {
         return faces.inside() ? Real(4) * pi<Real> : Real(0);
     }
     if (sampling == LightSampling::automatic && is_near(faces, near_limit)) {
-        return OneFaceBySolidAngle<Real>(faces).inverse_pdf(faces.entered(box_to_local(shape, direction)));
+        return OneFaceBySolidAngle<Real>(faces).inverse_pdf(faces.entered(direction));
     }
-    const int axis = sampling == LightSampling::area ? faces.entered(box_to_local(shape, direction)) : 0;
+    const int axis = sampling == LightSampling::area ? faces.entered(direction) : 0;
     const Real away = distance * faces.scale;
     return away >= Real(0x1p-50)
                ? FacesByArea<Real>(faces, sampling != LightSampling::area).inverse_pdf(axis, reciprocal_in_range(away))
                : Real(0);
+}
+
+// The same of a shape.
+template <class Real, class Shape>
+PT_HD inline DirectionSample<Real> sample_box_light(const Shape& shape, const Vec3<Real>& observer,
+                                                    LightSampling sampling, Real near_limit, Real u, Real v, Real w) {
+    DirectionSample<Real> sample = sample_box_light(box_frame(shape, observer), sampling, near_limit, u, v, w);
+    sample.direction = box_to_world(shape, sample.direction);
+    return sample;
+}
+template <class Real, class Shape>
+PT_HD inline Real inverse_box_light_pdf(const Shape& shape, const Vec3<Real>& observer, const Vec3<Real>& direction,
+                                        Real distance, LightSampling sampling, Real near_limit) {
+    return inverse_box_light_pdf(box_frame(shape, observer), box_to_local(shape, direction), distance, sampling,
+                                 near_limit);
 }
 
 }  // namespace pt

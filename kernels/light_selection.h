@@ -50,18 +50,21 @@ struct LitVertex {
 template <class Real>
 struct SeenNode {
     Vec3<Real> to_centre;
-    Real inverse_square;  // of the distance, which is no less than half the box's diagonal
+    Real inverse;         // of the distance, which is no less than half the box's diagonal
+    Real inverse_square;  // of it
     Real shown;           // towards the place, times the distance
 
     PT_HD SeenNode(const LightNode<Real>& node, const Vec3<Real>& position) : to_centre(node.centre - position) {
-        inverse_square = Real(1) / max(dot(to_centre, to_centre), dot(node.half, node.half));
+        const Real square = min(max(dot(to_centre, to_centre), node.least_square), Real(0x1p120));
+        inverse = nearly_root_and_inverse_in_range(square).inverse;
+        inverse_square = inverse * inverse;
         shown = node.shown.x * (absolute(to_centre.x) + node.half.x) +
                 node.shown.y * (absolute(to_centre.y) + node.half.y) +
                 node.shown.z * (absolute(to_centre.z) + node.half.z);
     }
     // What is shown over the square distance. Products of two in this order stay in range where distances' powers do
     // not.
-    PT_HD Real sent() const { return shown * inverse_square * square_root(inverse_square); }
+    PT_HD Real sent() const { return shown * inverse_square * inverse; }
     // The same times the most that the cosine to the normal can be within the box.
     PT_HD Real sent_to(const LitVertex<Real>& vertex, const LightNode<Real>& node) const {
         const Real height = dot(to_centre, vertex.normal);
@@ -99,29 +102,33 @@ PT_HD inline LightPick<Real> pick_from_tree(const View<LightNode<Real>>& nodes, 
     Real weighing = Real(1);
     for (std::uint32_t level = 0; !node.is_leaf(); ++level) {
         const std::uint32_t first = node.link, last = node.child_count - 1;
+        Real amounts[LightNode<Real>::most_children];
         Real total = Real(0), total_by_place = Real(0);
+        PT_ROLLED
         for (std::uint32_t i = 0; i <= last; ++i) {
             const LightNode<Real> child = nodes[first + i];
             const SeenNode<Real> seen(child, vertex.position);
-            total += seen.sent_to(vertex, child);
+            amounts[i] = seen.sent_to(vertex, child);
+            total += amounts[i];
             total_by_place += seen.sent();
         }
         const Shares<Real> shares(total, last + 1), shares_by_place(total_by_place, last + 1);
         std::uint32_t drawn = more.x, left = 0;  // of 2^32, as which 0 is meant
-        for (std::uint32_t i = 0;; ++i) {
-            node = nodes[first + i];
-            const SeenNode<Real> seen(node, vertex.position);
-            const std::uint32_t share = static_cast<std::uint32_t>(shares.of(seen.sent_to(vertex, node)));
-            if (i == last || drawn < share) {
-                probability *= Real(0x1p-32) * (i < last   ? static_cast<Real>(share)
-                                                : last > 0 ? static_cast<Real>(left)
-                                                           : Real(0x1p32));
-                weighing *= Real(0x1p-32) * shares_by_place.of(seen.sent());
+        std::uint32_t chosen = 0, share = 0;
+        PT_ROLLED
+        for (;; ++chosen) {
+            share = static_cast<std::uint32_t>(shares.of(amounts[chosen]));
+            if (chosen == last || drawn < share) {
                 break;
             }
             drawn -= share;
             left -= share;
         }
+        probability *= Real(0x1p-32) * (chosen < last ? static_cast<Real>(share)
+                                        : last > 0    ? static_cast<Real>(left)
+                                                      : Real(0x1p32));
+        node = nodes[first + chosen];
+        weighing *= Real(0x1p-32) * shares_by_place.of(SeenNode<Real>(node, vertex.position).sent());
         more = level % 4 == 0 ? pcg4d(more) : RandomWords{more.y, more.z, more.w, more.x};
     }
     return {node.light(), Real(1) / probability, Real(1) / weighing};
@@ -136,6 +143,7 @@ PT_HD inline Real inverse_tree_weighing(const View<LightNode<Real>>& nodes, cons
     while (!node.is_leaf()) {
         const std::uint32_t first = node.link, count = node.child_count, chosen = way & 15u;
         Real total = Real(0);
+        PT_ROLLED
         for (std::uint32_t i = 0; i < count; ++i) {
             total += SeenNode<Real>(nodes[first + i], position).sent();
         }

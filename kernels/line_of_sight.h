@@ -89,10 +89,8 @@ PT_HD inline bool is_hidden_by_axis_boxes(Segment<typename Config::Real>& segmen
         }
     }
     const auto inverse = reciprocal(segment.ray.direction);
-// In an enclosure hardly a ray comes here, and as a loop it has a sixth of the instructions.
-#if defined(__CUDA_ARCH__)
-#pragma unroll 1
-#endif
+    // In an enclosure hardly a ray comes here, and as a loop it has a sixth of the instructions.
+    PT_ROLLED
     for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
         if (first + i != segment.object && is_hidden_by_axis_box<Config>(segment, scene, i, inverse)) {
             return true;
@@ -114,6 +112,7 @@ PT_HD inline bool is_hidden_by_kind(Segment<typename Config::Real>& segment, con
         closest_of_meshes<Config>(found, scene, shapes, segment.ray);
         return found.side.exists() && segment.is_hidden_by(found.t);
     } else {
+        PT_ROLLED
         for (std::uint32_t i = 0; i < shapes.size; ++i) {
             const std::uint32_t object = first_of<kind>(scene) + i;
             if (object != segment.object && is_hidden_by<Config>(segment, scene, as_met<Config>(shapes[i]), object)) {

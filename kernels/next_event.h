@@ -11,93 +11,10 @@
 #include "kernels/dielectric.h"
 #include "kernels/environment_map.h"
 #include "kernels/ggx.h"
+#include "kernels/light_direction.h"
 #include "kernels/light_selection.h"
-#include "kernels/line_of_sight.h"
 
 namespace pt {
-
-// How the kernel draws points on boxes and quads that emit.
-template <class Config, class Scene>
-PT_HD inline LightSampling light_sampling_of(const Scene& scene) {
-    constexpr FeatureSet compiled = Config::features & light_samplings;
-    constexpr bool is_chosen_at_run_time = (compiled & (compiled - 1u)) != 0;
-    if constexpr (is_chosen_at_run_time) {
-        return scene.light_sampling;
-    } else {
-        return light_sampling_in(compiled);
-    }
-}
-
-// In half diagonals.
-template <class Real, class Scene>
-PT_HD inline Real near_light_of(const Scene& scene) {
-    return static_cast<Real>(scene.near_light) * Real(0.01);
-}
-
-// As the kernel samples a shape: in textbook form where the shape has one.
-template <class Config, class Scene, class Shape, class Real>
-PT_HD inline DirectionSample<Real> sample_direction_in(const Scene& scene, const Shape& shape,
-                                                       const Vec3<Real>& observer, Real u, Real v, Real w) {
-    if constexpr (has<Config>(Feature::naive)) {
-        return naive::sample_direction(shape, observer, u, v, w);
-    } else {
-        if constexpr ((Config::features & light_samplings) != 0 && IsBoxLike<Shape, Real>) {
-            const LightSampling sampling = light_sampling_of<Config>(scene);
-            if (sampling != LightSampling::solid_angle) {
-                return sample_box_light(shape, observer, sampling, near_light_of<Real>(scene), u, v, w);
-            }
-        }
-        return sample_direction(shape, observer, u, v, w);
-    }
-}
-
-template <class Config, class Scene, class Shape, class Real>
-PT_HD inline Real inverse_direction_pdf_in(const Scene& scene, const Shape& shape, const Vec3<Real>& observer,
-                                           const Vec3<Real>& direction, Real distance) {
-    if constexpr (has<Config>(Feature::naive)) {
-        return naive::inverse_direction_pdf(shape, observer, direction, distance);
-    } else {
-        if constexpr ((Config::features & light_samplings) != 0 && IsBoxLike<Shape, Real>) {
-            const LightSampling sampling = light_sampling_of<Config>(scene);
-            if (sampling != LightSampling::solid_angle) {
-                return inverse_box_light_pdf(shape, observer, direction, distance, sampling,
-                                             near_light_of<Real>(scene));
-            }
-        }
-        return inverse_direction_pdf(shape, observer, direction, distance);
-    }
-}
-
-template <class Config>
-PT_HD inline DirectionSample<typename Config::Real> sample_direction_to(
-    const SceneView<typename Config::Real>& scene, std::uint32_t object, const Vec3<typename Config::Real>& position,
-    typename Config::Real time, typename Config::Real u, typename Config::Real v, typename Config::Real w) {
-    using Real = typename Config::Real;
-    const Vec3<Real> observer = at_rest<Config>(scene, object, position, time);
-    DirectionSample<Real> sample{{Real(0), Real(0), Real(1)}, Real(0)};
-    visit_shape<Config>(scene, object, [&](const auto& shape) {
-        sample = sample_direction_in<Config>(scene, shape, observer, u, v, w);
-    });
-    return sample;
-}
-
-// 1 / density, by solid angle, of sample_direction_to in the direction of a ray that meets the object at `hit`.
-template <class Config>
-PT_HD inline typename Config::Real inverse_direction_pdf_to(const SceneView<typename Config::Real>& scene,
-                                                            const Hit<typename Config::Real>& hit,
-                                                            const Ray<typename Config::Real>& ray) {
-    using Real = typename Config::Real;
-    const std::uint32_t object = has_one_light<Config>() ? scene.lights[0].object : hit.side.object();
-    return in_one_place<Config>([&] {
-        const Vec3<Real> observer = at_rest<Config>(scene, object, ray.origin, ray.time);
-        Real inverse_pdf = Real(0);
-        visit_shape<Config>(scene, object, [&](const auto& shape) {
-            inverse_pdf = inverse_direction_pdf_in<Config>(scene, primitive_of(shape, hit.primitive), observer,
-                                                           ray.direction, hit.t);
-        });
-        return inverse_pdf;
-    });
-}
 
 // The share of light that a scattered direction met, and 1 less it: of `ratio` = r. Up to 2^60, whose square is finite
 // and whose share is 1: r may be infinite where a light is all but touched.
@@ -304,9 +221,14 @@ PT_HD inline LightDraw<typename Config::Real> draw_light(const SceneView<typenam
         }
         const std::uint32_t object = scene.lights[pick.light].object;
         const SceneView<Real>& read = has_one_light<Config>() ? traced : scene;
-        return {pick, object,
-                sample_direction_to<Config>(read, object, vertex.position, time, unit_interval<Real>(words.y),
-                                            unit_interval<Real>(words.z), unit_interval<Real>(words.w))};
+        DirectionSample<Real> sample =
+            sample_direction_to<Config>(read, object, vertex.position, time, unit_interval<Real>(words.y),
+                                        unit_interval<Real>(words.z), unit_interval<Real>(words.w));
+        if constexpr (has<Config>(Feature::emission)) {
+            // Of the body that a vertex lies on, closest_hit knows which side is met.
+            sample.distance = vertex.object == object ? Real(0) : sample.distance;
+        }
+        return {pick, object, sample};
     });
 }
 

@@ -34,6 +34,7 @@ struct alignas(16) LightNode {
     Vec3<Real> half;     // half extents
     std::uint32_t child_count;
     Vec3<Real> shown;
+    Real least_square;  // that a distance to the box counts as: of half its diagonal, and at least 2^-100
 
     static constexpr std::uint32_t leaf_bit = 0x80000000u;
     // The way to a light is 32 bits.

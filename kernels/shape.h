@@ -30,6 +30,12 @@ struct Interval {
     bool hits;
 };
 
+// A shape that a line crosses over one interval.
+template <class Shape, class Real>
+concept IsConvexBody = !Shape::is_flat && requires(const Shape& shape, const Vec3<Real>& v) {
+    interval(shape, v, v).near;
+};
+
 // A point pulled back onto the surface, with the outward unit normal there.
 template <class Real>
 struct SurfacePoint {

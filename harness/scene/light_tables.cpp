@@ -160,6 +160,7 @@ private:
             made.half[axis] = static_cast<Real>(half[axis]);
             made.shown[axis] = static_cast<Real>(all.shown[axis]);
         }
+        made.least_square = static_cast<Real>(std::max(dot(half, half), 0x1p-100));
         return made;
     }
 

@@ -162,8 +162,10 @@ Scene random_room(Random& random, bool moves) {
         }
     }
     builder.quad(lamp, {place(), random.uniform() < 0.5 ? 2.0 : place(), place()}, size(), size());
-    builder.sphere(white, {place(), place(), place()}, size());
-    builder.ellipsoid(white, {place(), place(), place()}, {size(), size(), size()}, {10, 20, 30});
+    for (const std::uint32_t material : {white, lamp}) {
+        builder.sphere(material, {place(), place(), place()}, size());
+        builder.ellipsoid(material, {place(), place(), place()}, {size(), size(), size()}, {10, 20, 30});
+    }
     if (!walls_first) {
         walls();
     }
@@ -185,6 +187,81 @@ TYPED_TEST(LineOfSightTest, IsThatOfTheClosestHitWhereLightsTouch) {
     EXPECT_GT(sum.blocked, 10000u);
     EXPECT_GT(sum.unsure, 300u);
     EXPECT_GT(sum.without_walls, 1000u);
+}
+
+// As a path that meets them does, bit for bit: only what is met before can hide them.
+TYPED_TEST(LineOfSightTest, BodiesTellWhereARayEntersThem) {
+    using Real = TypeParam;
+    Random random(5);
+    for (int i = 0; i < 2000; ++i) {
+        SceneBuilder builder;
+        const std::uint32_t lamp = builder.emitter({1, 1, 1});
+        const Vec3d centre{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+        const double size = std::exp2(random.uniform(-8, 2));
+        if (i % 2 == 0) {
+            builder.sphere(lamp, centre, size);
+        } else {
+            builder.ellipsoid(lamp, centre, {size, 0.3 * size, 2 * size}, {10, 20, 30});
+        }
+        RenderSettings settings = default_settings(builder.scene);
+        settings.next_event = true;
+        settings.light_sampling = LightSampling::projected;
+        const SceneBuffers<Real> buffers(builder.scene, settings);
+        const SceneView<Real>& view = buffers.view();
+        const auto unit = [&] { return static_cast<Real>(random.uniform(0, 1)); };
+        const Vec3<Real> from{unit() * 6 - 3, unit() * 6 - 3, unit() * 6 - 3};
+        const DirectionSample<Real> sample =
+            sample_direction_to<Plain<Real>>(view, 0, from, Real(0), unit(), unit(), unit());
+        const Hit<Real> hit = closest_hit<Plain<Real>>(view, {from, sample.direction, Real(0), {}});
+        if (!hit.side.exists() || hit.side.inside()) {
+            EXPECT_EQ(sample.distance, Real(0)) << i;  // from within, or past the edge by rounding: as ever
+        } else {
+            EXPECT_EQ(sample.distance, hit.t) << i;
+            EXPECT_GT(hit.t, Real(0)) << i;
+        }
+    }
+}
+
+// Kernels that know several kinds of boxes and quads draw their points by one body of code: as each kind's own has it.
+TYPED_TEST(LineOfSightTest, KindsOfBoxesAreDrawnTogetherAsTheyAreAlone) {
+    using Real = TypeParam;
+    Random random(6);
+    for (const LightSampling sampling : {LightSampling::area, LightSampling::projected, LightSampling::automatic}) {
+        SceneBuilder builder;
+        const std::uint32_t lamp = builder.emitter({1, 1, 1});
+        builder.box(lamp, {0, 1, 0}, {1, 0.2, 0.7});
+        builder.box(lamp, {2, 0, 0}, {0.5, 1, 0.3}, {20, 30, 40});
+        builder.quad(lamp, {-2, 0, 0}, 1.5, 0.5);
+        RenderSettings settings = default_settings(builder.scene);
+        settings.next_event = true;
+        settings.light_sampling = sampling;
+        const SceneBuffers<Real> buffers(builder.scene, settings);
+        const SceneView<Real>& view = buffers.view();
+        const auto unit = [&] { return static_cast<Real>(random.uniform(0, 1)); };
+        for (int i = 0; i < 3000; ++i) {
+            const Vec3<Real> from{unit() * 6 - 3, unit() * 6 - 3, unit() * 6 - 3};
+            const Real u = unit(), v = unit(), w = unit();
+            const std::uint32_t object = static_cast<std::uint32_t>(i) % 3;
+            const DirectionSample<Real> sample = sample_direction_to<Plain<Real>>(view, object, from, Real(0), u, v, w);
+            const Real near_limit = near_light_of<Real>(view);
+            const Ray<Real> ray{from, sample.direction, Real(0), {}};
+            Hit<Real> hit;
+            hit.side = SurfaceId::of(object, false);
+            hit.t = sample.distance;
+            visit_shape<Plain<Real>>(view, object, [&]<class Shape>(const Shape& shape) {
+                if constexpr (IsBoxLike<Shape, Real>) {
+                    const DirectionSample<Real> alone = sample_box_light(shape, from, sampling, near_limit, u, v, w);
+                    EXPECT_EQ(sample.direction, alone.direction);
+                    EXPECT_EQ(sample.distance, alone.distance);
+                    EXPECT_EQ(sample.inverse_pdf, alone.inverse_pdf);
+                    EXPECT_EQ(inverse_direction_pdf_to<Plain<Real>>(view, hit, ray),
+                              inverse_box_light_pdf(shape, from, ray.direction, hit.t, sampling, near_limit));
+                } else {
+                    ADD_FAILURE() << "no box";
+                }
+            });
+        }
+    }
 }
 
 }  // namespace

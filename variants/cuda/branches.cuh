@@ -12,11 +12,16 @@ struct Branches {
                               const HitCache& cache, ThreadCounters& counters) {
         return ::take_step(scene, path, walk, cache, counters);
     }
-    // The path to its end.
+    // The path to its end. A kernel with everything shades in one place, since a second one would double it.
     __device__ void finish(const SceneViews& scene, Path& path, const HitCache& cache, ThreadCounters& counters) {
-        bool alive = shade(scene, path, first_hit(scene, path, cache), counters);
-        while (alive) {
-            alive = shade(scene, path, trace(scene, path), counters);
+        if constexpr (pt::has_everything(Configuration::features)) {
+            while (shade(scene, path, next_hit(scene, path, cache), counters)) {
+            }
+        } else {
+            bool alive = shade(scene, path, first_hit(scene, path, cache), counters);
+            while (alive) {
+                alive = shade(scene, path, trace(scene, path), counters);
+            }
         }
     }
     // Of a path that has ended.
@@ -53,9 +58,6 @@ struct Branches<true> {
 
 private:
     using Tree = pt::PathTree<Configuration>;
-    __device__ static Hit next_hit(const SceneViews& scene, const Path& path, const HitCache& cache) {
-        return kernel_config.keeps_first_hits && path.segment == 0 ? first_hit(scene, path, cache) : trace(scene, path);
-    }
     Tree tree_;
 };
 

@@ -264,6 +264,11 @@ __device__ inline Hit first_hit(const SceneViews& scene, const Path& path, const
     return trace(scene, path);
 }
 
+// Of the path's first segment or a later one.
+__device__ inline Hit next_hit(const SceneViews& scene, const Path& path, const HitCache& cache) {
+    return kernel_config.keeps_first_hits && path.segment == 0 ? first_hit(scene, path, cache) : trace(scene, path);
+}
+
 // Stands in for a costlier material: kernel_config.shading_fmas dependent multiply-adds, executed material by material,
 // so that a warp whose lanes hit k materials pays for k. The path depends on the result as far as ptxas can tell (it
 // drops unused inline assembly, volatile or not): x starts at 0 or above and never falls, so it is never below 0 in
@@ -299,8 +304,7 @@ __device__ inline bool take_step(const SceneViews& scene, Path& path, pt::WalkOf
             return pt::walk_on<Configuration>(scene.shade, path, walk, counters);
         }
     }
-    const Hit hit =
-        kernel_config.keeps_first_hits && path.segment == 0 ? first_hit(scene, path, cache) : trace(scene, path);
+    const Hit hit = next_hit(scene, path, cache);
     injected_cost(scene.shade, hit, path);
     return pt::shade<Configuration>(scene.shade, scene.trace, path, hit, counters, walk);
 }
