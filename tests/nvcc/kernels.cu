@@ -18,6 +18,7 @@
 #include "kernels/in_range.h"
 #include "kernels/intersect.h"
 #include "kernels/light.h"
+#include "kernels/light_direction.h"
 #include "kernels/light_sampling.h"
 #include "kernels/light_selection.h"
 #include "kernels/line_of_sight.h"
