@@ -262,7 +262,7 @@ def test_with_a_verdict_the_shares_are_told(tmp_path):
 
 
 def test_committed_pairs_without_a_verdict_have_no_shares():
-    result, pairs = every_pair(H200 / "schedulers.json")
+    result, pairs = every_pair(H200 / "first_bounce.json")
     unsettled_pairs = 0
     for a, b in pairs[::2]:
         for pair in pairs_of(result, (a.variant, b.variant), Choice(a.scene, a.depth, a.resolution)).pairs:

@@ -132,7 +132,8 @@ def test_ratios_between_unlike_films_are_marked():
     source = Source(HOUSE.results, "nvidia-h200/specialisation.json", "depth=8 resolution=800x800")
     cell = "megakernel study=megakernel scene=cornell_open_five specialisation=features"
     films = {source.cell(cell).film_hash, source.cell(cell.replace("features", "generic")).film_hash}
-    assert marked == ["the same, six kinds of material"]
+    six = "the same, six kinds of material"
+    assert marked == [six, "what the scene has, over everything", six]
     assert len(films) == 2
     drawn = HOUSE.target(HOUSE.templates / "overview.md").with_suffix(".svg").read_text(encoding="utf-8")
     assert "pays *" in drawn

@@ -23,7 +23,7 @@ from ptbench.io.results import load
 from ptbench.io.validate import complaints
 
 H200, H100 = ROOT / "results" / "nvidia-h200", ROOT / "results" / "nvidia-h100"
-PAIR = [H200 / "schedulers_a7e8939.json", H100 / "schedulers.json"]
+PAIR = [H200 / "schedulers_a7e8939.json", H100 / "schedulers_a7e8939.json"]
 COUNTERS = H200 / "inspect_cornell_open_45_schedulers.json"
 ONE = Gpu("one", "9.0", 100, 1000.0, 1000.0, 1 << 20, "made", {"issue": 4.0, "fma": 4.0, "alu": 2.0, "xu": 0.5})
 SLOW_MEMORY = replace(ONE, gb_per_second=500.0)

@@ -20,7 +20,7 @@ from ptbench.io.fields import tables
 from ptbench.io.files import read_stored
 from ptbench.io.validate import KINDS, SCHEMAS, complaints, kind_of, schema, validate
 
-BY_HAND = ("nee_bound", "rays_cpu", "rays_first")  # records that no command of ptbench wrote
+BY_HAND = ("many_lights_profile", "nee_bound", "rays_cpu", "rays_first")  # records that no command of ptbench wrote
 COMMITTED = sorted(path for path in (ROOT / "results").glob("*/*.json*") if path.name.partition(".")[0] not in BY_HAND)
 BINARY = ROOT / "build" / "ptbench"
 CELL = (
