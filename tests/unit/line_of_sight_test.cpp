@@ -264,5 +264,40 @@ TYPED_TEST(LineOfSightTest, KindsOfBoxesAreDrawnTogetherAsTheyAreAlone) {
     }
 }
 
+// Rounding may put a vertex a little outside of the body that it lies on: the body's own light is left to closest_hit.
+TYPED_TEST(LineOfSightTest, NoDistanceIsToldToTheBodyThatTheVertexLiesOn) {
+    using Real = TypeParam;
+    SceneBuilder builder;
+    const std::uint32_t lamp = builder.emitter({1, 1, 1});
+    builder.sphere(lamp, {0, 0, 0}, 2);
+    builder.sphere(lamp, {0, 100, 0}, 2);  // an object to lie on instead
+    RenderSettings settings = default_settings(builder.scene);
+    settings.next_event = true;
+    settings.light_sampling = LightSampling::projected;
+    const SceneBuffers<Real> buffers(builder.scene, settings);
+    const SceneView<Real>& view = buffers.view();
+    const Vec3<Real> centre = view.spheres[0].centre;
+    Random random(7);
+    int told = 0;
+    for (int i = 0; i < 1000; ++i) {
+        const auto word = [&] { return static_cast<std::uint32_t>(random.uniform(0, 0x1p32)); };
+        VertexOf<Plain<Real>> vertex{};
+        vertex.surface_normal =
+            uniform_sphere(static_cast<Real>(random.uniform()), static_cast<Real>(random.uniform()));
+        vertex.position = centre + vertex.surface_normal * Real(1.001);
+        // Below half of all words the first light is chosen.
+        const RandomWords words{word() / 2, word(), word(), word()};
+        const auto distance_from = [&](std::uint32_t object) {
+            vertex.object = object;
+            const LightDraw<Real> draw = draw_light<Plain<Real>>(view, view, vertex, Real(0), false, words);
+            EXPECT_EQ(draw.object, 0u);
+            return draw.sample.distance;
+        };
+        EXPECT_EQ(distance_from(0), Real(0));
+        told += distance_from(1) > Real(0) ? 1 : 0;
+    }
+    EXPECT_GT(told, 900);
+}
+
 }  // namespace
 }  // namespace pt
