@@ -69,7 +69,7 @@ PT_HD inline Real square_root_in_range(Real x) {
 template <class Real>
 inline constexpr bool draws_approximately = PT_DEVICE_APPROXIMATIONS && sizeof(Real) == 4;
 
-// a / b for 2^-50 <= |b| <= 2^120.
+// a / b for 2^-120 <= |b| <= 2^120. Where b is 0 or infinite and a is neither, a / b is so too.
 template <class Real>
 PT_HD inline Real nearly_divide(Real a, Real b) {
 #if PT_DEVICE_APPROXIMATIONS

@@ -237,7 +237,17 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
             return;
         }
     }
-    closest_axis_box<Config>(best, scene, ray, inverse, false);
+    if constexpr (has<Config>(Feature::enclosure) && (Config::features & light_selections) != 0) {
+        // A kernel that also chooses lights is so long that it waits for its instructions, and few rays come here.
+        const std::uint32_t first = first_of<ShapeKind::axis_box>(scene);
+        PT_ROLLED
+        for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
+            const AxisBox<Real> box = scene.axis_boxes[i];
+            closest_body<Config>(best, scene, box, first + i, ray);
+        }
+    } else {
+        closest_axis_box<Config>(best, scene, ray, inverse, false);
+    }
 }
 
 // Flat surfaces: a ray that starts on one does not meet it again.

@@ -1,10 +1,11 @@
 // Boxes as lights, other than by their solid angle alone (SeenBox of kernels/solid_angle.h): by points on the faces
 // that the observer sees, each face in proportion to its area or to its projected area times distance, which needs no
-// arc tangent; near the box, where the weights of such points have no bound, by the solid angle of one face
+// arc tangent; near the box, where the weights of such points have no bound, by kernels/near_rectangle.h to one face
 // (automatic). A quad is a box without height. Points by area: Shirley, Wang and Zimmerman, "Monte Carlo Techniques for
 // Direct Lighting Calculations", TOG 15(1), 1996.
 #pragma once
 
+#include "kernels/near_rectangle.h"
 #include "kernels/solid_angle.h"
 
 namespace pt {
@@ -127,47 +128,56 @@ struct FacesByArea {
     }
 };
 
-// Of the seen faces one at random, and of it a direction by its solid angle: weights are bounded by 6 pi however near
-// the box is. One arc tangent a face.
+// Of the seen faces one at random, and a direction to it as NearRectangle has it: weights are bounded by 6 pi however
+// near the box is.
 template <class Real>
-struct OneFaceBySolidAngle {
+struct OneFaceNear {
     const SeenFaces<Real>& faces;
     Real count;
 
-    PT_HD explicit OneFaceBySolidAngle(const SeenFaces<Real>& seen)
+    PT_HD explicit OneFaceNear(const SeenFaces<Real>& seen)
         : faces(seen), count(one_if(seen.height.x) + one_if(seen.height.y) + one_if(seen.height.z)) {}
 
-    PT_HD Real inverse_pdf(int axis) const { return count * rectangle(axis).solid_angle; }
+    // In a direction that enters the box by the face across `axis`.
+    PT_HD Real inverse_pdf(int axis, const Vec3<Real>& direction) const {
+        const Axes axes = axes_of(axis);
+        return count *
+               rectangle(axes).inverse_pdf(component_of(direction, axes.shorter), component_of(direction, axis));
+    }
     PT_HD DirectionSample<Real> sample(Real u, Real v, Real w) const {
         const Vec3<Real> share{one_if(faces.height.x), one_if(faces.height.y), one_if(faces.height.z)};
-        const int axis = faces.picked(share, w * count);
-        const SphericalRectangle<Real> seen = rectangle(axis);
-        const Vec3<Real> point = seen.point(u, v);
-        const Real back = component_of(faces.observer, axis) > Real(0) ? -point.z : point.z;
-        const Vec3<Real> to_light{axis == 0 ? back : point.x,
-                                  axis == 1   ? back
-                                  : axis == 0 ? point.x
-                                              : point.y,
-                                  axis == 2 ? back : point.y};
+        const Axes axes = axes_of(faces.picked(share, w * count));
+        const auto [point, inverse_pdf] = rectangle(axes).sample(u, v);
+        const Real back = component_of(faces.observer, axes.across) > Real(0) ? -point.z : point.z;
+        const Vec3<Real> to_light{coordinate(axes, 0, point, back), coordinate(axes, 1, point, back),
+                                  coordinate(axes, 2, point, back)};
         // A thread's end may be so near that the square of its distance is 0.
         const Real scale = power_to_one(max(max(absolute(to_light.x), absolute(to_light.y)), absolute(to_light.z)));
         const Vec3<Real> scaled = to_light * scale;
-        const Real length = square_root(dot(scaled, scaled));
-        return {scaled * (Real(1) / length), count * seen.solid_angle, 0, length * reciprocal_of_power_of_two(scale)};
+        const RootAndInverse<Real> length = nearly_root_and_inverse_in_range(dot(scaled, scaled));
+        return {scaled * length.inverse, count * inverse_pdf, 0, length.root * reciprocal_of_power_of_two(scale)};
     }
 
 private:
+    // Of a face: the axis across it, and those of its sides.
+    struct Axes {
+        int across, shorter, longer;
+    };
     PT_HD static Real one_if(Real height) { return height > Real(0) ? Real(1) : Real(0); }
-    // The other two axes in their order.
-    PT_HD SphericalRectangle<Real> rectangle(int axis) const {
-        const Vec3<Real>& o = faces.observer;
-        const Vec3<Real>& h = faces.half;
-        const Real a = axis == 0 ? h.y : h.x;
-        const Real b = axis == 2 ? h.y : h.z;
-        const Real at_a = axis == 0 ? o.y : o.x;
-        const Real at_b = axis == 2 ? o.y : o.z;
-        return SphericalRectangle<Real>::by_one_arc_tangent(-a - at_a, a - at_a, -b - at_b, b - at_b,
-                                                            component_of(faces.height, axis));
+    PT_HD Axes axes_of(int across) const {
+        const int first = across == 0 ? 1 : 0;
+        const int second = across == 2 ? 1 : 2;
+        const bool in_order = component_of(faces.half, first) <= component_of(faces.half, second);
+        return {across, in_order ? first : second, in_order ? second : first};
+    }
+    PT_HD static Real coordinate(const Axes& axes, int axis, const Vec3<Real>& point, Real back) {
+        const Real within = axis == axes.shorter ? point.x : point.y;
+        return axis == axes.across ? back : within;
+    }
+    PT_HD NearRectangle<Real> rectangle(const Axes& axes) const {
+        return {component_of(faces.half, axes.shorter), component_of(faces.half, axes.longer),
+                component_of(faces.observer, axes.shorter), component_of(faces.observer, axes.longer),
+                component_of(faces.height, axes.across)};
     }
 };
 
@@ -188,7 +198,7 @@ PT_HD inline DirectionSample<Real> sample_box_light(const BoxFrame<Real>& frame,
     }
     DirectionSample<Real> sample;
     if (sampling == LightSampling::automatic && is_near(faces, near_limit)) {
-        sample = OneFaceBySolidAngle<Real>(faces).sample(u, v, w);
+        sample = OneFaceNear<Real>(faces).sample(u, v, w);
     } else {
         sample = FacesByArea<Real>(faces, sampling != LightSampling::area).sample(u, v, w);
     }
@@ -205,7 +215,7 @@ PT_HD inline Real inverse_box_light_pdf(const BoxFrame<Real>& frame, const Vec3<
         return faces.inside() ? Real(4) * pi<Real> : Real(0);
     }
     if (sampling == LightSampling::automatic && is_near(faces, near_limit)) {
-        return OneFaceBySolidAngle<Real>(faces).inverse_pdf(faces.entered(direction));
+        return OneFaceNear<Real>(faces).inverse_pdf(faces.entered(direction), direction);
     }
     const int axis = sampling == LightSampling::area ? faces.entered(direction) : 0;
     const Real away = distance * faces.scale;

@@ -86,8 +86,8 @@ struct Shares {
         const Real number = static_cast<Real>(count);
         // Not so of 0 and what is not a number.
         const bool is_known = total > Real(0x1p-80) && total < Real(0x1p80);
-        scale = is_known ? (Real(0x1p32) - (number + Real(1)) * least) / total : Real(0);
-        floor = is_known ? least : Real(0x1p32) / number - Real(0x1p9);
+        scale = is_known ? nearly_divide(Real(0x1p32) - (number + Real(1)) * least, total) : Real(0);
+        floor = is_known ? least : nearly_divide(Real(0x1p32), number) - Real(0x1p9);
     }
     PT_HD Real of(Real amount) const { return scale > Real(0) ? amount * scale + floor : floor; }
 };
@@ -131,7 +131,7 @@ PT_HD inline LightPick<Real> pick_from_tree(const View<LightNode<Real>>& nodes, 
         weighing *= Real(0x1p-32) * shares_by_place.of(SeenNode<Real>(node, vertex.position).sent());
         more = level % 4 == 0 ? pcg4d(more) : RandomWords{more.y, more.z, more.w, more.x};
     }
-    return {node.light(), Real(1) / probability, Real(1) / weighing};
+    return {node.light(), nearly_divide(Real(1), probability), nearly_divide(Real(1), weighing)};
 }
 
 // The inverse_weighing of a pick of the light to which `way` leads.
@@ -151,7 +151,7 @@ PT_HD inline Real inverse_tree_weighing(const View<LightNode<Real>>& nodes, cons
         weighing *= Real(0x1p-32) * Shares<Real>(total, count).of(SeenNode<Real>(node, position).sent());
         way >>= 4;
     }
-    return Real(1) / weighing;
+    return nearly_divide(Real(1), weighing);
 }
 
 // How the kernel chooses.

@@ -22,11 +22,11 @@ template <class Real>
 PT_HD inline Real mis_weight_bsdf(Real ratio, std::uint32_t exponent) {
     const Real finite = min(Real(0x1p60), ratio);
     const Real power = exponent == 2 ? finite * finite : finite;
-    return power / (Real(1) + power);
+    return nearly_divide(power, Real(1) + power);
 }
 template <class Real>
 PT_HD inline Real mis_weight_light(Real ratio, std::uint32_t exponent) {
-    return Real(1) / (Real(1) + (exponent == 2 ? ratio * ratio : ratio));
+    return nearly_divide(Real(1), Real(1) + (exponent == 2 ? ratio * ratio : ratio));
 }
 
 // What light counts that the path meets at `hit`, at the end of its ray. `traced`: the same scene, as rays walk through

@@ -54,17 +54,6 @@ struct SphericalRectangle {
         skew = corner(x0, y0) - corner(x0, y1);
         solid_angle = corner(x1, y1) - corner(x1, y0) + skew;
     }
-    // The same with one arc tangent for the four corners: the tangent of a corner's angle is x y over z r, so the
-    // angles are those of complex numbers, and their sums those of the numbers' products.
-    PT_HD static SphericalRectangle by_one_arc_tangent(Real low_x, Real high_x, Real low_y, Real high_y, Real z) {
-        const Turn below = Turn::of(low_x, low_y, z).less(Turn::of(low_x, high_y, z));
-        const Turn above = Turn::of(high_x, high_y, z).less(Turn::of(high_x, low_y, z));
-        const Real all = below.plus(above).angle();
-        // More than half a turn where the observer is close above the rectangle; else below 0 by rounding alone.
-        const bool is_above = low_x < Real(0) && high_x > Real(0) && low_y < Real(0) && high_y > Real(0);
-        const Real positive = is_above && all < Real(0) ? all + Real(2) * pi<Real> : max(Real(0), all);
-        return {low_x, high_x, low_y, high_y, z, below.angle(), positive};
-    }
     // The point for which u of the solid angle lies on the side of x0, and v of the rest on that of y0.
     PT_HD Vec3<Real> point(Real u, Real v) const {
         const SinCos<Real> angle = sin_cos(u * solid_angle - skew);
@@ -87,32 +76,6 @@ struct SphericalRectangle {
     }
 
 private:
-    // The angle of a complex number.
-    struct Turn {
-        Real re, im;
-
-        // In units in which the longest of the three is about 1: squares of all of them vanish where a rectangle is a
-        // thread, whose end the observer may be at.
-        PT_HD static Turn of(Real x, Real y, Real z) {
-            const Real scale = power_to_one(max(max(absolute(x), absolute(y)), z));
-            const Vec3<Real> at{x * scale, y * scale, z * scale};
-            return Turn{at.z * square_root(dot(at, at)), at.x * at.y}.scaled();
-        }
-        // To a size about 1, so that no product of four is too small; nothing is rounded. Of nothing: no angle.
-        PT_HD Turn scaled() const {
-            const Real size = max(absolute(re), absolute(im));
-            const Real scale = power_to_one(size);
-            return size > Real(0) ? Turn{re * scale, im * scale} : Turn{Real(1), Real(0)};
-        }
-        PT_HD Turn plus(const Turn& o) const { return {re * o.re - im * o.im, re * o.im + im * o.re}; }
-        PT_HD Turn less(const Turn& o) const { return {re * o.re + im * o.im, im * o.re - re * o.im}; }
-        PT_HD Real angle() const {
-            const Real half_turn = re < Real(0) ? (im < Real(0) ? -pi<Real> : pi<Real>) : Real(0);
-            return arc_tangent(im / re) + half_turn;
-        }
-    };
-    PT_HD SphericalRectangle(Real low_x, Real high_x, Real low_y, Real high_y, Real z, Real from, Real all)
-        : x0(low_x), x1(high_x), y0(low_y), y1(high_y), height(z), skew(from), solid_angle(all) {}
     // Solid angle of the rectangle between the foot of the observer's perpendicular and (x, y), with its sign.
     PT_HD Real corner(Real x, Real y) const {
         return arc_tangent(x * y / (height * square_root(x * x + y * y + height * height)));

@@ -29,6 +29,7 @@
 #include "kernels/mirror.h"
 #include "kernels/mix.h"
 #include "kernels/naive.h"
+#include "kernels/near_rectangle.h"
 #include "kernels/nearest_surface.h"
 #include "kernels/next_event.h"
 #include "kernels/object_tree.h"

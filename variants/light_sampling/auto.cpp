@@ -1,12 +1,12 @@
-// As projected where a light is far, and by the solid angle of one of its faces where it is near, so that weights are
-// bounded (kernels/light_sampling.h).
+// As projected where a light is far, and to one of its faces with weights that are bounded where it is near
+// (kernels/light_sampling.h, kernels/near_rectangle.h).
 #include "variants/light_sampling/light_sampling.h"
 
 namespace pt::light_sampling::automatic {
 namespace {
 
 constexpr Tunable tunables[] = {
-    {"near_light", 20, 0, 1000, 1, "a box or quad that emits is near within so many hundredths of half its diagonal",
+    {"near_light", 70, 0, 1000, 1, "a box or quad that emits is near within so many hundredths of half its diagonal",
      true},
 };
 
@@ -14,7 +14,7 @@ const Registration registration(
     {
         .axis = "light_sampling",
         .name = "auto",
-        .summary = "boxes and quads as projected, and where near by the solid angle of a face drawn at random",
+        .summary = "boxes and quads as projected, and where near to a face drawn at random, with bounded weights",
         .origin = "Shirley, Wang and Zimmerman 1996; Urena, Fajardo and King 2013",
         .claim = Claim::statistical,
         .claim_note = light_sampling_claim,

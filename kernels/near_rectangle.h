@@ -1,0 +1,112 @@
+// Directions to a rectangle that may be as near as one likes, by weights that stay below 2 pi: across it by the angle
+// of the strip that would go on without end along its longer side, and along it, there, by solid angle. Ureña, Fajardo
+// and King, "An Area-Preserving Parametrization for Spherical Rectangles", EGSR 2013, draw the second so too, and the
+// first so that all weights are one; this takes one arc tangent, and none of its numbers is a difference of angles.
+#pragma once
+
+#include "kernels/in_range.h"
+
+namespace pt {
+
+// In the plane z = `height` above the observer, which is above 0; y is along the longer side.
+template <class Real>
+struct NearRectangle {
+    Real x0, x1, y0, y1, height;
+    Real length;  // y1 - y0, which is known better than its ends
+    Real angle;   // that the strip fills, up to pi; 0: the rectangle is not to be seen
+
+    // `at`: the observer's place over the rectangle, from its centre, and `half` its half sides.
+    PT_HD NearRectangle(Real half_x, Real half_y, Real at_x, Real at_y, Real z)
+        : x0(-half_x - at_x),
+          x1(half_x - at_x),
+          y0(-half_y - at_y),
+          y1(half_y - at_y),
+          height(z),
+          length(Real(2) * half_y) {
+        const Real scale = unit();
+        const Real across = (z * scale) * (Real(2) * half_x * scale);
+        const Real along = (z * scale) * (z * scale) + (x0 * scale) * (x1 * scale);
+        const Real beyond_a_quarter = along < Real(0) ? pi<Real> : Real(0);
+        angle = across > Real(0) ? arc_tangent(nearly_divide(across, along)) + beyond_a_quarter : Real(0);
+    }
+
+    struct Sample {
+        Vec3<Real> point;
+        Real inverse_pdf;  // by solid angle
+    };
+    PT_HD Sample sample(Real u, Real v) const {
+        const Real x = x_at(u);
+        const Stretch stretch(*this, x);
+        return {{x, stretch.y_at(*this, v), height}, angle * stretch.share(*this)};
+    }
+    // In a direction that meets the rectangle.
+    PT_HD Real inverse_pdf(Real direction_x, Real direction_z) const {
+        const Real steepness = max(absolute(direction_z), Real(0x1p-100));
+        return angle * Stretch(*this, clamp(height * nearly_divide(direction_x, steepness), x0, x1)).share(*this);
+    }
+
+private:
+    // What squares of lengths count as at least, so that they have a reciprocal.
+    static constexpr Real least_square = Real(0x1p-100);
+
+    // The line of one x: the sines of its ends' angles to the plane across it that the observer lies in.
+    struct Stretch {
+        Real square;  // of the distance to the endless line
+        Real low, high;
+        Real inverse_low, inverse_high;  // of the distances to the ends
+        bool on_one_side;                // are both ends of that plane
+
+        PT_HD Stretch(const NearRectangle& of, Real x) : square(x * x + of.height * of.height) {
+            inverse_low = inverse_root(square + of.y0 * of.y0);
+            inverse_high = inverse_root(square + of.y1 * of.y1);
+            low = of.y0 * inverse_low;
+            high = of.y1 * inverse_high;
+            on_one_side = of.y0 * of.y1 > Real(0);
+        }
+        // The y for which v of the line's share lies on the side of y0. On one side by what sines lack of 1, which may
+        // be less than 1 has digits for.
+        PT_HD Real y_at(const NearRectangle& of, Real v) const {
+            Real sine = low + v * (high - low);
+            Real rest = (Real(1) - sine) * (Real(1) + sine);
+            if (on_one_side) {
+                const Real lack = lack_of(low, inverse_low);
+                const Real drawn = lack + v * (lack_of(high, inverse_high) - lack);
+                sine = low < Real(0) ? drawn - Real(1) : Real(1) - drawn;
+                rest = drawn * (Real(2) - drawn);
+            }
+            const Real end = sine < Real(0) ? of.y0 : of.y1;
+            return rest > Real(0)
+                       ? clamp(sine * nearly_square_root_in_range(nearly_divide(max(square, least_square), rest)),
+                               of.y0, of.y1)
+                       : end;
+        }
+        // high - low, without the loss of its digits where both ends are on one side.
+        PT_HD Real share(const NearRectangle& of) const {
+            if (!on_one_side) {
+                return high - low;
+            }
+            const Real both = inverse_low * inverse_high;
+            return nearly_divide(square * both * (of.length * (of.y0 + of.y1) * both), low + high);
+        }
+        PT_HD Real lack_of(Real sine, Real inverse) const {
+            return nearly_divide(square * inverse * inverse, Real(1) + absolute(sine));
+        }
+        PT_HD static Real inverse_root(Real square) {
+            return nearly_root_and_inverse_in_range(max(square, least_square)).inverse;
+        }
+    };
+
+    // So many units to one of the rectangle that no square of a length vanishes with which an angle is begun.
+    PT_HD Real unit() const { return power_to_one(max(max(absolute(x0), absolute(x1)), height)); }
+    // So that u of the strip's angle lies on the side of x0.
+    PT_HD Real x_at(Real u) const {
+        const Real scale = unit();
+        const SinCos<Real> turn = sin_cos_turn(u * (angle * (Real(0.5) / pi<Real>)));
+        const Real across = x0 * scale * turn.cosine + height * scale * turn.sine;
+        const Real up = height * scale * turn.cosine - x0 * scale * turn.sine;
+        const Real end = across < Real(0) ? x0 : x1;
+        return up > Real(0) ? clamp(height * nearly_divide(across, up), x0, x1) : end;
+    }
+};
+
+}  // namespace pt
