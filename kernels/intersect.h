@@ -206,6 +206,35 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
     }
 }
 
+template <class Config>
+inline constexpr bool is_long_kernel = (Config::features & light_selections) != 0;
+
+// closest_axis_box as a loop on a device, for kernels so long that they wait for their instructions: those that choose
+// lights. (Of a body that both call, nvcc 13.0 makes other code in all kernels.)
+template <class Config, bool without_walls, class Scene>
+PT_HD inline void closest_axis_box_rolled(Hit<typename Config::Real>& best, const Scene& scene,
+                                          const Ray<typename Config::Real>& ray,
+                                          const Vec3<typename Config::Real>& inverse) {
+    using Real = typename Config::Real;
+    const std::uint32_t first = first_of<ShapeKind::axis_box>(scene);
+    PT_ROLLED
+    for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
+        if (without_walls && scene.enclosure.is_wall(i)) {
+            continue;
+        }
+        const std::uint32_t object = first + i;
+        const AxisBox<Real> box = scene.axis_boxes[i];
+        const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
+        const Interval<Real> crossing = without_walls ? finite_slab_interval(box.low, box.high, origin, inverse)
+                                                      : slab_interval(box.low, box.high, origin, inverse);
+        if (!ray.origin_surface.is_of(object)) {
+            keep_nearer(best, crossing, object);
+        } else if (ray.origin_surface.inside()) {
+            keep_nearer(best, max(crossing.far, Real(0)), ray.origin_surface);
+        }
+    }
+}
+
 template <class Config, class Scene>
 PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene& scene,
                                    const Ray<typename Config::Real>& ray) {
@@ -222,7 +251,11 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
                 in_wall && scene.enclosure.is_wall(ray.origin_surface.object() - first_of<ShapeKind::axis_box>(scene));
         }
         if (exit.known && !in_wall) {
-            closest_axis_box<Config>(best, scene, ray, inverse, true);
+            if constexpr (is_long_kernel<Config>) {
+                closest_axis_box_rolled<Config, true>(best, scene, ray, inverse);
+            } else {
+                closest_axis_box<Config>(best, scene, ray, inverse, true);
+            }
             if (exit.side.exists() && exit.t <= best.t) {
                 const bool wins = exit.t < best.t || exit.side.precedes(best.side);
                 best.side = wins ? exit.side : best.side;
@@ -237,14 +270,8 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
             return;
         }
     }
-    if constexpr (has<Config>(Feature::enclosure) && (Config::features & light_selections) != 0) {
-        // A kernel that also chooses lights is so long that it waits for its instructions, and few rays come here.
-        const std::uint32_t first = first_of<ShapeKind::axis_box>(scene);
-        PT_ROLLED
-        for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
-            const AxisBox<Real> box = scene.axis_boxes[i];
-            closest_body<Config>(best, scene, box, first + i, ray);
-        }
+    if constexpr (has<Config>(Feature::enclosure) && is_long_kernel<Config>) {
+        closest_axis_box_rolled<Config, false>(best, scene, ray, inverse);
     } else {
         closest_axis_box<Config>(best, scene, ray, inverse, false);
     }
