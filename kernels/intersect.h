@@ -210,7 +210,7 @@ template <class Config>
 inline constexpr bool is_long_kernel = (Config::features & light_selections) != 0;
 
 // closest_axis_box as a loop on a device, for kernels so long that they wait for their instructions: those that choose
-// lights. (Of a body that both call, nvcc 13.0 makes other code in all kernels.)
+// lights. In an enclosure. (Of a body that both call, nvcc 13.0 makes other code in all kernels.)
 template <class Config, bool without_walls, class Scene>
 PT_HD inline void closest_axis_box_rolled(Hit<typename Config::Real>& best, const Scene& scene,
                                           const Ray<typename Config::Real>& ray,
@@ -227,7 +227,8 @@ PT_HD inline void closest_axis_box_rolled(Hit<typename Config::Real>& best, cons
         const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
         const Interval<Real> crossing = without_walls ? finite_slab_interval(box.low, box.high, origin, inverse)
                                                       : slab_interval(box.low, box.high, origin, inverse);
-        if (!ray.origin_surface.is_of(object)) {
+        const bool starts_here = ray.origin_surface.is_of(object) && !scene.enclosure.is_lamp(i);
+        if (!starts_here) {
             keep_nearer(best, crossing, object);
         } else if (ray.origin_surface.inside()) {
             keep_nearer(best, max(crossing.far, Real(0)), ray.origin_surface);
