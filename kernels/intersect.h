@@ -331,10 +331,38 @@ PT_HD inline void meet_triangle(Hit<Real>& best, const LeafTriangle& leaf, const
     }
 }
 
+// When a search through meshes ends: of these two, when it has the closest hit.
+struct WithClosest {
+    template <class Real>
+    PT_HD static constexpr bool is_ended_by(Hit<Real>&) {
+        return false;
+    }
+    template <class Real>
+    PT_HD static constexpr Real distance() {
+        return Real(0);
+    }
+};
+// Or with any hit before a distance: best.t is then -1, so that no box and no triangle is nearer and every tree's walk
+// ends by itself.
+template <class Number>
+struct NearerThan {
+    Number limit;
+
+    PT_HD bool is_ended_by(Hit<Number>& best) const {
+        const bool ends = best.t < limit;
+        best.t = ends ? Number(-1) : best.t;
+        return ends;
+    }
+    template <class Real>
+    PT_HD Real distance() const {
+        return limit;
+    }
+};
+
 // The same of all triangles of a mesh.
-template <class Accelerator, class Real, class Counter>
+template <class Accelerator, class Real, class Counter, class End>
 PT_HD inline void closest_in_mesh(Hit<Real>& best, const MeshInstance<Real>& mesh, std::uint32_t object,
-                                  const Vec3<Real>& origin, const Ray<Real>& ray, Counter& counter) {
+                                  const Vec3<Real>& origin, const Ray<Real>& ray, Counter& counter, const End& end) {
     const MeshRay<Real> in_mesh = MeshRay<Real>::of(mesh, object, origin, ray);
     Accelerator::traverse(
         mesh.geometry.tree, in_mesh.origin, in_mesh.direction, best.t,
@@ -342,39 +370,42 @@ PT_HD inline void closest_in_mesh(Hit<Real>& best, const MeshInstance<Real>& mes
             for (std::uint32_t slot = first; slot < first + count; ++slot) {
                 const LeafTriangle leaf = mesh.geometry.leaves[slot];
                 meet_triangle(best, leaf, in_mesh);
+                if (end.is_ended_by(best)) {
+                    return;
+                }
             }
         },
         counter);
 }
 
 // One mesh. Where an accelerator is chosen at run time (RunTimeAccelerator), the scene has a function of it.
-template <class Config, class Scene>
+template <class Config, class Scene, class End>
 PT_HD inline void closest_mesh(Hit<typename Config::Real>& best, const Scene& scene,
                                const MeshInstance<typename Config::Real>& mesh, std::uint32_t object,
-                               const Ray<typename Config::Real>& ray) {
+                               const Ray<typename Config::Real>& ray, const End& end) {
     const auto origin = at_rest<Config>(scene, object, ray.origin, ray.time);
     if constexpr (Config::Accelerator::is_chosen_at_run_time) {
-        scene.mesh_search->meet_mesh(best, mesh, object, origin, ray);
+        scene.mesh_search->meet_mesh(best, mesh, object, origin, ray, end.template distance<typename Config::Real>());
     } else {
         NoTraversalCounter counter;
-        closest_in_mesh<typename Config::Accelerator>(best, mesh, object, origin, ray, counter);
+        closest_in_mesh<typename Config::Accelerator>(best, mesh, object, origin, ray, counter, end);
     }
 }
 
 // All objects that show meshes, by the tree over them.
-template <class Config, class Scene, class Meshes>
+template <class Config, class Scene, class Meshes, class End>
 PT_HD inline void closest_by_object_tree(Hit<typename Config::Real>& best, const Scene& scene, const Meshes& meshes,
-                                         const Ray<typename Config::Real>& ray) {
+                                         const Ray<typename Config::Real>& ray, const End& end) {
     traverse(scene.mesh_search->objects, ray.origin, ray.direction, best.t, [&](std::uint32_t i) {
-        closest_mesh<Config>(best, scene, meshes[i], first_of<ShapeKind::mesh>(scene) + i, ray);
+        closest_mesh<Config>(best, scene, meshes[i], first_of<ShapeKind::mesh>(scene) + i, ray, end);
     });
 }
 
 // The same by one tree over all their triangles, each met in its object's own space, as the object's own tree has it
 // met.
-template <class Config, class Scene, class Meshes>
+template <class Config, class Scene, class Meshes, class End>
 PT_HD inline void closest_by_flat_tree(Hit<typename Config::Real>& best, const Scene& scene, const Meshes& meshes,
-                                       const Ray<typename Config::Real>& ray) {
+                                       const Ray<typename Config::Real>& ray, const End& end) {
     using Real = typename Config::Real;
     const FlatTree& flat = scene.mesh_search->flat;
     MeshRay<Real> in_mesh{};
@@ -396,28 +427,34 @@ PT_HD inline void closest_by_flat_tree(Hit<typename Config::Real>& best, const S
                 const LeafTriangle leaf{
                     {t.a.x, t.a.y, t.a.z}, slot.primitive, {t.b.x, t.b.y, t.b.z}, 0, {t.c.x, t.c.y, t.c.z}, 0};
                 meet_triangle(best, leaf, in_mesh);
+                if (end.is_ended_by(best)) {
+                    return;
+                }
             }
         },
         counter);
 }
 
 // All objects that show meshes.
-template <class Config, class Scene, class Meshes>
+template <class Config, class Scene, class Meshes, class End>
 PT_HD inline void closest_of_meshes(Hit<typename Config::Real>& best, const Scene& scene, const Meshes& meshes,
-                                    const Ray<typename Config::Real>& ray) {
+                                    const Ray<typename Config::Real>& ray, const End& end) {
     if constexpr (has<Config>(Feature::object_tree)) {
-        closest_by_object_tree<Config>(best, scene, meshes, ray);
+        closest_by_object_tree<Config>(best, scene, meshes, ray, end);
     } else if constexpr (has<Config>(Feature::flat_tree)) {
-        closest_by_flat_tree<Config>(best, scene, meshes, ray);
+        closest_by_flat_tree<Config>(best, scene, meshes, ray, end);
     } else {
         if constexpr (Config::Accelerator::is_chosen_at_run_time) {
             if (scene.mesh_search->meet_meshes != nullptr) {
-                scene.mesh_search->meet_meshes(best, scene, ray);
+                scene.mesh_search->meet_meshes(best, scene, ray, end.template distance<typename Config::Real>());
                 return;
             }
         }
         for (std::uint32_t i = 0; i < meshes.size; ++i) {
-            closest_mesh<Config>(best, scene, meshes[i], first_of<ShapeKind::mesh>(scene) + i, ray);
+            closest_mesh<Config>(best, scene, meshes[i], first_of<ShapeKind::mesh>(scene) + i, ray, end);
+            if (end.is_ended_by(best)) {
+                return;
+            }
         }
     }
 }
@@ -430,7 +467,7 @@ PT_HD inline void closest_of(Hit<typename Config::Real>& best, const Scene& scen
     if constexpr (kind == ShapeKind::axis_box) {
         closest_axis_box<Config>(best, scene, ray);
     } else if constexpr (kind == ShapeKind::mesh) {
-        closest_of_meshes<Config>(best, scene, shapes, ray);
+        closest_of_meshes<Config>(best, scene, shapes, ray, WithClosest{});
     } else if constexpr (kind == ShapeKind::sphere) {
         closest_in<Config>(best, scene, spheres_of<Config>(scene), first_of<kind>(scene), ray);
     } else if constexpr (ShapeOf<kind, typename Config::Real>::is_flat) {
@@ -461,7 +498,7 @@ template <VisitOrder order, class Real>
 PT_HD inline void meet_shape(Hit<Real>& best, const MeshInstance<Real>& mesh, std::uint32_t object,
                              const Vec3<Real>& origin, const Ray<Real>& ray) {
     NoTraversalCounter counter;
-    closest_in_mesh<BruteForce>(best, mesh, object, origin, ray, counter);
+    closest_in_mesh<BruteForce>(best, mesh, object, origin, ray, counter, WithClosest{});
 }
 template <class Config, VisitOrder order, class Scene>
 PT_HD inline void meet_object(Hit<typename Config::Real>& best, const Scene& scene, std::uint32_t object,

@@ -1,7 +1,7 @@
 // Shadow rays to a known point of a light: ended at the first object that is met before the point, with no account of
 // which is nearest or which side is met, without the light itself, and without an enclosure's walls where the point
 // lies plainly within it. What is met within rounding of the point's distance (a light that touches another object) is
-// left to closest_hit, so that connections see what paths meet.
+// left to closest_hit, so that connections see what paths meet. In a mesh the first triangle that is met ends the walk.
 #pragma once
 
 #include "kernels/intersect.h"
@@ -9,6 +9,14 @@
 namespace pt {
 
 enum class Sight { clear, blocked, unsure };
+
+// What part of its distance a point is known to. A distance to a plane is a difference of coordinates over a component
+// of the direction: it is off by some roundings of the coordinates over the height above the plane. This allows 16 of
+// them where the height is a 256th of the coordinates.
+template <class Real>
+PT_HD constexpr Real point_rounding() {
+    return gamma<Real>(16 * 256);
+}
 
 // The ray as far as a point of an object, and the distances about the point's that are not told from it.
 template <class Real>
@@ -21,8 +29,8 @@ struct Segment {
     PT_HD Segment(const Ray<Real>& towards, std::uint32_t of_object, Real distance)
         : ray(towards),
           object(of_object),
-          before(distance * (Real(1) - gamma<Real>(16))),
-          about(distance * (Real(1) + gamma<Real>(16))) {}
+          before(distance * (Real(1) - point_rounding<Real>())),
+          about(distance * (Real(1) + point_rounding<Real>())) {}
 
     // Takes note of an object met at t. Whether it hides the point.
     PT_HD bool is_hidden_by(Real t) {
@@ -109,7 +117,7 @@ PT_HD inline bool is_hidden_by_kind(Segment<typename Config::Real>& segment, con
     } else if constexpr (kind == ShapeKind::mesh) {
         Hit<Real> found;
         found.t = segment.about;
-        closest_of_meshes<Config>(found, scene, shapes, segment.ray);
+        closest_of_meshes<Config>(found, scene, shapes, segment.ray, NearerThan<Real>{segment.before});
         return found.side.exists() && segment.is_hidden_by(found.t);
     } else {
         PT_ROLLED

@@ -80,14 +80,16 @@ struct ShadingNormals {
 template <class Real>
 struct Ray;
 
-// Keeps the nearer of a hit and the triangles of a mesh: object, the ray's origin as the object sees it, the ray.
+// Keeps the nearer of a hit and the triangles of a mesh: object, the ray's origin as the object sees it, the ray, and a
+// distance: what is met before it ends the search, as NearerThan has it (kernels/intersect.h). 0: nothing does.
 template <class Real>
-using MeetMesh = void (*)(Hit<Real>&, const MeshInstance<Real>&, std::uint32_t, const Vec3<Real>&, const Ray<Real>&);
+using MeetMesh = void (*)(Hit<Real>&, const MeshInstance<Real>&, std::uint32_t, const Vec3<Real>&, const Ray<Real>&,
+                          Real);
 // The same of all objects that show meshes.
 template <class Real>
 struct SceneView;
 template <class Real>
-using MeetMeshes = void (*)(Hit<Real>&, const SceneView<Real>&, const Ray<Real>&);
+using MeetMeshes = void (*)(Hit<Real>&, const SceneView<Real>&, const Ray<Real>&, Real);
 
 // Light from all round that is drawn as lights are.
 template <class Real>
@@ -147,7 +149,7 @@ struct SceneView {
     std::uint32_t mis_exponent;    // 0: lights count where connected only; 1: balance heuristic, 2: power heuristic
     std::uint32_t roulette_start;  // Russian roulette from the vertex at the end of this segment on; 0: none
     LightSampling light_sampling;  // of boxes and quads that emit
-    std::uint16_t near_light;      // automatic: by solid angle within so many hundredths of a light's half diagonal
+    std::uint16_t near_light;      // automatic: in the near form within so many hundredths of a light's half diagonal
     LightSelection light_selection;
     std::uint32_t one_sample;  // 1: of a connection and light that is met, one at random, with mis_exponent
 

@@ -23,7 +23,7 @@ namespace pt {
 template <class Count>
 struct PathCountersOf {
     Count paths = 0;
-    Count rays = 0;              // closest-hit queries: path segments and connections to lights
+    Count rays = 0;              // queries: path segments (closest hit) and connections to lights
     Count connections = 0;       // of the rays, those to lights
     Count unfinished_walks = 0;  // paths lost in a subsurface body: the walk met its cap, or began inside
 };

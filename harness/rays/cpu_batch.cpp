@@ -129,7 +129,7 @@ private:
         best.t = std::nextafter(ray.t_max, std::numeric_limits<float>::infinity());
         const Vec3<float> origin = vector_of<float>(ray.origin);
         const pt::Ray<float> as_rendered{origin, vector_of<float>(ray.direction), 0.0f, SurfaceId(), 0};
-        meet_(best, mesh_, 0, origin, as_rendered);
+        meet_(best, mesh_, 0, origin, as_rendered, 0);
         if (!best.side.exists()) {
             return {ray.t_max, no_primitive};
         }

@@ -115,15 +115,33 @@ private:
                 read_runs(bytes, channel);
             }
         } else {
-            for (std::uint32_t& value : bytes) {
-                value = byte();
-            }
+            read_texels(bytes);
         }
         for (std::size_t i = 0; i < bytes.size(); i += 4) {
             const int exponent = static_cast<int>(bytes[i + 3]) - 136;
             const float scale = bytes[i + 3] == 0 ? 0.0f : std::ldexp(1.0f, exponent);
             texels.emplace_back(static_cast<float>(bytes[i]) * scale, static_cast<float>(bytes[i + 1]) * scale,
                                 static_cast<float>(bytes[i + 2]) * scale);
+        }
+    }
+    // Texel by texel. 1, 1, 1, n is none, but the one before it n times more, in the format's older run lengths, and if
+    // it follows another such, 256 n times.
+    void read_texels(std::vector<std::uint32_t>& bytes) {
+        std::size_t unit = 1;
+        for (std::size_t place = 0; place < bytes.size();) {
+            std::uint32_t texel[4];
+            for (std::uint32_t& value : texel) {
+                value = byte();
+            }
+            const bool is_run = texel[0] == 1 && texel[1] == 1 && texel[2] == 1;
+            const std::size_t count = is_run ? texel[3] * unit : 1;
+            if (4 * count > bytes.size() - place || (is_run && place == 0)) {
+                refuse("a run beyond its row");
+            }
+            for (std::size_t i = 0; i < 4 * count; ++i, ++place) {
+                bytes[place] = is_run ? bytes[place - 4] : texel[i];
+            }
+            unit = is_run ? std::min<std::size_t>(unit * 256, std::size_t{1} << 24) : 1;
         }
     }
     void read_runs(std::vector<std::uint32_t>& bytes, std::size_t channel) {

@@ -130,6 +130,7 @@ public:
     void build() {
         tables_->nodes.reserve(2 * order_.size());
         const Range all{0, static_cast<std::uint32_t>(order_.size())};
+        scale_ = scale_for(cluster_of(all).bounds);
         tables_->nodes.push_back(node_of(all));
         fill(0, all, 0, 0);
     }
@@ -139,6 +140,15 @@ private:
         std::uint32_t begin, end;
         std::uint32_t size() const { return end - begin; }
     };
+
+    // A power of two near the square of the lights' extent, but such that products of it with their distances, in
+    // float, stay in range: for extents below 1, and from 2^38 on, nearer to the extent itself.
+    static double scale_for(const Bounds<double>& bounds) {
+        const Vec3d size = bounds.high - bounds.low;
+        const double extent = std::max({size.x, size.y, size.z});
+        const int exponent = extent > 0 ? std::clamp(std::ilogb(extent), -60, 60) : 0;
+        return std::exp2(exponent < 0 ? exponent : std::min(2 * exponent, 115 - exponent));
+    }
 
     Cluster single(std::uint32_t light) const { return {lights_[light].bounds, shown_[light]}; }
     double place(std::uint32_t light, int axis) const { return centre_of(lights_[light].bounds)[axis]; }
@@ -158,7 +168,7 @@ private:
         for (int axis = 0; axis < 3; ++axis) {
             made.centre[axis] = static_cast<Real>(centre_of(all.bounds)[axis]);
             made.half[axis] = static_cast<Real>(half[axis]);
-            made.shown[axis] = static_cast<Real>(all.shown[axis]);
+            made.shown[axis] = static_cast<Real>(all.shown[axis] * scale_);
         }
         made.least_square = static_cast<Real>(std::max(dot(half, half), 0x1p-100));
         return made;
@@ -289,6 +299,9 @@ private:
     std::vector<Vec3d> shown_;
     LightTables<Real>* tables_;
     std::vector<std::uint32_t> order_;
+    // Of what nodes show: what is sent falls with the square of a distance, and Shares tells nothing of sums that are
+    // nearly 0 or infinite, as they would be in some units of length.
+    double scale_ = 1;
 };
 
 }  // namespace

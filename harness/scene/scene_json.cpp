@@ -129,8 +129,11 @@ SceneMaterial read_subsurface(const JsonValue& value) {
 
 // A colour, or {"image": NAME}; the name is relative to the scene's file.
 Vec3d read_colour(const JsonValue& value, SceneMaterial& material) {
-    if (!value.json().is_object()) {
+    if (value.json().is_array()) {
         return fraction_colour(value);
+    }
+    if (!value.json().is_object()) {
+        value.fail(R"(an array of 3 numbers, or {"image": NAME})");
     }
     material.texture = read_texture(value, TexelMeaning::colour);
     return largest_texel(*material.texture);
@@ -138,8 +141,11 @@ Vec3d read_colour(const JsonValue& value, SceneMaterial& material) {
 
 // A number, or likewise an image of numbers.
 double read_roughness(const JsonValue& value, SceneMaterial& material) {
-    if (!value.json().is_object()) {
+    if (value.json().is_number()) {
         return value.number(0, 1, "a number from 0 to 1");
+    }
+    if (!value.json().is_object()) {
+        value.fail(R"(a number from 0 to 1, or {"image": NAME})");
     }
     material.roughness_texture = read_texture(value, TexelMeaning::number);
     return largest_texel(*material.roughness_texture).x;
@@ -478,7 +484,12 @@ std::shared_ptr<const SceneEnvironment> environment_of(EnvironmentImage image, d
             texel[channel] = static_cast<float>(scaled);
         }
     }
-    environment->hash = fmt::format("{:016x}", fnv1a(image.texels.data(), image.texels.size() * sizeof(Vec3<float>)));
+    // An image that is not twice as wide as high (or one texel) says so: the same texels in another shape are another
+    // scene.
+    std::uint64_t hash = fnv1a(image.texels.data(), image.texels.size() * sizeof(Vec3<float>));
+    hash = image.texels.size() == 1 || image.width == 2 * image.height ? hash
+                                                                       : fnv1a(&image.width, sizeof image.width, hash);
+    environment->hash = fmt::format("{:016x}", hash);
     environment->image = std::move(image);
     return environment;
 }
@@ -490,7 +501,10 @@ std::shared_ptr<const SceneEnvironment> read_environment(const JsonValue& value)
         return environment_of({1, 1, {Vec3<float>(radiance(object.at("radiance")))}}, 1, value);
     }
     const JsonObject object(value, {"file", "scale", "rotation"});
-    const JsonValue named = object.required("file");
+    if (!object.has("file")) {
+        value.fail(R"({"radiance": [R, G, B]} or {"file": NAME, ..})");
+    }
+    const JsonValue named = object.at("file");
     const std::filesystem::path image_file = named.named_file();
     const double scale = object.has("scale") ? object.at("scale").number(0, 1e30, "a number from 0 to 1e30") : 1;
     EnvironmentImage image = read_environment_image(image_file);
@@ -517,6 +531,9 @@ Scene parse_scene(const std::string& text, const std::string& file) {
     if (root.has("environment") && root.at("environment").json().is_object()) {
         scene.environment_map = read_environment(root.at("environment"));
     } else if (root.has("environment")) {
+        if (!root.at("environment").json().is_array()) {
+            root.at("environment").fail(R"(an array of 3 numbers, {"radiance": [R, G, B]} or {"file": NAME, ..})");
+        }
         scene.environment = radiance(root.at("environment"));
     }
     scene.camera = read_camera(root.required("camera"));

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/acceleration/builders.h"
+#include "variants/accelerator/cwbvh.h"
 #include "variants/registry.h"
 
 namespace pt::test {
@@ -41,9 +42,13 @@ public:
     Planted& operator=(const Planted&) = delete;
 
     Hit<float> closest(const Ray<float>& ray) const {
+        return nearer_than(ray, std::numeric_limits<float>::infinity(), 0);
+    }
+    // Up to `limit`, ended by what is met before `enough`.
+    Hit<float> nearer_than(const Ray<float>& ray, float limit, float enough) const {
         Hit<float> best;
-        best.t = std::numeric_limits<float>::infinity();
-        hook_.meet_single(best, mesh_, 7, ray.origin, ray);
+        best.t = limit;
+        hook_.meet_single(best, mesh_, 7, ray.origin, ray, enough);
         return best;
     }
 
@@ -123,6 +128,78 @@ TEST_P(NativeTest, LeavesBruteForcesHitFromAfar) {
         }
         EXPECT_GT(hits, 20u) << distance;
     }
+}
+
+// A shadow ray: ended by any hit before a distance, and otherwise the closest hit bit for bit.
+void expect_an_end_before_a_distance(const Triangles& triangles, const AcceleratorHook& hook) {
+    const Planted planted(triangles, hook);
+    std::size_t ended = 0, others = 0;
+    for (const TestRay& test_ray : rays_for(triangles, 4000, 7)) {
+        const Ray<float> ray = ray_of(test_ray);
+        const Hit<float> closest = planted.closest(ray);
+        const float t = closest.side.exists() ? closest.t : 1.0f;
+        for (const float enough : {0.5f * t, t, std::nextafter(t, 2 * t + 1), 2 * t, 1e30f}) {
+            const Hit<float> found = planted.nearer_than(ray, 4 * enough, enough);
+            if (closest.side.exists() && closest.t < enough) {
+                ASSERT_EQ(found.t, -1.0f);
+                ASSERT_TRUE(found.side.exists());
+                ++ended;
+            } else {
+                ASSERT_TRUE(closest.side.exists() && closest.t < 4 * enough ? same_hit(found, closest)
+                                                                            : !found.side.exists());
+                ++others;
+            }
+        }
+    }
+    EXPECT_GT(ended, 200u);
+    EXPECT_GT(others, 200u);
+}
+
+TEST_P(NativeTest, AnyHitBeforeADistanceEndsTheSearch) {
+    expect_an_end_before_a_distance(random_soup(2000, 0.2f, 4), hook_of(GetParam()));
+}
+
+TEST(ShadowRaysTest, AnyHitBeforeADistanceEndsTheSearch) {
+    for (const char* name : {"brute_force", "bvh2", "cwbvh"}) {
+        SCOPED_TRACE(name);
+        expect_an_end_before_a_distance(random_soup(500, 0.2f, 4), hook_of(name));
+    }
+}
+
+// What it is for: rays that are blocked visit fewer nodes and triangles than the search for the closest hit.
+TEST(ShadowRaysTest, ABlockedRayVisitsLess) {
+    const Triangles triangles = random_soup(4000, 0.2f, 4);
+    const EncodedTree tree = accelerator::cwbvh::encode(builders()[0].build(triangles, 3));
+    std::vector<LeafTriangle> leaves;
+    for (const std::uint32_t primitive : tree.references) {
+        leaves.push_back(leaf_of(triangles[primitive], primitive));
+    }
+    MeshInstance<float> mesh{};
+    mesh.geometry.leaves = leaves.data();
+    mesh.geometry.tree = tree.view();
+    mesh.is_placed = 1;
+    std::uint64_t nodes_for_closest = 0, nodes_for_any = 0, primitives_for_closest = 0, primitives_for_any = 0;
+    std::size_t blocked = 0;
+    for (const TestRay& test_ray : rays_for(triangles, 4000, 7)) {
+        const Ray<float> ray = ray_of(test_ray);
+        Hit<float> closest, any;
+        closest.t = any.t = 4.0f;
+        TraversalCounter one, other;
+        closest_in_mesh<accelerator::cwbvh::Traversal>(closest, mesh, 0, ray.origin, ray, one, WithClosest{});
+        closest_in_mesh<accelerator::cwbvh::Traversal>(any, mesh, 0, ray.origin, ray, other, NearerThan<float>{4.0f});
+        ASSERT_EQ(any.side.exists(), closest.side.exists());
+        ASSERT_LE(other.nodes_visited, one.nodes_visited);
+        if (closest.side.exists()) {
+            ++blocked;
+            nodes_for_closest += one.nodes_visited;
+            nodes_for_any += other.nodes_visited;
+            primitives_for_closest += one.primitives_tested;
+            primitives_for_any += other.primitives_tested;
+        }
+    }
+    EXPECT_GT(blocked, 1000u);
+    EXPECT_LT(10 * nodes_for_any, 9 * nodes_for_closest);
+    EXPECT_LT(10 * primitives_for_any, 9 * primitives_for_closest);
 }
 
 TEST_P(NativeTest, ATieGoesToTheFirstPrimitive) {

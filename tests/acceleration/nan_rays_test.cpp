@@ -90,7 +90,7 @@ void expect_nothing_met_by(const AcceleratorHook& hook, const Triangles& triangl
     mesh.is_placed = 1;
     for (const TestRay& ray : rays_with_a_nan()) {
         Hit<float> best;
-        hook.meet_single(best, mesh, 0, ray.origin, {ray.origin, ray.direction, 0.0f, SurfaceId(), 0});
+        hook.meet_single(best, mesh, 0, ray.origin, {ray.origin, ray.direction, 0.0f, SurfaceId(), 0}, 0);
         EXPECT_FALSE(best.side.exists());
     }
 }

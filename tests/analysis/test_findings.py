@@ -105,6 +105,14 @@ def test_a_number_is_its_cells(tmp_path):
     assert text.split()[0] == f"{ratio:.3f}"
 
 
+def test_rays_are_counted_over_the_time_that_is_told():
+    source = Source(HOUSE.results, SOURCE["compaction"]["file"], "arithmetic=exact")
+    words = "study=wavefront scene=cornell_open layout=aos"
+    cell = source.cell(words)
+    assert float(source.rays(words)) == sorted(one.rays / one.wall_ms / 1e6 for one in cell.samples)[4]
+    assert all(one.device_ms < one.wall_ms for one in cell.samples)  # over which it would be more
+
+
 @pytest.mark.parametrize("word", ["FASTER", "SAME", "UNSURE"])
 def test_a_verdict_that_the_data_contradict_is_no_page(tmp_path, word):
     with pytest.raises(FindingError, match=f"so SLOWER, where the page says {word}"):

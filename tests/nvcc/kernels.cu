@@ -1,7 +1,6 @@
 // Every kernel header through nvcc, host and device: the four stages as kernels, for every feature in both precisions
 // and for one small feature set. Compiled by nvcc_test; never run.
 #include "kernels/adjoint.h"
-#include "kernels/any_hit.h"
 #include "kernels/axis_aligned_enclosure.h"
 #include "kernels/box.h"
 #include "kernels/camera.h"

@@ -57,7 +57,7 @@ double chi_square_test(const std::vector<std::uint64_t>& counts, const std::vect
 // The same for cells of equal probability.
 double chi_square_test(const std::vector<std::uint64_t>& counts);
 
-// Two-sided p-value below which a chi-square test fails. With some 60 such tests in the suite, chance alone would fail
+// Two-sided p-value below which a chi-square test fails. With some 80 such tests in the suite, chance alone would fail
 // one in 160 choices of the seeds; the seeds are fixed.
 inline constexpr double chi_square_alpha = 1e-4;
 

@@ -240,6 +240,14 @@ TEST(EnvironmentImage, ReadsRadianceFiles) {
     EXPECT_EQ(runs.texels[4], Vec3<float>(1, 1, 1));
     EXPECT_EQ(runs.texels[5], Vec3<float>(1, 0.5f, 1));
     EXPECT_EQ(runs.texels[8], Vec3<float>(1, 0.5f, 0.25f));
+    // By older runs: a texel and seven more of it, 257 of another (256 by a second run).
+    const std::string older =
+        "\x80\x80\x80\x81\x01\x01\x01\x07" + std::string("\x80\x40\x40\x81\x01\x01\x01\0", 8) + "\x01\x01\x01\x01";
+    const EnvironmentImage old_runs = parse_hdr(hdr_of(265, 1, older), "");
+    ASSERT_EQ(old_runs.texels.size(), 265u);
+    EXPECT_EQ(old_runs.texels[7], Vec3<float>(1, 1, 1));
+    EXPECT_EQ(old_runs.texels[8], Vec3<float>(1, 0.5f, 0.5f));
+    EXPECT_EQ(old_runs.texels[264], Vec3<float>(1, 0.5f, 0.5f));
 }
 
 TEST(EnvironmentImage, RefusesWhatIsNone) {
@@ -253,6 +261,10 @@ TEST(EnvironmentImage, RefusesWhatIsNone) {
     EXPECT_EQ(refusal_of("#?RADIANCE\n\n-Y 1 +X 1x\n    "), "sky.hdr: content: found \"-Y 1 +X 1x\"" + whole);
     EXPECT_EQ(refusal_of(hdr_of(1, 1, "\x80\x80\x80")), "sky.hdr: content: found a file that ends early" + whole);
     EXPECT_EQ(refusal_of(hdr_of(9, 1, std::string("\x02\x02\0\x09", 4) + "\x8a\x80")),
+              "sky.hdr: content: found a run beyond its row" + whole);
+    EXPECT_EQ(refusal_of(hdr_of(8, 1, "\x80\x80\x80\x81\x01\x01\x01\x08")),
+              "sky.hdr: content: found a run beyond its row" + whole);
+    EXPECT_EQ(refusal_of(hdr_of(2, 1, "\x01\x01\x01\x01\x80\x80\x80\x81")),
               "sky.hdr: content: found a run beyond its row" + whole);
     EXPECT_EQ(refusal_of(hdr_of(9000, 1, "")), "sky.hdr: size: found 9000 x 1 texels, allowed: 1 x 1 to 8192 x 4096");
     EXPECT_EQ(refusal_of(hdr_of(0, 0, "")), "sky.hdr: size: found 0 x 0 texels, allowed: 1 x 1 to 8192 x 4096");

@@ -133,10 +133,10 @@ TEST(LightSelection, PowerDrawsLightsOfAlmostNoPower) {
 }
 
 TYPED_TEST(LightSelectionTest, TreeDrawsWithTheProbabilityThatItSays) {
-    for (const std::uint32_t count : {1u, 2u, 12u, 1000u}) {
+    for (const std::uint32_t count : {1u, 2u, 12u, 1000u, 100000u}) {
         const LightTables<TypeParam> tables = light_tables<TypeParam>(random_lights(count, 30 + count));
         Random random(count);
-        for (int place = 0; place < 50; ++place) {
+        for (int place = 0; place < (count > 1000 ? 2 : 50); ++place) {
             const Vec3<TypeParam> position{
                 Vec3d(random.uniform(-150, 150), random.uniform(-9, 9), random.uniform(-50, 50))};
             const LitVertex<TypeParam> vertex{position, random_normal<TypeParam>(random), place % 2 == 1};
@@ -146,10 +146,11 @@ TYPED_TEST(LightSelectionTest, TreeDrawsWithTheProbabilityThatItSays) {
                 weighed +=
                     1 / static_cast<double>(inverse_tree_weighing(nodes_of(tables), position, tables.slots[light].way));
             }
-            EXPECT_NEAR(drawn, 1, 1e-14);
-            // No more than one, and one but for what Shares holds back of each level.
-            EXPECT_LE(weighed, 1);
-            EXPECT_GE(weighed, 1 - 4 * 0x1p-12);
+            EXPECT_NEAR(drawn, 1, 1e-16 * std::max(100u, count));
+            // No more than one, but for the roundings of each weight, and one but for what Shares holds back of each
+            // level.
+            EXPECT_LE(weighed, 1 + (count > 1000 ? static_cast<double>(gamma<TypeParam>(64)) : 0));
+            EXPECT_GE(weighed, 1 - LightNode<TypeParam>::most_levels * 0x1p-12);
             for (int draw = 0; draw < 20; ++draw) {
                 const LightPick<TypeParam> pick = pick_from_tree(nodes_of(tables), vertex, random_words(random));
                 ASSERT_LT(pick.light, count);
@@ -160,6 +161,32 @@ TYPED_TEST(LightSelectionTest, TreeDrawsWithTheProbabilityThatItSays) {
                 // Both techniques weigh by one density, bit for bit.
                 ASSERT_EQ(pick.inverse_weighing,
                           inverse_tree_weighing(nodes_of(tables), position, tables.slots[pick.light].way));
+            }
+        }
+    }
+}
+
+// A scene in other units is the same scene: bit for bit, for units that are powers of two.
+TYPED_TEST(LightSelectionTest, TreeDrawsAlikeInEveryUnit) {
+    constexpr std::uint32_t count = 300;
+    const std::vector<LightExtent> lights = random_lights(count, 12);
+    const LightTables<TypeParam> tables = light_tables<TypeParam>(lights);
+    for (const int exponent : {-30, 10, 30, 40}) {
+        const double unit = std::exp2(exponent);
+        std::vector<LightExtent> scaled = lights;
+        for (LightExtent& light : scaled) {
+            light.bounds = {light.bounds.low * unit, light.bounds.high * unit};
+        }
+        const LightTables<TypeParam> same = light_tables<TypeParam>(scaled);
+        Random random(4);
+        for (int place = 0; place < 20; ++place) {
+            const Vec3d position{random.uniform(-150, 150), random.uniform(-9, 9), random.uniform(-50, 50)};
+            const Vec3<TypeParam> normal = random_normal<TypeParam>(random);
+            for (std::uint32_t light = 0; light < count; light += 7) {
+                ASSERT_EQ(tree_probability(
+                              same, {Vec3<TypeParam>(position) * static_cast<TypeParam>(unit), normal, false}, light),
+                          tree_probability(tables, {Vec3<TypeParam>(position), normal, false}, light))
+                    << "2^" << exponent;
             }
         }
     }

@@ -7,6 +7,7 @@
 
 #include "harness/error.h"
 #include "harness/scene/scene.h"
+#include "tests/support/command.h"
 #include "tests/support/places.h"
 
 namespace pt {
@@ -95,6 +96,25 @@ TEST(SceneJson, EnvironmentsThatAreDrawn) {
         EXPECT_EQ(turned.environment_map->image.texels[i], sky.environment_map->image.texels[i] * 2.0f);
     }
     EXPECT_NE(turned.environment_map->hash, sky.environment_map->hash);  // which is part of the scene's
+}
+
+// The same texels in rows of another length are another picture.
+TEST(SceneJson, AnEnvironmentsShapeIsPartOfItsHash) {
+    const test::TemporaryFolder folder;
+    const auto hash_of = [&](int width, int height) {
+        const std::string size = "-Y " + std::to_string(height) + " +X " + std::to_string(width) + "\n";
+        std::string texels;
+        for (char i = 10; i < 18; ++i) {
+            texels += {i, 20, 30, char(-127)};
+        }
+        test::write_text(folder.file("sky.hdr"), "#?RADIANCE\n\n" + size + texels);
+        return parse_scene(replaced(good, "\"max_depth\": 4", R"("max_depth": 4, "environment": {"file": "sky.hdr"})"),
+                           folder.file("s.json"))
+            .hash;
+    };
+    EXPECT_NE(hash_of(4, 2), hash_of(2, 4));
+    EXPECT_NE(hash_of(8, 1), hash_of(2, 4));
+    EXPECT_EQ(hash_of(8, 1), hash_of(8, 1));
 }
 
 TEST(SceneJson, CameraDefaults) {
@@ -334,7 +354,8 @@ TEST(SceneJsonErrors, Scene) {
         {"\"max_depth\": 4", "\"max_depth\": 18446744073709551615",
          "s.json: $.max_depth: found 18446744073709551615, allowed: " + depth_allowed},
         {"\"max_depth\": 4", "\"max_depth\": 4, \"environment\": 1",
-         "s.json: $.environment: found 1, allowed: an array of 3 numbers"},
+         "s.json: $.environment: found 1, allowed: an array of 3 numbers, {\"radiance\": [R, G, B]} or {\"file\": "
+         "NAME, ..}"},
         {"\"max_depth\": 4", "\"max_depth\": 4, \"environment\": [0, -1, 0]",
          "s.json: $.environment[1]: found -1, allowed: a number from 0 to 1e30"},
         {"\"max_depth\": 4", "\"max_depth\": 4, \"environment\": {\"radiance\": [0, -1, 0]}",
@@ -342,7 +363,7 @@ TEST(SceneJsonErrors, Scene) {
         {"\"max_depth\": 4", "\"max_depth\": 4, \"environment\": {\"radiance\": [0, 1, 0], \"scale\": 2}",
          "s.json: $.environment: found unknown key \"scale\", allowed: radiance"},
         {"\"max_depth\": 4", "\"max_depth\": 4, \"environment\": {}",
-         "s.json: $.environment: found no key \"file\", allowed: it is required"},
+         "s.json: $.environment: found an object, allowed: {\"radiance\": [R, G, B]} or {\"file\": NAME, ..}"},
         {"\"max_depth\": 4", "\"max_depth\": 4, \"environment\": {\"file\": \"sky.hdr\", \"scale\": -1}",
          "s.json: $.environment.scale: found -1, allowed: a number from 0 to 1e30"},
         {"\"max_depth\": 4", "\"max_depth\": 4, \"environment\": {\"file\": \"sky.png\"}",
@@ -426,7 +447,8 @@ TEST(SceneJsonErrors, Materials) {
         {"0.25", "1.25", "s.json: $.materials.m.albedo[1]: found 1.25, allowed: " + fraction},
         {"0.25", "-0.25", "s.json: $.materials.m.albedo[1]: found -0.25, allowed: " + fraction},
         {"0.25", "\"NaN\"", "s.json: $.materials.m.albedo[1]: found \"NaN\", allowed: " + fraction},
-        {"[0.5, 0.25, 1]", "0.5", "s.json: $.materials.m.albedo: found 0.5, allowed: an array of 3 numbers"},
+        {"[0.5, 0.25, 1]", "0.5",
+         "s.json: $.materials.m.albedo: found 0.5, allowed: an array of 3 numbers, or {\"image\": NAME}"},
         {material_line, R"({"type": "diffuse", "albedo": [1, 1, 1], "emission": [0, 0, -1]})",
          "s.json: $.materials.m.emission[2]: found -1, allowed: a number from 0 to 1e30"},
         {material_line, R"({"type": "emitter", "radiance": [1, 1, 2e30]})",

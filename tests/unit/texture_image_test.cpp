@@ -294,7 +294,8 @@ TEST(TexturedScene, WhoseRoughnessIsWrongIsRefusedInOneLine) {
              {R"({"image": 3})", "$.materials.m.roughness.image"},
              {R"({"file": "tiles.png"})", "$.materials.m.roughness: found unknown key \"file\", allowed: image"},
              {R"({"image": "tiles.png", "scale": 2})", "scale"},
-             {R"("tiles.png")", "$.materials.m.roughness: found \"tiles.png\", allowed: a number from 0 to 1"},
+             {R"("tiles.png")",
+              "$.materials.m.roughness: found \"tiles.png\", allowed: a number from 0 to 1, or {\"image\": NAME}"},
              {"[0.5, 0.5, 0.5]", "allowed: a number from 0 to 1"},
              {"{}", "image"}}) {
         for (const char* const type :
@@ -365,7 +366,7 @@ TEST(TexturedScene, ThatIsWrongIsRefusedInOneLine) {
              {R"({"image": 3})", "$.materials.m.albedo.image"},
              {R"({"file": "tiles.png"})", "$.materials.m.albedo"},
              {R"({"image": "tiles.png", "scale": 2})", "scale"},
-             {R"("tiles.png")", "an array of 3 numbers"},
+             {R"("tiles.png")", "allowed: an array of 3 numbers, or {\"image\": NAME}"},
              {"{}", "image"}}) {
         const std::string message = material(albedo);
         EXPECT_NE(message.find(expected), std::string::npos) << albedo << ": " << message;

@@ -46,16 +46,16 @@ template <class Traversal, class Real>
 using SearchConfig = Config<Real, Feature::mesh | Feature::motion, Traversal>;
 
 template <class Traversal, class Real>
-void meet_flat(Hit<Real>& best, const SceneView<Real>& scene, const Ray<Real>& ray) {
-    closest_by_flat_tree<SearchConfig<Traversal, Real>>(best, scene, scene.meshes, ray);
+void meet_flat(Hit<Real>& best, const SceneView<Real>& scene, const Ray<Real>& ray, Real enough) {
+    closest_by_flat_tree<SearchConfig<Traversal, Real>>(best, scene, scene.meshes, ray, NearerThan<Real>{enough});
 }
 
 // A ray through a mesh on the host, by the traversal that kernels of a device have compiled in.
 template <class Traversal, class Real>
 void meet_mesh(Hit<Real>& best, const MeshInstance<Real>& mesh, std::uint32_t object, const Vec3<Real>& origin,
-               const Ray<Real>& ray) {
+               const Ray<Real>& ray, Real enough) {
     NoTraversalCounter counter;
-    closest_in_mesh<Traversal>(best, mesh, object, origin, ray, counter);
+    closest_in_mesh<Traversal>(best, mesh, object, origin, ray, counter, NearerThan<Real>{enough});
 }
 
 template <class Traversal>

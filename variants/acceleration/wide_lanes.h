@@ -286,7 +286,7 @@ inline void meet_leaf(Hit<float>& best, const TriangleBlock* blocks, std::uint32
 
 template <int width>
 void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint32_t object, const Vec3<float>& origin,
-               const pt::Ray<float>& world_ray) {
+               const pt::Ray<float>& world_ray, float enough) {
     const auto& mesh = *static_cast<const Mesh<width>*>(instance.geometry.native);
     if (mesh.nodes.empty()) {
         return;
@@ -333,6 +333,9 @@ void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint3
         }
         if (is_leaf_link(link)) {
             meet_leaf(best, mesh.blocks.data(), link, triangles, ray);
+            if (NearerThan<float>{enough}.is_ended_by(best)) {
+                return;
+            }
         }
         do {
             if (top == stack) {

@@ -20,6 +20,7 @@ struct Query {
     Hit<float>* best;
     const LeafTriangle* leaves;
     MeshRay<float> ray;
+    NearerThan<float> end;
 };
 static_assert(offsetof(Query, context) == 0);
 
@@ -32,6 +33,7 @@ void meet(const RTCIntersectFunctionNArguments* arguments) {
     }
     auto& query = *reinterpret_cast<Query*>(arguments->context);
     meet_triangle(*query.best, query.leaves[arguments->primID], query.ray);
+    (void)query.end.is_ended_by(*query.best);
     RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, 1), 1, 0) = limit(query.best->t);
 }
 
@@ -132,11 +134,11 @@ NativeMesh prepare(const EncodedTree&, std::span<const LeafTriangle> leaves) {
 }
 
 void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint32_t object, const Vec3<float>& origin,
-               const Ray<float>& ray) {
-    Query query{{}, &best, instance.geometry.leaves, MeshRay<float>::of(instance, object, origin, ray)};
+               const Ray<float>& ray, float enough) {
+    Query query{{}, &best, instance.geometry.leaves, MeshRay<float>::of(instance, object, origin, ray), {enough}};
     const RTCScene scene = static_cast<const Mesh*>(instance.geometry.native)->scene_for(query.ray);
     if (scene == nullptr) {
-        pt::meet_mesh<BruteForce>(best, instance, object, origin, ray);
+        pt::meet_mesh<BruteForce>(best, instance, object, origin, ray, enough);
         return;
     }
     rtcInitIntersectContext(&query.context);

@@ -48,16 +48,25 @@ NativeMesh prepare(const EncodedTree&, std::span<const LeafTriangle> leaves) {
 }
 
 void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint32_t object, const Vec3<float>& origin,
-               const Ray<float>& ray) {
+               const Ray<float>& ray, float enough) {
     const MeshRay<float> in_mesh = MeshRay<float>::of(instance, object, origin, ray);
     Query query{{}, in_mesh.primitive};
     rtcInitIntersectContext(&query.context);
     query.context.filter = in_mesh.starts_here ? &pass_over_origin : nullptr;
     const Vec3<float>&o = in_mesh.origin, &d = in_mesh.direction;
+    const auto scene = static_cast<RTCScene>(const_cast<void*>(instance.geometry.native));
+    if (enough > 0) {
+        RTCRay any{o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, enough, ~0u, 0, 0};
+        rtcOccluded1(scene, &query.context, &any);
+        if (any.tfar < 0) {
+            best = {-1.0f, SurfaceId::of(object, false)};
+            return;
+        }
+    }
     RTCRayHit met{};
-    met.ray = {o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, best.t, ~0u, 0, 0};
+    met.ray = {o.x, o.y, o.z, enough, d.x, d.y, d.z, 0, best.t, ~0u, 0, 0};
     met.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(static_cast<RTCScene>(const_cast<void*>(instance.geometry.native)), &query.context, &met);
+    rtcIntersect1(scene, &query.context, &met);
     if (met.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
         return;
     }
@@ -65,7 +74,7 @@ void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint3
     const Triangle<float> triangle{vector_of<float>(leaf.a), vector_of<float>(leaf.b), vector_of<float>(leaf.c)};
     const TriangleHit<float> hit = intersect(triangle, in_mesh.origin, in_mesh.sheared);
     if (!hit.hits) {  // at an edge the two tests may round to different sides: a few rays in a million
-        pt::meet_mesh<BruteForce>(best, instance, object, origin, ray);
+        pt::meet_mesh<BruteForce>(best, instance, object, origin, ray, enough);
         return;
     }
     best.t = met.ray.tfar;

@@ -146,8 +146,8 @@ inline void look_along(Flags& sends, const SceneView<typename Config::Real>& sce
 #pragma GCC ivdep
     for (std::uint32_t l = 0; l < width; ++l) {
         const bool is_known = distance[l] > Real(0);
-        sights.before[l] = distance[l] * (Real(1) - gamma<Real>(16));
-        sights.about[l] = distance[l] * (Real(1) + gamma<Real>(16));
+        sights.before[l] = distance[l] * (Real(1) - point_rounding<Real>());
+        sights.about[l] = distance[l] * (Real(1) + point_rounding<Real>());
         sights.light[l] = lights[l];
         sights.asks[l] = is_known ? sends[l] : 0u;
         sights.blocked[l] = 0;

@@ -1,5 +1,5 @@
-// Next-event estimation (kernels/next_event.h): light is found by connecting diffuse vertices to it, one random
-// direction towards one random light each. From the camera, specular surfaces and bodies it is met by chance, as
+// Next-event estimation (kernels/next_event.h): light is found by connecting diffuse and rough vertices to it, one
+// random direction towards one random light each. From the camera, specular surfaces and bodies it is met by chance, as
 // before.
 #include "variants/direct_light/next_event.h"
 
@@ -10,8 +10,8 @@ const Registration registration(
     {
         .axis = "direct_light",
         .name = "nee",
-        .summary =
-            "every diffuse vertex but the last is connected to a random light; light met after one does not count",
+        .summary = "every diffuse or rough vertex but the last is connected to a random light; light met after one "
+                   "does not count",
         .origin = "Kajiya 1986; Shirley, Wang and Zimmerman 1996",
         .claim = Claim::statistical,
         .claim_note = next_event_claim,

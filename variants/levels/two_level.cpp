@@ -20,8 +20,9 @@ std::vector<ObjectNode> build(const PrimitiveBoxes& boxes) {
 }
 
 template <class Real>
-void meet(Hit<Real>& best, const SceneView<Real>& scene, const Ray<Real>& ray) {
-    closest_by_object_tree<SearchConfig<RunTimeAccelerator, Real>>(best, scene, scene.meshes, ray);
+void meet(Hit<Real>& best, const SceneView<Real>& scene, const Ray<Real>& ray, Real enough) {
+    closest_by_object_tree<SearchConfig<RunTimeAccelerator, Real>>(best, scene, scene.meshes, ray,
+                                                                   NearerThan<Real>{enough});
 }
 
 constexpr Descriptor descriptor_on(BackendSet backends) {

@@ -193,6 +193,10 @@ class FleetSource:
         """Verdicts of studies that change."""
         return _table(verdicts_section(MARKS[1], self._other, self._fleet.compared.labels))
 
+    def turned_table(self, axis: str) -> str:
+        """Verdicts about one axis or tunable that are FASTER on one and SLOWER on the other."""
+        return _table(verdicts_section(MARKS[1], self._other, self._fleet.compared.labels, axis))
+
     @property
     def changes_table(self) -> str:
         """Changes of order, with the bandwidth at which they happen."""

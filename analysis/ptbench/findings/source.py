@@ -68,13 +68,8 @@ class Source:
         return self._median(selection, lambda cell: cell.ms_per_spp)
 
     def rays(self, selection: str) -> Quantity:
-        """Rays traced over device time, 1e9 a second; over wall time where there is no device's clock."""
-
-        def rates(cell: Cell) -> np.ndarray:
-            times = [sample.device_ms or sample.wall_ms for sample in cell.samples]
-            return np.array([sample.rays / ms / 1e6 for sample, ms in zip(cell.samples, times, strict=True)])
-
-        return self._median(selection, rates)
+        """Rays traced over render wall time, 1e9 a second."""
+        return self._median(selection, lambda cell: np.array([one.mega_rays_per_second for one in cell.samples]) / 1e3)
 
     def rate(self, selection: str) -> Quantity:
         """Rays traced over render wall time, 1e6 a second."""
@@ -262,6 +257,11 @@ class Source:
         return self.result.about("git_sha")[:7]
 
     @property
+    def is_dirty(self) -> bool:
+        """Whether the program had changes that were not committed."""
+        return self.result.about("git_dirty") == "true"
+
+    @property
     def date(self) -> str:
         """The day of the measurement."""
         return self.result.context["date"][:10]
@@ -298,12 +298,13 @@ class Source:
         """A line of a list: the file, what it holds, the commit and the day."""
         failed = f"{self.failed} failed" if self.failed else "none failed"
         count = f"{self.disturbed} sample{'s' if self.disturbed > 1 else ''}"
+        dirty = " with uncommitted changes" if self.is_dirty else ""
         disturbed = f", {count} whose time other processes may have changed" if self.disturbed else ""
         summary = Path(self._shown).parent / "figures" / Path(self._shown).stem / "summary.md"
         every_row = f" Every row: [summary](../../results/{summary})." if (self._results / summary).exists() else ""
         return (
             f"- {link_to(self._results, self._shown)}: suite `{self.result.suite}`, {self.count} cells, {failed}"
-            f"{disturbed}; commit {shown_commit(self._results, self.commit)}, {self.date}.{every_row}"
+            f"{disturbed}; commit {shown_commit(self._results, self.commit)}{dirty}, {self.date}.{every_row}"
         )
 
     def _ways(self, selection: str) -> list[Way]:

@@ -95,10 +95,13 @@ def ratios_section(mark: str, other: Other) -> Section:
     return Section(f"{mark} against {MARKS[0]}", lines, Table(columns, tuple(rows), frozenset(columns[1:])))
 
 
-def verdicts_section(mark: str, other: Other, label: Labels) -> Section:
-    """Verdicts of the suite's studies that have another word on the other GPU."""
-    pairs = verdict_pairs(other.comparison)
-    changed = [pair for pair in pairs if pair.is_changed]
+def verdicts_section(mark: str, other: Other, label: Labels, turned_about: str = "") -> Section:
+    """Verdicts of the suite's studies that have another word on the other GPU.
+
+    `turned_about`: of those about one axis or tunable alone, and of them the ones that turn from gain to loss or back.
+    """
+    pairs = [pair for pair in verdict_pairs(other.comparison) if turned_about in ("", pair.axis)]
+    changed = [pair for pair in pairs if (pair.is_turned if turned_about else pair.is_changed)]
     rows = [
         (
             f"{pair.study.name}: over {pair.axis}={pair.baseline}",

@@ -49,16 +49,19 @@ class Withdrawal:
         """For a caption."""
         limits = ", ".join(f"{value:.2f} ({choice})" for choice, value in self.bound.items())
         bound = f"; bound: {limits} {self.bound_is}" if limits else ""
-        return f"Withdrawn: {self.withdrawn} of {self.named}: {self.reason}{bound}."
+        spared = f", except with {self._spared}" if self.spares else ""
+        return f"Withdrawn: {self.withdrawn} of {self.named}{spared}: {self.reason}{bound}."
 
     @property
     def full(self) -> str:
         """For a summary: everything."""
         where = f" ({self.source})" if self.source else ""
         body = self.short.removeprefix("Withdrawn: ").removesuffix(".")
-        spared = "; ".join(f"{axis}={','.join(choices)}" for axis, choices in self.spares.items())
-        stand = f" Verdicts with {spared} stand." if spared else ""
-        return f"{body}{where}. What stays valid: {self.stays}.{stand} Withdrawn until {self.until}."
+        return f"{body}{where}. What stays valid: {self.stays}. Withdrawn until {self.until}."
+
+    @property
+    def _spared(self) -> str:
+        return "; ".join(f"{axis}={','.join(choices)}" for axis, choices in self.spares.items())
 
     def concerns(self, cell: Cell) -> bool:
         """Whether the cell has a choice whose verdicts are withdrawn."""
