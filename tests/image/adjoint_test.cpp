@@ -18,7 +18,6 @@
 namespace pt {
 namespace {
 
-using test::ColourMean;
 using test::expect_equal_means;
 using test::lamp;
 using test::SceneBuilder;
@@ -102,18 +101,11 @@ private:
 
 // As test::block_means.
 template <class Real>
-std::vector<ColourMean> means_of(const Scene& scene, const Options& options, const Spoil<Real>& spoil = {}) {
+std::vector<test::ColourMeanOfPixels> means_of(const Scene& scene, const Options& options,
+                                               const Spoil<Real>& spoil = {}) {
     Trees<Real> trees(scene, options, spoil);
-    std::vector<ColourMean> means(5);
-    for (std::uint32_t pixel = 0; pixel < side * side; ++pixel) {
-        const std::uint32_t column = pixel % side / test::block, row = pixel / side / test::block;
-        for (std::uint32_t sample = 0; sample < options.samples; ++sample) {
-            const Vec3d radiance = trees.radiance(pixel, sample);
-            means[0].add(radiance);
-            means[1 + 2 * row + column].add(radiance);
-        }
-    }
-    return means;
+    return test::block_means_of(
+        options.samples, [&](std::uint32_t pixel, std::uint32_t sample) { return trees.radiance(pixel, sample); });
 }
 
 constexpr AdjointSettings roulette{.paths = 2048, .cells = 8, .window = 5, .branches = 1};
@@ -138,38 +130,41 @@ TYPED_TEST(AdjointTest, HasTheMeanOfWholePaths) {
     };
     for (const auto& ball : balls) {
         const Scene scene = stage(lamp, ball);
-        const auto off = means_of<TypeParam>(scene, {.samples = 150, .seed = 41});
-        expect_equal_means(off, means_of<TypeParam>(scene, {.samples = 150, .seed = 42, .adjoint = roulette}),
+        const auto off = means_of<TypeParam>(scene, {.samples = 450, .seed = 41});
+        expect_equal_means(off, means_of<TypeParam>(scene, {.samples = 450, .seed = 42, .adjoint = roulette}),
                            "roulette");
-        expect_equal_means(off, means_of<TypeParam>(scene, {.samples = 80, .seed = 43, .adjoint = splitting}),
+        expect_equal_means(off, means_of<TypeParam>(scene, {.samples = 300, .seed = 43, .adjoint = splitting}),
                            "splitting");
         expect_equal_means(
-            off, means_of<TypeParam>(scene, {.samples = 60, .seed = 44, .next_event = true, .adjoint = splitting}),
+            off, means_of<TypeParam>(scene, {.samples = 200, .seed = 44, .next_event = true, .adjoint = splitting}),
             "splitting with connections");
+    }
+}
+
+// Every place, segment and pixel expects something else, each from 10^low to 10^high.
+template <class Real>
+void spoil_by_noise(AdjointTable<Real>& table, double low, double high) {
+    test::Random random(7);
+    for (std::vector<float>* values : {&table.by_place, &table.by_segment, &table.by_pixel}) {
+        for (float& value : *values) {
+            value = static_cast<float>(std::pow(10.0, random.uniform(low, high)));
+        }
     }
 }
 
 // Whatever is expected: all alike, next to nothing everywhere, or noise over six orders of magnitude.
 TYPED_TEST(AdjointTest, HasTheirMeanWithAWrongTable) {
     const Scene scene = stage(lamp);
-    const auto off = means_of<TypeParam>(scene, {.samples = 200, .depth = 5, .seed = 51});
+    const auto off = means_of<TypeParam>(scene, {.samples = 400, .depth = 5, .seed = 51});
     const std::pair<const char*, Spoil<TypeParam>> wrongs[] = {
         {"ones", [](auto& table) { std::ranges::fill(table.by_place, 1.0f); }},
         {"nothing", [](auto& table) { std::ranges::fill(table.by_place, 0.0f); }},
-        {"noise",
-         [](auto& table) {
-             test::Random random(7);
-             for (std::vector<float>* values : {&table.by_place, &table.by_segment, &table.by_pixel}) {
-                 for (float& value : *values) {
-                     value = static_cast<float>(std::pow(10.0, random.uniform(-1.5, 1)));
-                 }
-             }
-         }},
+        {"noise", [](auto& table) { spoil_by_noise(table, -1.5, 1); }},
     };
     for (const auto& [name, spoil] : wrongs) {
         for (const AdjointSettings& settings : {roulette, splitting}) {
             // Few survive where nothing is expected: it takes more of them to see the mean.
-            const std::uint32_t samples = std::string(name) == "nothing" ? 800 : 150;
+            const std::uint32_t samples = std::string(name) == "nothing" ? 3200 : 400;
             expect_equal_means(
                 off,
                 means_of<TypeParam>(scene, {.samples = samples, .depth = 5, .seed = 52, .adjoint = settings}, spoil),
@@ -179,10 +174,10 @@ TYPED_TEST(AdjointTest, HasTheirMeanWithAWrongTable) {
 }
 
 // A closed room that shines evenly: every path brings the same, so branches bring together what one path would.
-Scene furnace(std::uint32_t depth, double albedo) {
+Scene furnace(std::uint32_t depth, const Vec3d& albedo) {
     SceneBuilder builder;
     builder.camera({0.25, 0.125, -0.5}, {0.3, -0.2, 1}).image(4, 4, 120, true).depth(depth);
-    builder.sphere(builder.diffuse(Vec3d(albedo), Vec3d(1 - albedo)), {0, 0, 0}, 2);
+    builder.sphere(builder.diffuse(albedo, Vec3d(1.0) - albedo), {0, 0, 0}, 2);
     return builder.scene;
 }
 
@@ -196,7 +191,7 @@ void expect_always(AdjointTable<Real>& table, Real share_of_white) {
 // Of an albedo of 1/2 every number that is met is a multiple of a power of two: not a bit may be lost.
 TYPED_TEST(AdjointTest, SplittingInAFurnaceLosesNothing) {
     const std::uint32_t depth = 6;
-    const Scene scene = furnace(depth, 0.5);
+    const Scene scene = furnace(depth, Vec3d(0.5));
     AdjointSettings settings = splitting;
     Trees<TypeParam> trees(scene, {.depth = depth, .adjoint = settings},
                            [](auto& table) { expect_always(table, TypeParam(0x1p20)); });
@@ -207,28 +202,92 @@ TYPED_TEST(AdjointTest, SplittingInAFurnaceLosesNothing) {
     EXPECT_EQ(trees.branches(), 16 * most_branches_of_tree);
 }
 
+// What paths bring, and their lengths without connections: means of sets of samples, each scrambled by a seed of its
+// own, so that their spread tells the error whatever the numbers are drawn by.
+struct Outcome {
+    test::ColourMean brought;
+    test::Mean length;
+};
+
+template <class Real>
+Outcome outcome_of(const Scene& scene, Options options, std::uint32_t samples, const Spoil<Real>& spoil) {
+    Outcome outcome;
+    for (options.seed = 100; options.seed < 116; ++options.seed) {
+        Trees<Real> trees(scene, options, spoil);
+        Vec3d sum(0.0);
+        for (std::uint32_t sample = 0; sample < samples; ++sample) {
+            sum += trees.radiance(0, sample);
+        }
+        outcome.brought.add(sum / static_cast<double>(samples));
+        outcome.length.add(static_cast<double>(trees.rays()) / samples);
+    }
+    return outcome;
+}
+
+// To some 0.5 %: 4.5 standard errors of at most 0.12 %.
+void expect_exact(const test::Mean& mean, double exact, const std::string& what) {
+    EXPECT_NEAR(mean.value(), exact, test::tolerated_errors * mean.standard_error() + 2e-6 * exact) << what;
+    EXPECT_LT(mean.standard_error(), 0.0012 * exact) << what;
+}
+
 // A path that is expected to bring p of the lower bound at its first vertex survives it with p and then brings that
 // bound; at every later one the albedo alone is left of it. So many segments in the mean, and the same sum.
 TYPED_TEST(AdjointTest, RouletteInAFurnaceHasTheLengthThatFollows) {
     const double albedo = 0.75, first = 0.5;
     const std::uint32_t depth = 9;
-    const Scene scene = furnace(depth, albedo);
-    Trees<TypeParam> trees(scene, {.depth = depth, .adjoint = roulette}, [&](auto& table) {
+    const Scene scene = furnace(depth, Vec3d(albedo));
+    const auto outcome = outcome_of<TypeParam>(scene, {.depth = depth, .adjoint = roulette}, 65536, [&](auto& table) {
         expect_always(table, static_cast<TypeParam>(first) * table.cache.lowest);
     });
     double expected = 1;
     for (std::uint32_t segment = 2; segment <= depth; ++segment) {
         expected += first * std::pow(albedo, segment - 2);
     }
-    test::Mean length, brought;
-    std::uint64_t before = 0;
-    for (std::uint32_t sample = 0; sample < 4000; ++sample) {
-        brought.add(trees.radiance(sample % 16, sample).x);
-        length.add(static_cast<double>(trees.rays() - before));
-        before = trees.rays();
+    expect_exact(outcome.length, expected, "length");
+    expect_exact(outcome.brought.channel[0], 1 - std::pow(albedo, depth), "brought");
+}
+
+// Both that end many paths and that split many.
+TYPED_TEST(AdjointTest, AFurnaceOfEveryColourShinesEvenlyWhateverIsExpected) {
+    const Vec3d albedo{0.75, 0.5, 0.25};
+    const std::uint32_t depth = 4;
+    const Scene scene = furnace(depth, albedo);
+    for (const AdjointSettings& settings : {roulette, splitting}) {
+        const double high = settings.branches > 1 ? 1 : 0.25;
+        const auto outcome = outcome_of<TypeParam>(scene, {.depth = depth, .adjoint = settings}, 16384,
+                                                   [&](auto& table) { spoil_by_noise(table, -1, high); });
+        const std::string what = std::to_string(settings.branches) + " branches, channel ";
+        for (int i = 0; i < 3; ++i) {
+            expect_exact(outcome.brought.channel[i], 1 - std::pow(albedo[i], depth), what + std::to_string(i));
+        }
+        // A path has `depth` segments, unless it is ended or split.
+        if (settings.branches > 1) {
+            EXPECT_GT(outcome.length.value(), 2 * depth);
+        } else {
+            EXPECT_LT(outcome.length.value(), 0.9 * depth);
+        }
     }
-    EXPECT_NEAR(length.value(), expected, test::tolerated_errors * length.standard_error());
-    EXPECT_NEAR(brought.value(), 1 - std::pow(albedo, depth), test::tolerated_errors * brought.standard_error());
+}
+
+// The floor's centre, below that of a square lamp half its width away: irradiance_test.cpp has the number.
+TYPED_TEST(AdjointTest, ConnectionsBringTheIrradianceWhateverIsExpected) {
+    SceneBuilder builder;
+    builder.camera({-3, 0.5, -3}, {0, 0, 0});
+    builder.quad(builder.diffuse(Vec3d(0.75)), {0, 0, 0}, 10, 10);
+    builder.quad(builder.emitter(Vec3d(1.0)), {0, 1, 0}, 2, 2);
+    const double exact = 0.75 * 1.740839502734206 / pi<double>;
+    for (const AdjointSettings& settings : {roulette, splitting}) {
+        // A fifth of what the window begins with, or four times what it ends with.
+        const auto outcome = outcome_of<TypeParam>(
+            builder.scene,
+            {.depth = 2, .next_event = true, .adjoint = settings, .sampler = set_of(Feature::sobol_owen)}, 4096,
+            [&](auto& table) {
+                const AdjointCache<TypeParam>& cache = table.cache;
+                const TypeParam share = settings.branches > 1 ? cache.highest * 4 : cache.lowest / 5;
+                expect_always(table, share);
+            });
+        expect_exact(outcome.brought.channel[0], exact, std::to_string(settings.branches) + " branches");
+    }
 }
 
 // Inside the window nothing happens: the film of paths that no roulette knows.
@@ -313,7 +372,7 @@ TEST(AdjointTableTest, IsNoneWhereThereIsNoLight) {
 TEST(AdjointTableTest, KnowsAFurnace) {
     const double albedo = 0.5;
     const std::uint32_t depth = 6;
-    const Scene scene = furnace(depth, albedo);
+    const Scene scene = furnace(depth, Vec3d(albedo));
     RenderSettings settings = settings_of(scene, {.depth = depth, .adjoint = roulette});
     settings.adjoint.cells = 1;
     const AdjointRecords records = learn_adjoint(scene, settings);

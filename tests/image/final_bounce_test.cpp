@@ -93,7 +93,7 @@ TYPED_TEST(FinalBounceTest, MovingLightAndMovingShade) {
         });
         scene.camera.shutter_close = 1;
         scene.camera.shutter_late = late;
-        expect_same_mean<TypeParam>(scene, 2, "moving");
+        expect_same_mean<TypeParam>(scene, 2, "moving", 600, 300);
     }
 }
 
@@ -147,7 +147,7 @@ TYPED_TEST(FinalBounceTest, SubsurfaceAtTheLastVertex) {
                                       [](auto& b) {
                                           return b.subsurface({4, 3, 2}, {0.1, 0.2, 0.3}, 0, 1.3);
                                       }),
-                                2, "subsurface", 150, 100);
+                                2, "subsurface", 400, 250);
 }
 
 TYPED_TEST(FinalBounceTest, LampInsideAbsorbingGlass) {

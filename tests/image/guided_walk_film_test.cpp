@@ -62,13 +62,58 @@ TYPED_TEST(GuidedFilmTest, HalfSpaceHasChandrasekharsAlbedoWithLessNoise) {
     for (const Case& c : {Case{40, .5, 1, .11522588}, Case{40, .8, 1, .28525450}, Case{60, .9, 1, .41494748},
                           Case{60, .9, .5, .50793891}, Case{60, .9, 0, .47802449}, Case{180, .99, 1, .75272072}}) {
         const Slab plain = test::slab<TypeParam>({c.tau, c.albedo}, c.mu, 2000, guided(0));
-        const Slab result = test::slab<TypeParam>({c.tau, c.albedo}, c.mu, 20000, guided(0.75));
+        const Slab result = test::slab<TypeParam>({c.tau, c.albedo}, c.mu, 100000, guided(0.75));
         EXPECT_NEAR(result.reflected.value(), c.page, tolerated_errors * result.reflected.standard_error() + 1e-7)
             << c.albedo << " " << c.mu;
+        EXPECT_LT(result.reflected.standard_error(), 0.003 * c.page) << c.albedo << " " << c.mu;
         const auto variance = [](const Mean& mean) {
             return mean.standard_error() * mean.standard_error() * static_cast<double>(mean.count());
         };
         EXPECT_LT(variance(result.reflected), variance(plain.reflected) / 3) << c.albedo << " " << c.mu;
+    }
+}
+
+// Light that comes straight down on half spaces of three colours in one, whose mean free paths differ as well.
+template <class Real>
+test::ColourMean coloured_half_space(const Vec3d& albedo, const Vec3d& sigma_t, std::uint32_t count) {
+    SceneBuilder builder;
+    builder.camera({0, 200, 0}, {0, 0, 0}, {1, 0, 0}).depth(2);
+    builder.box(builder.subsurface(sigma_t * albedo, sigma_t * (Vec3d(1.0) - albedo)), {0, 0, 0}, {1e5, 300, 1e5});
+    test::Stages<Real> stages(builder.scene, guided(0.75));
+    test::ColourMean reflected;
+    for (std::uint32_t sample = 0; sample < count; ++sample) {
+        Path<Real> path = stages.generate(0, sample);
+        const bool finished = stages.shade(path, stages.intersect(path));
+        reflected.add(finished && path.direction.y > 0 ? Vec3d(path.throughput) : Vec3d(0.0));
+    }
+    return reflected;
+}
+
+// The pages of the test above, to 1 %.
+TYPED_TEST(GuidedFilmTest, HalfSpacesOfThreeColoursHaveChandrasekharsAlbedos) {
+    const Vec3d page{.11522588, .41494748, .28525450};
+    for (const Vec3d& sigma_t : {Vec3d(1.0), Vec3d(0.5, 1, 2)}) {
+        const auto reflected = coloured_half_space<TypeParam>({.5, .9, .8}, sigma_t, 800000);
+        for (int i = 0; i < 3; ++i) {
+            const Mean& mean = reflected.channel[i];
+            EXPECT_NEAR(mean.value(), page[i], tolerated_errors * mean.standard_error() + 1e-7) << i;
+            EXPECT_LT(mean.standard_error(), 0.002 * page[i]) << i;
+        }
+    }
+}
+
+// A channel that loses nothing, beside two that do, in bodies of which every path comes out: it brings the environment.
+TYPED_TEST(GuidedFilmTest, ChannelThatLosesNothingIsInvisible) {
+    for (const int shape : {0, 3}) {
+        for (const double g : {0.0, 0.5}) {
+            SceneBuilder builder;
+            builder.camera({0, 0.4, -3}, {0, 0, 0}).image(4, 4, 12, true).depth(16).environment(1);
+            add_body(builder, shape, builder.subsurface({3, 9, 18}, {0, 0.02, 6}, g));
+            const auto mean = test::mean_radiance<TypeParam>(builder.scene, guided(0.75, 24000, 3));
+            const Mean& kept = mean.channel[0];
+            EXPECT_NEAR(kept.value(), 1, tolerated_errors * kept.standard_error()) << shape << " g " << g;
+            EXPECT_LT(kept.standard_error(), 0.002) << shape << " g " << g;
+        }
     }
 }
 
@@ -85,7 +130,8 @@ TEST(GuidedMeanPathTest, DoesNotDependOnTheScattering) {
     }
 }
 
-// Coloured bodies of every shape, with and without a boundary and an even phase function.
+// Coloured bodies of every shape, with and without a boundary and an even phase function. Plain walks are noisy: this
+// sees 9 %, and what is less is for the closed forms of the tests around it.
 TYPED_TEST(GuidedFilmTest, HasTheMeanOfPlainWalks) {
     for (int shape = 0; shape < 4; ++shape) {
         for (const double ior : {1.0, 1.4}) {
@@ -102,7 +148,7 @@ TYPED_TEST(GuidedFilmTest, HasTheMeanOfPlainWalks) {
                             std::hypot(plain.channel[i].standard_error(), mean.channel[i].standard_error());
                         EXPECT_NEAR(mean.channel[i].value(), plain.channel[i].value(), tolerated_errors * error)
                             << shape << " ior " << ior << " g " << g << " channel " << i;
-                        EXPECT_LT(error, 0.05);
+                        EXPECT_LT(error, 0.02);
                     }
                 }
             }
