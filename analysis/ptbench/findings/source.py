@@ -195,6 +195,14 @@ class Source:
         """Of the squared error over spp, both logarithmic: -1 for independent samples without a bias."""
         return self._fitted(selection, lambda fit: fit.slope.estimate)
 
+    def mean_error(self, selection: str) -> Quantity:
+        """How far the image's mean (green) is off in the longest renders, the median over seeds."""
+        cell = self.assessment(selection).cell
+        last = [sample.checkpoints[-1].mean_error for sample in cell.samples]
+        if not all(last):
+            raise FindingError(f"{self.result.path}: no mean error: {selection}")
+        return Quantity(median_estimate(np.abs([error[1] for error in last if error])), cell.name)
+
     def wall(self, selection: str) -> Quantity:
         """Render wall time a sample per pixel, ms, with checkpoints."""
         one = self.assessment(selection)
