@@ -133,18 +133,34 @@ def test_the_page_tells_what_there_is(measured):
 FAKE = """#!{python}
 import json, os, sys, time
 arguments = sys.argv[1:]
+
+
+def has_ended():
+    try:
+        number = open({pid!r}).read()
+        return number != "" and open(f"/proc/{{number}}/stat").read().rsplit(")", 1)[1].split()[0] in "ZX"
+    except FileNotFoundError:
+        return os.path.exists({pid!r})
+
+
 with open({log!r}, "a") as log:
     print(json.dumps([os.environ["CUDA_VISIBLE_DEVICES"], *arguments]), file=log)
 if arguments[0] == "render":
+    open({pid!r}, "w").write(str(os.getpid()))
     time.sleep({life})
 else:
-    open(arguments[arguments.index("--out") + 1], "w").write("{{}}")
+    out = arguments[arguments.index("--out") + 1]
+    while {life} == 0 and "beside" in out and not has_ended():
+        time.sleep(0.01)
+    open(out, "w").write("{{}}")
 """
 
 
 def neighbours(tmp_path, *, visible: str, life: float) -> subprocess.CompletedProcess:
     program, smi = tmp_path / "program", tmp_path / "nvidia-smi"
-    program.write_text(FAKE.format(python=sys.executable, log=str(tmp_path / "log"), life=life))
+    program.write_text(
+        FAKE.format(python=sys.executable, log=str(tmp_path / "log"), pid=str(tmp_path / "pid"), life=life)
+    )
     smi.write_text("#!/bin/sh\necho 99\n")
     program.chmod(0o755)
     smi.chmod(0o755)
@@ -164,6 +180,7 @@ def test_neighbours_are_timed_on_one_gpu_while_the_other_works(tmp_path):
 
 
 def test_a_neighbour_that_ends_is_an_error(tmp_path):
+    # Where it is still there when the run begins, the run waits for its end.
     ran = neighbours(tmp_path, visible="4,7", life=0)
     assert ran.returncode != 0
     assert "neighbour ended" in ran.stderr
