@@ -331,10 +331,10 @@ PT_HD inline void meet_triangle(Hit<Real>& best, const LeafTriangle& leaf, const
     }
 }
 
-// When a search through meshes ends: of these two, when it has the closest hit.
+// When a search through meshes ends. This one has the closest hit then: nothing ends it early.
 struct WithClosest {
     template <class Real>
-    PT_HD static constexpr bool is_ended_by(Hit<Real>&) {
+    PT_HD static constexpr bool end_if_met(Hit<Real>&) {
         return false;
     }
     template <class Real>
@@ -342,13 +342,13 @@ struct WithClosest {
         return Real(0);
     }
 };
-// Or with any hit before a distance: best.t is then -1, so that no box and no triangle is nearer and every tree's walk
-// ends by itself.
+// This one ends with any hit before a distance. It sets best.t to -1 then: no box and no triangle is nearer, so every
+// tree's walk ends by itself.
 template <class Number>
 struct NearerThan {
     Number limit;
 
-    PT_HD bool is_ended_by(Hit<Number>& best) const {
+    PT_HD bool end_if_met(Hit<Number>& best) const {
         const bool ends = best.t < limit;
         best.t = ends ? Number(-1) : best.t;
         return ends;
@@ -370,7 +370,7 @@ PT_HD inline void closest_in_mesh(Hit<Real>& best, const MeshInstance<Real>& mes
             for (std::uint32_t slot = first; slot < first + count; ++slot) {
                 const LeafTriangle leaf = mesh.geometry.leaves[slot];
                 meet_triangle(best, leaf, in_mesh);
-                if (end.is_ended_by(best)) {
+                if (end.end_if_met(best)) {
                     return;
                 }
             }
@@ -427,7 +427,7 @@ PT_HD inline void closest_by_flat_tree(Hit<typename Config::Real>& best, const S
                 const LeafTriangle leaf{
                     {t.a.x, t.a.y, t.a.z}, slot.primitive, {t.b.x, t.b.y, t.b.z}, 0, {t.c.x, t.c.y, t.c.z}, 0};
                 meet_triangle(best, leaf, in_mesh);
-                if (end.is_ended_by(best)) {
+                if (end.end_if_met(best)) {
                     return;
                 }
             }
@@ -452,7 +452,7 @@ PT_HD inline void closest_of_meshes(Hit<typename Config::Real>& best, const Scen
         }
         for (std::uint32_t i = 0; i < meshes.size; ++i) {
             closest_mesh<Config>(best, scene, meshes[i], first_of<ShapeKind::mesh>(scene) + i, ray, end);
-            if (end.is_ended_by(best)) {
+            if (end.end_if_met(best)) {
                 return;
             }
         }

@@ -1,7 +1,8 @@
 // Shadow rays to a known point of a light: ended at the first object that is met before the point, with no account of
 // which is nearest or which side is met, without the light itself, and without an enclosure's walls where the point
 // lies plainly within it. What is met within rounding of the point's distance (a light that touches another object) is
-// left to closest_hit, so that connections see what paths meet. In a mesh the first triangle that is met ends the walk.
+// left to closest_hit, so that connections see what paths meet. In a mesh the first leaf with a triangle before the point
+// ends the walk.
 #pragma once
 
 #include "kernels/intersect.h"
@@ -12,7 +13,8 @@ enum class Sight { clear, blocked, unsure };
 
 // What part of its distance a point is known to. A distance to a plane is a difference of coordinates over a component
 // of the direction: it is off by some roundings of the coordinates over the height above the plane. This allows 16 of
-// them where the height is a 256th of the coordinates.
+// them where the height is a 256th of the coordinates, and one where it is a 4096th. Nearer to the plane a light that
+// touches another object may be seen where paths do not meet it; little is sent so flatly.
 template <class Real>
 PT_HD constexpr Real point_rounding() {
     return gamma<Real>(16 * 256);

@@ -141,8 +141,9 @@ private:
         std::uint32_t size() const { return end - begin; }
     };
 
-    // A power of two near the square of the lights' extent, but such that products of it with their distances, in
-    // float, stay in range: for extents below 1, and from 2^38 on, nearer to the extent itself.
+    // A power of two: the square of the lights' extent, so that sums of what they send are near 1 wherever Shares must
+    // tell them apart. Products of it with distances must stay in float's range, so below an extent of 1 it is the
+    // extent, and from 2^39 on 2^115 over it.
     static double scale_for(const Bounds<double>& bounds) {
         const Vec3d size = bounds.high - bounds.low;
         const double extent = std::max({size.x, size.y, size.z});

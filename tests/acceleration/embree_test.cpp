@@ -244,6 +244,38 @@ TEST(EmbreeNativeTest, MeetsWhatBruteForceMeets) {
     EXPECT_GT(same, starts.size() - starts.size() / 1000);
 }
 
+// Up to rounding of the distances: what is met well before the limit ends the search, what is met well beyond does not,
+// and neither does the triangle that a ray starts on.
+TEST(EmbreeNativeTest, AnyHitBeforeADistanceEndsTheSearch) {
+    if (Registry::instance().find("accelerator", "embree_native") == nullptr) {
+        GTEST_SKIP() << "this build has no accelerator=embree_native";
+    }
+    const Triangles triangles = random_soup(2000, 0.2f, 4);
+    const Planted planted(triangles, hook_of("embree_native"));
+    const std::vector<TestRay> starts = rays_for(triangles, 8000, 8), turns = rays_for(triangles, 8000, 9);
+    std::size_t hits = 0, right = 0;
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+        const Vec3<float> d = starts[i].direction + turns[i].direction * 0.37f;
+        Ray<float> ray = ray_of({starts[i].origin * 0.9f + turns[i].origin * 0.1f, d});
+        const Hit<float> closest = planted.closest(ray);
+        if (!closest.side.exists() || closest.t < 1e-3f) {
+            continue;
+        }
+        ++hits;
+        const bool is_ended = planted.nearer_than(ray, 4 * closest.t, 1.001f * closest.t).t == -1.0f;
+        const bool is_closest = same_place(planted.nearer_than(ray, 4 * closest.t, 0.999f * closest.t), closest);
+        const bool is_missed = !planted.nearer_than(ray, 0.999f * closest.t, 0.9f * closest.t).side.exists();
+        ray.origin_surface = closest.side;
+        ray.primitive = closest.primitive;
+        const Hit<float> next = planted.closest(ray);
+        const float between = next.side.exists() ? 0.5f * (closest.t + next.t) : 2 * closest.t;
+        const bool is_left = !planted.nearer_than(ray, between, between).side.exists() || next.t < 1.001f * closest.t;
+        right += is_ended && is_closest && is_missed && is_left ? 1 : 0;
+    }
+    EXPECT_GT(hits, 1000u);
+    EXPECT_GT(right, hits - hits / 500);
+}
+
 TEST(EmbreeBuilderTest, BuildsAWholeTreeOfAnyTriangles) {
     const Choice* choice = Registry::instance().find("builder", "embree");
     if (choice == nullptr) {

@@ -69,7 +69,7 @@ public:
             ray.direction = {from.direction[0], from.direction[1], from.direction[2]};
             pt::Hit<float> best;
             best.t = from.t_max;
-            hook_.meet_single(best, instance_, 0, ray.origin, ray);
+            hook_.meet_single(best, instance_, 0, ray.origin, ray, 0);
             hits[i] = {best.t, best.side.exists() ? best.primitive : no_primitive};
         }
     }
@@ -305,7 +305,8 @@ double load() {
 int run(int argc, char** argv) {
     const Options options = read(argc, argv);
     std::ostringstream json;
-    json << "{\"schema\": \"ptbench-rays-cpu-1\", \"commit\": \"" << git_sha() << "\", \"cpu\": \"" << cpu_name() << "\", \"threads\": 1, \"clock\": \"CPU time of the thread\", "
+    json << "{\"schema\": \"ptbench-rays-cpu-1\", \"commit\": \"" << git_sha() << "\", \"cpu\": \"" << cpu_name()
+         << "\", \"threads\": 1, \"clock\": \"CPU time of the thread\", "
          << "\"statistic\": \"median\", \"repetitions\": " << options.repeat
          << ", \"order\": \"all contenders in turn, repeated\", \"compiler\": \"" << __VERSION__
          << "\", \"load_before\": " << load() << ", \"meshes\": [\n";

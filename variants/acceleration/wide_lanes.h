@@ -333,7 +333,7 @@ void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint3
         }
         if (is_leaf_link(link)) {
             meet_leaf(best, mesh.blocks.data(), link, triangles, ray);
-            if (NearerThan<float>{enough}.is_ended_by(best)) {
+            if (NearerThan<float>{enough}.end_if_met(best)) {
                 return;
             }
         }

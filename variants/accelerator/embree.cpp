@@ -33,7 +33,7 @@ void meet(const RTCIntersectFunctionNArguments* arguments) {
     }
     auto& query = *reinterpret_cast<Query*>(arguments->context);
     meet_triangle(*query.best, query.leaves[arguments->primID], query.ray);
-    (void)query.end.is_ended_by(*query.best);
+    (void)query.end.end_if_met(*query.best);
     RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, 1), 1, 0) = limit(query.best->t);
 }
 
