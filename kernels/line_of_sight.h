@@ -1,8 +1,8 @@
 // Shadow rays to a known point of a light: ended at the first object that is met before the point, with no account of
 // which is nearest or which side is met, without the light itself, and without an enclosure's walls where the point
 // lies plainly within it. What is met within rounding of the point's distance (a light that touches another object) is
-// left to closest_hit, so that connections see what paths meet. In a mesh the first leaf with a triangle before the point
-// ends the walk.
+// left to closest_hit, so that connections see what paths meet. In a mesh the first leaf with a triangle before the
+// point ends the walk.
 #pragma once
 
 #include "kernels/intersect.h"
