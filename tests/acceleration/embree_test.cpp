@@ -41,6 +41,7 @@ public:
     Planted(const Planted&) = delete;
     Planted& operator=(const Planted&) = delete;
 
+    const MeshInstance<float>& mesh() const { return mesh_; }
     Hit<float> closest(const Ray<float>& ray) const {
         return nearer_than(ray, std::numeric_limits<float>::infinity(), 0);
     }
@@ -169,15 +170,8 @@ TEST(ShadowRaysTest, AnyHitBeforeADistanceEndsTheSearch) {
 // What it is for: rays that are blocked visit fewer nodes and triangles than the search for the closest hit.
 TEST(ShadowRaysTest, ABlockedRayVisitsLess) {
     const Triangles triangles = random_soup(4000, 0.2f, 4);
-    const EncodedTree tree = accelerator::cwbvh::encode(builders()[0].build(triangles, 3));
-    std::vector<LeafTriangle> leaves;
-    for (const std::uint32_t primitive : tree.references) {
-        leaves.push_back(leaf_of(triangles[primitive], primitive));
-    }
-    MeshInstance<float> mesh{};
-    mesh.geometry.leaves = leaves.data();
-    mesh.geometry.tree = tree.view();
-    mesh.is_placed = 1;
+    const Planted planted(triangles, hook_of("cwbvh"));
+    const MeshInstance<float>& mesh = planted.mesh();
     std::uint64_t nodes_for_closest = 0, nodes_for_any = 0, primitives_for_closest = 0, primitives_for_any = 0;
     std::size_t blocked = 0;
     for (const TestRay& test_ray : rays_for(triangles, 4000, 7)) {

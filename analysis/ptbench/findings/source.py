@@ -69,7 +69,7 @@ class Source:
 
     def rays(self, selection: str) -> Quantity:
         """Rays traced over render wall time, 1e9 a second."""
-        return self._median(selection, lambda cell: np.array([one.mega_rays_per_second for one in cell.samples]) / 1e3)
+        return self.rate(selection).over(1e3)
 
     def rate(self, selection: str) -> Quantity:
         """Rays traced over render wall time, 1e6 a second."""
