@@ -26,12 +26,43 @@ bool read_for_tinygltf(std::vector<unsigned char>* content, std::string* error, 
     }
 }
 
+std::size_t word_at(std::string_view content, std::size_t at) {
+    std::size_t word = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+        word |= static_cast<std::size_t>(static_cast<unsigned char>(content[at + i])) << (8 * i);
+    }
+    return word;
+}
+
+// tinygltf (2.7) forgets the 8 bytes of the second chunk's header when it holds the chunk against the file's length,
+// and reads so far behind the end. What else is wrong with chunks it refuses itself.
+void check_binary_chunk(std::string_view content, const std::string& file) {
+    constexpr std::size_t file_header = 12, chunk_header = 8;
+    if (content.size() < file_header + chunk_header) {
+        return;
+    }
+    const std::size_t length = word_at(content, 8);
+    const std::size_t data = file_header + chunk_header + word_at(content, file_header) + chunk_header;
+    if (length > content.size() || data > length) {
+        return;
+    }
+    const std::size_t size = word_at(content, data - chunk_header);
+    if (size > length - data) {
+        throw InputError(file, "chunk BIN", fmt::format("{} bytes", size),
+                         fmt::format("at most {}, where the file ends", length - data));
+    }
+}
+
 }  // namespace
 
 tinygltf::Model parse_gltf_model(std::string_view content, const std::string& file, const GltfFileReader& read) {
     constexpr std::size_t largest = 0xffffffff;  // by the format
     if (content.size() > largest) {
         throw InputError(file, "file", fmt::format("{} bytes", content.size()), fmt::format("at most {}", largest));
+    }
+    const bool is_binary = content.starts_with("glTF") || !read;
+    if (is_binary) {
+        check_binary_chunk(content, file);
     }
     tinygltf::TinyGLTF loader;
     // Of an image that is text of the file its bytes, since nobody else has them; one in a buffer stays there.
@@ -54,7 +85,6 @@ tinygltf::Model parse_gltf_model(std::string_view content, const std::string& fi
     std::string errors, warnings;
     bool is_read = false;
     try {
-        const bool is_binary = content.starts_with("glTF") || !read;
         const auto size = static_cast<unsigned int>(content.size());
         is_read = is_binary ? loader.LoadBinaryFromMemory(&model, &errors, &warnings,
                                                           reinterpret_cast<const unsigned char*>(content.data()), size)

@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -379,6 +380,23 @@ TEST_F(GlbTest, EachFaultHasItsLine) {
               "mesh: file: ");
     EXPECT_EQ(fault_of(parse_glb, GlbQuad().content().substr(0, 40)).substr(0, 12), "mesh: file: ");
     EXPECT_EQ(fault_of(parse_glb, "").substr(0, 12), "mesh: file: ");
+}
+
+// By 4 or 8 bytes, the size of its own header, tinygltf does not see it.
+TEST_F(GlbTest, ABinaryChunkThatIsLongerThanItsFileIsRefused) {
+    const std::string content = GlbQuad().content();
+    const std::size_t size_at = content.size() - 108 - 8;
+    ASSERT_EQ(content.substr(size_at, 8), std::string("\x6c\0\0\0BIN\0", 8));
+    const auto fault = [&](int size) {
+        std::string spoilt = content;
+        spoilt[size_at] = static_cast<char>(size);
+        return fault_of(parse_glb, spoilt);
+    };
+    EXPECT_EQ(fault(108), "");
+    for (const int size : {112, 116, 120}) {
+        EXPECT_EQ(fault(size),
+                  fmt::format("mesh: chunk BIN: found {} bytes, allowed: at most 108, where the file ends", size));
+    }
 }
 
 TEST(ReadMeshTest, AFileThatIsMissingOrOfAnotherKindIsRefused) {
