@@ -317,7 +317,9 @@ bool is_disturbed(const Json& sample, Backend backend) {
     constexpr double most_host_share = 0.02;
     const double wall = sample.at("pt_wall_ms").get<double>();
     const bool was_late = 1 - sample.value("pt_device_ms", 0.0) / wall > most_host_share;
-    return is_contended(sample) && (backend != Backend::cuda || was_late);
+    // The device's time goes on while its host is late with the answer that it waits for.
+    const bool was_waited_for = sample.value("pt_host_waits", 0.0) > 0;
+    return is_contended(sample) && (backend != Backend::cuda || was_late || was_waited_for);
 }
 
 std::string in_words(const Disturbance& d) {

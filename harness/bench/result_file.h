@@ -44,7 +44,7 @@ struct Disturbance {
 };
 Disturbance disturbance_of(const Plan& plan, const Journal& journal);
 // Whether another process took CPU time such that the sample's time may be wrong for it: on a GPU a busy host can only
-// make a render longer than the device worked.
+// make a render longer than the device worked, or, where the render waits for the host within, longer on both clocks.
 bool is_disturbed(const Json& sample, Backend backend);
 // "disturbed: 3 of 54 samples (other processes 2, low clock 1)".
 std::string in_words(const Disturbance& disturbance);

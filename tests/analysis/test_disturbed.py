@@ -52,6 +52,16 @@ def test_a_tenth_is_not_too_much(tmp_path):
     assert not disturbance_of(load(builder.write(tmp_path / "b.json")).cells).is_too_much
 
 
+@pytest.mark.parametrize(("waits", "expected"), [(0, 0), (1, 72)])
+def test_a_gpu_that_waits_for_a_busy_host_is_disturbed(base, tmp_path, waits, expected):
+    """Its clock goes on while it waits, so its time is no evidence of an undisturbed render."""
+    document = copy.deepcopy(base)
+    for row in document["benchmarks"]:
+        if "pt_wall_ms" in row:
+            row.update(pt_contended=1, pt_device_ms=row["pt_wall_ms"], pt_host_waits=waits)
+    assert disturbance_of(load(written(document, tmp_path / "a.json")).cells).disturbed == expected
+
+
 @pytest.mark.parametrize("key", ["pt_contended", "pt_low_clock"])
 def test_a_noise_file_of_disturbed_samples_is_refused(base, analysis, tmp_path, key):
     files = [written(base, tmp_path / "a.json"), written(other_program(run_again(base)), tmp_path / "b.json")]

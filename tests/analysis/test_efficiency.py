@@ -198,6 +198,17 @@ def test_the_baseline_is_the_plain_estimator_that_most_are_like(tmp_path):
     ]  # fmt: skip
 
 
+def test_plain_walks_are_the_baseline_of_guided_ones_with_several_settings(tmp_path):
+    builder = convergence_study(on_gpu())
+    builder.baselines["subsurface_sampling"] = "classical"
+    convergence_cell(builder, exact(), axes={"subsurface_sampling": "classical"})
+    for percent in (50, 75):
+        guided = {"subsurface_sampling": "dwivedi"}
+        convergence_cell(builder, exact(), axes=guided, tunables={"guided_percent": percent})
+    result, group = group_of(builder, tmp_path)
+    assert baseline_among(result, group).cell.axes["subsurface_sampling"] == "classical"
+
+
 def test_where_one_axis_varies_its_choices_are_the_names(tmp_path):
     builder = convergence_study(on_gpu())
     for choice in ("off", "nee"):

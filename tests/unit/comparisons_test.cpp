@@ -276,6 +276,16 @@ TEST(DisturbedTest, OnAGpuTheDevicesClockTells) {
     EXPECT_FALSE(is_disturbed(sample(200, 10), Backend::cpu));
 }
 
+// The device's clock goes on while the device waits, so it cannot tell.
+TEST(DisturbedTest, ARenderThatWaitsForABusyHostIsDisturbed) {
+    Json waiting = sample(200, 190), alone = sample(200, 10);
+    waiting["pt_device_ms"] = alone["pt_device_ms"] = 200;
+    EXPECT_FALSE(is_disturbed(waiting, Backend::cuda));
+    waiting["pt_host_waits"] = alone["pt_host_waits"] = 1;
+    EXPECT_TRUE(is_disturbed(waiting, Backend::cuda));
+    EXPECT_FALSE(is_disturbed(alone, Backend::cuda));
+}
+
 TEST_F(TableTest, ShortNamesSayWhatDiffers) {
     add({}, 1);
     add({{"layout", "soa"}}, 1);

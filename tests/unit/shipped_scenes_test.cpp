@@ -103,7 +103,8 @@ TEST(ShippedScenes, HaveExactKernelsOfEveryIntegrator) {
 
 TEST(ShippedScenes, NeedEveryListedFeatureSet) {
     constexpr FeatureSet estimators = Feature::final_bounce | Feature::next_event | Feature::multiple_importance |
-                                      Feature::projected_sampling | Feature::automatic_sampling;
+                                      Feature::projected_sampling | Feature::automatic_sampling |
+                                      Feature::power_selection | Feature::tree_selection;
     std::set<FeatureSet> needed;
     for (const std::filesystem::path& file : scene_files()) {
         needed.insert(features_of(load_scene(file.string())));
@@ -150,6 +151,23 @@ TEST(ShippedScenes, OfTheBoxesHaveKernelsThatDrawPointsOnLamps) {
                 EXPECT_EQ(kernel.compiled & light_samplings, no_features | feature)
                     << name << " by " << variant.spelled_out() << " needs " << names_of(kernel.needed);
             }
+        }
+    }
+}
+
+// And, of the scene with many lamps, that choose among them: beside `off`, which has its own, a kernel with everything
+// would be what the choice is charged with.
+TEST(ShippedScenes, OfManyLampsHaveKernelsThatChooseAmongThem) {
+    const Scene scene = shipped("many_lights");
+    for (const char* const integrator : {"depth_first", "wavefront"}) {
+        for (const char* const selection : {"uniform", "power", "light_tree"}) {
+            Variant variant = Registry::instance().baseline();
+            variant.set("integrator", integrator);
+            variant.set("direct_light", "nee_mis");
+            variant.set("light_sampling", "auto");
+            variant.set("light_selection", selection);
+            const KernelChoice kernel = choose_kernel(scene, variant);
+            EXPECT_EQ(kernel.compiled, kernel.needed) << variant.spelled_out() << " needs " << names_of(kernel.needed);
         }
     }
 }

@@ -20,7 +20,7 @@ from ptbench.studies.questions import usual_baseline
 
 COMPANION = "_without_checkpoints"
 # What decides the error curve; the other axes shift it in time.
-_ESTIMATOR_AXES = ("first_bounce", "direct_light", "russian_roulette", "sampler", "precision")
+_ESTIMATOR_AXES = ("first_bounce", "direct_light", "russian_roulette", "sampler", "subsurface_sampling", "precision")
 # A plateau is in reach of no time from here on: e^2 - B^2 of less than this share of e^2 is noise of the fit.
 _NEAR_PLATEAU = 1e-3
 # Whose last squared error is so much of its plateau's has come to it.

@@ -228,13 +228,15 @@ class Cell:
     def disturbed_samples(self) -> int:
         """Contended ones whose time may be wrong for it: on a GPU the device's clock tells.
 
-        Other processes can only make the host late, and then the render takes longer than the device worked.
+        Other processes can only make the host late, and then the render takes longer than the device worked. Where the
+        device waits for the host within the render, its clock goes on and cannot tell: all contended ones count.
         """
         return sum(self.is_disturbed(sample) for sample in self.samples)
 
     def is_disturbed(self, sample: Sample) -> bool:
         """Whether the sample's time may be wrong for other processes."""
-        return sample.contended and (self.backend != GPU_BACKEND or sample.host_share > MOST_HOST_SHARE)
+        was_late = sample.host_share > MOST_HOST_SHARE or sample.work.get("host_waits", 0) > 0
+        return sample.contended and (self.backend != GPU_BACKEND or was_late)
 
     @property
     def resolution_text(self) -> str:

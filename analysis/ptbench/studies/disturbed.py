@@ -1,6 +1,7 @@
 """How many samples were disturbed: taken while other processes had the CPU, or at a low clock.
 
-On a GPU a busy host disturbs only a render that took longer than the device worked (Cell.is_disturbed).
+On a GPU a busy host disturbs only a render that took longer than the device worked, or that waits for the host
+(Cell.is_disturbed).
 """
 
 from __future__ import annotations

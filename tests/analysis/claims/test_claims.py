@@ -330,7 +330,7 @@ def test_an_edited_prediction_is_as_old_as_the_edit(house, changed):
 def test_what_is_no_prediction_may_be_edited(house):
     house.claim(boxes())
     first = house.commit(EARLY)
-    house.claim({**boxes(), "seconds": 9}, near="It is nearer.", title="Sorts")
+    house.claim({**boxes(), "seconds": 9}, near="It is nearer.", title="Sorts", afterwards="No bound.")
     assert house.order(PREDICTED).predicted == first
     house.commit(LATE)
     assert (house.order(PREDICTED).grade, house.order(PREDICTED).predicted) == (BY_DATE, first)
@@ -383,11 +383,12 @@ def test_what_a_reader_measures_changes_no_committed_page(house):
 
 
 def test_pages_say_the_numbers_and_are_checked(house, capsys):
-    house.claim(boxes()).measured([1.0, 1.25, 1.5])
+    house.claim(boxes(), afterwards="It had no bound.").measured([1.0, 1.25, 1.5])
     house.commit()
     claims(Call(house.root, write=True))
     page = (house.ledger.pages / "sorting.md").read_text(encoding="utf-8")
     assert "## NVIDIA H200: holds only where" in page
+    assert "\nWritten after the run: It had no bound.\n" in page
     assert "| box 1 | theirs | at least 1.1 | 1 to 1.5 | 1.25 | holds |" in page
     assert "| box 0 | below | at least 1.1 | 1 to 1.5 | 1.00 | less |" in page
     table = (house.ledger.pages / "README.md").read_text(encoding="utf-8")
