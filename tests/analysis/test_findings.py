@@ -2,6 +2,7 @@
 
 import gzip
 import json
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -22,6 +23,22 @@ HOUSE = House(ROOT)
 TEMPLATES = sorted(path.stem for path in HOUSE.templates.glob("*.md"))
 SOURCE = {"compaction": {"file": "nvidia-h200/compaction.json", "where": "arithmetic=exact", "kernels_behind": 1000}}
 CELL = '"study=wavefront scene=cornell_open layout=aos compaction=thrust_remove_if"'
+
+
+def result_of(summary: Path) -> Path | None:
+    """The result file that a folder of figures is called by; None: it is called by something else."""
+    stem = summary.parents[2] / summary.parent.name
+    return next((file for file in (stem.with_suffix(".json"), stem.with_suffix(".json.gz")) if file.exists()), None)
+
+
+def summaries() -> list[Path]:
+    """Of runs of suites: those of other records say no commit."""
+    all_of_them = sorted(HOUSE.results.glob("*/figures/*/summary.md"))
+    return [path for path in all_of_them if result_of(path) is not None and "\n- ptbench: " in path.read_text()]
+
+
+def test_summaries_are_found():
+    assert len(summaries()) > 20
 
 
 def template(folder: Path, text: str, **head) -> Path:
@@ -89,6 +106,28 @@ def test_a_commit_that_the_history_has_not_must_be_named_as_lost(tmp_path):
     assert ["2 commits to kernels/" in fault for fault in too_old(page, results, repository)] == [True]
     source = Source(results, "small.json")
     assert f"commit 0123456 ([lost](../../results/lost_commits.json), part of {first[:7]})" in source.provenance
+
+
+def test_films_of_an_older_program_are_compared_cell_by_cell(tmp_path):
+    text = gzip.decompress((HOUSE.results / "nvidia-h200/first_bounce_e3d4f13.json.gz").read_bytes()).decode()
+    hashes = [cell["film_hash"] for cell in json.loads(text)["ptbench"]["cells"]]
+    (tmp_path / "one_other.json").write_text(text.replace(hashes[3], "0123456789abcdef"), encoding="utf-8")
+    newer = Source(HOUSE.results, "nvidia-h200/first_bounce.json")
+    others = hashes.count(hashes[3])
+    assert 0 < others < 48
+    assert newer.films_of(Source(tmp_path, "one_other.json")) == (48 - others, 48)
+    with pytest.raises(FindingError, match="no cell in common"):
+        newer.films_of(Source(HOUSE.results, "nvidia-h200/scaling.json"))
+
+
+@pytest.mark.parametrize("summary", summaries(), ids=lambda path: "/".join(path.parts[-4:-1:2]))
+def test_committed_summaries_are_of_the_results_beside_them(summary):
+    """The tables and figures of a folder were drawn from the file that lies there, not from one that it replaced."""
+    result = result_of(summary)
+    content = gzip.decompress(result.read_bytes()) if result.suffix == ".gz" else result.read_bytes()
+    context = json.loads(content)["context"]
+    line = rf"^- ptbench: .*git {context['ptbench.git_sha']}.*, {re.escape(context['date'])}$"
+    assert re.search(line, summary.read_text(), re.MULTILINE)
 
 
 def test_the_committed_overview_is_what_its_results_say(capsys):

@@ -166,6 +166,14 @@ class Source:
         base = cell_of(self.result, {**self._chosen(selection), **parsed(over)})
         return self.cell(selection).film_hash == base.film_hash
 
+    def films_of(self, older: Source) -> tuple[int, int]:
+        """Of an older program's cells that are here too, by what they render: how many left the same film, and all."""
+        theirs = {cell.shown: cell.film_hash for cell in older.result.cells if cell.measured}
+        same = [theirs[cell.shown] == cell.film_hash for cell in self.result.cells if cell.shown in theirs]
+        if not same:
+            raise FindingError(f"{self.result.path}: no cell in common with {older.result.path}")
+        return sum(same), len(same)
+
     def registers(self, selection: str, kernel: str) -> int:
         """Registers a thread of a kernel."""
         return self._kernel(selection, kernel).registers
