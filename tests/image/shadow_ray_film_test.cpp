@@ -83,6 +83,9 @@ void expect_same_film(const Scene& scene, const std::string& direct_light, const
     }
 }
 
+// A ray to a point at the very edge of a lamp may pass the lamp by in its rounding: it is clear, but has no hit. Films
+// of 128 x 128 pixels of 64 samples have four such rays in small_light and none in the other scenes; these have none at
+// all.
 class ShadowRayFilmTest : public testing::TestWithParam<const char*> {};
 
 TEST_P(ShadowRayFilmTest, IsThatOfTheClosestHit) {
