@@ -297,12 +297,13 @@ Disturbance disturbance_of(const Plan& plan, const Journal& journal) {
     for (const Cell& cell : plan.cells) {
         for (const Json& sample : journal.samples(cell.name)) {
             rows.push_back(sample_row(cell.name, 0, 1, 0, sample));
+            rows.back()["pt_contended"] = is_disturbed(sample, cell.backend) ? 1 : 0;
         }
     }
     mark_low_clocks(rows);
     Disturbance found;
     for (const OrderedJson& row : rows) {
-        const bool contended = row.at("pt_contended") == 1;
+        const bool contended = row.at("pt_contended") == 1;  // so that the time may be wrong for it
         const bool low_clock = row.at("pt_low_clock") == 1;
         found.samples += 1;
         found.disturbed += contended || low_clock ? 1u : 0u;

@@ -38,7 +38,7 @@ void mark_low_clocks(nlohmann::ordered_json& rows);
 struct Disturbance {
     std::size_t samples = 0;
     std::size_t disturbed = 0;  // either
-    std::size_t contended = 0;
+    std::size_t contended = 0;  // by is_disturbed
     std::size_t low_clock = 0;
     std::size_t clock_unknown = 0;
 };

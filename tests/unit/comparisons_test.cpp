@@ -286,6 +286,24 @@ TEST(DisturbedTest, ARenderThatWaitsForABusyHostIsDisturbed) {
     EXPECT_FALSE(is_disturbed(alone, Backend::cuda));
 }
 
+TEST(DisturbedTest, ARunCountsWhatItsVerdictsCount) {
+    const test::TemporaryFolder folder;
+    Journal journal(folder.file("journal"), Json::object(), false);
+    Plan plan;
+    plan.cells.resize(1);
+    plan.cells[0].name = "cell";
+    plan.cells[0].backend = Backend::cuda;
+    for (const int waits : {0, 0, 2}) {
+        Json contended = sample(200, 190);
+        contended["pt_device_ms"] = 200;
+        contended["pt_host_waits"] = waits;
+        contended["film_hash"] = "0123456789abcdef";
+        journal.add_sample("cell", contended);
+    }
+    EXPECT_EQ(in_words(disturbance_of(plan, journal)).substr(0, 55),
+              "disturbed: 1 of 3 samples (other processes 1, low clock");
+}
+
 TEST_F(TableTest, ShortNamesSayWhatDiffers) {
     add({}, 1);
     add({{"layout", "soa"}}, 1);

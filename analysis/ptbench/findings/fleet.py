@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from ptbench.compare.match import Pair as CellPair
 from ptbench.compare.sections import Section, table_markdown
 from ptbench.compare.text import MARKS, estimate_text
 from ptbench.errors import FindingError
@@ -22,7 +23,8 @@ from ptbench.fleet.text import (
 )
 from ptbench.fleet.verdicts import Pair, crossover, have_one_kernel_source, ran_one_program, verdict_pairs
 from ptbench.numbers import figures
-from ptbench.stats.estimates import Estimate
+from ptbench.stats.estimates import Estimate, geometric_mean_of_ratios
+from ptbench.studies.rows import is_contended
 
 
 class FleetSource:
@@ -53,11 +55,26 @@ class FleetSource:
 
     @property
     def mean(self) -> str:
-        """Geometric mean of times on the second GPU over times on the first, with its interval."""
-        estimate = self._other.comparison.time.estimate
-        if estimate is None:
+        """Geometric mean of times on the second GPU over times on the first, with its interval.
+
+        Without the cells that other processes disturbed on either: there it would be a host's.
+        """
+        pairs = self._undisturbed
+        if not pairs:
             raise FindingError(f"{self._files}: no geometric mean")
-        return estimate_text(estimate)
+        return estimate_text(
+            geometric_mean_of_ratios([(pair.other.ms_per_spp, pair.reference.ms_per_spp) for pair in pairs])
+        )
+
+    @property
+    def disturbed(self) -> int:
+        """Cells that other processes disturbed on either GPU, which no verdict and no mean is of."""
+        return self.cells - len(self._undisturbed)
+
+    @property
+    def _undisturbed(self) -> list[CellPair]:
+        pairs = [row.pair for row in self._other.comparison.rows]
+        return [pair for pair in pairs if not is_contended(pair.reference) and not is_contended(pair.other)]
 
     @property
     def cells(self) -> int:
