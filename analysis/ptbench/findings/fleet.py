@@ -9,7 +9,7 @@ from ptbench.compare.match import Pair as CellPair
 from ptbench.compare.sections import Section, table_markdown
 from ptbench.compare.text import MARKS, estimate_text
 from ptbench.errors import FindingError
-from ptbench.findings.quantities import Quantity, link_to
+from ptbench.findings.quantities import Quantity, disturbed_text, link_to
 from ptbench.fleet.fleet import BAR, NEAR_ENOUGH, Fleet, Other, Score, fleet_of
 from ptbench.fleet.model import USED
 from ptbench.fleet.text import (
@@ -249,7 +249,8 @@ class FleetSource:
         """Lines of a list: the files."""
         lines = [
             f"- {link_to(self._results, file)}: suite `{result.suite}`, {result.about('cuda_device')}, "
-            f"{len(result.cells)} cells; commit {result.about('git_sha')[:7]}, {result.context['date'][:10]}."
+            f"{len(result.cells)} cells{disturbed_text(result)}; commit {result.about('git_sha')[:7]}, "
+            f"{result.context['date'][:10]}."
             for file, result in zip(self._files, self._fleet.compared.results, strict=True)
         ]
         lines += [f"- {link_to(self._results, file)}: `ptbench inspect`." for file in self._inspected]

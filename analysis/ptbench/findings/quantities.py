@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ptbench.errors import FindingError
+from ptbench.io.results import Result
 from ptbench.numbers import figures, ratio
 from ptbench.stats.estimates import Estimate, Verdict, interval_of_ratio
 
@@ -184,6 +185,12 @@ def link_to(results: Path, file: str) -> str:
     """A page's link to a result file, which may lie there compressed."""
     stored = file if (results / file).exists() else f"{file}.gz"
     return f"[{file}](../../results/{stored})"
+
+
+def disturbed_text(result: Result) -> str:
+    """ ", 3 samples whose time other processes may have changed"; empty where there is none."""
+    count = sum(cell.disturbed_samples for cell in result.cells)
+    return f", {count} sample{'s' if count > 1 else ''} whose time other processes may have changed" if count else ""
 
 
 def span(values: Iterable[float], digits: int = DIGITS) -> str:

@@ -17,7 +17,7 @@ from ptbench.errors import FindingError
 from ptbench.figures.time_to_image import Way, sibling_meshes, ways
 from ptbench.findings.builders import Built, Crossed, built, crossed
 from ptbench.findings.commits import shown_commit
-from ptbench.findings.quantities import Quantity, Ratio, Ratios, link_to
+from ptbench.findings.quantities import Quantity, Ratio, Ratios, disturbed_text, link_to
 from ptbench.io.cells import Cell, MeshFacts, Result
 from ptbench.io.results import load
 from ptbench.stats.estimates import (
@@ -305,22 +305,16 @@ class Source:
         return Quantity(Estimate(total / 1e3, None, None, 1), str(self.result.path))
 
     @property
-    def disturbed(self) -> int:
-        """Samples whose time may be wrong for other processes."""
-        return sum(cell.disturbed_samples for cell in self.result.cells)
-
-    @property
     def provenance(self) -> str:
         """A line of a list: the file, what it holds, the commit and the day."""
         failed = f"{self.failed} failed" if self.failed else "none failed"
-        count = f"{self.disturbed} sample{'s' if self.disturbed > 1 else ''}"
         dirty = " with uncommitted changes" if self.is_dirty else ""
-        disturbed = f", {count} whose time other processes may have changed" if self.disturbed else ""
         summary = Path(self._shown).parent / "figures" / Path(self._shown).stem / "summary.md"
         every_row = f" Every row: [summary](../../results/{summary})." if (self._results / summary).exists() else ""
+        commit = shown_commit(self._results, self.commit)
         return (
             f"- {link_to(self._results, self._shown)}: suite `{self.result.suite}`, {self.count} cells, {failed}"
-            f"{disturbed}; commit {shown_commit(self._results, self.commit)}{dirty}, {self.date}.{every_row}"
+            f"{disturbed_text(self.result)}; commit {commit}{dirty}, {self.date}.{every_row}"
         )
 
     def _ways(self, selection: str) -> list[Way]:
