@@ -33,6 +33,7 @@ from ptbench.compare.noise import floor_of, repeats_of
 from ptbench.figures import forest
 from ptbench.io.results import load
 from ptbench.stats.estimates import geometric_mean_of_ratios, ratio_estimate
+from ptbench.studies.rows import is_contended
 
 UNCACHED_2 = ("material.off.off", "cornell_open_unjittered", "depth:2/")
 
@@ -696,7 +697,11 @@ def test_the_h200_against_the_cpu():
         for row in one.rows
     ]
     assert one.time.estimate.value == pytest.approx(stats.gmean(ratios), rel=1e-12)
-    assert {row.verdict.word for row in one.rows} == {"SLOWER"}
+    # Six cells of the GPU wait for their host, which was busy during one sample of nine.
+    disturbed = [row.verdict for row in one.rows if is_contended(row.pair.reference)]
+    assert [(verdict.word, verdict.withheld) for verdict in disturbed] == [("UNSURE", "SLOWER")] * len(disturbed)
+    assert 0 < len(disturbed) <= 6
+    assert {row.verdict.word for row in one.rows if not is_contended(row.pair.reference)} == {"SLOWER"}
 
 
 def test_two_suites_of_one_program_are_a_real_aa_run():

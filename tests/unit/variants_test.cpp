@@ -1293,7 +1293,8 @@ TEST(KernelTest, EveryShippedSceneHasItsExactKernelAndNoKernelIsThereForNothing)
         used.insert(features_of(scene) | shortcuts_of(scene));
     }
     constexpr FeatureSet estimators = Feature::final_bounce | Feature::next_event | Feature::multiple_importance |
-                                      Feature::projected_sampling | Feature::automatic_sampling;
+                                      Feature::projected_sampling | Feature::automatic_sampling |
+                                      Feature::power_selection | Feature::tree_selection;
     for (const auto& [features, function] : registry().find("integrator", "wavefront")->hook.integrator) {
         if ((features & all_features) != all_features) {
             EXPECT_TRUE(used.contains(features & ~estimators)) << testing::PrintToString(feature_names(features));
