@@ -26,12 +26,8 @@ bool read_for_tinygltf(std::vector<unsigned char>* content, std::string* error, 
     }
 }
 
-std::size_t word_at(std::string_view content, std::size_t at) {
-    std::size_t word = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
-        word |= static_cast<std::size_t>(static_cast<unsigned char>(content[at + i])) << (8 * i);
-    }
-    return word;
+std::uint32_t word_at(const unsigned char* from) {
+    return from[0] | from[1] << 8 | from[2] << 16 | static_cast<std::uint32_t>(from[3]) << 24;
 }
 
 // tinygltf (2.7) forgets the 8 bytes of the second chunk's header when it holds the chunk against the file's length,
@@ -41,12 +37,13 @@ void check_binary_chunk(std::string_view content, const std::string& file) {
     if (content.size() < file_header + chunk_header) {
         return;
     }
-    const std::size_t length = word_at(content, 8);
-    const std::size_t data = file_header + chunk_header + word_at(content, file_header) + chunk_header;
+    const auto* const bytes = reinterpret_cast<const unsigned char*>(content.data());
+    const std::size_t length = word_at(bytes + 8);
+    const std::size_t data = file_header + chunk_header + word_at(bytes + file_header) + chunk_header;
     if (length > content.size() || data > length) {
         return;
     }
-    const std::size_t size = word_at(content, data - chunk_header);
+    const std::size_t size = word_at(bytes + data - chunk_header);
     if (size > length - data) {
         throw InputError(file, "chunk BIN", fmt::format("{} bytes", size),
                          fmt::format("at most {}, where the file ends", length - data));
@@ -136,7 +133,7 @@ struct GltfMeshMaker::AccessorView {
             case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
                 return from[0] | from[1] << 8;
             default:
-                return from[0] | from[1] << 8 | from[2] << 16 | static_cast<std::uint32_t>(from[3]) << 24;
+                return word_at(from);
         }
     }
 };
