@@ -36,12 +36,13 @@ PT_HD inline MeshTriangle<Real> primitive_of(const MeshInstance<Real>& mesh, std
     return {mesh, primitive};
 }
 
-// The ray's origin as the object sees it at the ray's time: the object stands still, the ray is moved back.
+// The ray's origin as the object sees it at the ray's time: the object stands still, the ray is moved back. With one
+// rounding wherever it is asked for: what a search met is met again where its surface is asked for.
 template <class Config, class Scene>
 PT_HD inline Vec3<typename Config::Real> at_rest(const Scene& scene, std::uint32_t object,
                                                  const Vec3<typename Config::Real>& point, typename Config::Real time) {
     if constexpr (has<Config>(Feature::motion)) {
-        return point - scene.velocity[object] * time;
+        return point - rounded_product(scene.velocity[object], time);
     } else {
         return point;
     }
@@ -52,7 +53,7 @@ PT_HD inline Vec3<typename Config::Real> in_motion(const Scene& scene, std::uint
                                                    const Vec3<typename Config::Real>& point,
                                                    typename Config::Real time) {
     if constexpr (has<Config>(Feature::motion)) {
-        return point + scene.velocity[object] * time;
+        return point + rounded_product(scene.velocity[object], time);
     } else {
         return point;
     }

@@ -1,8 +1,8 @@
 // Shadow rays to a known point of a light: ended at the first object that is met before the point, with no account of
 // which is nearest or which side is met, without the light itself, and without an enclosure's walls where the point
 // lies plainly within it. What is met within rounding of the point's distance (a light that touches another object) is
-// left to closest_hit, so that connections see what paths meet. In a mesh the first leaf with a triangle before the
-// point ends the walk.
+// left to closest_hit (sees_point), so that connections see what paths meet. In a mesh the first leaf with a triangle
+// before the point ends the walk.
 #pragma once
 
 #include "kernels/intersect.h"
@@ -165,6 +165,38 @@ PT_HD inline Sight line_of_sight(const Scene& scene, std::uint32_t object, const
     PT_SHAPES(PT_HIDES)
 #undef PT_HIDES
     return segment.unsure ? Sight::unsure : Sight::clear;
+}
+
+// Whether the ray, which was drawn to a point of the object (no mesh), passes it by in its rounding: it does not meet it
+// up to just beyond the point.
+template <class Config, class Scene>
+PT_HD inline bool passes_by(const Scene& scene, std::uint32_t object, const Ray<typename Config::Real>& ray,
+                            typename Config::Real about) {
+    using Real = typename Config::Real;
+    const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
+    bool passes = false;
+    visit_shape<Config>(scene, object, [&]<class Shape>(const Shape& shape) {
+        if constexpr (requires { interval(as_met<Config>(shape), origin, ray.direction); }) {
+            const auto crossing = interval(as_met<Config>(shape), origin, ray.direction);
+            passes = !(crossing.hits && crossing.near < about);
+        }
+    });
+    return passes;
+}
+
+// Whether a shadow ray sees the point of a light that it was drawn to, by the closest hit along it: the light itself is
+// met, or what is met lies beyond the point and the ray passes the light by. Such a ray leads to the light's very edge:
+// line_of_sight, which does not look at the light, calls it clear. This is the one rule for that edge, whether a kernel
+// knows a room's walls or not, and looks for the point or for the closest hit.
+template <class Config, class Scene>
+PT_HD inline bool sees_point(const Scene& scene, std::uint32_t object, const Ray<typename Config::Real>& ray,
+                             typename Config::Real distance, const Hit<typename Config::Real>& closest) {
+    using Real = typename Config::Real;
+    if (closest.side.exists() && closest.side.object() == object) {
+        return true;
+    }
+    const bool is_beyond = !closest.side.exists() || closest.t > distance;
+    return is_beyond && passes_by<Config>(scene, object, ray, Segment<Real>(ray, object, distance).about);
 }
 
 }  // namespace pt

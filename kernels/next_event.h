@@ -138,8 +138,10 @@ PT_HD inline Hit<typename Config::Real> hit_of_light(const SceneView<typename Co
     using Real = typename Config::Real;
     return in_one_place<Config>([&]() -> Hit<Real> {
         bool knows_point = false;
-        if constexpr (has_lines_of_sight<Config> && (Config::features & light_samplings) != 0) {
+        if constexpr ((Config::features & light_samplings) != 0) {
             knows_point = distance > Real(0);
+        }
+        if constexpr (has_lines_of_sight<Config>) {
             if (knows_point) {
                 const Sight sight = line_of_sight<Config>(scene, object, ray, distance);
                 if (sight != Sight::unsure) {
@@ -148,10 +150,13 @@ PT_HD inline Hit<typename Config::Real> hit_of_light(const SceneView<typename Co
             }
         }
         Hit<Real> hit = closest_hit_of_connection<Config>(scene, ray);
+        if (knows_point) {
+            const bool sees = sees_point<Config>(scene, object, ray, distance, hit);
+            return {distance, sees ? SurfaceId::of(object, false) : SurfaceId{}};
+        }
         if (hit.side.exists() && hit.side.object() != object) {
             hit.side = {};
         }
-        hit.t = knows_point ? distance : hit.t;
         return hit;
     });
 }

@@ -1,6 +1,8 @@
 // One triangle along a ray, without gaps: two triangles that share an edge, vertex for vertex, let no ray through
 // between them, and no epsilon is in it. Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2 (1), 2013.
-// Every accelerator calls this test and no other, and its operations are IEEE ones in a fixed order: equal bits.
+// Every accelerator calls this test and no other, and its operations are IEEE ones in a fixed order, none of them fused
+// with another in any arithmetic: equal bits. (Where denormals are flushed to zero, in arithmetic=fast, nothing of this
+// is promised.)
 #pragma once
 
 #include "kernels/math.h"
@@ -40,10 +42,17 @@ struct TriangleHit {
     bool from_behind;  // on the side where a, b, c go round clockwise
 };
 
-// u = cx by - cy bx in double: of the exact sign for float, whose products fit a double.
+// ax by - ay bx: of two triangles that share the edge from a to b one has the other's negative, exactly.
+template <class Real>
+PT_HD inline Real edge_function(Real ax, Real ay, Real bx, Real by) {
+    return rounded_product(ax, by) - rounded_product(ay, bx);
+}
+
+// The same in double: of the exact sign for float, whose products fit a double.
 template <class Real>
 PT_HD inline double edge_function_in_double(Real ax, Real ay, Real bx, Real by) {
-    return static_cast<double>(ax) * static_cast<double>(by) - static_cast<double>(ay) * static_cast<double>(bx);
+    return edge_function(static_cast<double>(ax), static_cast<double>(ay), static_cast<double>(bx),
+                         static_cast<double>(by));
 }
 
 // Hits where t > 0 and, on an edge, both triangles that share it: a closed mesh has no gap, and of equal distances the
@@ -53,10 +62,19 @@ PT_HD inline TriangleHit<Real> intersect(const Triangle<Real>& triangle, const V
                                          const ShearedDirection<Real>& s) {
     const Vec3<Real> a = triangle.a - origin, b = triangle.b - origin, c = triangle.c - origin;
     const Real az = component_of(a, s.kz), bz = component_of(b, s.kz), cz = component_of(c, s.kz);
-    const Real ax = component_of(a, s.kx) - s.shear.x * az, ay = component_of(a, s.ky) - s.shear.y * az;
-    const Real bx = component_of(b, s.kx) - s.shear.x * bz, by = component_of(b, s.ky) - s.shear.y * bz;
-    const Real cx = component_of(c, s.kx) - s.shear.x * cz, cy = component_of(c, s.ky) - s.shear.y * cz;
-    TriangleHit<Real> hit{Real(0), Real(0), cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax, false, false};
+    const Real ax = component_of(a, s.kx) - rounded_product(s.shear.x, az);
+    const Real ay = component_of(a, s.ky) - rounded_product(s.shear.y, az);
+    const Real bx = component_of(b, s.kx) - rounded_product(s.shear.x, bz);
+    const Real by = component_of(b, s.ky) - rounded_product(s.shear.y, bz);
+    const Real cx = component_of(c, s.kx) - rounded_product(s.shear.x, cz);
+    const Real cy = component_of(c, s.ky) - rounded_product(s.shear.y, cz);
+    TriangleHit<Real> hit{Real(0),
+                          Real(0),
+                          edge_function(cx, cy, bx, by),
+                          edge_function(ax, ay, cx, cy),
+                          edge_function(bx, by, ax, ay),
+                          false,
+                          false};
     // A rounded zero says neither side; the exact sign does. In double there is nothing wider to ask, and zero is in.
     if (hit.u != Real(0) && hit.v != Real(0) && hit.w != Real(0) &&
         ((hit.u < Real(0)) != (hit.v < Real(0)) || (hit.u < Real(0)) != (hit.w < Real(0)))) {
@@ -75,9 +93,8 @@ PT_HD inline TriangleHit<Real> intersect(const Triangle<Real>& triangle, const V
     if ((below && above) || hit.det == Real(0)) {
         return hit;
     }
-    hit.t =
-        static_cast<Real>((u * static_cast<double>(az) + v * static_cast<double>(bz) + w * static_cast<double>(cz)) /
-                          det * static_cast<double>(s.shear.z));
+    hit.t = static_cast<Real>(rounded_product(rounded_dot(Vec3<double>(u, v, w), Vec3<double>(az, bz, cz)) / det,
+                                              static_cast<double>(s.shear.z)));
     hit.hits = hit.t > Real(0);
     hit.from_behind = (hit.det < Real(0)) == (s.shear.z > Real(0));
     return hit;

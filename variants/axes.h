@@ -75,6 +75,7 @@ struct IntegratorTraits {
     bool traces_in_own_kernel = false;  // which can be one whose warps fetch rays
     bool keeps_branches = false;        // a path may split: its branches wait beside it
     bool refills_queue = false;         // paths of any number of segments are in the queue together
+    bool inspects = false;              // looks at every path's state between stages: for health, not for times
 };
 
 struct CompactionTraits {

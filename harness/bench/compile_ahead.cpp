@@ -1,12 +1,16 @@
 #include "harness/bench/compile_ahead.h"
 
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <thread>
 
 #include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -48,10 +52,31 @@ private:
 
 using Programs = std::vector<std::pair<std::string, std::function<void()>>>;
 
+// Numbers that processes take one after the other from memory that they share.
+class SharedCounter {
+public:
+    SharedCounter() {
+        void* const memory = ::mmap(nullptr, sizeof *next_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+        if (memory == MAP_FAILED) {
+            throw MachineError(std::string("no shared memory: ") + std::strerror(errno));
+        }
+        next_ = new (memory) std::atomic<std::uint32_t>(0);
+    }
+    ~SharedCounter() { ::munmap(next_, sizeof *next_); }
+    SharedCounter(const SharedCounter&) = delete;
+    SharedCounter& operator=(const SharedCounter&) = delete;
+
+    std::uint32_t take() const { return next_->fetch_add(1); }
+
+private:
+    std::atomic<std::uint32_t>* next_ = nullptr;
+};
+
+constexpr std::uint32_t is_refused = 1u << 31;  // beside a program's number
+
 // In a child process: NVRTC compiles one program at a time in a process, whatever the threads (CUDA 13.0). The child
 // calls nothing of CUDA but the compiler, and leaves without running what its parent registered to run at exit.
-[[noreturn]] void compile_share(const Programs& programs, std::size_t worker, std::size_t workers, int done,
-                                pid_t parent) {
+[[noreturn]] void compile_share(const Programs& programs, const SharedCounter& next, int done, pid_t parent) {
     // A share holds the locks of its parent's files: one that outlived it would keep a resumed run from them.
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     std::signal(SIGINT, SIG_DFL);
@@ -59,54 +84,94 @@ using Programs = std::vector<std::pair<std::string, std::function<void()>>>;
     if (::getppid() != parent) {
         ::_exit(0);
     }
-    for (std::size_t i = worker; i < programs.size(); i += workers) {
-        try {
-            programs[i].second();
-        } catch (const std::exception&) {  // reported by who needs the program
+    {
+        const cuda::SharedHeaders headers;
+        for (std::uint32_t i = next.take(); i < programs.size(); i = next.take()) {
+            std::uint32_t report = i;
+            try {
+                programs[i].second();
+            } catch (const std::exception&) {  // reported by who needs the program
+                report |= is_refused;
+            }
+            (void)!::write(done, &report, sizeof report);
         }
-        const auto index = static_cast<std::uint32_t>(i);
-        (void)!::write(done, &index, sizeof index);
     }
     ::_exit(0);
 }
 
-}  // namespace
-
-void compile_ahead(const std::vector<CompileTask>& tasks) {
-    std::map<std::string, std::function<void()>> programs;
-    for (const CompileTask& task : tasks) {
-        if (why_not_applicable(task.variant, features_of(*task.scene), Backend::cuda).empty()) {
-            cuda::collect_programs(*task.scene, task.variant, task.architecture, programs);
-        }
-    }
-    compile_programs(programs);
+double cpu_seconds_of_children() {
+    rusage usage{};
+    ::getrusage(RUSAGE_CHILDREN, &usage);
+    const auto seconds = [](const timeval& time) {
+        return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+    };
+    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-void compile_programs(const std::map<std::string, std::function<void()>>& programs) {
-    const Programs missing(programs.begin(), programs.end());
-    const std::size_t workers = std::min<std::size_t>(missing.size(), std::thread::hardware_concurrency());
-    if (workers < 2) {
-        return;
-    }
-    Progress progress("compile", missing.size());
+CompiledPrograms compile_in_processes(const Programs& programs, std::size_t workers) {
+    const double before = cpu_seconds_of_children();
+    Progress progress("compile", programs.size());
     Pipe finished;
+    const SharedCounter next;
     std::vector<pid_t> children;
     const pid_t parent = ::getpid();
     for (std::size_t worker = 0; worker < workers; ++worker) {
         const pid_t child = ::fork();
         if (child == 0) {
-            compile_share(missing, worker, workers, finished.write_end(), parent);
+            compile_share(programs, next, finished.write_end(), parent);
         }
         if (child > 0) {
             children.push_back(child);
         }
     }
     finished.close_write_end();
-    for (std::uint32_t index = 0; finished.read(index);) {
-        progress.step(missing[index].first);
+    CompiledPrograms result;
+    for (std::uint32_t report = 0; finished.read(report);) {
+        ((report & is_refused) != 0 ? result.refused : result.compiled) += 1;
+        progress.step(programs[report & ~is_refused].first);
     }
     for (const pid_t child : children) {
         (void)::waitpid(child, nullptr, 0);
+    }
+    result.cpu_seconds = cpu_seconds_of_children() - before;
+    return result;
+}
+
+std::map<std::string, std::function<void()>> programs_of(const std::vector<CompileTask>& tasks) {
+    std::map<std::string, std::function<void()>> programs;
+    for (const CompileTask& task : tasks) {
+        if (why_not_applicable(task.variant, features_of(*task.scene), Backend::cuda).empty()) {
+            cuda::collect_programs(*task.scene, task.variant, task.architecture, task.is_alone, programs);
+        }
+    }
+    return programs;
+}
+
+}  // namespace
+
+CompiledPrograms compile_ahead(const std::vector<CompileTask>& tasks) { return compile_programs(programs_of(tasks)); }
+
+CompiledPrograms compile_programs(const std::map<std::string, std::function<void()>>& programs) {
+    const std::size_t workers = std::min<std::size_t>(programs.size(), std::thread::hardware_concurrency());
+    return workers < 2 ? CompiledPrograms{} : compile_in_processes({programs.begin(), programs.end()}, workers);
+}
+
+void compile_for(const std::string& architecture, std::vector<CompileTask> tasks) {
+    for (CompileTask& task : tasks) {
+        task.architecture = architecture;
+    }
+    const auto missing = programs_of(tasks);
+    const std::size_t processors = std::max<std::size_t>(1, std::thread::hardware_concurrency());
+    CompiledPrograms done;
+    if (!missing.empty()) {
+        done = compile_in_processes({missing.begin(), missing.end()}, std::min(missing.size(), processors));
+    }
+    fmt::print("{} programs for {} compiled into {}, {:.1f} CPU seconds each\n", done.compiled, architecture,
+               cuda::kernel_cache(),
+               done.compiled == 0 ? 0.0 : done.cpu_seconds / static_cast<double>(done.compiled));
+    if (done.compiled != missing.size()) {
+        throw MachineError(fmt::format("{} of {} programs did not compile: run without --compile for their messages",
+                                       missing.size() - done.compiled, missing.size()));
     }
 }
 

@@ -15,14 +15,27 @@ struct CompileTask {
     const Scene* scene = nullptr;
     Variant variant;
     std::string architecture = {};  // "sm_90"; empty: the device's
+    // Without what the variant's claim is held to: its exact twin and the reference.
+    bool is_alone = false;
+};
+
+// What became of the programs that were asked for.
+struct CompiledPrograms {
+    std::size_t compiled = 0;
+    std::size_t refused = 0;  // did not compile, or could not be kept
+    double cpu_seconds = 0;
 };
 
 // On CUDA; what variants have in common is compiled once. A variant that does not compile or does not apply is skipped:
 // it fails, with its message, when it is used. Shows progress on stderr.
-void compile_ahead(const std::vector<CompileTask>& tasks);
+CompiledPrograms compile_ahead(const std::vector<CompileTask>& tasks);
 
 // The same for programs by name; each call compiles its program and puts it into the cache. Needs neither a device nor
 // a driver. Does nothing for a single program or on a single processor, where nothing would run at once.
-void compile_programs(const std::map<std::string, std::function<void()>>& programs);
+CompiledPrograms compile_programs(const std::map<std::string, std::function<void()>>& programs);
+
+// For `--compile`: compiles on a machine that may have no GPU, and prints how many programs, where they lie, and what
+// they took. Throws InputError for an architecture that is none, MachineError where a program is refused.
+void compile_for(const std::string& architecture, std::vector<CompileTask> tasks);
 
 }  // namespace pt

@@ -104,4 +104,30 @@ std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet featu
     return variants;
 }
 
+// Greedily: next comes the variant with the most choices that have not been seen, and of several the first.
+std::vector<Variant> each_choice_once(const AxisChoices& axes, FeatureSet features, Backend backend) {
+    std::vector<Variant> left = covering_variants(axes, features, backend);
+    std::set<std::pair<std::string_view, std::string>> seen;
+    const auto unseen = [&](const Variant& variant) {
+        return std::count_if(std::begin(axis_names), std::end(axis_names), [&](std::string_view axis) {
+            return !seen.contains({axis, variant[axis]});
+        });
+    };
+    std::vector<Variant> variants;
+    while (!left.empty()) {
+        const auto best = std::max_element(left.begin(), left.end(), [&](const Variant& a, const Variant& b) {
+            return unseen(a) < unseen(b);
+        });
+        if (unseen(*best) == 0) {
+            break;
+        }
+        for (const std::string_view axis : axis_names) {
+            seen.insert({axis, (*best)[axis]});
+        }
+        variants.push_back(*best);
+        left.erase(best);
+    }
+    return variants;
+}
+
 }  // namespace pt

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "harness/bench/compile_ahead.h"
 #include "harness/bench/instrumented.h"
 #include "harness/bench/short_names.h"
 #include "harness/bench/verify.h"
@@ -118,17 +117,25 @@ std::vector<const Cell*> unknown_cells(const Plan& plan, const Journal& journal)
     return unknown;
 }
 
+CompileTask compilation_of(const Cell& cell) { return {.scene = cell.scene.get(), .variant = cell.variant}; }
+
 void compile_kernels(const std::vector<const Cell*>& cells) {
     std::vector<CompileTask> tasks;
     for (const Cell* const cell : cells) {
         if (cell->backend == Backend::cuda) {
-            tasks.push_back({cell->scene.get(), cell->variant});
+            tasks.push_back(compilation_of(*cell));
         }
     }
     compile_ahead(tasks);
 }
 
 }  // namespace
+
+std::vector<CompileTask> compilations_of(const Plan& plan) {
+    std::vector<CompileTask> tasks;
+    std::transform(plan.cells.begin(), plan.cells.end(), std::back_inserter(tasks), compilation_of);
+    return tasks;
+}
 
 void prepare_cells(const Plan& plan, std::uint64_t seed, RunJournal& journal, FilmLedger& films, ErrorBook& errors,
                    const Interrupt& interrupt, Progress::Lines lines) {

@@ -2,6 +2,7 @@
 // instrumented pass at its own.
 #pragma once
 
+#include "harness/bench/compile_ahead.h"
 #include "harness/bench/error_book.h"
 #include "harness/bench/film_ledger.h"
 #include "harness/bench/progress.h"
@@ -14,5 +15,8 @@ namespace pt {
 // journal. `seed` is that of sample 0.
 void prepare_cells(const Plan& plan, std::uint64_t seed, RunJournal& journal, FilmLedger& films, ErrorBook& errors,
                    const Interrupt& interrupt, Progress::Lines lines);
+
+// The kernels of every cell, for those who compile them elsewhere (compile_for). The plan must outlive them.
+std::vector<CompileTask> compilations_of(const Plan& plan);
 
 }  // namespace pt

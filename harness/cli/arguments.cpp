@@ -128,4 +128,15 @@ std::string check_seed(const std::string& text) {
                                                          : "Value " + text + " not a whole number from 0 to 2^64 - 1";
 }
 
+void add_compile_options(CLI::App& command, CompileOnly& compile_only) {
+    CLI::Option* const flag = command.add_flag(
+        "--compile", compile_only.is_asked,
+        "Compile the CUDA kernels that the call would use into the cache ($XDG_CACHE_HOME/ptbench), and nothing else; "
+        "needs no GPU, and the cache can travel to one");
+    CLI::Option* const architecture =
+        command.add_option("--arch", compile_only.architecture, "GPU architecture of --compile, e.g. sm_90");
+    architecture->needs(flag)->check([](const std::string& name) { return cuda::why_not_an_architecture(name); });
+    flag->needs(architecture);
+}
+
 }  // namespace pt

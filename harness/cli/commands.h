@@ -53,6 +53,13 @@ std::vector<std::string> scenes_asked_for(const std::string& text);
 Backend parse_backend(const std::string& text);
 // Throws MachineError with the reason if the backend is not available here.
 void require_backend(Backend backend);
+// `--compile --arch sm_NN`: the kernels that a call would use are compiled into the cache, on a machine that may have
+// no GPU, and nothing else is done.
+struct CompileOnly {
+    bool is_asked = false;
+    std::string architecture;
+};
+void add_compile_options(CLI::App& command, CompileOnly& compile_only);
 // For CLI::Option::check, of file names: a shell's variable may have been empty.
 std::string check_not_empty(const std::string& text);
 // For CLI::Option::check: what is wrong with a seed, or nothing. (CLI11 alone takes -1 for 2^64 - 1.)

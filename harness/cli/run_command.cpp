@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "harness/bench/machine.h"
+#include "harness/bench/prepare_cells.h"
 #include "harness/bench/runner.h"
 #include "harness/cli/commands.h"
 #include "harness/cli/run_preview.h"
@@ -36,6 +37,7 @@ struct RunArguments {
     std::string shard;
     bool untuned = false;
     bool dry_run = false;
+    CompileOnly compile_only;
     std::string reference_cache;
 };
 
@@ -164,7 +166,7 @@ int run(const RunArguments& arguments, const CLI::App& command, const std::strin
     if (const std::string_view now = new_name_of_suite(arguments.suite); !now.empty()) {
         fmt::print(stderr, "ptbench: the suite {} is called {} now\n", arguments.suite, now);
     }
-    const Backend backend = parse_backend(arguments.backend);
+    const Backend backend = arguments.compile_only.is_asked ? Backend::cuda : parse_backend(arguments.backend);
     Suite suite =
         arguments.suite.empty() ? suite_from_arguments(arguments) : load_suite(find_suite_file(arguments.suite));
     for (Study& study : suite.studies) {
@@ -178,6 +180,12 @@ int run(const RunArguments& arguments, const CLI::App& command, const std::strin
         const Plan whole = plan_run(suite, options);
         fmt::print("{}", describe_plan(part_of(whole, positions_of(whole, options.shard)),
                                        options.repetitions > 0 ? options.repetitions : suite.repetitions));
+        return exit_good;
+    }
+    if (arguments.compile_only.is_asked) {
+        const Plan whole = plan_run(suite, options);
+        const Plan part = part_of(whole, positions_of(whole, options.shard));
+        compile_for(arguments.compile_only.architecture, compilations_of(part));
         return exit_good;
     }
     require_backend(backend);
@@ -233,6 +241,7 @@ Command add_run_command(CLI::App& app, const std::string& command_line) {
                         "Folder that keeps references for studies of error (default: ptbench/references in "
                         "$XDG_CACHE_HOME or ~/.cache)");
     command->add_flag("--dry-run", arguments->dry_run, "List the cells, run nothing");
+    add_compile_options(*command, arguments->compile_only);
     command->allow_extras();
     return [arguments, command, command_line] { return run(*arguments, *command, command_line); };
 }

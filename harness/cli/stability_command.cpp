@@ -1,5 +1,7 @@
 // ptbench stability: cases with exact answers, over precision, arithmetic, robustness, integrators and backend.
 #include <algorithm>
+#include <deque>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -36,6 +38,7 @@ struct StabilityArguments : StabilityRequest {
     bool overwrite = false;
     std::string out;
     std::string write_scenes;
+    CompileOnly compile_only;
     std::string command_line;
 };
 
@@ -61,24 +64,20 @@ void write_scenes(const std::vector<const Case*>& cases, const std::string& fold
     }
 }
 
-void compile(const std::vector<const Case*>& cases, const StabilityArguments& arguments,
-             const std::vector<Variant>& variants, Backend backend) {
-    std::vector<Scene> scenes;
-    std::vector<std::pair<std::size_t, Variant>> wanted;
-    for (const Case* stiff_case : cases) {
-        const auto scene = stability::a_scene_of(*stiff_case);
-        if (scene && stiff_case->missing_feature.empty()) {
-            scenes.push_back(*scene);
-            for (const Variant& variant : with_estimators(variants, *stiff_case, arguments, backend)) {
-                wanted.emplace_back(scenes.size() - 1, variant);
+// The programs of tasks. Kernels that are compiled for their scene need every scene of every point: `scenes` keeps them.
+std::vector<CompileTask> compilations_of(const std::vector<Task>& tasks, std::deque<Scene>& scenes) {
+    std::vector<CompileTask> compilations;
+    std::map<std::string, const Scene*> known;
+    for (const Task& task : tasks) {
+        for (const auto& [text, variant] : stability::renders_of(task)) {
+            const Scene*& scene = known[text];
+            if (scene == nullptr) {
+                scene = &scenes.emplace_back(parse_scene(text, "stability case " + task.stiff_case->name));
             }
+            compilations.push_back({.scene = scene, .variant = variant, .is_alone = true});
         }
     }
-    std::vector<CompileTask> compilations;
-    for (const auto& [index, variant] : wanted) {
-        compilations.push_back({&scenes[index], variant});
-    }
-    compile_ahead(compilations);
+    return compilations;
 }
 
 // A task's rows, and what is printed of them, as a line of JSON.
@@ -151,6 +150,14 @@ public:
     ~StabilityRun() { interrupt_.begin_end(); }
     StabilityRun(const StabilityRun&) = delete;
     StabilityRun& operator=(const StabilityRun&) = delete;
+
+    std::vector<Task> missing_tasks() const {
+        std::vector<Task> tasks;
+        for (const std::size_t i : missing_) {
+            tasks.push_back(tasks_[i]);
+        }
+        return tasks;
+    }
 
     // Without workers `answer` is called here.
     int run(stability::Workers* workers, const stability::Answer& answer) {
@@ -229,6 +236,12 @@ int run(const StabilityArguments& arguments) {
     if (!arguments.values.empty() && cases.size() != 1) {
         throw InputError("--set", "argument", fmt::format("{} cases", cases.size()), "one case, by --case");
     }
+    std::deque<Scene> scenes;
+    if (arguments.compile_only.is_asked) {
+        compile_for(arguments.compile_only.architecture,
+                    compilations_of(all_tasks(arguments, Backend::cuda), scenes));
+        return exit_good;
+    }
     // Before the backend is looked at: a process that has started CUDA cannot be forked.
     const stability::Answer answer = worker_of(arguments);
     std::optional<stability::Workers> workers;
@@ -239,7 +252,7 @@ int run(const StabilityArguments& arguments) {
     require_backend(backend);
     StabilityRun stability_run(arguments, backend);
     if (backend == Backend::cuda) {
-        compile(cases, arguments, asked_variants(arguments, backend), backend);
+        compile_ahead(compilations_of(stability_run.missing_tasks(), scenes));
     }
     const bool uses_workers = workers && (arguments.jobs != 0 || backend == Backend::cuda);
     if (uses_workers && backend == Backend::cuda && !cuda::runs_processes_at_once()) {
@@ -267,7 +280,8 @@ Command add_stability_command(CLI::App& app, const std::string& command_line) {
     command
         ->add_option("--axis", arguments->axes,
                      "AXIS=CHOICE,CHOICE, repeatable (default: every precision, arithmetic and robustness with the "
-                     "plainest integrator, and every integrator)")
+                     "plainest integrator, and every integrator; on cuda also the kernels that findings time: compiled "
+                     "for the scene, by every scheduler, with every estimator and accelerator in turn)")
         ->allow_extra_args(false);
     command->add_option("--backend", arguments->backend, "cpu or cuda (default: cuda where it is available)");
     command->add_option("--seed", arguments->seed, "Seed (default 1)")->check(check_seed);
@@ -279,6 +293,7 @@ Command add_stability_command(CLI::App& app, const std::string& command_line) {
                      "on cpu). Rows do not depend on it but for their seconds")
         ->check(CLI::Range(std::size_t{1}, std::size_t{256}));
     command->add_flag("--quick", arguments->quick, "Fewer points, samples and variants");
+    add_compile_options(*command, arguments->compile_only);
     command->add_flag("--list", arguments->list, "Say what there is, and run nothing");
     command->add_flag("--quiet", arguments->quiet, "Print failures of what must pass, and the tally, only");
     CLI::Option* const out = command->add_option("--out", arguments->out, "Result file (JSON); none: print only");

@@ -9,6 +9,7 @@
 
 #include "harness/cli/commands.h"
 #include "harness/nearest_name.h"
+#include "harness/stability/timed_variants.h"
 
 namespace pt {
 
@@ -84,30 +85,84 @@ bool is_named(const std::string& axis, const StabilityRequest& request) {
                        [&](const std::string& argument) { return argument.starts_with(axis + "="); });
 }
 
-// The plainest variant with every accelerator, and with every builder under a tree that needs one: whatever is met must
-// be met through all of them.
-std::vector<Variant> accelerated_variants(Backend backend) {
+// `plain` with every accelerator, and with every builder under a tree that needs one: whatever is met must be met
+// through all of them.
+std::vector<Variant> accelerated_variants(const Variant& plain, Backend backend) {
     const Registry& registry = Registry::instance();
-    const Variant plainest = stability::plainest_variant(backend);
     std::vector<Variant> variants;
     const auto add = [&](const std::string& accelerator, const std::string& builder) {
-        Variant variant = plainest;
+        Variant variant = plain;
         variant.set("accelerator", accelerator);
         variant.set("builder", builder);
-        if (variant != plainest && std::find(variants.begin(), variants.end(), variant) == variants.end()) {
+        if (variant != plain && std::find(variants.begin(), variants.end(), variant) == variants.end()) {
             variants.push_back(variant);
         }
     };
     std::string with_tree;
     for (const Choice* accelerator : registry.choices("accelerator", backend)) {
         const std::string name(accelerator->descriptor.name);
-        add(name, plainest["builder"]);
+        add(name, plain["builder"]);
         with_tree = accelerator->hook.accelerator.encode != nullptr ? name : with_tree;
     }
     for (const Choice* builder : registry.choices("builder", backend)) {
         add(with_tree, std::string(builder->descriptor.name));
     }
     return variants;
+}
+
+// Each accelerator with one after the other of the kernels that are timed, in either arithmetic.
+void add_accelerators(std::vector<Variant>& all, const std::vector<Variant>& timed, std::size_t turn,
+                      Backend backend) {
+    const std::vector<const Choice*> accelerators = Registry::instance().choices("accelerator", backend);
+    for (std::size_t i = 0; i < accelerators.size() && !timed.empty(); ++i) {
+        for (const std::size_t half : {std::size_t{0}, timed.size() / 2}) {
+            Variant variant = timed[(i + turn + half) % timed.size()];
+            variant.set("accelerator", std::string(accelerators[i]->descriptor.name));
+            all.push_back(variant);
+        }
+    }
+}
+
+// What the case asks for of other estimators, as choices that go together, unless the call named an axis of theirs.
+std::vector<std::map<std::string, std::string>> estimators_of(const Case& stiff_case, const StabilityRequest& request) {
+    std::vector<std::map<std::string, std::string>> estimators;
+    for (const auto& [axis, choices] : stiff_case.estimators) {
+        for (const std::string& choice : choices) {
+            estimators.push_back({{axis, choice}});
+        }
+    }
+    estimators.insert(estimators.end(), stiff_case.joint_estimators.begin(), stiff_case.joint_estimators.end());
+    std::erase_if(estimators, [&](const auto& choices) {
+        return std::any_of(choices.begin(), choices.end(),
+                           [&](const auto& choice) { return is_named(choice.first, request); });
+    });
+    return estimators;
+}
+
+Variant with_choices(Variant variant, const std::map<std::string, std::string>& choices) {
+    for (const auto& [axis, choice] : choices) {
+        variant.set(axis, choice);
+    }
+    return variant;
+}
+
+// The kernels that are timed: each without estimators and accelerators, and these with two of them at a time.
+void add_timed(std::vector<Variant>& all, const Case& stiff_case, const StabilityRequest& request, Backend backend) {
+    const std::vector<Case>& catalogue = stability::catalogue();
+    const auto turn = static_cast<std::size_t>(&stiff_case - catalogue.data());
+    const std::vector<Variant> timed = stability::timed_variants(backend, turn, request.quick);
+    all.insert(all.end(), timed.begin(), timed.end());
+    std::size_t next = turn;
+    for (const auto& choices : timed.empty() ? decltype(estimators_of(stiff_case, request)){}
+                                             : estimators_of(stiff_case, request)) {
+        for (const std::size_t half : {std::size_t{0}, timed.size() / 2}) {
+            all.push_back(with_choices(timed[(next + half) % timed.size()], choices));
+        }
+        ++next;
+    }
+    if (stiff_case.over_accelerators) {
+        add_accelerators(all, timed, turn, backend);
+    }
 }
 
 std::vector<stability::Values> points_of(const Case& stiff_case, const StabilityRequest& request) {
@@ -138,7 +193,7 @@ std::vector<Task> tasks_of(const Case& stiff_case, const StabilityRequest& reque
                            const std::vector<Variant>& variants) {
     std::vector<Task> tasks;
     for (const stability::Values& values : points_of(stiff_case, request)) {
-        for (const Variant& variant : with_estimators(variants, stiff_case, request, backend)) {
+        for (const Variant& variant : variants_of_case(variants, stiff_case, request, backend)) {
             tasks.push_back({&stiff_case, values, backend, variant, request.seed, request.quick, request.paths});
         }
     }
@@ -190,35 +245,29 @@ std::vector<Variant> asked_variants(const StabilityRequest& request, Backend bac
     return expand(axes, backend);
 }
 
-std::vector<Variant> with_estimators(const std::vector<Variant>& variants, const Case& stiff_case,
-                                     const StabilityRequest& request, Backend backend) {
+std::vector<Variant> variants_of_case(const std::vector<Variant>& variants, const Case& stiff_case,
+                                      const StabilityRequest& request, Backend backend) {
     std::vector<Variant> all = variants;
     if (stiff_case.over_accelerators && !is_named("accelerator", request) && !is_named("builder", request)) {
-        for (const Variant& variant : accelerated_variants(backend)) {
+        for (const Variant& variant : accelerated_variants(stability::plainest_variant(backend), backend)) {
             all.push_back(variant);
         }
     }
-    for (const auto& [axis, choices] : stiff_case.estimators) {
-        for (const std::string& choice : choices) {
-            for (const Variant& variant : variants) {
-                if (!is_named(axis, request)) {
-                    all.push_back(variant);
-                    all.back().set(axis, choice);
-                }
-            }
+    for (const auto& choices : estimators_of(stiff_case, request)) {
+        for (const Variant& variant : variants) {
+            all.push_back(with_choices(variant, choices));
         }
     }
-    for (const auto& choices : stiff_case.joint_estimators) {
-        const bool is_asked = std::none_of(choices.begin(), choices.end(),
-                                           [&](const auto& choice) { return is_named(choice.first, request); });
-        for (const Variant& variant : is_asked ? variants : std::vector<Variant>()) {
-            all.push_back(variant);
-            for (const auto& [axis, choice] : choices) {
-                all.back().set(axis, choice);
-            }
+    if (request.axes.empty()) {
+        add_timed(all, stiff_case, request, backend);
+    }
+    std::vector<Variant> each_once;
+    for (const Variant& variant : all) {
+        if (std::find(each_once.begin(), each_once.end(), variant) == each_once.end()) {
+            each_once.push_back(variant);
         }
     }
-    return all;
+    return each_once;
 }
 
 std::vector<Task> all_tasks(const StabilityRequest& request, Backend backend) {

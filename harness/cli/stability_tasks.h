@@ -22,13 +22,14 @@ struct StabilityRequest {
 std::vector<const stability::Case*> chosen_cases(const StabilityRequest& request);
 
 // Where no axis is named: every precision, arithmetic and robustness with the plainest integrator, and the other
-// integrators in single precision.
+// integrators in single precision, all by the general kernel. What is timed is added by case (variants_of_case).
 std::vector<Variant> asked_variants(const StabilityRequest& request, Backend backend);
 
 // The variants, and each with the estimators that the case asks for unless the call named their axis; likewise the
-// plainest one with accelerators and builders.
-std::vector<Variant> with_estimators(const std::vector<Variant>& variants, const stability::Case& stiff_case,
-                                     const StabilityRequest& request, Backend backend);
+// plainest one with accelerators and builders. Where no axis is named, also the kernels that findings time on a GPU
+// (harness/stability/timed_variants.h), and some of those with each estimator and each accelerator. Each once.
+std::vector<Variant> variants_of_case(const std::vector<Variant>& variants, const stability::Case& stiff_case,
+                                      const StabilityRequest& request, Backend backend);
 
 // Case after case.
 std::vector<stability::Task> all_tasks(const StabilityRequest& request, Backend backend);

@@ -26,6 +26,8 @@ struct VerifyArguments {
     std::uint32_t spp = 0;
     std::uint32_t depth = 0;
     std::uint64_t seed = 1;
+    bool quick = false;
+    CompileOnly compile_only;
     bool quiet = false;
     bool statistical = false;
     std::vector<std::string> against;
@@ -190,12 +192,58 @@ std::string plain_accelerator(const Scene& scene, Backend backend) {
     return name;
 }
 
+// Every way to draw lights and directions to them with every estimator that connects, by kernels that know the scene
+// and by the general one: what pairs of choices leave out. On a CPU with every integrator.
+std::vector<Variant> lit_variants(Backend backend, const Scene& scene) {
+    const Registry& registry = Registry::instance();
+    AxisChoices axes{{"accelerator", {plain_accelerator(scene, backend)}}};
+    const AxisChoices all = all_choices(backend);
+    for (const Choice* choice : registry.choices("direct_light", backend)) {
+        if (traits_in<DirectLightTraits>(choice->descriptor).connects) {
+            axes["direct_light"].emplace_back(choice->descriptor.name);
+        }
+    }
+    for (const Choice* choice : registry.choices("specialisation", backend)) {
+        if (!traits_in<SpecialisationTraits>(choice->descriptor).by_matrix) {
+            axes["specialisation"].emplace_back(choice->descriptor.name);
+        }
+    }
+    if (backend == Backend::cpu) {
+        axes["integrator"] = all.at("integrator");
+    }
+    std::vector<Variant> variants;
+    for (const char* axis : {"light_sampling", "light_selection"}) {
+        AxisChoices with_axis = axes;
+        with_axis[axis] = all.at(axis);
+        for (const Variant& variant : expand(with_axis, backend)) {
+            variants.push_back(variant);
+        }
+    }
+    return variants;
+}
+
+void add_unknown(std::vector<Variant>& variants, const std::vector<Variant>& more) {
+    std::set<Variant> known(variants.begin(), variants.end());
+    for (const Variant& variant : more) {
+        if (known.insert(variant).second) {
+            variants.push_back(variant);
+        }
+    }
+}
+
 // A product of all choices is small on the CPU backend but for roulette, samplers, robustness, accelerators,
 // builders, levels and ways to draw lights and walks, which multiply it by hundreds; on CUDA it is millions. So without
 // --axis these meet the rest in a covering set, in which every two choices of two axes meet, on CUDA all axes do, and
-// of means each choice is tested by itself.
+// of means each choice is tested by itself. Ways to draw lights meet all estimators that connect besides.
 std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backend backend, const Scene& scene) {
     const bool none_named = arguments.axes.empty() && arguments.devices.empty() && arguments.tunables.empty();
+    if (arguments.quick) {
+        AxisChoices axes = all_choices(backend);
+        for (const auto& [axis, choices] : parse_axis_arguments(arguments.axes, arguments.devices, backend)) {
+            axes[axis] = choices;
+        }
+        return each_choice_once(axes, features_of(scene), backend);
+    }
     if (arguments.statistical && none_named) {
         return single_steps(backend);
     }
@@ -221,12 +269,8 @@ std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backen
         variants = expand(axes, backend, tunables);
     }
     if (none_named) {
-        const std::set<Variant> known(variants.begin(), variants.end());
-        for (const Variant& variant : covering_variants(all_choices(backend), features_of(scene), backend)) {
-            if (!known.contains(variant)) {
-                variants.push_back(variant);
-            }
-        }
+        add_unknown(variants, covering_variants(all_choices(backend), features_of(scene), backend));
+        add_unknown(variants, lit_variants(backend, scene));
     }
     return variants;
 }
@@ -259,8 +303,10 @@ int run_statistical(const VerifyArguments& arguments, Backend backend, const std
 }
 
 int run(const VerifyArguments& arguments) {
-    const Backend backend = parse_backend(arguments.backend);
-    require_backend(backend);
+    const Backend backend = arguments.compile_only.is_asked ? Backend::cuda : parse_backend(arguments.backend);
+    if (!arguments.compile_only.is_asked) {
+        require_backend(backend);
+    }
     const std::vector<std::string> names = scenes_asked_for(arguments.scenes);
     const std::vector<Scene> scenes = find_scenes(names);
     std::vector<CompileTask> compilations;
@@ -270,6 +316,10 @@ int run(const VerifyArguments& arguments) {
         for (const Variant& variant : variants.back()) {
             compilations.push_back({&scene, variant});
         }
+    }
+    if (arguments.compile_only.is_asked) {
+        compile_for(arguments.compile_only.architecture, std::move(compilations));
+        return exit_good;
     }
     if (arguments.statistical) {
         return run_statistical(arguments, backend, scenes, variants);
@@ -298,7 +348,8 @@ Command add_verify_command(CLI::App& app) {
         ->add_option("--axis", arguments->axes,
                      "AXIS=CHOICE,CHOICE, repeatable (default: every choice, but roulette, samplers, robustness, "
                      "accelerators, builders and levels by "
-                     "pairs with the rest; on cuda a set in which every two choices meet)")
+                     "pairs with the rest; on cuda a set in which every two choices meet; on both every way to draw "
+                     "lights with every estimator that connects)")
         ->allow_extra_args(false);
     command
         ->add_option("--devices", arguments->devices,
@@ -324,6 +375,9 @@ Command add_verify_command(CLI::App& app) {
     command->add_option("--runs", arguments->runs, "Runs of each side, with seeds of their own (default 16)")
         ->check(CLI::Range(3u, 10000u))
         ->needs(statistical);
+    command->add_flag("--quick", arguments->quick,
+                      "Every choice of every axis once, in few variants, instead of every pair of choices");
+    add_compile_options(*command, arguments->compile_only);
     command->add_flag("--quiet", arguments->quiet, "Print failures and the tally only");
     return [arguments] { return run(*arguments); };
 }

@@ -121,16 +121,33 @@ nlohmann::ordered_json batch_counters(const std::vector<std::string>& arguments,
 
 void switch_counting(bool on) { PT_CUDA_CHECK(on ? cudaProfilerStart() : cudaProfilerStop()); }
 
-void collect_programs(const Scene& scene, const Variant& variant, const std::string& architecture,
+std::string why_not_an_architecture(const std::string& name) {
+    const std::string known = known_architectures();
+    const bool is_known = !name.empty() && (", " + known + ",").find(", " + name + ",") != std::string::npos;
+    return is_known ? "" : fmt::format("\"{}\" is no architecture (allowed: {})", name, known);
+}
+
+std::string kernel_cache() { return kernel_cache_folder(); }
+
+struct SharedHeaders::Implementation {
+    PrecompiledHeaders headers;
+};
+SharedHeaders::SharedHeaders() : implementation_(std::make_unique<Implementation>()) {}
+SharedHeaders::~SharedHeaders() = default;
+
+void collect_programs(const Scene& scene, const Variant& variant, const std::string& architecture, bool alone,
                       std::map<std::string, std::function<void()>>& programs) {
     if (architecture.empty() && !not_available().empty()) {
         return;
     }
     const std::string target = architecture.empty() ? device().architecture() : architecture;
-    for (const Variant& needed : rendered_to_check(scene, variant, Backend::cuda)) {
-        const ModuleRequest request = module_request(scene, needed, target);
-        if (!is_cached(request)) {
-            programs.try_emplace(request.name + " " + module_key(request), [request] { (void)build_module(request); });
+    for (const Variant& needed :
+         alone ? std::vector<Variant>{variant} : rendered_to_check(scene, variant, Backend::cuda)) {
+        for (const ModuleRequest& request : module_requests(scene, needed, target)) {
+            if (!is_cached(request)) {
+                programs.try_emplace(request.name + " " + module_key(request),
+                                     [request] { (void)build_module(request); });
+            }
         }
     }
 }

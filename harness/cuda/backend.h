@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,10 +45,28 @@ nlohmann::ordered_json batch_counters(const std::vector<std::string>& arguments,
 // Under ncu: whether what is launched from here on is counted.
 void switch_counting(bool on);
 
+// What is wrong with the name of an architecture ("sm_90"); empty: nothing.
+std::string why_not_an_architecture(const std::string& name);
+// Where compiled kernels are kept; empty in a build without CUDA.
+std::string kernel_cache();
+
+// While it lives, the programs that this process compiles share headers that are translated once.
+class SharedHeaders {
+public:
+    SharedHeaders();
+    ~SharedHeaders();
+    SharedHeaders(const SharedHeaders&) = delete;
+    SharedHeaders& operator=(const SharedHeaders&) = delete;
+
+private:
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+};
+
 // Adds the programs that a variant of a scene needs and that are not in the cache on disk: name -> compiles it and puts
 // it there. For an architecture ("sm_90"), without a device or a driver; empty: for the device, and nothing is added if
-// the backend is not available.
-void collect_programs(const Scene& scene, const Variant& variant, const std::string& architecture,
+// the backend is not available. `alone`: the variant's own, without those of the variants that its claim is held to.
+void collect_programs(const Scene& scene, const Variant& variant, const std::string& architecture, bool alone,
                       std::map<std::string, std::function<void()>>& programs);
 
 // A name for folders, e.g. "nvidia-h200". Precondition: not_available() is empty.

@@ -106,4 +106,19 @@ ModuleRequest stage_request(const Variant& variant, const std::string& source,
     return request;
 }
 
+std::vector<ModuleRequest> module_requests(const Scene& scene, const Variant& variant,
+                                           const std::string& architecture) {
+    std::vector<ModuleRequest> requests{module_request(scene, variant, architecture)};
+    if (!traits_of(variant, Backend::cuda).integrator.has_queue) {
+        return requests;
+    }
+    for (const char* axis : {"compaction", "sorting"}) {
+        if (const Hooks& choice = hooks(axis, variant); !choice.kernels.empty()) {
+            const std::string source = fmt::format("variants/{}/{}.cuh", axis, variant[axis]);
+            requests.push_back(stage_request(variant, source, choice.kernels, architecture));
+        }
+    }
+    return requests;
+}
+
 }  // namespace pt::cuda

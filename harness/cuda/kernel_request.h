@@ -9,6 +9,9 @@
 namespace pt::cuda {
 
 ModuleRequest module_request(const Scene& scene, const Variant& variant, const std::string& architecture);
+// All programs that a render of the variant loads: the integrator's, and those of a compaction and a sort that have
+// kernels of their own.
+std::vector<ModuleRequest> module_requests(const Scene& scene, const Variant& variant, const std::string& architecture);
 // `kernels`: those of the source that are launched.
 ModuleRequest stage_request(const Variant& variant, const std::string& source,
                             const std::vector<KernelSignature>& kernels, const std::string& architecture);

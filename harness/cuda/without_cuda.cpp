@@ -24,8 +24,13 @@ nlohmann::ordered_json batch_counters(const std::vector<std::string>&,
     throw MachineError(reason);
 }
 void switch_counting(bool) {}
-void collect_programs(const Scene&, const Variant&, const std::string&, std::map<std::string, std::function<void()>>&) {
-}
+std::string why_not_an_architecture(const std::string&) { return "this build has no CUDA"; }
+std::string kernel_cache() { return ""; }
+struct SharedHeaders::Implementation {};
+SharedHeaders::SharedHeaders() = default;
+SharedHeaders::~SharedHeaders() = default;
+void collect_programs(const Scene&, const Variant&, const std::string&, bool,
+                      std::map<std::string, std::function<void()>>&) {}
 std::string machine_name() { throw MachineError(reason); }
 bool runs_processes_at_once() { return false; }
 std::vector<std::pair<std::string, std::string>> context() { return {}; }

@@ -47,6 +47,10 @@ std::string not_applicable(const Task& task);
 // One row a quantity, or a single one that says why there is none. Throws nothing that a render throws.
 std::vector<Row> evaluate(const Task& task);
 
+// The text of every scene that evaluating the task renders, with the variant, as far as its kernels depend on it: what
+// is to be compiled beforehand. None of a direct check.
+std::vector<std::pair<std::string, Variant>> renders_of(const Task& task);
+
 // The reference integrator with the generic kernel in exact arithmetic, every other axis at its plainest.
 Variant plainest_variant(Backend backend);
 

@@ -209,12 +209,4 @@ std::vector<std::pair<std::string, std::string>> scene_files(const Case& stiff_c
     return files;
 }
 
-std::optional<Scene> a_scene_of(const Case& stiff_case) {
-    const auto files = scene_files(stiff_case);
-    if (files.empty()) {
-        return std::nullopt;
-    }
-    return parse_scene(files.front().second, "stability case " + stiff_case.name);
-}
-
 }  // namespace pt::stability

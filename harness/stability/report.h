@@ -60,7 +60,5 @@ std::string in_words(const Row& row);
 
 // Name and text of the scene files that show a case, at its first point; none for a direct check.
 std::vector<std::pair<std::string, std::string>> scene_files(const Case& stiff_case);
-// One scene of the case, for what is compiled ahead.
-std::optional<Scene> a_scene_of(const Case& stiff_case);
 
 }  // namespace pt::stability

@@ -91,7 +91,7 @@ TEST(WithoutDeviceTest, BadCheckpointsAreRefusedBeforeTheDeviceIsLookedFor) {
 TEST(WithoutDeviceTest, NothingIsCompiledAheadForADeviceThatIsNotThere) {
     const Scene scene = find_scene("cornell_open");
     std::map<std::string, std::function<void()>> programs;
-    cuda::collect_programs(scene, baseline(), "", programs);
+    cuda::collect_programs(scene, baseline(), "", false, programs);
     EXPECT_TRUE(programs.empty());
     compile_ahead({{&scene, baseline()}});
     EXPECT_FALSE(std::filesystem::exists(cuda::kernel_cache_folder()));
@@ -104,7 +104,7 @@ TEST(WithoutDeviceTest, CompilesAheadForAnArchitecture) {
     const Scene scene = find_scene("cornell_open");
     const auto missing = [&](const std::string& architecture) {
         std::map<std::string, std::function<void()>> programs;
-        cuda::collect_programs(scene, baseline(), architecture, programs);
+        cuda::collect_programs(scene, baseline(), architecture, false, programs);
         std::vector<std::string> names;
         for (const auto& [name, compile] : programs) {
             names.push_back(name.substr(0, name.find(' ')));
@@ -137,7 +137,7 @@ TEST(WithoutDeviceTest, CompilesAheadWhatAClaimOfAMeanIsHeldTo) {
         expected.insert(request.name + " " + cuda::module_key(request));
     }
     std::map<std::string, std::function<void()>> programs;
-    cuda::collect_programs(scene, variant, "sm_87", programs);
+    cuda::collect_programs(scene, variant, "sm_87", false, programs);
     std::set<std::string> found;
     for (const auto& [name, compile] : programs) {
         found.insert(name);

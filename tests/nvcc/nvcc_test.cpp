@@ -39,34 +39,42 @@ int instructions(const std::string& ptx, const std::string& part, const std::str
     return count;
 }
 
-TEST(NvccTest, EveryStageCompilesForHostAndDevice) {
-#ifndef PTBENCH_NVCC
-    GTEST_SKIP() << "nvcc was not found when CMake ran";
-#else
+#ifdef PTBENCH_NVCC
+// The PTX of tests/nvcc/`name`.cu, which is compiled for host and device without a warning. To PTX: assembling it takes
+// three times as long, and compile_test.cpp assembles what NVRTC makes of these sources. CUDA_VERSION: GLM 0.9.9 asks
+// for it where only nvcc's own macros are set. 20012: GLM marks its defaulted members host and device, which nvcc
+// reports as superfluous. Relaxed constexpr: std::numeric_limits in device code.
+std::string compiled_to_ptx(const std::string& name, const std::string& options) {
     const fs::path folder = fs::path(testing::TempDir()) / ("ptbench_nvcc_" + std::to_string(std::random_device()()));
     fs::create_directories(folder);
-    const std::string object = (folder / "kernels.o").string(), log = (folder / "log").string();
-    // To PTX: assembling it takes three times as long, and compile_test.cpp assembles what NVRTC makes of these
-    // sources. CUDA_VERSION: GLM 0.9.9 asks for it where only nvcc's own macros are set. 20012: GLM marks its defaulted
-    // members host and device, which nvcc reports as superfluous. Relaxed constexpr: std::numeric_limits in device
-    // code.
+    const std::string object = (folder / (name + ".o")).string(), log = (folder / "log").string();
     const std::string command =
-        std::string("\"" PTBENCH_NVCC
-                    "\" -std=c++20 -gencode arch=compute_90,code=compute_90 --fmad=false -Werror all-warnings ") +
-        "--expt-relaxed-constexpr -diag-suppress 20012 -DGLM_FORCE_CUDA -DCUDA_VERSION=13000 " + "-I\"" +
-        source.string() + "\" -I\"" PTBENCH_GLM_INCLUDE "\" --keep --keep-dir \"" + folder.string() + "\" -c \"" +
-        (source / "tests/nvcc/kernels.cu").string() + "\" -o \"" + object + "\" > \"" + log + "\" 2>&1";
+        std::string("\"" PTBENCH_NVCC "\" -std=c++20 -gencode arch=compute_90,code=compute_90 ") + options +
+        " -Werror all-warnings --expt-relaxed-constexpr -diag-suppress 20012 -DGLM_FORCE_CUDA -DCUDA_VERSION=13000 " +
+        "-I\"" + source.string() + "\" -I\"" PTBENCH_GLM_INCLUDE "\" --keep --keep-dir \"" + folder.string() +
+        "\" -c \"" + (source / "tests/nvcc" / (name + ".cu")).string() + "\" -o \"" + object + "\" > \"" + log +
+        "\" 2>&1";
     const int status = std::system(command.c_str());
     std::ostringstream messages;
     messages << std::ifstream(log).rdbuf();
     EXPECT_EQ(status, 0) << command << "\n" << messages.str();
     EXPECT_TRUE(fs::exists(object));
+    std::ostringstream ptx;
+    ptx << std::ifstream(folder / (name + ".ptx")).rdbuf();
+    fs::remove_all(folder);
+    return ptx.str();
+}
+#endif
+
+TEST(NvccTest, EveryStageCompilesForHostAndDevice) {
+#ifndef PTBENCH_NVCC
+    GTEST_SKIP() << "nvcc was not found when CMake ran";
+#else
+    const std::string ptx = compiled_to_ptx("kernels", "--fmad=false");
     // Double precision throughout means throughout: no literal, function or constant in single precision. And no kernel
     // in single precision takes a detour over double, but for the film's rare samples.
-    std::ostringstream ptx;
-    ptx << std::ifstream(folder / "kernels.ptx").rdbuf();
     const auto count = [&](const char* stage, const char* real, const char* type) {
-        return instructions(ptx.str(), std::string(stage) + "INS_6ConfigI" + real, type);
+        return instructions(ptx, std::string(stage) + "INS_6ConfigI" + real, type);
     };
     for (const char* stage : {"generate_paths", "intersect_paths", "shade_paths", "accumulate_paths"}) {
         EXPECT_EQ(count(stage, "d", ".f32"), 0) << stage;
@@ -76,7 +84,31 @@ TEST(NvccTest, EveryStageCompilesForHostAndDevice) {
             EXPECT_EQ(count(stage, "f", ".f64"), 0) << stage;
         }
     }
-    fs::remove_all(folder);
+#endif
+}
+
+// Whether a closed mesh lets rays through must not depend on what a compiler fuses: two triangles that share an edge
+// agree about it only where a product and its mirror image are rounded alike.
+TEST(NvccTest, NoArithmeticFusesWhatWatertightnessRestsOn) {
+#ifndef PTBENCH_NVCC
+    GTEST_SKIP() << "nvcc was not found when CMake ran";
+#else
+    for (const char* options : {"", "--use_fast_math"}) {
+        const std::string ptx = compiled_to_ptx("triangle", options);
+        // A product without a rounding of its own in PTX is one that the assembler may fuse.
+        const auto fusible = [&](const char* kernel) {
+            int count = 0;
+            for (const char* product : {"fma.", "mul.f32", "mul.ftz.f32", "mul.f64"}) {
+                count += instructions(ptx, kernel, product);
+            }
+            return count;
+        };
+        for (const char* kernel : {"meet", "take_in", "bound", "move"}) {
+            EXPECT_GT(instructions(ptx, kernel, "mul.rn"), 0) << kernel;
+            EXPECT_EQ(fusible(kernel), 0) << kernel << " " << options;
+        }
+        EXPECT_EQ(fusible("may_be_fused"), 4) << options;
+    }
 #endif
 }
 

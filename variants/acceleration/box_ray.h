@@ -17,6 +17,7 @@ struct BoxRay {
     Vec3<Real> near_origin, far_origin;  // one box further and one box nearer than the ray's origin
     Vec3<Real> inverse;                  // of the direction; infinite along an axis that the ray does not move on
 
+    // With roundings of its own in every arithmetic: a ray enters the same boxes on a GPU as on a CPU.
     PT_HD static BoxRay of(const Vec3<Real>& origin, const Vec3<Real>& direction, const BoxSpan (&spans)[3]) {
         const ShearedDirection<Real> s = ShearedDirection<Real>::of(direction);
         Vec3<Real> reach;
@@ -32,8 +33,9 @@ struct BoxRay {
                 continue;
             }
             // Six roundings of a sheared vertex, of the shear and of this; two of the shifted origin.
-            const Real sheared = absolute(axis == s.kx ? s.shear.x : s.shear.y) * along;
-            const Real margin = gamma<Real>(8) * (reach[axis] + sheared) + gamma<Real>(2) * absolute(origin[axis]);
+            const Real sheared = rounded_product(absolute(axis == s.kx ? s.shear.x : s.shear.y), along);
+            const Real margin = rounded_product(gamma<Real>(8), reach[axis] + sheared) +
+                                rounded_product(gamma<Real>(2), absolute(origin[axis]));
             const Real shift = ray.inverse[axis] < Real(0) ? -margin : margin;
             ray.near_origin[axis] += shift;
             ray.far_origin[axis] -= shift;

@@ -3,7 +3,7 @@
 // differs: the slots of a child stand at fixed bits of one mask, and no box that a hit lies in is missed by rounding.
 #pragma once
 
-#include "kernels/math.h"
+#include "kernels/in_range.h"
 #include "variants/acceleration/encoded_tree.h"
 
 #if defined(__CUDA_ARCH__)
@@ -92,21 +92,12 @@ PT_HD inline std::uint32_t lowest_bit(std::uint32_t x) {
     return static_cast<std::uint32_t>(__builtin_ctz(x));
 #endif
 }
+// With one rounding on every backend, so that a ray enters the same boxes on each.
 PT_HD inline float multiply_add(float a, float b, float c) {
 #if defined(__CUDA_ARCH__)
     return __fmaf_rn(a, b, c);
 #else
-    return a * b + c;
-#endif
-}
-
-PT_HD inline float reciprocal(float x) {  // within 1 unit in the last place
-#if defined(__CUDA_ARCH__)
-    float result;
-    asm("rcp.approx.ftz.f32 %0, %1;" : "=f"(result) : "f"(x));
-    return result;
-#else
-    return 1.0f / x;
+    return __builtin_fmaf(a, b, c);
 #endif
 }
 
@@ -160,7 +151,7 @@ struct BoxRay {
         for (int k = 0; k < 3; ++k) {
             ray.origin[k] = static_cast<float>(from[k]);
             const float low = root.origin(k) - ray.origin[k];
-            farthest = max(farthest, max(absolute(low), absolute(low + 255.0f * root.step(k))));
+            farthest = max(farthest, max(absolute(low), absolute(multiply_add(255.0f, root.step(k), low))));
             if constexpr (sizeof(Real) > sizeof(float)) {
                 farthest = max(farthest, absolute(ray.origin[k]));
             }
@@ -169,8 +160,8 @@ struct BoxRay {
         for (int k = 0; k < 3; ++k) {
             const float component = static_cast<float>(direction[k]);
             const bool up = !(component < 0.0f);
-            ray.inverse[k] = reciprocal(absolute(component) < least ? (up ? least : -least) : component);
-            ray.room[k] = 9.5367431640625e-07f * farthest * absolute(ray.inverse[k]);
+            ray.inverse[k] = reciprocal_in_range(absolute(component) < least ? (up ? least : -least) : component);
+            ray.room[k] = rounded_product(9.5367431640625e-07f * farthest, absolute(ray.inverse[k]));
             ray.flip |= up ? 1u << k : 0u;
         }
         return ray;
@@ -183,7 +174,7 @@ PT_HD inline std::uint32_t boxes_hit(const LoadedNode& node, const BoxRay& ray, 
     std::uint32_t near_words[3][2], far_words[3][2];
     PT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        const float inverse = ray.inverse[k], offset = (node.origin(k) - ray.origin[k]) * inverse;
+        const float inverse = ray.inverse[k], offset = rounded_product(node.origin(k) - ray.origin[k], inverse);
         const bool up = inverse > 0.0f;
         step[k] = node.step(k) * inverse;
         near_offset[k] = multiply_add(step[k], -32768.0f, offset - ray.room[k]);

@@ -176,7 +176,10 @@ inline void look_along(Flags& sends, const SceneView<typename Config::Real>& sce
     }
     for (const std::uint32_t l : LaneList(asks_closest)) {
         const Hit<Real> hit = pt::closest_hit<Config>(scene, shadow.ray(l));
-        sends[l] = hit.side.exists() && hit.side.object() == lights[l] ? 1u : 0u;
+        const bool is_met = hit.side.exists() && hit.side.object() == lights[l];
+        const bool sees =
+            is_met || (distance[l] > Real(0) && sees_point<Config>(scene, lights[l], shadow.ray(l), distance[l], hit));
+        sends[l] = sees ? 1u : 0u;
     }
 }
 

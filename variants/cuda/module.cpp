@@ -1,6 +1,7 @@
 #include "variants/cuda/module.h"
 
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -150,10 +151,14 @@ std::string traversal_text(const ModuleRequest& request) {
         request.traversal, request.traversal_stack, own);
 }
 
-// Includes in order, and the names by which device code knows the variant's choices.
+// Includes in order, and the names by which device code knows the variant's choices. First what no choice changes, up
+// to the pragma that ends a precompiled header.
 std::string program_text(const ModuleRequest& request) {
-    std::string text = request.prelude;
-    text += "#include \"variants/cuda/kernel_config.h\"\n";
+    std::string text =
+        "#include \"kernels/shade.h\"\n"
+        "#include \"variants/cuda/kernel_config.h\"\n"
+        "#pragma nv_hdrstop\n";
+    text += request.prelude;
     text += fmt::format("{}\n", fmt::join(chosen(request), "\n"));
     for (const KernelSignature& kernel : request.kernels) {
         text += fmt::format("namespace host_bytes {{ inline constexpr unsigned {} = {}u; }}\n", kernel.name,
@@ -233,6 +238,40 @@ bool is_cached(const ModuleRequest& request) {
 
 namespace {
 
+// Where this process keeps precompiled headers: they are bound to its memory. Empty: nowhere.
+fs::path precompiled_folder;
+
+std::vector<std::string> precompiled_options() {
+    if (precompiled_folder.empty()) {
+        return {};
+    }
+    // 629: other options than those of a file that lies there as well.
+    return {"-pch", "-pch-dir=" + precompiled_folder.string(), "-pch-messages=false", "-diag-suppress=629"};
+}
+
+}  // namespace
+
+PrecompiledHeaders::PrecompiledHeaders() {
+    int major = 0, minor = 0;
+    const bool knows_them = std::sscanf(nvrtc_version().c_str(), "%d.%d", &major, &minor) == 2 &&
+                            std::pair(major, minor) >= std::pair(12, 8);
+    const fs::path folder = cache_folder() / fmt::format("headers.partial{}", ::getpid());
+    std::error_code refused;
+    if (knows_them && (fs::create_directories(folder, refused), !refused)) {
+        precompiled_folder = folder;
+    }
+}
+
+PrecompiledHeaders::~PrecompiledHeaders() {
+    std::error_code ignored;
+    if (!precompiled_folder.empty()) {
+        fs::remove_all(precompiled_folder, ignored);
+    }
+    precompiled_folder.clear();
+}
+
+namespace {
+
 // With options beside the request's own.
 Compilation compiled(const ModuleRequest& request, const std::vector<std::string>& more_options) {
     if (const std::string missing = nvrtc_missing(); !missing.empty()) {
@@ -242,7 +281,7 @@ Compilation compiled(const ModuleRequest& request, const std::vector<std::string
     const fs::path include = unpacked_sources();
     options.push_back("-I" + include.string());
     options.push_back("-I" + (include / "shims").string());
-    for (const std::vector<std::string>& more : {toolkit_include_options(), more_options}) {
+    for (const std::vector<std::string>& more : {toolkit_include_options(), precompiled_options(), more_options}) {
         options.insert(options.end(), more.begin(), more.end());
     }
     Compilation compilation = compile(program_text(request), request.name + ".cu", options);

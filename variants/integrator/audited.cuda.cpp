@@ -18,7 +18,7 @@ constexpr Descriptor descriptor{
     .name = "audited",
     .summary = "megakernel that looks at every path's state between stages; for health, not for times",
     .origin = "Falcor's InvalidPixelDetectionPass",
-    .traits = IntegratorTraits{.sums_in_order = true},
+    .traits = IntegratorTraits{.sums_in_order = true, .inspects = true},
     .backends = on_cuda,
     .tunables = megakernel_tunables,
     .unsupported_reason = unsupported_reason,
