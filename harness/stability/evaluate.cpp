@@ -277,7 +277,8 @@ Measurement ratio_of_means(const std::vector<std::int64_t>& expected, const std:
         difference += d;
         squares += d * d;
     }
-    return {.measured = 1 + difference / sum,
+    return {.quantity = "mean over mean",
+            .measured = 1 + difference / sum,
             .exact = 1,
             .standard_error = std::sqrt(squares) / sum,
             .tolerance = {1e-6, 1e-12, "programs of one formula that round apart"}};
@@ -310,7 +311,7 @@ Row evaluate_pair(const Task& task, const Twins& twins) {
     const std::vector<std::int64_t> found = sums_in_parts(tuned, changed, twins.parts, twins.samples, row);
     if (fp_relaxed(task.variant, task.backend) && !have_one_program(tuned, reference, changed)) {
         row.measurement = ratio_of_means(expected, found);
-        row.measurement.quantity = "mean over mean: " + twins.change;
+        row.measurement.quantity += ": " + twins.change;
     } else {
         row.measurement.measured = differing_pixels(expected, found);
     }
