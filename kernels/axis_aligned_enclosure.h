@@ -92,15 +92,18 @@ PT_HD inline WallsBetween walls_between(const AxisAlignedEnclosure<Real>& enclos
                                         const Vec3<Real>& to) {
     const Vec3<Real>& low = enclosure.low;
     const Vec3<Real>& high = enclosure.high;
-    // How far beyond the sides.
+    // How far beyond the sides the second point is, and how far within them the first.
     const Real beyond[6] = {low.x - to.x, to.x - high.x, low.y - to.y, to.y - high.y, low.z - to.z, to.z - high.z};
+    const Real within[6] = {from.x - low.x,  high.x - from.x, from.y - low.y,
+                            high.y - from.y, from.z - low.z,  high.z - from.z};
     Real walls = -std::numeric_limits<Real>::infinity();
-    Real open = walls;
+    Real open = walls, to_wall = -walls;
     for (std::uint32_t side = 0; side < 6; ++side) {
         if (((enclosure.open_sides >> side) & 1u) != 0) {
             open = max(open, beyond[side]);
         } else {
             walls = max(walls, beyond[side]);
+            to_wall = min(to_wall, within[side]);
         }
     }
     // Above the rounding of a point on the way and of the slabs.
@@ -109,7 +112,10 @@ PT_HD inline WallsBetween walls_between(const AxisAlignedEnclosure<Real>& enclos
     if (enclosure.walls == 0 || !enclosure.contains(from) || !(open < -margin)) {
         return WallsBetween::unknown;
     }
-    return walls < -margin ? WallsBetween::none : walls > margin ? WallsBetween::one : WallsBetween::unknown;
+    // A ray that starts in the very plane of a wall, in a corner, does not enter that wall (keep_nearer).
+    return walls < -margin                       ? WallsBetween::none
+           : walls > margin && to_wall > Real(0) ? WallsBetween::one
+                                                 : WallsBetween::unknown;
 }
 
 template <class Real>

@@ -105,8 +105,7 @@ std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet featu
 }
 
 // Greedily: next comes the variant with the most choices that have not been seen, and of several the first.
-std::vector<Variant> each_choice_once(const AxisChoices& axes, FeatureSet features, Backend backend) {
-    std::vector<Variant> left = covering_variants(axes, features, backend);
+std::vector<Variant> each_choice_once(std::vector<Variant> left) {
     std::set<std::pair<std::string_view, std::string>> seen;
     const auto unseen = [&](const Variant& variant) {
         return std::count_if(std::begin(axis_names), std::end(axis_names), [&](std::string_view axis) {

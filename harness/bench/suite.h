@@ -125,8 +125,8 @@ AxisChoices all_choices(Backend backend = Backend::cpu);
 // A pairwise covering: variants that apply to a scene with these features, in which every compatible pair of choices of
 // two axes occurs. All combinations of choices would be too many.
 std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet features, Backend backend);
-// Of that covering as few as have every choice that occurs in it.
-std::vector<Variant> each_choice_once(const AxisChoices& axes, FeatureSet features, Backend backend);
+// Of such a covering as few as have every choice that occurs in it.
+std::vector<Variant> each_choice_once(std::vector<Variant> covering);
 // "NAME=c1,c2" -> adds to `axes`; throws InputError, with the allowed names, for an unknown name and for an axis that
 // `axes` has already. "NAME=all": all choices of the backend.
 void add_axis_argument(AxisChoices& axes, const std::string& argument, Backend backend = Backend::cpu);

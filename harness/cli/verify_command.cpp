@@ -242,7 +242,7 @@ std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backen
         for (const auto& [axis, choices] : parse_axis_arguments(arguments.axes, arguments.devices, backend)) {
             axes[axis] = choices;
         }
-        return each_choice_once(axes, features_of(scene), backend);
+        return each_choice_once(covering_variants(axes, features_of(scene), backend));
     }
     if (arguments.statistical && none_named) {
         return single_steps(backend);
