@@ -100,9 +100,7 @@ def test_an_efficiency_is_judged_by_the_renders_that_time_it(tmp_path, disturbed
     """Where both ran without checkpoints, those times count, disturbed ones too, and the others do not."""
     builder = convergence_study(on_gpu()).study("cornell_without_checkpoints", "")
     for sigma2, axes in ((0.5, {}), (0.05, NEE)):
-        cell = convergence_cell(
-            builder, exact(sigma2=sigma2), axes=axes, time_noise=0.0, contended=8 * (1 - disturbed)
-        )
+        cell = convergence_cell(builder, exact(sigma2=sigma2), axes=axes, time_noise=0.0, contended=8 * (1 - disturbed))
         size = {"spp": SPPS[-1], "resolution": cell["resolution"]}
         builder.cell("cornell_without_checkpoints", n=8, axes=axes, noise=0.0, contended=8 * disturbed, **size)
     _, group = group_of(builder, tmp_path)

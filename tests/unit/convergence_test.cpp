@@ -73,6 +73,7 @@ protected:
     RunOptions options() const {
         return {.out = out,
                 .command_line = "the test",
+                .retakes = 0,  // this machine may be busy: each run has the same samples
                 .repetitions = 3,
                 .reference_cache = folder.file("cache"),
                 .grace = std::chrono::hours(24)};

@@ -167,7 +167,11 @@ class _OfSuite:
 
     def _time(self, condition: Condition) -> Found:
         ((cell, base),) = pairs = self._pairs(condition)
-        return Found(condition, ratio_estimate(cell.ms_per_spp, base.ms_per_spp), doubt_of(cell for pair in pairs for cell in pair))
+        return Found(
+            condition,
+            ratio_estimate(cell.ms_per_spp, base.ms_per_spp),
+            doubt_of(cell for pair in pairs for cell in pair),
+        )
 
     def _pairs(self, condition: Condition) -> list[tuple[Cell, Cell]]:
         """The cell and its baseline; with `scene=*`, those of every scene that has both."""

@@ -34,8 +34,8 @@ EFFICIENCY_RULE = (
     "Intervals: "
     "95 %, bootstrap over seeds with expanded percentiles, errors and times of a seed drawn together, seeds that both "
     "cells ran drawn for both. An efficiency whose times other processes disturbed in more than a tenth of a cell's "
-    "samples has no verdict (disturbed). Time to an error: where the fitted curve, with its plateau, meets it, at the cell's own "
-    "times, that of the first checkpoint at the least; never where the plateau lies above it."
+    "samples has no verdict (disturbed). Time to an error: where the fitted curve, with its plateau, meets it, at the "
+    "cell's own times, that of the first checkpoint at the least; never where the plateau lies above it."
 )
 
 

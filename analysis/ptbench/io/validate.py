@@ -20,6 +20,7 @@ from referencing import Registry, Resource
 from ptbench.errors import InputError, bad_value
 from ptbench.io.consistency import JournalBook, contradictions
 from ptbench.io.files import LARGEST_RESULT, one_line, package_file, read_whole
+from ptbench.io.line_seal import LineSeal
 from ptbench.io.nodes import Node, parse, read_json, shown
 from ptbench.terminal import say, visible
 
@@ -104,11 +105,14 @@ def journal_complaints(path: Path) -> Iterator[str]:
     """The same of a journal, line by line. A last line without its end was cut off by a kill, and is dropped."""
     whole, _, _ = read_whole(path, LARGEST_RESULT).rpartition(b"\n")
     lines = whole.split(b"\n") if whole else []
-    book = JournalBook()
+    book, seal = JournalBook(), LineSeal()
     if not lines:
         yield "line 1: found nothing, allowed: a line of type run"
     for number, line in enumerate(lines, start=1):
         place = f"line {number}"
+        if damage := seal.fault(line):
+            yield f"{place}: found {damage}, allowed: lines as ptbench wrote them"
+            continue
         try:
             value, key_twice = parse(line.decode("utf-8"), _refuse)
         except (ValueError, RecursionError):

@@ -150,9 +150,7 @@ def _efficiency(group: Sequence[Assessment], names: dict[str, str], baseline: As
     """Which cells need more or less time than the baseline for the same noise, by their whole intervals."""
     if baseline is None:
         return ""
-    sides: dict[str, list[str]] = {
-        word: [] for word in (HIGHER, LOWER, NOT_TOLD_APART, DISTURBED, "not defined")
-    }
+    sides: dict[str, list[str]] = {word: [] for word in (HIGHER, LOWER, NOT_TOLD_APART, DISTURBED, "not defined")}
     for one in group:
         if one is baseline:
             continue
@@ -162,5 +160,7 @@ def _efficiency(group: Sequence[Assessment], names: dict[str, str], baseline: As
             continue
         estimate = compared.efficiency
         mark = " (withdrawn)" if between(one.cell, baseline.cell) else ""
-        sides[compared.word].append(f"`{names[one.cell.name]}` {ratio(estimate.value)} {ends_beside_one(estimate)}{mark}")
+        sides[compared.word].append(
+            f"`{names[one.cell.name]}` {ratio(estimate.value)} {ends_beside_one(estimate)}{mark}"
+        )
     return "; ".join(f"{side}: {', '.join(cells)}" for side, cells in sides.items() if cells)

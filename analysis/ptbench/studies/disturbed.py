@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ptbench.io.cells import Cell
+from ptbench.io.cells import Cell, Result
 
 # A larger part of the samples, and what they say is what befell the machine: no verdict, no noise floor.
 MOST_DISTURBED = 0.1
@@ -47,6 +47,12 @@ def is_contended(cell: Cell) -> bool:
 def doubt_of(cells: Iterable[Cell]) -> str:
     """Why a number that is computed from the times of these cells has no verdict; empty: it may have one."""
     return CONTENDED if any(map(is_contended, cells)) else ""
+
+
+def disturbance_in(result: Result) -> str:
+    """A file's samples, and how many disturbed ones are not among them, since others took their places."""
+    again = f"; {result.retaken} disturbed before {'was' if result.retaken == 1 else 'were'} taken again"
+    return str(disturbance_of(result.cells)) + (again if result.retaken else "")
 
 
 def disturbance_of(cells: Iterable[Cell]) -> Disturbance:
