@@ -73,8 +73,8 @@ protected:
     RunOptions options() const {
         return {.out = out,
                 .command_line = "the test",
-                .retakes = 0,  // this machine may be busy: each run has the same samples
                 .repetitions = 3,
+                .retakes = 0,  // this machine may be busy: each run has the same samples
                 .reference_cache = folder.file("cache"),
                 .grace = std::chrono::hours(24)};
     }
