@@ -325,7 +325,9 @@ protected:
 
 TEST_F(InspectStagesTest, KernelsOfACompactionAreCompiledAndLibrariesNamed) {
     write_source("pt::cuda::append_by_warp");
-    const Json report = inspect(variant("wavefront", "test_written", "cub_radix"), "sm_90");
+    Variant queue = variant("wavefront", "test_written", "cub_radix");
+    queue.tuning["block"] = 64;
+    const Json report = inspect(queue, "sm_90");
     const std::vector<std::string> expected{
         "advance of integrator=wavefront",         "append_paths of compaction=test_written",
         "append_slots of compaction=test_written", "generate_paths of integrator=wavefront",
@@ -335,7 +337,7 @@ TEST_F(InspectStagesTest, KernelsOfACompactionAreCompiledAndLibrariesNamed) {
     EXPECT_EQ(report["library_calls"], Json({"sorting=cub_radix"}));
     for (const Json& kernel : report["kernels"]) {
         const bool is_stage = kernel["of"] == "compaction=test_written";
-        EXPECT_EQ(kernel["threads_per_block"], is_stage ? cuda::stage_block : 128u) << kernel["name"];
+        EXPECT_EQ(kernel["threads_per_block"], is_stage ? cuda::stage_block : 64u) << kernel["name"];
     }
 }
 
