@@ -521,6 +521,12 @@ def test_a_changed_line_of_a_journal_is_named_once(journal):
     assert validate(path) == [f"line 2: found {OTHER_TEXT}, allowed: lines as ptbench wrote them"]
 
 
+def test_a_damaged_sample_is_told_once_though_others_follow(journal):
+    path = journal(lambda lines: [_add_sample(lines, pt_seed=2)])
+    path.write_bytes(path.read_bytes().replace(b'"pt_seed": 1', b'"pt_seed": 7'))
+    assert validate(path) == [f"line 4: found {OTHER_TEXT}, allowed: lines as ptbench wrote them"]
+
+
 def test_a_journals_line_that_is_lost_or_twice_is_found(journal):
     path = journal()
     lines = path.read_bytes().splitlines(keepends=True)
