@@ -47,8 +47,8 @@ struct CellContext {
     cudaStream_t stream = nullptr;
     // The value of a tunable in the variant.
     std::function<std::uint32_t(std::string_view)> tunable;
-    // The choice's kernels (Hooks::kernels), of the source that has its name (variants/compaction/NAME.cuh), compiled for
-    // the cell's layout, precision and GPU.
+    // The choice's kernels (Hooks::kernels), of the source of its name (variants/compaction/NAME.cuh), compiled for the
+    // cell's layout, precision and GPU.
     std::function<const Module&()> module;
     // Counts kernels that the choice enqueues and waits for the device.
     std::uint64_t* launches = nullptr;
