@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -85,6 +86,14 @@ Json without(Json object, const std::vector<std::string>& keys) {
     return object;
 }
 
+// What was found of a line, and how to keep those before it.
+InputError damaged(const std::string& file, std::size_t line, const std::string& found) {
+    const std::string keep =
+        line == 1 ? "" : fmt::format("keep the {} before it (head -n {}) to go on from there, or ", line - 1, line - 1);
+    return InputError(file, fmt::format("line {}", line), found,
+                      fmt::format("lines as ptbench wrote them; {}remove the file to start over", keep));
+}
+
 }  // namespace
 
 std::string difference(const Json& there, const Json& here) {
@@ -110,50 +119,61 @@ Journal::Journal(std::string file, const Json& identity, bool resume, const std:
 
 void Journal::read(const Json& identity, const std::vector<std::string>& that_may_differ) {
     const std::string text = read_file(file_, largest_result);
-    std::size_t start = 0;
-    bool is_first = true;
+    std::size_t start = 0, number = 0;
     for (std::size_t end = text.find('\n'); end != std::string::npos; start = end + 1, end = text.find('\n', start)) {
-        const Json line = parse_line(text.substr(start, end - start), file_);
-        if (!is_first) {
-            read_line(line, fmt::format("byte {}", start));
-            continue;
+        const std::string line = text.substr(start, end - start);
+        number += 1;
+        if (const std::string fault = seal_.fault(line); !fault.empty()) {
+            throw damaged(file_, number, fault);
         }
-        if (text_in(line, "type") != "run" || !line.contains("identity")) {
-            throw InputError(file_, "line 1", "no line of a run",
-                             "the line with which ptbench begins; remove the file to start over");
+        if (number == 1) {
+            check_identity(parse_line(line, file_), identity, that_may_differ);
+        } else {
+            read_line(parse_line(line, file_), number);
         }
-        const std::string other =
-            difference(without(line.at("identity"), that_may_differ), without(identity, that_may_differ));
-        if (!other.empty()) {
-            throw InputError(file_, "line 1", "another run (" + other + ")",
-                             "the run that it was started with; remove the file to start over");
-        }
-        is_first = false;
     }
-    if (start != text.size() && ::ftruncate(locked_.descriptor(), static_cast<off_t>(start)) != 0) {
+    dropped_bytes_ = text.size() - start;
+    if (dropped_bytes_ != 0 && ::ftruncate(locked_.descriptor(), static_cast<off_t>(start)) != 0) {
         throw MachineError(fmt::format("{}: cannot be written: {}", file_, std::strerror(errno)));
     }
-    if (is_first) {
+    if (number == 0) {
         append({{"type", "run"}, {"identity", identity}});
     }
 }
 
-void Journal::read_line(const Json& line, const std::string& place) {
+void Journal::check_identity(const Json& line, const Json& identity,
+                             const std::vector<std::string>& that_may_differ) const {
+    if (text_in(line, "type") != "run" || !line.contains("identity")) {
+        throw InputError(file_, "line 1", "no line of a run",
+                         "the line with which ptbench begins; remove the file to start over");
+    }
+    const std::string other =
+        difference(without(line.at("identity"), that_may_differ), without(identity, that_may_differ));
+    if (!other.empty()) {
+        throw InputError(file_, "line 1", "another run (" + other + ")",
+                         "the run that it was started with; remove the file to start over");
+    }
+}
+
+void Journal::read_line(const Json& line, std::size_t number) {
     const std::string type = text_in(line, "type");
     const std::string cell = text_in(line, "cell");
     if (type == "sample" && !cell.empty() && line.contains("sample")) {
         keep_sample(cell, line.at("sample"));
+    } else if (type == "retake" && line.contains("sample") && taken_before(cell, line.at("sample")) != nullptr) {
+        keep_retake(cell, line.at("sample"));
     } else if (type == "cell" && !cell.empty() && line.contains("facts")) {
         cells_[cell] = line.at("facts");
     } else if (type == "session" && line.contains("facts") && line.at("facts").is_object()) {
         keep_session(line.at("facts"));
     } else {
-        throw InputError(file_, place, "a damaged line", "lines that ptbench wrote; remove the file to start over");
+        throw damaged(file_, number, "no line of a session, a cell or a sample");
     }
 }
 
 void Journal::append(const Json& line) {
-    const std::string text = line.dump() + "\n";
+    LineSeal seal = seal_;
+    const std::string text = seal.seal(line.dump()) + "\n";
     const off_t end = ::lseek(locked_.descriptor(), 0, SEEK_END);
     // One write: a line is whole, or it is the last and cut off.
     const ssize_t written = ::write(locked_.descriptor(), text.data(), text.size());
@@ -165,13 +185,36 @@ void Journal::append(const Json& line) {
         throw MachineError(
             fmt::format("{}: cannot be written: {} (what it holds is kept; go on with --resume)", file_, why));
     }
+    seal_ = seal;
 }
 
 void Journal::keep_sample(const std::string& cell, const Json& sample) {
     samples_[cell].push_back(sample);
+    count_sample();
+}
+
+void Journal::keep_retake(const std::string& cell, const Json& sample) {
+    retaken_[cell].push_back(std::exchange(*taken_before(cell, sample), sample));
+    count_sample();
+}
+
+void Journal::count_sample() {
     if (!sessions_.empty()) {
         sessions_.back()["samples"] = sessions_.back().value("samples", 0) + 1;
     }
+}
+
+Json* Journal::taken_before(const std::string& cell, const Json& sample) {
+    const auto taken = samples_.find(cell);
+    if (taken == samples_.end() || !sample.is_object() || !sample.contains("pt_seed")) {
+        return nullptr;
+    }
+    for (Json& other : taken->second) {
+        if (other.is_object() && other.contains("pt_seed") && other["pt_seed"] == sample["pt_seed"]) {
+            return &other;
+        }
+    }
+    return nullptr;
 }
 
 void Journal::keep_session(Json facts) {
@@ -184,6 +227,11 @@ void Journal::add_sample(const std::string& cell, const Json& sample) {
     keep_sample(cell, sample);
 }
 
+void Journal::retake_sample(const std::string& cell, const Json& sample) {
+    append({{"type", "retake"}, {"cell", cell}, {"sample", sample}});
+    keep_retake(cell, sample);
+}
+
 void Journal::set_cell(const std::string& cell, const Json& facts) {
     append({{"type", "cell"}, {"cell", cell}, {"facts", facts}});
     cells_[cell] = facts;
@@ -194,11 +242,19 @@ void Journal::add_session(const Json& facts) {
     keep_session(facts);
 }
 
-const std::vector<Json>& Journal::samples(const std::string& cell) const {
+namespace {
+
+const std::vector<Json>& of_cell(const std::map<std::string, std::vector<Json>>& all, const std::string& cell) {
     static const std::vector<Json> none;
-    const auto position = samples_.find(cell);
-    return position == samples_.end() ? none : position->second;
+    const auto position = all.find(cell);
+    return position == all.end() ? none : position->second;
 }
+
+}  // namespace
+
+const std::vector<Json>& Journal::samples(const std::string& cell) const { return of_cell(samples_, cell); }
+
+const std::vector<Json>& Journal::retaken(const std::string& cell) const { return of_cell(retaken_, cell); }
 
 const Json* Journal::cell(const std::string& cell) const {
     const auto position = cells_.find(cell);

@@ -1,11 +1,12 @@
 // The journal of a run: one JSON line a fact, written as soon as it is known, so that a killed run loses at most the
-// sample in flight. The result file is made from it, and --resume goes on from it.
+// sample in flight. The result file is made from it, and --resume goes on from it. Each line has a checksum.
 #pragma once
 
 #include <map>
 #include <string>
 #include <vector>
 
+#include "harness/bench/line_seal.h"
 #include "harness/json_reader.h"
 #include "harness/locked_file.h"
 
@@ -15,36 +16,50 @@ class Journal {
 public:
     // Opens `file` and locks it. A journal that is there already must be resumed (same `identity`, but for the keys
     // `that_may_differ`) or is refused; a last line that was cut off is dropped. Throws InputError (unfinished run,
-    // other identity: what differs), MachineError (cannot write).
+    // damaged line, other identity: what differs), MachineError (cannot write).
     Journal(std::string file, const Json& identity, bool resume, const std::vector<std::string>& that_may_differ = {});
 
     // One sample of a cell, in the order of its index.
     void add_sample(const std::string& cell, const Json& sample);
+    // A sample again: it takes the place of the cell's sample with its pt_seed, which retaken() has from then on.
+    // Precondition: there is one.
+    void retake_sample(const std::string& cell, const Json& sample);
     // What is known of a cell besides its samples; a later call replaces an earlier one.
     void set_cell(const std::string& cell, const Json& facts);
     // Begins a session: facts about the process that takes the samples that follow.
     void add_session(const Json& facts);
 
     const std::vector<Json>& samples(const std::string& cell) const;
+    // The samples whose places later ones took, in the order in which those came.
+    const std::vector<Json>& retaken(const std::string& cell) const;
     const Json* cell(const std::string& cell) const;
-    // The facts of each session, with the number of its samples under "samples".
+    // The facts of each session, with the number of the samples that it took, those again too, under "samples".
     const std::vector<Json>& sessions() const { return sessions_; }
     std::size_t sample_count() const;
     const std::string& file() const { return file_; }
+    // The size of the last line, which a kill had cut off, so that it was dropped; 0: there was none.
+    std::size_t dropped_bytes() const { return dropped_bytes_; }
 
     // Removes the file; call when the result file is in place.
     void finish();
 
 private:
     void read(const Json& identity, const std::vector<std::string>& that_may_differ);
-    void read_line(const Json& line, const std::string& place);
+    void check_identity(const Json& line, const Json& identity, const std::vector<std::string>& that_may_differ) const;
+    void read_line(const Json& line, std::size_t number);
     void append(const Json& line);
     void keep_sample(const std::string& cell, const Json& sample);
+    void keep_retake(const std::string& cell, const Json& sample);
+    void count_sample();
+    // The cell's sample with this one's seed, or null.
+    Json* taken_before(const std::string& cell, const Json& sample);
     void keep_session(Json facts);
 
     std::string file_;
     LockedFile locked_;
-    std::map<std::string, std::vector<Json>> samples_;
+    LineSeal seal_;  // of the last line in the file
+    std::size_t dropped_bytes_ = 0;
+    std::map<std::string, std::vector<Json>> samples_, retaken_;
     std::map<std::string, Json> cells_;
     std::vector<Json> sessions_;
 };

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "harness/bench/journal.h"
+#include "harness/bench/result_check.h"
 #include "harness/bench/result_file.h"
 
 namespace pt {
@@ -45,40 +46,6 @@ Json common_of(const OrderedJson& result) {
             {"not_applicable", Json(own.at("not_applicable"))}};
 }
 
-// Each cell that is `ok` has every sample once, with a time, and of the first seed the film that it was prepared with.
-void check_samples(const ShardResult& shard) {
-    const OrderedJson& cells = shard.result.at("ptbench").at("cells");
-    const std::size_t repetitions = shard.result.at("ptbench").at("run").at("repetitions");
-    std::vector<std::set<std::size_t>> indices(cells.size());
-    const auto fail = [&](std::size_t cell, const std::string& found, const std::string& allowed) {
-        throw InputError(shard.file, cells.at(cell).at("cell").get<std::string>(), found, allowed);
-    };
-    for (const OrderedJson& row : shard.result.at("benchmarks")) {
-        if (row.at("run_type") != "iteration" || row.contains("error_occurred")) {
-            continue;
-        }
-        const std::size_t cell = row.at("family_index");
-        const std::size_t index = row.at("repetition_index");
-        if (!indices.at(cell).insert(index).second) {
-            fail(cell, fmt::format("sample {} twice", index), "each sample once");
-        }
-        if (!(row.at("real_time").get<double>() > 0)) {
-            fail(cell, fmt::format("sample {} with a time of {}", index, row.at("real_time").dump()), "a time above 0");
-        }
-        const OrderedJson& facts = cells.at(cell);
-        const bool is_prepared = facts.contains("film_hash") && facts.contains("instrumented") &&
-                                 facts.at("instrumented").value("spp", 0) == facts.at("spp");
-        if (index == 0 && is_prepared && row.contains("film_hash") && row.at("film_hash") != facts.at("film_hash")) {
-            fail(cell, "sample 0 with the film " + row.at("film_hash").dump(), facts.at("film_hash").dump());
-        }
-    }
-    for (std::size_t cell = 0; cell < cells.size(); ++cell) {
-        if (cells.at(cell).at("status") == "ok" && indices[cell].size() != repetitions) {
-            fail(cell, fmt::format("{} samples", indices[cell].size()), fmt::format("{}", repetitions));
-        }
-    }
-}
-
 ShardResult read_shard(const std::string& file) {
     ShardResult shard{.file = file, .shard = {}, .positions = {}, .result = {}};
     const std::string text = read_file(file, largest_result);
@@ -104,7 +71,7 @@ ShardResult read_shard(const std::string& file) {
             throw InputError(file, "$.benchmarks", "family_index " + row.at("family_index").dump(), "a cell's number");
         }
     }
-    check_samples(shard);
+    check_result(file, shard.result);
     return shard;
 }
 
@@ -263,6 +230,18 @@ void add_rows(OrderedJson& rows, const ShardResult& shard, std::size_t number, s
     }
 }
 
+// All samples that were taken again.
+OrderedJson merged_retakes(const std::vector<ShardResult>& shards) {
+    OrderedJson samples = OrderedJson::array();
+    std::size_t most = 0;
+    for (const ShardResult& shard : shards) {
+        const OrderedJson& retakes = shard.result.at("ptbench").at("retakes");
+        most = std::max(most, retakes.at("most_per_cell").get<std::size_t>());
+        samples.insert(samples.end(), retakes.at("samples").begin(), retakes.at("samples").end());
+    }
+    return {{"most_per_cell", most}, {"samples", samples}};
+}
+
 Merged merge_parsed(const std::vector<ShardResult>& shards, const std::string& out, const std::string& command_line) {
     Merged merged;
     OrderedJson rows = OrderedJson::array(), cells = OrderedJson::array(), parts = OrderedJson::array();
@@ -279,6 +258,9 @@ Merged merge_parsed(const std::vector<ShardResult>& shards, const std::string& o
     OrderedJson own = shards.front().result.at("ptbench");
     own["run"] = merged_run(shards);
     own["cells"] = std::move(cells);
+    if (own.contains("retakes")) {  // of one program all have them
+        own["retakes"] = merged_retakes(shards);
+    }
     own["shards"] = std::move(parts);
     merged.result = {{"context", merged_context(shards, command_line)}, {"benchmarks", rows}, {"ptbench", own}};
     return merged;

@@ -11,6 +11,8 @@
 
 #include "harness/bench/convergence_study.h"
 #include "harness/bench/machine.h"
+#include "harness/bench/result_check.h"
+#include "harness/bench/retakes.h"
 #include "harness/cuda/backend.h"
 #include "harness/ranks/ranks.h"
 #include "harness/variant_json.h"
@@ -413,6 +415,7 @@ std::string text_of_result(const Plan& plan, const Suite& suite, const Journal& 
                                {"studies", studies_json(suite)},
                                {"baselines", baselines},
                                {"cells", cells},
+                               {"retakes", retakes_json(plan, journal, facts.most_retakes)},
                                {"not_applicable", not_applicable}}}};
     return rows_on_lines(result) + "\n";
 }
@@ -434,6 +437,11 @@ void check_journal(const Plan& plan, const Suite& suite, const Journal& journal)
             for (const Json& sample : journal.samples(cell.name)) {
                 (void)sample.at("film_hash").get<std::string>();
                 (void)sample.at("pt_rays_per_second").get<double>();
+                (void)is_disturbed(sample, cell.backend);
+                if (const std::string fault = fault_of_sample(sample); !fault.empty()) {
+                    throw InputError(journal.file(), cell.name, "a sample with " + fault,
+                                     "what a render can leave; remove the file to start over");
+                }
             }
         }
         return text_of_result(plan, suite, journal, {});

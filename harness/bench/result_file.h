@@ -15,6 +15,7 @@ struct RunFacts {
     Backend backend = Backend::cpu;
     bool completed = true;
     int repetitions = 1;
+    int most_retakes = 0;                                           // a cell
     nlohmann::ordered_json run = nlohmann::ordered_json::object();  // ptbench.run (run_identity.h), less its sessions
 };
 

@@ -8,6 +8,8 @@
 #include "harness/bench/comparisons.h"
 #include "harness/bench/error_book.h"
 #include "harness/bench/machine.h"
+#include "harness/bench/result_check.h"
+#include "harness/bench/retakes.h"
 #include "harness/interrupt.h"
 #include "harness/write_file.h"
 
@@ -45,24 +47,45 @@ int end_without_result(const RunEnding& ending, const Journal& journal) {
     return end_interrupted(ending);
 }
 
-void write_result(const RunEnding& ending, const Journal& journal, bool completed) {
+// Why the journal must outlive the result that was made from it; empty: the result is on the disk, and holds what a run
+// can have found.
+std::string fault_of_result(const std::string& file, const std::string& text) {
+    try {
+        if (read_file(file, largest_result) != text) {
+            return file + ": reads otherwise than it was written";
+        }
+        check_result(file, nlohmann::ordered_json::parse(text));
+    } catch (const InputError& error) {
+        return error.what();
+    } catch (const nlohmann::detail::exception& error) {
+        return fmt::format("{}: {}", file, error.what());
+    }
+    return "";
+}
+
+// Returns the text that it wrote.
+std::string write_result(const RunEnding& ending, const Journal& journal, bool completed) {
     RunFacts facts = ending.facts;
     facts.date = iso_date();
     facts.completed = completed;
     check_untouched(ending.out, ending.earlier.stamp,
                     fmt::format("{} holds the samples of this run: go on with --resume --overwrite", journal.file()));
-    write_file(ending.out, result_json(ending.plan, ending.suite, journal, facts));
+    std::string text = result_json(ending.plan, ending.suite, journal, facts);
+    write_file(ending.out, text);
     if (completed && ending.earlier.is_kept()) {
         replace_images(ending.out);
     }
+    return text;
 }
 
 void print_headline(const RunEnding& ending, const Journal& journal, const Outcome& outcome) {
     const std::string cut =
         outcome.unfinished == 0 ? "" : fmt::format("; interrupted with {} cells unfinished", outcome.unfinished);
-    fmt::print("{}\n{}\n{} cells, {} samples, {} failed, {} not applicable{}\n",
-               in_words(disturbance_of(ending.plan, journal)), ending.out, ending.plan.cells.size(),
-               journal.sample_count(), outcome.failed, ending.plan.not_applicable.size(), cut);
+    const std::string retakes = retakes_in_words(ending.plan, journal, ending.facts.most_retakes);
+    fmt::print("{}\n{}{}{}\n{} cells, {} samples, {} failed, {} not applicable{}\n",
+               in_words(disturbance_of(ending.plan, journal)), retakes, retakes.empty() ? "" : "\n", ending.out,
+               ending.plan.cells.size(), journal.sample_count(), outcome.failed, ending.plan.not_applicable.size(),
+               cut);
 }
 
 }  // namespace
@@ -77,13 +100,17 @@ int end_run(const RunEnding& ending, RunJournal& journal) {
     if (!completed && (known.sample_count() == 0 || ending.earlier.is_kept())) {
         return end_without_result(ending, known);
     }
-    write_result(ending, known, completed);
+    const std::string text = write_result(ending, known, completed);
     fmt::print("{}", verdict_table(ending.plan, ending.suite, known));
     print_headline(ending, known, outcome);
     if (!completed) {
         return end_interrupted(ending);
     }
     remove_partial_files(ending.out);
+    if (const std::string fault = fault_of_result(ending.out, text); !fault.empty()) {
+        fmt::print("no good result: {}\n{} stays\n", fault, known.file());
+        return exit_check_failed;
+    }
     journal.finish();
     return outcome.failed == 0 ? exit_good : exit_check_failed;
 }

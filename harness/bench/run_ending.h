@@ -19,7 +19,8 @@ struct RunEnding {
     bool was_resumed;  // the command line says so already
 };
 
-// Writes and prints it; removes the journal of a run that is complete. A run that is not leaves an earlier result as it
+// Writes and prints it; removes the journal of a run that is complete, once the result is read again from the disk and
+// does not contradict itself (exit_check_failed otherwise). A run that is not complete leaves an earlier result as it
 // is. Returns the exit code. Throws MachineError where the result cannot be written.
 int end_run(const RunEnding& ending, RunJournal& journal);
 

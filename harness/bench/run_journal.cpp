@@ -41,6 +41,12 @@ void RunJournal::add_sample(const Cell& cell, const Json& sample) {
     journal_.add_sample(cell.name, sample);
 }
 
+void RunJournal::retake_sample(const Cell& cell, const Json& sample) {
+    const std::lock_guard lock(mutex_);
+    begin_session();
+    journal_.retake_sample(cell.name, sample);
+}
+
 // Before the first fact that this process finds: one that is refused, or has nothing to do, leaves no trace.
 void RunJournal::begin_session() {
     if (!std::exchange(has_session_, true)) {

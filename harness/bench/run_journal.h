@@ -25,6 +25,7 @@ public:
     // Of a cell that is known.
     void set_failed(const Cell& cell, const std::string& reason);
     void add_sample(const Cell& cell, const Json& sample);
+    void retake_sample(const Cell& cell, const Json& sample);
 
     // No change from now on: a thread that adds to the journal waits until the process ends.
     void close() { mutex_.lock(); }

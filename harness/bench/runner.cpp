@@ -125,9 +125,13 @@ private:
 };
 
 // Sample i has the seed of the first and i: a line that was lost or stands twice would shift all that follow.
-void check_sample_seeds(const Plan& plan, const Journal& journal, std::uint64_t first_seed) {
+void check_sample_seeds(const Plan& plan, const Journal& journal, std::uint64_t first_seed, int repetitions) {
     for (const Cell& cell : plan.cells) {
         const std::vector<Json>& samples = journal.samples(cell.name);
+        if (samples.size() > static_cast<std::size_t>(repetitions)) {
+            throw InputError(journal.file(), cell.name, fmt::format("{} samples", samples.size()),
+                             fmt::format("at most {}; remove the file to start over", repetitions));
+        }
         for (std::size_t i = 0; i < samples.size(); ++i) {
             const std::uint64_t seed = samples[i].value("pt_seed", std::uint64_t{0});
             if (seed != first_seed + i) {
@@ -136,6 +140,15 @@ void check_sample_seeds(const Plan& plan, const Journal& journal, std::uint64_t 
                     fmt::format("seed {}, as ptbench wrote it; remove the file to start over", first_seed + i));
             }
         }
+    }
+}
+
+void say_what_was_dropped(const Journal& journal) {
+    if (journal.dropped_bytes() != 0) {
+        say_below_progress(
+            fmt::format("{}: its last line was cut off after {} bytes and is dropped; the run goes on from "
+                        "the lines before it",
+                        journal.file(), journal.dropped_bytes()));
     }
 }
 
@@ -164,8 +177,9 @@ int run_part(const RunEnding& ending, const Json& identity, const RunOptions& op
     RunJournal journal(journal_of(options), identity, options.resume, that_may_differ(options));
     ErrorBook errors(plan, ReferenceMaker(options.reference_cache, {.is_stopped = [&] { return interrupt.requested(); },
                                                                     .says = say_below_progress}));
+    say_what_was_dropped(journal.known());
     check_journal(plan, ending.suite, journal.known());
-    check_sample_seeds(plan, journal.known(), options.seed);
+    check_sample_seeds(plan, journal.known(), options.seed, ending.facts.repetitions);
     FilmLedger films(plan, journal.known());
     SampleTaker taker(plan, journal.known(), options.seed, films, errors);
     {
@@ -178,6 +192,7 @@ int run_part(const RunEnding& ending, const Json& identity, const RunOptions& op
         settle_references(plan, options.out, journal, errors, interrupt);
         time_cells(plan,
                    {.repetitions = ending.facts.repetitions,
+                    .most_retakes = ending.facts.most_retakes,
                     .benchmark_flags = options.benchmark_flags,
                     .images_folder = images_folder(options.out, ending.earlier.is_kept()),
                     .lines = lines},
@@ -247,6 +262,7 @@ int run_suite(const Suite& suite, const RunOptions& options) {
                                .date = {},
                                .backend = options.backend,
                                .repetitions = repetitions,
+                               .most_retakes = options.retakes < 0 ? repetitions : options.retakes,
                                .run = run_facts_of(identity, options.shard, positions)},
                      .was_resumed = options.resume},
                     identity, options);

@@ -16,6 +16,7 @@ struct RunOptions {
     std::string out;           // result file
     std::string command_line;  // for the record, and to go on with
     int repetitions = 0;       // 0: the suite's
+    int retakes = -1;          // of disturbed samples, at most so many a cell; -1: as many as it has repetitions
     bool resume = false;
     bool overwrite = false;   // a result that is there may be replaced, when the new one is complete
     bool other_host = false;  // resume although the host has another name

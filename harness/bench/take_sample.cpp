@@ -88,8 +88,10 @@ SampleTaker::SampleTaker(const Plan& plan, const Journal& journal, std::uint64_t
                          ErrorBook& errors)
     : first_seed_(first_seed), films_(films), errors_(errors) {
     for (const Cell& cell : plan.cells) {
-        for (const Json& sample : journal.samples(cell.name)) {
-            order_ = std::max(order_, sample.value("pt_order", std::uint64_t{0}) + 1);
+        for (const std::vector<Json>* samples : {&journal.samples(cell.name), &journal.retaken(cell.name)}) {
+            for (const Json& sample : *samples) {
+                order_ = std::max(order_, sample.value("pt_order", std::uint64_t{0}) + 1);
+            }
         }
     }
 }

@@ -1,11 +1,15 @@
 #include "harness/bench/time_cells.h"
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
+#include <random>
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
+#include "harness/bench/result_check.h"
+#include "harness/bench/retakes.h"
 #include "harness/bench/short_names.h"
 
 namespace pt {
@@ -57,6 +61,7 @@ public:
         : time_left_(std::move(ahead.time)),
           names_(names),
           progress_("time", std::max<std::size_t>(1, ahead.samples), options.lines),
+          lines_(options.lines),
           images_folder_(options.images_folder),
           journal_(journal),
           taker_(taker),
@@ -82,15 +87,52 @@ public:
         }
     }
 
+    // The disturbed samples of the cells once more: in one round each, as long as its cell has retakes left, in an
+    // order that mixes the cells. Returns whether there was one.
+    bool retake_round(const std::vector<const Cell*>& cells, int most, std::mt19937& random) {
+        std::vector<std::pair<const Cell*, std::size_t>> again;
+        for (const Cell* const cell : cells) {
+            const std::vector<std::size_t> indices = to_retake(*cell, journal_.known(), most);
+            std::transform(indices.begin(), indices.end(), std::back_inserter(again),
+                           [&](std::size_t index) { return std::pair(cell, index); });
+        }
+        std::shuffle(again.begin(), again.end(), random);
+        Progress progress("retake", std::max<std::size_t>(1, again.size()), lines_);
+        for (const auto& [cell, index] : again) {
+            if (interrupt_.requested()) {
+                return false;
+            }
+            progress.begin(names_.of(*cell));
+            if (journal_.failure(*cell).empty()) {
+                if (const TakenSample sample = taken(*cell, index); sample.error.empty()) {
+                    journal_.retake_sample(*cell, sample.facts);
+                }
+            }
+            progress.step(names_.of(*cell));
+        }
+        return !again.empty();
+    }
+
 private:
+    // A sample that may go into the journal; another one's error is there already.
+    TakenSample taken(const Cell& cell, std::size_t index) {
+        TakenSample sample = taker_.take(cell, index);
+        if (sample.error.empty()) {
+            sample.error = fault_of_sample(sample.facts);
+        }
+        if (!sample.error.empty()) {
+            journal_.set_failed(cell, sample.error);
+            say_below_progress(fmt::format("failed: {}: {}", cell.name, sample.error));
+        }
+        return sample;
+    }
+
     // Returns what went wrong, or nothing.
     std::string take_sample(const Cell& cell, std::size_t index) {
         progress_.begin(names_.of(cell));
         const double start = seconds_now();
-        const TakenSample sample = taker_.take(cell, index);
+        const TakenSample sample = taken(cell, index);
         if (!sample.error.empty()) {
-            journal_.set_failed(cell, sample.error);
-            say_below_progress(fmt::format("failed: {}: {}", cell.name, sample.error));
             time_left_.drop(cell.name);
         } else {  // a disk that is full ends the run, not the cell
             if (cell.convergence && cell.convergence->images && index == 0) {
@@ -112,6 +154,7 @@ private:
     TimeLeft time_left_;
     ShortNames names_;
     Progress progress_;
+    Progress::Lines lines_;
     const std::string& images_folder_;
     RunJournal& journal_;
     SampleTaker& taker_;
@@ -171,6 +214,9 @@ void time_cells(const Plan& plan, const TimingOptions& options, RunJournal& jour
     const bool own_format = std::any_of(options.benchmark_flags.begin(), options.benchmark_flags.end(),
                                         [](const std::string& flag) { return flag.starts_with("--benchmark_format"); });
     benchmark::RunSpecifiedBenchmarks(own_format ? nullptr : &reporter);
+    std::mt19937 random;  // of one seed: a run is the same every time, but for what disturbs it
+    while (timer.retake_round(cells, options.most_retakes, random)) {
+    }
 }
 
 }  // namespace pt

@@ -14,6 +14,7 @@ namespace pt {
 
 struct TimingOptions {
     int repetitions = 1;
+    int most_retakes = 0;                           // a cell
     std::vector<std::string> benchmark_flags = {};  // --benchmark_*
     std::string images_folder = {};                 // of the cells whose images are kept
     Progress::Lines lines = Progress::Lines::shown;
@@ -22,8 +23,9 @@ struct TimingOptions {
 // Sets Google Benchmark's flags; throws InputError for one that it does not know. Once in a process, before time_cells.
 void initialize_benchmark(int repetitions, const std::vector<std::string>& flags);
 
-// The samples that the journal lacks of cells that are good, until an interrupt. A cell that fails has its reason in
-// the journal. Throws MachineError where a sample cannot be written.
+// The samples that the journal lacks of cells that are good, until an interrupt; then those again that were disturbed
+// (is_disturbed), round after round until none is, or the cell has been given most_retakes. A cell that fails has its
+// reason in the journal. Throws MachineError where a sample cannot be written.
 void time_cells(const Plan& plan, const TimingOptions& options, RunJournal& journal, SampleTaker& taker,
                 const ErrorBook& errors, const Interrupt& interrupt);
 

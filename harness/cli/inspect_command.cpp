@@ -28,12 +28,14 @@ std::string text_of_report(const nlohmann::ordered_json& report) {
                                    report["scene"].get<std::string>(), report["architecture"].get<std::string>());
     for (const auto& kernel : report["kernels"]) {
         text += fmt::format(
-            "  {}: {} registers, {} + {} spill bytes, {} shared bytes; {} warps of {} threads' blocks "
-            "({:.0f} %, limited by {})\n",
-            kernel["name"].get<std::string>(), kernel["registers"].get<int>(), kernel["spill_store_bytes"].get<int>(),
-            kernel["spill_load_bytes"].get<int>(), kernel["shared_bytes"].get<int>(),
-            kernel["warps_per_multiprocessor"].get<int>(), kernel["threads_per_block"].get<int>(),
-            100 * kernel["occupancy"].get<double>(), kernel["occupancy_limit"].get<std::string>());
+            "  {} ({}): {} registers, {} + {} spill bytes, {} shared bytes; {} warps of {} threads' blocks "
+            "({:.0f} %, limited by {}){}\n",
+            kernel["name"].get<std::string>(), kernel["of"].get<std::string>(), kernel["registers"].get<int>(),
+            kernel["spill_store_bytes"].get<int>(), kernel["spill_load_bytes"].get<int>(),
+            kernel["shared_bytes"].get<int>(), kernel["warps_per_multiprocessor"].get<int>(),
+            kernel["threads_per_block"].get<int>(), 100 * kernel["occupancy"].get<double>(),
+            kernel["occupancy_limit"].get<std::string>(),
+            kernel.value("launched", true) ? "" : "; not launched: the integrator's kernel does its work");
         for (const char* part : {"instructions", "instructions_in_loop"}) {
             if (kernel.contains(part)) {
                 text += fmt::format("    {:<21}", part == std::string("instructions") ? "instructions" : "in its loop");
@@ -54,6 +56,11 @@ std::string text_of_report(const nlohmann::ordered_json& report) {
                 100 * counters["of_ceiling"][counters["bound"].get<std::string>()].get<double>(),
                 counters["bound"].get<std::string>());
         }
+    }
+    for (const auto& call : report["library_calls"]) {
+        text += fmt::format(
+            "  {}: library calls (Thrust or CUB) that nvcc compiled with ptbench; ncu says on a GPU what they take\n",
+            call.get<std::string>());
     }
     return text;
 }
@@ -105,6 +112,7 @@ int run(const InspectArguments& arguments) {
     const std::vector<Variant> variants = expand(axes, Backend::cuda, tunables);
     nlohmann::ordered_json reports = nlohmann::ordered_json::array();
     std::string not_applicable;
+    bool all_compile = true;
     for (const Variant& variant : variants) {
         const std::string reason = why_not_applicable(variant, features_of(scene), Backend::cuda);
         if (!reason.empty()) {
@@ -112,11 +120,20 @@ int run(const InspectArguments& arguments) {
                 fmt::format("n/a: {} on {}: {}\n", shown_name(variant, Backend::cuda), scene.name, reason);
             continue;
         }
-        reports.push_back(cuda::inspect_kernels(scene, variant, arguments.architecture));
+        try {
+            reports.push_back(cuda::inspect_kernels(scene, variant, arguments.architecture));
+        } catch (const cuda::DoesNotCompile& error) {
+            fmt::print(stderr, "ptbench: {}: {}\n", shown_name(variant, Backend::cuda), error.what());
+            all_compile = false;
+            continue;
+        }
         if (arguments.counters) {
             add_counters(arguments, scene, variant, reports.back());
         }
         fmt::print("{}", text_of_report(reports.back()));
+    }
+    if (!all_compile) {
+        return exit_check_failed;
     }
     if (reports.empty()) {
         throw InputError(not_applicable.substr(0, not_applicable.find('\n')));
@@ -143,7 +160,7 @@ Command add_inspect_command(CLI::App& app) {
                       "Also run them under ncu: lanes, instructions and bytes a ray, and the bound they run at");
     command->add_option("--spp", arguments->spp, "Samples per pixel under --counters (default 16)")
         ->check(CLI::Range(1u, 100000u));
-    command->add_option("--out", arguments->out, "Also write the report as JSON");
+    command->add_option("--out", arguments->out, "Also write the report as JSON, if all of it compiles");
     return [arguments] { return run(*arguments); };
 }
 

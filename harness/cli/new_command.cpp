@@ -63,10 +63,14 @@ constexpr Kind kinds[] = {
     {"compaction", compaction_files, "variants/compaction",
      "  ./run build {1}_compaction_test && build/tests/{1}_compaction_test\n"
      "  build/ptbench verify --scene cornell_open --axis compaction={1} --quiet\n"
+     "  build/ptbench inspect --scene cornell_open --axis compaction={1} --arch sm_90, which compiles its CUDA kernels "
+     "without a GPU\n"
      "  build/ptbench run --scene cornell_open,cornell_closed --axis compaction=none,{1}\n"},
     {"integrator", integrator_files, "variants/integrator",
      "  ./run build {1}_integrator_test && build/tests/{1}_integrator_test\n"
      "  build/ptbench verify --scene cornell_open --axis integrator={1} --quiet\n"
+     "  build/ptbench inspect --scene cornell_open --axis integrator={1} --arch sm_90, which compiles its CUDA kernels "
+     "without a GPU\n"
      "  build/ptbench run --scene cornell_open,cornell_closed --axis integrator=wavefront,{1}\n"},
     {"shape", shape_files, "kernels/shapes",
      "  ./run build {1}_shape_test && build/tests/{1}_shape_test\n"

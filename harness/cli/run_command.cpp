@@ -28,6 +28,7 @@ struct RunArguments {
     std::string depths;
     std::string spps;
     int repetitions = 0;
+    int retakes = -1;
     std::uint64_t seed = 1;
     std::string out;
     bool resume = false;
@@ -119,6 +120,7 @@ RunOptions make_options(const RunArguments& arguments, const CLI::App& command, 
         .out = arguments.out,
         .command_line = command_line,
         .repetitions = arguments.repetitions,
+        .retakes = arguments.retakes,
         .resume = arguments.resume,
         .overwrite = arguments.overwrite,
         .other_host = arguments.other_host,
@@ -223,6 +225,11 @@ Command add_run_command(CLI::App& app, const std::string& command_line) {
     command->add_option("--spp", arguments->spps, "Samples per pixel and timed sample: N,N (1 to 1000000)");
     command->add_option("--repetitions", arguments->repetitions, "Timed samples a cell (default: the suite's, or 9)")
         ->check(CLI::Range(1, 10000));
+    command
+        ->add_option("--retakes", arguments->retakes,
+                     "Samples that other processes disturbed are taken again, at most N of a cell (default: as many as "
+                     "it has samples; 0: none)")
+        ->check(CLI::Range(0, 10000));
     command->add_option("--seed", arguments->seed, "Seed of the first sample (default 1)")->check(check_seed);
     command->add_option("--out", arguments->out, "Result file (default results/MACHINE/SUITE.json)")
         ->check(check_not_empty);

@@ -26,6 +26,12 @@ RenderResult render(const Scene& scene, const RenderRequest& request);
 // compiler's log is in the exception if it fails. Returns the size of the code.
 std::size_t compile(const Scene& scene, const Variant& variant, const std::string& architecture);
 
+// A kernel that NVRTC refuses: the sources' fault, not the machine's.
+class DoesNotCompile : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
 // What the variant's kernels are made of (harness/cuda/inspect.h), for an architecture; empty: the device's. Throws
 // MachineError where it is empty and there is no device.
 nlohmann::ordered_json inspect_kernels(const Scene& scene, const Variant& variant, const std::string& architecture);

@@ -142,13 +142,13 @@ void RenderCell<Real>::make_integrator() {
                           .key_bounds = key_bounds(scene_),
                           .layout = layout_,
                           .object_class = object_classes(buffers_.view())};
-    const Hooks& compaction = hooks("compaction", request_.variant);
-    const Hooks& sorting = hooks("sorting", request_.variant);
-    if (traits_.integrator.has_queue && compaction.compaction != nullptr) {
-        needs.compaction = compaction.compaction(context(compaction));
-    }
-    if (traits_.integrator.has_queue && sorting.sorting != nullptr) {
-        needs.sorting = sorting.sorting(context(sorting));
+    for (const Choice* const stage : stages_of(request_.variant)) {
+        const Hooks& made = stage->hook.cuda;
+        if (made.compaction != nullptr) {
+            needs.compaction = made.compaction(context(*stage));
+        } else {
+            needs.sorting = made.sorting(context(*stage));
+        }
     }
     if constexpr (std::is_same_v<Real, float>) {
         integrator_ = integrator_hook_.make_single(job_, std::move(needs));
@@ -158,7 +158,7 @@ void RenderCell<Real>::make_integrator() {
 }
 
 template <class Real>
-CellContext RenderCell<Real>::context(const Hooks& choice) {
+CellContext RenderCell<Real>::context(const Choice& stage) {
     CellContext context;
     context.layout = &layout_;
     context.layout_name = request_.variant["layout"];
@@ -167,8 +167,8 @@ CellContext RenderCell<Real>::context(const Hooks& choice) {
     context.multiprocessors = job_.multiprocessors;
     context.stream = job_.stream;
     context.tunable = [this](std::string_view name) { return tunable(request_.variant, name, Backend::cuda); };
-    context.module = [this, &choice](const std::string& source) -> const Module& {
-        return loaded_module(stage_request(request_.variant, source, choice.kernels, device().architecture()), facts_);
+    context.module = [this, &stage]() -> const Module& {
+        return loaded_module(stage_request(request_.variant, stage, device().architecture()), facts_);
     };
     context.launches = &choice_launches_;
     context.host_waits = &choice_waits_;

@@ -48,7 +48,7 @@ private:
     void make_handles();
     void describe_job(const RenderSettings& settings);
     void make_integrator();
-    CellContext context(const Hooks& choice);
+    CellContext context(const Choice& stage);
     void reserve(Arena& arena);
     void upload();
     void run_part(const RenderPart& part, RenderResult& result);

@@ -4,12 +4,14 @@
 
 #include <fmt/format.h>
 
+#include "harness/cuda/backend.h"
 #include "harness/cuda/kernel_request.h"
 #include "harness/cuda/sass.h"
 #include "harness/error.h"
 #include "harness/render/renderer.h"
 #include "harness/variant_json.h"
 #include "variants/cuda/compiler_report.h"
+#include "variants/cuda/stages.h"
 #include "variants/variant_name.h"
 
 namespace pt::cuda {
@@ -58,6 +60,92 @@ Json pipes_json(const PipeCounts& counts) {
     return json;
 }
 
+// What NVRTC compiles of a variant.
+struct Program {
+    std::string of;  // "compaction=atomic_append"
+    ModuleRequest request;
+    std::uint32_t threads;  // of a block
+    bool is_launched = true;
+};
+
+std::string of_choice(const Descriptor& choice) { return fmt::format("{}={}", choice.axis, choice.name); }
+
+// The integrator's kernel may do a compaction's work, whose own are loaded all the same.
+bool is_done_by_integrator(const Choice& stage, const VariantTraits& traits) {
+    return stage.descriptor.axis == "compaction" && traits.integrator.appends_in_kernel &&
+           traits.compaction.can_append_in_kernel();
+}
+
+std::vector<Program> programs_of(const Scene& scene, const Variant& variant, const std::string& architecture) {
+    std::vector<Program> programs{{"integrator=" + variant["integrator"], module_request(scene, variant, architecture),
+                                   tunable(variant, "block", Backend::cuda)}};
+    for (const Choice* const stage : stages_of(variant)) {
+        if (!stage->hook.cuda.kernels.empty()) {
+            programs.push_back({of_choice(stage->descriptor), stage_request(variant, *stage, architecture), stage_block,
+                                !is_done_by_integrator(*stage, traits_of(variant, Backend::cuda))});
+        }
+    }
+    return programs;
+}
+
+// What runs of a variant besides: nvcc compiled it with ptbench, for other GPUs than the one that is asked about.
+Json library_calls(const Variant& variant) {
+    Json calls = Json::array();
+    for (const Choice* const stage : stages_of(variant)) {
+        if (stage->hook.cuda.kernels.empty()) {
+            calls.push_back(of_choice(stage->descriptor));
+        }
+    }
+    return calls;
+}
+
+CompilerReport report_of(const Program& program) {
+    try {
+        return compiler_report(program.request);
+    } catch (const CompileError&) {
+        throw;
+    } catch (const std::runtime_error& error) {
+        throw MachineError(fmt::format("cuda: {}", error.what()));
+    }
+}
+
+Json kernel_json(const KernelReport& reported, const Program& program) {
+    const int threads = static_cast<int>(program.threads);
+    const Occupancy held = occupancy(program.request.architecture, reported.registers, reported.shared_bytes, threads);
+    Json entry{{"name", reported.name},
+               {"of", program.of},
+               {"registers", reported.registers},
+               {"stack_bytes", reported.stack_bytes},
+               {"spill_store_bytes", reported.spill_store_bytes},
+               {"spill_load_bytes", reported.spill_load_bytes},
+               {"shared_bytes", reported.shared_bytes},
+               {"threads_per_block", threads},
+               {"blocks_per_multiprocessor", held.blocks},
+               {"warps_per_multiprocessor", held.warps},
+               {"occupancy", static_cast<double>(held.warps) / held.most_warps},
+               {"occupancy_limit", held.limit}};
+    if (!program.is_launched) {
+        entry["launched"] = false;
+    }
+    return entry;
+}
+
+void add_kernels(const Program& program, const CompilerReport& report, const std::string& nvdisasm, Json& kernels) {
+    std::vector<KernelCode> code;
+    if (!nvdisasm.empty()) {
+        code = count_instructions(disassemble(nvdisasm, report.cubin));
+    }
+    for (const KernelReport& reported : report.kernels) {
+        kernels.push_back(kernel_json(reported, program));
+        for (const KernelCode& counted : code) {
+            if (counted.name == reported.name) {
+                kernels.back()["instructions"] = pipes_json(counted.all);
+                kernels.back()["instructions_in_loop"] = pipes_json(counted.loop);
+            }
+        }
+    }
+}
+
 }  // namespace
 
 std::string known_architectures() {
@@ -90,56 +178,40 @@ Json inspect(const Scene& scene, const Variant& variant, const std::string& arch
     if (const std::string reason = why_not_applicable(variant, features_of(scene), Backend::cuda); !reason.empty()) {
         throw InputError(fmt::format("n/a: {} on {}: {}", shown_name(variant, Backend::cuda), scene.name, reason));
     }
-    const CompilerReport report = [&] {
-        try {
-            return compiler_report(module_request(scene, variant, architecture));
-        } catch (const CompileError&) {
-            throw;
-        } catch (const std::runtime_error& error) {
-            throw MachineError(fmt::format("cuda: {}", error.what()));
-        }
-    }();
     const KernelChoice kernel = choose_kernel(scene, variant, Backend::cuda);
-    const int threads = static_cast<int>(tunable(variant, "block", Backend::cuda));
     const std::string nvdisasm = find_nvdisasm();
-    std::vector<KernelCode> code;
-    if (!nvdisasm.empty()) {
-        code = count_instructions(disassemble(nvdisasm, report.cubin));
-    }
-    Json json{
-        {"scene", scene.name},
-        {"variant", shown_name(variant, Backend::cuda)},
-        {"variant_id", variant_id(variant, Backend::cuda)},
-        {"axes", axes_json(variant)},
-        {"architecture", architecture},
-        {"features", feature_names(kernel.compiled)},
-        {"left_out", feature_names(all_features & ~kernel.compiled)},
-        {"compile_seconds", report.compile_seconds},
-        {"options", report.options},
-        {"code_bytes", report.cubin.size()},
-        {"disassembler", nvdisasm.empty() ? "not found: no instruction counts (set PTBENCH_NVDISASM)" : nvdisasm}};
-    for (const KernelReport& reported : report.kernels) {
-        const Occupancy held = occupancy(architecture, reported.registers, reported.shared_bytes, threads);
-        Json entry{{"name", reported.name},
-                   {"registers", reported.registers},
-                   {"stack_bytes", reported.stack_bytes},
-                   {"spill_store_bytes", reported.spill_store_bytes},
-                   {"spill_load_bytes", reported.spill_load_bytes},
-                   {"shared_bytes", reported.shared_bytes},
-                   {"threads_per_block", threads},
-                   {"blocks_per_multiprocessor", held.blocks},
-                   {"warps_per_multiprocessor", held.warps},
-                   {"occupancy", static_cast<double>(held.warps) / held.most_warps},
-                   {"occupancy_limit", held.limit}};
-        for (const KernelCode& counted : code) {
-            if (counted.name == reported.name) {
-                entry["instructions"] = pipes_json(counted.all);
-                entry["instructions_in_loop"] = pipes_json(counted.loop);
-            }
+    double seconds = 0;
+    std::size_t bytes = 0;
+    std::vector<std::string> options;
+    Json kernels = Json::array();
+    std::string errors;
+    for (const Program& program : programs_of(scene, variant, architecture)) {
+        try {
+            const CompilerReport report = report_of(program);
+            add_kernels(program, report, nvdisasm, kernels);
+            seconds += report.compile_seconds;
+            bytes += report.cubin.size();
+            options = options.empty() ? report.options : options;
+        } catch (const CompileError& error) {
+            errors += fmt::format("{}{}: {}", errors.empty() ? "" : "\n", program.of, error.what());
         }
-        json["kernels"].push_back(entry);
     }
-    return json;
+    if (!errors.empty()) {
+        throw DoesNotCompile(errors);
+    }
+    return {{"scene", scene.name},
+            {"variant", shown_name(variant, Backend::cuda)},
+            {"variant_id", variant_id(variant, Backend::cuda)},
+            {"axes", axes_json(variant)},
+            {"architecture", architecture},
+            {"features", feature_names(kernel.compiled)},
+            {"left_out", feature_names(all_features & ~kernel.compiled)},
+            {"compile_seconds", seconds},
+            {"options", options},
+            {"code_bytes", bytes},
+            {"disassembler", nvdisasm.empty() ? "not found: no instruction counts (set PTBENCH_NVDISASM)" : nvdisasm},
+            {"kernels", kernels},
+            {"library_calls", library_calls(variant)}};
 }
 
 }  // namespace pt::cuda

@@ -24,8 +24,10 @@ Occupancy occupancy(const std::string& architecture, int registers, int shared_b
 // "sm_75, sm_80, ...": those that occupancy knows.
 std::string known_architectures();
 
-// Compiles the variant's integrator for the scene and reports on it. Throws InputError for a variant that does not
-// apply or an unknown architecture, MachineError where NVRTC is missing.
+// Compiles for the scene all that NVRTC compiles of the variant, its integrator and the compaction and sorting of its
+// queue, and reports on each kernel; what nvcc compiled with ptbench (Thrust and CUB) is named under "library_calls".
+// Throws InputError for a variant that does not apply or an unknown architecture, DoesNotCompile with NVRTC's words on
+// each program that it refused, MachineError where NVRTC is missing.
 nlohmann::ordered_json inspect(const Scene& scene, const Variant& variant, const std::string& architecture);
 
 }  // namespace pt::cuda

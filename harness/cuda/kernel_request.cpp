@@ -95,27 +95,35 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
 }
 
 // Stages move paths and count them; they do no arithmetic on them, so neither features nor arithmetic matter.
-ModuleRequest stage_request(const Variant& variant, const std::string& source,
-                            const std::vector<KernelSignature>& kernels, const std::string& architecture) {
+ModuleRequest stage_request(const Variant& variant, const Choice& stage, const std::string& architecture) {
+    const std::string source = fmt::format("variants/{}/{}.cuh", stage.descriptor.axis, stage.descriptor.name);
     ModuleRequest request = request_for(variant, source, architecture);
     request.sort_key = "material";
     request.accelerator = "brute_force";
     request.traversal = request.traversal_stack = "";
     request.config.block = stage_block;
-    request.kernels = kernels;
+    request.kernels = stage.hook.cuda.kernels;
     return request;
+}
+
+std::vector<const Choice*> stages_of(const Variant& variant) {
+    std::vector<const Choice*> stages;
+    for (const char* axis : {"compaction", "sorting"}) {
+        const Choice& choice = Registry::instance().at(axis, variant, Backend::cuda);
+        const bool is_made = choice.hook.cuda.compaction != nullptr || choice.hook.cuda.sorting != nullptr;
+        if (is_made && traits_of(variant, Backend::cuda).integrator.has_queue) {
+            stages.push_back(&choice);
+        }
+    }
+    return stages;
 }
 
 std::vector<ModuleRequest> module_requests(const Scene& scene, const Variant& variant,
                                            const std::string& architecture) {
     std::vector<ModuleRequest> requests{module_request(scene, variant, architecture)};
-    if (!traits_of(variant, Backend::cuda).integrator.has_queue) {
-        return requests;
-    }
-    for (const char* axis : {"compaction", "sorting"}) {
-        if (const Hooks& choice = hooks(axis, variant); !choice.kernels.empty()) {
-            const std::string source = fmt::format("variants/{}/{}.cuh", axis, variant[axis]);
-            requests.push_back(stage_request(variant, source, choice.kernels, architecture));
+    for (const Choice* const stage : stages_of(variant)) {
+        if (!stage->hook.cuda.kernels.empty()) {
+            requests.push_back(stage_request(variant, *stage, architecture));
         }
     }
     return requests;

@@ -5,16 +5,17 @@
 #include "harness/scene/scene.h"
 #include "variants/cuda/module.h"
 #include "variants/descriptor.h"
+#include "variants/registry.h"
 
 namespace pt::cuda {
 
 ModuleRequest module_request(const Scene& scene, const Variant& variant, const std::string& architecture);
-// All programs that a render of the variant loads: the integrator's, and those of a compaction and a sort that have
-// kernels of their own.
+// All programs that a render of the variant loads: the integrator's, and those of its stages.
 std::vector<ModuleRequest> module_requests(const Scene& scene, const Variant& variant, const std::string& architecture);
-// `kernels`: those of the source that are launched.
-ModuleRequest stage_request(const Variant& variant, const std::string& source,
-                            const std::vector<KernelSignature>& kernels, const std::string& architecture);
+// Of a compaction or sorting whose kernels NVRTC compiles, whatever the variant's own is.
+ModuleRequest stage_request(const Variant& variant, const Choice& stage, const std::string& architecture);
+// The compaction and the sorting that the variant's queue is given; none where it has no queue, or needs none.
+std::vector<const Choice*> stages_of(const Variant& variant);
 // The embedded source of the variant's integrator.
 std::string integrator_source(const Variant& variant);
 

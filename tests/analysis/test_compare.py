@@ -33,7 +33,7 @@ from ptbench.compare.noise import floor_of, repeats_of
 from ptbench.figures import forest
 from ptbench.io.results import load
 from ptbench.stats.estimates import geometric_mean_of_ratios, ratio_estimate
-from ptbench.studies.rows import is_contended
+from ptbench.studies.disturbed import is_contended
 
 UNCACHED_2 = ("material.off.off", "cornell_open_unjittered", "depth:2/")
 

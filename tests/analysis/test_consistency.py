@@ -13,9 +13,11 @@ from conftest import ROOT
 
 from ptbench.errors import InputError
 from ptbench.io.consistency import contradictions
+from ptbench.io.line_seal import LineSeal
 from ptbench.io.nodes import Node, read_json
 from ptbench.io.results import load
 from ptbench.io.validate import validate
+from ptbench.studies.disturbed import disturbance_in
 
 COMMITTED = sorted((ROOT / "results").glob("*/*.json*"))
 PACKET = json.loads((ROOT / "results" / "amd-epyc-2-threads" / "packet.json").read_text(encoding="utf-8"))
@@ -45,6 +47,17 @@ def add_films(document: dict) -> None:
 def spoil_film(document: dict) -> None:
     add_films(document)
     samples_of(document, 1)[2]["film_hash"] = "f" * 16
+
+
+def retake_first(document: dict, **changed) -> None:
+    """As a program of today says that the first sample was taken again: what it was before."""
+    add_films(document)
+    row = samples_of(document)[0]
+    sample = {key: row[key] for key in row if key.startswith("pt_")} | {"film_hash": row["film_hash"]}
+    for derived in ("pt_low_clock", "pt_contended"):
+        sample.pop(derived)
+    place = {"cell": changed.pop("cell", row["run_name"]), "repetition_index": changed.pop("repetition_index", 0)}
+    document["ptbench"]["retakes"] = {"most_per_cell": 9, "samples": [{**place, "sample": {**sample, **changed}}]}
 
 
 def copy_sample(document: dict, **changed) -> None:
@@ -98,6 +111,22 @@ FAULTS: dict[str, tuple[Callable[[dict], object], tuple[str, ...]]] = {
             cells_of(d)[0].update(status="interrupted", reason="the run ended"),
         ),
         ("$.ptbench.cells[0].status: found the cell CELL interrupted, allowed: ok or failed: the run is completed",),
+    ),
+    "a sample taken again that is not there": (
+        lambda d: retake_first(d, repetition_index=9),
+        ("$.ptbench.retakes.samples[0].repetition_index: found 9 in the cell CELL", "the index of one of its samples"),
+    ),
+    "a sample taken again with another seed": (
+        lambda d: retake_first(d, pt_seed=7),
+        ("$.ptbench.retakes.samples[0].sample.pt_seed: found 7, allowed: 1, as in the sample that took its place",),
+    ),
+    "a sample taken again with another film": (
+        lambda d: retake_first(d, film_hash="f" * 16),
+        ('$.ptbench.retakes.samples[0].sample.film_hash: found "ffffffffffffffff"', "that took its place"),
+    ),
+    "a sample taken again without a time": (
+        lambda d: retake_first(d, pt_wall_ms=0),
+        ("$.ptbench.retakes.samples[0].sample.pt_wall_ms: found 0 in the cell CELL", "a time above 0"),
     ),
     "a sample too many": (
         lambda d: copy_sample(d, repetition_index=9, pt_seed=10, pt_order=999),
@@ -254,10 +283,21 @@ def test_a_key_that_an_object_has_twice_is_refused(analysis, tmp_path):
 
 def test_a_journals_line_with_a_key_twice_is_refused(analysis, tmp_path):
     path = tmp_path / "twice.jsonl"
-    path.write_text('{"type": "run", "identity": {"seed": 1, "seed": 2}}\n', encoding="utf-8")
+    path.write_bytes(LineSeal().seal(b'{"type": "run", "identity": {"seed": 1, "seed": 2}}') + b"\n")
     code, out, err = analysis("validate", path)
     assert (code, err) == (1, "")
     assert out == f'{path}: line 1 $.identity: found the key "seed" twice, allowed: once\n'
+
+
+def test_a_sample_that_was_taken_again_counts_once(tmp_path):
+    document = copy.deepcopy(PACKET)
+    retake_first(document, pt_foreign_cpu_ms=1e6)
+    path = tmp_path / "retaken.json"
+    path.write_text(json.dumps(document), encoding="utf-8")
+    result = load(path)
+    assert result.retaken == 1
+    assert disturbance_in(result).endswith("; 1 disturbed before was taken again")
+    assert [len(cell.samples) for cell in result.cells] == [9] * len(result.cells)
 
 
 def said(builder: Builder, tmp_path: Path) -> list[str]:

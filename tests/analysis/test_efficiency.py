@@ -9,7 +9,10 @@ from builder import Builder
 from convergence_builder import SPPS, Law, convergence_cell, convergence_study, on_gpu
 
 from ptbench.convergence.assessment import _percent, assess
+from ptbench.convergence.costs import VARIANCE, WORK, cost_ratio
 from ptbench.convergence.efficiency import (
+    DISTURBED,
+    HIGHER,
     CheckpointCost,
     baseline_among,
     by_place,
@@ -20,7 +23,9 @@ from ptbench.convergence.efficiency import (
     target_of,
     time_to,
 )
+from ptbench.convergence.tables import convergence_tables
 from ptbench.io.results import load
+from ptbench.report.findings import efficiencies_of
 from ptbench.stats.estimates import Estimate
 
 NEE, MEGAKERNEL = {"direct_light": "nee"}, {"integrator": "megakernel"}
@@ -33,10 +38,10 @@ def exact(**fields) -> Law:
 def test_an_interval_beside_a_word_shows_it():
     """As [1.00, 1.02], SLOWER would be false as printed; as [1.010, 1.010], so would be what is not within 1 %."""
     cell = None
-    cost = CheckpointCost(cell, Estimate(1.012, 1.0003, 1.0204, 9))
+    cost = CheckpointCost(cell, Estimate(1.012, 1.0003, 1.0204, 9), "")
     assert (cost.word, cost.interval) == ("SLOWER with checkpoints", "[1.0003, 1.0204]")
-    assert CheckpointCost(cell, Estimate(1.01, 1.0089, 1.01021, 9)).interval == "[1.0089, 1.0102]"
-    assert CheckpointCost(cell, Estimate(1.01, None, None, 1)).interval == ""
+    assert CheckpointCost(cell, Estimate(1.01, 1.0089, 1.01021, 9), "").interval == "[1.0089, 1.0102]"
+    assert CheckpointCost(cell, Estimate(1.01, None, None, 1), "").interval == ""
     assert ends_beside_one(Estimate(1.0, 1.0012, 1.02, 8)) == "[1.001, 1.020]"
     assert ends_beside_one(Estimate(1.0, 0.99996, 1.5, 8)) == "[0.99996, 1.5000]"
     assert ends_beside_one(Estimate(2.0, 1.5, 2.5, 8)) == "[1.50, 2.50]"
@@ -66,6 +71,44 @@ def test_efficiency_is_the_ratio_of_work_normalised_variances(tmp_path):
     assert compared.efficiency.value == pytest.approx(0.5 * 2 / (0.05 * 4))
     assert (compared.efficiency.low, compared.efficiency.high) == pytest.approx((5, 5))
     assert compare(plain, plain).efficiency is None
+
+
+@pytest.mark.parametrize(("of", "disturbed", "word"), [(0, 0, HIGHER), (0, 1, DISTURBED), (1, 8, DISTURBED)])
+def test_an_efficiency_by_disturbed_times_has_no_verdict(tmp_path, of, disturbed, word):
+    """Eight seeds: one disturbed is more than a tenth, on either side."""
+    builder = convergence_study(on_gpu())
+    cells = [
+        convergence_cell(builder, exact(sigma2=sigma2), axes=axes, time_noise=0.0, contended=disturbed * (of == index))
+        for index, (sigma2, axes) in enumerate(((0.5, {}), (0.05, NEE)))
+    ]
+    result, (plain, nee) = group_of(builder, tmp_path)
+    assert [one.cell.name for one in (plain, nee)] == [cell["cell"] for cell in cells]
+    compared = compare(nee, plain)
+    assert compared.word == word
+    assert bool(compared.doubt) == (disturbed > 0)
+    assert compared.efficiency.value == pytest.approx(10)  # the number stays, without a verdict
+    assert [one.word for one in efficiencies_of(result, result.studies[0])] == [word]
+    assert (cost_ratio(WORK, assess(result), nee.cell, plain.cell) is None) == (disturbed > 0)
+    # A variance at equal samples has no time in it.
+    assert cost_ratio(VARIANCE, assess(result), nee.cell, plain.cell).value == pytest.approx(0.1)
+    text = "\n".join(map(str, convergence_tables(result, result.studies[0])))
+    assert ("disturbed)" in text) == (disturbed > 0)
+
+
+@pytest.mark.parametrize("disturbed", [0, 1])
+def test_an_efficiency_is_judged_by_the_renders_that_time_it(tmp_path, disturbed):
+    """Where both ran without checkpoints, those times count, disturbed ones too, and the others do not."""
+    builder = convergence_study(on_gpu()).study("cornell_without_checkpoints", "")
+    for sigma2, axes in ((0.5, {}), (0.05, NEE)):
+        cell = convergence_cell(builder, exact(sigma2=sigma2), axes=axes, time_noise=0.0, contended=8 * (1 - disturbed))
+        size = {"spp": SPPS[-1], "resolution": cell["resolution"]}
+        builder.cell("cornell_without_checkpoints", n=8, axes=axes, noise=0.0, contended=8 * disturbed, **size)
+    _, group = group_of(builder, tmp_path)
+    plain, nee = group
+    assert plain.alone is not None
+    assert compare(nee, plain).word == (DISTURBED if disturbed else HIGHER)
+    # What checkpoints cost is of both.
+    assert [cost.word for cost in checkpoint_costs(group)] == [DISTURBED, DISTURBED]
 
 
 def test_cells_of_one_error_curve_compare_by_their_times_alone(tmp_path):

@@ -18,6 +18,7 @@ from jsonschema import Draft202012Validator
 from ptbench.io.cells import CELL_STATUSES, CLAIMS, RUN_STATUSES, STUDY_TYPES
 from ptbench.io.fields import tables
 from ptbench.io.files import read_stored
+from ptbench.io.line_seal import NO_CHECKSUM, OTHER_TEXT, LineSeal
 from ptbench.io.validate import KINDS, SCHEMAS, complaints, kind_of, schema, validate
 
 BY_HAND = ("many_lights_profile", "nee_bound", "rays_cpu", "rays_first")  # records that no command of ptbench wrote
@@ -408,10 +409,11 @@ def journal(errors_file, tmp_path):
         {"type": "sample", "cell": CELL, "sample": {**sample, "cpu_ms": 1.0, "film_hash": "0" * 16}},
     ]
 
-    def write(change=lambda lines: None, end: str = "\n") -> Path:
+    def write(change=lambda lines: None, end: bytes = b"\n", more: tuple[bytes, ...] = ()) -> Path:
         change(lines)
-        path = tmp_path / "result.json.journal.jsonl"
-        path.write_text("\n".join(json.dumps(line) for line in lines) + end, encoding="utf-8")
+        path, seal = tmp_path / "result.json.journal.jsonl", LineSeal()
+        texts = (*(json.dumps(line).encode() for line in lines), *more)
+        path.write_bytes(b"\n".join(map(seal.seal, texts)) + end)
         return path
 
     return write
@@ -439,6 +441,17 @@ JOURNAL_FAULTS = {
     "a time that is none": (
         lambda lines: lines[3]["sample"].update(pt_wall_ms=0),
         "line 4 $.sample.pt_wall_ms: found 0, allowed: above 0",
+    ),
+    "a retake of no sample": (
+        lambda lines: lines.append({**copy.deepcopy(lines[3]), "type": "retake"})
+        or lines[4]["sample"].update(pt_seed=2),
+        f'line 5 $.sample.pt_seed: found 2 in the cell "{CELL}", allowed: a seed of one of its samples',
+    ),
+    "a retake with another film": (
+        lambda lines: lines.append({**copy.deepcopy(lines[3]), "type": "retake"})
+        or lines[4]["sample"].update(film_hash="1" * 16),
+        f'line 5 $.sample.film_hash: found "{"1" * 16}" in the cell "{CELL}", allowed: "{"0" * 16}", the film of the '
+        "same seed before",
     ),
     "a second run": (
         lambda lines: lines.append(lines[0]),
@@ -469,7 +482,7 @@ JOURNAL_FAULTS = {
     ),
     "a line of another type": (
         lambda lines: lines[1].update(type="note"),
-        'line 2 $.type: found "note", allowed: "run" or "session" or "cell" or "sample"',
+        'line 2 $.type: found "note", allowed: "run" or "session" or "cell" or "sample" or "retake"',
     ),
 }
 
@@ -482,13 +495,46 @@ def test_a_wrong_journal_is_refused(journal, name):
 
 def test_a_journal_is_read_line_by_line(journal, tmp_path):
     assert validate(journal()) == []
-    assert validate(journal(end='\n{"type": "sam')) == []  # cut off by a kill
-    assert validate(journal(end='\n{"type": "sam\n')) == [
+    assert validate(journal(end=b'\n{"type": "sam')) == []  # cut off by a kill
+    assert validate(journal(more=(b'{"type": "sam}',))) == [
         "line 5: found no valid JSON, allowed: one JSON object a line"
     ]
+    assert validate(journal(lambda lines: lines.append({**copy.deepcopy(lines[3]), "type": "retake"}))) == []
     empty = tmp_path / "empty.jsonl"
     empty.touch()
     assert validate(empty) == ["line 1: found nothing, allowed: a line of type run"]
+
+
+def test_a_changed_line_of_a_journal_is_named_once(journal):
+    path = journal()
+    whole = path.read_bytes()
+    for at in range(0, len(whole) - 1, 23):
+        path.write_bytes(whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :])
+        found = validate(path)[0]
+        line = 1 + whole.count(b"\n", 0, at)
+        assert found.startswith(f"line {line}: found "), at
+        assert found.endswith(", allowed: lines as ptbench wrote them"), at
+    changed = whole.replace(b'"pt_wall_ms": ', b'"pt_wall_ms": 1')
+    path.write_bytes(changed)
+    assert validate(path) == [f"line 4: found {OTHER_TEXT}, allowed: lines as ptbench wrote them"]
+    path.write_bytes(whole.replace(b'"process": 7', b'"process": 8'))  # told once, though lines follow
+    assert validate(path) == [f"line 2: found {OTHER_TEXT}, allowed: lines as ptbench wrote them"]
+
+
+def test_a_damaged_sample_is_told_once_though_others_follow(journal):
+    path = journal(lambda lines: [_add_sample(lines, pt_seed=2)])
+    path.write_bytes(path.read_bytes().replace(b'"pt_seed": 1', b'"pt_seed": 7'))
+    assert validate(path) == [f"line 4: found {OTHER_TEXT}, allowed: lines as ptbench wrote them"]
+
+
+def test_a_journals_line_that_is_lost_or_twice_is_found(journal):
+    path = journal()
+    lines = path.read_bytes().splitlines(keepends=True)
+    for order, line in (((0, 2, 3), 2), ((0, 1, 2, 2, 3), 4), ((0, 1, 3, 2), 3)):
+        path.write_bytes(b"".join(lines[index] for index in order))
+        assert validate(path)[0] == f"line {line}: found {OTHER_TEXT}, allowed: lines as ptbench wrote them"
+    path.write_bytes(b"".join(json.dumps({"type": "run"}).encode() + b"\n" for _ in lines))
+    assert validate(path)[0] == f"line 1: found {NO_CHECKSUM}, allowed: lines as ptbench wrote them"
 
 
 def test_the_command_says_one_line_a_file(analysis, tmp_path):

@@ -68,6 +68,8 @@ protected:
                             "integrator=wavefront,depth_first",
                             "--repetitions",
                             std::to_string(repetitions),
+                            "--retakes",  // this machine may be busy: each run has the same samples
+                            "0",
                             "--out",
                             out};
         arguments.insert(arguments.end(), added.begin(), added.end());
@@ -241,7 +243,8 @@ protected:
              "depth": [2, 3], "resolution": [4, 3]}]})");
     }
     CommandResult run(const std::string& out, const Arguments& added = {}) const {
-        Arguments arguments{"run", "--suite", folder.file("suite.json"), "--backend", "cpu", "--quiet", "--out", out};
+        Arguments arguments{
+            "run", "--suite", folder.file("suite.json"), "--backend", "cpu", "--quiet", "--retakes", "0", "--out", out};
         arguments.insert(arguments.end(), added.begin(), added.end());
         return ptbench(arguments);
     }

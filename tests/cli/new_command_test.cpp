@@ -83,6 +83,8 @@ TEST_F(NewCommandTest, WritesTheTemplatesUnderTheName) {
     for (const char* next :
          {"./run build my_scan2_compaction_test && build/tests/my_scan2_compaction_test\n",
           "build/ptbench verify --scene cornell_open --axis compaction=my_scan2 --quiet\n",
+          "build/ptbench inspect --scene cornell_open --axis compaction=my_scan2 --arch sm_90, which compiles its CUDA "
+          "kernels without a GPU\n",
           "build/ptbench run --scene cornell_open,cornell_closed --axis compaction=none,my_scan2\n"}) {
         EXPECT_NE(result.out.find(next), std::string::npos) << result.out;
     }

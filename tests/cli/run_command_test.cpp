@@ -34,6 +34,8 @@ protected:
                             "layout=aos,soa",
                             "--repetitions",
                             std::to_string(repetitions),
+                            "--retakes",
+                            "0",
                             "--out",
                             out};
         arguments.insert(arguments.end(), added.begin(), added.end());
@@ -43,9 +45,10 @@ protected:
     std::size_t samples_in_journal() const {
         const std::string text = content_of(journal);
         std::size_t count = 0;
-        for (std::size_t at = text.find("\"type\":\"sample\"}\n"); at != std::string::npos;
-             at = text.find("\"type\":\"sample\"}\n", at + 1)) {
-            ++count;
+        const std::string mark = R"("type":"sample","check":")";
+        for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at + 1)) {
+            const std::size_t end = at + mark.size() + 16 + 2;  // its digits, "}
+            count += end < text.size() && text[end] == '\n' ? 1u : 0u;
         }
         return count;
     }

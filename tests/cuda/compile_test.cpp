@@ -108,8 +108,7 @@ public:
         }
     }
     void add_stage(const Choice& stage, const Variant& variant) {
-        const std::string source = fmt::format("variants/{}/{}.cuh", stage.descriptor.axis, stage.descriptor.name);
-        add(cuda::stage_request(variant, source, stage.hook.cuda.kernels, architecture_), variant.spelled_out());
+        add(cuda::stage_request(variant, stage, architecture_), variant.spelled_out());
     }
 
     const std::map<std::string, Program>& by_key() const { return programs_; }

@@ -2,18 +2,23 @@
 // needed.
 #include "harness/cuda/inspect.h"
 
+#include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <map>
 
 #include <cuda_occupancy.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <CLI/CLI.hpp>
 
+#include "harness/cli/commands.h"
 #include "harness/cuda/sass.h"
 #include "harness/error.h"
 #include "harness/places.h"
 #include "tests/support/command.h"
 #include "tests/support/places.h"
+#include "variants/cuda/append_compaction.h"
 #include "variants/cuda/compiler_report.h"
 #include "variants/cuda/nvrtc.h"
 #include "variants/registry.h"
@@ -265,6 +270,104 @@ TEST_F(InspectTest, LeavingOutMakesAKernelSmaller) {
         EXPECT_LT(kernel["instructions_in_loop"]["total"], kernel["instructions"]["total"]);
         EXPECT_GT(kernel["instructions_in_loop"]["fma"], 0);
     }
+}
+
+// --- what a queue's stages launch ---
+
+// A compaction of this test, whose source it writes where those that ptbench embeds are unpacked.
+const Registration written_here(
+    {.axis = "compaction",
+     .name = "test_written",
+     .summary = "as atomic_append, or as a test has it",
+     .origin = "this test",
+     .traits = CompactionTraits{.payload_contiguous = false},
+     .backends = on_cuda},
+    {.cuda = {
+         .compaction = [](const cuda::CellContext& context) -> std::unique_ptr<cuda::Compaction> {
+             return std::make_unique<cuda::AppendCompaction>(context);
+         },
+         .kernels = {cuda::kernel_of<cuda::AppendSlotsParameters>(), cuda::kernel_of<cuda::AppendPathsParameters>()}}});
+
+class InspectStagesTest : public InspectTest {
+protected:
+    static void write_source(const std::string& append) {
+        const std::filesystem::path file = std::filesystem::path(cuda::kernel_cache_folder()) /
+                                           ("include-" + cuda::kernel_source_hash()) /
+                                           "variants/compaction/test_written.cuh";
+        std::filesystem::create_directories(file.parent_path());
+        test::write_text(file.string(),
+                         "#pragma once\n#include \"variants/cuda/append.cuh\"\n"
+                         "__device__ inline std::uint32_t append(std::uint32_t* count, bool keep) {\n"
+                         "    return " +
+                             append +
+                             "(count, keep);\n"
+                             "}\n#include \"variants/cuda/append_kernels.cuh\"\n");
+    }
+    static Variant variant(const std::string& integrator, const std::string& compaction, const std::string& sorting) {
+        Variant variant = Registry::instance().baseline(Backend::cuda);
+        variant.set("integrator", integrator);
+        variant.set("compaction", compaction);
+        variant.set("sorting", sorting);
+        return variant;
+    }
+    // Names and choices, "append_slots of compaction=test_written".
+    static std::vector<std::string> listed(const Json& report) {
+        std::vector<std::string> found;
+        for (const Json& kernel : report["kernels"]) {
+            EXPECT_GT(kernel["registers"], 0);
+            found.push_back(kernel["name"].get<std::string>() + " of " + kernel["of"].get<std::string>() +
+                            (kernel.value("launched", true) ? "" : ", not launched"));
+        }
+        std::sort(found.begin(), found.end());
+        return found;
+    }
+};
+
+TEST_F(InspectStagesTest, KernelsOfACompactionAreCompiledAndLibrariesNamed) {
+    write_source("pt::cuda::append_by_warp");
+    Variant queue = variant("wavefront", "test_written", "cub_radix");
+    queue.tuning["block"] = 64;
+    const Json report = inspect(queue, "sm_90");
+    const std::vector<std::string> expected{
+        "advance of integrator=wavefront",         "append_paths of compaction=test_written",
+        "append_slots of compaction=test_written", "generate_paths of integrator=wavefront",
+        "intersect_paths of integrator=wavefront", "shade_paths of integrator=wavefront",
+        "write_ray_keys of integrator=wavefront"};
+    EXPECT_EQ(listed(report), expected);
+    EXPECT_EQ(report["library_calls"], Json({"sorting=cub_radix"}));
+    for (const Json& kernel : report["kernels"]) {
+        const bool is_stage = kernel["of"] == "compaction=test_written";
+        EXPECT_EQ(kernel["threads_per_block"], is_stage ? cuda::stage_block : 64u) << kernel["name"];
+    }
+}
+
+TEST_F(InspectStagesTest, WhatTheIntegratorsKernelDoesIsCompiledAndNotLaunched) {
+    const Json report = inspect(variant("wavefront_fused", "atomic_append", "none"), "sm_90");
+    const std::vector<std::string> kernels = listed(report);
+    EXPECT_EQ(std::count(kernels.begin(), kernels.end(), "append_slots of compaction=atomic_append, not launched"), 1);
+    EXPECT_EQ(std::count(kernels.begin(), kernels.end(), "next_bounce of integrator=wavefront_fused"), 1);
+    EXPECT_EQ(report["library_calls"], Json::array());
+}
+
+// The command as `ptbench` has it, for a compaction that no program has.
+TEST_F(InspectStagesTest, AnUndeclaredNameInACompactionFailsTheCommand) {
+    write_source("append_by_nobody");
+    const std::string out = folder.file("report.json");
+    CLI::App app;
+    const Command command = add_inspect_command(app);
+    app.parse(
+        "inspect --scene cornell_open --axis integrator=wavefront --axis compaction=test_written --arch sm_90 --out " +
+        out);
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(command(), exit_check_failed);
+    const std::string told = testing::internal::GetCapturedStderr();
+    EXPECT_NE(told.find("compaction=test_written: variants/compaction/test_written.cuh does not compile for sm_90"),
+              std::string::npos)
+        << told;
+    EXPECT_NE(told.find("variants/compaction/test_written.cuh(4): error: identifier \"append_by_nobody\" is undefined"),
+              std::string::npos)
+        << told;
+    EXPECT_FALSE(std::filesystem::exists(out));
 }
 
 TEST_F(InspectTest, TheBlockIsTheVariants) {

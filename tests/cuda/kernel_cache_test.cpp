@@ -24,9 +24,8 @@ Variant baseline() { return Registry::instance().baseline(Backend::cuda); }
 
 // A small program: NVRTC takes less than a second.
 ModuleRequest small_request() {
-    return cuda::stage_request(
-        baseline(), "variants/compaction/atomic_append.cuh",
-        Registry::instance().find("compaction", "atomic_append", Backend::cuda)->hook.cuda.kernels, "sm_90");
+    return cuda::stage_request(baseline(), *Registry::instance().find("compaction", "atomic_append", Backend::cuda),
+                               "sm_90");
 }
 
 // What came of a build.

@@ -28,8 +28,7 @@ TEST(NewChoiceTest, KernelsOfACompactionCompile) {
             variant.set("layout", std::string(layout->descriptor.name));
             variant.set("precision", precision);
             SCOPED_TRACE(variant.spelled_out());
-            cuda::ModuleRequest request = cuda::stage_request(
-                variant, "variants/compaction/" + std::string(example) + ".cuh", choice->hook.cuda.kernels, "sm_90");
+            cuda::ModuleRequest request = cuda::stage_request(variant, *choice, "sm_90");
             request.options.push_back("-I" PTBENCH_EXAMPLES);
             // Not from the cache: its key knows the text of embedded sources only.
             EXPECT_NE(cuda::compile_module(request).cubin.find("list_live_slots"), std::string::npos);

@@ -279,13 +279,11 @@ TEST(ModuleRequestTest, ACacheOfFirstHitsIsAnotherKernel) {
 }
 
 TEST(ModuleRequestTest, StagesNeedNeitherFeaturesNorArithmetic) {
-    const std::string source = "variants/sorting/bucket.cuh";
-    const auto request_of = [&](const Variant& variant) {
-        return cuda::stage_request(
-            variant, source, Registry::instance().find("sorting", "bucket", Backend::cuda)->hook.cuda.kernels, "sm_90");
+    const auto request_of = [](const Variant& variant) {
+        return cuda::stage_request(variant, *Registry::instance().find("sorting", "bucket", Backend::cuda), "sm_90");
     };
     const cuda::ModuleRequest request = request_of(baseline());
-    EXPECT_EQ(request.includes, std::vector<std::string>{source});
+    EXPECT_EQ(request.includes, std::vector<std::string>{"variants/sorting/bucket.cuh"});
     EXPECT_EQ(request.kernels.size(), 3u);
     EXPECT_EQ(request.config.features, no_features);
     EXPECT_TRUE(request.options.empty());

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "harness/bench/result_file.h"
+#include "harness/bench/retakes.h"
 #include "harness/bench/short_names.h"
 #include "tests/support/backends.h"
 #include "tests/support/command.h"
@@ -284,6 +285,54 @@ TEST(DisturbedTest, ARenderThatWaitsForABusyHostIsDisturbed) {
     waiting["pt_host_waits"] = alone["pt_host_waits"] = 1;
     EXPECT_TRUE(is_disturbed(waiting, Backend::cuda));
     EXPECT_FALSE(is_disturbed(alone, Backend::cuda));
+}
+
+TEST(DisturbedTest, AsManyAreTakenAgainAsTheLimitAllows) {
+    const test::TemporaryFolder folder;
+    Journal journal(folder.file("journal"), Json::object(), false);
+    Plan plan;
+    plan.cells.resize(2);
+    plan.cells[0].name = "busy";
+    plan.cells[1].name = "quiet";
+    const auto numbered = [](int seed, double foreign) {
+        Json facts = sample(200, foreign);
+        facts["pt_seed"] = seed;
+        return facts;
+    };
+    for (const Cell& cell : plan.cells) {
+        journal.set_cell(cell.name, {{"status", "ok"}});
+        for (const int seed : {5, 6, 7}) {
+            journal.add_sample(cell.name, numbered(seed, cell.name == "busy" && seed != 6 ? 190 : 10));
+        }
+    }
+    const auto words = [&](int most) { return retakes_in_words(plan, journal, most); };
+    EXPECT_EQ(to_retake(plan.cells[0], journal, 9), (std::vector<std::size_t>{0, 2}));
+    EXPECT_EQ(to_retake(plan.cells[0], journal, 1), (std::vector<std::size_t>{0}));
+    EXPECT_TRUE(to_retake(plan.cells[0], journal, 0).empty());
+    EXPECT_TRUE(to_retake(plan.cells[1], journal, 9).empty());
+    EXPECT_EQ(words(9), "retaken: 0 disturbed samples, at most 9 a cell; interrupted before 2 others could be");
+
+    journal.retake_sample("busy", numbered(5, 190));  // disturbed again
+    EXPECT_EQ(to_retake(plan.cells[0], journal, 9), (std::vector<std::size_t>{0, 2}));
+    EXPECT_EQ(to_retake(plan.cells[0], journal, 2), (std::vector<std::size_t>{0}));
+    EXPECT_TRUE(to_retake(plan.cells[0], journal, 1).empty());
+    EXPECT_EQ(words(1),
+              "retaken: 1 disturbed sample, at most 1 a cell; 1 cell came to that limit with disturbed samples left");
+
+    journal.retake_sample("busy", numbered(5, 10));
+    journal.retake_sample("busy", numbered(7, 10));
+    EXPECT_TRUE(to_retake(plan.cells[0], journal, 9).empty());
+    EXPECT_FALSE(times_of(plan.cells[0], journal).is_contended);
+    EXPECT_EQ(words(9), "retaken: 3 disturbed samples, at most 9 a cell");
+    EXPECT_EQ(words(3), "retaken: 3 disturbed samples, at most 3 a cell");
+    const nlohmann::ordered_json file = retakes_json(plan, journal, 9);
+    ASSERT_EQ(file.at("samples").size(), 3u);
+    EXPECT_EQ(file.at("samples")[2].at("cell"), "busy");
+    EXPECT_EQ(file.at("samples")[2].at("repetition_index"), 2);
+    EXPECT_EQ(file.at("samples")[2].at("sample").at("pt_foreign_cpu_ms"), 190);
+    journal.set_cell("busy", {{"status", "failed"}});
+    journal.retake_sample("busy", numbered(7, 190));
+    EXPECT_TRUE(to_retake(plan.cells[0], journal, 9).empty());  // nobody knows what it times
 }
 
 TEST(DisturbedTest, ARunCountsWhatItsVerdictsCount) {

@@ -4,14 +4,17 @@
 #include <algorithm>
 #include <csignal>
 #include <functional>
+#include <sstream>
 #include <utility>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
 #include "tests/support/command.h"
+#include "tests/support/sealed_lines.h"
 
 namespace {
 
@@ -78,14 +81,17 @@ TEST_F(JournalTest, CreatesMissingFolders) {
 
 TEST_F(JournalTest, EveryFactIsInTheFileAtOnce) {
     Journal journal(file, identity, false);
-    EXPECT_EQ(test::content_of(file), R"({"identity":{"cells":["a","b"],"machine":"m"},"type":"run"})"
-                                      "\n");
+    std::string expected = R"({"identity":{"cells":["a","b"],"machine":"m"},"type":"run"})"
+                           "\n";
+    EXPECT_EQ(test::content_of(file), test::sealed_lines(expected));
     journal.add_sample("a", {{"pt_wall_ms", 1.5}});
-    EXPECT_TRUE(test::content_of(file).ends_with(R"({"cell":"a","sample":{"pt_wall_ms":1.5},"type":"sample"})"
-                                                 "\n"));
+    expected += R"({"cell":"a","sample":{"pt_wall_ms":1.5},"type":"sample"})"
+                "\n";
+    EXPECT_EQ(test::content_of(file), test::sealed_lines(expected));
     journal.set_cell("b", {{"status", "ok"}});
-    EXPECT_TRUE(test::content_of(file).ends_with(R"({"cell":"b","facts":{"status":"ok"},"type":"cell"})"
-                                                 "\n"));
+    expected += R"({"cell":"b","facts":{"status":"ok"},"type":"cell"})"
+                "\n";
+    EXPECT_EQ(test::content_of(file), test::sealed_lines(expected));
     EXPECT_EQ(journal.samples("a").size(), 1u);
     EXPECT_EQ(*journal.cell("b"), Json({{"status", "ok"}}));
 }
@@ -112,6 +118,40 @@ TEST_F(JournalTest, ResumeHasWhatWasWrittenInItsOrder) {
     const Journal journal(file, identity, true);
     EXPECT_EQ(journal.sample_count(), 4u);
     EXPECT_EQ(journal.samples("b")[1], Json({{"pt_seed", 2}}));
+}
+
+TEST_F(JournalTest, ASampleAgainTakesTheOnesPlaceThatHasItsSeed) {
+    const Json first{{"pt_seed", 1}, {"pt_order", 0}}, second{{"pt_seed", 2}, {"pt_order", 1}};
+    const Json again{{"pt_seed", 1}, {"pt_order", 2}}, once_more{{"pt_seed", 1}, {"pt_order", 3}};
+    {
+        Journal journal(file, identity, false);
+        journal.add_session({{"host_name", "x"}});
+        journal.add_sample("a", first);
+        journal.add_sample("a", second);
+        journal.retake_sample("a", again);
+        journal.retake_sample("a", once_more);
+        EXPECT_EQ(journal.samples("a"), (std::vector<Json>{once_more, second}));
+        EXPECT_EQ(journal.retaken("a"), (std::vector<Json>{first, again}));
+    }
+    const std::string whole = test::content_of(file);
+    const Journal journal(file, identity, true);
+    EXPECT_EQ(journal.samples("a"), (std::vector<Json>{once_more, second}));
+    EXPECT_EQ(journal.retaken("a"), (std::vector<Json>{first, again}));
+    EXPECT_EQ(journal.sessions()[0].at("samples"), 4);
+    EXPECT_TRUE(journal.retaken("b").empty());
+}
+
+TEST_F(JournalTest, ASampleAgainOfNoneIsRefused) {
+    write_three_facts();
+    const std::string whole = test::content_of(file);
+    for (const std::string line :
+         {R"({"type":"retake","cell":"a","sample":{"pt_seed":7}})",
+          R"({"type":"retake","cell":"b","sample":{"pt_seed":1}})", R"({"type":"retake","cell":"a","sample":{}})",
+          R"({"type":"retake","cell":"a","sample":3})", R"({"type":"retake","cell":"a"})"}) {
+        test::write_text(file, test::sealed_lines(whole + line + "\n"));
+        EXPECT_EQ(refusal<InputError>().find(file + ": line 5: found no line of a session, a cell or a sample"), 0u)
+            << refusal<InputError>();
+    }
 }
 
 TEST_F(JournalTest, DoublesComeBackBitForBit) {
@@ -172,24 +212,99 @@ TEST_F(JournalTest, ASecondWriterIsRefused) {
     EXPECT_EQ(refusal<MachineError>(identity, false), file + ": another run is writing it");
 }
 
-TEST_F(JournalTest, ADamagedLineIsRefusedWithItsPlace) {
+// FNV-1a written out once more.
+TEST(LineSealTest, TheChecksumIsFnv1aOfTheLineAndOfThoseBeforeIt) {
+    LineSeal seal;
+    const std::string first = seal.seal(R"({"a":1})");
+    std::uint64_t hash = 0xcbf29ce484222325ull;
+    for (const char c : std::string(R"({"a":1})")) {
+        hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
+    }
+    EXPECT_EQ(first, fmt::format(R"({{"a":1,"check":"{:016x}"}})", hash));
+    for (const char c : std::string(R"({"b":2})")) {
+        hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
+    }
+    EXPECT_EQ(seal.seal(R"({"b":2})"), fmt::format(R"({{"b":2,"check":"{:016x}"}})", hash));
+}
+
+TEST_F(JournalTest, AFlippedBitIsFoundWhereverItIs) {
+    write_three_facts();
+    const std::string whole = test::content_of(file);
+    std::size_t line = 1;
+    for (std::size_t at = 0; at < whole.size(); ++at) {
+        const std::size_t bit = at % 8;
+        SCOPED_TRACE(std::to_string(at) + ", bit " + std::to_string(bit));
+        std::string damaged = whole;
+        damaged[at] = static_cast<char>(damaged[at] ^ (1 << bit));
+        test::write_text(file, damaged);
+        if (at + 1 == whole.size()) {  // the end of the last line: as if it was cut off there
+            const Journal journal(file, identity, true);
+            EXPECT_EQ(journal.sample_count(), 1u);
+            EXPECT_GT(journal.dropped_bytes(), 0u);
+            continue;
+        }
+        const std::string place = file + ": line " + std::to_string(line) + ": found ";
+        ASSERT_EQ(refusal<InputError>().find(place), 0u) << refusal<InputError>();
+        ASSERT_EQ(test::content_of(file), damaged);
+        line += whole[at] == '\n' ? 1 : 0;
+    }
+}
+
+TEST_F(JournalTest, ALineThatIsLostOrTwiceOrInAnothersPlaceIsFound) {
+    write_three_facts();
+    std::vector<std::string> lines;
+    std::istringstream stream(test::content_of(file));
+    for (std::string line; std::getline(stream, line);) {
+        lines.push_back(line + "\n");
+    }
+    ASSERT_EQ(lines.size(), 4u);
+    const std::vector<std::pair<std::string, std::size_t>> damaged{
+        {lines[0] + lines[2] + lines[3], 2},                        // without the second
+        {lines[0] + lines[1] + lines[2] + lines[2] + lines[3], 4},  // the third twice
+        {lines[0] + lines[1] + lines[3] + lines[2], 3},             // the last two exchanged
+        {lines[1] + lines[2] + lines[3], 1}};                       // without the first
+    for (const auto& [text, line] : damaged) {
+        test::write_text(file, text);
+        const std::string keep =
+            line == 1 ? ""
+                      : fmt::format("keep the {} before it (head -n {}) to go on from there, or ", line - 1, line - 1);
+        EXPECT_EQ(
+            refusal<InputError>(),
+            fmt::format("{}: line {}: found another text than its checksum's: it was changed, or a line before it "
+                        "was lost, moved or doubled, allowed: lines as ptbench wrote them; {}remove the file to "
+                        "start over",
+                        file, line, keep));
+    }
+    test::write_text(file, lines[0] + lines[1] + lines[2]);  // as that message says
+    EXPECT_EQ(Journal(file, identity, true).sample_count(), 1u);
+}
+
+TEST_F(JournalTest, AJournalWithoutChecksumsIsRefused) {
+    test::write_text(file, Json{{"type", "run"}, {"identity", identity}}.dump() + "\n");
+    EXPECT_EQ(
+        refusal<InputError>(),
+        file +
+            ": line 1: found no checksum at its end: it was changed, or an older ptbench wrote it, allowed: lines "
+            "as ptbench wrote them; remove the file to start over");
+}
+
+TEST_F(JournalTest, ALineThatSaysNothingIsRefusedWithItsPlace) {
     write_three_facts();
     const std::string whole = test::content_of(file);
     const std::size_t second = whole.find('\n') + 1;
-    for (const std::string damage :
-         {"\n", "garbage\n", "{\"type\":\"sample\"\n", "{}\n", "[1]\n", "7\n", "{\"type\":5}\n",
-          "{\"type\":\"other\"}\n", "{\"type\":\"sample\"}\n", "{\"type\":\"sample\",\"cell\":\"a\"}\n",
-          "{\"type\":\"sample\",\"cell\":3,\"sample\":{}}\n", "{\"type\":\"cell\",\"cell\":\"a\"}\n", "\xff\xfe\n"}) {
-        SCOPED_TRACE(damage);
-        const std::string damaged = whole.substr(0, second) + damage + whole.substr(second);
-        test::write_text(file, damaged);
+    for (const std::string line : {R"({"x":1})", R"({"type":5})", R"({"type":"other"})", R"({"type":"sample"})",
+                                   R"({"type":"sample","cell":"a"})", R"({"type":"sample","cell":3,"sample":{}})",
+                                   R"({"type":"cell","cell":"a"})", R"({"type":"run","identity":{}})", "{not JSON}"}) {
+        SCOPED_TRACE(line);
+        const std::string wrong = test::sealed_lines(whole.substr(0, second) + line + "\n" + whole.substr(second));
+        test::write_text(file, wrong);
         EXPECT_EQ(refusal<InputError>(),
-                  file + ": byte " + std::to_string(second) +
-                      ": found a damaged line, allowed: lines that ptbench wrote; remove the file to "
-                      "start over");
-        EXPECT_EQ(test::content_of(file), damaged);
+                  file +
+                      ": line 2: found no line of a session, a cell or a sample, allowed: lines as ptbench wrote "
+                      "them; keep the 1 before it (head -n 1) to go on from there, or remove the file to start over");
+        EXPECT_EQ(test::content_of(file), wrong);
     }
-    test::write_text(file, "{\"type\":\"sample\"}\n");  // and a first line that is not the run's
+    test::write_text(file, test::sealed_lines("{\"type\":\"sample\"}\n"));  // and a first line that is not the run's
     EXPECT_NE(refusal<InputError>().find(": line 1: found no line of a run, allowed: "), std::string::npos);
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "harness/bench/result_check.h"
 #include "tests/support/command.h"
 #include "tests/support/scenes.h"
 
@@ -291,6 +292,23 @@ TEST_F(ResultFileTest, WhatNoRunWroteIsRefused) {
     };
     const Json ok{{"status", "ok"}, {"reason", ""}};
     EXPECT_EQ(refusal(ok, good_sample), "");
+    // What only times can be.
+    for (const auto& [key, value, found] : std::vector<std::tuple<const char*, Json, const char*>>{
+             {"pt_wall_ms", 0, "pt_wall_ms 0, not above 0"},
+             {"pt_wall_ms", "1", "pt_wall_ms \"1\""},
+             {"pt_rays", nullptr, "pt_rays null"},
+             {"pt_device_ms", 1.1, "pt_device_ms 1.1 above its pt_wall_ms 1"},
+             {"pt_end_to_end_ms", 0.9, "pt_end_to_end_ms 0.9 below its pt_wall_ms 1"}}) {
+        Json impossible = good_sample;
+        impossible[key] = value;
+        EXPECT_EQ(fault_of_sample(impossible), found);
+    }
+    Json slow_device = good_sample;
+    slow_device["pt_device_ms"] = 1.1;
+    EXPECT_EQ(refusal(ok, slow_device),
+              file +
+                  ": ok: found a sample with pt_device_ms 1.1 above its pt_wall_ms 1, allowed: "
+                  "what a render can leave; remove the file to start over");
     EXPECT_EQ(refusal({}, good_sample), file +
                                             ": ok: found samples without the cell's own line, allowed: what ptbench "
                                             "wrote; remove the file to start over");

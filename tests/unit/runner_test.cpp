@@ -15,6 +15,7 @@
 #include "harness/bench/journal.h"
 #include "harness/interrupt.h"
 #include "tests/support/command.h"
+#include "tests/support/sealed_lines.h"
 #include "variants/cpu/thrust_compaction.h"
 
 namespace pt {
@@ -91,7 +92,8 @@ protected:
     }
     RunOptions options() const {
         // Nothing is abandoned, however slow this machine is: the process would end.
-        return {.out = out, .command_line = "the test", .grace = std::chrono::hours(24)};
+        // And this machine may be busy: each run has the same samples.
+        return {.out = out, .command_line = "the test", .retakes = 0, .grace = std::chrono::hours(24)};
     }
     // Runs with what it prints kept in `printed`.
     int run(const Suite& what, const RunOptions& how) {
@@ -547,7 +549,7 @@ TEST_F(RunnerTest, AnotherMachinesJournalIsRefused) {
     const auto refusal_of = [&](const Json::json_pointer& place, bool other_host) -> std::string {
         Json other = identity;
         other[place] = "another";
-        test::write_text(journal_file, Json{{"type", "run"}, {"identity", other}}.dump() + "\n");
+        test::write_text(journal_file, test::sealed_lines(Json{{"type", "run"}, {"identity", other}}.dump() + "\n"));
         RunOptions so = how;
         so.other_host = other_host;
         try {
@@ -704,12 +706,162 @@ TEST_F(RunnerTest, AJournalWithASampleLostOrTwiceIsRefused) {
             changed += is_lost && i == samples[0] ? "" : lines[i];
             changed += !is_lost && i == samples[0] ? lines[i] : "";
         }
+        changed = test::sealed_lines(changed);
         test::write_text(journal_file, changed);
         EXPECT_THROW(run(suite({{"compaction", {"test_hooked"}}}), how), InputError);
         EXPECT_EQ(test::content_of(journal_file), changed);
     }
     test::write_text(journal_file, journal);
     EXPECT_EQ(run(suite({{"compaction", {"test_hooked"}}}), how), exit_good);
+}
+
+// A run that goes on from a journal which says what no run found (with checksums, so that it is read) ends with a
+// result that contradicts itself: the journal stays.
+TEST_F(RunnerTest, AJournalStaysUntilTheResultDoesNotContradictItself) {
+    int renders = 0;
+    on_render = [&] {
+        if (++renders == 6) {  // the second sample of three
+            std::raise(SIGINT);
+        }
+    };
+    const Suite what = suite({{"compaction", {"test_hooked"}}});
+    ASSERT_EQ(run(what, options()), exit_interrupted);
+    on_render = nullptr;
+    const std::string journal = test::content_of(journal_file);
+    const std::string key = R"("sample":{"cpu_ms")";
+    const std::size_t hash = journal.find(R"("film_hash":")", journal.find(key)) + 13;
+    RunOptions how = options();
+    how.resume = true;
+    std::string changed = journal;
+    changed.replace(hash, 16, "0123456789abcdef");
+    test::write_text(journal_file, changed);
+    EXPECT_THROW(run(what, how), InputError);  // the line has another checksum
+    EXPECT_EQ(test::content_of(journal_file), changed);
+
+    test::write_text(journal_file, test::sealed_lines(changed));
+    EXPECT_EQ(run(what, how), exit_check_failed);
+    EXPECT_NE(printed.find("no good result: " + out + ": "), std::string::npos) << printed;
+    EXPECT_NE(printed.find(": found sample 0 with the film \"0123456789abcdef\", allowed: "), std::string::npos)
+        << printed;
+    EXPECT_TRUE(printed.ends_with("\n" + journal_file + " stays\n")) << printed;
+    EXPECT_TRUE(test::content_of(journal_file).starts_with(test::sealed_lines(changed)));
+
+    std::filesystem::remove(out);
+    test::write_text(journal_file, journal);
+    EXPECT_EQ(run(what, how), exit_good);
+    EXPECT_FALSE(std::filesystem::exists(journal_file));
+}
+
+TEST_F(RunnerTest, ALineThatAKillCutOffIsDroppedAndThatIsSaid) {
+    on_render = [raised = 0]() mutable {
+        if (++raised == 6) {
+            std::raise(SIGINT);
+        }
+    };
+    const Suite what = suite({{"compaction", {"test_hooked"}}});
+    ASSERT_EQ(run(what, options()), exit_interrupted);
+    on_render = nullptr;
+    const std::string journal = test::content_of(journal_file);
+    const std::size_t last = journal.rfind('\n', journal.size() - 2) + 1;
+    test::write_text(journal_file, journal.substr(0, last + 40));
+    RunOptions how = options();
+    how.resume = true;
+    EXPECT_EQ(run(what, how), exit_good);
+    EXPECT_EQ(
+        progress.find(journal_file + ": its last line was cut off after 40 bytes and is dropped; the run goes on from "
+                                     "the lines before it\n"),
+        0u)
+        << progress;
+}
+
+// A journal whose sample 0 other processes disturbed, as far as it says.
+class RetakeTest : public RunnerTest {
+protected:
+    const Suite what = suite({{"compaction", {"test_hooked"}}});
+    static constexpr double foreign = 1e6;
+
+    std::string disturbed_journal() {
+        int renders = 0;
+        on_render = [&] {
+            if (++renders == 6) {  // the second sample of three
+                std::raise(SIGINT);
+            }
+        };
+        EXPECT_EQ(run(what, options()), exit_interrupted);
+        on_render = nullptr;
+        std::filesystem::remove(out);
+        std::string changed, text = test::content_of(journal_file);
+        std::istringstream stream(text);
+        bool is_first = true;
+        for (std::string line; std::getline(stream, line);) {
+            Json fact = Json::parse(line);
+            fact.erase("check");
+            if (fact.at("type") == "sample" && std::exchange(is_first, false)) {
+                fact["sample"]["pt_foreign_cpu_ms"] = foreign;
+            }
+            changed += fact.dump() + "\n";
+        }
+        return test::sealed_lines(changed);
+    }
+    RunOptions going_on(int retakes) const {
+        RunOptions how = options();
+        how.resume = true;
+        how.retakes = retakes;
+        return how;
+    }
+};
+
+TEST_F(RetakeTest, ADisturbedSampleIsTakenAgainWithItsSeedAndStaysInTheFile) {
+    test::write_text(journal_file, disturbed_journal());
+    EXPECT_EQ(run(what, going_on(1)), exit_good) << printed;
+    const Json file = result();
+    const Json& retakes = file.at("ptbench").at("retakes");
+    EXPECT_EQ(retakes.at("most_per_cell"), 1);
+    ASSERT_EQ(retakes.at("samples").size(), 1u);  // the limit, whatever else was disturbed
+    const Json& before = retakes.at("samples")[0];
+    EXPECT_EQ(before.at("repetition_index"), 0);
+    EXPECT_EQ(before.at("sample").at("pt_foreign_cpu_ms"), foreign);
+    const std::vector<Json> rows = sample_rows(file).begin()->second;
+    ASSERT_EQ(rows.size(), static_cast<std::size_t>(repetitions));
+    EXPECT_EQ(before.at("cell"), rows[0].at("run_name"));
+    EXPECT_LT(rows[0].at("pt_foreign_cpu_ms"), foreign);
+    for (const char* same : {"pt_seed", "film_hash", "pt_rays"}) {
+        EXPECT_EQ(rows[0].at(same), before.at("sample").at(same)) << same;
+    }
+    EXPECT_EQ(rows[0].at("pt_order"), repetitions);                              // after all others
+    EXPECT_EQ(file.at("ptbench").at("run").at("sessions")[1].at("samples"), 2);  // the third, and the first again
+    EXPECT_NE(printed.find("\nretaken: 1 disturbed sample, at most 1 a cell"), std::string::npos) << printed;
+}
+
+TEST_F(RetakeTest, WithoutRetakesItStaysWhereItIsAndThatIsSaid) {
+    test::write_text(journal_file, disturbed_journal());
+    EXPECT_EQ(run(what, going_on(0)), exit_good) << printed;
+    const Json file = result();
+    EXPECT_EQ(file.at("ptbench").at("retakes"), Json({{"most_per_cell", 0}, {"samples", Json::array()}}));
+    EXPECT_EQ(sample_rows(file).begin()->second[0].at("pt_foreign_cpu_ms"), foreign);
+    EXPECT_NE(printed.find("\nretaken: 0 disturbed samples, at most 0 a cell; 1 cell came to that limit with disturbed "
+                           "samples left\n"),
+              std::string::npos)
+        << printed;
+}
+
+TEST_F(RetakeTest, ARunThatWasKilledBeforeARetakeGoesOnWithItAndHoldsItsFilm) {
+    test::write_text(journal_file, disturbed_journal());
+    std::string kept;  // what a kill in the last render leaves
+    on_render = keep_journal(journal_file, kept);
+    EXPECT_EQ(run(what, going_on(1)), exit_good) << printed;
+    std::filesystem::remove(out);
+
+    test::write_text(journal_file, kept);
+    on_render = nullptr;
+    EXPECT_EQ(run(what, going_on(1)), exit_good) << printed;
+    EXPECT_EQ(result().at("ptbench").at("retakes").at("samples").size(), 1u);
+    std::filesystem::remove(out);
+
+    test::write_text(journal_file, kept);
+    on_compact = [](PathQueue& queue) { queue.count -= queue.count > 0 ? 1 : 0; };
+    EXPECT_EQ(run(what, going_on(1)), exit_check_failed) << printed;
+    EXPECT_EQ(statuses(result()).at("test_hooked").find("failed: film "), 0u) << printed;
 }
 
 TEST_F(RunnerTest, ADeviceIsNoPlaceForAResult) {

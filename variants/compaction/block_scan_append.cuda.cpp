@@ -19,8 +19,7 @@ constexpr Descriptor descriptor{
 
 const Registration registration(
     descriptor, {.cuda = {.compaction = [](const CellContext& context) -> std::unique_ptr<Compaction> {
-                              return std::make_unique<AppendCompaction>(context,
-                                                                        "variants/compaction/block_scan_append.cuh");
+                              return std::make_unique<AppendCompaction>(context);
                           },
                           .kernels = {kernel_of<AppendSlotsParameters>(), kernel_of<AppendPathsParameters>()}}});
 

@@ -7,8 +7,7 @@ namespace {
 
 class GapFill final : public Compaction {
 public:
-    explicit GapFill(const CellContext& context)
-        : context_(context), module_(context.module("variants/compaction/gap_fill.cuh")) {}
+    explicit GapFill(const CellContext& context) : context_(context), module_(context.module()) {}
 
     void reserve(Arena& arena, const Queue& queue) override {
         gaps_ = arena.take<std::uint32_t>(queue.capacity);

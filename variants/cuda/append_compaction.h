@@ -14,8 +14,8 @@ inline constexpr Tunable append_tunables[] = {
 class AppendCompaction final : public Compaction {
 public:
     bool moves_paths() const override { return moves_payload_; }
-    AppendCompaction(const CellContext& context, const char* source)
-        : context_(context), module_(context.module(source)), moves_payload_(context.tunable("payload") != 0) {}
+    explicit AppendCompaction(const CellContext& context)
+        : context_(context), module_(context.module()), moves_payload_(context.tunable("payload") != 0) {}
 
     bool needs_spare_paths() const override { return moves_payload_; }
 

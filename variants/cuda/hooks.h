@@ -57,7 +57,7 @@ struct Hooks {
     std::unique_ptr<Compaction> (*compaction)(const CellContext&) = nullptr;
     std::unique_ptr<Sorting> (*sorting)(const CellContext&) = nullptr;
     Layout layout = {};
-    std::vector<KernelSignature> kernels = {};  // of a compaction or sorting that NVRTC compiles
+    std::vector<KernelSignature> kernels = {};  // of a compaction or sorting that NVRTC compiles: of AXIS/NAME.cuh
     IntegratorHook integrator = {};
     std::vector<std::string> options = {};  // arithmetic: for the compiler
     std::string real = "";                  // precision: the type's name

@@ -47,9 +47,9 @@ struct CellContext {
     cudaStream_t stream = nullptr;
     // The value of a tunable in the variant.
     std::function<std::uint32_t(std::string_view)> tunable;
-    // The choice's kernels (Hooks::kernels), of an embedded source ("variants/compaction/atomic_append.cuh"), compiled
-    // for the cell's layout, precision and GPU.
-    std::function<const Module&(const std::string& source)> module;
+    // The choice's kernels (Hooks::kernels), of the source of its name (variants/compaction/NAME.cuh), compiled for the
+    // cell's layout, precision and GPU.
+    std::function<const Module&()> module;
     // Counts kernels that the choice enqueues and waits for the device.
     std::uint64_t* launches = nullptr;
     std::uint64_t* host_waits = nullptr;

@@ -12,8 +12,7 @@ namespace {
 class Bucket final : public Sorting {
 public:
     bool moves_paths() const override { return false; }
-    explicit Bucket(const CellContext& context)
-        : context_(context), module_(context.module("variants/sorting/bucket.cuh")) {}
+    explicit Bucket(const CellContext& context) : context_(context), module_(context.module()) {}
 
     void reserve(Arena& arena, const Queue&) override { totals_ = arena.take<std::uint32_t>(most_bucket_keys); }
 

@@ -10,8 +10,7 @@ namespace {
 class PerMaterialQueue final : public Sorting {
 public:
     bool moves_paths() const override { return false; }
-    explicit PerMaterialQueue(const CellContext& context)
-        : context_(context), module_(context.module("variants/sorting/per_material_queue.cuh")) {}
+    explicit PerMaterialQueue(const CellContext& context) : context_(context), module_(context.module()) {}
 
     void reserve(Arena& arena, const Queue& queue) override {
         capacity_ = queue.capacity;

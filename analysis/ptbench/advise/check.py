@@ -12,7 +12,7 @@ from ptbench.advise.probe import Probed
 from ptbench.io.cells import Cell
 from ptbench.program import Program
 from ptbench.stats.estimates import MINIMUM_SAMPLES, Estimate, ratio_estimate
-from ptbench.studies.rows import is_contended
+from ptbench.studies.disturbed import is_contended
 
 GOOD, NOT_GOOD, OPEN = "within", "not within", "undecided"
 # Of the least time: what takes longer cannot be the best, however wide the intervals are.

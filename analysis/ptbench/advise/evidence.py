@@ -20,7 +20,7 @@ from ptbench.io.files import package_file
 from ptbench.io.nodes import read_json
 from ptbench.io.results import result_of
 from ptbench.stats.estimates import Estimate, ratio_estimate
-from ptbench.studies.rows import is_contended
+from ptbench.studies.disturbed import is_contended
 from ptbench.studies.withdrawn import between
 
 # A choice: what it has that the reference has not, as (axis or tunable, value).

@@ -20,7 +20,7 @@ from ptbench.io.rays import SCHEMA as RAYS
 from ptbench.io.rays import Batch, RayMesh, Rays, Tree, rays_of
 from ptbench.stats.estimates import Estimate, geometric_mean_of_ratios, ratio_estimate
 from ptbench.stats.intervals import bootstrap_interval, resampled
-from ptbench.studies.rows import CONTENDED, is_contended
+from ptbench.studies.disturbed import doubt_of
 from ptbench.studies.selection import parsed
 
 BOUNCES = 7  # of the statistic alive_after_7
@@ -163,11 +163,15 @@ class _OfSuite:
         pairs = self._pairs(condition)
         sides = [(base.ms_per_spp, cell.ms_per_spp) for cell, base in pairs]
         estimate = ratio_estimate(*sides[0]) if len(sides) == 1 else geometric_mean_of_ratios(sides)
-        return Found(condition, estimate, _contended(pairs))
+        return Found(condition, estimate, doubt_of(cell for pair in pairs for cell in pair))
 
     def _time(self, condition: Condition) -> Found:
         ((cell, base),) = pairs = self._pairs(condition)
-        return Found(condition, ratio_estimate(cell.ms_per_spp, base.ms_per_spp), _contended(pairs))
+        return Found(
+            condition,
+            ratio_estimate(cell.ms_per_spp, base.ms_per_spp),
+            doubt_of(cell for pair in pairs for cell in pair),
+        )
 
     def _pairs(self, condition: Condition) -> list[tuple[Cell, Cell]]:
         """The cell and its baseline; with `scene=*`, those of every scene that has both."""
@@ -201,7 +205,7 @@ class _OfSuite:
         compared = compare_errors(*(self._source.assessment(text) for text in (condition.cell, condition.over)))
         if compared is None or compared.efficiency is None:
             raise FindingError(f"{condition.name}: no efficiency")
-        return Found(condition, compared.efficiency)
+        return Found(condition, compared.efficiency, compared.doubt)
 
     def _bound(self, condition: Condition) -> Found:
         """The balance heuristic's variance over what the theorem allows, with one sample of each technique."""
@@ -240,10 +244,6 @@ class _OfSuite:
 def _over_seeds(ratio: Callable[[np.ndarray], np.ndarray], count: int) -> Estimate:
     """A ratio of means over seeds, which both sides share: a seed is drawn for both."""
     return bootstrap_interval(float(ratio(np.arange(count))), ratio(resampled(count)), count)
-
-
-def _contended(pairs: list[tuple[Cell, Cell]]) -> str:
-    return CONTENDED if any(is_contended(cell) for pair in pairs for cell in pair) else ""
 
 
 class _OfRays:

@@ -23,7 +23,7 @@ from ptbench.stats.estimates import (
     Estimate,
     interval_of_ratio,
 )
-from ptbench.studies.disturbed import disturbance_of
+from ptbench.studies.disturbed import disturbance_in
 from ptbench.studies.withdrawn import among, between
 
 _SHOWN = 5  # reasons, or changes of a ranking, that stdout lists of one kind
@@ -49,7 +49,7 @@ def files_section(results: Sequence[Result]) -> Section:
     columns = ("", "File", "Machine", "Backend", "Device", "git", "Suite", "Date", "Cells")
     lines = []
     for mark, result in zip(MARKS, results, strict=False):
-        lines.append(f"{mark}: disturbed: {disturbance_of(result.cells)}.")
+        lines.append(f"{mark}: disturbed: {disturbance_in(result)}.")
         if result.interrupted:
             lines.append(f"{mark} was interrupted: cells and samples may be missing.")
     found = [line for key in (*MACHINE_KEYS, *PROGRAM_KEYS) if (line := differing(key, results))]

@@ -28,8 +28,8 @@ from ptbench.stats.estimates import (
     verdict_of_ratio,
     withheld,
 )
-from ptbench.studies.disturbed import disturbance_of
-from ptbench.studies.rows import CONTENDED, cycles_ratio, time_ratio
+from ptbench.studies.disturbed import CONTENDED, disturbance_of
+from ptbench.studies.rows import cycles_ratio, time_ratio
 
 WORDS = (SLOWER, UNSURE, SAME, FASTER)  # worst first
 

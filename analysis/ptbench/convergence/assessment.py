@@ -85,12 +85,17 @@ class Assessment:
     bias2_family: tuple[float, float] | None = None  # the interval that the verdict rests on
     ms_per_spp: dict[str, Estimate] = field(default_factory=dict)  # by clock
     doubts: tuple[str, ...] = ()
-    ms_alone: np.ndarray | None = None  # per spp, of the companion: the same render without checkpoints
+    alone: Cell | None = None  # the companion: the same render without checkpoints
 
     @property
     def cell(self) -> Cell:
         """The cell that was assessed."""
         return self.curve.cell
+
+    @property
+    def ms_alone(self) -> np.ndarray | None:
+        """Milliseconds per spp of the companion; None: it was not run."""
+        return None if self.alone is None else self.alone.ms_per_spp
 
     @property
     def last_error(self) -> float:
@@ -244,14 +249,14 @@ def _assess(result: Result) -> dict[str, Assessment]:
     own = [name for name in fits if _origin(result, name, fits) == name]
     tested = [name for name in own if fits[name].slope is not None]
     rejected = dict(zip(tested, holm([fits[name].slope.p for name in tested], FAMILY_LEVEL), strict=True))
-    alone = {cell.name: cell.ms_per_spp for cell in result.cells if cell.convergence is None and cell.measured}
+    companions = {cell.name: cell for cell in result.cells if cell.convergence is None and cell.measured}
     assessed = {}
     for curve in curves:
         name = curve.cell.name
-        ms_alone = alone.get(name.removesuffix(CHECKPOINTS))
+        alone = companions.get(name.removesuffix(CHECKPOINTS))
         times = {clock: median_estimate(ms[:, -1] / curve.spp[-1]) for clock, ms in curve.times.items() if len(ms)}
         if name in unfit:
-            assessed[name] = Assessment(curve, unfit[name], ms_per_spp=times, ms_alone=ms_alone)
+            assessed[name] = Assessment(curve, unfit[name], ms_per_spp=times, alone=alone)
             continue
         fit = fits[name]
         slope = fit.slope
@@ -259,7 +264,7 @@ def _assess(result: Result) -> dict[str, Assessment]:
             slope = replace(slope, rejected=True)
             fit = replace(fit, slope=slope)
         verdict, family = _verdict(curve, fit, slope, len(own))
-        assessed[name] = Assessment(curve, verdict, fit, family, times, _doubts(curve, fit, slope), ms_alone)
+        assessed[name] = Assessment(curve, verdict, fit, family, times, _doubts(curve, fit, slope), alone)
     return assessed
 
 

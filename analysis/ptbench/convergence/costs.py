@@ -38,7 +38,7 @@ def cost_ratio(statistic: str, assessed: Mapping[str, Assessment], cell: Cell, b
 def _work(ours: Assessment, theirs: Assessment) -> Estimate | None:
     compared = compare(ours, theirs)
     efficiency = None if compared is None else compared.efficiency
-    if efficiency is None or efficiency.value <= 0:
+    if efficiency is None or efficiency.value <= 0 or compared.doubt:
         return None
     low = None if efficiency.high is None else 1 / efficiency.high
     high = None if not efficiency.low or efficiency.low <= 0 else 1 / efficiency.low

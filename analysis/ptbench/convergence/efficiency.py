@@ -16,6 +16,7 @@ from ptbench.io.cells import Cell, Result
 from ptbench.numbers import figures, interval
 from ptbench.stats.estimates import SEED, THRESHOLD, Estimate, interval_of_ratio, ratio_estimate, telling_digits
 from ptbench.stats.intervals import bootstrap_interval, resampled
+from ptbench.studies.disturbed import doubt_of
 from ptbench.studies.questions import usual_baseline
 
 COMPANION = "_without_checkpoints"
@@ -32,8 +33,9 @@ EFFICIENCY_RULE = (
     "renders without checkpoints where both ran so; a plateau is not in it. "
     "Intervals: "
     "95 %, bootstrap over seeds with expanded percentiles, errors and times of a seed drawn together, seeds that both "
-    "cells ran drawn for both. Time to an error: where the fitted curve, with its plateau, meets it, at the cell's own "
-    "times, that of the first checkpoint at the least; never where the plateau lies above it."
+    "cells ran drawn for both. An efficiency whose times other processes disturbed in more than a tenth of a cell's "
+    "samples has no verdict (disturbed). Time to an error: where the fitted curve, with its plateau, meets it, at the "
+    "cell's own times, that of the first checkpoint at the least; never where the plateau lies above it."
 )
 
 
@@ -138,12 +140,25 @@ def _settings(cell: Cell) -> dict[str, str]:
     return {"scene": scene, **cell.axes, **cell.tuned}
 
 
+HIGHER, LOWER, NOT_TOLD_APART, DISTURBED = "higher", "lower", "not told apart from 1", "disturbed"
+
+
 @dataclass(frozen=True)
 class Compared:
     """A cell's work-normalised variance and what it says against the baseline's."""
 
     work: Estimate
     efficiency: Estimate | None
+    doubt: str = ""  # why the efficiency has no verdict
+
+    @property
+    def word(self) -> str:
+        """On which side of 1 the whole interval of the efficiency lies; empty: it has none."""
+        if self.efficiency is None or self.efficiency.low is None or self.efficiency.high is None:
+            return ""
+        if self.doubt:
+            return DISTURBED
+        return HIGHER if self.efficiency.low > 1 else LOWER if self.efficiency.high < 1 else NOT_TOLD_APART
 
 
 def _variance_of_seeds(assessment: Assessment) -> np.ndarray:
@@ -188,7 +203,8 @@ def compare(assessment: Assessment, baseline: Assessment | None) -> Compared | N
     base_ms = baseline.ms_alone if alone else baseline.curve.ms_per_spp
     theirs = _drawn_work(baseline, base_ms, drawn if paired else resampled(others, np.random.default_rng(SEED + 1)))
     ratio = _work(baseline, base_ms) / value
-    return Compared(work, bootstrap_interval(ratio, theirs / own, min(count, others)))
+    timed = (one.alone if alone else one.cell for one in (assessment, baseline))
+    return Compared(work, bootstrap_interval(ratio, theirs / own, min(count, others)), doubt_of(timed))
 
 
 def ends_beside_one(efficiency: Estimate) -> str:
@@ -275,6 +291,7 @@ class CheckpointCost:
 
     cell: Cell
     ratio: Estimate
+    doubt: str  # why it has no verdict
 
     @property
     def interval(self) -> str:
@@ -287,6 +304,8 @@ class CheckpointCost:
         low, high = self.ratio.low, self.ratio.high
         if low is None or high is None:
             return "one sample: no interval"
+        if self.doubt:
+            return DISTURBED
         if low <= 1 <= high:
             return "within noise"
         if low >= 1 - THRESHOLD and high <= 1 + THRESHOLD:
@@ -297,7 +316,7 @@ class CheckpointCost:
 def checkpoint_costs(assessed: Sequence[Assessment]) -> list[CheckpointCost]:
     """The A/A comparison, where the file has the companion cells."""
     return [
-        CheckpointCost(one.cell, ratio_estimate(one.curve.ms_per_spp, one.ms_alone))
+        CheckpointCost(one.cell, ratio_estimate(one.curve.ms_per_spp, one.ms_alone), doubt_of((one.cell, one.alone)))
         for one in assessed
         if one.ms_alone is not None and one.curve.count
     ]

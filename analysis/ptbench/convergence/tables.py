@@ -9,7 +9,9 @@ import numpy as np
 
 from ptbench.convergence.assessment import RULES, Assessment, assess
 from ptbench.convergence.efficiency import (
+    DISTURBED,
     EFFICIENCY_RULE,
+    Compared,
     Place,
     baseline_among,
     by_place,
@@ -197,7 +199,7 @@ def _costs(group: Sequence[Assessment], names: dict[str, str], baseline: Assessm
                 *(_value(one.ms_per_spp.get(clock), figures) for clock in clocks),
                 _value(None if compared is None else compared.work, lambda value: f"{value:.4g}"),
                 _NONE if compared is None else _small(compared.work),
-                "baseline" if one is baseline else _efficiency(efficiency, one, baseline),
+                "baseline" if one is baseline else _efficiency(compared, one, baseline),
                 _NONE if efficiency is None else (ends_beside_one(efficiency) or _NONE),
                 _value(time, _time),
                 _NONE if time is None or time.low is None else f"[{_time(time.low)}, {_time(time.high)}]",
@@ -206,9 +208,12 @@ def _costs(group: Sequence[Assessment], names: dict[str, str], baseline: Assessm
     return _table(head, rows, "l" + "r" * (len(head) - 1))
 
 
-def _efficiency(efficiency: Estimate | None, one: Assessment, baseline: Assessment | None) -> str:
-    is_withdrawn = efficiency is not None and baseline is not None and between(one.cell, baseline.cell)
-    return _value(efficiency, lambda value: figures(value, 3)) + (" (withdrawn)" if is_withdrawn else "")
+def _efficiency(compared: Compared | None, one: Assessment, baseline: Assessment | None) -> str:
+    if compared is None or compared.efficiency is None or baseline is None:
+        return _NONE
+    marks = ["withdrawn"] if between(one.cell, baseline.cell) else []
+    marks += [DISTURBED] if compared.doubt else []
+    return figures(compared.efficiency.value, 3) + (f" ({', '.join(marks)})" if marks else "")
 
 
 def _value(estimate: Estimate | None, text: Callable[[float], str]) -> str:

@@ -23,6 +23,7 @@ LOOKS = {
     "lower": style.Look(style.COLOURS[2], "^", "-"),
     "higher": style.Look(style.COLOURS[1], "s", "-"),
     "not told apart from 1": style.Look("#6e6e6e", "D", "-"),
+    "disturbed": style.Look("#6e6e6e", "D", "-"),
 }
 _LOG_FROM = 4.0
 _ROW, _TIGHT_ROW = 0.27, 0.22

@@ -24,7 +24,7 @@ from ptbench.fleet.text import (
 from ptbench.fleet.verdicts import Pair, crossover, have_one_kernel_source, ran_one_program, verdict_pairs
 from ptbench.numbers import figures
 from ptbench.stats.estimates import Estimate, geometric_mean_of_ratios
-from ptbench.studies.rows import is_contended
+from ptbench.studies.disturbed import is_contended
 
 
 class FleetSource:

@@ -27,9 +27,11 @@ from ptbench.stats.estimates import (
     Verdict,
     geometric_mean_of_ratios,
     median_estimate,
+    withheld,
     word_of,
 )
 from ptbench.studies.devices import Scaled, strong, weak
+from ptbench.studies.disturbed import doubt_of
 from ptbench.studies.questions import dimension
 from ptbench.studies.rows import Row, measure, time_ratio
 from ptbench.studies.selection import cell_of, cells_of, parsed
@@ -154,11 +156,12 @@ class Source:
         return Ratios(tuple(_ratio(cell, base, one_clock=False) for cell, base in found))
 
     def mean_over(self, other: Source, selection: str = "") -> Quantity:
-        """The geometric mean of the same ratios, with its interval."""
+        """The geometric mean of the same ratios, with its interval, without cells that were disturbed on either."""
         theirs = {cell.name: cell for cell in other.result.cells if cell.measured}
-        sides = [
-            (cell.ms_per_spp, theirs[cell.name].ms_per_spp) for cell in self._any(selection) if cell.name in theirs
-        ]
+        pairs = [(cell, theirs[cell.name]) for cell in self._any(selection) if cell.name in theirs]
+        sides = [(cell.ms_per_spp, base.ms_per_spp) for cell, base in pairs if not doubt_of((cell, base))]
+        if not sides:
+            raise FindingError(f"{self.result.path}: no undisturbed cell in common with {other.result.path}")
         return Quantity(geometric_mean_of_ratios(sides), f"{self.result.path} over {other.result.path}")
 
     def same_film(self, selection: str, over: str) -> bool:
@@ -241,7 +244,8 @@ class Source:
         value = compared.efficiency
         # More efficient is faster at equal error: the rule for times, on the reciprocal.
         word = UNSURE if value.low is None or value.high is None else word_of(1 / value.high, 1 / value.low)
-        return Ratio(value, Verdict(word), one.cell.name)
+        verdict = withheld(Verdict(word), compared.doubt) if compared.doubt else Verdict(word)
+        return Ratio(value, verdict, one.cell.name)
 
     def ms_to(self, selection: str, error: float) -> Quantity:
         """Render wall time to a root mean square error, ms."""

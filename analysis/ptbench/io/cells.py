@@ -331,6 +331,7 @@ class Result:
     cells: tuple[Cell, ...]
     not_applicable: tuple[NotApplicable, ...]
     baselines: dict[str, str] = field(default_factory=dict)  # by axis, on the file's backend; empty in older files
+    retaken: int = 0  # disturbed samples whose places others took
 
     def about(self, key: str) -> str:
         """A ptbench context value, or "unknown" where the file does not have it."""

@@ -93,6 +93,10 @@ def contradictions(root: Node) -> Iterator[Contradiction]:
             place = f"{cell.node.place}.status"
             yield Contradiction(place, f"{cell.shown} interrupted", "ok or failed: the run is completed")
     yield from _films(cells, None if run is None else run.optional_integer("seed"))
+    retakes = root.need("ptbench").maybe("retakes")
+    if retakes is not None:
+        for retaken in retakes.need("samples").items():
+            yield from _retaken(retaken, cells)
     for cell in cells:
         if not cell.failed:
             yield from _medians(cell)
@@ -135,6 +139,22 @@ def times_of(row: Node, cell: str) -> Iterator[Contradiction]:
 
 def _is_number(value: object) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _retaken(retaken: Node, cells: Sequence[_Cell]) -> Iterator[Contradiction]:
+    """A sample whose place another took has that one's seed and film, and times that can be."""
+    name, index = retaken.need("cell"), retaken.need("repetition_index")
+    sample = retaken.need("sample")
+    rows = [row for cell in cells if cell.node.need("cell").value == name.value for row in cell.samples]
+    counted = next((row for row in rows if row.optional_integer("repetition_index") == index.value), None)
+    if counted is None:
+        yield Contradiction(index.place, f'{index.value} in the cell "{name.value}"', "the index of one of its samples")
+        return
+    for key in ("pt_seed", "film_hash"):
+        if sample.need(key).value != counted.need(key).value:
+            allowed = f"{shown(counted.need(key).value)}, as in the sample that took its place"
+            yield Contradiction(sample.need(key).place, shown(sample.need(key).value), allowed)
+    yield from times_of(sample, f'the cell "{name.value}"')
 
 
 def _medians(cell: _Cell) -> Iterator[Contradiction]:
@@ -276,6 +296,8 @@ class JournalBook:
             yield Contradiction(f"{line.place}.type", '"run" again', "one run a journal")
         elif kind == "sample" and self._identity is not None:
             yield from self._sample(line.need("cell").text(), line.need("sample"))
+        elif kind == "retake":
+            yield from self._retake(line.need("cell").text(), line.need("sample"))
 
     def _sample(self, name: str, sample: Node) -> Iterator[Contradiction]:
         """A cell's samples have the seeds from the run's first one on, in their order."""
@@ -293,3 +315,16 @@ class JournalBook:
             yield Contradiction(sample.place, found, f"samples 0 to {len(seeds) - 1}: {len(seeds)} were asked for")
         yield from times_of(sample, cell)
         seeds.setdefault(seed.integer(), sample)
+
+    def _retake(self, name: str, sample: Node) -> Iterator[Contradiction]:
+        """A sample again takes an earlier one's place, and has its film."""
+        cell, seed = f'the cell "{name}"', sample.need("pt_seed")
+        before = self._seeds.get(name, {}).get(seed.integer())
+        if before is None:
+            yield Contradiction(seed.place, f"{seed.integer()} in {cell}", "a seed of one of its samples")
+            return
+        film, other = sample.need("film_hash"), before.need("film_hash")
+        if film.value != other.value:
+            allowed = f"{shown(other.value)}, the film of the same seed before"
+            yield Contradiction(film.place, f"{shown(film.value)} in {cell}", allowed)
+        yield from times_of(sample, cell)

@@ -54,7 +54,7 @@ def result_of(root: Node) -> Result:
     cells = tuple(_cell(node, study_names, samples, errors, usual) for node in ptbench.need("cells").items())
     _refuse_twins(ptbench.need("cells"), [cell.name for cell in cells], "cell")
     _refuse(root, contradictions(root))
-    absent = ptbench.maybe("not_applicable")
+    absent, retakes = ptbench.maybe("not_applicable"), ptbench.maybe("retakes")
     return Result(
         path=root.file,
         context=context,
@@ -62,6 +62,7 @@ def result_of(root: Node) -> Result:
         cells=cells,
         not_applicable=() if absent is None else tuple(_not_applicable(node, usual) for node in absent.items()),
         baselines=named,
+        retaken=0 if retakes is None else sum(1 for _ in retakes.need("samples").items()),
     )
 
 

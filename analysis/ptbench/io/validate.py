@@ -20,6 +20,7 @@ from referencing import Registry, Resource
 from ptbench.errors import InputError, bad_value
 from ptbench.io.consistency import JournalBook, contradictions
 from ptbench.io.files import LARGEST_RESULT, one_line, package_file, read_whole
+from ptbench.io.line_seal import LineSeal
 from ptbench.io.nodes import Node, parse, read_json, shown
 from ptbench.terminal import say, visible
 
@@ -104,11 +105,15 @@ def journal_complaints(path: Path) -> Iterator[str]:
     """The same of a journal, line by line. A last line without its end was cut off by a kill, and is dropped."""
     whole, _, _ = read_whole(path, LARGEST_RESULT).rpartition(b"\n")
     lines = whole.split(b"\n") if whole else []
-    book = JournalBook()
+    book, seal, is_whole = JournalBook(), LineSeal(), True
     if not lines:
         yield "line 1: found nothing, allowed: a line of type run"
     for number, line in enumerate(lines, start=1):
         place = f"line {number}"
+        if damage := seal.fault(line):
+            is_whole = False  # what lines say together would be told of those that follow
+            yield f"{place}: found {damage}, allowed: lines as ptbench wrote them"
+            continue
         try:
             value, key_twice = parse(line.decode("utf-8"), _refuse)
         except (ValueError, RecursionError):
@@ -122,7 +127,7 @@ def journal_complaints(path: Path) -> Iterator[str]:
         yield from found
         if number == 1 and isinstance(value, dict) and value.get("type") != "run":
             yield f'{place} $.type: found {shown(value.get("type"))}, allowed: "run" in the first line'
-        if not found:
+        if not found and is_whole:
             yield from map(str, book.enter(Node(path, value, f"{place} $")))
 
 

@@ -26,7 +26,7 @@ from ptbench.maps.definition import TO_IMAGE, Definition
 from ptbench.maps.refining import Place, next_cells
 from ptbench.program import Program
 from ptbench.stats.estimates import Estimate, ratio_estimate
-from ptbench.studies.rows import is_contended
+from ptbench.studies.disturbed import is_contended
 
 SCHEMA = "ptbench-map-result-1"
 SIDES = ("choice", "over")

@@ -21,7 +21,7 @@ from ptbench.plots.peers import is_peers, peers_plots
 from ptbench.plots.rays import rays_plots
 from ptbench.plots.stability import stability_plots
 from ptbench.plots.summary import summary
-from ptbench.studies.disturbed import disturbance_of
+from ptbench.studies.disturbed import disturbance_in
 from ptbench.studies.notes import Note, notes_of
 from ptbench.studies.rows import measure
 from ptbench.terminal import say
@@ -68,7 +68,7 @@ def plots(path: Path, out: Path | None) -> int:
     result = result_of(root)
     folder = out if out is not None else default_folder(result)
     make_folder(folder)
-    print(f"disturbed: {disturbance_of(result.cells)}")
+    print(f"disturbed: {disturbance_in(result)}")
     not_drawn: dict[str, list[str]] = {}
     notes: dict[str, Sequence[Note]] = {}
     taken: set[str] = set()

@@ -9,7 +9,7 @@ from ptbench.io.cells import Cell, Result, Study
 from ptbench.io.files import one_line
 from ptbench.numbers import figures, interval, ratio
 from ptbench.stats.estimates import INTERVAL_TEXT, VERDICT_RULE, Estimate, interval_of_ratio, telling_digits
-from ptbench.studies.disturbed import disturbance_of
+from ptbench.studies.disturbed import disturbance_in
 from ptbench.studies.gpu import about_gpu, gpu_line, hottest_kernel
 from ptbench.studies.notes import Note, notes_of
 from ptbench.studies.questions import question_of, usual_baseline
@@ -64,7 +64,7 @@ def about(result: Result) -> list[tuple[str, str]]:
     return [
         ("Result file", result.path.name),
         ("Run", "INTERRUPTED: cells and samples may be missing" if result.interrupted else result.about("status")),
-        ("Disturbed", str(disturbance_of(result.cells))),
+        ("Disturbed", disturbance_in(result)),
         *(("Withdrawn", entry.full) for entry in concerning(result.cells)),
         ("Machine", result.about("machine") + ("" if on_gpu else f": {host}")),
         *(about_gpu(result, host) if on_gpu else ()),

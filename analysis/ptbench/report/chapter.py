@@ -23,7 +23,7 @@ from ptbench.report.verdicts import counts_text, plural, study_verdicts, verdict
 from ptbench.stability.layout import Layout, count, failures
 from ptbench.stability.summary import family_text, limits, missing, must_pass_failures
 from ptbench.stats.estimates import MINIMUM_SAMPLES
-from ptbench.studies.disturbed import disturbance_of
+from ptbench.studies.disturbed import disturbance_in, disturbance_of
 from ptbench.studies.notes import notes_of
 from ptbench.studies.rows import measure
 from ptbench.studies.withdrawn import concerning
@@ -163,7 +163,7 @@ def _timing_chapter(result: Result, title: str) -> Chapter:
         )
     facts = [
         *_run_facts(result),
-        ("Disturbed", str(disturbance_of(result.cells))),
+        ("Disturbed", disturbance_in(result)),
         *(("Withdrawn", entry.full) for entry in concerning(result.cells)),
         *_options(result),
     ]

@@ -6,8 +6,18 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from ptbench.convergence.assessment import Assessment, assess
-from ptbench.convergence.efficiency import baseline_among, by_place, compare, ends_beside_one, names_in
+from ptbench.convergence.assessment import assess
+from ptbench.convergence.efficiency import (
+    DISTURBED,
+    HIGHER,
+    LOWER,
+    NOT_TOLD_APART,
+    baseline_among,
+    by_place,
+    compare,
+    ends_beside_one,
+    names_in,
+)
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.io.stability import BROKEN, FAILED, KNOWN_LIMIT, NOT_APPLICABLE, PASSED, Stability
 from ptbench.numbers import ratio
@@ -29,7 +39,6 @@ from ptbench.studies.rows import Row, measure
 from ptbench.studies.withdrawn import between
 
 _NAMED = 3  # more choices of one outcome are counted, and the two ends named
-HIGHER, LOWER, NOT_TOLD_APART = "higher", "lower", "not told apart from 1"
 
 
 @dataclass(frozen=True)
@@ -188,11 +197,7 @@ class Efficiency:
     baseline: str
     estimate: Estimate
     is_withdrawn: bool
-
-    @property
-    def word(self) -> str:
-        """On which side of 1 the whole interval lies."""
-        return HIGHER if self.estimate.low > 1 else LOWER if self.estimate.high < 1 else NOT_TOLD_APART
+    word: str  # on which side of 1 the whole interval lies, or why that is not said
 
 
 def efficiencies_of(result: Result, study: Study) -> list[Efficiency]:
@@ -204,17 +209,13 @@ def efficiencies_of(result: Result, study: Study) -> list[Efficiency]:
         baseline = baseline_among(result, group)
         names = names_in(group, baseline)
         for one in group:
-            estimate = None if baseline in (None, one) else _efficiency(one, baseline)
-            if estimate is not None and estimate.low is not None:
+            compared = None if baseline in (None, one) else compare(one, baseline)
+            if compared is not None and compared.word:
                 mark = bool(between(one.cell, baseline.cell))
                 name, base = names[one.cell.name], names[baseline.cell.name]
-                found.append(Efficiency(place.title(list(places)), name, base, estimate, mark))
+                title = place.title(list(places))
+                found.append(Efficiency(title, name, base, compared.efficiency, mark, compared.word))
     return found
-
-
-def _efficiency(one: Assessment, baseline: Assessment) -> Estimate | None:
-    compared = compare(one, baseline)
-    return None if compared is None else compared.efficiency
 
 
 def _errors(result: Result, study: Study, found: Sequence[Efficiency]) -> str:
@@ -227,7 +228,7 @@ def _errors(result: Result, study: Study, found: Sequence[Efficiency]) -> str:
     if not found:
         return f"{text} No efficiencies to compare."
     counts = Counter(one.word for one in found)
-    told = ", ".join(f"{counts[word]} {word}" for word in (HIGHER, LOWER, NOT_TOLD_APART) if counts[word])
+    told = ", ".join(f"{counts[word]} {word}" for word in (HIGHER, LOWER, NOT_TOLD_APART, DISTURBED) if counts[word])
     text += f" Efficiency against the baseline's: {told}."
     for word, what, end in ((HIGHER, "Highest", max), (LOWER, "Lowest", min)):
         if of := [one for one in found if one.word == word]:

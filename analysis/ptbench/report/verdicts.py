@@ -6,7 +6,17 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 
 from ptbench.convergence.assessment import NO_VERDICT, Assessment, assess
-from ptbench.convergence.efficiency import baseline_among, by_place, compare, ends_beside_one, names_in
+from ptbench.convergence.efficiency import (
+    DISTURBED,
+    HIGHER,
+    LOWER,
+    NOT_TOLD_APART,
+    baseline_among,
+    by_place,
+    compare,
+    ends_beside_one,
+    names_in,
+)
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.numbers import ratio
 from ptbench.stats.estimates import FASTER, SAME, SLOWER, UNSURE, interval_of_ratio
@@ -140,16 +150,17 @@ def _efficiency(group: Sequence[Assessment], names: dict[str, str], baseline: As
     """Which cells need more or less time than the baseline for the same noise, by their whole intervals."""
     if baseline is None:
         return ""
-    sides: dict[str, list[str]] = {"higher": [], "lower": [], "not told apart from 1": [], "not defined": []}
+    sides: dict[str, list[str]] = {word: [] for word in (HIGHER, LOWER, NOT_TOLD_APART, DISTURBED, "not defined")}
     for one in group:
         if one is baseline:
             continue
         compared = compare(one, baseline)
-        estimate = None if compared is None else compared.efficiency
-        if estimate is None or estimate.low is None:
+        if compared is None or not compared.word:
             sides["not defined"].append(f"`{names[one.cell.name]}`")
             continue
-        side = "higher" if estimate.low > 1 else "lower" if estimate.high < 1 else "not told apart from 1"
+        estimate = compared.efficiency
         mark = " (withdrawn)" if between(one.cell, baseline.cell) else ""
-        sides[side].append(f"`{names[one.cell.name]}` {ratio(estimate.value)} {ends_beside_one(estimate)}{mark}")
+        sides[compared.word].append(
+            f"`{names[one.cell.name]}` {ratio(estimate.value)} {ends_beside_one(estimate)}{mark}"
+        )
     return "; ".join(f"{side}: {', '.join(cells)}" for side, cells in sides.items() if cells)

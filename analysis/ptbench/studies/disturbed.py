@@ -1,4 +1,8 @@
-"""How many samples were disturbed: taken while other processes had the CPU, or at a low clock.
+"""How many samples were disturbed, taken while other processes had the CPU or at a low clock, and what that forbids.
+
+The rule for every number that rests on times (a ratio, a mean, an efficiency, what checkpoints cost): where other
+processes disturbed more than MOST_DISTURBED of the samples of a cell that it is computed from, it has no verdict
+(`doubt_of`). A low clock has none of this: there the cycles must not contradict the times.
 
 On a GPU a busy host disturbs only a render that took longer than the device worked, or that waits for the host
 (Cell.is_disturbed).
@@ -9,10 +13,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ptbench.io.cells import Cell
+from ptbench.io.cells import Cell, Result
 
 # A larger part of the samples, and what they say is what befell the machine: no verdict, no noise floor.
 MOST_DISTURBED = 0.1
+CONTENDED = "other processes took CPU time during more than a tenth of the samples"
 
 
 @dataclass(frozen=True)
@@ -32,6 +37,22 @@ class Disturbance:
     def __str__(self) -> str:
         kinds = f" (contended {self.contended}, low clock {self.low_clock})" if self.disturbed else ""
         return f"{self.disturbed} of {self.samples} sample{'' if self.samples == 1 else 's'}{kinds}"
+
+
+def is_contended(cell: Cell) -> bool:
+    """Whether too many of the cell's samples are disturbed for a verdict."""
+    return cell.disturbed_samples > MOST_DISTURBED * len(cell.samples)
+
+
+def doubt_of(cells: Iterable[Cell]) -> str:
+    """Why a number that is computed from the times of these cells has no verdict; empty: it may have one."""
+    return CONTENDED if any(map(is_contended, cells)) else ""
+
+
+def disturbance_in(result: Result) -> str:
+    """A file's samples, and how many disturbed ones are not among them, since others took their places."""
+    again = f"; {result.retaken} disturbed before {'was' if result.retaken == 1 else 'were'} taken again"
+    return str(disturbance_of(result.cells)) + (again if result.retaken else "")
 
 
 def disturbance_of(cells: Iterable[Cell]) -> Disturbance:

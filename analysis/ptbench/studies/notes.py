@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 from ptbench.io.cells import Cell, NotApplicable, Result, Study
 from ptbench.stats.estimates import MINIMUM_SAMPLES
+from ptbench.studies.disturbed import CONTENDED
 from ptbench.studies.questions import Question, question_of
-from ptbench.studies.rows import CONTENDED, Row
+from ptbench.studies.rows import Row
 from ptbench.studies.withdrawn import among
 
 

@@ -17,7 +17,7 @@ from ptbench.stats.estimates import (
     verdict_of_ratio,
     withheld,
 )
-from ptbench.studies.disturbed import MOST_DISTURBED
+from ptbench.studies.disturbed import doubt_of
 from ptbench.studies.questions import SWEPT, Question, dimension, label_of, question_of, swept_by, varying_dimensions
 from ptbench.studies.withdrawn import between
 
@@ -71,9 +71,6 @@ def _measure(result: Result, study: Study | None) -> list[Row]:
     return rows
 
 
-CONTENDED = "other processes took CPU time during more than a tenth of the samples"
-
-
 def _against_baseline(cell: Cell, cells: Sequence[Cell], question: Question) -> tuple[Estimate | None, Verdict]:
     baseline = baseline_of(cell, cells, question)
     name = f"{question.axis}={question.baseline}"
@@ -97,18 +94,14 @@ def time_ratio(
     notes = [entry.mark for entry in between(cell, baseline)]
     notes += [CLOCK_UNKNOWN] if one_clock and cycles is None else []
     verdict = replace(confirmed(verdict_of_ratio(ratio, threshold), in_cycles), note="; ".join(notes))
-    return ratio, withheld(verdict, CONTENDED) if is_contended(cell) or is_contended(baseline) else verdict
+    doubt = doubt_of((cell, baseline))
+    return ratio, withheld(verdict, doubt) if doubt else verdict
 
 
 def cycles_ratio(cell: Cell, baseline: Cell) -> Estimate | None:
     """The ratio in cycles of each one's clock; None where a clock was not measured."""
     cycles, baseline_cycles = cell.mega_cycles_per_spp, baseline.mega_cycles_per_spp
     return None if cycles is None or baseline_cycles is None else ratio_estimate(cycles, baseline_cycles)
-
-
-def is_contended(cell: Cell) -> bool:
-    """Whether too many of the cell's samples are disturbed for a verdict."""
-    return cell.disturbed_samples > MOST_DISTURBED * len(cell.samples)
 
 
 # An axis that says how another one's choice works, and the choice with which it says nothing.

@@ -13,6 +13,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocato
 from ptbench import numbers
 from ptbench.convergence.assessment import PLATEAU
 from ptbench.convergence.efficiency import (
+    DISTURBED,
     EFFICIENCY_RULE,
     checkpoint_costs,
     compare,
@@ -128,7 +129,9 @@ def _efficiency_bar(one, group: Group) -> Bar:
     if efficiency is None:
         return Bar(label, Estimate(1.0, None, None, one.curve.count), "baseline" + plateau)
     ends = ends_beside_one(efficiency)
-    return Bar(label, efficiency, f"{numbers.figures(efficiency.value, 3)}×{f' {ends}' if ends else ''}{plateau}")
+    mark = f", {DISTURBED}" if compared.doubt else ""
+    text = f"{numbers.figures(efficiency.value, 3)}×{f' {ends}' if ends else ''}{mark}{plateau}"
+    return Bar(label, efficiency, text)
 
 
 class CheckpointCost:

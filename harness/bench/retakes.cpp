@@ -1,0 +1,82 @@
+#include "harness/bench/retakes.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "harness/bench/result_file.h"
+
+namespace pt {
+
+namespace {
+
+bool has_failed(const Cell& cell, const Journal& journal) {
+    const Json* const facts = journal.cell(cell.name);
+    return facts == nullptr || facts->value("status", "") != "ok";
+}
+
+std::size_t disturbed_in(const Cell& cell, const Journal& journal) {
+    const std::vector<Json>& samples = journal.samples(cell.name);
+    return static_cast<std::size_t>(std::count_if(
+        samples.begin(), samples.end(), [&](const Json& sample) { return is_disturbed(sample, cell.backend); }));
+}
+
+std::string counted(std::size_t count, const std::string& what) {
+    return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+}  // namespace
+
+std::vector<std::size_t> to_retake(const Cell& cell, const Journal& journal, int most) {
+    std::vector<std::size_t> indices;
+    const std::vector<Json>& samples = journal.samples(cell.name);
+    const std::size_t given = journal.retaken(cell.name).size();
+    for (std::size_t i = 0; i < samples.size() && given + indices.size() < static_cast<std::size_t>(most); ++i) {
+        if (!has_failed(cell, journal) && is_disturbed(samples[i], cell.backend)) {
+            indices.push_back(i);
+        }
+    }
+    return indices;
+}
+
+std::string retakes_in_words(const Plan& plan, const Journal& journal, int most) {
+    std::size_t taken = 0, at_limit = 0, left = 0;
+    for (const Cell& cell : plan.cells) {
+        const std::size_t given = journal.retaken(cell.name).size();
+        taken += given;
+        if (has_failed(cell, journal) || disturbed_in(cell, journal) == 0) {
+            continue;
+        }
+        const bool is_at_limit = given >= static_cast<std::size_t>(most);
+        at_limit += is_at_limit ? 1u : 0u;
+        left += is_at_limit ? 0u : disturbed_in(cell, journal);
+    }
+    if (taken == 0 && at_limit == 0 && left == 0) {
+        return "";
+    }
+    std::string text = fmt::format("retaken: {}, at most {} a cell", counted(taken, "disturbed sample"), most);
+    if (at_limit != 0) {
+        text += fmt::format("; {} came to that limit with disturbed samples left", counted(at_limit, "cell"));
+    }
+    if (left != 0) {
+        text += fmt::format("; interrupted before {} could be", counted(left, "other"));
+    }
+    return text;
+}
+
+nlohmann::ordered_json retakes_json(const Plan& plan, const Journal& journal, int most) {
+    nlohmann::ordered_json before = nlohmann::ordered_json::array();
+    for (const Cell& cell : plan.cells) {
+        const std::vector<Json>& samples = journal.samples(cell.name);
+        for (const Json& sample : journal.retaken(cell.name)) {
+            const auto in_its_place = std::find_if(samples.begin(), samples.end(), [&](const Json& other) {
+                return other.at("pt_seed") == sample.at("pt_seed");
+            });
+            before.push_back(
+                {{"cell", cell.name}, {"repetition_index", in_its_place - samples.begin()}, {"sample", sample}});
+        }
+    }
+    return {{"most_per_cell", most}, {"samples", before}};
+}
+
+}  // namespace pt
