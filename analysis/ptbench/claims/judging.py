@@ -65,6 +65,8 @@ def judge(claim: Claim, evidence: Evidence | None) -> Verdict:
     if evidence is None:
         return Verdict(NOT_REACHED, "it was not run yet")
     judged = tuple(Judged(found, word_of(found)) for found in evidence.found)
+    if evidence.refused:
+        return Verdict(NOT_REACHED, f"the files cannot be compared as machines: {evidence.refused}", judged)
     word, reason = _verdict(judged)
     return Verdict(word, reason, judged)
 

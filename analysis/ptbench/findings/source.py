@@ -30,6 +30,7 @@ from ptbench.stats.estimates import (
     word_of,
 )
 from ptbench.studies.devices import Scaled, strong, weak
+from ptbench.studies.programs import devices_of, why_not_one
 from ptbench.studies.questions import dimension
 from ptbench.studies.rows import Row, measure, time_ratio
 from ptbench.studies.selection import cell_of, cells_of, parsed
@@ -147,6 +148,7 @@ class Source:
 
     def common(self, other: Source, selection: str = "") -> Ratios:
         """Time of every cell of a selection here over that of the same cell in another file, of another machine."""
+        self._must_be_comparable(other)
         theirs = {cell.name: cell for cell in other.result.cells if cell.measured}
         found = [(cell, theirs[cell.name]) for cell in self._any(selection) if cell.name in theirs]
         if not found:
@@ -155,6 +157,7 @@ class Source:
 
     def mean_over(self, other: Source, selection: str = "") -> Quantity:
         """The geometric mean of the same ratios, with its interval."""
+        self._must_be_comparable(other)
         theirs = {cell.name: cell for cell in other.result.cells if cell.measured}
         sides = [
             (cell.ms_per_spp, theirs[cell.name].ms_per_spp) for cell in self._any(selection) if cell.name in theirs
@@ -243,8 +246,15 @@ class Source:
         word = UNSURE if value.low is None or value.high is None else word_of(1 / value.high, 1 / value.low)
         return Ratio(value, Verdict(word), one.cell.name)
 
+    def must_stop_above(self, selection: str, error: float) -> str:
+        """Nothing, if a plateau above that error was found; FindingError where a page says it and none was."""
+        plateau = self.assessment(selection).verdict.plateau
+        if plateau is None or plateau <= error:
+            raise FindingError(f"{self.result.path}: no plateau above {error}, as the page says: {selection}")
+        return ""
+
     def ms_to(self, selection: str, error: float) -> Quantity:
-        """Render wall time to a root mean square error, ms."""
+        """Wall time of a render in one piece to a root mean square error, ms (convergence/efficiency.py)."""
         one = self.assessment(selection)
         time = time_to(one, error)
         if time is None:
@@ -316,6 +326,12 @@ class Source:
             f"- {link_to(self._results, self._shown)}: suite `{self.result.suite}`, {self.count} cells, {failed}"
             f"{disturbed_text(self.result)}; commit {commit}{dirty}, {self.date}.{every_row}"
         )
+
+    def _must_be_comparable(self, other: Source) -> None:
+        """Raises FindingError for machines that differ where the programs do as well."""
+        files = self.result, other.result
+        if len({devices_of(file) for file in files}) > 1 and (reason := why_not_one(files)):
+            raise FindingError(f"{self.result.path} and {other.result.path} cannot be compared as machines: {reason}")
 
     def _ways(self, selection: str) -> list[Way]:
         return ways(self.cells(selection), sibling_meshes(self.result.path))

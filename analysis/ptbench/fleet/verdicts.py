@@ -84,12 +84,6 @@ def ran_one_program(results: Sequence[Result]) -> bool:
     return len(commits) == 1 and "unknown" not in commits
 
 
-def have_one_kernel_source(results: Sequence[Result]) -> bool:
-    """Whether the kernels of all files are of one source, though the host's side may differ."""
-    hashes = {result.about("cuda_kernel_source_hash") for result in results}
-    return len(hashes) == 1 and "unknown" not in hashes
-
-
 def crossover(group: Ranking, change: Change, gpus: tuple[Gpu, ...]) -> Estimate | None:
     """The bandwidth, GB/s, at which the two variants of a change take equal time; None: no such two GPUs.
 

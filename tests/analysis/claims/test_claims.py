@@ -265,6 +265,27 @@ def test_one_gpu_against_another_is_a_ratio_of_the_same_batch(house):
     assert (one.found.estimate.value, house.evidence().files) == (2.0, ("fast/claims/two.json", "slow/claims/two.json"))
 
 
+@pytest.mark.parametrize(
+    ("changed", "reason"),
+    [
+        ({"ptbench.cuda_kernel_source_hash": "0123456789abcdef"}, "they are of several programs (f4cc677)"),
+        ({"ptbench.git_dirty": "true"}, "f4cc677 had changes that were not committed"),
+    ],
+)
+def test_two_gpus_by_two_programs_are_refused(house, changed, reason):
+    row = condition(0, "theirs", cell="mesh=tori_4M class=diffuse_1 accelerator=bvh2 kernel=plain")
+    row.pop("over")
+    rays_claim(house, "speed_up", [row], machines=["fast", "slow"])
+    rays_result(house, "fast", 1.0)
+    document = rays_result(house, "slow", 1.0)
+    document["context"] |= changed
+    (house.root / "results/slow/claims/two.json").write_text(json.dumps(document))
+    verdict = house.verdict()
+    assert verdict.word == NOT_REACHED
+    assert reason in verdict.reason
+    assert [one.found.estimate for one in verdict.judged] == [None]
+
+
 def test_bytes_are_exact_and_a_batch_is_over_another(house):
     words = "mesh=tori_4M accelerator={} part=nodes"
     row = condition(0, "theirs", cell=words.format("cwbvh"), over=words.format("bvh2"))
