@@ -56,9 +56,9 @@ class Evidence:
 
 
 def evidence_of(claim: Claim, results: Path) -> list[Evidence]:
-    """What each machine's result says, in the order of their folders; none where nothing was run."""
+    """What each machine's result says, in the order of their folders; none of a withdrawn claim or what was not run."""
     experiment = claim.experiment
-    if experiment is None:
+    if experiment is None or claim.withdrawn:
         return []
     if experiment.machines:
         return _of_two(experiment, results)

@@ -15,10 +15,22 @@ from conftest import ROOT
 from convergence_builder import Law, rows_of_errors
 
 from ptbench.claims.claim import Ledger, read_claim
-from ptbench.claims.command import Call, claims
+from ptbench.claims.command import Call, claims, told_of
 from ptbench.claims.evidence import evidence_of
 from ptbench.claims.history import BY_DATE, LOOK_UP, REPEAT, TEST, UNCOMMITTED, UNKNOWN, Measured, order_of
-from ptbench.claims.judging import DOES_NOT, HOLDS, HOLDS_WHERE, LESS, MISSING, MORE, NOT_REACHED, OPEN, WITHIN, judge
+from ptbench.claims.judging import (
+    DOES_NOT,
+    HOLDS,
+    HOLDS_WHERE,
+    LESS,
+    MISSING,
+    MORE,
+    NOT_REACHED,
+    OPEN,
+    WITHDRAWN,
+    WITHIN,
+    judge,
+)
 from ptbench.errors import InputError
 from ptbench.findings.page import Page, typed_by_hand
 from ptbench.io.validate import SCHEMAS, schema, validate
@@ -263,6 +275,17 @@ def test_one_gpu_against_another_is_a_ratio_of_the_same_batch(house):
     rays_result(house, "slow", 2.0)
     (one,) = house.verdict().judged
     assert (one.found.estimate.value, house.evidence().files) == (2.0, ("fast/claims/two.json", "slow/claims/two.json"))
+
+
+def test_a_withdrawn_claim_is_not_judged_whatever_was_measured(house):
+    house.claim(boxes(), withdrawn="The scene is another.").measured([1.0, 1.25, 1.25])
+    (told,) = told_of(house.ledger, house.read(), house.root / "results", {})
+    assert (told.word, told.verdict.reason, told.evidence, told.figure) == (
+        WITHDRAWN,
+        "The scene is another.",
+        None,
+        "",
+    )
 
 
 @pytest.mark.parametrize(
