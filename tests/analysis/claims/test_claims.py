@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builder import Builder
-from conftest import ROOT
+from conftest import ROOT, committed
 from convergence_builder import Law, rows_of_errors
 
 from ptbench.claims.claim import Ledger, read_claim
@@ -255,7 +255,7 @@ def rays_claim(house: House, statistic: str, rows: list[dict], **more) -> House:
 
 def rays_result(house: House, machine: str, factor: float) -> dict:
     """The committed file of that mesh, every time of it `factor` times as long."""
-    document = json.loads((ROOT / "results/nvidia-h200/rays_accelerators/tori_4M.json").read_text(encoding="utf-8"))
+    document = committed("nvidia-h200/rays_accelerators/tori_4M.json")
     for mesh in document["meshes"]:
         for tree in mesh["trees"]:
             for batch in tree["batches"]:
