@@ -292,7 +292,7 @@ def test_two_machines_by_two_programs_are_no_page(tmp_path, there, reason):
             asked(other)
 
 
-@pytest.mark.parametrize("suite", ["builders", "traversal", "convergence"])
+@pytest.mark.parametrize("suite", ["builders", "traversal", "subsurface_sampling"])
 def test_a_fleet_of_two_programs_is_no_page(tmp_path, suite):
     about = {"file": f"nvidia-h200/{suite}.json", "against": [f"nvidia-h100/{suite}.json"], "kernels_behind": 1000}
     with pytest.raises(FindingError, match="cannot be compared as machines: they are of several programs"):

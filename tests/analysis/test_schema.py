@@ -492,7 +492,7 @@ def test_a_journal_is_read_line_by_line(journal, tmp_path):
 
 
 def test_the_command_says_one_line_a_file(analysis, tmp_path):
-    packet = json.loads((ROOT / "results" / "amd-epyc-2-threads" / "packet.json").read_text(encoding="utf-8"))
+    packet = committed("amd-epyc-2-threads/packet.json")
     good, bad, other = (tmp_path / f"{name}.json" for name in ("good", "bad", "other"))
     good.write_text(json.dumps(packet), encoding="utf-8")
     wrong = copy.deepcopy(packet)
