@@ -164,7 +164,7 @@ def gallery(binary: Path, spec: Path, out: Path, spp: int, resolution: tuple[int
                 say(out / picture.file_name)
     with style.applied():
         sheet = draw_sheet(title, rows, shown, spp, resolution)
-        say(save_pictures(sheet, out / "gallery.png", sheet_dpi(resolution)))
+        say(save_pictures(sheet, out / "gallery.webp", sheet_dpi(resolution)))
     return 1 if failures else 0
 
 

@@ -150,6 +150,14 @@ def convergence_cell(
     return cell
 
 
+def without_checkpoints(builder: Builder, cell: dict, ms_per_spp: float, noise: float = 0.0, **fields) -> dict:
+    """The same render in one piece; the study `cornell_without_checkpoints` is made where it is not there."""
+    name = "cornell_without_checkpoints"
+    if all(study["name"] != name for study in builder.studies):
+        builder.study(name, "")
+    return builder.cell(name, ms_per_spp=ms_per_spp, n=8, noise=noise, resolution=cell["resolution"], **fields)
+
+
 def _times(row: dict, share: float) -> dict:
     wall = row["pt_wall_ms"] * share
     return {"wall_ms": wall, "device_ms": row["pt_device_ms"] * share, "cpu_ms": 2 * wall}

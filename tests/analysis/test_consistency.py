@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from builder import Builder
-from conftest import ROOT
+from conftest import ROOT, committed
 
 from ptbench.errors import InputError
 from ptbench.io.consistency import contradictions
@@ -20,7 +20,7 @@ from ptbench.io.validate import validate
 from ptbench.studies.disturbed import disturbance_in
 
 COMMITTED = sorted((ROOT / "results").glob("*/*.json*"))
-PACKET = json.loads((ROOT / "results" / "amd-epyc-2-threads" / "packet.json").read_text(encoding="utf-8"))
+PACKET = committed("amd-epyc-2-threads/packet.json")
 
 
 def cells_of(document: dict) -> list[dict]:

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 from builder import Builder
-from convergence_builder import Law, convergence_cell, convergence_study, on_gpu
+from convergence_builder import Law, convergence_cell, convergence_study, on_gpu, without_checkpoints
 from legibility import check_legible
 from matplotlib.text import Text
 from PIL import Image
@@ -45,12 +45,13 @@ def study_of_all(scenes=("cornell_open",), extra: int = 0) -> Builder:
         for index, axes in enumerate((*AXES, *({"sampler": f"choice_{n}"} for n in range(extra)))):
             dependent, cached = "sobol_owen" in axes.values(), "cached" in axes.values()
             law = Law(0.25 / (index + 1), 1e-2 if cached else 0, power=1.3 if dependent else 1, reference_variance=1e-5)
-            convergence_cell(
+            cell = convergence_cell(
                 builder, law, **common, axes=axes, ms_per_spp=1 + index, independent=not dependent,
                 biases=["first_bounce=cached: one sample"] if cached else None,
                 shared_with=base if "megakernel" in axes.values() else None, first_seed=1 + 10 * index,
             )  # fmt: skip
-        builder.cell("cornell_without_checkpoints", scene, 2.0, n=8, spp=64, resolution=base["resolution"])
+            without_checkpoints(builder, cell, 1 + index, spp=SPPS[-1], scene=scene, axes=axes)
+        without_checkpoints(builder, base, 2.0, spp=SPPS[-1], scene=scene)
     return builder
 
 

@@ -6,7 +6,7 @@ import math
 
 import pytest
 from builder import Builder
-from convergence_builder import SPPS, Law, convergence_cell, convergence_study, on_gpu
+from convergence_builder import SPPS, Law, convergence_cell, convergence_study, on_gpu, without_checkpoints
 
 from ptbench.convergence.assessment import _percent, assess
 from ptbench.convergence.costs import VARIANCE, WORK, cost_ratio
@@ -20,6 +20,7 @@ from ptbench.convergence.efficiency import (
     compare,
     ends_beside_one,
     names_in,
+    render_times,
     target_of,
     time_to,
 )
@@ -59,8 +60,11 @@ def group_of(builder: Builder, tmp_path):
 
 def pair(tmp_path, first: Law, second: Law, **fields):
     builder = convergence_study(on_gpu())
-    convergence_cell(builder, first, ms_per_spp=2.0, time_noise=0.0)
-    convergence_cell(builder, second, **{"ms_per_spp": 4.0, "time_noise": 0.0, "axes": NEE, **fields})
+    one = convergence_cell(builder, first, ms_per_spp=2.0, time_noise=0.0)
+    about = {"ms_per_spp": 4.0, "time_noise": 0.0, "axes": NEE, **fields}
+    other = convergence_cell(builder, second, **about)
+    without_checkpoints(builder, one, 2.0, spp=SPPS[-1])
+    without_checkpoints(builder, other, about["ms_per_spp"], spp=SPPS[-1], axes=about["axes"])
     return group_of(builder, tmp_path)[1]
 
 
@@ -157,12 +161,50 @@ def test_time_beyond_what_was_measured_grows_in_proportion(tmp_path):
 
 def test_time_to_an_error_has_an_interval_over_seeds(tmp_path):
     builder = convergence_study(on_gpu())
-    convergence_cell(builder, Law(sigma2=0.25, pixels=256), time_noise=0.0)
+    cell = convergence_cell(builder, Law(sigma2=0.25, pixels=256), time_noise=0.0)
+    without_checkpoints(builder, cell, 2.0, spp=SPPS[-1])
     _, (one,) = group_of(builder, tmp_path)
     time = time_to(one, 0.05)
     assert time.low < time.value < time.high
     assert time.low < 0.25 / 0.0025 * 2 < time.high
     assert time.value == pytest.approx(200, rel=0.1)
+
+
+def parts_of(tmp_path, first_ms: float) -> list:
+    """A whole render takes 2 ms a sample, one in parts 6 ms, and its first part `first_ms`."""
+    builder = convergence_study(on_gpu())
+    cell = convergence_cell(builder, exact(sigma2=0.5), ms_per_spp=6.0, time_noise=0.0)
+    for row in builder.rows:
+        if "pt_checkpoints" in row:
+            row["pt_checkpoints"][0]["wall_ms"] = first_ms
+    without_checkpoints(builder, cell, 2.0, spp=SPPS[-1])
+    return group_of(builder, tmp_path)[1]
+
+
+def test_stops_at_checkpoints_are_not_in_the_time_to_an_error(tmp_path):
+    """0.5 / 0.05^2 = 200 samples, each of 2 ms."""
+    (one,) = parts_of(tmp_path, 6.0)
+    assert time_to(one, 0.05).value == pytest.approx(400)
+    (times,), how = render_times([one])
+    assert times == pytest.approx(2.0 * one.curve.spp)
+    assert "without checkpoints" in how
+
+
+@pytest.mark.parametrize(("first_ms", "is_told"), [(21.9, True), (22.1, False)])
+def test_a_time_that_may_be_launches_for_a_twentieth_is_not_told(tmp_path, first_ms, is_told):
+    """400 ms by samples alone, of which a launch may take what the first part has beyond its sample's 2 ms."""
+    (one,) = parts_of(tmp_path, first_ms)
+    assert (time_to(one, 0.05) is not None) == is_told
+
+
+def test_without_a_render_in_one_piece_no_time_to_an_error_is_told(tmp_path):
+    builder = convergence_study(on_gpu())
+    convergence_cell(builder, exact(sigma2=0.5), ms_per_spp=6.0, time_noise=0.0)
+    _, (one,) = group_of(builder, tmp_path)
+    assert time_to(one, 0.05) is None
+    (times,), how = render_times([one])
+    assert times == pytest.approx(6.0 * one.curve.spp)
+    assert "cut at their checkpoints" in how
 
 
 def test_the_target_is_one_that_every_variant_without_a_plateau_reached(tmp_path):
@@ -195,6 +237,7 @@ def test_what_settles_on_a_wrong_image_has_no_noise_and_no_efficiency(tmp_path):
             checkpoint["mse_dual"] = checkpoint["mse"] = 0.25 / min(checkpoint["spp"], 4)
             checkpoint["bias2"] = None if checkpoint["bias2"] is None else checkpoint["mse_dual"]
     assert base["cell"] != frozen["cell"]
+    without_checkpoints(builder, frozen, 2.0, spp=SPPS[-1], axes={"first_bounce": "cached_jitters"})
     _, (plain, settled) = group_of(builder, tmp_path)
     assert (plain.has_noise, settled.has_noise) == (True, False)
     assert compare(settled, plain) is None
@@ -220,7 +263,7 @@ def test_no_time_is_shorter_than_the_first_checkpoint(tmp_path):
 
 def test_the_time_to_an_error_lies_in_its_interval_where_the_mean_gave_the_plateau_away(tmp_path):
     builder = convergence_study(on_gpu())
-    convergence_cell(builder, Law(mean_bias=0.001))
+    without_checkpoints(builder, convergence_cell(builder, Law(mean_bias=0.001)), 2.0, spp=SPPS[-1])
     _, (one,) = group_of(builder, tmp_path)
     assert one.verdict.is_bound
     time = time_to(one, 0.02)

@@ -8,6 +8,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from builder import Builder
 
 from ptbench.errors import FindingError
 from ptbench.findings import commits
@@ -256,6 +257,52 @@ def test_withdrawn_verdicts_have_no_ratio(tmp_path):
             "{{ direct.ratio('persistent scene=cornell_open direct_light=nee', over='direct_light=off') }}",
             **head,
         )
+
+
+def machine(folder: Path, name: str, **context: str) -> None:
+    """A result of one cell; `context` is another machine's or another program's."""
+    builder = Builder("small").on_gpu()
+    builder.study("small", "integrator")
+    builder.cell("small", ms_per_spp=1.0)
+    builder.context |= {f"ptbench.{key}": value for key, value in context.items()}
+    builder.write(folder / f"{name}.json")
+
+
+@pytest.mark.parametrize(
+    ("there", "reason"),
+    [
+        ({}, ""),
+        ({"cuda_device": "B"}, ""),
+        ({"cuda_kernel_source_hash": "2"}, ""),
+        ({"cuda_device": "B", "cuda_kernel_source_hash": "2"}, "they are of several programs"),
+        ({"cuda_device": "B", "git_dirty": "true"}, "had changes that were not committed"),
+    ],
+)
+def test_two_machines_by_two_programs_are_no_page(tmp_path, there, reason):
+    """One machine may be asked what another program changed, one program what another machine does."""
+    usual = {"cuda_device": "A", "cuda_kernel_source_hash": "1", "git_dirty": "false"}
+    machine(tmp_path, "here", **usual)
+    machine(tmp_path, "there", **{**usual, **there})
+    here, other = Source(tmp_path, "here.json"), Source(tmp_path, "there.json")
+    if not reason:
+        assert [one.number for one in here.common(other)] == [1.0]
+        return
+    for asked in (here.common, here.mean_over):
+        with pytest.raises(FindingError, match=f"cannot be compared as machines: .*{reason}"):
+            asked(other)
+
+
+@pytest.mark.parametrize("suite", ["builders", "traversal", "subsurface_sampling"])
+def test_a_fleet_of_two_programs_is_no_page(tmp_path, suite):
+    about = {"file": f"nvidia-h200/{suite}.json", "against": [f"nvidia-h100/{suite}.json"], "kernels_behind": 1000}
+    with pytest.raises(FindingError, match="cannot be compared as machines: they are of several programs"):
+        rendered(tmp_path, "{{ two.mean }}", sources={"two": about})
+
+
+def test_rays_of_two_programs_are_no_page(tmp_path):
+    folders = {name: {"file": f"nvidia-{name}/rays_accelerators", "kernels_behind": 1000} for name in ("h200", "h100")}
+    with pytest.raises(FindingError, match="cannot be compared as machines: they are of several programs"):
+        rendered(tmp_path, "{{ h200.ratios_over('kernel=plain', h100) }}", sources=folders)
 
 
 def test_the_command_says_what_is_wrong(capsys):

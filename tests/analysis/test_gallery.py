@@ -76,7 +76,7 @@ def test_pictures_and_sheet_are_written(tmp_path, binary, analysis):
     out = tmp_path / "out"
     code, said, err = analysis("gallery", "--binary", binary, "--spec", spec, "--out", out, "--spp", 16)
     assert (code, err) == (0, "")
-    names = ["ball.png", "foggy.png", "gallery.png"]
+    names = ["ball.png", "foggy.png", "gallery.webp"]
     assert said.splitlines() == [str(out / name) for name in names]
     assert sorted(path.name for path in out.iterdir()) == names
     calls = [json.loads(line) for line in (tmp_path / "calls").read_text().splitlines()]
@@ -85,7 +85,7 @@ def test_pictures_and_sheet_are_written(tmp_path, binary, analysis):
     ]
 
 
-@pytest.mark.parametrize("name", ["ball.png", "gallery.png"])
+@pytest.mark.parametrize("name", ["ball.png", "gallery.webp"])
 def test_what_is_no_regular_file_is_not_replaced(tmp_path, binary, analysis, name):
     out = tmp_path / "out"
     out.mkdir()
@@ -126,7 +126,7 @@ def test_a_failed_render_is_told_and_the_others_still_shown(tmp_path, binary, an
     assert code == 1
     assert err.startswith(message)
     assert err.count("\n") == 1
-    assert sorted(path.name for path in out.iterdir()) == ["ball.png", "gallery.png"]
+    assert sorted(path.name for path in out.iterdir()) == ["ball.png", "gallery.webp"]
 
 
 def test_the_sheet_names_counters_and_failures(binary, tmp_path):

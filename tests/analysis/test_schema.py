@@ -291,7 +291,7 @@ INSPECTED = [path for path in COMMITTED if path.stem.startswith("inspect_")]
 @pytest.mark.parametrize("word", ["per", "a"])
 @pytest.mark.parametrize("path", INSPECTED, ids=lambda path: path.stem)
 def test_an_inspect_file_is_valid_by_either_word(path, word):
-    value = json.loads(path.read_text(encoding="utf-8"))
+    value = committed(path.relative_to(ROOT / "results").as_posix())
     if word == "a" and "variant_id" in value[0]:
         return  # a newer key: no file of the former words has it
     value = rates_named(value, word)
@@ -538,7 +538,7 @@ def test_a_journals_line_that_is_lost_or_twice_is_found(journal):
 
 
 def test_the_command_says_one_line_a_file(analysis, tmp_path):
-    packet = json.loads((ROOT / "results" / "amd-epyc-2-threads" / "packet.json").read_text(encoding="utf-8"))
+    packet = committed("amd-epyc-2-threads/packet.json")
     good, bad, other = (tmp_path / f"{name}.json" for name in ("good", "bad", "other"))
     good.write_text(json.dumps(packet), encoding="utf-8")
     wrong = copy.deepcopy(packet)

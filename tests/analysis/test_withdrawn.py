@@ -15,7 +15,7 @@ from ptbench.errors import InputError
 from ptbench.io.nodes import read_json
 from ptbench.io.results import load
 from ptbench.studies.rows import measure
-from ptbench.studies.withdrawn import FILE, among, between, concerning, withdrawals, withdrawals_of
+from ptbench.studies.withdrawn import FILE, among, between, concerning, is_marked, withdrawals, withdrawals_of
 
 PAGES = [
     ROOT / "README.md",
@@ -55,6 +55,32 @@ def test_the_file_is_sound_and_its_numbers_are_those_of_the_committed_source():
             for choice in entry.choices:
                 assert source[f"{choice}_over_off"] == pytest.approx(source[choice] / source["off"], abs=0.005)
     assert {backend for entry in withdrawals() for backend in entry.backends} == {"cpu", "cuda"}
+
+
+def boxes(scene: str, backend: str = "cuda") -> Builder:
+    """A queue with and without a sort, and one kernel, in one box."""
+    builder = Builder("boxes")
+    builder = builder.on_gpu() if backend == "cuda" else builder
+    builder.study("boxes", "sorting")
+    for axes in ({}, {"sorting": "bucket"}, {"integrator": "persistent"}, {"integrator": "regroup"}):
+        builder.cell("boxes", scene, ms_per_spp=1.0, axes={"integrator": "wavefront", **axes})
+    return builder
+
+
+@pytest.mark.parametrize(
+    ("scene", "backend", "is_withdrawn"),
+    [("cornell_open_five", "cuda", True), ("cornell_open_five", "cpu", False), ("cornell_open", "cuda", False)],
+)
+def test_in_a_withdrawn_scene_it_concerns_whatever_the_choice_is_held_against(tmp_path, scene, backend, is_withdrawn):
+    result = load(boxes(scene, backend).write(tmp_path / "r.json"))
+    plain, sorted_, persistent, regroup = result.cells
+    count = int(is_withdrawn)
+    assert len(between(plain, sorted_)) == len(between(persistent, sorted_)) == len(between(plain, regroup)) == count
+    assert between(persistent, regroup) == between(plain, plain) == ()
+    assert len(among([plain, sorted_])) == count
+    assert among([persistent, regroup]) == ()
+    (row,) = [row for row in measure(result, result.studies[0]) if row.cell is sorted_]
+    assert is_marked(row.verdict.note) == is_withdrawn
 
 
 def test_a_broken_file_is_one_line(tmp_path):

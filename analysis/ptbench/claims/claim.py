@@ -79,6 +79,7 @@ class Claim:
     document: dict
     experiment: Experiment | None
     not_reached: str  # why it cannot be asked; empty where it can
+    withdrawn: str = ""  # why what was measured answers it no longer; until it is measured anew nothing is judged
     seen: tuple[str, ...] = ()  # machines whose results the prediction was made from
 
     def __getitem__(self, key: str) -> object:
@@ -135,7 +136,8 @@ def read_claim(path: Path, folder: Path) -> Claim:
     experiment = None if about is None else _experiment(path, about, span_of(_ends(document["rule"])))
     if experiment is not None and experiment.suite and not (folder / "suites" / f"{experiment.suite}.json").is_file():
         raise bad_value(path, "$.experiment.suite", shown(experiment.suite), "the name of a file in claims/suites")
-    return Claim(path.stem, document, experiment, document.get("not_reached", ""), tuple(document.get("seen", ())))
+    reasons = document.get("not_reached", ""), document.get("withdrawn", "")
+    return Claim(path.stem, document, experiment, *reasons, tuple(document.get("seen", ())))
 
 
 def _experiment(path: Path, about: dict, rule: Span) -> Experiment:

@@ -40,7 +40,7 @@ def claims(call: Call) -> int:
     if call.run:
         _run(call, ledger, chosen, results)
     recorded = _recorded(ledger)
-    told = [one for claim in chosen for one in _told(ledger, claim, results, recorded)]
+    told = [one for claim in chosen for one in told_of(ledger, claim, results, recorded)]
     for one in told:
         _say(one, detailed=bool(call.names))
     if call.results is not None:  # others' results: nothing of them is committed
@@ -49,7 +49,7 @@ def claims(call: Call) -> int:
     everything = (
         told
         if not call.names
-        else [one for claim in ledger.claims() for one in _told(ledger, claim, results, recorded)]
+        else [one for claim in ledger.claims() for one in told_of(ledger, claim, results, recorded)]
     )
     try:
         if call.write:
@@ -63,7 +63,8 @@ def claims(call: Call) -> int:
     return 1 if faults else 0
 
 
-def _told(ledger: Ledger, claim: Claim, results: Path, recorded: Mapping) -> list[Told]:
+def told_of(ledger: Ledger, claim: Claim, results: Path, recorded: Mapping) -> list[Told]:
+    """What every machine's result says of the claim; `recorded`: the committed verdicts."""
     evidence = evidence_of(claim, results)
     if not evidence:
         return [Told(claim, judge(claim, None))]

@@ -21,6 +21,7 @@ from ptbench.io.rays import Batch, RayMesh, Rays, Tree, rays_of
 from ptbench.stats.estimates import Estimate, geometric_mean_of_ratios, ratio_estimate
 from ptbench.stats.intervals import bootstrap_interval, resampled
 from ptbench.studies.disturbed import doubt_of
+from ptbench.studies.programs import why_not_one
 from ptbench.studies.selection import parsed
 
 BOUNCES = 7  # of the statistic alive_after_7
@@ -46,6 +47,7 @@ class Evidence:
     device: str
     measured: Measured
     found: tuple[Found, ...]
+    refused: str = ""  # why the files may not be held against each other
 
     @property
     def is_own(self) -> bool:
@@ -54,9 +56,9 @@ class Evidence:
 
 
 def evidence_of(claim: Claim, results: Path) -> list[Evidence]:
-    """What each machine's result says, in the order of their folders; none where nothing was run."""
+    """What each machine's result says, in the order of their folders; none of a withdrawn claim or what was not run."""
     experiment = claim.experiment
-    if experiment is None:
+    if experiment is None or claim.withdrawn:
         return []
     if experiment.machines:
         return _of_two(experiment, results)
@@ -102,8 +104,12 @@ def _of_two(experiment: Experiment, results: Path) -> list[Evidence]:
         return []
     roots = [read_json(file) for (file,) in files]
     one, other = (_OfRays(root) for root in roots)
+    refused = why_not_one([one.rays, other.rays])
     found = []
     for condition in experiment.conditions:
+        if refused:
+            found.append(Found(condition, None))
+            continue
         try:
             found.append(Found(condition, ratio_estimate(other.times(condition.cell), one.times(condition.cell))))
         except FindingError as error:
@@ -111,7 +117,7 @@ def _of_two(experiment: Experiment, results: Path) -> list[Evidence]:
     device = " against ".join(_device(experiment, root) or "?" for root in roots)
     measured = min((_measured(root) for root in roots), key=lambda each: each.on)
     shown = tuple(_shown(results, file) for (file,) in files)
-    return [Evidence(shown, experiment.machines[0], device, measured, tuple(found))]
+    return [Evidence(shown, experiment.machines[0], device, measured, tuple(found), refused)]
 
 
 def _shown(results: Path, file: Path) -> str:
@@ -250,8 +256,8 @@ class _OfRays:
     """The numbers of a file of `ptbench rays`."""
 
     def __init__(self, root: Node) -> None:
-        self._rays: Rays = rays_of(root)
-        self._wrong = [mesh.name for mesh in self._rays.meshes if not all(mesh.agree.values())]
+        self.rays: Rays = rays_of(root)
+        self._wrong = [mesh.name for mesh in self.rays.meshes if not all(mesh.agree.values())]
 
     def found(self, condition: Condition, statistic: str) -> Found:
         if statistic == "bytes":
@@ -270,13 +276,13 @@ class _OfRays:
     def _tree(self, chosen: Mapping[str, str]) -> tuple[RayMesh, Tree]:
         found = [
             (mesh, tree)
-            for mesh in self._rays.meshes
+            for mesh in self.rays.meshes
             for tree in mesh.trees
             if (mesh.name, tree.accelerator, tree.builder)
             == (chosen.get("mesh"), chosen.get("accelerator"), chosen.get("builder", "sah_binned"))
         ]
         if len(found) != 1:
-            raise FindingError(f"{self._rays.path}: {len(found)} trees are {_words(chosen)}")
+            raise FindingError(f"{self.rays.path}: {len(found)} trees are {_words(chosen)}")
         return found[0]
 
     def _batch(self, selection: str) -> Batch:
@@ -285,7 +291,7 @@ class _OfRays:
         wanted = (chosen.get("class"), chosen.get("kernel"))
         found = [batch for batch in tree.batches if (batch.ray_class, batch.kernel) == wanted]
         if len(found) != 1:
-            raise FindingError(f"{self._rays.path}: {len(found)} batches are {_words(chosen)}")
+            raise FindingError(f"{self.rays.path}: {len(found)} batches are {_words(chosen)}")
         return found[0]
 
     def _bytes(self, selection: str) -> int:

@@ -14,13 +14,15 @@ from ptbench.claims.claim import THEIRS, Claim
 from ptbench.claims.evidence import Evidence, Found
 
 HOLDS, HOLDS_WHERE, DOES_NOT, NOT_REACHED = "holds", "holds only where", "does not hold", "not reached"
+WITHDRAWN = "withdrawn"
 WITHIN, LESS, MORE, OPEN, MISSING = "holds", "less", "more", "open", "no number"
 _SIDES = {LESS: "below", MORE: "above"}
 VERDICTS = (HOLDS, HOLDS_WHERE, DOES_NOT, NOT_REACHED)
 
 RULE = (
     "*holds*: every condition does. *holds only where*: some do, and the table is the map. *does not hold*: none does, "
-    "none is open, and there are conditions on both sides of theirs. *not reached*: anything else, with the reason."
+    "none is open, and there are conditions on both sides of theirs. *not reached*: anything else, with the reason. "
+    "*withdrawn*: there was a verdict, and what it rested on is no answer; the question stands, and is asked anew."
 )
 
 
@@ -59,12 +61,19 @@ class Verdict:
 
 
 def judge(claim: Claim, evidence: Evidence | None) -> Verdict:
-    """The verdict on a claim; without evidence it is not reached, for the claim's reason or because nothing was run."""
+    """The verdict on a claim; without evidence it is not reached, for the claim's reason or because nothing was run.
+
+    A withdrawn claim has no number, whatever was measured.
+    """
     if claim.experiment is None:
         return Verdict(NOT_REACHED, claim.not_reached)
+    if claim.withdrawn:
+        return Verdict(WITHDRAWN, claim.withdrawn)
     if evidence is None:
         return Verdict(NOT_REACHED, "it was not run yet")
     judged = tuple(Judged(found, word_of(found)) for found in evidence.found)
+    if evidence.refused:
+        return Verdict(NOT_REACHED, f"the files cannot be compared as machines: {evidence.refused}", judged)
     word, reason = _verdict(judged)
     return Verdict(word, reason, judged)
 

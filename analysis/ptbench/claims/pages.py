@@ -13,7 +13,7 @@ from ptbench.claims.claim import Claim, Ledger, Span
 from ptbench.claims.evidence import Evidence
 from ptbench.claims.figure import draw, draw_all
 from ptbench.claims.history import Order
-from ptbench.claims.judging import NOT_REACHED, RULE, VERDICTS, Judged, Verdict
+from ptbench.claims.judging import NOT_REACHED, RULE, VERDICTS, WITHDRAWN, Judged, Verdict
 from ptbench.errors import FindingError
 from ptbench.figures import style
 from ptbench.figures.saving import svg_of
@@ -45,6 +45,8 @@ class Told:
     @property
     def word(self) -> str:
         """The verdict's word, with its mark where the data were there before the prediction."""
+        if self.claim.withdrawn:
+            return WITHDRAWN
         if self.evidence is None:
             return "not run yet" if self.claim.experiment is not None else "cannot be asked yet"
         untested = self.order is not None and not self.order.is_test

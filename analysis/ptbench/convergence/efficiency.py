@@ -6,6 +6,7 @@ same seeds, the seeds are drawn once for both, so that cells of equal errors com
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -26,6 +27,8 @@ _ESTIMATOR_AXES = ("first_bounce", "direct_light", "russian_roulette", "sampler"
 _NEAR_PLATEAU = 1e-3
 # Whose last squared error is so much of its plateau's has come to it.
 _MOST_OF_PLATEAU = 0.5
+# A time to an error is told where it is so many times what the first part of a render takes beyond its samples.
+_LEAST_LAUNCHES = 20
 
 EFFICIENCY_RULE = (
     "Work-normalised variance: σ² times render wall time per spp; of samples that are not independent, N times MSE(N) "
@@ -34,8 +37,9 @@ EFFICIENCY_RULE = (
     "Intervals: "
     "95 %, bootstrap over seeds with expanded percentiles, errors and times of a seed drawn together, seeds that both "
     "cells ran drawn for both. An efficiency whose times other processes disturbed in more than a tenth of a cell's "
-    "samples has no verdict (disturbed). Time to an error: where the fitted curve, with its plateau, meets it, at the "
-    "cell's own times, that of the first checkpoint at the least; never where the plateau lies above it."
+    "samples has no verdict (disturbed). Time to an error: the samples after which the fitted curve, with its plateau, "
+    "meets it, times what a sample takes in the same render without checkpoints; never where the plateau lies above it, "
+    "and not told without such a render or where a launch would be more than a twentieth of it."
 )
 
 
@@ -228,14 +232,27 @@ def target_of(group: Sequence[Assessment]) -> float | None:
 
 
 def time_to(assessment: Assessment, error: float) -> Estimate | None:
-    """Milliseconds of render wall time until the root mean square error is `error`; infinite where it never is."""
-    if assessment.fit is None:
+    """Milliseconds until the root mean square error is `error`, of a render in one piece; infinite where it never is.
+
+    Samples to the error, by the fitted curve, times what one takes in the same render without checkpoints. None where
+    there is no fit or no such render, or where a launch would be a large part of it: what that costs is not measured.
+    """
+    if assessment.fit is None or not _is_timed_alone(assessment):
         return None
-    curve, fit = assessment.curve, assessment.fit
-    times = np.median(curve.times["wall_ms"], axis=0)
-    per_spp = float(np.median(curve.ms_per_spp))
+    curve, ms = assessment.curve, assessment.ms_alone
     drawn = resampled(curve.count)
-    speed = np.median(curve.ms_per_spp[drawn], axis=1) / per_spp
+    spp, spps = _samples_to(assessment, error, drawn)
+    per_spp = float(np.median(ms))
+    value = spp * per_spp
+    begun = float(np.median(curve.times["wall_ms"][:, 0])) - curve.spp[0] * per_spp
+    if math.isfinite(value) and value < _LEAST_LAUNCHES * begun:
+        return None
+    return bootstrap_interval(value, spps * np.median(ms[drawn], axis=1), curve.count)
+
+
+def _samples_to(assessment: Assessment, error: float, drawn: np.ndarray) -> tuple[float, np.ndarray]:
+    """Samples a pixel until the error is `error`, and the same of each draw of seeds; no fewer than were looked at."""
+    curve, fit = assessment.curve, assessment.fit
     if curve.independent and assessment.has_noise:
         has_plateau = assessment.verdict.word == PLATEAU
         seeds = fit.bias2_of_seeds if has_plateau else np.zeros(curve.count)
@@ -249,8 +266,19 @@ def time_to(assessment: Assessment, error: float) -> Estimate | None:
     else:
         value = _spp_measured(curve.spp, curve.mean[None], error)
         spps = _spp_measured(curve.spp, curve.mse[drawn].mean(axis=1), error)
-    whole = _time_at(curve.spp, times, value)
-    return bootstrap_interval(float(whole[0]), _time_at(curve.spp, times, spps) * speed, curve.count)
+    return float(value[0]), spps
+
+
+def render_times(group: Sequence[Assessment]) -> tuple[list[np.ndarray], str]:
+    """Milliseconds to every checkpoint of each, and in words how they were had: as `time_to` has them, for all alike.
+
+    Where one of them has no render without checkpoints they are those of the renders in parts.
+    """
+    if all(_is_timed_alone(one) for one in group):
+        times = [one.curve.spp * float(np.median(one.ms_alone)) for one in group]
+        return times, "render wall time without checkpoints (samples times the median of a sample)"
+    times = [np.median(one.curve.times["wall_ms"], axis=0) for one in group]
+    return times, "render wall time of renders cut at their checkpoints, which take a GPU longer than whole ones"
 
 
 def _spp_to(sigma2: np.ndarray, bias2: np.ndarray, error: float) -> np.ndarray:
@@ -275,14 +303,6 @@ def _crossing(log_spp: np.ndarray, log_mse: np.ndarray, goal: float) -> float:
         return float(np.exp(log_spp[0]))
     share = (log_mse[first - 1] - goal) / (log_mse[first - 1] - log_mse[first])
     return float(np.exp(log_spp[first - 1] + share * (log_spp[first] - log_spp[first - 1])))
-
-
-def _time_at(spp: np.ndarray, times: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """Time at any spp: between checkpoints on straight lines of the logarithms, beyond them in proportion."""
-    finite = np.where(np.isfinite(wanted), wanted, spp[-1])
-    inside = np.exp(np.interp(np.log(finite), np.log(spp), np.log(times)))
-    scale = np.where(finite > spp[-1], finite / spp[-1], np.where(finite < spp[0], finite / spp[0], 1.0))
-    return np.where(np.isfinite(wanted), inside * scale, np.inf)
 
 
 @dataclass(frozen=True)

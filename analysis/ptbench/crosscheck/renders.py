@@ -21,7 +21,7 @@ WHEEL = "mitsuba==3.9.1"  # pyproject.toml has the same
 # surfaces does not take, and trees for what has meshes. No axis changes the mean.
 _DIRECT_LIGHT = "direct_light=nee_mis"
 _FAULTS = ("nonfinite", "negative", "saturated")  # of a render's summary
-_FOLDERS = ("environments", "textures", "scaling", "meshes")  # of scenes, beside those that have a name alone
+_FOLDERS = ("environments", "materials", "textures", "scaling", "meshes")  # of scenes, beside those by name
 _TREES = {"cuda": ("accelerator=cwbvh", "builder=hploc", "levels=two_level")}
 _TREES_ELSEWHERE = ("accelerator=bvh8", "levels=two_level")
 

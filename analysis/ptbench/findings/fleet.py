@@ -21,10 +21,11 @@ from ptbench.fleet.text import (
     unowned_section,
     verdicts_section,
 )
-from ptbench.fleet.verdicts import Pair, crossover, have_one_kernel_source, ran_one_program, verdict_pairs
+from ptbench.fleet.verdicts import Pair, crossover, ran_one_program, verdict_pairs
 from ptbench.numbers import figures
 from ptbench.stats.estimates import Estimate, geometric_mean_of_ratios
 from ptbench.studies.disturbed import is_contended
+from ptbench.studies.programs import why_not_one
 
 
 class FleetSource:
@@ -37,6 +38,8 @@ class FleetSource:
         self._results, self._files, self._inspected = results, files, inspected
         paths = [[results / file for file in some] for some in (files, inspected)]
         self._fleet: Fleet = fleet_of(*paths, models)
+        if reason := why_not_one(self._fleet.compared.results):
+            raise FindingError(f"{' and '.join(files)} cannot be compared as machines: {reason}")
         self._pairs: list[Pair] = verdict_pairs(self._other.comparison)
 
     @property
@@ -140,16 +143,6 @@ class FleetSource:
             raise FindingError(f"{self._files}: several programs, so no turn is the bandwidth's alone")
         found = [crossover(group, change, gpus) for group in self._fleet.compared.rankings for change in group.changes]
         return [one.value for one in found if one is not None]
-
-    @property
-    def one_program(self) -> bool:
-        """Whether one commit's program ran on both."""
-        return ran_one_program(self._fleet.compared.results)
-
-    @property
-    def one_kernel_source(self) -> bool:
-        """Whether the same kernels ran on both, by whichever commits."""
-        return have_one_kernel_source(self._fleet.compared.results)
 
     @property
     def unpredicted(self) -> int:

@@ -19,6 +19,7 @@ from ptbench.findings.quantities import Quantity, Ratio, Ratios
 from ptbench.io.rays import Batch, RayMesh, Tree, load_rays_folder, peer_batch
 from ptbench.numbers import figures, share
 from ptbench.stats.estimates import Estimate, median_estimate, ratio_estimate, verdict_of_ratio
+from ptbench.studies.programs import devices_of, why_not_one
 from ptbench.studies.selection import parsed
 
 # Two programs' triangle tests may differ at an edge; more than one ray in a million is another scene.
@@ -146,6 +147,9 @@ class RaysFolder:
 
     def ratios_over(self, selection: str, other: RaysFolder) -> Ratios:
         """Time of every batch of a selection over that of the same batch in another folder, where that has it."""
+        files = [*self.files, *other.files]
+        if len({devices_of(file) for file in files}) > 1 and (reason := why_not_one(files)):
+            raise FindingError(f"{self._shown} and {other._shown} cannot be compared as machines: {reason}")
         there = {one.text: one for one in other.traced()}
         found = []
         for one in self.traced(selection):

@@ -32,6 +32,7 @@ from ptbench.stats.estimates import (
 )
 from ptbench.studies.devices import Scaled, strong, weak
 from ptbench.studies.disturbed import doubt_of
+from ptbench.studies.programs import devices_of, why_not_one
 from ptbench.studies.questions import dimension
 from ptbench.studies.rows import Row, measure, time_ratio
 from ptbench.studies.selection import cell_of, cells_of, parsed
@@ -149,6 +150,7 @@ class Source:
 
     def common(self, other: Source, selection: str = "") -> Ratios:
         """Time of every cell of a selection here over that of the same cell in another file, of another machine."""
+        self._must_be_comparable(other)
         theirs = {cell.name: cell for cell in other.result.cells if cell.measured}
         found = [(cell, theirs[cell.name]) for cell in self._any(selection) if cell.name in theirs]
         if not found:
@@ -157,6 +159,7 @@ class Source:
 
     def mean_over(self, other: Source, selection: str = "") -> Quantity:
         """The geometric mean of the same ratios, with its interval, without cells that were disturbed on either."""
+        self._must_be_comparable(other)
         theirs = {cell.name: cell for cell in other.result.cells if cell.measured}
         pairs = [(cell, theirs[cell.name]) for cell in self._any(selection) if cell.name in theirs]
         sides = [(cell.ms_per_spp, base.ms_per_spp) for cell, base in pairs if not doubt_of((cell, base))]
@@ -247,8 +250,15 @@ class Source:
         verdict = withheld(Verdict(word), compared.doubt) if compared.doubt else Verdict(word)
         return Ratio(value, verdict, one.cell.name)
 
+    def must_stop_above(self, selection: str, error: float) -> str:
+        """Nothing, if a plateau above that error was found; FindingError where a page says it and none was."""
+        plateau = self.assessment(selection).verdict.plateau
+        if plateau is None or plateau <= error:
+            raise FindingError(f"{self.result.path}: no plateau above {error}, as the page says: {selection}")
+        return ""
+
     def ms_to(self, selection: str, error: float) -> Quantity:
-        """Render wall time to a root mean square error, ms."""
+        """Wall time of a render in one piece to a root mean square error, ms (convergence/efficiency.py)."""
         one = self.assessment(selection)
         time = time_to(one, error)
         if time is None:
@@ -320,6 +330,12 @@ class Source:
             f"- {link_to(self._results, self._shown)}: suite `{self.result.suite}`, {self.count} cells, {failed}"
             f"{disturbed_text(self.result)}; commit {commit}{dirty}, {self.date}.{every_row}"
         )
+
+    def _must_be_comparable(self, other: Source) -> None:
+        """Raises FindingError for machines that differ where the programs do as well."""
+        files = self.result, other.result
+        if len({devices_of(file) for file in files}) > 1 and (reason := why_not_one(files)):
+            raise FindingError(f"{self.result.path} and {other.result.path} cannot be compared as machines: {reason}")
 
     def _ways(self, selection: str) -> list[Way]:
         return ways(self.cells(selection), sibling_meshes(self.result.path))

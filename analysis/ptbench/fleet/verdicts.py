@@ -18,6 +18,7 @@ from ptbench.io.cells import Cell, Result, Study
 from ptbench.stats.estimates import CONFIDENCE, FASTER, RESAMPLES, SAME, SEED, SLOWER, Estimate
 from ptbench.studies.questions import question_of
 from ptbench.studies.rows import Row, measure
+from ptbench.studies.withdrawn import is_marked
 
 _DECISIVE = (FASTER, SLOWER, SAME)
 # Multiprocessors x clock of two GPUs that differ in their memory alone.
@@ -51,7 +52,10 @@ class Pair:
 
 
 def verdict_pairs(comparison: Comparison) -> list[Pair]:
-    """Of every study that both files have, the cells that were paired, in the reference's order."""
+    """Of every study that both files have, the cells that were paired, in the reference's order.
+
+    Without those whose verdicts are withdrawn.
+    """
     partner = {row.pair.reference.name: row.pair.other.name for row in comparison.rows}
     theirs = {study.name: study for study in comparison.other.studies}
     found = []
@@ -67,7 +71,9 @@ def verdict_pairs(comparison: Comparison) -> list[Pair]:
         by_cell = {row.cell.name: row for row in measure(comparison.other, theirs[study.name])}
         for row in measure(comparison.reference, study):
             other = by_cell.get(partner.get(row.cell.name, ""))
-            if row.ratio is not None and other is not None and other.ratio is not None:
+            if row.ratio is None or other is None or other.ratio is None:
+                continue
+            if not is_marked(row.verdict.note) and not is_marked(other.verdict.note):
                 found.append(Pair(study, question.axis, question.baseline, row, other))
     return found
 
@@ -82,12 +88,6 @@ def ran_one_program(results: Sequence[Result]) -> bool:
     """Whether a difference between the files is the GPUs' alone: one commit's kernels."""
     commits = {result.about("git_sha") for result in results}
     return len(commits) == 1 and "unknown" not in commits
-
-
-def have_one_kernel_source(results: Sequence[Result]) -> bool:
-    """Whether the kernels of all files are of one source, though the host's side may differ."""
-    hashes = {result.about("cuda_kernel_source_hash") for result in results}
-    return len(hashes) == 1 and "unknown" not in hashes
 
 
 def crossover(group: Ranking, change: Change, gpus: tuple[Gpu, ...]) -> Estimate | None:

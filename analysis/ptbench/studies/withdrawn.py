@@ -1,7 +1,7 @@
 """Verdicts that are withdrawn: withdrawn.json says which, why, what bounds the number, and what would bring them back.
 
 A verdict in time or efficiency on two cells that differ in a withdrawn choice is still computed, and never told without
-its withdrawal.
+its withdrawal. Of an entry with scenes that is so of any two variants in one of these, where either has the choice.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from ptbench.io.files import package_file
 from ptbench.io.nodes import Node, read_json
 
 FILE = package_file("withdrawn.json")
+_MARK = "withdrawn: "
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,9 @@ class Withdrawal:
     choices: tuple[str, ...]
     backends: tuple[str, ...]
     spares: dict[str, tuple[str, ...]]  # choices of other axes with which the verdicts stand
+    scenes: tuple[str, ...]  # empty: all
     withdrawn: str  # which verdicts
+    gist: str  # the reason in a few words
     reason: str
     bound: dict[str, float]  # by choice; may be empty
     bound_is: str
@@ -42,7 +45,7 @@ class Withdrawal:
     @property
     def mark(self) -> str:
         """For the line of a verdict."""
-        return f"withdrawn: the cost of {self.named} is the implementation's"
+        return f"{_MARK}{self.gist}"
 
     @property
     def short(self) -> str:
@@ -50,7 +53,8 @@ class Withdrawal:
         limits = ", ".join(f"{value:.2f} ({choice})" for choice, value in self.bound.items())
         bound = f"; bound: {limits} {self.bound_is}" if limits else ""
         spared = f", except with {self._spared}" if self.spares else ""
-        return f"Withdrawn: {self.withdrawn} of {self.named}{spared}: {self.reason}{bound}."
+        where = f" in {', '.join(self.scenes)}" if self.scenes else ""
+        return f"Withdrawn: {self.withdrawn} of {self.named}{where}{spared}: {self.reason}{bound}."
 
     @property
     def full(self) -> str:
@@ -66,11 +70,15 @@ class Withdrawal:
     def concerns(self, cell: Cell) -> bool:
         """Whether the cell has a choice whose verdicts are withdrawn."""
         is_spared = any(cell.axes.get(axis) in choices for axis, choices in self.spares.items())
-        return cell.backend in self.backends and cell.axes.get(self.axis) in self.choices and not is_spared
+        is_there = cell.backend in self.backends and (not self.scenes or cell.scene in self.scenes)
+        return is_there and cell.axes.get(self.axis) in self.choices and not is_spared
 
     def is_between(self, one: Cell, other: Cell) -> bool:
         """Whether it concerns a verdict on these two."""
-        differ = one.axes.get(self.axis) != other.axes.get(self.axis)
+        if self.scenes:
+            differ = one.scene == other.scene and (one.variant, one.tuned) != (other.variant, other.tuned)
+        else:
+            differ = one.axes.get(self.axis) != other.axes.get(self.axis)
         return differ and (self.concerns(one) or self.concerns(other))
 
 
@@ -85,7 +93,9 @@ def withdrawals_of(root: Node) -> tuple[Withdrawal, ...]:
                 axis: tuple(item.name() for item in node.need("spares").need(axis).items())
                 for axis in node.need("spares").fields()
             },
+            scenes=tuple(item.name() for item in node.need("scenes").items()),
             withdrawn=node.need("withdrawn").name(),
+            gist=node.need("gist").name(),
             reason=node.need("reason").name(),
             bound={key: node.need("bound").need(key).number() for key in node.need("bound").fields()},
             bound_is=node.need("bound_is").text(),
@@ -95,6 +105,11 @@ def withdrawals_of(root: Node) -> tuple[Withdrawal, ...]:
         )
         for node in root.items()
     )
+
+
+def is_marked(note: str) -> bool:
+    """Whether the note of a verdict has the mark of a withdrawal."""
+    return _MARK in note
 
 
 @cache
@@ -119,6 +134,9 @@ def among(cells: Sequence[Cell]) -> tuple[Withdrawal, ...]:
 
 
 def _one_a_choice(entry: Withdrawal, cells: Iterable[Cell]) -> list[Cell]:
+    """As many cells as there can be verdicts between, so that not every pair of a large study is asked."""
+    if entry.scenes:
+        return [cell for cell in cells if cell.scene in entry.scenes]
     return list({(cell.backend, cell.axes.get(entry.axis), entry.concerns(cell)): cell for cell in cells}.values())
 
 

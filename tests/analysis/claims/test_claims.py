@@ -11,14 +11,26 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builder import Builder
-from conftest import ROOT
+from conftest import ROOT, committed
 from convergence_builder import Law, rows_of_errors
 
 from ptbench.claims.claim import Ledger, read_claim
-from ptbench.claims.command import Call, claims
+from ptbench.claims.command import Call, claims, told_of
 from ptbench.claims.evidence import evidence_of
 from ptbench.claims.history import BY_DATE, LOOK_UP, REPEAT, TEST, UNCOMMITTED, UNKNOWN, Measured, order_of
-from ptbench.claims.judging import DOES_NOT, HOLDS, HOLDS_WHERE, LESS, MISSING, MORE, NOT_REACHED, OPEN, WITHIN, judge
+from ptbench.claims.judging import (
+    DOES_NOT,
+    HOLDS,
+    HOLDS_WHERE,
+    LESS,
+    MISSING,
+    MORE,
+    NOT_REACHED,
+    OPEN,
+    WITHDRAWN,
+    WITHIN,
+    judge,
+)
 from ptbench.errors import InputError
 from ptbench.findings.page import Page, typed_by_hand
 from ptbench.io.validate import SCHEMAS, schema, validate
@@ -243,7 +255,7 @@ def rays_claim(house: House, statistic: str, rows: list[dict], **more) -> House:
 
 def rays_result(house: House, machine: str, factor: float) -> dict:
     """The committed file of that mesh, every time of it `factor` times as long."""
-    document = json.loads((ROOT / "results/nvidia-h200/rays_accelerators/tori_4M.json").read_text(encoding="utf-8"))
+    document = committed("nvidia-h200/rays_accelerators/tori_4M.json")
     for mesh in document["meshes"]:
         for tree in mesh["trees"]:
             for batch in tree["batches"]:
@@ -263,6 +275,38 @@ def test_one_gpu_against_another_is_a_ratio_of_the_same_batch(house):
     rays_result(house, "slow", 2.0)
     (one,) = house.verdict().judged
     assert (one.found.estimate.value, house.evidence().files) == (2.0, ("fast/claims/two.json", "slow/claims/two.json"))
+
+
+def test_a_withdrawn_claim_is_not_judged_whatever_was_measured(house):
+    house.claim(boxes(), withdrawn="The scene is another.").measured([1.0, 1.25, 1.25])
+    (told,) = told_of(house.ledger, house.read(), house.root / "results", {})
+    assert (told.word, told.verdict.reason, told.evidence, told.figure) == (
+        WITHDRAWN,
+        "The scene is another.",
+        None,
+        "",
+    )
+
+
+@pytest.mark.parametrize(
+    ("changed", "reason"),
+    [
+        ({"ptbench.cuda_kernel_source_hash": "0123456789abcdef"}, "they are of several programs (f4cc677)"),
+        ({"ptbench.git_dirty": "true"}, "f4cc677 had changes that were not committed"),
+    ],
+)
+def test_two_gpus_by_two_programs_are_refused(house, changed, reason):
+    row = condition(0, "theirs", cell="mesh=tori_4M class=diffuse_1 accelerator=bvh2 kernel=plain")
+    row.pop("over")
+    rays_claim(house, "speed_up", [row], machines=["fast", "slow"])
+    rays_result(house, "fast", 1.0)
+    document = rays_result(house, "slow", 1.0)
+    document["context"] |= changed
+    (house.root / "results/slow/claims/two.json").write_text(json.dumps(document))
+    verdict = house.verdict()
+    assert verdict.word == NOT_REACHED
+    assert reason in verdict.reason
+    assert [one.found.estimate for one in verdict.judged] == [None]
 
 
 def test_bytes_are_exact_and_a_batch_is_over_another(house):

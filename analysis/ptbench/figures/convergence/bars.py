@@ -83,6 +83,8 @@ class TimeToError:
             if target is None:
                 raise NotDrawable(f"{group.title}: no cell has an error above 0")
             timed = [(group.names[one.cell.name], time_to(one, target)) for one in group.members]
+            if all(time is None for _, time in timed):
+                raise NotDrawable(f"{group.title}: no time without checkpoints that is more than a few launches")
             bars = [Bar(label, time, _time_text(time)) for label, time in timed]
             groups.append(Bars(f"{group.title}, to an error of {target:g}", tuple(bars)))
         caption = (
@@ -175,7 +177,7 @@ def _title(study: Study, what: str) -> str:
 
 def _time_text(time: Estimate | None) -> str:
     if time is None:
-        return "no fit"
+        return "not told"
     if not math.isfinite(time.value):
         sooner = time.low is not None and math.isfinite(time.low)
         return "never: plateau" + (f" (interval from {numbers.figures(time.low)})" if sooner else "")

@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 
 from ptbench import numbers
 from ptbench.convergence.assessment import Assessment
+from ptbench.convergence.efficiency import render_times
 from ptbench.errors import NotDrawable, bad_value
 from ptbench.figures import style
 from ptbench.figures.convergence.groups import Group, groups_of, setting_of
@@ -92,8 +93,10 @@ def collect(result: Result, study: Study) -> Data:
         raise NotDrawable("; ".join(reasons))
     for reason in reasons:
         notes.append(Note("no image", f"{reason}.", reason))
+    _, how = render_times([one for group in found.groups for one in group.members])
     caption = [
-        f"Each variant's last image within the time that all have one at; its own time stands above it. {TONE_MAPPING} "
+        f"Each variant's last image within the time that all have one at; its own stands above it: {how}. "
+        f"{TONE_MAPPING} "
         "Below: signed error, mean over channels, in units of the reference's white; red too bright, blue too dark, "
         "all of a scene on one scale. RMSE: of the whole image, against the mean reference.",
         *(f"FLIP: of the whole image, {settings}." for settings in flips),
@@ -108,7 +111,7 @@ def _title(study: Study) -> str:
 
 def _at_equal_time(members: Sequence[Assessment]) -> tuple[float, list[tuple[Picture, float]]]:
     """The time that all have an image at; each one's last image within it, or its first, and that image's own time."""
-    timed = [_timed(one) for one in members]
+    timed = [_timed(one, ms) for one, ms in zip(members, render_times(members)[0], strict=True)]
     time = min(max(times.values()) for times in timed)
     chosen = []
     for times in timed:
@@ -161,9 +164,9 @@ def _sheet(
     return Sheet(f"{group.title}, after {numbers.figures(time, 3)} ms", tuple(shots), limit), settings, failure
 
 
-def _timed(one: Assessment) -> dict[Picture, float]:
-    """Render wall time by picture."""
-    times = dict(zip(one.curve.spp.astype(int), np.median(one.curve.times["wall_ms"], axis=0), strict=True))
+def _timed(one: Assessment, ms: np.ndarray) -> dict[Picture, float]:
+    """Render wall time by picture; `ms` is that of every checkpoint."""
+    times = dict(zip(one.curve.spp.astype(int), ms, strict=True))
     timed = {picture: float(times[picture.spp]) for picture in one.cell.convergence.pictures if picture.spp in times}
     if not timed:
         spps = ", ".join(str(picture.spp) for picture in one.cell.convergence.pictures)

@@ -7,6 +7,7 @@ the distance between two of them is how many times longer one variant takes.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from ptbench import numbers
 from ptbench.convergence.assessment import Assessment
+from ptbench.convergence.efficiency import render_times
 from ptbench.figures import style
 from ptbench.figures.convergence.groups import Group, groups_of, setting_of
 from ptbench.io.cells import Result, Study
@@ -74,12 +76,14 @@ class Data:
 def collect(result: Result, study: Study) -> Data:
     """A panel a place; raises NotDrawable."""
     found = groups_of(result, study)
-    panels = tuple(_panel(group) for group in found.groups)
+    members = [one for group in found.groups for one in group.members]
+    times, how = render_times(members)
+    by_cell = {one.cell.name: ms for one, ms in zip(members, times, strict=True)}
+    panels = tuple(_panel(group, by_cell) for group in found.groups)
     seeds = numbers.span(one.curve.count for group in found.groups for one in group.members)
     caption = (
         f"Lines: root of the mean dual-reference squared error over {seeds} seeds, at checkpoints of 1, 2, 4, ... spp, "
-        "against render wall time (median over seeds; checkpoints are outside the clock). Bands: lowest to highest "
-        "seed. "
+        f"against {how}. Bands: lowest to highest seed. "
         "Grey lines: error falling as 1/√time. Dashed: plateaus that were found, from the time on at which noise is as "
         "large. Dotted: noise of the reference, which the dual error does not contain."
     )
@@ -90,15 +94,15 @@ def collect(result: Result, study: Study) -> Data:
     return Data(study.title or "Error against render time", "\n".join(lines), found.notes, found.order, panels)
 
 
-def _panel(group: Group) -> Panel:
-    lines = tuple(_line(one, group.names[one.cell.name]) for one in group.members)
+def _panel(group: Group, times: Mapping[str, np.ndarray]) -> Panel:
+    lines = tuple(_line(one, group.names[one.cell.name], times[one.cell.name]) for one in group.members)
     references = [one.curve.reference for one in group.members]
     variances = [reference.variance for reference in references if not reference.is_exact]
     floor = math.sqrt(max(variances)) if variances and max(variances) > 0 else None
     return Panel(group.title, lines, floor)
 
 
-def _line(one: Assessment, label: str) -> Line:
+def _line(one: Assessment, label: str, times: np.ndarray) -> Line:
     curve = one.curve
     mean = curve.mean
 
@@ -106,7 +110,6 @@ def _line(one: Assessment, label: str) -> Line:
         return np.sqrt(np.where(squares > 0, squares, np.nan))
 
     lowest = np.where(curve.mse.min(axis=0) > 0, curve.mse.min(axis=0), 1e-4 * np.abs(mean))
-    times = np.median(curve.times["wall_ms"], axis=0)
     crossing = one.crossing_spp
     return Line(
         label=label,
