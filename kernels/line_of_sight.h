@@ -167,8 +167,8 @@ PT_HD inline Sight line_of_sight(const Scene& scene, std::uint32_t object, const
     return segment.unsure ? Sight::unsure : Sight::clear;
 }
 
-// Whether the ray, which was drawn to a point of the object (no mesh), passes it by in its rounding: it does not meet it
-// up to just beyond the point.
+// Whether the ray, which was drawn to a point of the object (no mesh), passes it by in its rounding: it does not meet
+// it up to just beyond the point.
 template <class Config, class Scene>
 PT_HD inline bool passes_by(const Scene& scene, std::uint32_t object, const Ray<typename Config::Real>& ray,
                             typename Config::Real about) {

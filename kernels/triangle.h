@@ -68,13 +68,9 @@ PT_HD inline TriangleHit<Real> intersect(const Triangle<Real>& triangle, const V
     const Real by = component_of(b, s.ky) - rounded_product(s.shear.y, bz);
     const Real cx = component_of(c, s.kx) - rounded_product(s.shear.x, cz);
     const Real cy = component_of(c, s.ky) - rounded_product(s.shear.y, cz);
-    TriangleHit<Real> hit{Real(0),
-                          Real(0),
-                          edge_function(cx, cy, bx, by),
-                          edge_function(ax, ay, cx, cy),
-                          edge_function(bx, by, ax, ay),
-                          false,
-                          false};
+    TriangleHit<Real> hit{
+        Real(0), Real(0), edge_function(cx, cy, bx, by), edge_function(ax, ay, cx, cy), edge_function(bx, by, ax, ay),
+        false,   false};
     // A rounded zero says neither side; the exact sign does. In double there is nothing wider to ask, and zero is in.
     if (hit.u != Real(0) && hit.v != Real(0) && hit.w != Real(0) &&
         ((hit.u < Real(0)) != (hit.v < Real(0)) || (hit.u < Real(0)) != (hit.w < Real(0)))) {

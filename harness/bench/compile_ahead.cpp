@@ -1,5 +1,6 @@
 #include "harness/bench/compile_ahead.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -50,7 +51,15 @@ private:
     int ends_[2] = {-1, -1};
 };
 
-using Programs = std::vector<std::pair<std::string, std::function<void()>>>;
+using Programs = std::vector<std::pair<std::string, cuda::ProgramToCompile>>;
+
+// A program that takes a minute and begins last would keep the others waiting.
+Programs longest_first(const cuda::ProgramsToCompile& programs) {
+    Programs ordered(programs.begin(), programs.end());
+    std::stable_sort(ordered.begin(), ordered.end(),
+                     [](const auto& a, const auto& b) { return a.second.features > b.second.features; });
+    return ordered;
+}
 
 // Numbers that processes take one after the other from memory that they share.
 class SharedCounter {
@@ -89,7 +98,7 @@ constexpr std::uint32_t is_refused = 1u << 31;  // beside a program's number
         for (std::uint32_t i = next.take(); i < programs.size(); i = next.take()) {
             std::uint32_t report = i;
             try {
-                programs[i].second();
+                programs[i].second.compile();
             } catch (const std::exception&) {  // reported by who needs the program
                 report |= is_refused;
             }
@@ -137,8 +146,8 @@ CompiledPrograms compile_in_processes(const Programs& programs, std::size_t work
     return result;
 }
 
-std::map<std::string, std::function<void()>> programs_of(const std::vector<CompileTask>& tasks) {
-    std::map<std::string, std::function<void()>> programs;
+cuda::ProgramsToCompile programs_of(const std::vector<CompileTask>& tasks) {
+    cuda::ProgramsToCompile programs;
     for (const CompileTask& task : tasks) {
         if (why_not_applicable(task.variant, features_of(*task.scene), Backend::cuda).empty()) {
             cuda::collect_programs(*task.scene, task.variant, task.architecture, task.is_alone, programs);
@@ -151,9 +160,9 @@ std::map<std::string, std::function<void()>> programs_of(const std::vector<Compi
 
 CompiledPrograms compile_ahead(const std::vector<CompileTask>& tasks) { return compile_programs(programs_of(tasks)); }
 
-CompiledPrograms compile_programs(const std::map<std::string, std::function<void()>>& programs) {
+CompiledPrograms compile_programs(const cuda::ProgramsToCompile& programs) {
     const std::size_t workers = std::min<std::size_t>(programs.size(), std::thread::hardware_concurrency());
-    return workers < 2 ? CompiledPrograms{} : compile_in_processes({programs.begin(), programs.end()}, workers);
+    return workers < 2 ? CompiledPrograms{} : compile_in_processes(longest_first(programs), workers);
 }
 
 void compile_for(const std::string& architecture, std::vector<CompileTask> tasks) {
@@ -164,11 +173,10 @@ void compile_for(const std::string& architecture, std::vector<CompileTask> tasks
     const std::size_t processors = std::max<std::size_t>(1, std::thread::hardware_concurrency());
     CompiledPrograms done;
     if (!missing.empty()) {
-        done = compile_in_processes({missing.begin(), missing.end()}, std::min(missing.size(), processors));
+        done = compile_in_processes(longest_first(missing), std::min(missing.size(), processors));
     }
     fmt::print("{} programs for {} compiled into {}, {:.1f} CPU seconds each\n", done.compiled, architecture,
-               cuda::kernel_cache(),
-               done.compiled == 0 ? 0.0 : done.cpu_seconds / static_cast<double>(done.compiled));
+               cuda::kernel_cache(), done.compiled == 0 ? 0.0 : done.cpu_seconds / static_cast<double>(done.compiled));
     if (done.compiled != missing.size()) {
         throw MachineError(fmt::format("{} of {} programs did not compile: run without --compile for their messages",
                                        missing.size() - done.compiled, missing.size()));

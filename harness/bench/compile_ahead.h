@@ -2,12 +2,10 @@
 // there. NVRTC takes seconds a program and one core.
 #pragma once
 
-#include <functional>
-#include <map>
 #include <string>
 #include <vector>
 
-#include "harness/render/renderer.h"
+#include "harness/cuda/backend.h"
 
 namespace pt {
 
@@ -30,9 +28,9 @@ struct CompiledPrograms {
 // it fails, with its message, when it is used. Shows progress on stderr.
 CompiledPrograms compile_ahead(const std::vector<CompileTask>& tasks);
 
-// The same for programs by name; each call compiles its program and puts it into the cache. Needs neither a device nor
+// The same for programs by name, those first that take longest. Needs neither a device nor
 // a driver. Does nothing for a single program or on a single processor, where nothing would run at once.
-CompiledPrograms compile_programs(const std::map<std::string, std::function<void()>>& programs);
+CompiledPrograms compile_programs(const cuda::ProgramsToCompile& programs);
 
 // For `--compile`: compiles on a machine that may have no GPU, and prints how many programs, where they lie, and what
 // they took. Throws InputError for an architecture that is none, MachineError where a program is refused.

@@ -114,9 +114,8 @@ std::vector<Variant> each_choice_once(std::vector<Variant> left) {
     };
     std::vector<Variant> variants;
     while (!left.empty()) {
-        const auto best = std::max_element(left.begin(), left.end(), [&](const Variant& a, const Variant& b) {
-            return unseen(a) < unseen(b);
-        });
+        const auto best = std::max_element(left.begin(), left.end(),
+                                           [&](const Variant& a, const Variant& b) { return unseen(a) < unseen(b); });
         if (unseen(*best) == 0) {
             break;
         }

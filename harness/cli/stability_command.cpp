@@ -64,7 +64,8 @@ void write_scenes(const std::vector<const Case*>& cases, const std::string& fold
     }
 }
 
-// The programs of tasks. Kernels that are compiled for their scene need every scene of every point: `scenes` keeps them.
+// The programs of tasks. Kernels that are compiled for their scene need every scene of every point: `scenes` keeps
+// them.
 std::vector<CompileTask> compilations_of(const std::vector<Task>& tasks, std::deque<Scene>& scenes) {
     std::vector<CompileTask> compilations;
     std::map<std::string, const Scene*> known;
@@ -238,8 +239,7 @@ int run(const StabilityArguments& arguments) {
     }
     std::deque<Scene> scenes;
     if (arguments.compile_only.is_asked) {
-        compile_for(arguments.compile_only.architecture,
-                    compilations_of(all_tasks(arguments, Backend::cuda), scenes));
+        compile_for(arguments.compile_only.architecture, compilations_of(all_tasks(arguments, Backend::cuda), scenes));
         return exit_good;
     }
     // Before the backend is looked at: a process that has started CUDA cannot be forked.

@@ -111,8 +111,7 @@ std::vector<Variant> accelerated_variants(const Variant& plain, Backend backend)
 }
 
 // Each accelerator with one after the other of the kernels that are timed, in either arithmetic.
-void add_accelerators(std::vector<Variant>& all, const std::vector<Variant>& timed, std::size_t turn,
-                      Backend backend) {
+void add_accelerators(std::vector<Variant>& all, const std::vector<Variant>& timed, std::size_t turn, Backend backend) {
     const std::vector<const Choice*> accelerators = Registry::instance().choices("accelerator", backend);
     for (std::size_t i = 0; i < accelerators.size() && !timed.empty(); ++i) {
         for (const std::size_t half : {std::size_t{0}, timed.size() / 2}) {
@@ -153,8 +152,8 @@ void add_timed(std::vector<Variant>& all, const Case& stiff_case, const Stabilit
     const std::vector<Variant> timed = stability::timed_variants(backend, turn, request.quick);
     all.insert(all.end(), timed.begin(), timed.end());
     std::size_t next = turn;
-    for (const auto& choices : timed.empty() ? decltype(estimators_of(stiff_case, request)){}
-                                             : estimators_of(stiff_case, request)) {
+    for (const auto& choices :
+         timed.empty() ? decltype(estimators_of(stiff_case, request)){} : estimators_of(stiff_case, request)) {
         for (const std::size_t half : {std::size_t{0}, timed.size() / 2}) {
             all.push_back(with_choices(timed[(next + half) % timed.size()], choices));
         }

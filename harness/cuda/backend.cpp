@@ -1,6 +1,7 @@
 #include "harness/cuda/backend.h"
 
 #include <algorithm>
+#include <bit>
 #include <cctype>
 
 #include <cuda_profiler_api.h>
@@ -136,7 +137,7 @@ SharedHeaders::SharedHeaders() : implementation_(std::make_unique<Implementation
 SharedHeaders::~SharedHeaders() = default;
 
 void collect_programs(const Scene& scene, const Variant& variant, const std::string& architecture, bool alone,
-                      std::map<std::string, std::function<void()>>& programs) {
+                      ProgramsToCompile& programs) {
     if (architecture.empty() && !not_available().empty()) {
         return;
     }
@@ -146,7 +147,8 @@ void collect_programs(const Scene& scene, const Variant& variant, const std::str
         for (const ModuleRequest& request : module_requests(scene, needed, target)) {
             if (!is_cached(request)) {
                 programs.try_emplace(request.name + " " + module_key(request),
-                                     [request] { (void)build_module(request); });
+                                     ProgramToCompile{[request] { (void)build_module(request); },
+                                                      std::popcount(request.config.features)});
             }
         }
     }

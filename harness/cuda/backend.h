@@ -69,11 +69,19 @@ private:
     std::unique_ptr<Implementation> implementation_;
 };
 
-// Adds the programs that a variant of a scene needs and that are not in the cache on disk: name -> compiles it and puts
-// it there. For an architecture ("sm_90"), without a device or a driver; empty: for the device, and nothing is added if
-// the backend is not available. `alone`: the variant's own, without those of the variants that its claim is held to.
+// By name what compiles a program and puts it into the cache on disk, and how many features the program has: the more,
+// the longer it takes.
+struct ProgramToCompile {
+    std::function<void()> compile;
+    int features = 0;
+};
+using ProgramsToCompile = std::map<std::string, ProgramToCompile>;
+
+// Adds the programs that a variant of a scene needs and that are not in the cache on disk. For an architecture
+// ("sm_90"), without a device or a driver; empty: for the device, and nothing is added if the backend is not available.
+// `alone`: the variant's own, without those of the variants that its claim is held to.
 void collect_programs(const Scene& scene, const Variant& variant, const std::string& architecture, bool alone,
-                      std::map<std::string, std::function<void()>>& programs);
+                      ProgramsToCompile& programs);
 
 // A name for folders, e.g. "nvidia-h200". Precondition: not_available() is empty.
 std::string machine_name();

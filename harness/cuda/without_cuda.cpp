@@ -29,8 +29,7 @@ std::string kernel_cache() { return ""; }
 struct SharedHeaders::Implementation {};
 SharedHeaders::SharedHeaders() = default;
 SharedHeaders::~SharedHeaders() = default;
-void collect_programs(const Scene&, const Variant&, const std::string&, bool,
-                      std::map<std::string, std::function<void()>>&) {}
+void collect_programs(const Scene&, const Variant&, const std::string&, bool, ProgramsToCompile&) {}
 std::string machine_name() { throw MachineError(reason); }
 bool runs_processes_at_once() { return false; }
 std::vector<std::pair<std::string, std::string>> context() { return {}; }

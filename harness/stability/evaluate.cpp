@@ -267,8 +267,8 @@ bool have_one_program(const Task& task, const Scene& a, const Scene& b) {
             a.objects.size() == b.objects.size());
 }
 
-// Of two films whose roundings may differ, and of which a path that grazes an edge may have gone elsewhere. The error is
-// that of as many independent differences as there are pixels and channels.
+// Of two films whose roundings may differ, and of which a path that grazes an edge may have gone elsewhere. The error
+// is that of as many independent differences as there are pixels and channels.
 Measurement ratio_of_means(const std::vector<std::int64_t>& expected, const std::vector<std::int64_t>& found) {
     double sum = 0, difference = 0, squares = 0;
     for (std::size_t i = 0; i < expected.size(); ++i) {

@@ -41,11 +41,10 @@ struct MeshInstance {
     }
     static bool contains(const Vec3<double>&) { return false; }
 
-    // With one rounding wherever a ray is taken in: the triangle that a traversal met must be met by that very ray again
-    // where its surface is asked for.
+    // With one rounding wherever a ray is taken in: the triangle that a traversal met must be met by that very ray
+    // again where its surface is asked for.
     PT_HD Vec3<Real> direction_in(const Vec3<Real>& v) const {
-        return is_placed != 0 ? v
-                              : Vec3<Real>(rounded_dot(row[0], v), rounded_dot(row[1], v), rounded_dot(row[2], v));
+        return is_placed != 0 ? v : Vec3<Real>(rounded_dot(row[0], v), rounded_dot(row[1], v), rounded_dot(row[2], v));
     }
     PT_HD Vec3<Real> point_in(const Vec3<Real>& p) const { return is_placed != 0 ? p : direction_in(p) + offset; }
     PT_HD Vec3<Real> point_out(const Vec3<Real>& p) const {

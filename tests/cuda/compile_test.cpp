@@ -14,6 +14,7 @@
 // What has compiled is kept in the user's cache folder, so a second run takes seconds, in another clone of the same
 // sources too: a program is kept by its text, the sources, the options, and the versions of NVRTC and CCCL.
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -337,12 +338,13 @@ protected:
             }
         }
         remove_what_others_left();
-        std::map<std::string, std::function<void()>> missing;
+        cuda::ProgramsToCompile missing;
         for (const auto& [architecture, programs] : all()) {
             for (const auto& [key, program] : programs.by_key()) {
                 if (!program.is_compiled()) {
                     missing.emplace(fmt::format("{} {} {}", architecture, program.request.name, key),
-                                    [&program = program] { program.compile(); });
+                                    cuda::ProgramToCompile{[&program = program] { program.compile(); },
+                                                           std::popcount(program.request.config.features)});
                 }
             }
         }

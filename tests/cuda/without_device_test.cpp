@@ -90,7 +90,7 @@ TEST(WithoutDeviceTest, BadCheckpointsAreRefusedBeforeTheDeviceIsLookedFor) {
 
 TEST(WithoutDeviceTest, NothingIsCompiledAheadForADeviceThatIsNotThere) {
     const Scene scene = find_scene("cornell_open");
-    std::map<std::string, std::function<void()>> programs;
+    cuda::ProgramsToCompile programs;
     cuda::collect_programs(scene, baseline(), "", false, programs);
     EXPECT_TRUE(programs.empty());
     compile_ahead({{&scene, baseline()}});
@@ -103,7 +103,7 @@ TEST(WithoutDeviceTest, NothingIsCompiledAheadForADeviceThatIsNotThere) {
 TEST(WithoutDeviceTest, CompilesAheadForAnArchitecture) {
     const Scene scene = find_scene("cornell_open");
     const auto missing = [&](const std::string& architecture) {
-        std::map<std::string, std::function<void()>> programs;
+        cuda::ProgramsToCompile programs;
         cuda::collect_programs(scene, baseline(), architecture, false, programs);
         std::vector<std::string> names;
         for (const auto& [name, compile] : programs) {
@@ -136,7 +136,7 @@ TEST(WithoutDeviceTest, CompilesAheadWhatAClaimOfAMeanIsHeldTo) {
         const cuda::ModuleRequest request = cuda::module_request(scene, needed, "sm_87");
         expected.insert(request.name + " " + cuda::module_key(request));
     }
-    std::map<std::string, std::function<void()>> programs;
+    cuda::ProgramsToCompile programs;
     cuda::collect_programs(scene, variant, "sm_87", false, programs);
     std::set<std::string> found;
     for (const auto& [name, compile] : programs) {
@@ -146,15 +146,15 @@ TEST(WithoutDeviceTest, CompilesAheadWhatAClaimOfAMeanIsHeldTo) {
 }
 
 TEST(WithoutDeviceTest, AProgramThatFailsLeavesTheOthersAlone) {
-    std::map<std::string, std::function<void()>> programs;
+    cuda::ProgramsToCompile programs;
     test::TemporaryFolder folder;
     for (int i = 0; i < 8; ++i) {
-        programs["program " + std::to_string(i)] = [&folder, i] {
+        programs["program " + std::to_string(i)] = {[&folder, i] {
             if (i % 3 == 0) {
                 throw std::runtime_error("does not compile");
             }
             test::write_text(folder.file(std::to_string(i)), "compiled");
-        };
+        }};
     }
     compile_programs(programs);
     EXPECT_EQ(folder.content(), (std::vector<std::string>{"1", "2", "4", "5", "7"}));

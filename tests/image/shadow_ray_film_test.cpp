@@ -108,7 +108,8 @@ TEST(ShadowRayFilmTest, OfALampsVeryEdge) {
     for (const char* direct_light : {"nee", "nee_mis"}) {
         for (const char* light_sampling : {"area", "projected", "auto"}) {
             expect_same_film(find_scene("small_light"), direct_light, light_sampling, 128, 64);
-            printf("%s %s %g\n", direct_light, light_sampling, std::chrono::duration<double>(std::chrono::steady_clock::now()-t0).count());
+            printf("%s %s %g\n", direct_light, light_sampling,
+                   std::chrono::duration<double>(std::chrono::steady_clock::now() - t0).count());
         }
     }
 }

@@ -18,12 +18,12 @@ namespace {
 TEST(CompileAheadTest, DISABLED_HangsWithAJournal) {
     const std::string folder = std::getenv("PTBENCH_TEST_FOLDER");
     const Journal journal(folder + "/journal", "identity", false);
-    std::map<std::string, std::function<void()>> programs;
+    cuda::ProgramsToCompile programs;
     for (const char* name : {"a", "b"}) {
-        programs[name] = [file = folder + "/" + name] {
+        programs[name] = {[file = folder + "/" + name] {
             test::write_text(file, "begun");
             ::sleep(600);
-        };
+        }};
     }
     compile_programs(programs);
 }

@@ -1,6 +1,6 @@
 // Approximate division, square root and reciprocal, denormals flushed to zero, contraction. What closed bodies and
-// meshes rest on is given up: an edge function that is flushed to zero has no sign, and the bounds on rounding that keep
-// a path on its side of a surface do not cover approximate divisions.
+// meshes rest on is given up: an edge function that is flushed to zero has no sign, and the bounds on rounding that
+// keep a path on its side of a surface do not cover approximate divisions.
 #include "variants/registry.h"
 
 namespace pt::arithmetic::fast {
@@ -10,8 +10,9 @@ const Registration registration(
     {
         .axis = "arithmetic",
         .name = "fast",
-        .summary = "--use_fast_math: approximate division and square root, denormals flushed to zero; a path may leave a "
-                   "closed body or mesh",
+        .summary =
+            "--use_fast_math: approximate division and square root, denormals flushed to zero; a path may leave a "
+            "closed body or mesh",
         .origin = "nvcc",
         .claim = Claim::statistical,
         .claim_note = "same expectation as arithmetic=exact; its twin in exact arithmetic is compared bit for bit",

@@ -1,7 +1,7 @@
 // nvcc's default: IEEE division and square root, but where random directions are drawn and spheres are met; the
 // compiler contracts a multiplication and an addition where it likes, so two kernels of one formula may differ in the
-// last bit, and a path that grazes an edge may go elsewhere. Not where closed meshes rest on rounding: the triangle test
-// and what takes rays to it round alike in every arithmetic (rounded_product in kernels/math.h).
+// last bit, and a path that grazes an edge may go elsewhere. Not where closed meshes rest on rounding: the triangle
+// test and what takes rays to it round alike in every arithmetic (rounded_product in kernels/math.h).
 #include "variants/registry.h"
 
 namespace pt::arithmetic::precise {

@@ -41,7 +41,8 @@ struct ModuleImage {
 };
 
 // While it lives, what this process compiles takes the headers that all programs share from a file that NVRTC has
-// translated once (CUDA 12.8 and newer): a fifth of a program's time. For processes that compile several; one at a time.
+// translated once (CUDA 12.8 and newer): a fifth of a program's time. For processes that compile several; one at a
+// time.
 class PrecompiledHeaders {
 public:
     PrecompiledHeaders();
