@@ -15,6 +15,7 @@
 #include "harness/cli/commands.h"
 #include "harness/cli/known_names.h"
 #include "harness/cli/short_waits.h"
+#include "harness/crash.h"
 #include "harness/error.h"
 #include "harness/nearest_name.h"
 #include "harness/ranks/ranks.h"
@@ -154,6 +155,9 @@ int main(int argc, char** argv) {
     // A file that grows beyond the process's limit is a write that fails, like one on a full disk.
     std::signal(SIGXFSZ, SIG_IGN);
     pt::shorten_waits(argv);
+    // Every line that is printed is out before the next: a crash takes none with it.
+    std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
+    pt::name_crashes();
     const auto program = [&] { return guarded([&] { return check_output(run(argc, argv)); }); };
     return guarded([&] { return pt::run_on_ranks(program); });
 }

@@ -32,13 +32,19 @@ public:
     std::size_t sample_count() const;
     const std::string& file() const { return file_; }
 
+    // For a crash, which can append a line and no more: where to, and the lines of a session and of a cell.
+    int descriptor() const { return locked_.descriptor(); }
+    static std::string text_of_session(const Json& facts);
+    static std::string text_of_cell(const std::string& cell, const Json& facts);
+
     // Removes the file; call when the result file is in place.
     void finish();
 
 private:
     void read(const Json& identity, const std::vector<std::string>& that_may_differ);
     void read_line(const Json& line, const std::string& place);
-    void append(const Json& line);
+    static std::string text_of(const Json& line);
+    void append(const std::string& text);
     void keep_sample(const std::string& cell, const Json& sample);
     void keep_session(Json facts);
 
@@ -48,6 +54,10 @@ private:
     std::map<std::string, Json> cells_;
     std::vector<Json> sessions_;
 };
+
+// Gives a journal that is there another name, so that a run can start over and nothing is lost; returns that name.
+// Throws MachineError if another run is writing it.
+std::string set_journal_aside(const std::string& file);
 
 // What differs between two identities, key by key, "seed: 1, here 2; ..": at most three things and the number of the
 // others. Empty: nothing does.

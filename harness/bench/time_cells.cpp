@@ -87,10 +87,16 @@ private:
     std::string take_sample(const Cell& cell, std::size_t index) {
         progress_.begin(names_.of(cell));
         const double start = seconds_now();
-        const TakenSample sample = taker_.take(cell, index);
+        const TakenSample sample = [&] {
+            const LastLine last_line = journal_.fails_if_crashed(cell, taker_.place_of(index));
+            return taker_.take(cell, index);
+        }();
+        for (const FailedCell& other : sample.others) {
+            journal_.fail(*other.cell, other.reason);
+            time_left_.drop(other.cell->name);
+        }
         if (!sample.error.empty()) {
-            journal_.set_failed(cell, sample.error);
-            say_below_progress(fmt::format("failed: {}: {}", cell.name, sample.error));
+            journal_.fail(cell, sample.error);
             time_left_.drop(cell.name);
         } else {  // a disk that is full ends the run, not the cell
             if (cell.convergence && cell.convergence->images && index == 0) {

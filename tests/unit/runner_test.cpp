@@ -335,14 +335,15 @@ TEST_F(RunnerTest, AChoiceThatFailsLateFailsAloneAndForGood) {
     std::map<std::string, std::string> found = statuses(file);
     EXPECT_EQ(found["none"], "ok");
     EXPECT_EQ(found["thrust_remove_if"], "ok");
-    EXPECT_EQ(found["test_hooked"], "failed: out of luck");
+    EXPECT_EQ(found["test_hooked"], "failed: sample 1 (seed 2): out of luck");
     EXPECT_EQ(renders, 5);  // not tried again
     for (const auto& [name, rows] : sample_rows(file)) {
         EXPECT_EQ(rows.size(),
                   name.find("test_hooked") != std::string::npos ? 1u : static_cast<std::size_t>(repetitions));
     }
     EXPECT_NE(progress.find("failed: "
-                            "wavefront/compaction:test_hooked/scene:tiny/backend:cpu/8x6/depth:3/spp:2: out of luck\n"),
+                            "wavefront/compaction:test_hooked/scene:tiny/backend:cpu/8x6/depth:3/spp:2: "
+                            "sample 1 (seed 2): out of luck\n"),
               std::string::npos);
 }
 
@@ -379,11 +380,37 @@ TEST_F(RunnerTest, AFilmThatIsWrongAtFullSizeOnlyIsFound) {
     // It is the wrong one that is blamed, whatever the order: the reference variant sets the film.
     for (const auto& [compaction, status] : statuses(result())) {
         if (compaction == "test_hooked") {
-            EXPECT_EQ(status.find("failed: at full size the film "), 0u) << status;
+            EXPECT_EQ(status.find("failed: at full size, 2 spp, seed 1: film "), 0u) << status;
         } else {
             EXPECT_EQ(status, "ok") << compaction;
         }
     }
+}
+
+// It is the first to take the sample, and it was right until then.
+TEST_F(RunnerTest, AFilmThatIsWrongInATimedSampleOnlyFailsItsCellAlone) {
+    int renders = 0;
+    on_render = [&] { ++renders; };
+    on_compact = [&](PathQueue& queue) {
+        std::visit(
+            [&](auto& paths) {
+                if (renders == 6 && queue.count > 0) {  // verification, two to prepare, the warm-up, a sample
+                    Path<float> path = paths.load(0);
+                    path.throughput *= 1.0001f;
+                    paths.store(0, path);
+                }
+            },
+            queue.paths);
+    };
+    RunOptions how = options();
+    how.benchmark_flags = {"--benchmark_enable_random_interleaving=false"};
+    EXPECT_EQ(run(suite({{"compaction", {"test_hooked", "none", "thrust_remove_if"}}}), how), exit_check_failed);
+    std::map<std::string, std::string> found = statuses(result());
+    EXPECT_EQ(found["none"], "ok");
+    EXPECT_EQ(found["thrust_remove_if"], "ok");
+    EXPECT_EQ(found["test_hooked"].find("failed: sample 1 (seed 2): film "), 0u) << found["test_hooked"];
+    EXPECT_NE(found["test_hooked"].find(" of depth_first specialisation=generic"), std::string::npos);
+    EXPECT_EQ(printed.find("test_hooked"), std::string::npos) << printed;  // nor is its first sample compared
 }
 
 // ---- Interrupts and resuming ----

@@ -406,7 +406,7 @@ TEST(VerifyTest, WorkThatWasNotDoneIsFound) {
     EXPECT_EQ(check(closed_room(), with("integrator", "test_path_too_few")).message,
               "575 paths for 192 pixels of 3 samples");
     EXPECT_EQ(check(closed_room(), with("integrator", "test_ray_too_many")).message,
-              "3457 path segments, but 3456 of " + reference);
+              "3457 rays, not 3456 of " + reference);
 }
 
 // The film cannot tell: with 16 rays for 3 samples it is the right one.

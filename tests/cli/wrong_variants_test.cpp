@@ -1,0 +1,190 @@
+// Variants that are wrong on purpose (tests/wrong) in runs with right ones, the wrong one first: it alone fails,
+// whatever the seed, with a reason that says where. And what is left of a run, and goes on, where one crashes.
+#include <map>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/command.h"
+
+namespace pt::test {
+namespace {
+
+using nlohmann::json;
+using Arguments = std::vector<std::string>;
+
+class WrongVariantsTest : public testing::Test {
+protected:
+    TemporaryFolder folder;
+    std::string out = folder.file("result.json");
+    std::string journal = out + ".journal.jsonl";
+
+    CommandResult call(Arguments arguments, const std::string& crash_in_render = "0") const {
+        arguments.insert(arguments.begin(), program_with_wrong_variants());
+        return run_command(arguments, in_repository({.environment = {{"PTBENCH_CRASH_IN_RENDER", crash_in_render}}}));
+    }
+    // Of the closed box: 64x64 pixels are more paths than the verification before a run has.
+    CommandResult run(const std::string& compactions, const Arguments& more = {},
+                      const std::string& crash_in_render = "0") const {
+        Arguments arguments{"run",
+                            "--scene",
+                            "cornell_closed",
+                            "--backend",
+                            "cpu",
+                            "--resolution",
+                            "64x64",
+                            "--depth",
+                            "5",
+                            "--spp",
+                            "20",
+                            "--repetitions",
+                            "2",
+                            "--quiet",
+                            "--out",
+                            out,
+                            "--benchmark_enable_random_interleaving=false",
+                            "--axis",
+                            "compaction=" + compactions};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return call(arguments, crash_in_render);
+    }
+    // By compaction: the status, and of a failed cell its reason.
+    std::map<std::string, std::string> statuses() const {
+        std::map<std::string, std::string> found;
+        for (const json& cell : json::parse(content_of(out)).at("ptbench").at("cells")) {
+            found[cell.at("axes").at("compaction")] = cell.at("status") == "failed"
+                                                          ? cell.at("reason").get<std::string>()
+                                                          : cell.at("status").get<std::string>();
+        }
+        return found;
+    }
+    std::size_t samples_of(const std::string& compaction) const {
+        std::size_t count = 0;
+        for (const json& row : json::parse(content_of(out)).at("benchmarks")) {
+            count +=
+                row.contains("pt_seed") && row.at("run_name").get<std::string>().find(compaction) != std::string::npos;
+        }
+        return count;
+    }
+};
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST_F(WrongVariantsTest, TheWrongOneAloneFailsAtTenSeeds) {
+    for (int seed = 1; seed <= 10; ++seed) {
+        SCOPED_TRACE(seed);
+        const CommandResult result = run("wrong_throughput,wrong_loss,wrong_count,none,thrust_remove_if",
+                                         {"--overwrite", "--seed", std::to_string(seed)});
+        EXPECT_EQ(result.exit_code, 1) << result.err;
+        std::map<std::string, std::string> found = statuses();
+        EXPECT_EQ(found["none"], "ok");
+        EXPECT_EQ(found["thrust_remove_if"], "ok");
+        EXPECT_EQ(samples_of("thrust_remove_if"), 2u);
+        EXPECT_TRUE(has(found["wrong_throughput"], "film ")) << found["wrong_throughput"];
+        EXPECT_TRUE(has(found["wrong_loss"], " rays, not ")) << found["wrong_loss"];
+        EXPECT_TRUE(has(found["wrong_count"], "the compaction returned a count of 1")) << found["wrong_count"];
+        EXPECT_TRUE(has(found["wrong_count"], " paths in play, allowed: at most 4096, as many as it was given"))
+            << found["wrong_count"];
+        EXPECT_TRUE(has(result.err, "failed: wavefront/compaction:wrong_count/scene:cornell_closed/")) << result.err;
+    }
+}
+
+TEST_F(WrongVariantsTest, AloneItFailsAsWell) {
+    EXPECT_EQ(run("wrong_loss").exit_code, 1);
+    EXPECT_TRUE(has(statuses()["wrong_loss"], " rays, not ")) << statuses()["wrong_loss"];
+}
+
+TEST_F(WrongVariantsTest, VerifyHasPathsAndCallsEnough) {
+    for (const char* wrong : {"wrong_loss", "wrong_count"}) {
+        const CommandResult result =
+            call({"verify", "--scene", "cornell_open", "--backend", "cpu", "--axis",
+                  "compaction=none," + std::string(wrong), "--axis", "integrator=wavefront", "--axis", "sorting=none",
+                  "--axis", "layout=aos", "--axis", "specialisation=features", "--axis", "direct_light=off"});
+        EXPECT_EQ(result.exit_code, 1);
+        EXPECT_TRUE(has(result.out, "compaction=" + std::string(wrong) + " on cornell_open: FAILED, ")) << result.out;
+        EXPECT_TRUE(has(result.out, " wavefront on cornell_open: ok, ")) << result.out;
+        EXPECT_TRUE(has(result.out, "1 failed, ")) << result.out;
+    }
+}
+
+// ---- Crashes: verification is the process's first render of it, then two before the timed ones, a warm-up, samples.
+
+struct Crash {
+    const char* in_render;
+    const char* place;
+    std::size_t samples;  // that were taken before it
+};
+
+class CrashingVariantTest : public WrongVariantsTest, public testing::WithParamInterface<Crash> {
+protected:
+    std::string reason() const {
+        return "crashed in " + std::string(GetParam().place) + ": segmentation fault (SIGSEGV)";
+    }
+};
+
+TEST_P(CrashingVariantTest, IsNamedAndTheRunGoesOnWithoutIt) {
+    const std::string cell = "wavefront/compaction:wrong_crash/scene:cornell_closed/backend:cpu/64x64/depth:5/spp:20";
+    const CommandResult crashed = run("wrong_crash,none", {}, GetParam().in_render);
+    EXPECT_EQ(crashed.exit_code, 3);
+    EXPECT_TRUE(has(crashed.err, "ptbench: crashed, segmentation fault (SIGSEGV), in: " + cell + ", ")) << crashed.err;
+    EXPECT_TRUE(has(crashed.err, "\ngo on with: ")) << crashed.err;
+    EXPECT_FALSE(std::filesystem::exists(out));
+    EXPECT_TRUE(std::filesystem::exists(journal));
+    const std::string before = content_of(journal);
+
+    EXPECT_EQ(run("wrong_crash,none").exit_code, 2);  // an unfinished run is neither gone on with nor lost unasked
+    EXPECT_EQ(content_of(journal), before);
+
+    const CommandResult resumed = run("wrong_crash,none", {"--resume"}, GetParam().in_render);
+    EXPECT_EQ(resumed.exit_code, 1) << resumed.err;
+    EXPECT_TRUE(
+        has(resumed.err, "failed before and not tried again (--overwrite starts over): " + cell + ": " + reason()))
+        << resumed.err;
+    EXPECT_EQ(statuses(), (std::map<std::string, std::string>{{"none", "ok"}, {"wrong_crash", reason()}}));
+    EXPECT_EQ(samples_of("wrong_crash"), GetParam().samples);
+    EXPECT_FALSE(std::filesystem::exists(journal));
+}
+
+INSTANTIATE_TEST_SUITE_P(Places, CrashingVariantTest,
+                         testing::Values(Crash{"1", "a render before the timed ones", 0},
+                                         Crash{"3", "a render before the timed ones", 0},
+                                         Crash{"4", "sample 0 (seed 1)", 0}, Crash{"6", "sample 1 (seed 2)", 1}),
+                         [](const auto& test) { return std::string("InRender") + test.param.in_render; });
+
+TEST_F(WrongVariantsTest, OverwriteStartsOverAndKeepsTheJournal) {
+    EXPECT_EQ(run("wrong_crash,none", {}, "6").exit_code, 3);
+    const std::string before = content_of(journal);
+    const CommandResult again = run("wrong_crash,none", {"--overwrite"});
+    EXPECT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_EQ(again.err, "ptbench: the unfinished run that was there is kept: " + journal + ".1\n");
+    EXPECT_EQ(content_of(journal + ".1"), before);
+    EXPECT_EQ(statuses(), (std::map<std::string, std::string>{{"none", "ok"}, {"wrong_crash", "ok"}}));
+    EXPECT_EQ(run("wrong_crash,none", {"--overwrite"}, "6").exit_code, 3);
+    EXPECT_EQ(run("wrong_crash,none", {"--overwrite"}).exit_code, 0);
+    EXPECT_TRUE(std::filesystem::exists(journal + ".2"));  // beside the first
+    EXPECT_EQ(content_of(journal + ".1"), before);
+}
+
+TEST_F(WrongVariantsTest, WhatWasPrintedIsThereAfterACrash) {
+    const CommandResult result =
+        call({"verify", "--scene", "cornell_open", "--backend", "cpu", "--resolution", "16x16", "--axis",
+              "compaction=none,wrong_crash", "--axis", "integrator=wavefront", "--axis", "sorting=none", "--axis",
+              "layout=aos", "--axis", "specialisation=features", "--axis", "direct_light=off"},
+             "1");
+    EXPECT_EQ(result.exit_code, 3);
+    EXPECT_TRUE(has(result.out, " wavefront on cornell_open: ok, ")) << result.out;
+    EXPECT_EQ(result.err,
+              "ptbench: crashed, segmentation fault (SIGSEGV), in: wavefront compaction=wrong_crash on cornell_open, "
+              "cpu, 16x16, 4 spp, seed 1\n");
+    const CommandResult rendered =
+        call({"render", "--scene", "cornell_open", "--backend", "cpu", "--resolution", "16x16", "--axis",
+              "integrator=wavefront", "--axis", "compaction=wrong_crash", "--out", folder.file("image.png")},
+             "1");
+    EXPECT_EQ(rendered.exit_code, 3);
+    EXPECT_TRUE(has(rendered.err, "in: wavefront compaction=wrong_crash on cornell_open, cpu, 16x16, 16 spp, seed 1\n"))
+        << rendered.err;
+    EXPECT_EQ(folder.content(), Arguments{});
+}
+
+}  // namespace
+}  // namespace pt::test
