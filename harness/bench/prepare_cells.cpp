@@ -26,6 +26,9 @@ RenderSettings verification_settings(RenderSettings settings) {
 
 constexpr std::uint32_t verification_spp = 2;
 
+// Where something went wrong that went wrong here.
+constexpr const char* place = "a render before the timed ones";
+
 // How long a cell's preparation takes beside those of other cells.
 double size_of(const Cell& cell) {
     return static_cast<double>(cell.settings.width) * cell.settings.height * cell.samples_to_prepare();
@@ -52,7 +55,7 @@ public:
                 add_instrumented_pass(cell, prepared);
             }
         } catch (const std::exception& exception) {
-            prepared.facts = {{"status", "failed"}, {"reason", exception.what()}};
+            prepared.facts = {{"status", "failed"}, {"reason", fmt::format("{}: {}", place, exception.what())}};
         }
         return prepared;
     }
@@ -143,6 +146,9 @@ void compile_kernels(const std::vector<const Cell*>& cells) {
     for (const Cell* const cell : cells) {
         if (cell->backend == Backend::cuda) {
             tasks.push_back({cell->scene.get(), cell->variant});
+            // What its samples are held to (FilmLedger).
+            const Variant twin = exact_twin(cell->variant, cell->backend);
+            tasks.push_back({cell->scene.get(), fast_reference_on(*cell->scene, twin, cell->backend)});
         }
     }
     compile_ahead(tasks);
@@ -169,7 +175,7 @@ void prepare_cells(const Plan& plan, std::uint64_t seed, RunJournal& journal, Fi
         const double start = seconds_now();
         const AtWork at_work(cell->name + ", before it is timed");
         const CellPreparer::Prepared prepared = [&] {
-            const LastLine last_line = journal.fails_if_crashed(*cell, "a render before the timed ones");
+            const LastLine last_line = journal.fails_if_crashed(*cell, place);
             return preparer.prepare(*cell);
         }();
         if (prepared.facts.at("status") == "failed") {

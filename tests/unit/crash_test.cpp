@@ -71,7 +71,11 @@ TEST(CrashHandlerTest, HoldsMuch) {
     EXPECT_EXIT(
         {
             name_crashes();
-            const AtWork one(std::string(10000, 'a')), two("b"), three("c"), four("d"), five("e");
+            const AtWork one(std::string(10000, 'a'));
+            const AtWork two("b");
+            const AtWork three("c");
+            const AtWork four("d");
+            const AtWork five("e");
             std::raise(SIGSEGV);
         },
         testing::ExitedWithCode(exit_machine_failed), "aaa: b: c: d\n$");
