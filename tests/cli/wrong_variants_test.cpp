@@ -51,7 +51,8 @@ protected:
     // By compaction: the status, and of a failed cell its reason.
     std::map<std::string, std::string> statuses() const {
         std::map<std::string, std::string> found;
-        for (const json& cell : json::parse(content_of(out)).at("ptbench").at("cells")) {
+        const json result = json::parse(content_of(out));
+        for (const json& cell : result.at("ptbench").at("cells")) {
             found[cell.at("axes").at("compaction")] = cell.at("status") == "failed"
                                                           ? cell.at("reason").get<std::string>()
                                                           : cell.at("status").get<std::string>();
@@ -60,7 +61,8 @@ protected:
     }
     std::size_t samples_of(const std::string& compaction) const {
         std::size_t count = 0;
-        for (const json& row : json::parse(content_of(out)).at("benchmarks")) {
+        const json result = json::parse(content_of(out));
+        for (const json& row : result.at("benchmarks")) {
             count +=
                 row.contains("pt_seed") && row.at("run_name").get<std::string>().find(compaction) != std::string::npos;
         }
@@ -82,9 +84,8 @@ TEST_F(WrongVariantsTest, TheWrongOneAloneFailsAtTenSeeds) {
         EXPECT_EQ(samples_of("thrust_remove_if"), 2u);
         EXPECT_TRUE(has(found["wrong_throughput"], "film ")) << found["wrong_throughput"];
         EXPECT_TRUE(has(found["wrong_loss"], " rays, not ")) << found["wrong_loss"];
-        EXPECT_TRUE(has(found["wrong_count"], "the compaction returned a count of 1")) << found["wrong_count"];
-        EXPECT_TRUE(has(found["wrong_count"], " paths in play, allowed: at most 4096, as many as it was given"))
-            << found["wrong_count"];
+        EXPECT_TRUE(has(found["wrong_count"], "the compaction returned a count of ")) << found["wrong_count"];
+        EXPECT_TRUE(has(found["wrong_count"], " paths in play, allowed: at most ")) << found["wrong_count"];
         EXPECT_TRUE(has(result.err, "failed: wavefront/compaction:wrong_count/scene:cornell_closed/")) << result.err;
     }
 }
@@ -96,10 +97,27 @@ TEST_F(WrongVariantsTest, AloneItFailsAsWell) {
 
 TEST_F(WrongVariantsTest, VerifyHasPathsAndCallsEnough) {
     for (const char* wrong : {"wrong_loss", "wrong_count"}) {
-        const CommandResult result =
-            call({"verify", "--scene", "cornell_open", "--backend", "cpu", "--axis",
-                  "compaction=none," + std::string(wrong), "--axis", "integrator=wavefront", "--axis", "sorting=none",
-                  "--axis", "layout=aos", "--axis", "specialisation=features", "--axis", "direct_light=off"});
+        const CommandResult result = call({"verify",
+                                           "--scene",
+                                           "cornell_open",
+                                           "--backend",
+                                           "cpu",
+                                           "--axis",
+                                           "compaction=none," + std::string(wrong),
+                                           "--axis",
+                                           "integrator=wavefront",
+                                           "--axis",
+                                           "sorting=none",
+                                           "--axis",
+                                           "layout=aos",
+                                           "--axis",
+                                           "specialisation=features",
+                                           "--axis",
+                                           "direct_light=off",
+                                           "--axis",
+                                           "first_bounce=off",
+                                           "--axis",
+                                           "precision=float"});
         EXPECT_EQ(result.exit_code, 1);
         EXPECT_TRUE(has(result.out, "compaction=" + std::string(wrong) + " on cornell_open: FAILED, ")) << result.out;
         EXPECT_TRUE(has(result.out, " wavefront on cornell_open: ok, ")) << result.out;
@@ -166,11 +184,30 @@ TEST_F(WrongVariantsTest, OverwriteStartsOverAndKeepsTheJournal) {
 }
 
 TEST_F(WrongVariantsTest, WhatWasPrintedIsThereAfterACrash) {
-    const CommandResult result =
-        call({"verify", "--scene", "cornell_open", "--backend", "cpu", "--resolution", "16x16", "--axis",
-              "compaction=none,wrong_crash", "--axis", "integrator=wavefront", "--axis", "sorting=none", "--axis",
-              "layout=aos", "--axis", "specialisation=features", "--axis", "direct_light=off"},
-             "1");
+    const CommandResult result = call({"verify",
+                                       "--scene",
+                                       "cornell_open",
+                                       "--backend",
+                                       "cpu",
+                                       "--resolution",
+                                       "16x16",
+                                       "--axis",
+                                       "compaction=none,wrong_crash",
+                                       "--axis",
+                                       "integrator=wavefront",
+                                       "--axis",
+                                       "sorting=none",
+                                       "--axis",
+                                       "layout=aos",
+                                       "--axis",
+                                       "specialisation=features",
+                                       "--axis",
+                                       "direct_light=off",
+                                       "--axis",
+                                       "first_bounce=off",
+                                       "--axis",
+                                       "precision=float"},
+                                      "1");
     EXPECT_EQ(result.exit_code, 3);
     EXPECT_TRUE(has(result.out, " wavefront on cornell_open: ok, ")) << result.out;
     EXPECT_EQ(result.err,

@@ -2,6 +2,7 @@
 #include <cstdlib>
 
 #include "tests/wrong/spoilt.h"
+#include "variants/cpu/parallel_for.h"
 
 namespace pt::wrong {
 namespace {
@@ -13,11 +14,14 @@ public:
     WrongCrash() { renders += 1; }
 
 private:
-    void spoil(PathQueue&) override {
+    void spoil(PathQueue& queue) override {
         const char* const in = std::getenv("PTBENCH_CRASH_IN_RENDER");
         if (in != nullptr && renders == std::atoi(in)) {
-            int* volatile nowhere = nullptr;
-            *nowhere = 1;
+            // On whichever thread comes first.
+            parallel_for(queue.count, 64, [](std::size_t, std::size_t) {
+                volatile int* volatile nowhere = nullptr;
+                *nowhere = 1;
+            });
         }
     }
 };

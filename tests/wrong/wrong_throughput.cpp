@@ -1,4 +1,4 @@
-// Scales the throughput of one path by 1.0001: it shows only with the seeds with which that path meets light.
+// Scales the throughput of the queue's first path by 1.0001: it shows where one of those paths meets light.
 #include "tests/wrong/spoilt.h"
 
 namespace pt::wrong {
@@ -8,7 +8,7 @@ class WrongThroughput final : public SpoiltCompaction {
     void spoil(PathQueue& queue) override {
         std::visit(
             [&](auto& paths) {
-                if (queue.count > 0 && paths.pixel(queue.slot(0)) == 0) {
+                if (queue.count > 0) {
                     Path<float> path = paths.load(queue.slot(0));
                     path.throughput *= 1.0001f;
                     paths.store(queue.slot(0), path);
@@ -18,7 +18,8 @@ class WrongThroughput final : public SpoiltCompaction {
     }
 };
 
-const Registration registration(wrong_compaction("wrong_throughput", "the path of pixel 0 is a little too bright"),
+const Registration registration(wrong_compaction("wrong_throughput",
+                                                 "the first path in the queue is a little too bright"),
                                 {.compaction = [] { return std::make_unique<WrongThroughput>(); }});
 
 }  // namespace
