@@ -38,56 +38,72 @@ protected:
                             "--spp",
                             "20",
                             "--repetitions",
-                            "2",
+                            "3",
                             "--quiet",
                             "--out",
                             out,
-                            "--benchmark_enable_random_interleaving=false",
                             "--axis",
-                            "compaction=" + compactions};
+                            "compaction=" + compactions,
+                            "--benchmark_enable_random_interleaving=false"};
         arguments.insert(arguments.end(), more.begin(), more.end());
         return call(arguments, crash_in_render);
     }
+    json result() const { return json::parse(content_of(out)); }
     // By compaction: the status, and of a failed cell its reason.
     std::map<std::string, std::string> statuses() const {
         std::map<std::string, std::string> found;
-        const json result = json::parse(content_of(out));
-        for (const json& cell : result.at("ptbench").at("cells")) {
-            found[cell.at("axes").at("compaction")] = cell.at("status") == "failed"
-                                                          ? cell.at("reason").get<std::string>()
-                                                          : cell.at("status").get<std::string>();
+        const json all = result();
+        for (const json& cell : all.at("ptbench").at("cells")) {
+            const bool has_failed = cell.at("status") == "failed";
+            found[cell.at("axes").at("compaction")] = cell.at(has_failed ? "reason" : "status");
         }
         return found;
     }
-    std::size_t samples_of(const std::string& compaction) const {
-        std::size_t count = 0;
-        const json result = json::parse(content_of(out));
-        for (const json& row : result.at("benchmarks")) {
-            count +=
-                row.contains("pt_seed") && row.at("run_name").get<std::string>().find(compaction) != std::string::npos;
+    // Of each sample of a compaction's cell.
+    std::vector<std::string> films(const std::string& compaction) const {
+        std::vector<std::string> hashes;
+        const json all = result();
+        for (const json& row : all.at("benchmarks")) {
+            const std::string cell = row.at("run_name");
+            const bool is_none = cell.find("compaction:") == std::string::npos;
+            if (row.contains("pt_seed") &&
+                (compaction == "none" ? is_none : cell.find(compaction) != std::string::npos)) {
+                hashes.push_back(row.at("film_hash"));
+            }
         }
-        return count;
+        return hashes;
     }
 };
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
+// wrong_throughput is right with some seeds, bit for bit: with those it may be timed.
 TEST_F(WrongVariantsTest, TheWrongOneAloneFailsAtTenSeeds) {
+    int failed_before = 0, failed_in_a_sample = 0;
     for (int seed = 1; seed <= 10; ++seed) {
         SCOPED_TRACE(seed);
-        const CommandResult result = run("wrong_throughput,wrong_loss,wrong_count,none,thrust_remove_if",
-                                         {"--overwrite", "--seed", std::to_string(seed)});
-        EXPECT_EQ(result.exit_code, 1) << result.err;
+        const CommandResult ended = run("wrong_throughput,wrong_loss,wrong_count,none,thrust_remove_if",
+                                        {"--overwrite", "--seed", std::to_string(seed)});
+        EXPECT_EQ(ended.exit_code, 1) << ended.err;
         std::map<std::string, std::string> found = statuses();
         EXPECT_EQ(found["none"], "ok");
         EXPECT_EQ(found["thrust_remove_if"], "ok");
-        EXPECT_EQ(samples_of("thrust_remove_if"), 2u);
-        EXPECT_TRUE(has(found["wrong_throughput"], "film ")) << found["wrong_throughput"];
+        EXPECT_EQ(films("none").size(), 3u);
+        EXPECT_EQ(films("thrust_remove_if"), films("none"));
         EXPECT_TRUE(has(found["wrong_loss"], " rays, not ")) << found["wrong_loss"];
-        EXPECT_TRUE(has(found["wrong_count"], "the compaction returned a count of ")) << found["wrong_count"];
+        EXPECT_TRUE(has(found["wrong_count"], "the compaction returned a count of 1")) << found["wrong_count"];
         EXPECT_TRUE(has(found["wrong_count"], " paths in play, allowed: at most ")) << found["wrong_count"];
-        EXPECT_TRUE(has(result.err, "failed: wavefront/compaction:wrong_count/scene:cornell_closed/")) << result.err;
+        EXPECT_TRUE(has(ended.err, "failed: wavefront/compaction:wrong_count/scene:cornell_closed/")) << ended.err;
+        if (found["wrong_throughput"] == "ok") {
+            EXPECT_EQ(films("wrong_throughput"), films("none"));
+        } else {
+            EXPECT_TRUE(has(found["wrong_throughput"], "film ")) << found["wrong_throughput"];
+            failed_before += has(found["wrong_throughput"], "at full size, ") ? 1 : 0;
+            failed_in_a_sample += found["wrong_throughput"].starts_with("sample ") ? 1 : 0;
+        }
     }
+    EXPECT_GT(failed_before, 0);
+    EXPECT_GT(failed_in_a_sample, 0);
 }
 
 TEST_F(WrongVariantsTest, AloneItFailsAsWell) {
@@ -159,7 +175,7 @@ TEST_P(CrashingVariantTest, IsNamedAndTheRunGoesOnWithoutIt) {
         has(resumed.err, "failed before and not tried again (--overwrite starts over): " + cell + ": " + reason()))
         << resumed.err;
     EXPECT_EQ(statuses(), (std::map<std::string, std::string>{{"none", "ok"}, {"wrong_crash", reason()}}));
-    EXPECT_EQ(samples_of("wrong_crash"), GetParam().samples);
+    EXPECT_EQ(films("wrong_crash").size(), GetParam().samples);
     EXPECT_FALSE(std::filesystem::exists(journal));
 }
 
