@@ -18,32 +18,25 @@ protected:
     TemporaryFolder folder;
     std::string out = folder.file("result.json");
     std::string journal = out + ".journal.jsonl";
+    // 80 compactions, of more paths than the verification before a run has; a crash needs neither.
+    std::string resolution = "64x64", spp = "20";
 
     CommandResult call(Arguments arguments, const std::string& crash_in_render = "0") const {
         arguments.insert(arguments.begin(), program_with_wrong_variants());
         return run_command(arguments, in_repository({.environment = {{"PTBENCH_CRASH_IN_RENDER", crash_in_render}}}));
     }
-    // Of the closed box: 64x64 pixels are more paths than the verification before a run has.
     CommandResult run(const std::string& compactions, const Arguments& more = {},
                       const std::string& crash_in_render = "0") const {
         Arguments arguments{"run",
-                            "--scene",
-                            "cornell_closed",
-                            "--backend",
-                            "cpu",
-                            "--resolution",
-                            "64x64",
-                            "--depth",
-                            "5",
-                            "--spp",
-                            "20",
-                            "--repetitions",
-                            "3",
+                            "--scene=cornell_closed",
+                            "--backend=cpu",
+                            "--depth=5",
+                            "--repetitions=3",
                             "--quiet",
-                            "--out",
-                            out,
-                            "--axis",
-                            "compaction=" + compactions,
+                            "--resolution=" + resolution,
+                            "--spp=" + spp,
+                            "--out=" + out,
+                            "--axis=compaction=" + compactions,
                             "--benchmark_enable_random_interleaving=false"};
         arguments.insert(arguments.end(), more.begin(), more.end());
         return call(arguments, crash_in_render);
@@ -151,13 +144,17 @@ struct Crash {
 
 class CrashingVariantTest : public WrongVariantsTest, public testing::WithParamInterface<Crash> {
 protected:
+    void SetUp() override {
+        resolution = "16x16";
+        spp = "2";
+    }
     std::string reason() const {
         return "crashed in " + std::string(GetParam().place) + ": segmentation fault (SIGSEGV)";
     }
 };
 
 TEST_P(CrashingVariantTest, IsNamedAndTheRunGoesOnWithoutIt) {
-    const std::string cell = "wavefront/compaction:wrong_crash/scene:cornell_closed/backend:cpu/64x64/depth:5/spp:20";
+    const std::string cell = "wavefront/compaction:wrong_crash/scene:cornell_closed/backend:cpu/16x16/depth:5/spp:2";
     const CommandResult crashed = run("wrong_crash,none", {}, GetParam().in_render);
     EXPECT_EQ(crashed.exit_code, 3);
     EXPECT_TRUE(has(crashed.err, "ptbench: crashed, segmentation fault (SIGSEGV), in: " + cell + ", ")) << crashed.err;
@@ -186,6 +183,8 @@ INSTANTIATE_TEST_SUITE_P(Places, CrashingVariantTest,
                          [](const auto& test) { return std::string("InRender") + test.param.in_render; });
 
 TEST_F(WrongVariantsTest, OverwriteStartsOverAndKeepsTheJournal) {
+    resolution = "16x16";
+    spp = "2";
     EXPECT_EQ(run("wrong_crash,none", {}, "6").exit_code, 3);
     const std::string before = content_of(journal);
     const CommandResult again = run("wrong_crash,none", {"--overwrite"});
