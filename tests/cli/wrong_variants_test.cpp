@@ -18,8 +18,8 @@ protected:
     TemporaryFolder folder;
     std::string out = folder.file("result.json");
     std::string journal = out + ".journal.jsonl";
-    // 80 compactions, of more paths than the verification before a run has; a crash needs neither.
-    std::string resolution = "64x64", spp = "20";
+    // 80 compactions, where the verification before a run has 8; a crash needs fewer.
+    std::string resolution = "40x40", spp = "20";
 
     CommandResult call(Arguments arguments, const std::string& crash_in_render = "0") const {
         arguments.insert(arguments.begin(), program_with_wrong_variants());
