@@ -9,12 +9,13 @@
 
 namespace pt {
 
-// The film, and the work that any way to make it takes. Not how often a queue was compacted or sorted, or what was
-// launched: those are a choice's own.
+// The film, and the work that any way to make it takes: every integrator on both backends counts it alike. (A cached
+// first bounce traces fewer rays; the hits that it takes from its cache are counted in their place.) Not how often a
+// queue was compacted or sorted, or what was launched: those are a choice's own.
 struct Imprint {
     std::string film;               // hash
     std::uint64_t paths = 0;        // started
-    std::uint64_t rays = 0;         // traced, and first hits that a cache had: a cached first bounce traces fewer
+    std::uint64_t rays = 0;         // traced, and first hits that a cache had
     std::uint64_t connections = 0;  // of the rays, those to lights
 
     bool operator==(const Imprint&) const = default;

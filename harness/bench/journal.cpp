@@ -104,8 +104,8 @@ Journal::Journal(std::string file, const Json& identity, bool resume, const std:
     } else if (resume) {
         read(identity, that_may_differ);
     } else {
-        throw InputError(
-            fmt::format("{}: found an unfinished run, allowed: go on with --resume, or remove the file", file_));
+        throw InputError(fmt::format(
+            "{}: found an unfinished run, allowed: --resume, which goes on, or --overwrite, which starts over", file_));
     }
 }
 

@@ -74,7 +74,7 @@ void check_result_file(const RunOptions& options, const EarlierResult& earlier) 
     const bool has_journal = std::filesystem::exists(journal_of(options)) && !starts_over(options);
     if (has_journal && !options.resume && earlier.is_kept() && !earlier.is_of_this_run) {
         throw InputError(journal_of(options), "journal", "an unfinished run that is to replace " + options.out,
-                         "go on with --overwrite --resume, or remove the journal");
+                         "--overwrite --resume, which goes on, or --overwrite, which starts over");
     }
     const bool goes_on = has_journal && (!options.resume || earlier.is_of_this_run || !earlier.is_complete);
     if (!goes_on) {

@@ -17,7 +17,9 @@ struct RunOptions {
     std::string command_line;  // for the record, and to go on with
     int repetitions = 0;       // 0: the suite's
     bool resume = false;
-    bool overwrite = false;   // a result that is there may be replaced, when the new one is complete
+    // A result that is there may be replaced, when the new one is complete; without `resume` the journal of an
+    // unfinished run makes room for a new run, and is kept under another name.
+    bool overwrite = false;
     bool other_host = false;  // resume although the host has another name
     bool quiet = false;       // no progress on stderr
     Shard shard = {};

@@ -611,6 +611,21 @@ TEST_F(RunnerTest, ACompletedRunIsNotMeasuredAgainByResume) {
     EXPECT_NE(test::content_of(out), before);
 }
 
+TEST_F(RunnerTest, OverwriteDoesNotTakeARunningRunsJournal) {
+    std::filesystem::create_directories(folder.path() / "out");
+    RunOptions how = options();
+    how.overwrite = true;
+    {
+        const Journal another(journal_file, {{"cells", 1}}, false);
+        const std::string before = test::content_of(journal_file);
+        EXPECT_THROW(run(suite({}), how), MachineError);
+        EXPECT_EQ(test::content_of(journal_file), before);
+        EXPECT_FALSE(std::filesystem::exists(journal_file + ".1"));
+    }
+    EXPECT_EQ(run(suite({}), how), exit_good);  // it has ended, and left its journal
+    EXPECT_TRUE(std::filesystem::exists(journal_file + ".1"));
+}
+
 // ---- Earlier results ----
 
 TEST_F(RunnerTest, AResultThatIsThereIsRefusedAndNamed) {
