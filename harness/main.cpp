@@ -7,6 +7,7 @@
 #include <cstring>
 #include <functional>
 #include <iostream>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -142,6 +143,12 @@ int guarded(const std::function<int()>& program) {
         return pt::exit_bad_input;
     } catch (const pt::MachineError& error) {
         fmt::print(stderr, "ptbench: {}\n", error.what());
+        return pt::exit_machine_failed;
+    } catch (const std::system_error& error) {
+        // What fmt::print throws where a line finds no room.
+        const bool is_output = std::ferror(stdout) != 0;
+        fmt::print(stderr, "ptbench: {}: {}\n", is_output ? "standard output: cannot be written" : "internal error",
+                   is_output ? error.code().message() : error.what());
         return pt::exit_machine_failed;
     } catch (const std::exception& error) {
         fmt::print(stderr, "ptbench: internal error: {}\n", error.what());
