@@ -100,7 +100,7 @@ std::string difference(const Json& there, const Json& here) {
 Journal::Journal(std::string file, const Json& identity, bool resume, const std::vector<std::string>& that_may_differ)
     : file_(std::move(file)), locked_(file_) {
     if (locked_.size() == 0) {
-        append(text_of({{"type", "run"}, {"identity", identity}}));
+        append({{"type", "run"}, {"identity", identity}});
     } else if (resume) {
         read(identity, that_may_differ);
     } else {
@@ -135,7 +135,7 @@ void Journal::read(const Json& identity, const std::vector<std::string>& that_ma
         throw MachineError(fmt::format("{}: cannot be written: {}", file_, std::strerror(errno)));
     }
     if (is_first) {
-        append(text_of({{"type", "run"}, {"identity", identity}}));
+        append({{"type", "run"}, {"identity", identity}});
     }
 }
 
@@ -153,29 +153,22 @@ void Journal::read_line(const Json& line, const std::string& place) {
     }
 }
 
-std::string Journal::text_of(const Json& line) { return line.dump() + "\n"; }
-
-std::string Journal::text_of_cell(const std::string& cell, const Json& facts) {
-    return text_of({{"type", "cell"}, {"cell", cell}, {"facts", facts}});
+std::string Journal::next_lines(const std::vector<Json>& lines) {
+    std::string text;
+    for (const Json& line : lines) {
+        text += line.dump() + "\n";
+    }
+    return text;
 }
 
-std::string Journal::text_of_session(const Json& facts) { return text_of({{"type", "session"}, {"facts", facts}}); }
-
-std::string set_journal_aside(const std::string& file) {
-    const LockedFile mine(file);
-    std::string aside;
-    for (int number = 1; aside.empty() || std::filesystem::exists(aside); ++number) {
-        aside = fmt::format("{}.{}", file, number);
-    }
-    std::error_code error;
-    std::filesystem::rename(file, aside, error);
-    if (error) {
-        throw MachineError(fmt::format("{}: cannot be renamed to {}: {}", file, aside, error.message()));
-    }
-    return aside;
+Json Journal::cell_line(const std::string& cell, const Json& facts) {
+    return {{"type", "cell"}, {"cell", cell}, {"facts", facts}};
 }
 
-void Journal::append(const std::string& text) {
+Json Journal::session_line(const Json& facts) { return {{"type", "session"}, {"facts", facts}}; }
+
+void Journal::append(const Json& line) {
+    const std::string text = line.dump() + "\n";
     const off_t end = ::lseek(locked_.descriptor(), 0, SEEK_END);
     // One write: a line is whole, or it is the last and cut off.
     const ssize_t written = ::write(locked_.descriptor(), text.data(), text.size());
@@ -202,17 +195,17 @@ void Journal::keep_session(Json facts) {
 }
 
 void Journal::add_sample(const std::string& cell, const Json& sample) {
-    append(text_of({{"type", "sample"}, {"cell", cell}, {"sample", sample}}));
+    append({{"type", "sample"}, {"cell", cell}, {"sample", sample}});
     keep_sample(cell, sample);
 }
 
 void Journal::set_cell(const std::string& cell, const Json& facts) {
-    append(text_of_cell(cell, facts));
+    append(cell_line(cell, facts));
     cells_[cell] = facts;
 }
 
 void Journal::add_session(const Json& facts) {
-    append(text_of_session(facts));
+    append(session_line(facts));
     keep_session(facts);
 }
 
@@ -236,5 +229,19 @@ std::size_t Journal::sample_count() const {
 }
 
 void Journal::finish() { locked_.remove(); }
+
+std::string set_journal_aside(const std::string& file) {
+    const LockedFile mine(file);
+    std::string aside;
+    for (int number = 1; aside.empty() || std::filesystem::exists(aside); ++number) {
+        aside = fmt::format("{}.{}", file, number);
+    }
+    std::error_code error;
+    std::filesystem::rename(file, aside, error);
+    if (error) {
+        throw MachineError(fmt::format("{}: cannot be renamed to {}: {}", file, aside, error.message()));
+    }
+    return aside;
+}
 
 }  // namespace pt

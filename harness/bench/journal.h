@@ -32,10 +32,12 @@ public:
     std::size_t sample_count() const;
     const std::string& file() const { return file_; }
 
-    // For a crash, which can append a line and no more: where to, and the lines of a session and of a cell.
+    // For a crash, which can write a text that is there and no more: where to, and what these lines would be if they
+    // were added next.
     int descriptor() const { return locked_.descriptor(); }
-    static std::string text_of_session(const Json& facts);
-    static std::string text_of_cell(const std::string& cell, const Json& facts);
+    static std::string next_lines(const std::vector<Json>& lines);
+    static Json session_line(const Json& facts);
+    static Json cell_line(const std::string& cell, const Json& facts);
 
     // Removes the file; call when the result file is in place.
     void finish();
@@ -43,8 +45,7 @@ public:
 private:
     void read(const Json& identity, const std::vector<std::string>& that_may_differ);
     void read_line(const Json& line, const std::string& place);
-    static std::string text_of(const Json& line);
-    void append(const std::string& text);
+    void append(const Json& line);
     void keep_sample(const std::string& cell, const Json& sample);
     void keep_session(Json facts);
 

@@ -58,8 +58,12 @@ LastLine RunJournal::fails_if_crashed(const Cell& cell, const std::string& place
     facts["status"] = "failed";
     const auto line = [&](const std::string& signal) {
         facts["reason"] = fmt::format("crashed in {}: {}", place, signal);
-        return (has_session_ ? "" : Journal::text_of_session(session_facts())) +
-               Journal::text_of_cell(cell.name, facts);
+        std::vector<Json> lines;
+        if (!has_session_) {
+            lines.push_back(Journal::session_line(session_facts()));
+        }
+        lines.push_back(Journal::cell_line(cell.name, facts));
+        return journal_.next_lines(lines);
     };
     return {journal_.descriptor(), line,
             fmt::format("ptbench: {} keeps what was measured, and {} as failed\ngo on with: {}\n", journal_.file(),
