@@ -190,7 +190,7 @@ TEST_F(JournalTest, AnUnfinishedRunIsRefusedWithoutResume) {
     write_three_facts();
     const std::string before = test::content_of(file);
     EXPECT_EQ(refusal<InputError>(identity, false),
-              file + ": found an unfinished run, allowed: go on with --resume, or remove the file");
+              file + ": found an unfinished run, allowed: --resume, which goes on, or --overwrite, which starts over");
     EXPECT_EQ(test::content_of(file), before);
 }
 
