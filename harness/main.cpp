@@ -7,6 +7,7 @@
 #include <cstring>
 #include <functional>
 #include <iostream>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,6 +16,7 @@
 #include "harness/cli/commands.h"
 #include "harness/cli/known_names.h"
 #include "harness/cli/short_waits.h"
+#include "harness/crash.h"
 #include "harness/error.h"
 #include "harness/nearest_name.h"
 #include "harness/ranks/ranks.h"
@@ -142,6 +144,12 @@ int guarded(const std::function<int()>& program) {
     } catch (const pt::MachineError& error) {
         fmt::print(stderr, "ptbench: {}\n", error.what());
         return pt::exit_machine_failed;
+    } catch (const std::system_error& error) {
+        // What fmt::print throws where a line finds no room.
+        const bool is_output = std::ferror(stdout) != 0;
+        fmt::print(stderr, "ptbench: {}: {}\n", is_output ? "standard output: cannot be written" : "internal error",
+                   is_output ? error.code().message() : error.what());
+        return pt::exit_machine_failed;
     } catch (const std::exception& error) {
         fmt::print(stderr, "ptbench: internal error: {}\n", error.what());
         return pt::exit_machine_failed;
@@ -154,6 +162,9 @@ int main(int argc, char** argv) {
     // A file that grows beyond the process's limit is a write that fails, like one on a full disk.
     std::signal(SIGXFSZ, SIG_IGN);
     pt::shorten_waits(argv);
+    // Every line that is printed is out before the next: a crash takes none with it.
+    std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
+    pt::name_crashes();
     const auto program = [&] { return guarded([&] { return check_output(run(argc, argv)); }); };
     return guarded([&] { return pt::run_on_ranks(program); });
 }

@@ -2,15 +2,33 @@
 // segment nothing is sorted before shading or compacted after it: no later stage would gain.
 #pragma once
 
+#include <cstddef>
+#include <stdexcept>
+
 #include "variants/descriptor.h"
 
 namespace pt {
+
+// After `stage` of a queue that held `before` paths and now says that it holds `now`. Nobody may look at more: what
+// lies behind is no path. Throws std::runtime_error.
+inline void check_count_after(const char* stage, std::size_t before, std::size_t now) {
+    if (now > before) {
+        throw std::runtime_error("the " + std::string(stage) + " returned a count of " + std::to_string(now) +
+                                 " paths in play, allowed: at most " + std::to_string(before) +
+                                 ", as many as it was given");
+    }
+}
 
 // Every path is taken out by a compaction or ends in the last segment.
 inline std::string compacted_every_bounce(const WorkCounters& work, std::uint64_t) {
     if (work.compactions != work.bounces - work.last_bounces) {
         return std::to_string(work.compactions) + " compactions in " + std::to_string(work.bounces) + " bounces, " +
                std::to_string(work.last_bounces) + " of them last ones";
+    }
+    // Differences of counts: what was put in instead of taken out is a number near 2^64.
+    if (work.compacted_away > work.paths) {
+        return std::to_string(0 - work.compacted_away) + " paths more in play after compactions than before them, of " +
+               std::to_string(work.paths);
     }
     if (work.compacted_away + work.last_paths != work.paths) {
         return std::to_string(work.compacted_away) + " paths taken out and " + std::to_string(work.last_paths) +

@@ -1,13 +1,18 @@
-// Checks that the cells of a bitwise group have the same film, sample by sample: the first film of a sample is noted,
-// and those of the other cells must equal it. Sample i has the same seed in all cells.
+// Holds the films of a run's cells, and the work that they took, to those of the reference variant, sample by sample.
+// Sample i has the same seed in all cells, so all cells of a bitwise group must leave the same. Whoever comes first is
+// not the truth: what the reference leaves is, and it is rendered to know it.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "harness/bench/imprint.h"
 #include "harness/bench/journal.h"
 #include "harness/bench/suite.h"
 
@@ -17,23 +22,58 @@ namespace pt {
 // every time.
 Variant bitwise_reference(const Cell& cell);
 
+// "sample 2 (seed 3)"
+std::string sample_in_words(std::size_t index, std::uint64_t seed);
+
+// A cell that is found wrong.
+struct FailedCell {
+    const Cell* cell = nullptr;
+    std::string reason;
+};
+
 class FilmLedger {
 public:
-    // Starts with the films of the samples that are in the journal.
-    FilmLedger(const Plan& plan, const Journal& journal);
+    // What `variant` leaves at the cell's own size and with its checkpoints. Throws what a render throws.
+    using Render =
+        std::function<Imprint(const Cell& cell, const Variant& variant, std::uint32_t samples, std::uint64_t seed)>;
 
-    // Notes the film of a cell's sample. Returns what is wrong where its group has another, or nothing.
-    std::string note_sample(const Cell& cell, std::size_t index, const std::string& hash);
-    // The film of bitwise_reference at the cell's own size, with the first sample's seed and samples_to_prepare();
-    // `render` makes it where no cell of the group has.
-    const std::string& film_to_prepare(const Cell& cell, const std::function<std::string()>& render);
+    // Starts with the samples that are in the journal: seen in an earlier process, and believed no more than others.
+    // `plan` must outlive it. Sample i has the seed `first_seed` + i.
+    FilmLedger(const Plan& plan, const Journal& journal, std::uint64_t first_seed, Render render = render_imprint);
+
+    // Notes what a cell's sample left. Returns the cells that turn out wrong, each once for a sample: this one, or
+    // others that were noted before. The reference is rendered for each seed of a group; for a cell of more samples
+    // than are prepared (Cell::prepared_spp), whose renders take long, only where two of its group differ. Throws
+    // std::runtime_error where the reference cannot be rendered.
+    std::vector<FailedCell> note_sample(const Cell& cell, std::size_t index, const Imprint& found);
+    // The same of a render with the first sample's seed and samples_to_prepare(), which is held to the reference
+    // always.
+    std::vector<FailedCell> note_preparation(const Cell& cell, const Imprint& found);
+    // And of such a render of the exact twin of a cell that rounds freely: the one whose bits can be told from others'.
+    std::vector<FailedCell> note_twin(const Cell& cell, const Imprint& found);
 
 private:
-    struct Entry {
-        std::string hash;
-        std::string of;  // the cell or the variant that had it first
+    struct Seen {
+        const Cell* cell;
+        Imprint imprint;
     };
-    std::map<std::pair<std::string, std::size_t>, Entry> films_;  // by group and index of the sample
+    struct Entry {
+        std::optional<Imprint> right = {};
+        Variant reference = {};  // which left it
+        std::string of = {};     // its name
+        std::vector<Seen> seen = {};
+    };
+    static Imprint render_imprint(const Cell& cell, const Variant& variant, std::uint32_t samples, std::uint64_t seed);
+    static bool differ(const Entry& entry);
+    void settle(Entry& entry, const Cell& cell, const Variant& reference, std::uint32_t samples, std::uint64_t seed);
+    std::vector<FailedCell> judge(Entry& entry, const Cell& cell, std::uint32_t samples, std::uint64_t seed,
+                                  const std::string& place);
+    std::vector<FailedCell> note_prepared(const Cell& rendered, const Variant& reference, const Cell& blamed,
+                                          const Imprint& found);
+
+    std::uint64_t first_seed_;
+    Render render_;
+    std::map<std::pair<std::string, std::size_t>, Entry> entries_;  // by group and index of the sample
 };
 
 }  // namespace pt

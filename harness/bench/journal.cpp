@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <utility>
 
 #include <fmt/format.h>
@@ -112,8 +113,8 @@ Journal::Journal(std::string file, const Json& identity, bool resume, const std:
     } else if (resume) {
         read(identity, that_may_differ);
     } else {
-        throw InputError(
-            fmt::format("{}: found an unfinished run, allowed: go on with --resume, or remove the file", file_));
+        throw InputError(fmt::format(
+            "{}: found an unfinished run, allowed: --resume, which goes on, or --overwrite, which starts over", file_));
     }
 }
 
@@ -170,6 +171,21 @@ void Journal::read_line(const Json& line, std::size_t number) {
         throw damaged(file_, number, "no line of a session, a cell or a sample");
     }
 }
+
+std::string Journal::next_lines(const std::vector<Json>& lines) const {
+    LineSeal seal = seal_;
+    std::string text;
+    for (const Json& line : lines) {
+        text += seal.seal(line.dump()) + "\n";
+    }
+    return text;
+}
+
+Json Journal::cell_line(const std::string& cell, const Json& facts) {
+    return {{"type", "cell"}, {"cell", cell}, {"facts", facts}};
+}
+
+Json Journal::session_line(const Json& facts) { return {{"type", "session"}, {"facts", facts}}; }
 
 void Journal::append(const Json& line) {
     LineSeal seal = seal_;
@@ -233,12 +249,12 @@ void Journal::retake_sample(const std::string& cell, const Json& sample) {
 }
 
 void Journal::set_cell(const std::string& cell, const Json& facts) {
-    append({{"type", "cell"}, {"cell", cell}, {"facts", facts}});
+    append(cell_line(cell, facts));
     cells_[cell] = facts;
 }
 
 void Journal::add_session(const Json& facts) {
-    append({{"type", "session"}, {"facts", facts}});
+    append(session_line(facts));
     keep_session(facts);
 }
 
@@ -270,5 +286,19 @@ std::size_t Journal::sample_count() const {
 }
 
 void Journal::finish() { locked_.remove(); }
+
+std::string set_journal_aside(const std::string& file) {
+    const LockedFile mine(file);
+    std::string aside;
+    for (int number = 1; aside.empty() || std::filesystem::exists(aside); ++number) {
+        aside = fmt::format("{}.{}", file, number);
+    }
+    std::error_code error;
+    std::filesystem::rename(file, aside, error);
+    if (error) {
+        throw MachineError(fmt::format("{}: cannot be renamed to {}: {}", file, aside, error.message()));
+    }
+    return aside;
+}
 
 }  // namespace pt

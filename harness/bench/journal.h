@@ -40,6 +40,13 @@ public:
     // The size of the last line, which a kill had cut off, so that it was dropped; 0: there was none.
     std::size_t dropped_bytes() const { return dropped_bytes_; }
 
+    // For a crash, which can write a text that is there and no more: where to, and what these lines would be if they
+    // were added next.
+    int descriptor() const { return locked_.descriptor(); }
+    std::string next_lines(const std::vector<Json>& lines) const;
+    static Json session_line(const Json& facts);
+    static Json cell_line(const std::string& cell, const Json& facts);
+
     // Removes the file; call when the result file is in place.
     void finish();
 
@@ -63,6 +70,10 @@ private:
     std::map<std::string, Json> cells_;
     std::vector<Json> sessions_;
 };
+
+// Gives a journal that is there another name, so that a run can start over and nothing is lost; returns that name.
+// Throws MachineError if another run is writing it.
+std::string set_journal_aside(const std::string& file);
 
 // What differs between two identities, key by key, "seed: 1, here 2; ..": at most three things and the number of the
 // others. Empty: nothing does.

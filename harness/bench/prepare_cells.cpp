@@ -25,6 +25,9 @@ RenderSettings verification_settings(RenderSettings settings) {
 
 constexpr std::uint32_t verification_spp = 2;
 
+// Where something went wrong that went wrong here.
+constexpr const char* place = "a render before the timed ones";
+
 // How long a cell's preparation takes beside those of other cells.
 double size_of(const Cell& cell) {
     return static_cast<double>(cell.settings.width) * cell.settings.height * cell.samples_to_prepare();
@@ -36,19 +39,24 @@ public:
     CellPreparer(std::uint64_t seed, FilmLedger& films, ErrorBook& errors)
         : seed_(seed), films_(films), errors_(errors) {}
 
-    // What the journal shall know of the cell. A choice that throws fails its cell, not the run.
-    Json prepare(const Cell& cell) {
+    struct Prepared {
+        Json facts;                           // what the journal shall know of the cell
+        std::vector<FailedCell> others = {};  // that turned out wrong meanwhile
+    };
+
+    // A choice that throws fails its cell, not the run.
+    Prepared prepare(const Cell& cell) {
         Verifier& verifier = verifier_of(cell);
-        Json facts;
+        Prepared prepared;
         try {
-            facts = verified(cell, verifier);
-            if (facts.at("status") == "ok") {
-                add_instrumented_pass(cell, facts);
+            prepared.facts = verified(cell, verifier);
+            if (prepared.facts.at("status") == "ok") {
+                add_instrumented_pass(cell, prepared);
             }
         } catch (const std::exception& exception) {
-            facts = {{"status", "failed"}, {"reason", exception.what()}};
+            prepared.facts = {{"status", "failed"}, {"reason", fmt::format("{}: {}", place, exception.what())}};
         }
-        return facts;
+        return prepared;
     }
 
 private:
@@ -68,18 +76,17 @@ private:
                 {"reason", verdict.holds ? "" : verdict.message}};
     }
 
-    void add_instrumented_pass(const Cell& cell, Json& facts) {
+    void add_instrumented_pass(const Cell& cell, Prepared& prepared) {
         // Queues grow and pages are touched in a first render: not in one whose stages are looked at.
-        (void)render(*cell.scene, request(cell, cell.variant, traits_of(cell.variant, cell.backend).devices.count));
+        (void)render_named(*cell.scene,
+                           request(cell, cell.variant, traits_of(cell.variant, cell.backend).devices.count));
         RenderRequest instrumented = request(cell, cell.variant, cell.samples_to_prepare());
         instrumented.instrument = true;
-        const RenderResult result = render(*cell.scene, instrumented);
-        if (const std::string& expected = expected_film(cell); result.film.hash() != expected) {
-            facts["status"] = "failed";
-            facts["reason"] = fmt::format("at full size the film {} differs from {} of {}", result.film.hash(),
-                                          expected, shown_name(bitwise_reference(cell), cell.backend));
+        const RenderResult result = render_named(*cell.scene, instrumented);
+        if (!has_the_bits(cell, result, prepared)) {
             return;
         }
+        Json& facts = prepared.facts;
         facts.update(facts_of(cell, result));
         if (cell.convergence) {
             facts["convergence"] = errors_.cell_facts(cell);
@@ -87,10 +94,26 @@ private:
         }
     }
 
-    const std::string& expected_film(const Cell& cell) {
-        return films_.film_to_prepare(cell, [&] {
-            return render(*cell.scene, request(cell, bitwise_reference(cell), cell.samples_to_prepare())).film.hash();
-        });
+    // At full size too: the film and the work, and of a variant that rounds freely those of its exact twin as well.
+    bool has_the_bits(const Cell& cell, const RenderResult& result, Prepared& prepared) {
+        std::vector<FailedCell> failed = films_.note_preparation(cell, imprint_of(result));
+        if (fp_relaxed(cell.variant, cell.backend)) {
+            const Variant twin = exact_twin(cell.variant, cell.backend);
+            const RenderResult exact = render_named(*cell.scene, request(cell, twin, cell.samples_to_prepare()));
+            for (FailedCell& of_twin : films_.note_twin(cell, imprint_of(exact))) {
+                of_twin.reason = fmt::format("its twin {}, {}", shown_name(twin, cell.backend), of_twin.reason);
+                failed.push_back(std::move(of_twin));
+            }
+        }
+        for (FailedCell& wrong : failed) {
+            if (wrong.cell == &cell) {
+                prepared.facts["status"] = "failed";
+                prepared.facts["reason"] = wrong.reason;
+            } else {
+                prepared.others.push_back(std::move(wrong));
+            }
+        }
+        return prepared.facts.at("status") == "ok";
     }
 
     // At the cell's own size.
@@ -117,13 +140,18 @@ std::vector<const Cell*> unknown_cells(const Plan& plan, const Journal& journal)
     return unknown;
 }
 
-CompileTask compilation_of(const Cell& cell) { return {.scene = cell.scene.get(), .variant = cell.variant}; }
+void add_compilations(const Cell& cell, std::vector<CompileTask>& tasks) {
+    tasks.push_back({.scene = cell.scene.get(), .variant = cell.variant});
+    // What its samples are held to (FilmLedger).
+    const Variant twin = exact_twin(cell.variant, cell.backend);
+    tasks.push_back({.scene = cell.scene.get(), .variant = fast_reference_on(*cell.scene, twin, cell.backend)});
+}
 
 void compile_kernels(const std::vector<const Cell*>& cells) {
     std::vector<CompileTask> tasks;
     for (const Cell* const cell : cells) {
         if (cell->backend == Backend::cuda) {
-            tasks.push_back(compilation_of(*cell));
+            add_compilations(*cell, tasks);
         }
     }
     compile_ahead(tasks);
@@ -133,7 +161,9 @@ void compile_kernels(const std::vector<const Cell*>& cells) {
 
 std::vector<CompileTask> compilations_of(const Plan& plan) {
     std::vector<CompileTask> tasks;
-    std::transform(plan.cells.begin(), plan.cells.end(), std::back_inserter(tasks), compilation_of);
+    for (const Cell& cell : plan.cells) {
+        add_compilations(cell, tasks);
+    }
     return tasks;
 }
 
@@ -154,11 +184,19 @@ void prepare_cells(const Plan& plan, std::uint64_t seed, RunJournal& journal, Fi
         }
         progress.begin(names.of(*cell));
         const double start = seconds_now();
-        const Json facts = preparer.prepare(*cell);
-        if (facts.at("status") == "failed") {
-            say_below_progress(fmt::format("failed: {}: {}", cell->name, facts.at("reason").get<std::string>()));
+        const AtWork at_work(cell->name + ", before it is timed");
+        const CellPreparer::Prepared prepared = [&] {
+            const LastLine last_line = journal.fails_if_crashed(*cell, place);
+            return preparer.prepare(*cell);
+        }();
+        if (prepared.facts.at("status") == "failed") {
+            say_below_progress(
+                fmt::format("failed: {}: {}", cell->name, prepared.facts.at("reason").get<std::string>()));
         }
-        journal.set_cell(*cell, facts);
+        journal.set_cell(*cell, prepared.facts);
+        for (const FailedCell& other : prepared.others) {
+            journal.fail(*other.cell, other.reason);
+        }
         time_left.took(cell->name, seconds_now() - start);
         progress.step(names.of(*cell), [&] { return time_left.seconds(); });
     }

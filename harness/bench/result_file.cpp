@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "harness/bench/convergence_study.h"
+#include "harness/bench/film_ledger.h"
 #include "harness/bench/machine.h"
 #include "harness/bench/result_check.h"
 #include "harness/bench/retakes.h"
@@ -435,7 +436,7 @@ void check_journal(const Plan& plan, const Suite& suite, const Journal& journal)
                 (void)facts->at("convergence").at("expected_mse").get<double>();
             }
             for (const Json& sample : journal.samples(cell.name)) {
-                (void)sample.at("film_hash").get<std::string>();
+                (void)imprint_of_sample(sample);
                 (void)sample.at("pt_rays_per_second").get<double>();
                 (void)is_disturbed(sample, cell.backend);
                 if (const std::string fault = fault_of_sample(sample); !fault.empty()) {

@@ -35,7 +35,7 @@ Outcome outcome_of(const RunEnding& ending, const Journal& journal) {
 }
 
 int end_interrupted(const RunEnding& ending) {
-    fmt::print("go on with: {}{}\n", ending.facts.command_line, ending.was_resumed ? "" : " --resume");
+    fmt::print("go on with: {}\n", command_to_go_on(ending));
     return exit_interrupted;
 }
 
@@ -89,6 +89,10 @@ void print_headline(const RunEnding& ending, const Journal& journal, const Outco
 }
 
 }  // namespace
+
+std::string command_to_go_on(const RunEnding& ending) {
+    return ending.facts.command_line + (ending.was_resumed ? "" : " --resume");
+}
 
 int end_run(const RunEnding& ending, RunJournal& journal) {
     const Journal& known = journal.known();

@@ -19,6 +19,9 @@ struct RunEnding {
     bool was_resumed;  // the command line says so already
 };
 
+// The call that goes on with the run.
+std::string command_to_go_on(const RunEnding& ending);
+
 // Writes and prints it; removes the journal of a run that is complete, once the result is read again from the disk and
 // does not contradict itself (exit_check_failed otherwise). A run that is not complete leaves an earlier result as it
 // is. Returns the exit code. Throws MachineError where the result cannot be written.

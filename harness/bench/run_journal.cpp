@@ -2,15 +2,19 @@
 
 #include <utility>
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include "harness/bench/machine.h"
+#include "harness/bench/progress.h"
 
 namespace pt {
 
 RunJournal::RunJournal(std::string file, const Json& identity, bool resume,
-                       const std::vector<std::string>& that_may_differ)
-    : journal_(std::move(file), identity, resume, that_may_differ), host_name_(identity.at("host_name")) {}
+                       const std::vector<std::string>& that_may_differ, std::string go_on)
+    : journal_(std::move(file), identity, resume, that_may_differ),
+      host_name_(identity.at("host_name")),
+      go_on_(std::move(go_on)) {}
 
 bool RunJournal::is_ok(const Cell& cell) const {
     const Json* facts = journal_.cell(cell.name);
@@ -35,6 +39,13 @@ void RunJournal::set_failed(const Cell& cell, const std::string& reason) {
     set_cell(cell, facts);
 }
 
+void RunJournal::fail(const Cell& cell, const std::string& reason) {
+    if (failure(cell).empty()) {
+        set_failed(cell, reason);
+        say_below_progress(fmt::format("failed: {}: {}", cell.name, reason));
+    }
+}
+
 void RunJournal::add_sample(const Cell& cell, const Json& sample) {
     const std::lock_guard lock(mutex_);
     begin_session();
@@ -47,10 +58,32 @@ void RunJournal::retake_sample(const Cell& cell, const Json& sample) {
     journal_.retake_sample(cell.name, sample);
 }
 
+LastLine RunJournal::fails_if_crashed(const Cell& cell, const std::string& place) const {
+    const Json* known = journal_.cell(cell.name);
+    Json facts = known != nullptr ? *known : Json::object();
+    facts["status"] = "failed";
+    const auto line = [&](const std::string& signal) {
+        facts["reason"] = fmt::format("crashed in {}: {}", place, signal);
+        std::vector<Json> lines;
+        if (!has_session_) {
+            lines.push_back(Journal::session_line(session_facts()));
+        }
+        lines.push_back(Journal::cell_line(cell.name, facts));
+        return journal_.next_lines(lines);
+    };
+    return {journal_.descriptor(), line,
+            fmt::format("ptbench: {} keeps what was measured, and {} as failed\ngo on with: {}\n", journal_.file(),
+                        cell.name, go_on_)};
+}
+
+Json RunJournal::session_facts() const {
+    return {{"date", iso_date()}, {"host_name", host_name_}, {"process", ::getpid()}};
+}
+
 // Before the first fact that this process finds: one that is refused, or has nothing to do, leaves no trace.
 void RunJournal::begin_session() {
     if (!std::exchange(has_session_, true)) {
-        journal_.add_session({{"date", iso_date()}, {"host_name", host_name_}, {"process", ::getpid()}});
+        journal_.add_session(session_facts());
     }
 }
 

@@ -7,13 +7,15 @@
 
 #include "harness/bench/journal.h"
 #include "harness/bench/suite.h"
+#include "harness/crash.h"
 
 namespace pt {
 
 class RunJournal {
 public:
-    // Opens it: Journal's constructor.
-    RunJournal(std::string file, const Json& identity, bool resume, const std::vector<std::string>& that_may_differ);
+    // Opens it: Journal's constructor. `go_on`: the command that goes on with the run, for what a crash says.
+    RunJournal(std::string file, const Json& identity, bool resume, const std::vector<std::string>& that_may_differ,
+               std::string go_on);
 
     const Journal& known() const { return journal_; }
     // Whether the cell is prepared and may be timed.
@@ -24,8 +26,13 @@ public:
     void set_cell(const Cell& cell, const Json& facts);
     // Of a cell that is known.
     void set_failed(const Cell& cell, const std::string& reason);
+    // The same of one that has not failed yet; said on stderr.
+    void fail(const Cell& cell, const std::string& reason);
     void add_sample(const Cell& cell, const Json& sample);
     void retake_sample(const Cell& cell, const Json& sample);
+    // While what this returns lives, a crash leaves the cell as failed ("crashed in PLACE: SIGNAL") and says how to go
+    // on.
+    LastLine fails_if_crashed(const Cell& cell, const std::string& place) const;
 
     // No change from now on: a thread that adds to the journal waits until the process ends.
     void close() { mutex_.lock(); }
@@ -34,9 +41,11 @@ public:
 
 private:
     void begin_session();
+    Json session_facts() const;
 
     Journal journal_;
     std::string host_name_;
+    std::string go_on_;
     std::mutex mutex_;  // held while the journal changes
     bool has_session_ = false;
 };

@@ -63,13 +63,18 @@ bool is_done(const RunOptions& options, const EarlierResult& earlier) {
            earlier.is_complete;
 }
 
+// Whether the journal of an unfinished run makes room for this one: --overwrite alone asks for a new run.
+bool starts_over(const RunOptions& options) {
+    return options.overwrite && !options.resume && std::filesystem::exists(journal_of(options));
+}
+
 // An earlier result may only be replaced where the call says so, or where it is this run's own. (A journal without
-// --resume is refused when it is opened.)
+// --resume and --overwrite is refused when it is opened.)
 void check_result_file(const RunOptions& options, const EarlierResult& earlier) {
-    const bool has_journal = std::filesystem::exists(journal_of(options));
+    const bool has_journal = std::filesystem::exists(journal_of(options)) && !starts_over(options);
     if (has_journal && !options.resume && earlier.is_kept() && !earlier.is_of_this_run) {
         throw InputError(journal_of(options), "journal", "an unfinished run that is to replace " + options.out,
-                         "go on with --overwrite --resume, or remove the journal");
+                         "--overwrite --resume, which goes on, or --overwrite, which starts over");
     }
     const bool goes_on = has_journal && (!options.resume || earlier.is_of_this_run || !earlier.is_complete);
     if (!goes_on) {
@@ -163,6 +168,17 @@ void check_ranks(const Plan& plan) {
     require_equal_machines(plan.cells.front().backend);
 }
 
+// Of a run that goes on: a cell that failed or crashed in an earlier process is not tried again.
+void say_what_failed_before(const Plan& plan, const RunJournal& journal) {
+    for (const Cell& cell : plan.cells) {
+        const bool is_known = journal.known().cell(cell.name) != nullptr;
+        if (const std::string reason = is_known ? journal.failure(cell) : ""; !reason.empty()) {
+            fmt::print(stderr, "ptbench: failed before and not tried again (--overwrite starts over): {}: {}\n",
+                       cell.name, reason);
+        }
+    }
+}
+
 // A launcher kills what has not ended a second after Ctrl-C.
 std::chrono::milliseconds grace_of(const RunOptions& options) {
     constexpr std::chrono::milliseconds most_under_a_launcher(200);
@@ -174,13 +190,19 @@ int run_part(const RunEnding& ending, const Json& identity, const RunOptions& op
     const Plan& plan = ending.plan;
     const Progress::Lines lines = options.quiet ? Progress::Lines::hidden : Progress::Lines::shown;
     Interrupt interrupt(grace_of(options));
-    RunJournal journal(journal_of(options), identity, options.resume, that_may_differ(options));
+    if (starts_over(options)) {
+        fmt::print(stderr, "ptbench: the unfinished run that was there is kept: {}\n",
+                   set_journal_aside(journal_of(options)));
+    }
+    RunJournal journal(journal_of(options), identity, options.resume, that_may_differ(options),
+                       command_to_go_on(ending));
     ErrorBook errors(plan, ReferenceMaker(options.reference_cache, {.is_stopped = [&] { return interrupt.requested(); },
                                                                     .says = say_below_progress}));
     say_what_was_dropped(journal.known());
     check_journal(plan, ending.suite, journal.known());
     check_sample_seeds(plan, journal.known(), options.seed, ending.facts.repetitions);
-    FilmLedger films(plan, journal.known());
+    say_what_failed_before(plan, journal);
+    FilmLedger films(plan, journal.known(), options.seed);
     SampleTaker taker(plan, journal.known(), options.seed, films, errors);
     {
         const EndWhenOverdue overdue(interrupt, [&] {

@@ -18,7 +18,9 @@ struct RunOptions {
     int repetitions = 0;       // 0: the suite's
     int retakes = -1;          // of disturbed samples, at most so many a cell; -1: as many as it has repetitions
     bool resume = false;
-    bool overwrite = false;   // a result that is there may be replaced, when the new one is complete
+    // A result that is there may be replaced, when the new one is complete; without `resume` the journal of an
+    // unfinished run makes room for a new run, and is kept under another name.
+    bool overwrite = false;
     bool other_host = false;  // resume although the host has another name
     bool quiet = false;       // no progress on stderr
     Shard shard = {};

@@ -5,9 +5,12 @@
 #include <optional>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "harness/bench/cpu_clock.h"
 #include "harness/bench/machine.h"
 #include "harness/bench/progress.h"
+#include "harness/crash.h"
 #include "harness/cuda/backend.h"
 #include "harness/ranks/ranks.h"
 #include "harness/ranks/render_on_ranks.h"
@@ -41,8 +44,7 @@ TimedRender time_render(const Scene& scene, const RenderRequest& request) {
     return {std::move(rendered), end_to_end, clock_before, clock_after, foreign};
 }
 
-Json facts_of_sample(const RenderRequest& request, const TimedRender& timed, const std::string& hash,
-                     std::uint64_t order) {
+Json facts_of_sample(const RenderRequest& request, const TimedRender& timed, std::uint64_t order) {
     const RenderResult& result = timed.rendered.result;
     const bool has_clock = timed.clock_before && timed.clock_after;
     Json facts{{"pt_wall_ms", result.wall_ms},
@@ -53,6 +55,8 @@ Json facts_of_sample(const RenderRequest& request, const TimedRender& timed, con
                {"pt_spp", request.samples},
                {"pt_paths", result.work.paths},
                {"pt_rays", result.work.rays},
+               {"pt_connections", result.work.connections},
+               {"pt_cache_hits", result.work.cache_hits},
                {"pt_rays_per_second", static_cast<double>(result.work.rays) / (1e-3 * result.wall_ms)},
                {"pt_launches", result.work.launches},
                {"pt_graph_nodes", result.work.graph_nodes},
@@ -63,7 +67,7 @@ Json facts_of_sample(const RenderRequest& request, const TimedRender& timed, con
                {"pt_clock_unknown", has_clock ? 0 : 1},
                {"pt_foreign_cpu_ms", timed.foreign.cpu_ms},
                {"pt_involuntary_switches", timed.foreign.involuntary_switches},
-               {"film_hash", hash}};
+               {"film_hash", result.film.hash()}};
     if (has_clock) {
         facts["pt_clock_mhz_before"] = *timed.clock_before;
         facts["pt_clock_mhz_after"] = *timed.clock_after;
@@ -98,9 +102,10 @@ SampleTaker::SampleTaker(const Plan& plan, const Journal& journal, std::uint64_t
 
 TakenSample SampleTaker::take(const Cell& cell, std::size_t index) {
     try {
+        const AtWork at_work(fmt::format("{}, {}", cell.name, place_of(index)));
         return render_sample(cell, index);
     } catch (const std::exception& exception) {
-        return {.error = exception.what()};
+        return {.error = fmt::format("{}: {}", place_of(index), exception.what())};
     }
 }
 
@@ -118,12 +123,11 @@ TakenSample SampleTaker::render_sample(const Cell& cell, std::size_t index) {
     }
     const TimedRender timed = time_render(*cell.scene, request);
     const RenderResult& result = timed.rendered.result;
-    const std::string hash = result.film.hash();
-    sample.error = fault(cell, index, result, hash);
+    sample.error = fault(cell, index, result, sample.others);
     if (!sample.error.empty()) {
         return sample;
     }
-    sample.facts = facts_of_sample(request, timed, hash, order_);
+    sample.facts = facts_of_sample(request, timed, order_);
     if (cell.convergence) {
         sample.facts["pt_checkpoints"] = errors_.rows(cell, sample.snapshots);
     }
@@ -142,20 +146,30 @@ void SampleTaker::warm_up(const Cell& cell, RenderRequest request) {
 
 // What is wrong with a sample's film or counters, or nothing.
 std::string SampleTaker::fault(const Cell& cell, std::size_t index, const RenderResult& result,
-                               const std::string& hash) {
+                               std::vector<FailedCell>& others) {
     // Several ranks have each checked their own.
     if (const std::string missing = check_counters(cell.variant, result.work, cell.spp, cell.backend);
         ranks().count == 1 && !missing.empty()) {
-        return missing;
+        return fmt::format("{}: {}", place_of(index), missing);
     }
-    // At full size too, every film of a group has the same bits, seed by seed.
-    if (const std::string differs = films_.note_sample(cell, index, hash); !differs.empty()) {
-        return differs;
+    // Whatever the claim, and of a variant that rounds freely too, whose rays nobody else's can be held to.
+    const std::uint64_t paths = std::uint64_t{cell.settings.width} * cell.settings.height * cell.spp;
+    if (result.work.paths != paths) {
+        return fmt::format("{}: {} paths, not {}", place_of(index), result.work.paths, paths);
+    }
+    // At full size too, every film of a group has the same bits and took the same work, seed by seed.
+    std::string wrong;
+    for (FailedCell& failed : films_.note_sample(cell, index, imprint_of(result))) {
+        if (failed.cell == &cell) {
+            wrong = std::move(failed.reason);
+        } else {
+            others.push_back(std::move(failed));
+        }
     }
     // Where errors are measured, a sample that is not finite makes them null, with a count.
     FilmFaults faults = result.film.faults();
     faults.nonfinite = cell.convergence ? 0 : faults.nonfinite;
-    return faults.none() ? "" : faults_text(faults);
+    return !wrong.empty() || faults.none() ? wrong : fmt::format("{}: {}", place_of(index), faults_text(faults));
 }
 
 }  // namespace pt

@@ -15,6 +15,7 @@ struct TakenSample {
     std::string error = {};                // why the sample failed; empty: it did not
     Json facts = {};                       // for the journal
     std::vector<Snapshot> snapshots = {};  // of a cell with checkpoints
+    std::vector<FailedCell> others = {};   // cells whose earlier samples it shows to be wrong
 };
 
 class SampleTaker {
@@ -25,11 +26,13 @@ public:
 
     // The cell's sample `index`. What a render throws is its error.
     TakenSample take(const Cell& cell, std::size_t index);
+    // "sample 2 (seed 3)"
+    std::string place_of(std::size_t index) const { return sample_in_words(index, first_seed_ + index); }
 
 private:
     TakenSample render_sample(const Cell& cell, std::size_t index);
     void warm_up(const Cell& cell, RenderRequest request);
-    std::string fault(const Cell& cell, std::size_t index, const RenderResult& result, const std::string& hash);
+    std::string fault(const Cell& cell, std::size_t index, const RenderResult& result, std::vector<FailedCell>& others);
 
     std::uint64_t first_seed_;
     FilmLedger& films_;

@@ -116,13 +116,19 @@ public:
 private:
     // A sample that may go into the journal; another one's error is there already.
     TakenSample taken(const Cell& cell, std::size_t index) {
-        TakenSample sample = taker_.take(cell, index);
+        TakenSample sample = [&] {
+            const LastLine last_line = journal_.fails_if_crashed(cell, taker_.place_of(index));
+            return taker_.take(cell, index);
+        }();
+        for (const FailedCell& other : sample.others) {
+            journal_.fail(*other.cell, other.reason);
+            time_left_.drop(other.cell->name);
+        }
         if (sample.error.empty()) {
             sample.error = fault_of_sample(sample.facts);
         }
         if (!sample.error.empty()) {
-            journal_.set_failed(cell, sample.error);
-            say_below_progress(fmt::format("failed: {}: {}", cell.name, sample.error));
+            journal_.fail(cell, sample.error);
         }
         return sample;
     }

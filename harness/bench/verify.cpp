@@ -1,5 +1,6 @@
 #include "harness/bench/verify.h"
 
+#include "harness/bench/imprint.h"
 #include "harness/bench/suite.h"
 #include "harness/render/renderer.h"
 #include "variants/variant_name.h"
@@ -14,12 +15,12 @@ namespace {
 
 RenderResult render_samples(const Scene& scene, const RenderSettings& settings, const Variant& variant, Backend backend,
                             std::uint32_t first, std::uint32_t count, std::uint32_t film_samples) {
-    return render(scene, {.variant = variant,
-                          .backend = backend,
-                          .settings = settings,
-                          .first_sample = first,
-                          .samples = count,
-                          .film_samples = film_samples});
+    return render_named(scene, {.variant = variant,
+                                .backend = backend,
+                                .settings = settings,
+                                .first_sample = first,
+                                .samples = count,
+                                .film_samples = film_samples});
 }
 
 // What is wrong with a render whatever it is compared with; empty: nothing.
@@ -250,29 +251,39 @@ Verdict Verifier::check(const Variant& variant) {
     return fp_relaxed(variant, backend_) ? check_freely_rounded(variant) : check_bits(variant);
 }
 
+Verdict Verifier::check_film(const Variant& variant) {
+    const Variant exact = exact_twin(variant, backend_);
+    const Variant reference_variant = reference_on(scene_, exact, backend_);
+    const std::string reference_name = shown_name(reference_variant, backend_);
+    const RenderResult result = render_part(exact, 0, spp_);
+    const RenderResult& expected = reference(reference_variant);
+    Verdict verdict{false, result.film.hash(), fault_of(result, exact, backend_, settings_, spp_)};
+    if (!verdict.message.empty()) {
+        return verdict;
+    }
+    if (result.film.sums() != expected.film.sums()) {
+        const Difference first = first_difference(scene_, settings_, spp_, reference_variant, exact, backend_);
+        verdict.message = fmt::format("film differs from {}: {}", reference_name, first.text());
+    } else if (const std::string work = difference(imprint_of(result), imprint_of(expected)); !work.empty()) {
+        verdict.message = fmt::format("{} of {}", work, reference_name);
+    } else {
+        verdict.holds = true;
+        verdict.message = "film bits equal to " + reference_name;
+    }
+    return verdict;
+}
+
 Verdict Verifier::check_bits(const Variant& variant) {
     const Variant reference_variant = reference_on(scene_, variant, backend_);
-    const RenderResult result = render_part(variant, 0, spp_);
-    const RenderResult& expected = reference(reference_variant);
-    Verdict verdict{true, result.film.hash(), "film bits equal to " + shown_name(reference_variant, backend_)};
+    Verdict verdict = check_film(variant);
+    if (!verdict.holds) {
+        return verdict;
+    }
     const auto fail = [&](const std::string& message) {
         verdict.holds = false;
         verdict.message = message;
         return verdict;
     };
-    if (const std::string fault = fault_of(result, variant, backend_, settings_, spp_); !fault.empty()) {
-        return fail(fault);
-    }
-    if (result.film.sums() != expected.film.sums()) {
-        const Difference difference = first_difference(scene_, settings_, spp_, reference_variant, variant, backend_);
-        return fail(
-            fmt::format("film differs from {}: {}", shown_name(reference_variant, backend_), difference.text()));
-    }
-    const auto segments = [](const WorkCounters& work) { return work.rays + work.cache_hits; };
-    if (segments(result.work) != segments(expected.work)) {
-        return fail(fmt::format("{} path segments, but {} of {}", segments(result.work), segments(expected.work),
-                                shown_name(reference_variant, backend_)));
-    }
     if (backend_ == Backend::cuda) {
         const CpuCheck& cpu = against_cpu(reference_variant);
         if (!cpu.failure.empty()) {

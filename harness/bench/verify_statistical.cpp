@@ -68,7 +68,7 @@ ImageRuns StatisticalVerifier::render_runs(const Variant& variant, std::uint32_t
             request.settings.seed = first_seed + run;
             request.samples = effort_.spp / parts;
             request.first_sample = part * request.samples;
-            const RenderResult result = render(scene_, request);
+            const RenderResult result = render_named(scene_, request);
             if (!result.film.faults().none()) {
                 throw std::runtime_error(faults_text(result.film.faults()) + " of " + shown_name(variant, backend_));
             }

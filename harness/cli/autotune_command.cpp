@@ -47,7 +47,7 @@ public:
     double milliseconds(const Variant& variant, std::uint64_t seed) const {
         RenderRequest request{.variant = variant, .backend = backend_, .settings = settings_, .samples = spp_};
         request.settings.seed = seed;
-        return render(scene_, request).device_ms;
+        return render_named(scene_, request).device_ms;
     }
 
     double typical(const Variant& variant) const {

@@ -71,7 +71,7 @@ void add_counters(const InspectArguments& arguments, const Scene& scene, const V
     RenderRequest request{
         .variant = variant, .backend = Backend::cuda, .settings = default_settings(scene), .samples = arguments.spp};
     request.settings.seed = 1;
-    const RenderResult result = render(scene, request);
+    const RenderResult result = render_named(scene, request);
     std::vector<std::string> call{"--scene", arguments.scene, "--backend",
                                   "cuda",    "--spp",         std::to_string(arguments.spp)};
     for (const std::string_view axis : axis_names) {

@@ -14,6 +14,7 @@
 #include "harness/bench/suite.h"
 #include "harness/cli/commands.h"
 #include "harness/cli/render_aovs.h"
+#include "harness/crash.h"
 #include "harness/places.h"
 #include "harness/ranks/ranks.h"
 #include "harness/ranks/render_on_ranks.h"
@@ -237,6 +238,7 @@ int run(const RenderArguments& arguments) {
         request.settings.depth = arguments.depth;
     }
     aovs.check(arguments.out, request);
+    const AtWork at_work(description_of(scene, request));
     const Trial trial = try_out(scene, request);
     RankedRender rendered = render_aloud(scene, request, trial.seconds, aovs.variance());
     if (trial.cuda) {

@@ -235,7 +235,8 @@ Command add_run_command(CLI::App& app, const std::string& command_line) {
         ->check(check_not_empty);
     CLI::Option* resume = command->add_flag("--resume", arguments->resume, "Go on with an unfinished run");
     command->add_flag("--overwrite", arguments->overwrite,
-                      "Replace a result that is there, when the new one is complete");
+                      "Replace a result that is there, when the new one is complete; without --resume an unfinished "
+                      "run starts over, and its journal is kept under another name");
     command
         ->add_flag("--other-host", arguments->other_host, "Go on although the host has another name (the result says)")
         ->needs(resume);

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <functional>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -34,6 +36,7 @@ struct VerifyArguments {
     std::uint32_t runs = 16;
 
     std::string size() const { return !resolution.empty() ? resolution : statistical ? "32x32" : "64x64"; }
+    bool names_no_size() const { return resolution.empty() && spp == 0; }
     std::uint32_t samples() const { return spp != 0 ? spp : statistical ? 64 : 4; }
 };
 
@@ -42,9 +45,9 @@ struct Tally {
 };
 
 // A variant that throws fails; the others go on.
-Verdict check_or_fail(Verifier& verifier, const Variant& variant) {
+Verdict check_or_fail(const std::function<Verdict(const Variant&)>& check, const Variant& variant) {
     try {
-        return verifier.check(variant);
+        return check(variant);
     } catch (const std::exception& exception) {
         return {false, "no film", exception.what()};
     }
@@ -58,10 +61,83 @@ RenderSettings settings_of(const Scene& scene, const VerifyArguments& arguments)
     return settings;
 }
 
+// A queue of more than ten thousand paths, compacted more than sixty times: what goes wrong in large queues alone, or
+// after many calls, is nowhere to be seen at 64x64 and 4 spp. Once for each choice, as it takes several times as long.
+class LargeCheck {
+public:
+    LargeCheck(const Scene& scene, Backend backend, const std::vector<Variant>& variants,
+               const VerifyArguments& arguments)
+        : spp_(samples_for(settings_of(scene, arguments).depth)),
+          verifier_(scene, large(scene, arguments), spp_, backend) {
+        if (arguments.names_no_size()) {
+            checked_ = plainest_of_each_choice(scene, variants, backend);
+        }
+    }
+
+    static std::string size() { return fmt::format("{}x{}", width, height); }
+
+    // What the variant's own verdict becomes.
+    Verdict after(const Verdict& verdict, const Variant& variant) {
+        if (!verdict.holds || !checked_.contains(variant)) {
+            return verdict;
+        }
+        Verdict at_large = verifier_.check_film(variant);
+        at_large.message = fmt::format("at {}, {} spp: {}", size(), spp_, at_large.message);
+        return at_large.holds ? verdict : at_large;
+    }
+
+private:
+    static constexpr std::uint32_t width = 128, height = 96;
+
+    static std::uint32_t samples_for(std::uint32_t depth) {
+        constexpr std::uint32_t compactions = 70;  // one a segment but the last
+        return std::max(4u, compactions / std::max(1u, depth - 1) + 1);
+    }
+    static RenderSettings large(const Scene& scene, const VerifyArguments& arguments) {
+        RenderSettings settings = settings_of(scene, arguments);
+        settings.width = width;
+        settings.height = height;
+        return settings;
+    }
+    // Of each choice the variant that has it and else the fewest choices other than the baseline's.
+    static std::set<Variant> plainest_of_each_choice(const Scene& scene, const std::vector<Variant>& variants,
+                                                     Backend backend) {
+        const Variant baseline = Registry::instance().baseline(backend);
+        const auto distance = [&](const Variant& variant) {
+            return std::count_if(axis_names.begin(), axis_names.end(),
+                                 [&](std::string_view axis) { return variant[axis] != baseline[axis]; });
+        };
+        std::map<std::pair<std::string_view, std::string>, std::pair<std::ptrdiff_t, const Variant*>> plainest;
+        const FeatureSet features = features_of(scene);
+        for (const Variant& variant : variants) {
+            if (!why_not_applicable(variant, features, backend).empty()) {
+                continue;
+            }
+            const std::pair here(distance(variant), &variant);
+            for (const std::string_view axis : axis_names) {
+                const auto [known, is_new] = plainest.try_emplace({axis, variant[axis]}, here);
+                if (here.first < known->second.first) {
+                    known->second = here;
+                }
+            }
+        }
+        std::set<Variant> chosen;
+        for (const auto& [choice, of_choice] : plainest) {
+            chosen.insert(*of_choice.second);
+        }
+        return chosen;
+    }
+
+    std::uint32_t spp_;
+    Verifier verifier_;
+    std::set<Variant> checked_;
+};
+
 void verify_scene(const Scene& scene, Backend backend, const std::vector<Variant>& variants,
                   const VerifyArguments& arguments, Tally& tally) {
     const RenderSettings settings = settings_of(scene, arguments);
     Verifier verifier(scene, settings, arguments.samples(), backend);
+    LargeCheck large_check(scene, backend, variants, arguments);
     const FeatureSet features = features_of(scene);
     for (const Variant& variant : variants) {
         if (const std::string reason = why_not_applicable(variant, features, backend); !reason.empty()) {
@@ -71,7 +147,8 @@ void verify_scene(const Scene& scene, Backend backend, const std::vector<Variant
             }
             continue;
         }
-        const Verdict verdict = check_or_fail(verifier, variant);
+        const Verdict verdict =
+            check_or_fail([&](const Variant& one) { return large_check.after(verifier.check(one), one); }, variant);
         (verdict.holds ? tally.held : tally.failed) += 1;
         if (!verdict.holds || !arguments.quiet) {
             fmt::print("{} {} on {}: {}, {}\n", verdict.film_hash, shown_name(variant, backend), scene.name,
@@ -331,8 +408,9 @@ int run(const VerifyArguments& arguments) {
     for (std::size_t i = 0; i < scenes.size(); ++i) {
         verify_scene(scenes[i], backend, variants[i], arguments, tally);
     }
-    fmt::print("{} held, {} failed, {} not applicable on {}; {} at {} spp, scenes: {}\n", tally.held, tally.failed,
-               tally.not_applicable, to_string(backend), arguments.size(), arguments.samples(), fmt::join(names, ", "));
+    fmt::print("{} held, {} failed, {} not applicable on {}; {} at {} spp{}, scenes: {}\n", tally.held, tally.failed,
+               tally.not_applicable, to_string(backend), arguments.size(), arguments.samples(),
+               arguments.names_no_size() ? ", each choice once at " + LargeCheck::size() : "", fmt::join(names, ", "));
     return tally.failed == 0 && tally.held > 0 ? exit_good : exit_check_failed;
 }
 
@@ -357,7 +435,8 @@ Command add_verify_command(CLI::App& app) {
         ->check(check_not_empty);
     command->add_option("--tune", arguments->tunables, "TUNABLE=VALUE,VALUE, repeatable")->allow_extra_args(false);
     command->add_option("--backend", arguments->backend, "cpu or cuda (default: cuda where it is available)");
-    command->add_option("--resolution", arguments->resolution, "WxH (default 64x64; with --statistical 32x32)");
+    command->add_option("--resolution", arguments->resolution,
+                        "WxH (default 64x64, and each choice once at 128x96; with --statistical 32x32)");
     command->add_option("--spp", arguments->spp, "Samples per pixel (default 4; with --statistical 64 a run)")
         ->check(CLI::Range(1u, 1000000u));
     command->add_option("--depth", arguments->depth, "Ray segments in a path (default: the scene's)")

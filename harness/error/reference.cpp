@@ -34,11 +34,11 @@ void finish(Reference& reference) {
 Image render_half(const ReferenceTask& task, const Variant& variant, std::uint64_t seed, std::uint64_t from,
                   std::uint64_t to) {
     RenderSettings settings{task.width, task.height, depth_for_mean_of(variant, task.backend, task.depth), seed};
-    const RenderResult result = render(*task.scene, {.variant = variant,
-                                                     .backend = task.backend,
-                                                     .settings = settings,
-                                                     .first_sample = static_cast<std::uint32_t>(from),
-                                                     .samples = static_cast<std::uint32_t>(to - from)});
+    const RenderResult result = render_named(*task.scene, {.variant = variant,
+                                                           .backend = task.backend,
+                                                           .settings = settings,
+                                                           .first_sample = static_cast<std::uint32_t>(from),
+                                                           .samples = static_cast<std::uint32_t>(to - from)});
     if (!result.film.faults().none()) {
         throw std::runtime_error(
             fmt::format("the reference {} has {}", task.name(), faults_text(result.film.faults())));

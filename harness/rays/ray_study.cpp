@@ -7,6 +7,7 @@
 
 #include "harness/bench/bootstrap.h"
 #include "harness/bench/cpu_clock.h"
+#include "harness/crash.h"
 #include "harness/cuda/backend.h"
 #include "harness/rays/cpu_batch.h"
 #include "harness/rays/gpu_batch.h"
@@ -218,6 +219,7 @@ MeshResult measure(const RayMesh& mesh, const RayStudy& study) {
     Json trees = Json::array();
     const Json clock_before = clock_now(study.backend);
     for (const auto& [accelerator, builder] : trees_of(study)) {
+        const AtWork at_work(fmt::format("accelerator={} builder={} on {}", accelerator, builder, mesh.name));
         const Tree tree = make_tree(scene_mesh, accelerator, builder, study.backend);
         const auto tracer = make_tracer(tree, study.backend);
         if (states.empty()) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "harness/crash.h"
 #include "harness/cuda/backend.h"
 #include "harness/error.h"
 #include "harness/render/adjoint_table.h"
@@ -239,6 +240,17 @@ RenderResult render(const Scene& scene, const RenderRequest& request) {
         throw MachineError(fmt::format("out of memory: {} of {} at {}x{}", shown_name(request.variant, request.backend),
                                        scene.name, request.settings.width, request.settings.height));
     }
+}
+
+std::string description_of(const Scene& scene, const RenderRequest& request) {
+    return fmt::format("{} on {}, {}, {}x{}, {} spp, seed {}", shown_name(request.variant, request.backend), scene.name,
+                       to_string(request.backend), request.settings.width, request.settings.height, request.samples,
+                       request.settings.seed);
+}
+
+RenderResult render_named(const Scene& scene, const RenderRequest& request) {
+    const AtWork at_work(description_of(scene, request));
+    return render(scene, request);
 }
 
 }  // namespace pt

@@ -119,5 +119,10 @@ HealthRequest health_request(const Scene& scene, const std::vector<std::uint32_t
 // Precondition: why_not_applicable(variant, features) is empty. Throws MachineError if memory runs out, and
 // std::logic_error if the checkpoints are not as they must be.
 RenderResult render(const Scene& scene, const RenderRequest& request);
+// "wavefront on cornell_open, cpu, 64x64, 4 spp, seed 1"
+std::string description_of(const Scene& scene, const RenderRequest& request);
+// `render`, and a crash says which (harness/crash.h). To put the description together takes microseconds, which are no
+// part of a sample: who times one says where it is.
+RenderResult render_named(const Scene& scene, const RenderRequest& request);
 
 }  // namespace pt

@@ -145,9 +145,9 @@ std::optional<Row> compared_with_reference(const Task& task, const Scene& scene,
     Row row;
     RenderRequest request = request_of(task, scene, task.seed, static_cast<std::uint32_t>(samples));
     request.variant = variant;
-    const RenderResult result = render(scene, request);
+    const RenderResult result = render_named(scene, request);
     request.variant = with_samples_in_flight(task, bitwise_reference(task), pixels, samples);
-    const RenderResult reference = render(scene, request);
+    const RenderResult reference = render_named(scene, request);
     count_work(row, result);
     row.film_hash = result.film.hash();
     row.seconds += 1e-3 * reference.wall_ms;
@@ -174,7 +174,7 @@ std::vector<Row> look(const Task& task, const Rendering& rendering, const Scene&
     for (std::uint64_t batch = 0; batch < batches; ++batch) {
         RenderRequest request = request_of(task, scene, seed + batch, samples);
         request.variant = variant;
-        const RenderResult result = render(scene, request);
+        const RenderResult result = render_named(scene, request);
         count_work(common, result);
         common.film_hash = batches == 1 ? result.film.hash() : "";
         for (std::size_t i = 0; i < estimate.size(); ++i) {
@@ -247,7 +247,7 @@ std::vector<std::int64_t> sums_in_parts(const Task& task, const Scene& scene, st
         RenderRequest request = request_of(task, scene, task.seed, samples);
         request.first_sample = done;
         request.film_samples = all_samples;
-        const RenderResult result = render(scene, request);
+        const RenderResult result = render_named(scene, request);
         done += samples;
         count_work(row, result);
         sums.resize(result.film.sums().size());

@@ -440,5 +440,15 @@ TEST(MachineCommandTest, IsTheCpuWhereThereIsNoGpu) {
     EXPECT_EQ(result.out, machine_name() + "\n");
 }
 
+// A line that finds no room is no fault of the program: short and long output alike.
+TEST(MachineCommandTest, OutputThatDoesNotFitIsSaid) {
+    for (const char* command : {" machine", " list"}) {
+        const CommandResult result =
+            run_command({"/bin/sh", "-c", program_file() + command + " > /dev/full"}, in_repository());
+        EXPECT_EQ(result.exit_code, 3);
+        EXPECT_EQ(result.err, "ptbench: standard output: cannot be written: No space left on device\n");
+    }
+}
+
 }  // namespace
 }  // namespace pt::test

@@ -376,7 +376,8 @@ TEST_F(RunCommandTest, AKilledRunGoesOnWhereItWasKilled) {
     const CommandResult refused = ptbench(call(repetitions));
     EXPECT_EQ(refused.exit_code, 2);
     EXPECT_EQ(refused.err,
-              "ptbench: " + journal + ": found an unfinished run, allowed: go on with --resume, or remove the file\n");
+              "ptbench: " + journal +
+                  ": found an unfinished run, allowed: --resume, which goes on, or --overwrite, which starts over\n");
     const CommandResult other = ptbench(call(repetitions, {"--resume", "--seed", "4"}));
     EXPECT_EQ(other.exit_code, 2);
     EXPECT_EQ(other.err.find("ptbench: " + journal + ": line 1: found another run"), 0u) << other.err;

@@ -8,6 +8,8 @@ std::string in_source(const std::string& path) { return source_folder() + "/" + 
 
 std::string program_file() { return PTBENCH_BINARY; }
 
+std::string program_with_wrong_variants() { return PTBENCH_WRONG; }
+
 std::string kill_at_library() { return PTBENCH_KILL_AT; }
 
 }  // namespace pt::test

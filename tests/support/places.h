@@ -15,6 +15,9 @@ std::string in_source(const std::string& path);
 // build/ptbench of this build.
 std::string program_file();
 
+// The same program with the variants of tests/wrong.
+std::string program_with_wrong_variants();
+
 // tests/preload/kill_at.cpp as a library for LD_PRELOAD.
 std::string kill_at_library();
 

@@ -190,7 +190,7 @@ TEST_F(JournalTest, AnUnfinishedRunIsRefusedWithoutResume) {
     write_three_facts();
     const std::string before = test::content_of(file);
     EXPECT_EQ(refusal<InputError>(identity, false),
-              file + ": found an unfinished run, allowed: go on with --resume, or remove the file");
+              file + ": found an unfinished run, allowed: --resume, which goes on, or --overwrite, which starts over");
     EXPECT_EQ(test::content_of(file), before);
 }
 
@@ -225,6 +225,27 @@ TEST(LineSealTest, TheChecksumIsFnv1aOfTheLineAndOfThoseBeforeIt) {
         hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
     }
     EXPECT_EQ(seal.seal(R"({"b":2})"), fmt::format(R"({{"b":2,"check":"{:016x}"}})", hash));
+}
+
+// What a crash leaves: appended by hand, after the process's own lines.
+TEST_F(JournalTest, TheNextLinesGoOnWithTheChecksums) {
+    write_three_facts();
+    std::string lines;
+    {
+        Journal journal(file, identity, true);
+        journal.add_sample("a", {{"pt_wall_ms", 3.5}});
+        const Journal& known = journal;
+        lines = known.next_lines(
+            {Journal::session_line({{"process", 7}}), Journal::cell_line("a", {{"status", "failed"}})});
+        EXPECT_EQ(known.next_lines({}), "");
+    }
+    test::write_text(file, test::content_of(file) + lines);
+    Journal again(file, identity, true);
+    EXPECT_EQ(*again.cell("a"), (Json{{"status", "failed"}}));
+    EXPECT_EQ(again.sessions().size(), 1u);
+    EXPECT_EQ(again.sample_count(), 3u);
+    again.add_sample("b", {{"pt_wall_ms", 1}});
+    EXPECT_EQ(again.sample_count(), 4u);
 }
 
 TEST_F(JournalTest, AFlippedBitIsFoundWhereverItIs) {

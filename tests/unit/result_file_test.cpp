@@ -28,8 +28,16 @@ TEST(AggregateTest, MatchesNumbersWorkedOutByHand) {
 }
 
 Json sample(double wall, double cpu, int seed) {
-    return {{"pt_wall_ms", wall},        {"cpu_ms", cpu}, {"pt_device_ms", wall},           {"pt_seed", seed},
-            {"pt_rays_per_second", 5e7}, {"pt_rays", 77}, {"film_hash", "0123456789abcdef"}};
+    return {{"pt_wall_ms", wall},
+            {"cpu_ms", cpu},
+            {"pt_device_ms", wall},
+            {"pt_seed", seed},
+            {"pt_rays_per_second", 5e7},
+            {"pt_rays", 77},
+            {"pt_paths", 9},
+            {"pt_cache_hits", 0},
+            {"pt_connections", 0},
+            {"film_hash", "0123456789abcdef"}};
 }
 
 // Four cells: measured, failed, cut short, not reached.

@@ -324,7 +324,7 @@ TEST_F(RunnerTest, EveryCellFailingIsStillAResult) {
     EXPECT_EQ(result().at("benchmarks").size(), 1u);
 }
 
-// Verified, instrumented and warmed up, it throws in its second sample: Google Benchmark must not abort.
+// Verified, instrumented and warmed up, it throws in its first sample: Google Benchmark must not abort.
 TEST_F(RunnerTest, AChoiceThatFailsLateFailsAloneAndForGood) {
     int renders = 0;
     on_render = [&renders] {
@@ -337,14 +337,15 @@ TEST_F(RunnerTest, AChoiceThatFailsLateFailsAloneAndForGood) {
     std::map<std::string, std::string> found = statuses(file);
     EXPECT_EQ(found["none"], "ok");
     EXPECT_EQ(found["thrust_remove_if"], "ok");
-    EXPECT_EQ(found["test_hooked"], "failed: out of luck");
+    EXPECT_EQ(found["test_hooked"], "failed: sample 0 (seed 1): out of luck");
     EXPECT_EQ(renders, 5);  // not tried again
     for (const auto& [name, rows] : sample_rows(file)) {
         EXPECT_EQ(rows.size(),
                   name.find("test_hooked") != std::string::npos ? 1u : static_cast<std::size_t>(repetitions));
     }
     EXPECT_NE(progress.find("failed: "
-                            "wavefront/compaction:test_hooked/scene:tiny/backend:cpu/8x6/depth:3/spp:2: out of luck\n"),
+                            "wavefront/compaction:test_hooked/scene:tiny/backend:cpu/8x6/depth:3/spp:2: "
+                            "sample 0 (seed 1): out of luck\n"),
               std::string::npos);
 }
 
@@ -362,7 +363,7 @@ TEST_F(RunnerTest, AChoiceThatThrowsWhileItIsVerifiedFailsAlone) {
         std::map<std::string, std::string> found = statuses(result());
         EXPECT_EQ(found["none"], "ok");
         EXPECT_EQ(found["thrust_remove_if"], "ok");
-        EXPECT_EQ(found["test_hooked"], "failed: out of luck");
+        EXPECT_EQ(found["test_hooked"], "failed: a render before the timed ones: out of luck");
         EXPECT_EQ(result().at("benchmarks").size(), 2u * (repetitions + 4) + 1u);
     }
 }
@@ -381,11 +382,37 @@ TEST_F(RunnerTest, AFilmThatIsWrongAtFullSizeOnlyIsFound) {
     // It is the wrong one that is blamed, whatever the order: the reference variant sets the film.
     for (const auto& [compaction, status] : statuses(result())) {
         if (compaction == "test_hooked") {
-            EXPECT_EQ(status.find("failed: at full size the film "), 0u) << status;
+            EXPECT_EQ(status.find("failed: at full size, 2 spp, seed 1: film "), 0u) << status;
         } else {
             EXPECT_EQ(status, "ok") << compaction;
         }
     }
+}
+
+// It is the first to take the sample, and it was right until then.
+TEST_F(RunnerTest, AFilmThatIsWrongInATimedSampleOnlyFailsItsCellAlone) {
+    int renders = 0;
+    on_render = [&] { ++renders; };
+    on_compact = [&](PathQueue& queue) {
+        std::visit(
+            [&](auto& paths) {
+                if (renders == 6 && queue.count > 0) {  // verification, two to prepare, the warm-up, a sample
+                    Path<float> path = paths.load(0);
+                    path.throughput *= 1.0001f;
+                    paths.store(0, path);
+                }
+            },
+            queue.paths);
+    };
+    RunOptions how = options();
+    how.benchmark_flags = {"--benchmark_enable_random_interleaving=false"};
+    EXPECT_EQ(run(suite({{"compaction", {"test_hooked", "none", "thrust_remove_if"}}}), how), exit_check_failed);
+    std::map<std::string, std::string> found = statuses(result());
+    EXPECT_EQ(found["none"], "ok");
+    EXPECT_EQ(found["thrust_remove_if"], "ok");
+    EXPECT_EQ(found["test_hooked"].find("failed: sample 1 (seed 2): film "), 0u) << found["test_hooked"];
+    EXPECT_NE(found["test_hooked"].find(" of depth_first specialisation=generic"), std::string::npos);
+    EXPECT_NE(printed.find("FAILED    wavefront compaction=test_hooked\n"), std::string::npos) << printed;
 }
 
 // ---- Interrupts and resuming ----
@@ -584,6 +611,21 @@ TEST_F(RunnerTest, ACompletedRunIsNotMeasuredAgainByResume) {
     how.overwrite = true;
     ASSERT_EQ(run(suite(three_compactions), how), exit_good);
     EXPECT_NE(test::content_of(out), before);
+}
+
+TEST_F(RunnerTest, OverwriteDoesNotTakeARunningRunsJournal) {
+    std::filesystem::create_directories(folder.path() / "out");
+    RunOptions how = options();
+    how.overwrite = true;
+    {
+        const Journal another(journal_file, {{"cells", 1}}, false);
+        const std::string before = test::content_of(journal_file);
+        EXPECT_THROW(run(suite({}), how), MachineError);
+        EXPECT_EQ(test::content_of(journal_file), before);
+        EXPECT_FALSE(std::filesystem::exists(journal_file + ".1"));
+    }
+    EXPECT_EQ(run(suite({}), how), exit_good);  // it has ended, and left its journal
+    EXPECT_TRUE(std::filesystem::exists(journal_file + ".1"));
 }
 
 // ---- Earlier results ----

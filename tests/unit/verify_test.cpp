@@ -132,6 +132,14 @@ public:
 const Registration lazy(test_compaction("test_lazy"),
                         {.compaction = [] { return std::make_unique<LazyCompaction>(); }});
 
+void count_too_many(PathQueue& queue) { queue.count += 100000; }
+
+const Registration counts_too_many(test_compaction("test_counts_too_many"), {.compaction = [] {
+                                       return std::make_unique<SpoiltCompaction>("thrust_remove_if", count_too_many);
+                                   }});
+const Registration sorts_too_many(test_choice("sorting", "test_sorts_too_many"),
+                                  {.sorting = [] { return std::make_unique<SpoiltSorting>(count_too_many); }});
+
 const Registration loses_a_hit(test_choice("sorting", "test_loses_a_hit"),
                                {.sorting = [] { return std::make_unique<SpoiltSorting>(lose_a_hit); }});
 
@@ -406,7 +414,23 @@ TEST(VerifyTest, WorkThatWasNotDoneIsFound) {
     EXPECT_EQ(check(closed_room(), with("integrator", "test_path_too_few")).message,
               "575 paths for 192 pixels of 3 samples");
     EXPECT_EQ(check(closed_room(), with("integrator", "test_ray_too_many")).message,
-              "3457 path segments, but 3456 of " + reference);
+              "3457 rays, not 3456 of " + reference);
+}
+
+// Nobody looks at what lies behind the queue.
+TEST(VerifyTest, ACountBeyondTheQueueIsRefused) {
+    const auto refusal = [](const Variant& variant) -> std::string {
+        try {
+            check(closed_room(), variant);
+        } catch (const std::runtime_error& error) {
+            return error.what();
+        }
+        return "";
+    };
+    EXPECT_EQ(refusal(with("compaction", "test_counts_too_many")),
+              "the compaction returned a count of 100192 paths in play, allowed: at most 192, as many as it was given");
+    EXPECT_EQ(refusal(with("sorting", "test_sorts_too_many")),
+              "the sort changed the count of paths in play from 192 to 100192, allowed: the same");
 }
 
 // The film cannot tell: with 16 rays for 3 samples it is the right one.

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "variants/work_checks.h"
+
 namespace pt::cuda {
 
 namespace {
@@ -122,8 +124,10 @@ void Wavefront::end_segment(std::uint32_t segment) {
 // The host learns the count if it reads back.
 void Wavefront::compact() {
     const Stage stage(job_.stages, "compact", job_.stream);
+    const std::uint32_t before = queue_.bound;
     if (!appends_) {
         needs_.compaction->compact(queue_);
+        check_count_after("compaction", before, queue_.bound);
     }
     job_.work.compactions += 1;
     if (reads_back_) {
@@ -132,7 +136,9 @@ void Wavefront::compact() {
                                         counter_stride * sizeof(std::uint32_t), sizeof(std::uint32_t), parts(),
                                         cudaMemcpyDeviceToHost, job_.stream));
         PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
-        queue_.bound = std::accumulate(counts, counts + parts(), 0u);
+        const std::uint64_t count = std::accumulate(counts, counts + parts(), std::uint64_t{0});
+        check_count_after("compaction", before, count);
+        queue_.bound = static_cast<std::uint32_t>(count);
         job_.work.host_waits += 1;
     }
 }

@@ -7,6 +7,7 @@
 
 #include "variants/cpu/parallel_for.h"
 #include "variants/registry.h"
+#include "variants/work_checks.h"
 
 namespace pt::integrator::wavefront {
 
@@ -120,7 +121,12 @@ private:
                                                      : missed;
             }
         });
+        const std::size_t before = queue_.count;
         job_.sorting->sort(queue_, missed + 2);
+        if (queue_.count != before) {
+            throw std::runtime_error("the sort changed the count of paths in play from " + std::to_string(before) +
+                                     " to " + std::to_string(queue_.count) + ", allowed: the same");
+        }
         job_.work.sorts += 1;
         job_.work.sorted += live;
     }
@@ -162,6 +168,7 @@ private:
         const StageClock clock(job_.stages, "compact");
         const std::size_t before = queue_.count;
         job_.compaction->compact(queue_);
+        check_count_after("compaction", before, queue_.count);
         job_.work.compactions += 1;
         job_.work.compacted_away += before - queue_.count;
     }
