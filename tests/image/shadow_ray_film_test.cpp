@@ -2,7 +2,6 @@
 // connections that ask for the closest hit: here the program's kernels, against one of this file that asks.
 #include "variants/integrator/depth_first.h"
 
-#include <chrono>
 #include <functional>
 #include <numeric>
 #include <string>
@@ -103,14 +102,10 @@ INSTANTIATE_TEST_SUITE_P(Scenes, ShadowRayFilmTest,
                                          "cornell_closed_unjittered", "many_lights", "small_light",
                                          "meshes/icosphere_room"));
 
-TEST(ShadowRayFilmTest, OfALampsVeryEdge) {
-    const auto t0 = std::chrono::steady_clock::now();
-    for (const char* direct_light : {"nee", "nee_mis"}) {
-        for (const char* light_sampling : {"area", "projected", "auto"}) {
-            expect_same_film(find_scene("small_light"), direct_light, light_sampling, 128, 64);
-            printf("%s %s %g\n", direct_light, light_sampling,
-                   std::chrono::duration<double>(std::chrono::steady_clock::now() - t0).count());
-        }
+// Among so many rays a few pass the lamp by that they were drawn to.
+TEST(ShadowRayFilmOfEdgesTest, IsThatOfTheClosestHit) {
+    for (const char* light_sampling : {"area", "projected", "auto"}) {
+        expect_same_film(find_scene("small_light"), "nee", light_sampling, 128, 64);
     }
 }
 
