@@ -903,7 +903,8 @@ TEST_F(RetakeTest, ARunThatWasKilledBeforeARetakeGoesOnWithItAndHoldsItsFilm) {
     test::write_text(journal_file, kept);
     on_compact = [](PathQueue& queue) { queue.count -= queue.count > 0 ? 1 : 0; };
     EXPECT_EQ(run(what, going_on(1)), exit_check_failed) << printed;
-    EXPECT_EQ(statuses(result()).at("test_hooked").find("failed: film "), 0u) << printed;
+    const std::string status = statuses(result()).at("test_hooked");
+    EXPECT_EQ(status.find("failed: sample 0 (seed 1): film "), 0u) << status;
 }
 
 TEST_F(RunnerTest, ADeviceIsNoPlaceForAResult) {
