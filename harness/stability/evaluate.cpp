@@ -416,8 +416,12 @@ std::vector<std::pair<std::string, Variant>> renders_of(const Task& task) {
         return renders;
     }
     for (const Twins& twins : stiff_case.twins(task.values)) {
+        Variant tuned = task.variant;
+        for (const auto& [name, value] : twins.tuning) {
+            tuned.tuning[name] = value;
+        }
         renders.emplace_back(twins.reference.dump(), task.variant);
-        renders.emplace_back(twins.changed.dump(), task.variant);
+        renders.emplace_back(twins.changed.dump(), without_foreign_tunables(tuned, task.backend));
     }
     return renders;
 }

@@ -25,9 +25,14 @@ def run_analysis(*arguments: object, hash_seed: int = 1) -> subprocess.Completed
     return subprocess.run(command, capture_output=True, text=True, check=False, env=environment, cwd=ROOT.parent)
 
 
+def stored_text(file: Path) -> str:
+    """The text of a committed file, whether it is compressed or not."""
+    return read_stored(file, 1 << 30)[1].decode("utf-8")
+
+
 def committed(name: str):
     """What a committed result file holds, "nvidia-h200/seeds.json", whether it is compressed or not."""
-    return json.loads(read_stored(ROOT / "results" / name, 1 << 30)[1])
+    return json.loads(stored_text(ROOT / "results" / name))
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from builder import AXES, Builder, rates_named
-from conftest import ROOT
+from conftest import ROOT, stored_text
 from legibility import check_legible
 
 from ptbench.errors import InputError
@@ -422,7 +422,7 @@ def test_an_older_file_without_a_gpu_is_explained(tmp_path):
 def test_counters_of_inspect_multiply_to_the_time_a_ray():
     result = load(H200 / "schedulers.json")
     entries = load_inspected(H200 / "inspect_cornell_open_45_schedulers.json")
-    raw = {item["variant"].split(".")[0]: item for item in json.loads(entries[0].file.read_text(encoding="utf-8"))}
+    raw = {item["variant"].split(".")[0]: item for item in json.loads(stored_text(entries[0].file))}
     cells = {
         name: next(c for c in result.cells if c.variant == find_variant(result, name) and c.scene == "cornell_open_45")
         for name in ("megakernel", "persistent")
@@ -490,7 +490,7 @@ SCHEDULERS = H200 / "inspect_cornell_open_45_schedulers.json"
 
 
 def _counted(tmp_path: Path, word: str, change=lambda value: None) -> Path:
-    value = rates_named(json.loads(SCHEDULERS.read_text(encoding="utf-8")), word)
+    value = rates_named(json.loads(stored_text(SCHEDULERS)), word)
     change(value)
     path = tmp_path / f"inspect_{word}.json"
     path.write_text(json.dumps(value), encoding="utf-8")
@@ -501,7 +501,7 @@ def test_counters_of_either_word_say_the_same(tmp_path):
     result = load(H200 / "schedulers.json")
     names = find_variant(result, "megakernel"), find_variant(result, "persistent")
     entries = {word: load_inspected(_counted(tmp_path, word)) for word in ("a", "per")}
-    raw = json.loads(SCHEDULERS.read_text(encoding="utf-8"))[0]["kernels"][0]["counters"]
+    raw = json.loads(stored_text(SCHEDULERS))[0]["kernels"][0]["counters"]
     for found in entries.values():
         kernel = found[0].kernels[0]
         assert kernel.warp_instructions_per_ray == raw["warp_instructions_a_ray"]
@@ -529,7 +529,7 @@ def test_counters_of_both_words_or_with_a_gap_are_refused(tmp_path, word, other)
     )
     refused(
         lambda v: v.append(rates_named(v[0], other)),
-        f"$[{len(json.loads(SCHEDULERS.read_text(encoding='utf-8')))}].kernels[0]: "
+        f"$[{len(json.loads(stored_text(SCHEDULERS)))}].kernels[0]: "
         f'found the key "threads_{other}_block", {allowed}',
     )
     refused(

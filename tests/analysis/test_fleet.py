@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from compare_builder import other_machine, run_again, wavefront_by_depth, written
-from conftest import ROOT
+from conftest import ROOT, stored_text
 
 from ptbench.cli.main import main
 from ptbench.errors import InputError
@@ -216,7 +216,7 @@ def test_counters_of_libraries_kernels_are_merged_as_the_program_counts_its_own(
     lines = ["==PROF== words", *(",".join(f'"{field}"' for field in row) for row in (names, units, *rows))]
     (tmp_path / "csv").mkdir()
     (tmp_path / "csv" / "queue-0.csv").write_text("\n".join(lines), encoding="utf-8")
-    entry = json.loads(COUNTERS.read_text(encoding="utf-8").replace("_a_", "_per_"))[0]
+    entry = json.loads(stored_text(COUNTERS).replace("_a_", "_per_"))[0]
     entry |= {"kernels": [{**entry["kernels"][0], "name": "next_bounce"}], "rays": 1000}
     for name in entry["ceilings"]:
         entry["ceilings"][name] = 10.0  # 1e9 a second

@@ -316,7 +316,7 @@ protected:
 TEST_F(CompileErrorTest, NamesTheFileAndTheLineOfABadSource) {
     ModuleRequest request = small_request();
     request.real = "nonsense";
-    const std::string text = failure(request, R"(atomic_append\.cuh\.cu\(2\): error)", "using Real = nonsense;");
+    const std::string text = failure(request, R"(atomic_append\.cuh\.cu\(4\): error)", "using Real = nonsense;");
     EXPECT_NE(text.find("identifier \"nonsense\" is undefined"), std::string::npos) << text;
 }
 
