@@ -529,8 +529,7 @@ def test_counters_of_both_words_or_with_a_gap_are_refused(tmp_path, word, other)
     )
     refused(
         lambda v: v.append(rates_named(v[0], other)),
-        f"$[{len(json.loads(stored_text(SCHEDULERS)))}].kernels[0]: "
-        f'found the key "threads_{other}_block", {allowed}',
+        f'$[{len(json.loads(stored_text(SCHEDULERS)))}].kernels[0]: found the key "threads_{other}_block", {allowed}',
     )
     refused(
         lambda v: v[0]["ceilings"].update({f"memory_gb_{other}_second": 1.0}),
