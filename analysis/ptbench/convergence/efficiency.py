@@ -38,8 +38,8 @@ EFFICIENCY_RULE = (
     "95 %, bootstrap over seeds with expanded percentiles, errors and times of a seed drawn together, seeds that both "
     "cells ran drawn for both. An efficiency whose times other processes disturbed in more than a tenth of a cell's "
     "samples has no verdict (disturbed). Time to an error: the samples after which the fitted curve, with its plateau, "
-    "meets it, times what a sample takes in the same render without checkpoints; never where the plateau lies above it, "
-    "and not told without such a render or where a launch would be more than a twentieth of it."
+    "meets it, times what a sample takes in the same render without checkpoints; never where the plateau lies above "
+    "it, and not told without such a render or where a launch would be more than a twentieth of it."
 )
 
 
