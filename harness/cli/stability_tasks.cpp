@@ -110,10 +110,11 @@ std::vector<Variant> accelerated_variants(const Variant& plain, Backend backend)
     return variants;
 }
 
-// Each accelerator with one after the other of the kernels that are timed, in either arithmetic.
+// Each accelerator with one after the other of the kernels that are timed, of which there are some, in either
+// arithmetic.
 void add_accelerators(std::vector<Variant>& all, const std::vector<Variant>& timed, std::size_t turn, Backend backend) {
     const std::vector<const Choice*> accelerators = Registry::instance().choices("accelerator", backend);
-    for (std::size_t i = 0; i < accelerators.size() && !timed.empty(); ++i) {
+    for (std::size_t i = 0; i < accelerators.size(); ++i) {
         for (const std::size_t half : {std::size_t{0}, timed.size() / 2}) {
             Variant variant = timed[(i + turn + half) % timed.size()];
             variant.set("accelerator", std::string(accelerators[i]->descriptor.name));
@@ -150,10 +151,12 @@ void add_timed(std::vector<Variant>& all, const Case& stiff_case, const Stabilit
     const std::vector<Case>& catalogue = stability::catalogue();
     const auto turn = static_cast<std::size_t>(&stiff_case - catalogue.data());
     const std::vector<Variant> timed = stability::timed_variants(backend, turn, request.quick);
+    if (timed.empty()) {
+        return;
+    }
     all.insert(all.end(), timed.begin(), timed.end());
     std::size_t next = turn;
-    for (const auto& choices :
-         timed.empty() ? decltype(estimators_of(stiff_case, request)){} : estimators_of(stiff_case, request)) {
+    for (const auto& choices : estimators_of(stiff_case, request)) {
         for (const std::size_t half : {std::size_t{0}, timed.size() / 2}) {
             all.push_back(with_choices(timed[(next + half) % timed.size()], choices));
         }
