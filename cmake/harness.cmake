@@ -63,6 +63,11 @@ foreach(target ptbench_rendering ptbench_harness)
     target_link_libraries(${target} PUBLIC ptbench_cudart)
   endif()
   ptbench_group_sources(${target})
+  # What tells a fuzzer which inputs lead somewhere new. (-fsanitize=fuzzer-no-link would keep ptbench_rendering from the
+  # precompiled headers of the kernels, which no fuzzer follows.)
+  if(PTBENCH_FUZZ)
+    target_compile_options(${target} PRIVATE -fsanitize-coverage=inline-8bit-counters,indirect-calls,trace-cmp,pc-table)
+  endif()
 endforeach()
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/cccl_version.h CONTENT
 "#pragma once

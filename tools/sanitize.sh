@@ -14,12 +14,11 @@ without_clang() {
         printf 'clang++ cannot link OpenMP and the sanitizers (packages libomp-dev, libclang-rt-dev)'
 }
 
-# Configures and builds a preset of its own folder. Fails, with the end of the log, where that fails.
-build_preset() { # build_preset PRESET TARGET..
-    local preset=$1 log=$root/build-$1/build.log
-    shift
+# Configures and builds the preset `sanitize`. Fails, with the end of the log, where that fails.
+build_sanitized() { # build_sanitized TARGET..
+    local log=$root/build-sanitize/build.log
     mkdir -p -- "${log%/*}"
-    { cmake --preset "$preset" && cmake --build "$root/build-$preset" -j "$jobs" --target "$@"; } >"$log" 2>&1 </dev/null &&
+    { cmake --preset sanitize && cmake --build "$root/build-sanitize" -j "$jobs" --target "$@"; } >"$log" 2>&1 </dev/null &&
         return
     grep -E 'error|FAILED' -- "$log" | head -n 20
     tail -n 20 -- "$log"
@@ -29,10 +28,10 @@ build_preset() { # build_preset PRESET TARGET..
 # One reader, from the corpus in the repository; what it learns stays in the build's folder. What it finds is there too.
 # The same commit fuzzes from the same seed.
 fuzz_one() { # fuzz_one READER SECONDS
-    local folder=$root/build-fuzz/found/$1 commit
+    local folder=$root/build-sanitize/found/$1 commit
     commit=$(git rev-parse --short=7 HEAD 2>/dev/null) || commit=1
     mkdir -p -- "$folder/corpus"
-    UBSAN_OPTIONS=print_stacktrace=1 "$root/build-fuzz/fuzz/fuzz_$1" -max_total_time="$2" -seed=$((16#${commit:0:7})) -timeout=10 -max_len=4096 \
+    UBSAN_OPTIONS=print_stacktrace=1 "$root/build-sanitize/fuzz/fuzz_$1" -max_total_time="$2" -seed=$((16#${commit:0:7})) -timeout=10 -max_len=4096 \
         -rss_limit_mb=2048 -dict=tests/fuzz/words.dict -artifact_prefix="$folder/" -print_final_stats=1 \
         "$folder/corpus" "tests/fuzz/corpus/$1" >"$folder/log" 2>&1 </dev/null
 }
@@ -47,9 +46,9 @@ fuzz_all() { # fuzz_all SECONDS
     export -f fuzz_one
     printf '%s\n' "${targets[@]}" | xargs -P "$jobs" -I{} bash -c 'fuzz_one {} '"$1" || status=1
     for name in "${targets[@]}"; do
-        say "fuzzed $name: $(sed -n 's/^stat::number_of_executed_units: *//p' "$root/build-fuzz/found/$name/log") inputs"
-        ! grep -qE '^SUMMARY|ERROR: libFuzzer|^fatal' "$root/build-fuzz/found/$name/log" ||
-            tail -n 40 -- "$root/build-fuzz/found/$name/log"
+        say "fuzzed $name: $(sed -n 's/^stat::number_of_executed_units: *//p' "$root/build-sanitize/found/$name/log") inputs"
+        ! grep -qE '^SUMMARY|ERROR: libFuzzer|^fatal' "$root/build-sanitize/found/$name/log" ||
+            tail -n 40 -- "$root/build-sanitize/found/$name/log"
     done
     return "$status"
 }
@@ -59,8 +58,8 @@ run_fuzz() {
     [[ $seconds =~ ^[1-9][0-9]*$ && $# -le 1 ]] || die 2 "'fuzz' takes a whole number of seconds, got '$*'"
     reason=$(without_clang)
     [[ -z $reason ]] || die 2 "cannot fuzz: $reason"
-    build_preset fuzz fuzz || die 1 "the build failed"
-    fuzz_all "$seconds" || die 1 "found what ends a reader: the input lies under build-fuzz/found"
+    build_sanitized fuzz || die 1 "the build failed"
+    fuzz_all "$seconds" || die 1 "found what ends a reader: the input lies under build-sanitize/found"
 }
 
 # One program of build-sanitize/tests; says its name when it has ended, or why it did not begin.
@@ -100,7 +99,7 @@ run_sanitize() {
     mkdir -p -- "$reports"
     reason=$(without_clang)
     [[ -z $reason ]] || die 2 "cannot sanitize: $reason"
-    build_preset sanitize all || die 1 "the build failed"
+    build_sanitized all || die 1 "the build failed"
     sanitize_tests
     summary
 }

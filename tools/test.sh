@@ -144,13 +144,8 @@ run_extra_checks() { # run_extra_checks [--sanitize]
         skip_check sanitizers "$too_late"
         return
     fi
-    run_check "fuzz build" build_preset fuzz fuzz
-    [[ ! -x $root/build-fuzz/fuzz/fuzz_scene ]] || run_check fuzz fuzz_all 30
-    if is_late 1500; then
-        skip_check sanitizers "$too_late"
-        return
-    fi
-    run_check "sanitizers' build" build_preset sanitize all
+    run_check "sanitizers' build" build_sanitized all
+    [[ ! -x $root/build-sanitize/fuzz/fuzz_scene ]] || run_check fuzz fuzz_all 30
     sanitize_tests
 }
 
