@@ -3,6 +3,8 @@
 set(PTBENCH_CUDA OFF)
 option(PTBENCH_WITH_CUDA "Build the CUDA backend where a toolkit is found" ON)
 set(PTBENCH_CUDA_ARCHITECTURES "90-real" CACHE STRING "GPUs that Thrust and CUB are compiled for (path kernels are compiled at run time)")
+# The GPUs that ptbench supports, from Turing to Blackwell; compile_test compiles path kernels for each.
+set(PTBENCH_SUPPORTED_ARCHITECTURES 75 80 86 89 90 100 120)
 if(PTBENCH_NVCC AND PTBENCH_WITH_CUDA)
   find_library(PTBENCH_CUDART cudart_static HINTS ${PTBENCH_CUDA_ROOT}/lib64 ${PTBENCH_CUDA_ROOT}/targets/x86_64-linux/lib)
   find_path(PTBENCH_CUDA_INCLUDE cuda_runtime_api.h HINTS ${PTBENCH_CUDA_ROOT}/include ${PTBENCH_CUDA_ROOT}/targets/x86_64-linux/include)
@@ -13,6 +15,11 @@ if(PTBENCH_NVCC AND PTBENCH_WITH_CUDA)
   endif()
 endif()
 message(STATUS "CUDA backend: ${PTBENCH_CUDA}")
+# With clang++ beside nvcc a build fails after minutes; this says so at its start.
+if(PTBENCH_CUDA AND NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  message(FATAL_ERROR "The compiler is ${CMAKE_CXX_COMPILER_ID} (${CMAKE_CXX_COMPILER}); beside nvcc, allowed: g++ "
+                      "(unset CXX), or -DPTBENCH_WITH_CUDA=OFF for the CPU backend alone")
+endif()
 if(NOT PTBENCH_CUDA)
   return()
 endif()
@@ -97,3 +104,24 @@ target_compile_options(ptbench_nvcc_options INTERFACE -include=cuda.h --expt-rel
 target_compile_definitions(ptbench_nvcc_options INTERFACE GLM_FORCE_CUDA)
 add_library(ptbench_nvcc OBJECT ${nvcc_sources})
 target_link_libraries(ptbench_nvcc PRIVATE ptbench_nvcc_options)
+
+# Device code of every unit of nvcc for other GPUs than the build's own, which nothing links: what one of them refuses is
+# an error here, before a user meets it. The tests' build makes it for the oldest and the newest GPU
+# (`nvcc_oldest_and_newest`), `./run architectures` for every one (`nvcc_everywhere`).
+set(oldest_and_newest 75 120)
+set(everywhere ${PTBENCH_SUPPORTED_ARCHITECTURES})
+foreach(which oldest_and_newest everywhere)
+  list(TRANSFORM ${which} APPEND -real)
+  add_custom_target(nvcc_${which})
+endforeach()
+function(ptbench_compile_elsewhere target) # the rest: what it links
+  get_target_property(sources ${target} SOURCES)
+  foreach(which oldest_and_newest everywhere)
+    add_library(${target}_${which} OBJECT EXCLUDE_FROM_ALL ${sources})
+    target_link_libraries(${target}_${which} PRIVATE ${ARGN})
+    target_compile_options(${target}_${which} PRIVATE -fatbin)
+    set_target_properties(${target}_${which} PROPERTIES CUDA_ARCHITECTURES "${${which}}")
+    add_dependencies(nvcc_${which} ${target}_${which})
+  endforeach()
+endfunction()
+ptbench_compile_elsewhere(ptbench_nvcc ptbench_nvcc_options)

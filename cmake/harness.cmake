@@ -69,6 +69,12 @@ foreach(target ptbench_rendering ptbench_harness)
     target_compile_options(${target} PRIVATE -fsanitize-coverage=inline-8bit-counters,indirect-calls,trace-cmp,pc-table)
   endif()
 endforeach()
+list(JOIN PTBENCH_SUPPORTED_ARCHITECTURES "\", \"sm_" supported_architectures)
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/supported_architectures.h CONTENT
+"// The GPUs of cmake/cuda.cmake.
+#pragma once
+constexpr const char* supported_architectures[] = {\"sm_${supported_architectures}\"};
+")
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/cccl_version.h CONTENT
 "#pragma once
 #define PTBENCH_CCCL_VERSION \"${PTBENCH_CCCL_VERSION}\"

@@ -1,7 +1,7 @@
 # shellcheck shell=bash disable=SC2154 # what ./run and its other parts set
 # Part of ./run: `./run package`.
 
-package_entries='ptbench|check|README\.txt|LICENSE|lib|tests|scenes|claims|maps|analysis|results'
+package_entries='ptbench|check|gpu_tests|README\.txt|LICENSE|lib|tests|scenes|claims|maps|analysis|results'
 
 # Programs that test the GPU side; they are there if the build has a CUDA backend. A file may make several, as
 # segments_test and segments_exact_test.
@@ -79,9 +79,10 @@ run_package() {
     pack_program "$build_dir/ptbench" "$folder" "$folder/lib"
     for test in "${tests[@]}"; do
         pack_program "$build_dir/tests/$test" "$folder/tests" "$folder/lib"
-        gpu_lines+=$(printf '  %-42s %s' "tests/$test" "tests of the GPU side, skipped without a GPU")$'\n'
+        gpu_lines="  ./gpu_tests                                all tests of the GPU side; writes results/MACHINE/gpu_tests.json"$'\n'
     done
     cp -- LICENSE "$folder/"
+    ((${#tests[@]} == 0)) || install -m 755 -- packaging/gpu_tests "$folder/"
     # With what `ptbench autotune` found: a run on such a machine uses it.
     mapfile -t tunings < <(find results -name tuning.json)
     tar -cf - --exclude=__pycache__ scenes claims maps analysis "${tunings[@]}" | tar -xf - -C "$folder"

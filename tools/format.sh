@@ -2,7 +2,7 @@
 # Part of ./run: `./run format`, and what it looks at.
 
 clang_format_major=14 # versions differ in what they call formatted, so the check needs this one
-python_folders=(analysis tests/analysis tests/package tools)
+python_folders=(analysis tests/analysis tests/package tools packaging/gpu_tests)
 
 cpp_files() {
     find kernels variants harness tests -type f -regextype egrep -regex '.*\.(h|hpp|cpp|cu|cuh|inl)' -print0

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import atexit
 import json
 import os
+import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -16,6 +19,40 @@ from ptbench.io.files import read_stored
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "analysis" / "ptbench"
+
+
+def tracked_files() -> list[Path] | None:
+    """What git has of this checkout; None where there is no git to ask."""
+    try:
+        listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=False)
+    except OSError:
+        return None
+    if listed.returncode != 0:
+        return None
+    return [path for name in listed.stdout.split("\0") if name and (path := ROOT / name).is_file()]
+
+
+def checkout_as_committed() -> Path:
+    """The checkout, but for results that a user measured: links to it, in whose results/ is only what git has."""
+    tracked = tracked_files()
+    if tracked is None:
+        return ROOT
+    folder = Path(tempfile.mkdtemp(prefix="ptbench_committed_"))
+    atexit.register(shutil.rmtree, folder)
+    for entry in ROOT.iterdir():
+        if entry.name != "results":
+            (folder / entry.name).symlink_to(entry)
+    for path in tracked:
+        if path.is_relative_to(ROOT / "results"):
+            link = folder / path.relative_to(ROOT)
+            link.parent.mkdir(parents=True, exist_ok=True)
+            link.symlink_to(path)
+    return folder
+
+
+COMMITTED = checkout_as_committed()
+# No test reads ROOT / "results" (test_tracked.py): what users measure there is theirs.
+RESULTS = COMMITTED / "results"
 
 
 def run_analysis(*arguments: object, hash_seed: int = 1) -> subprocess.CompletedProcess:
@@ -32,7 +69,7 @@ def stored_text(file: Path) -> str:
 
 def committed(name: str):
     """What a committed result file holds, "nvidia-h200/seeds.json", whether it is compressed or not."""
-    return json.loads(stored_text(ROOT / "results" / name))
+    return json.loads(stored_text(RESULTS / name))
 
 
 @pytest.fixture(scope="session")

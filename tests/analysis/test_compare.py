@@ -22,7 +22,7 @@ from compare_builder import (
     without,
     written,
 )
-from conftest import ROOT, committed
+from conftest import RESULTS, committed
 from convergence_builder import convergence_cell, convergence_study, on_gpu
 from legibility import check_legible
 from scipy import stats
@@ -598,7 +598,7 @@ def test_a_wrong_call_is_one_line_and_writes_nothing(base, analysis, tmp_path):
     schema["context"]["ptbench.schema_version"] = "2"
     garbage = tmp_path / "garbage.json"
     garbage.write_bytes(b"\x89PNG\r\n")
-    stability = ROOT / "results" / "amd-epyc-2-threads" / "stability.json"
+    stability = RESULTS / "amd-epyc-2-threads" / "stability.json"
     strangers = run_again(base)
     for cell in strangers["ptbench"]["cells"]:
         cell["scene"], cell["scene_hash"] = "elsewhere_" + cell["scene"], cell["scene_hash"][::-1]
@@ -677,7 +677,7 @@ def test_a_long_comparison_is_drawn_on_several_pages():
 
 def test_the_h200_against_the_cpu():
     """Of the 70 cells of the CPU, four are n/a on the GPU; the six with a cache did other work at other spp."""
-    files = [ROOT / "results" / machine / "seeds.json" for machine in ("nvidia-h200", "amd-epyc-2-threads")]
+    files = [RESULTS / machine / "seeds.json" for machine in ("nvidia-h200", "amd-epyc-2-threads")]
     (one,) = compare_files(files).comparisons
     assert one.matching.across_backends
     assert len(one.rows) == 60
@@ -689,7 +689,7 @@ def test_the_h200_against_the_cpu():
     # The means once more, from the files' own rows and SciPy's.
     medians = []
     for file in files:
-        rows = committed(str(file.relative_to(ROOT / "results")))["benchmarks"]
+        rows = committed(str(file.relative_to(RESULTS)))["benchmarks"]
         medians.append({row["run_name"]: row["real_time"] for row in rows if row.get("aggregate_name") == "median"})
     ratios = [
         (medians[1][row.pair.other.name] / row.pair.other.spp)
@@ -705,7 +705,7 @@ def test_the_h200_against_the_cpu():
 
 
 def test_two_suites_of_one_program_are_a_real_aa_run():
-    found = compare_files([ROOT / "results" / "nvidia-h200" / f"{suite}.json" for suite in ("cis565", "compaction")])
+    found = compare_files([RESULTS / "nvidia-h200" / f"{suite}.json" for suite in ("cis565", "compaction")])
     (one,), (floor,) = found.comparisons, found.floors
     assert one.repeated
     assert len(one.rows) == len(floor.ratios) == 20
@@ -716,7 +716,7 @@ def test_two_suites_of_one_program_are_a_real_aa_run():
 
 def test_a_suite_that_was_renamed_is_compared_with_its_old_results(tmp_path):
     """cis565 was called seeds; its result files are not edited."""
-    old = ROOT / "results" / "nvidia-h200" / "seeds.json"
+    old = RESULTS / "nvidia-h200" / "seeds.json"
     document = run_again(committed("nvidia-h200/seeds.json"), 0.5)
     document["context"]["ptbench.suite"] = "cis565"
     (one,) = compare_files([old, written(document, tmp_path / "cis565.json")]).comparisons

@@ -8,7 +8,7 @@ import math
 
 import pytest
 from builder import Builder
-from conftest import ROOT
+from conftest import RESULTS
 from stability_builder import DOUBLE, FAST, FLOAT, MIXED, NAIVE, WAVEFRONT, StabilityBuilder
 
 from ptbench.compare.stability.matching import compare_stability_files
@@ -274,7 +274,7 @@ def test_many_cases_are_named_in_part(compared):
 
 def test_the_cpu_against_the_h200():
     """The variants that both have; nothing that must pass fails on either."""
-    files = [ROOT / "results" / machine / "stability.json" for machine in ("nvidia-h200", "amd-epyc-2-threads")]
+    files = [RESULTS / machine / "stability.json" for machine in ("nvidia-h200", "amd-epyc-2-threads")]
     (against,) = compare_stability_files(files).comparisons
     assert {pair.one.axes["integrator"] for pair in against.pairs} >= {"audited", "wavefront"}
     assert not [

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from builder import Builder
-from conftest import ROOT, committed
+from conftest import RESULTS, committed
 
 from ptbench.errors import InputError
 from ptbench.io.consistency import contradictions
@@ -19,7 +19,7 @@ from ptbench.io.results import load
 from ptbench.io.validate import validate
 from ptbench.studies.disturbed import disturbance_in
 
-COMMITTED = sorted((ROOT / "results").glob("*/*.json*"))
+COMMITTED = sorted(RESULTS.glob("*/*.json*"))
 PACKET = committed("amd-epyc-2-threads/packet.json")
 
 

@@ -6,12 +6,11 @@ import json
 from pathlib import Path
 
 import pytest
+from conftest import RESULTS
 
 from ptbench.errors import FindingError
 from ptbench.findings.cpu_rates import CpuRaysSource
 from ptbench.findings.page import source_of
-
-RESULTS = Path(__file__).parents[2] / "results"
 
 
 def by(name: str, rate: float, different: int = 0) -> dict:

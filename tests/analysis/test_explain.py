@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from builder import AXES, Builder, rates_named
-from conftest import ROOT, stored_text
+from conftest import RESULTS, stored_text
 from legibility import check_legible
 
 from ptbench.errors import InputError
@@ -25,8 +25,8 @@ from ptbench.io.inspection import inspected_of, load_inspected, price_of_a_ray
 from ptbench.io.results import load
 from ptbench.studies.variants import find_variant
 
-H200 = ROOT / "results" / "nvidia-h200"
-CPU = ROOT / "results" / "amd-epyc-2-threads"
+H200 = RESULTS / "nvidia-h200"
+CPU = RESULTS / "amd-epyc-2-threads"
 SPP = 4
 
 

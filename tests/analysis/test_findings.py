@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from builder import Builder
+from conftest import COMMITTED
 
 from ptbench.errors import FindingError
 from ptbench.findings import commits
@@ -20,7 +21,7 @@ from ptbench.findings.source import Source
 from ptbench.studies.selection import parsed
 
 ROOT = Path(__file__).resolve().parents[2]
-HOUSE = House(ROOT)
+HOUSE = House(COMMITTED)
 TEMPLATES = sorted(path.stem for path in HOUSE.templates.glob("*.md"))
 SOURCE = {"compaction": {"file": "nvidia-h200/compaction.json", "where": "arithmetic=exact", "kernels_behind": 1000}}
 CELL = '"study=wavefront scene=cornell_open layout=aos compaction=thrust_remove_if"'
@@ -132,7 +133,7 @@ def test_committed_summaries_are_of_the_results_beside_them(summary):
 
 
 def test_the_committed_overview_is_what_its_results_say(capsys):
-    assert findings(ROOT, ["overview"], check=True) == 0, capsys.readouterr().out
+    assert findings(COMMITTED, ["overview"], check=True) == 0, capsys.readouterr().out
 
 
 def test_a_number_is_its_cells(tmp_path):
@@ -235,7 +236,7 @@ def test_old_results_are_told(tmp_path, monkeypatch):
 
 def test_an_overview_of_old_results_is_told(monkeypatch, capsys):
     monkeypatch.setattr(commits, "commits_since", lambda repository, commit: 10**6)
-    assert findings(ROOT, ["overview"], check=True) == 1
+    assert findings(COMMITTED, ["overview"], check=True) == 1
     assert (
         "overview.json: compaction (nvidia-h200/compaction.json) was measured 1000000 commits"
         in capsys.readouterr().out
@@ -324,3 +325,29 @@ def test_a_page_that_does_not_match_is_told(tmp_path, capsys):
     assert "compaction.md: not what its template and results say" in capsys.readouterr().out
     assert findings(tmp_path, ["compaction"], check=False) == 0
     assert findings(tmp_path, ["compaction"], check=True) == 0
+
+
+def gpu_tests_in(folder: Path, failed: int) -> Path:
+    context = {
+        "ptbench.git_sha": "0" * 40,
+        "ptbench.git_dirty": "false",
+        "ptbench.machine": "nvidia-h100",
+        "date": "now",
+    }
+    counts = {"passed": 12, "failed": failed, "skipped": 1, "seconds": 3.5, "failures": []}
+    programs = {"gate_test": counts, "graph_test": counts}
+    document = {"schema": "ptbench-gpu-tests-1", "context": context, "seconds": 9.0, "programs": programs}
+    (folder / "gpu_tests.json").write_text(json.dumps(document))
+    return folder
+
+
+def test_a_page_tells_the_gpu_tests_and_none_that_failed(tmp_path):
+    sources = {"tests": {"file": "gpu_tests.json", "kernels_behind": 0}}
+    text = "{{ tests.must_not_fail('All pass') }}: {{ tests.count('passed') }} on {{ tests.machine }}"
+    page = read_page(template(tmp_path, text, sources=sources))
+    assert render(page, gpu_tests_in(tmp_path, failed=0)) == "All pass: 24 on nvidia-h100"
+    assert "which the history does not have" in too_old(page, tmp_path, ROOT)[0]
+    again = tmp_path / "again"
+    again.mkdir()
+    with pytest.raises(FindingError, match="2 failed"):
+        render(page, gpu_tests_in(again, failed=1))

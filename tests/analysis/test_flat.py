@@ -9,7 +9,7 @@ import math
 import pandas as pd
 import pytest
 from builder import Builder
-from conftest import ROOT
+from conftest import RESULTS, ROOT
 from stability_builder import StabilityBuilder
 
 from ptbench import frames
@@ -18,7 +18,7 @@ from ptbench.tidy import rows
 from ptbench.tidy.columns import FROM_FILES, GROUPS
 from ptbench.tidy.descriptions import MEANINGS, page
 
-SORTING = ROOT / "results" / "nvidia-h200" / "sorting.json"
+SORTING = RESULTS / "nvidia-h200" / "sorting.json"
 
 
 def flat(*arguments) -> int:

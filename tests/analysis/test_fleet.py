@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from compare_builder import other_machine, run_again, wavefront_by_depth, written
-from conftest import ROOT, stored_text
+from conftest import RESULTS, ROOT, stored_text
 
 from ptbench.cli.main import main
 from ptbench.errors import InputError
@@ -22,7 +22,7 @@ from ptbench.io.inspection import load_inspected
 from ptbench.io.results import load
 from ptbench.io.validate import complaints
 
-H200, H100 = ROOT / "results" / "nvidia-h200", ROOT / "results" / "nvidia-h100"
+H200, H100 = RESULTS / "nvidia-h200", RESULTS / "nvidia-h100"
 PAIR = [H200 / "schedulers_a7e8939.json", H100 / "schedulers_a7e8939.json"]
 COUNTERS = H200 / "inspect_cornell_open_45_schedulers.json"
 ONE = Gpu("one", "9.0", 100, 1000.0, 1000.0, 1 << 20, "made", {"issue": 4.0, "fma": 4.0, "alu": 2.0, "xu": 0.5})

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from builder import Builder, small
-from conftest import PACKAGE, ROOT
+from conftest import PACKAGE, RESULTS
 from convergence_builder import convergence_cell, convergence_study
 from stability_builder import StabilityBuilder
 
@@ -24,9 +24,9 @@ from ptbench.io.stability import stability_of
 
 EXAMPLES = PACKAGE.parent / "examples"
 COMMITTED = [
-    ROOT / "results" / "nvidia-h200" / "sorting.json",
-    ROOT / "results" / "amd-epyc-2-threads" / "schedulers.json",
-    ROOT / "results" / "nvidia-h200" / "convergence_fa77827.json",  # it has cells that failed
+    RESULTS / "nvidia-h200" / "sorting.json",
+    RESULTS / "amd-epyc-2-threads" / "schedulers.json",
+    RESULTS / "nvidia-h200" / "convergence_fa77827.json",  # it has cells that failed
 ]
 
 
@@ -146,7 +146,7 @@ def test_stability_has_a_row_a_check(tmp_path):
 
 
 def test_committed_stability_comes_back_whole():
-    path = ROOT / "results" / "amd-epyc-2-threads" / "stability.json"
+    path = RESULTS / "amd-epyc-2-threads" / "stability.json"
     known = stability_of(read_json(path))
     frame = frames.stability(path)
     assert list(frame["status"]) == [row.status for row in known.rows]
@@ -171,7 +171,7 @@ def test_a_file_of_the_other_kind_is_refused_by_name(tmp_path):
 
 def run_example(name: str, folder: Path) -> str:
     """What an example says, run beside the committed results."""
-    (folder / "results").symlink_to(ROOT / "results")
+    (folder / "results").symlink_to(RESULTS)
     environment = {**os.environ, "PYTHONPATH": str(PACKAGE.parent), "MPLBACKEND": "Agg"}
     command = [sys.executable, "-W", "error", EXAMPLES / f"{name}.py"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment, cwd=folder)
@@ -181,7 +181,7 @@ def run_example(name: str, folder: Path) -> str:
 
 def test_the_example_draws_its_figure(tmp_path):
     said = run_example("own_plot", tmp_path)
-    committed = load(ROOT / "results" / "nvidia-h200" / "seeds.json")
+    committed = load(RESULTS / "nvidia-h200" / "seeds.json")
     assert f"{sum(len(cell.samples) for cell in committed.cells)} samples of {len(committed.cells)} cells" in said
     assert (tmp_path / "own_plot.png").read_bytes().startswith(b"\x89PNG")
 

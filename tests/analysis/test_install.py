@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 from builder import Builder, small
-from conftest import PACKAGE, ROOT
+from conftest import PACKAGE, RESULTS, ROOT
 from packaging.requirements import Requirement
 
 from ptbench import __version__
@@ -105,9 +105,9 @@ def test_it_draws_outside_the_repository(installed, tmp_path):
 def test_it_works_from_any_folder(installed, tmp_path, program):
     """By a relative name, in a folder that has nothing of the repository; the schemas are the package's own."""
     for source in ("packet.json", "stability.json"):
-        (tmp_path / source).write_bytes(read_stored(ROOT / "results" / "amd-epyc-2-threads" / source, 1 << 30)[1])
+        (tmp_path / source).write_bytes(read_stored(RESULTS / "amd-epyc-2-threads" / source, 1 << 30)[1])
     for source in ("tuning.json", "inspect_cornell_open_45.json"):
-        (tmp_path / source).write_bytes(read_stored(ROOT / "results" / "nvidia-h200" / source, 1 << 30)[1])
+        (tmp_path / source).write_bytes(read_stored(RESULTS / "nvidia-h200" / source, 1 << 30)[1])
 
     def run(*arguments: str) -> subprocess.CompletedProcess:
         return _run(installed / program[0], *program[1:], *arguments, cwd=tmp_path)

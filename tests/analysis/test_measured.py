@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 from builder import Builder, small
-from conftest import PACKAGE, ROOT
+from conftest import PACKAGE, RESULTS
 from stability_builder import StabilityBuilder
 
 import ptbench
@@ -18,7 +18,7 @@ from ptbench.io.results import load
 from ptbench.studies.rows import measure
 from ptbench.tidy.rows import TABLES
 
-FIRST_BOUNCE = ROOT / "results" / "nvidia-h200" / "first_bounce.json"
+FIRST_BOUNCE = RESULTS / "nvidia-h200" / "first_bounce.json"
 
 
 def failing(tmp_path):

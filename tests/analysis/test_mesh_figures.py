@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 from builder import Builder
-from conftest import ROOT
+from conftest import RESULTS, ROOT
 from legibility import check_legible
 
 from ptbench.errors import FindingError, NotDrawable
@@ -20,7 +20,6 @@ from ptbench.findings.source import Source
 from ptbench.io.results import load
 from ptbench.stats.estimates import Estimate
 
-RESULTS = ROOT / "results"
 BUILDERS = RESULTS / "nvidia-h200" / "builders.json"
 MESHES = RESULTS / "nvidia-h200" / "meshes.json"
 FACTS = {

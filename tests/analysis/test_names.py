@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from conftest import ROOT
+from conftest import RESULTS
 
 from ptbench.io.names import axes_spelled_out, shown_name, tuned_in, with_shown_names
 from ptbench.io.results import load
@@ -48,7 +48,7 @@ def test_an_older_name_is_its_choices_in_the_order_of_the_files_axes():
 
 def test_every_committed_cell_has_one_name_and_the_name_its_cells():
     """One to one with the older names, so that nothing is told twice and nothing merged."""
-    for file in sorted((ROOT / "results").glob("*/*.json*")):
+    for file in sorted(RESULTS.glob("*/*.json*")):
         if file.stem.partition(".")[0] not in ("compaction", "scaling", "seeds", "convergence", "schedulers", "packet"):
             continue
         result = load(file)
@@ -57,7 +57,7 @@ def test_every_committed_cell_has_one_name_and_the_name_its_cells():
 
 
 def test_what_all_rows_share_stands_above():
-    result = load(next((ROOT / "results/nvidia-h200").glob("compaction.json*")))
+    result = load(next((RESULTS / "nvidia-h200").glob("compaction.json*")))
     named = table_names(result, result.cells)
     assert named.shared == "arithmetic=exact"
     assert named.above() == ["All rows: arithmetic=exact.", ""]
@@ -79,7 +79,7 @@ def test_a_message_of_an_older_file_names_variants_as_they_are_shown():
 
 @pytest.mark.parametrize("file", ["compaction.json", "convergence.json"])
 def test_a_cells_shown_name_is_the_promised_one(file):
-    cells = load(ROOT / "results/nvidia-h200" / file).cells
+    cells = load(RESULTS / "nvidia-h200" / file).cells
     names = [cell.shown for cell in cells]
     form = re.compile(r"\w+(?:/\w+:\w+)*/scene:\w+/backend:cuda/\d+x\d+/depth:\d+/spp:\d+(?:/checkpoints:octaves)?")
     assert [name for name in names if not form.fullmatch(name)] == []
@@ -88,5 +88,5 @@ def test_a_cells_shown_name_is_the_promised_one(file):
 
 def test_no_committed_summary_has_a_name_of_an_older_file():
     spelled = re.compile(r"\b\w+(?:\.[a-z0-9_]+){6,}")
-    for page in sorted((ROOT / "results").glob("*/figures/*/summary.md")):
+    for page in sorted(RESULTS.glob("*/figures/*/summary.md")):
         assert spelled.findall(page.read_text(encoding="utf-8")) == [], f"{page}: run python3 -m ptbench plots"

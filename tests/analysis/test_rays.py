@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ROOT, committed
+from conftest import RESULTS, ROOT, committed
 from convergence_builder import Law, convergence_cell, convergence_study, on_gpu
 from legibility import check_legible
 
@@ -23,7 +23,7 @@ from ptbench.io.nodes import read_json
 from ptbench.io.rays import is_peer, is_rays, load_rays_folder, peer_of, rays_of
 from ptbench.io.validate import complaints
 
-FOLDER = ROOT / "results" / "nvidia-h200" / "rays"
+FOLDER = RESULTS / "nvidia-h200" / "rays"
 MESHES = ("sphere_262k", "sphere_2M", "sphere_8M", "tori_262k", "tori_4M")
 CHECK = FOLDER / "check.json"
 
@@ -107,7 +107,7 @@ def test_a_peers_file_under_another_name_is_refused(tmp_path):
 
 def test_tables_are_of_their_kinds_of_file():
     with pytest.raises(InputError, match="of `ptbench rays`"):
-        ptbench.load(ROOT / "results/nvidia-h200/first_bounce.json").rows("rays")
+        ptbench.load(RESULTS / "nvidia-h200/first_bounce.json").rows("rays")
     with pytest.raises(InputError, match="a result of `ptbench run`"):
         ptbench.load(CHECK).rows("cells")
     assert len(ptbench.load(CHECK).frame()) == len(ptbench.load(CHECK).rows("rays"))
@@ -226,7 +226,7 @@ def test_files_without_a_common_batch_are_refused(capsys):
     names = [str(FOLDER / f"ptbench_{mesh}.json") for mesh in ("tori_4M", "tori_262k")]
     assert main(["compare", *names]) == 2
     assert "allowed: a batch that" in capsys.readouterr().err
-    assert main(["compare", names[0], str(ROOT / "results/nvidia-h200/first_bounce.json")]) == 2
+    assert main(["compare", names[0], str(RESULTS / "nvidia-h200/first_bounce.json")]) == 2
 
 
 # --- pages ---
@@ -234,7 +234,7 @@ def test_files_without_a_common_batch_are_refused(capsys):
 
 @pytest.fixture(scope="module")
 def rays() -> RaysFolder:
-    return RaysFolder(ROOT / "results", "nvidia-h200/rays")
+    return RaysFolder(RESULTS, "nvidia-h200/rays")
 
 
 def test_the_best_over_the_peer_is_the_files(rays):
@@ -324,7 +324,7 @@ def test_a_source_may_wait_for_its_file(tmp_path):
 
 def results_linked(folder, left_out):
     """The committed results under `folder`, but for those of these names."""
-    for path in (ROOT / "results").iterdir():
+    for path in RESULTS.iterdir():
         if path.name == "nvidia-h200":
             (folder / path.name).mkdir(parents=True)
             for inner in path.iterdir():
@@ -397,9 +397,9 @@ def test_pages_ask_for_counters(tmp_path):
     )
     assert folder.nearest_ceiling == "issue or ALU, 50 % to 62 %"
     with pytest.raises(FindingError, match="no batch has counters"):
-        _ = RaysFolder(ROOT / "results", "nvidia-h200/rays").counted
+        _ = RaysFolder(RESULTS, "nvidia-h200/rays").counted
     with pytest.raises(FindingError, match="no counters"):
-        _ = RaysFolder(ROOT / "results", "nvidia-h200/rays").traced()[0].counters_row
+        _ = RaysFolder(RESULTS, "nvidia-h200/rays").traced()[0].counters_row
 
 
 ROOMS = {
@@ -437,15 +437,15 @@ def test_the_page_of_meshes_takes_what_is_there(tmp_path):
     h100.mkdir()
     cpu.mkdir()
     for name in ("accelerators.json.gz", "meshes.json.gz", "rays_accelerators"):
-        (h100 / name).symlink_to(ROOT / "results/nvidia-h200" / name)
-    (h100 / "traversal.json.gz").symlink_to(ROOT / "results/nvidia-h100/traversal.json.gz")  # with every tree's stacks
+        (h100 / name).symlink_to(RESULTS / "nvidia-h200" / name)
+    (h100 / "traversal.json.gz").symlink_to(RESULTS / "nvidia-h100/traversal.json.gz")  # with every tree's stacks
     for name in ("accelerators.json.gz", "rays_cpu.json.gz"):
-        (cpu / name).symlink_to(ROOT / "results/amd-epyc-2-threads" / name)
-    (h100 / "levels.json.gz").symlink_to(ROOT / "results/nvidia-h200/levels_sphereflake.json.gz")
+        (cpu / name).symlink_to(RESULTS / "amd-epyc-2-threads" / name)
+    (h100 / "levels.json.gz").symlink_to(RESULTS / "nvidia-h200/levels_sphereflake.json.gz")
     errors_over_meshes(h200 / "mesh_convergence.json")
     counted(h200 / "rays_counters")
     page = read_page(ROOT / "docs/templates/meshes.md")
-    without, text, now = (render(page, results) for results in (fewer, more, ROOT / "results"))
+    without, text, now = (render(page, results) for results in (fewer, more, RESULTS))
     headings = [re.findall("^## (.*)$", one, re.MULTILINE) for one in (without, text)]
     assert [one for one in headings[1] if one not in headings[0]] == ["Traversals"]
     for name, said in ROOMS.items():

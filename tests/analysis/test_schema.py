@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from builder import rates_named, small
-from conftest import ROOT, committed
+from conftest import RESULTS, ROOT, committed
 from jsonschema import Draft202012Validator
 
 from ptbench.io.cells import CELL_STATUSES, CLAIMS, RUN_STATUSES, STUDY_TYPES
@@ -22,7 +22,7 @@ from ptbench.io.line_seal import NO_CHECKSUM, OTHER_TEXT, LineSeal
 from ptbench.io.validate import KINDS, SCHEMAS, complaints, kind_of, schema, validate
 
 BY_HAND = ("many_lights_profile", "nee_bound", "rays_cpu", "rays_first")  # records that no command of ptbench wrote
-COMMITTED = sorted(path for path in (ROOT / "results").glob("*/*.json*") if path.name.partition(".")[0] not in BY_HAND)
+COMMITTED = sorted(path for path in RESULTS.glob("*/*.json*") if path.name.partition(".")[0] not in BY_HAND)
 BINARY = ROOT / "build" / "ptbench"
 CELL = (
     "wavefront.none.none.material.off.off.off.pcg4d.aos.features.stream.exact.float.robust"
@@ -291,7 +291,7 @@ INSPECTED = [path for path in COMMITTED if path.stem.startswith("inspect_")]
 @pytest.mark.parametrize("word", ["per", "a"])
 @pytest.mark.parametrize("path", INSPECTED, ids=lambda path: path.stem)
 def test_an_inspect_file_is_valid_by_either_word(path, word):
-    value = committed(path.relative_to(ROOT / "results").as_posix())
+    value = committed(path.relative_to(RESULTS).as_posix())
     if word == "a" and "variant_id" in value[0]:
         return  # a newer key: no file of the former words has it
     value = rates_named(value, word)

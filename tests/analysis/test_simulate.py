@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import ROOT
+from conftest import RESULTS, ROOT
 
 from ptbench.cli.main import main
 from ptbench.errors import InputError
@@ -32,7 +32,6 @@ from ptbench.simulate.parts import parts_of, read_work, reduction_ms
 from ptbench.simulate.study import device_checks, study_of
 from ptbench.simulate.work import blocks_of, counting
 
-RESULTS = ROOT / "results"
 FREE = Network("free", 0.0, 1e30)
 # A message takes 1 ms, and a million pixels' film another 24.
 NETWORK = Network("made", 1.0, 1.0)

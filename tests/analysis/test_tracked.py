@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-import subprocess
 from pathlib import Path
 
 import pytest
-from conftest import ROOT
+from conftest import RESULTS, ROOT, tracked_files
 
 MOST_BYTES = 30_000_000
 # A result file that is larger is compressed (gzip -9n), and read under its name without .gz.
@@ -18,13 +17,10 @@ _IMAGES = (".png", ".svg", ".webp", ".jpg", ".pfm", ".exr")
 
 @pytest.fixture(scope="module")
 def tracked() -> list[Path]:
-    try:
-        listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=False)
-    except OSError as error:
-        pytest.skip(f"git does not run: {error}")
-    if listed.returncode != 0:
+    listed = tracked_files()
+    if listed is None:
         pytest.skip("no checkout of git: nothing says which files are committed")
-    return [path for name in listed.stdout.split("\0") if name and (path := ROOT / name).is_file()]
+    return listed
 
 
 def in_results(tracked: list[Path]) -> list[Path]:
@@ -58,3 +54,18 @@ def test_images_of_results_are_committed_where_a_page_shows_them(tracked):
     images = {path for path in in_results(tracked) if path.suffix in _IMAGES} - {ROOT / "results/gallery/gallery.webp"}
     assert len(images) > 20
     assert images == {path for path in shown if path.is_relative_to(ROOT / "results")}
+
+
+def test_what_tests_read_as_committed_results_is_that(tracked):
+    """And nothing that a user measured beside them."""
+    read = {path.resolve() for path in RESULTS.rglob("*") if path.is_file()}
+    assert read == {path.resolve() for path in in_results(tracked)}
+
+
+def test_no_test_reads_results_that_a_user_may_have_measured():
+    past = re.compile(r"""(ROOT|HOUSE\.root|parents\[\d\]\)?) / f?["']results\b""")
+    own = {"conftest.py", "test_tracked.py"}
+    files = [path for path in sorted((ROOT / "tests/analysis").rglob("*.py")) if path.name not in own]
+    assert len(files) > 50
+    found = [f"{path.name}: {line}" for path in files for line in path.read_text().splitlines() if past.search(line)]
+    assert found == [], "RESULTS of conftest.py is what git has"

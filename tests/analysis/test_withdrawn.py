@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from builder import Builder
-from conftest import ROOT
+from conftest import COMMITTED, RESULTS, ROOT
 from convergence_builder import Law, convergence_cell, convergence_study, on_gpu
 
 from ptbench.errors import InputError
@@ -18,10 +18,10 @@ from ptbench.studies.rows import measure
 from ptbench.studies.withdrawn import FILE, among, between, concerning, is_marked, withdrawals, withdrawals_of
 
 PAGES = [
-    ROOT / "README.md",
-    *sorted((ROOT / "docs").glob("*.md")),
-    *sorted((ROOT / "docs/findings").glob("*.md")),
-    *sorted((ROOT / "results").glob("*/figures/**/*.md")),
+    COMMITTED / "README.md",
+    *sorted((COMMITTED / "docs").glob("*.md")),
+    *sorted((COMMITTED / "docs/findings").glob("*.md")),
+    *sorted(RESULTS.glob("*/figures/**/*.md")),
 ]
 _COST = re.compile(
     r"\b(cost|costs|dear|dearer|cheap|cheaper|pays?|gains?|efficien\w+|times as (long|dear)|slower|faster|ms/spp)\b",
@@ -187,7 +187,7 @@ def _is_spared(page: Path) -> bool:
     return bool(named) and not concerning(load(page.parents[2] / named[1]).cells)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(COMMITTED)))
 def test_a_page_that_tells_what_connections_cost_tells_the_withdrawal(page):
     text = page.read_text(encoding="utf-8")
     names_a_cost = re.search(r"\bnee_mis\b", text) and _COST.search(text) and "/figures/stability/" not in str(page)
@@ -199,14 +199,14 @@ def test_a_page_that_tells_what_connections_cost_tells_the_withdrawal(page):
 
 
 def test_a_summary_is_spared_where_its_cells_are():
-    assert _is_spared(ROOT / "results/nvidia-h200/figures/mesh_convergence/summary.md")
-    assert not _is_spared(ROOT / "results/nvidia-h200/figures/connections/summary.md")
+    assert _is_spared(RESULTS / "nvidia-h200/figures/mesh_convergence/summary.md")
+    assert not _is_spared(RESULTS / "nvidia-h200/figures/connections/summary.md")
     assert not _is_spared(ROOT / "docs/findings/meshes.md")
 
 
 def test_the_pages_that_must_carry_it_are_among_them():
     told = [page for page in PAGES if re.search(r"withdrawn", page.read_text(encoding="utf-8"), re.I)]
-    names = {str(page.relative_to(ROOT)) for page in told}
+    names = {str(page.relative_to(COMMITTED)) for page in told}
     pages = ("faq.md", "method.md", "add_an_estimator.md", "reference.md", "findings/error_against_time.md")
     assert {f"docs/{page}" for page in pages} <= names
     assert {f"results/{m}/figures/convergence/summary.md" for m in ("nvidia-h200", "amd-epyc-2-threads")} <= names

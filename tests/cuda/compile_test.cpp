@@ -32,6 +32,7 @@
 #include "harness/cuda/kernel_request.h"
 #include "harness/places.h"
 #include "harness/write_file.h"
+#include "supported_architectures.h"
 #include "tests/support/places.h"
 #include "variants/cuda/nvrtc.h"
 #include "variants/cuda/sources.h"
@@ -41,7 +42,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* architectures[] = {"sm_75", "sm_80", "sm_86", "sm_89", "sm_90", "sm_100", "sm_120"};
 constexpr std::string_view full_architecture = "sm_90";
 
 // Raised by hand where compile_quickly changes what it refuses.
@@ -308,7 +308,7 @@ void add_pairs(Programs& programs, const std::vector<Scene>& scenes, std::size_t
     programs.optimise(false);
     programs.add(scenes.front(), baseline_with({{"integrator", integrators[turn % integrators.size()]},
                                                 {"specialisation", specialisations[turn % specialisations.size()]}}));
-    for (std::size_t i = turn; i < scenes.size(); i += std::size(architectures) - 1) {
+    for (std::size_t i = turn; i < scenes.size(); i += std::size(supported_architectures) - 1) {
         const std::string& integrator = integrators[(i + 1) % integrators.size()];
         programs.add(scenes[i], baseline_with({{"integrator", integrator},
                                                {"direct_light", lights[(i / integrators.size()) % lights.size()]}}));
@@ -329,7 +329,7 @@ protected:
         const std::vector<Scene> scenes = scenes_by_program();
         ASSERT_GE(scenes.size(), 10u);
         std::size_t turn = 0;
-        for (const char* architecture : architectures) {
+        for (const char* architecture : supported_architectures) {
             Programs& programs = all().try_emplace(architecture, architecture).first->second;
             if (architecture == full_architecture) {
                 add_everything(programs, scenes);
@@ -402,7 +402,7 @@ TEST_P(CompileTest, EveryProgram) {
     std::printf("%zu programs\n", programs.by_key().size());
 }
 
-INSTANTIATE_TEST_SUITE_P(, CompileTest, testing::ValuesIn(architectures),
+INSTANTIATE_TEST_SUITE_P(, CompileTest, testing::ValuesIn(supported_architectures),
                          [](const auto& instance) { return std::string(instance.param); });
 
 // Also what only the assembler finds.

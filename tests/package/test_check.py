@@ -390,3 +390,28 @@ def test_run_package_removes_nothing_of_yours(tmp_path):
         )
         assert (done.returncode, done.stdout, done.stderr) == (2, "", f"ptbench: {said}\n")
     assert (tmp_path / "out" / "notes.txt").read_text() == "mine"
+
+
+def numbers_in(pattern: str, file: str) -> set[str]:
+    match = re.search(pattern, (ROOT / file).read_text())
+    assert match, f"{file} has no {pattern}"
+    return set(re.findall(r"\d+", match[1]))
+
+
+def test_the_tests_build_compiles_for_the_gpus_of_a_package():
+    package = numbers_in(r"PTBENCH_PACKAGE_ARCHITECTURES:-([^}]*)\}", "packaging/package.sh")
+    own = numbers_in(r'set\(PTBENCH_CUDA_ARCHITECTURES "([^"]*)"', "cmake/cuda.cmake")
+    elsewhere = numbers_in(r"set\(oldest_and_newest ([^)]*)\)", "cmake/cuda.cmake")
+    supported = numbers_in(r"set\(PTBENCH_SUPPORTED_ARCHITECTURES ([^)]*)\)", "cmake/cuda.cmake")
+    assert package <= own | elsewhere
+    assert elsewhere == {min(supported, key=int), max(supported, key=int)}
+
+
+@pytest.mark.skipif(not (shutil.which("clang++") and shutil.which("nvcc")), reason="clang++ or nvcc is not here")
+def test_another_compiler_beside_nvcc_is_refused_at_once(tmp_path):
+    environment = {**os.environ, "CXX": "clang++", "PTBENCH_BUILD_DIR": str(tmp_path / "build")}
+    done = subprocess.run(
+        [ROOT / "run", "build"], capture_output=True, text=True, check=False, env=environment, stdin=subprocess.DEVNULL
+    )
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "CXX is clang++; beside nvcc, allowed: g++" in done.stderr

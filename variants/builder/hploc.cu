@@ -9,13 +9,15 @@
 #include <cuda_runtime.h>
 #include <cub/device/device_radix_sort.cuh>
 
+#include "variants/cuda/warp_reduce.cuh"
+
 namespace pt::builder {
 namespace {
 
 constexpr std::uint32_t none = ~0u, block = 128;
 constexpr std::uint32_t merge_to = 16;  // clusters that a range keeps on its way up
 constexpr int search_radius = 8;
-constexpr std::uint32_t all_lanes = ~0u;
+using cuda::all_lanes;
 
 void check(cudaError_t error) {
     if (error != cudaSuccess) {
@@ -74,7 +76,7 @@ __global__ void bound_centres(const Box* boxes, std::uint32_t count, CentreBound
         }
     }
     for (int k = 0; k < 3; ++k) {
-        const int warp_low = __reduce_min_sync(all_lanes, low[k]), warp_high = __reduce_max_sync(all_lanes, high[k]);
+        const int warp_low = cuda::warp_min(low[k]), warp_high = cuda::warp_max(high[k]);
         if ((threadIdx.x & 31u) == 0) {
             atomicMin(&bounds->low[k], warp_low);
             atomicMax(&bounds->high[k], warp_high);

@@ -8,11 +8,13 @@
 #include <cuda_runtime.h>
 
 #include "variants/accelerator/cwbvh_encode.h"
+#include "variants/cuda/warp_reduce.cuh"
 
 namespace pt::accelerator::cwbvh {
 namespace {
 
-constexpr std::uint32_t block = 128, all_lanes = ~0u;
+constexpr std::uint32_t block = 128;
+using cuda::all_lanes;
 
 void check(cudaError_t error) {
     if (error != cudaSuccess) {

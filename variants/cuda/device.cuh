@@ -7,6 +7,7 @@
 #include "variants/cuda/kernel_parameters.h"
 #include "variants/cuda/parameters.h"
 #include "variants/cuda/path_store.h"
+#include "variants/cuda/warp_reduce.cuh"
 
 // The head of a kernel, with its parameters in brackets: it compiles only if they are what the host launches it with,
 // in number, type and size. The parameters are one struct on the host's side alone: as one parameter of the kernel they
@@ -43,18 +44,6 @@ namespace pt::cuda {
 __device__ inline std::uint32_t lane() { return threadIdx.x % warp_size; }
 __device__ inline std::uint32_t thread_number() { return blockIdx.x * blockDim.x + threadIdx.x; }
 __device__ inline std::uint32_t thread_count() { return gridDim.x * blockDim.x; }
-
-// Sum over a full warp; every lane must call it.
-__device__ inline std::uint32_t warp_sum(std::uint32_t value) {
-#if __CUDA_ARCH__ >= 800
-    return __reduce_add_sync(0xffffffffu, value);
-#else
-    for (int offset = 16; offset > 0; offset /= 2) {
-        value += __shfl_xor_sync(0xffffffffu, value, offset);
-    }
-    return value;
-#endif
-}
 
 // The next number of a counter in global memory, one for the warp. Every lane must call it.
 __device__ inline std::uint32_t take_number(std::uint64_t* counter) {

@@ -39,7 +39,6 @@ inline constexpr std::size_t most_waiting_bytes = 47 * 1024 - scene_bytes_shared
 template <class Rounds>
 __device__ inline void trace_items(const SceneViews& scene, const FilmView& film, Rounds& rounds, std::uint32_t pixels,
                                    const HitCache& cache, ThreadCounters& counters, std::uint64_t* ended) {
-    constexpr unsigned all_lanes = 0xffffffffu;
     constexpr std::uint32_t warps = (kernel_config.block + warp_size - 1) / warp_size;
     // Of blocks too large for that, and of paths that split, whose branches stay with their lane, warps begin paths
     // only once all of theirs have ended.
@@ -54,7 +53,7 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
     Path path;
     BranchesHere branches;
     do {
-        const unsigned living = __ballot_sync(all_lanes, alive);
+        const unsigned living = __ballot_sync(pt::cuda::all_lanes, alive);
         if (__popc(living) <= static_cast<int>(may_wait ? tuned::regenerate_at : 0)) {
             const unsigned before = (1u << pt::cuda::lane()) - 1u;
             if (!alive && ((held >> pt::cuda::lane()) & 1u) != 0) {
@@ -88,7 +87,7 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
                 waiting_count -= min(wanted, waiting_count);
             }
             __syncwarp();
-            held = __ballot_sync(all_lanes, alive);
+            held = __ballot_sync(pt::cuda::all_lanes, alive);
         }
         if (alive) {
             alive = branches.take_step(scene, path, walk, cache, counters);

@@ -1,25 +1,10 @@
 // How the warps of a block hand things to each other in shared memory without a barrier: words that are released and
-// acquired, a lock that a warp takes as a whole, and what warps ask of their lanes.
+// acquired, and a lock that a warp takes as a whole.
 #pragma once
 
 #include "variants/cuda/device.cuh"
 
 namespace pt::cuda {
-
-inline constexpr unsigned all_lanes = 0xffffffffu;
-
-// The largest value of a full warp; every lane must call it.
-__device__ inline std::uint32_t warp_max(std::uint32_t value) {
-#if __CUDA_ARCH__ >= 800
-    return __reduce_max_sync(all_lanes, value);
-#else
-    for (int offset = 16; offset > 0; offset /= 2) {
-        const std::uint32_t other = __shfl_xor_sync(all_lanes, value, offset);
-        value = other > value ? other : value;
-    }
-    return value;
-#endif
-}
 
 // Of `lanes`, those below the calling one.
 __device__ inline std::uint32_t rank_in(unsigned lanes) { return __popc(lanes & ((1u << lane()) - 1u)); }

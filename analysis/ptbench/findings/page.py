@@ -39,7 +39,7 @@ from ptbench.findings.peers import SCHEMA as PEERS
 from ptbench.findings.peers import PeersSource
 from ptbench.findings.quantities import span
 from ptbench.findings.rays import RaysFolder
-from ptbench.findings.records import Inspection, Record, StabilitySource, Transcript
+from ptbench.findings.records import GPU_TESTS, GpuTestsSource, Inspection, Record, StabilitySource, Transcript
 from ptbench.findings.simulation import WORK, SimulationSource
 from ptbench.findings.source import Source
 from ptbench.io.nodes import read_json
@@ -62,6 +62,7 @@ _TARGET = re.compile(r"\]\([^)]*\)")
 AnySource = (
     Source
     | RaysFolder
+    | GpuTestsSource
     | Inspection
     | StabilitySource
     | Record
@@ -109,6 +110,7 @@ _BY_SCHEMA = {
     IMPORTS: ImportsSource,
     LEAKS: LeaksSource,
     CPU_RAYS: CpuRaysSource,
+    GPU_TESTS: GpuTestsSource,
     PEERS: PeersSource,
     WORK: SimulationSource,
 }

@@ -60,6 +60,47 @@ class Inspection:
         return f"- {link_to(self._results, self._shown)}: `ptbench inspect --counters`, hardware counters."
 
 
+GPU_TESTS = "ptbench-gpu-tests-1"
+
+
+class GpuTestsSource:
+    """A file of a package's gpu_tests."""
+
+    def __init__(self, results: Path, file: str) -> None:
+        self._shown, self._results = file, results
+        self._root = read_json(results / file).value
+
+    @property
+    def commit(self) -> str:
+        """Of the programs that ran."""
+        return self._root["context"]["ptbench.git_sha"]
+
+    @property
+    def machine(self) -> str:
+        """What kind of machine it was."""
+        return self._root["context"]["ptbench.machine"]
+
+    @property
+    def provenance(self) -> str:
+        """A line of a list: the file and what it is."""
+        return f"- {link_to(self._results, self._shown)}: `gpu_tests` of a package."
+
+    def must_not_fail(self, text: str) -> str:
+        """The text; raises FindingError where a test failed or all were skipped."""
+        if self.count("failed") > 0 or self.count("passed") == 0:
+            raise FindingError(f"{self._shown}: {self.count('failed')} failed, {self.count('passed')} passed: {text}")
+        return text
+
+    def count(self, word: str) -> int:
+        """How many tests `passed`, `failed` or were `skipped`."""
+        return sum(program[word] for program in self._root["programs"].values())
+
+    @property
+    def programs(self) -> int:
+        """How many test programs."""
+        return len(self._root["programs"])
+
+
 class Record:
     """Any other JSON file, such as a record made by hand: numbers and texts by their place in it."""
 

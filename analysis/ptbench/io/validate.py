@@ -37,6 +37,7 @@ KINDS = (
     "inspect",
     "tuning",
     "journal",
+    "gpu-tests",
 )
 # Files that people write: checked like the others, no part of the tables of what ptbench writes.
 WRITTEN_BY_HAND = ("claim", "map")
@@ -46,10 +47,11 @@ _BY_SCHEMA = {
     "ptbench-imports-1": "imports",
     "ptbench-advice-1": "advice",
     "ptbench-map-1": "map",
+    "ptbench-gpu-tests-1": "gpu-tests",
 }
 _WRITTEN_BY_US = (
-    "a file of ptbench run, merge, stability, rays, inspect, autotune, crosscheck or peers, a run's .journal.jsonl, a "
-    "claim, a map"
+    "a file of ptbench run, merge, stability, rays, inspect, autotune, crosscheck or peers, of a package's gpu_tests, "
+    "a run's .journal.jsonl, a claim, a map"
 )
 
 

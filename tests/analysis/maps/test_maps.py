@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from builder import Builder
-from conftest import ROOT
+from conftest import COMMITTED, ROOT
 
 from ptbench.errors import InputError
 from ptbench.io.validate import schema, validate
@@ -358,5 +358,5 @@ def test_the_whole_command(tmp_path, analysis):
 
 
 def test_committed_pages_are_what_maps_and_results_say(analysis):
-    code, out, _ = analysis("map", "--check", "--root", ROOT)
+    code, out, _ = analysis("map", "--check", "--root", COMMITTED)
     assert (code, out.count("docs/maps")) == (0, 0)
