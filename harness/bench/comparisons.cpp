@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "harness/bench/convergence_study.h"
+#include "harness/bench/error_table.h"
 #include "harness/bench/result_file.h"
 #include "variants/registry.h"
 #include "variants/variant_name.h"
@@ -116,6 +117,16 @@ TuningDifference compare_tuning(const Cell& cell, const Cell& other, const Quest
 
 }  // namespace
 
+Cells cells_of_study(const Plan& plan, const std::string& study) {
+    Cells cells;
+    for (const Cell& cell : plan.cells) {
+        if (std::find(cell.studies.begin(), cell.studies.end(), study) != cell.studies.end()) {
+            cells.push_back(&cell);
+        }
+    }
+    return cells;
+}
+
 std::optional<Question> question_of(const Study& study, const Cells& cells) {
     if (cells.empty() || study.convergence) {
         return std::nullopt;
@@ -204,6 +215,8 @@ public:
         }
     }
 
+    void add(const std::string& text) { text_ += text; }
+
     std::string text() const {
         std::string text = text_;
         for (const auto& [reason, count] : reasons_) {
@@ -275,22 +288,16 @@ private:
 }  // namespace
 
 std::string verdict_table(const Plan& plan, const Suite& suite, const Journal& journal) {
-    const auto cells_of = [&](const std::string& study) {
-        Cells cells;
-        for (const Cell& cell : plan.cells) {
-            if (std::find(cell.studies.begin(), cell.studies.end(), study) != cell.studies.end()) {
-                cells.push_back(&cell);
-            }
-        }
-        return cells;
-    };
     Table table(journal);
     for (const Study& study : suite.studies) {
-        const Cells cells = cells_of(study.name);
+        const Cells cells = cells_of_study(plan, study.name);
         const bool is_named = suite.studies.size() > 1 && !cells.empty();
-        table.add_study(is_named ? fmt::format("{}: {}", study.name, study.title) : "", cells,
-                        question_of(study, cells));
-        table.add_study("", cells_of(study.name + std::string(without_checkpoints_suffix)), std::nullopt);
+        const std::string title = is_named ? fmt::format("{}: {}", study.name, study.title) : "";
+        if (study.convergence) {
+            table.add((is_named ? title + "\n" : "") + error_table(plan, cells, journal));
+        } else {
+            table.add_study(title, cells, question_of(study, cells));
+        }
     }
     return table.text();
 }

@@ -21,6 +21,8 @@ struct Question {
 
 using Cells = std::vector<const Cell*>;
 
+// The plan's cells of a study.
+Cells cells_of_study(const Plan& plan, const std::string& study);
 // Nothing where the study compares no choices. `cells` are the study's.
 std::optional<Question> question_of(const Study& study, const Cells& cells);
 // The cell that differs in what the question is about only: equal samples per pixel are preferred, and tunables that

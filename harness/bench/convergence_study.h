@@ -6,6 +6,8 @@
 
 namespace pt {
 
+// Error bars come from seeds only, and a spread told from fewer is none (docs/numerics.md 1.6).
+inline constexpr int fewest_seeds = 8;
 inline constexpr std::string_view without_checkpoints_suffix = "_without_checkpoints";
 
 // Keys that only such a study has.

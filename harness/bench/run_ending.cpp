@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "harness/bench/comparisons.h"
+#include "harness/bench/decide.h"
 #include "harness/bench/error_book.h"
 #include "harness/bench/machine.h"
 #include "harness/bench/result_check.h"
@@ -82,6 +83,8 @@ void print_headline(const RunEnding& ending, const Journal& journal, const Outco
     const std::string cut =
         outcome.unfinished == 0 ? "" : fmt::format("; interrupted with {} cells unfinished", outcome.unfinished);
     const std::string retakes = retakes_in_words(ending.plan, journal, ending.facts.most_retakes);
+    const std::string more = decided_in_words(ending.plan, journal, ending.facts.repetitions);
+    fmt::print("{}{}", more, more.empty() ? "" : "\n");
     fmt::print("{}\n{}{}{}\n{} cells, {} samples, {} failed, {} not applicable{}\n",
                in_words(disturbance_of(ending.plan, journal)), retakes, retakes.empty() ? "" : "\n", ending.out,
                ending.plan.cells.size(), journal.sample_count(), outcome.failed, ending.plan.not_applicable.size(),

@@ -36,6 +36,9 @@ Json identity_of(const Plan& whole, const RunSettings& settings) {
                   {"scenes", scenes},
                   {"references", references},
                   {"cells", cells}};
+    if (settings.most_repetitions > settings.repetitions) {
+        identity["most_repetitions"] = settings.most_repetitions;
+    }
     if (!settings.shard.is_whole()) {
         identity["shard"] = settings.shard.name();
     }
@@ -53,6 +56,9 @@ nlohmann::ordered_json run_json(const Json& identity) {
                                {"references", hash_of(identity.at("references"))},
                                {"cells", identity.at("cells").size()},
                                {"cells_hash", hash_of(identity.at("cells"))}};
+    if (identity.contains("most_repetitions")) {
+        run["most_repetitions"] = identity.at("most_repetitions");
+    }
     if (identity.contains("shard")) {
         run["shard"] = identity.at("shard");
     }

@@ -12,6 +12,7 @@ struct RunSettings {
     Backend backend = Backend::cpu;
     std::uint64_t seed = 1;
     int repetitions = 1;
+    int most_repetitions = 1;  // where more samples may be taken for open verdicts
     Shard shard = {};
 };
 

@@ -1,4 +1,5 @@
 #include "harness/bench/runner.h"
+#include "harness/bench/decide.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -129,6 +130,19 @@ private:
     Interrupt& interrupt_;
 };
 
+int repetitions_of(const Suite& suite, const RunOptions& options) {
+    return options.repetitions > 0 ? options.repetitions : suite.repetitions;
+}
+
+int decide_seconds_of(const Suite& suite, const RunOptions& options) {
+    return options.decide_seconds >= 0 ? options.decide_seconds : suite.decide_seconds;
+}
+
+// Samples that a cell may come to have.
+int most_repetitions(const Suite& suite, const RunOptions& options) {
+    return repetitions_of(suite, options) * (decide_seconds_of(suite, options) > 0 ? most_times_repetitions : 1);
+}
+
 // Sample i has the seed of the first and i: a line that was lost or stands twice would shift all that follow.
 void check_sample_seeds(const Plan& plan, const Journal& journal, std::uint64_t first_seed, int repetitions) {
     for (const Cell& cell : plan.cells) {
@@ -200,7 +214,7 @@ int run_part(const RunEnding& ending, const Json& identity, const RunOptions& op
                                                                     .says = say_below_progress}));
     say_what_was_dropped(journal.known());
     check_journal(plan, ending.suite, journal.known());
-    check_sample_seeds(plan, journal.known(), options.seed, ending.facts.repetitions);
+    check_sample_seeds(plan, journal.known(), options.seed, most_repetitions(ending.suite, options));
     say_what_failed_before(plan, journal);
     FilmLedger films(plan, journal.known(), options.seed);
     SampleTaker taker(plan, journal.known(), options.seed, films, errors);
@@ -212,9 +226,14 @@ int run_part(const RunEnding& ending, const Json& identity, const RunOptions& op
         errors.make_references();
         prepare_cells(plan, options.seed, journal, films, errors, interrupt, lines);
         settle_references(plan, options.out, journal, errors, interrupt);
-        time_cells(plan,
+        if (const int seconds = decide_seconds_of(ending.suite, options); seconds > 0 && !options.quiet) {
+            say_below_progress(fmt::format("{} samples a cell, then up to {} s of more where a verdict is open",
+                                           ending.facts.repetitions, seconds));
+        }
+        time_cells(plan, ending.suite,
                    {.repetitions = ending.facts.repetitions,
                     .most_retakes = ending.facts.most_retakes,
+                    .decide_seconds = decide_seconds_of(ending.suite, options),
                     .benchmark_flags = options.benchmark_flags,
                     .images_folder = images_folder(options.out, ending.earlier.is_kept()),
                     .lines = lines},
@@ -258,14 +277,15 @@ int run_suite(const Suite& suite, const RunOptions& options) {
     const std::vector<std::size_t> positions = positions_of(whole, options.shard);
     check_output_file(options.out);
     check_output_file(journal_of(options));
-    const int repetitions = options.repetitions > 0 ? options.repetitions : suite.repetitions;
-    check_seeds(whole, options.seed, repetitions);
+    const int repetitions = repetitions_of(suite, options);
+    check_seeds(whole, options.seed, most_repetitions(suite, options));
     check_ranks(whole);
     initialize_benchmark(repetitions, options.benchmark_flags);
     const Json identity = identity_of(whole, {.suite = suite.name,
                                               .backend = options.backend,
                                               .seed = options.seed,
                                               .repetitions = repetitions,
+                                              .most_repetitions = most_repetitions(suite, options),
                                               .shard = options.shard});
     const EarlierResult earlier = earlier_result(options.out, run_json(identity));
     if (is_done(options, earlier)) {

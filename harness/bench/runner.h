@@ -17,6 +17,7 @@ struct RunOptions {
     std::string command_line;  // for the record, and to go on with
     int repetitions = 0;       // 0: the suite's
     int retakes = -1;          // of disturbed samples, at most so many a cell; -1: as many as it has repetitions
+    int decide_seconds = -1;   // more samples for open verdicts, for so long; -1: the suite's
     bool resume = false;
     // A result that is there may be replaced, when the new one is complete; without `resume` the journal of an
     // unfinished run makes room for a new run, and is kept under another name.

@@ -64,6 +64,7 @@ struct Suite {
     std::string name;
     std::string description;
     int repetitions = 9;
+    int decide_seconds = 0;  // more samples for verdicts that are open by their interval's width, for so long; 0: none
     std::vector<Study> studies;
 };
 

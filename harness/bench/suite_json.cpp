@@ -232,13 +232,11 @@ void check_names(const Suite& suite, const std::string& file) {
     }
 }
 
-// Error bars come from seeds only, and a spread told from fewer is none (docs/numerics.md 1.6).
 void check_repetitions(const Suite& suite, const JsonObject& root) {
-    constexpr int least = 8;
     const bool has_convergence = std::any_of(suite.studies.begin(), suite.studies.end(),
                                              [](const Study& s) { return s.convergence.has_value(); });
-    if (has_convergence && suite.repetitions < least) {
-        root.at("repetitions").fail("8 or more: the suite has a study of type convergence");
+    if (has_convergence && suite.repetitions < fewest_seeds) {
+        root.at("repetitions").fail(fmt::format("{} or more: the suite has a study of type convergence", fewest_seeds));
     }
 }
 
@@ -248,12 +246,17 @@ Suite load_suite(const std::string& file) { return parse_suite(read_file(file), 
 
 Suite parse_suite(const std::string& text, const std::string& file) {
     const Json json = parse_json(text, file);
-    const JsonObject root(JsonValue(json, file, "$"), {"name", "description", "repetitions", "studies"});
+    const JsonObject root(JsonValue(json, file, "$"),
+                          {"name", "description", "repetitions", "decide_seconds", "studies"});
     Suite suite;
     suite.name = root.required("name").plain_name();
     suite.description = root.has("description") ? root.at("description").text() : "";
     if (root.has("repetitions")) {
         suite.repetitions = static_cast<int>(root.at("repetitions").whole(1, 10000, "a whole number from 1 to 10000"));
+    }
+    if (root.has("decide_seconds")) {
+        suite.decide_seconds =
+            static_cast<int>(root.at("decide_seconds").whole(0, 86400, "a whole number of seconds from 0 to 86400"));
     }
     std::vector<std::string> names;
     for (const JsonValue& study : root.required("studies").elements()) {

@@ -8,6 +8,7 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
+#include "harness/bench/decide.h"
 #include "harness/bench/result_check.h"
 #include "harness/bench/retakes.h"
 #include "harness/bench/short_names.h"
@@ -113,6 +114,30 @@ public:
         return !again.empty();
     }
 
+    // Samples beyond those that every cell has, in an order that mixes the cells, until the time is over.
+    void take_more(const std::vector<WantedSamples>& wanted, double seconds, std::mt19937& random) {
+        std::vector<const Cell*> turns;
+        for (const WantedSamples& one : wanted) {
+            turns.insert(turns.end(), one.samples - journal_.known().samples(one.cell->name).size(), one.cell);
+        }
+        std::shuffle(turns.begin(), turns.end(), random);
+        const double end = seconds_now() + seconds;
+        Progress progress("more", std::max<std::size_t>(1, turns.size()), lines_);
+        for (const Cell* const cell : turns) {
+            if (interrupt_.requested() || seconds_now() > end) {
+                return;
+            }
+            progress.begin(names_.of(*cell));
+            if (journal_.failure(*cell).empty()) {
+                const TakenSample sample = taken(*cell, journal_.known().samples(cell->name).size());
+                if (sample.error.empty()) {
+                    journal_.add_sample(*cell, sample.facts);
+                }
+            }
+            progress.step(names_.of(*cell));
+        }
+    }
+
 private:
     // A sample that may go into the journal; another one's error is there already.
     TakenSample taken(const Cell& cell, std::size_t index) {
@@ -199,8 +224,8 @@ void initialize_benchmark(int repetitions, const std::vector<std::string>& flags
     }
 }
 
-void time_cells(const Plan& plan, const TimingOptions& options, RunJournal& journal, SampleTaker& taker,
-                const ErrorBook& errors, const Interrupt& interrupt) {
+void time_cells(const Plan& plan, const Suite& suite, const TimingOptions& options, RunJournal& journal,
+                SampleTaker& taker, const ErrorBook& errors, const Interrupt& interrupt) {
     if (interrupt.requested()) {
         return;
     }
@@ -221,7 +246,16 @@ void time_cells(const Plan& plan, const TimingOptions& options, RunJournal& jour
                                         [](const std::string& flag) { return flag.starts_with("--benchmark_format"); });
     benchmark::RunSpecifiedBenchmarks(own_format ? nullptr : &reporter);
     std::mt19937 random;  // of one seed: a run is the same every time, but for what disturbs it
-    while (timer.retake_round(cells, options.most_retakes, random)) {
+    const auto retake = [&] {
+        while (timer.retake_round(cells, options.most_retakes, random)) {
+        }
+    };
+    retake();
+    const auto most = static_cast<std::size_t>(options.repetitions * most_times_repetitions);
+    if (options.decide_seconds > 0 && !interrupt.requested()) {
+        timer.take_more(samples_to_decide(plan, suite, journal.known(), most, options.decide_seconds),
+                        options.decide_seconds, random);
+        retake();
     }
 }
 

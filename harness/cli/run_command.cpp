@@ -3,12 +3,14 @@
 
 #include <fmt/format.h>
 
+#include "harness/bench/convergence_study.h"
 #include "harness/bench/machine.h"
 #include "harness/bench/prepare_cells.h"
 #include "harness/bench/runner.h"
 #include "harness/cli/commands.h"
 #include "harness/cli/run_preview.h"
 #include "harness/cuda/backend.h"
+#include "harness/error/reference.h"
 #include "harness/nearest_name.h"
 #include "harness/places.h"
 #include "harness/ranks/ranks.h"
@@ -29,6 +31,7 @@ struct RunArguments {
     std::string spps;
     int repetitions = 0;
     int retakes = -1;
+    int decide_seconds = -1;
     std::uint64_t seed = 1;
     std::string out;
     bool resume = false;
@@ -38,9 +41,21 @@ struct RunArguments {
     std::string shard;
     bool untuned = false;
     bool dry_run = false;
+    bool error_against_time = false;
     CompileOnly compile_only;
     std::string reference_cache;
 };
+
+// What --error-against-time asks of a study. The reference is rendered on until it is good enough for the errors that
+// are expected, so nobody has to name a variance.
+constexpr std::uint64_t most_reference_spp = 1u << 20;
+
+void ask_for_errors(Study& study) {
+    study.convergence =
+        ConvergenceSettings{.variance = any_variance, .most_spp = most_reference_spp, .without_checkpoints = true};
+    study.figure = "convergence";
+    study.spp_on = {{Backend::cpu, 256}, {Backend::cuda, 4096}};
+}
 
 // The study that --scene and --axis describe.
 Suite suite_from_arguments(const RunArguments& arguments) {
@@ -49,7 +64,25 @@ Suite suite_from_arguments(const RunArguments& arguments) {
     study.title = "From the command line";
     study.scenes = scenes_asked_for(arguments.scenes);
     study.spp = 4;
+    if (arguments.error_against_time) {
+        ask_for_errors(study);
+    }
     return {.name = "adhoc", .description = "", .studies = {study}};
+}
+
+// Error bars come from seeds: fewer tell too little.
+void check_error_against_time(const RunArguments& arguments, const RunOptions& options) {
+    if (!arguments.error_against_time) {
+        return;
+    }
+    if (!arguments.suite.empty()) {
+        throw InputError("command line", "options", "--error-against-time beside --suite",
+                         "--scene; a suite says of each study whether it is of type convergence");
+    }
+    if (options.repetitions > 0 && options.repetitions < fewest_seeds) {
+        throw InputError("command line", "--repetitions", std::to_string(options.repetitions),
+                         fmt::format("{} or more with --error-against-time", fewest_seeds));
+    }
 }
 
 // The first of a list, and the others.
@@ -121,6 +154,7 @@ RunOptions make_options(const RunArguments& arguments, const CLI::App& command, 
         .command_line = command_line,
         .repetitions = arguments.repetitions,
         .retakes = arguments.retakes,
+        .decide_seconds = arguments.decide_seconds,
         .resume = arguments.resume,
         .overwrite = arguments.overwrite,
         .other_host = arguments.other_host,
@@ -168,12 +202,13 @@ int run(const RunArguments& arguments, const CLI::App& command, const std::strin
     if (const std::string_view now = new_name_of_suite(arguments.suite); !now.empty()) {
         fmt::print(stderr, "ptbench: the suite {} is called {} now\n", arguments.suite, now);
     }
+    check_error_against_time(arguments, options);
     const Backend backend = arguments.compile_only.is_asked ? Backend::cuda : parse_backend(arguments.backend);
     Suite suite =
         arguments.suite.empty() ? suite_from_arguments(arguments) : load_suite(find_suite_file(arguments.suite));
     for (Study& study : suite.studies) {
         override_study(study, arguments, backend);
-        if (arguments.suite.empty()) {
+        if (arguments.suite.empty() && !study.convergence) {
             study.figure = compared_axis(study.axes);
         }
     }
@@ -198,6 +233,9 @@ int run(const RunArguments& arguments, const CLI::App& command, const std::strin
             suite.name, shard.is_whole() ? "" : fmt::format(".shard-{}-of-{}", shard.index, shard.count));
     }
     const int exit_code = run_suite(suite, options);
+    if (arguments.error_against_time && exit_code <= exit_check_failed) {
+        fmt::print("figures: python3 -m ptbench plots {}\n", options.out);
+    }
     if (exit_code == exit_good && arguments.suite.empty() && arguments.axes.empty() && arguments.devices.empty() &&
         !arguments.quiet) {
         fmt::print(stderr, "{}", nothing_to_compare(plan_run(suite, options)));
@@ -223,6 +261,10 @@ Command add_run_command(CLI::App& app, const std::string& command_line) {
     command->add_option("--resolution", arguments->resolutions, "WxH,WxH (default: the suite's or the scene's)");
     command->add_option("--depth", arguments->depths, "Ray segments in a path: D,D (1 to 1000000)");
     command->add_option("--spp", arguments->spps, "Samples per pixel and timed sample: N,N (1 to 1000000)");
+    command->add_flag(
+        "--error-against-time", arguments->error_against_time,
+        "With --scene: errors against a reference at 1, 2, 4, .. samples a pixel, and what they are worth "
+        "in time");
     command->add_option("--repetitions", arguments->repetitions, "Timed samples a cell (default: the suite's, or 9)")
         ->check(CLI::Range(1, 10000));
     command
@@ -230,6 +272,11 @@ Command add_run_command(CLI::App& app, const std::string& command_line) {
                      "Samples that other processes disturbed are taken again, at most N of a cell (default: as many as "
                      "it has samples; 0: none)")
         ->check(CLI::Range(0, 10000));
+    command
+        ->add_option("--decide", arguments->decide_seconds,
+                     "More samples, for so many seconds, where a verdict is open by its interval's width (default: the "
+                     "suite's, or 0: none); a cell comes to four times --repetitions at most")
+        ->check(CLI::Range(0, 86400));
     command->add_option("--seed", arguments->seed, "Seed of the first sample (default 1)")->check(check_seed);
     command->add_option("--out", arguments->out, "Result file (default results/MACHINE/SUITE.json)")
         ->check(check_not_empty);

@@ -70,8 +70,9 @@ void double_samples(Reference& reference, const ReferenceTask& task, const Varia
 }
 
 std::string progress_text(const Reference& reference, const ReferenceTask& task) {
-    return fmt::format("reference {}: {} spp a half, variance {:.3g} (wanted {:.3g})", reference.name,
-                       reference.spp_per_half, reference.noise.variance, task.variance);
+    const std::string wanted = task.variance == any_variance ? "" : fmt::format(" (wanted {:.3g})", task.variance);
+    return fmt::format("reference {}: {} spp a half, variance {:.3g}{}", reference.name, reference.spp_per_half,
+                       reference.noise.variance, wanted);
 }
 
 Reference empty_reference(const ReferenceTask& task) {

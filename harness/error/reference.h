@@ -16,6 +16,9 @@ namespace pt {
 // The film's means in double.
 Image image_of(const Film& film);
 
+// A variance that every reference has: what decides is the error that it leaves (ReferenceNoise::dual_error).
+inline constexpr double any_variance = 1e300;
+
 // Which image, and how well it is to be known.
 struct ReferenceTask {
     std::shared_ptr<const Scene> scene;

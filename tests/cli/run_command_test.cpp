@@ -152,6 +152,76 @@ TEST_F(RunCommandTest, ARunEndsWithATableOfVerdicts) {
     EXPECT_NE(run.err.find(" left  wavefront layout=soa, cornell_open\n"), std::string::npos) << run.err;
 }
 
+TEST_F(RunCommandTest, ErrorAgainstTimeIsOneFlag) {
+    const Arguments arguments{"run",
+                              "--scene",
+                              "cornell_open",
+                              "--resolution",
+                              "8x6",
+                              "--depth",
+                              "4",
+                              "--spp",
+                              "16",
+                              "--axis",
+                              "direct_light=off,nee",
+                              "--retakes",
+                              "0",
+                              "--backend",
+                              "cpu",
+                              "--out",
+                              out,
+                              "--reference-cache",
+                              folder.file("references"),
+                              "--error-against-time"};
+    const CommandResult run = ptbench(arguments);
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_NE(run.out.find("cornell_open 8x6, depth 4 on cpu: errors at 16 spp; efficiency: "), std::string::npos)
+        << run.out;
+    EXPECT_NE(run.out.find("efficiency by MSE"), std::string::npos);
+    EXPECT_NE(run.out.find("\nfigures: python3 -m ptbench plots " + out + "\n"), std::string::npos);
+    EXPECT_EQ(run.err.find("1e+300"), std::string::npos) << run.err;
+    const json file = result();
+    EXPECT_EQ(file.at("ptbench").at("studies").at(0).at("type"), "convergence");
+    EXPECT_EQ(file.at("ptbench").at("cells").size(), 4u);  // two variants, with checkpoints and without
+    for (const json& row : samples(file)) {
+        if (row.at("run_name").get<std::string>().ends_with("/checkpoints:octaves")) {
+            EXPECT_EQ(row.at("pt_checkpoints").size(), 5u);
+        }
+    }
+}
+
+// Times of so small an image scatter: some cells may get more samples, none is left with a gap.
+TEST_F(RunCommandTest, MoreSamplesForOpenVerdictsAreWithinWhatTheResultSays) {
+    const CommandResult run = ptbench(call(9, {"--decide", "2"}));
+    ASSERT_EQ(run.exit_code, 0) << run.err << run.out;
+    EXPECT_NE(run.err.find("9 samples a cell, then up to 2 s of more where a verdict is open"), std::string::npos);
+    const json file = result();
+    EXPECT_EQ(file.at("ptbench").at("run").at("most_repetitions"), 36);
+    std::map<std::string, std::set<int>> indices;
+    for (const json& row : samples(file)) {
+        indices[row.at("run_name")].insert(row.at("repetition_index").get<int>());
+        EXPECT_EQ(row.at("pt_seed").get<int>(), row.at("repetition_index").get<int>() + 1);
+    }
+    EXPECT_EQ(indices.size(), 2u);
+    for (const auto& [name, taken] : indices) {
+        EXPECT_GE(taken.size(), 9u) << name;
+        EXPECT_LE(taken.size(), 36u) << name;
+        EXPECT_EQ(*taken.rbegin() + 1, static_cast<int>(taken.size())) << name;
+    }
+}
+
+TEST_F(RunCommandTest, ErrorAgainstTimeIsOfScenesAndOfEnoughSeeds) {
+    const CommandResult suite = ptbench({"run", "--suite", "quick", "--error-against-time"});
+    EXPECT_EQ(suite.exit_code, 2);
+    EXPECT_NE(suite.err.find("found --error-against-time beside --suite, allowed: --scene"), std::string::npos)
+        << suite.err;
+    const CommandResult seeds =
+        ptbench({"run", "--scene", "cornell_open", "--error-against-time", "--repetitions", "7", "--out", out});
+    EXPECT_EQ(seeds.exit_code, 2);
+    EXPECT_NE(seeds.err.find("found 7, allowed: 8 or more with --error-against-time"), std::string::npos) << seeds.err;
+    EXPECT_FALSE(std::filesystem::exists(out));
+}
+
 // Its users' scripts go on, and learn the name that results have now.
 TEST_F(RunCommandTest, ASuiteIsFoundByItsOldName) {
     const auto planned = [&](const char* suite) {

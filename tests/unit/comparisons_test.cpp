@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <memory>
+#include <numeric>
 
 #include <gtest/gtest.h>
 
+#include "harness/bench/error_table.h"
 #include "harness/bench/result_file.h"
 #include "harness/bench/retakes.h"
 #include "harness/bench/short_names.h"
@@ -51,6 +54,7 @@ struct CommittedRun {
         }
         for (const Json& facts : file.at("ptbench").at("cells")) {
             plan.cells.push_back(cell_of(facts));
+            add_errors(plan.cells.back(), facts);
         }
         std::vector<Json> rows;
         for (const Json& row : file.at("benchmarks")) {
@@ -65,6 +69,20 @@ struct CommittedRun {
         for (const Json& row : rows) {
             journal.add_sample(row.at("run_name"), row);
         }
+    }
+
+    // Of a cell of a study of error: what its images were compared with.
+    void add_errors(Cell& cell, const Json& facts) {
+        const auto convergence = facts.find("convergence");
+        if (convergence == facts.end()) {
+            return;
+        }
+        const Json& reference = convergence->at("reference");
+        cell.convergence = CellConvergence();
+        cell.convergence->checkpoints = convergence->at("checkpoints").get<std::vector<std::uint32_t>>();
+        cell.convergence->reference.scene = scene_called(reference.at("scene"));
+        cell.convergence->reference.depth = reference.at("depth");
+        journal.set_cell(cell.name, {{"status", facts.at("status")}, {"convergence", *convergence}});
     }
 
     static Cell cell_of(const Json& facts) {
@@ -128,6 +146,35 @@ struct CommittedRun {
     }
 };
 
+// As tests/analysis/test_run_errors.py writes them: study, cell, baseline, and for MSE and relMSE the mean error, the
+// efficiency and the ends of its interval.
+Json errors_in(const CommittedRun& run) {
+    Json rows = Json::array();
+    for (const Study& study : run.suite.studies) {
+        Cells cells = run.cells_of(study);
+        std::erase_if(cells, [](const Cell* cell) { return !cell->convergence; });
+        for (const Cells& group : by_image(cells)) {
+            const std::vector<LastErrors> errors = last_errors(run.plan, group, run.journal);
+            const LastErrors* const baseline = baseline_of(errors, run.journal);
+            for (const LastErrors& one : errors) {
+                Json row = {study.name, one.cell - run.plan.cells.data(), baseline->cell - run.plan.cells.data()};
+                for (const auto& [values, efficiency] :
+                     {std::pair(one.mse, one.efficiency_by_mse(*baseline)),
+                      std::pair(one.rel_mse, one.efficiency_by_rel_mse(*baseline))}) {
+                    row.push_back(std::accumulate(values.begin(), values.end(), 0.0) /
+                                  static_cast<double>(values.size()));
+                    const bool is_told = &one != baseline && efficiency.has_value();
+                    row.push_back(is_told ? Json(efficiency->value) : Json());
+                    row.push_back(is_told ? Json(efficiency->interval->low) : Json());
+                    row.push_back(is_told ? Json(efficiency->interval->high) : Json());
+                }
+                rows.push_back(row);
+            }
+        }
+    }
+    return rows;
+}
+
 // A committed result, which is stored compressed; empty where gzip cannot read it.
 std::string content_of_result(const std::string& file) {
     const std::string command = "gzip -dc '" + test::in_source(file) + ".gz'";
@@ -154,6 +201,27 @@ TEST(ComparisonsTest, CommittedResultsHaveTheVerdictsThatPythonGivesThem) {
         ASSERT_EQ(found.size(), pairs.size()) << file;
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             EXPECT_EQ(found[i], pairs[i]) << file;
+        }
+    }
+}
+
+// To rounding: NumPy adds in another order.
+TEST(ComparisonsTest, CommittedResultsHaveTheErrorsAndEfficienciesThatPythonGivesThem) {
+    const Json expected = Json::parse(test::content_of(test::in_source("tests/support/run_errors.json")));
+    ASSERT_GE(expected.size(), 1u);
+    for (const auto& [file, rows] : expected.items()) {
+        const Json found = errors_in(CommittedRun(Json::parse(content_of_result(file))));
+        ASSERT_EQ(found.size(), rows.size()) << file;
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            ASSERT_EQ(found[i].size(), rows[i].size()) << file;
+            for (std::size_t k = 0; k < rows[i].size(); ++k) {
+                if (rows[i][k].is_number_float()) {
+                    const double value = rows[i][k];
+                    EXPECT_NEAR(found[i][k].get<double>(), value, 1e-9 * std::abs(value)) << file << ": " << rows[i];
+                } else {
+                    EXPECT_EQ(found[i][k], rows[i][k]) << file << ": " << rows[i];
+                }
+            }
         }
     }
 }

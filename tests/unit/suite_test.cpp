@@ -266,9 +266,11 @@ TEST_F(SuiteTest, RefusesBadTopLevels) {
         {R"({"name": "s", "studies": {}})", "$.studies: found an object, allowed: an array"},
         {R"({"name": "s", "studies": []})", "$.studies: found [], allowed: at least one study"},
         {R"({"name": "s", "studies": [], "reps": 1})",
-         "$: found unknown key \"reps\", allowed: name, description, repetitions, studies"},
+         "$: found unknown key \"reps\", allowed: name, description, repetitions, decide_seconds, studies"},
         {R"({"name": "s", "repetitions": 0, "studies": []})",
          "$.repetitions: found 0, allowed: a whole number from 1 to 10000"},
+        {R"({"name": "s", "decide_seconds": -1, "studies": []})",
+         "$.decide_seconds: found -1, allowed: a whole number of seconds from 0 to 86400"},
         {R"({"name": "s", "name": "t", "studies": []})", "$: found the key \"name\" twice, allowed: once"},
     };
     for (const auto& c : cases) {

@@ -39,7 +39,9 @@ EFFICIENCY_RULE = (
     "cells ran drawn for both. An efficiency whose times other processes disturbed in more than a tenth of a cell's "
     "samples has no verdict (disturbed). Time to an error: the samples after which the fitted curve, with its plateau, "
     "meets it, times what a sample takes in the same render without checkpoints; never where the plateau lies above "
-    "it, and not told without such a render or where a launch would be more than a twentieth of it."
+    "it, and not told without such a render or where a launch would be more than a twentieth of it. Efficiency by MSE "
+    "or relMSE at the last spp: the baseline's error times render time over the cell's, bias and noise together; "
+    "relMSE weighs dark pixels as much as bright ones."
 )
 
 

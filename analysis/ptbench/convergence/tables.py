@@ -22,6 +22,7 @@ from ptbench.convergence.efficiency import (
     target_of,
     time_to,
 )
+from ptbench.convergence.last_errors import ERRORS, LastErrors, last_errors
 from ptbench.io.cells import Result, Study
 from ptbench.numbers import figures, ratio
 from ptbench.stats.estimates import Estimate
@@ -54,6 +55,7 @@ def convergence_tables(result: Result, study: Study) -> Lines:
         for table in (_verdicts(group, names, shown), _slopes(group, names), _errors(group, names)):
             lines += [*table, ""]
         lines += [*_costs(group, names, baseline), ""]
+        lines += [*_at_the_end(group, names, baseline), ""]
         if costs := checkpoint_costs(group):
             lines += ["Render wall time per spp with checkpoints over that without, 95 % bootstrap of the medians:", ""]
             rows = [
@@ -206,6 +208,38 @@ def _costs(group: Sequence[Assessment], names: dict[str, str], baseline: Assessm
             ]
         )
     return _table(head, rows, "l" + "r" * (len(head) - 1))
+
+
+def _at_the_end(group: Sequence[Assessment], names: dict[str, str], baseline: Assessment | None) -> Lines:
+    """Errors at the last checkpoint and what they are worth in time, by both metrics: as the run's own table."""
+    errors = last_errors(group)
+    if baseline is None or baseline.cell.name not in errors:
+        return []
+    base = errors[baseline.cell.name]
+    head = ["Variant", "Last spp"]
+    for metric in ERRORS:
+        head += [f"{metric} there", "Efficiency by it", "95 % interval"]
+    rows = []
+    for one in group:
+        if (own := errors.get(one.cell.name)) is None:
+            continue
+        row = [names[one.cell.name], str(one.cell.spp)]
+        for metric in ERRORS:
+            row += [f"{own.mean(metric):.3g}", *_efficiency_by(metric, own, base)]
+        rows.append(row)
+    return _table(head, rows, "l" + "r" * (len(head) - 1))
+
+
+def _efficiency_by(metric: str, own: LastErrors, base: LastErrors) -> tuple[str, str]:
+    if own is base:
+        return "baseline", _NONE
+    efficiency = own.efficiency(base, metric)
+    if efficiency is None:
+        return _NONE, _NONE
+    marks = ["withdrawn"] if between(own.cell, base.cell) else []
+    marks += [DISTURBED] if own.doubt(base) else []
+    mark = f" ({', '.join(marks)})" if marks else ""
+    return figures(efficiency.value, 3) + mark, ends_beside_one(efficiency) or _NONE
 
 
 def _efficiency(compared: Compared | None, one: Assessment, baseline: Assessment | None) -> str:

@@ -82,13 +82,14 @@ def contradictions(root: Node) -> Iterator[Contradiction]:
     cells = _cells(root)
     run = root.need("ptbench").maybe("run")
     asked = None if run is None else run.optional_integer("repetitions")
+    most = None if run is None else run.optional_integer("most_repetitions")
     status = root.need("context").maybe("ptbench.status")
     for cell in cells:
         for row in cell.samples:
             yield from times_of(row, cell.shown)
         yield from _twice(cell)
         if not cell.failed:
-            yield from _missing(cell, asked)
+            yield from _missing(cell, asked, most)
         if cell.status == "interrupted" and status is not None and status.value == "completed":
             place = f"{cell.node.place}.status"
             yield Contradiction(place, f"{cell.shown} interrupted", "ok or failed: the run is completed")
@@ -184,8 +185,8 @@ def _twice(cell: _Cell) -> Iterator[Contradiction]:
             taken[key].setdefault(value, row)
 
 
-def _missing(cell: _Cell, asked: int | None) -> Iterator[Contradiction]:
-    """An `ok` cell has all samples, an interrupted one the first ones."""
+def _missing(cell: _Cell, asked: int | None, most: int | None) -> Iterator[Contradiction]:
+    """An `ok` cell has all samples, or more up to `most`, an interrupted one the first ones."""
     wanted = asked
     for row in cell.samples:
         named = row.maybe("repetitions")
@@ -205,16 +206,16 @@ def _missing(cell: _Cell, asked: int | None) -> Iterator[Contradiction]:
     if None in indices:
         return
     whole = cell.status == "ok" and wanted is not None
-    gaps = [index for index in range(wanted if whole else max(there) + 1) if index not in there]
+    gaps = [index for index in range(max(wanted if whole else 0, max(there) + 1)) if index not in there]
     if gaps:
         more = f" and {len(gaps) - _MOST_NAMED} more" if len(gaps) > _MOST_NAMED else ""
         which = f"{', '.join(map(str, gaps[:_MOST_NAMED]))}{more}"
         found = f"no sample {which} of {cell.shown}, which is {cell.status} and has {len(there)}"
         allowed = f"samples 0 to {wanted - 1}" if whole else "samples from 0 on without a gap"
         yield Contradiction(cell.node.place, found, allowed)
-    elif wanted is not None and max(there) >= wanted:
+    elif wanted is not None and max(there) >= (limit := most or wanted):
         found = f"sample {max(there)} of {cell.shown}"
-        yield Contradiction(cell.node.place, found, f"samples 0 to {wanted - 1}: {wanted} were asked for")
+        yield Contradiction(cell.node.place, found, f"samples 0 to {limit - 1}: {limit} were asked for")
 
 
 # A film: what must leave the same one, the seed, and the samples in every pixel so far.
@@ -310,7 +311,9 @@ class JournalBook:
             yield Contradiction(seed.place, found, "each sample of a cell once")
         elif seed.integer() != wanted:
             yield Contradiction(seed.place, f"{seed.integer()} in {cell}", f"{wanted}, its next sample's")
-        elif len(seeds) == self._identity.need("repetitions").integer():
+        elif len(seeds) == (
+            self._identity.optional_integer("most_repetitions") or self._identity.need("repetitions").integer()
+        ):
             found = f"sample {len(seeds)} of {cell}"
             yield Contradiction(sample.place, found, f"samples 0 to {len(seeds) - 1}: {len(seeds)} were asked for")
         yield from times_of(sample, cell)

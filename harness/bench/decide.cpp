@@ -1,0 +1,102 @@
+#include "harness/bench/decide.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "harness/bench/comparisons.h"
+
+namespace pt {
+
+namespace {
+
+// Half the width of an interval that fits between the limits of SAME with room for where it lies.
+constexpr double wanted_half_width = 0.8 * least_difference;
+
+bool is_good(const Cell& cell, const Journal& journal) {
+    const Json* const facts = journal.cell(cell.name);
+    return facts != nullptr && facts->value("status", "") == "ok" && !journal.samples(cell.name).empty();
+}
+
+// Samples a side that would make the interval narrow enough; 0: the verdict is not open, or for another reason.
+std::size_t samples_for(const Times& times, const Times& baseline) {
+    const RatioEstimate ratio = ratio_estimate(times.ms_per_spp, baseline.ms_per_spp);
+    if (times.is_contended || baseline.is_contended || ratio.samples < fewest_samples || !ratio.interval ||
+        word_of(*ratio.interval) != Word::unsure) {
+        return 0;
+    }
+    const double half_width = (ratio.interval->high - ratio.interval->low) / 2;
+    const double times_as_many = std::pow(half_width / wanted_half_width, 2);
+    return static_cast<std::size_t>(std::ceil(static_cast<double>(ratio.samples) * std::min(times_as_many, 1e6)));
+}
+
+double seconds_of_a_sample(const Cell& cell, const Journal& journal) {
+    std::vector<double> ms;
+    for (const Json& sample : journal.samples(cell.name)) {
+        ms.push_back(sample.value("pt_end_to_end_ms", sample.at("pt_wall_ms").get<double>()));
+    }
+    return 1e-3 * median_of(ms);
+}
+
+using Wanted = std::map<const Cell*, std::size_t>;
+
+void add_open_verdicts(Wanted& wanted, const Study& study, const Cells& cells, const Journal& journal) {
+    const std::optional<Question> question = question_of(study, cells);
+    for (const Cell* const cell : question ? cells : Cells()) {
+        const Cell* const baseline = is_baseline(*cell, *question) ? nullptr : baseline_of(*cell, cells, *question);
+        if (baseline == nullptr || !is_good(*cell, journal) || !is_good(*baseline, journal)) {
+            continue;
+        }
+        const std::size_t samples = samples_for(times_of(*cell, journal), times_of(*baseline, journal));
+        for (const Cell* const side : {cell, baseline}) {
+            wanted[side] = std::max(wanted[side], samples);
+        }
+    }
+}
+
+}  // namespace
+
+std::vector<WantedSamples> samples_to_decide(const Plan& plan, const Suite& suite, const Journal& journal,
+                                             std::size_t most, double seconds) {
+    Wanted wanted;
+    for (const Study& study : suite.studies) {
+        add_open_verdicts(wanted, study, cells_of_study(plan, study.name), journal);
+    }
+    std::vector<WantedSamples> found;
+    double all_seconds = 0;
+    for (const Cell& cell : plan.cells) {
+        const std::size_t there = journal.samples(cell.name).size(), samples = std::min(wanted[&cell], most);
+        if (samples > there) {
+            found.push_back({&cell, samples});
+            all_seconds += static_cast<double>(samples - there) * seconds_of_a_sample(cell, journal);
+        }
+    }
+    const double share = all_seconds > seconds ? seconds / all_seconds : 1;
+    for (WantedSamples& one : found) {
+        const std::size_t there = journal.samples(one.cell->name).size();
+        one.samples = there + static_cast<std::size_t>(share * static_cast<double>(one.samples - there));
+    }
+    std::erase_if(found,
+                  [&](const WantedSamples& one) { return one.samples <= journal.samples(one.cell->name).size(); });
+    return found;
+}
+
+std::string decided_in_words(const Plan& plan, const Journal& journal, int repetitions) {
+    std::vector<std::size_t> counts;
+    for (const Cell& cell : plan.cells) {
+        const std::size_t there = journal.samples(cell.name).size();
+        if (there > static_cast<std::size_t>(repetitions)) {
+            counts.push_back(there);
+        }
+    }
+    if (counts.empty()) {
+        return "";
+    }
+    const auto [fewest, most] = std::minmax_element(counts.begin(), counts.end());
+    return fmt::format("more samples: {} cell{} {} to {}, for verdicts that were open by the width of their interval",
+                       counts.size(), counts.size() == 1 ? " has" : "s have", *fewest, *most);
+}
+
+}  // namespace pt
