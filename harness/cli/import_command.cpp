@@ -63,7 +63,7 @@ void write_what_it_names(const ImportResult& result, const std::string& out) {
 
 int import_file(const ImportArguments& arguments) {
     check_import_arguments(arguments);
-    const ImportResult result = import_scene({.text = read_file(arguments.file, largest_import_of(arguments.file)),
+    const ImportResult result = import_scene({.text = read_import(arguments.file),
                                               .file = arguments.file,
                                               .out = arguments.out,
                                               .name = arguments.name});
