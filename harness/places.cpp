@@ -75,6 +75,9 @@ std::vector<std::string> suite_names() { return json_stems(home_folder() / "scen
 Scene find_scene(const std::string& name_or_file) {
     Scene scene = load_scene(find_file("scene", name_or_file, home_folder() / "scenes"));
     for (const auto& mesh : scene.meshes) {
+        for (const std::string& warning : mesh->warnings) {
+            fmt::print(stderr, "warning: scene {}: mesh {}: {}\n", scene.name, one_line(mesh->source), warning);
+        }
         if (mesh->degenerate_left_out > 0) {
             fmt::print(stderr, "note: scene {}: mesh {}: {} triangles without area left out\n", scene.name,
                        one_line(mesh->source), mesh->degenerate_left_out);

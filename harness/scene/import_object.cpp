@@ -30,6 +30,7 @@ public:
 
 private:
     void add_shape();
+    void warn_of_shapes_beside(const std::string& shape, const std::vector<std::string>& others);
     void add_mesh();
     bool has_own_materials() const;
     void add_own_parts(const std::filesystem::path& file, const Cis565Line& line);
@@ -54,25 +55,39 @@ void ObjectImporter::add_shape() {
     const auto has = [&](const char* key) { return reader_.line(key) != nullptr; };
     if (has("sphere") || has("cube")) {
         part_.add("shape", has("sphere") ? "\"sphere\"" : "\"box\"", nullptr);
-        if (has("FILE")) {
-            import_->result->notes.add(reader_.line("FILE")->number, fmt::format("{} is left out: the shape is no mesh",
-                                                                                 reader_.line("FILE")->text()));
-        }
+        warn_of_shapes_beside(has("sphere") ? "sphere" : "cube", {"rect", "VERTICES", "mesh", "FILE"});
         return;
     }
     if (has("rect")) {
+        warn_of_shapes_beside("rect", {"VERTICES", "mesh", "FILE"});
         part_.add("shape", "\"mesh\"", nullptr);
         part_.add("vertices", unit_square, nullptr);
         part_.add("triangles", "[[0, 1, 2], [0, 2, 3]]", nullptr);
         return;
     }
     if (has("VERTICES")) {
+        warn_of_shapes_beside("VERTICES", {"FILE"});
         add_vertices();
     } else if (has("mesh") || has("FILE")) {
         add_mesh();
     } else {
         part_.add("shape", "\"box\"", nullptr);
         reader_.fail(section_->head, fmt::format("{} without a shape", section_->head.text()), "with cube or sphere");
+    }
+}
+
+// An object has one shape. Some programs take a mesh's file behind all objects for one more, of its own materials.
+void ObjectImporter::warn_of_shapes_beside(const std::string& shape, const std::vector<std::string>& others) {
+    const Cis565Line* told = nullptr;
+    for (const std::string& key : others) {
+        const Cis565Line* line = reader_.line(key);
+        if (line != nullptr && (told == nullptr || told->number != line->number)) {
+            import_->result->warnings.add(line->number,
+                                          fmt::format("{} is lost: {} is a {}, and an object has one shape (write an "
+                                                      "OBJECT with a material for it)",
+                                                      line->text(), section_->head.text(), shape));
+            told = line;
+        }
     }
 }
 
@@ -103,7 +118,7 @@ void ObjectImporter::add_mesh() {
         return;
     }
     try {
-        (void)mesh_from_file(*found);
+        warn_of_mesh(*import_->result, line->number, *found, mesh_from_file(*found)->warnings);
     } catch (const InputError& refusal) {
         reader_.fail(*line, fmt::format("\"{}\", of which is said: {}", line->text(), refusal.what()),
                      "a mesh that can be read");
