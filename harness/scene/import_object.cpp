@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include "harness/json_reader.h"
+#include "harness/mesh/resolution.h"
 #include "harness/scene/course_scene.h"
 #include "harness/scene/import_cis565.h"
 #include "harness/scene/import_mtl.h"
@@ -168,13 +169,23 @@ void ObjectImporter::add_vertices() {
         return;
     }
     std::vector<std::string> vertices, triangles;
+    Mesh mesh;
+    RoundingLoss loss;
     for (std::size_t i = 0; i < count; i += 3) {
-        const auto corner =
-            reader_.vector_of({line.number, {line.words[0], line.words[i + 1], line.words[i + 2], line.words[i + 3]}});
-        vertices.push_back(json_of(corner.value_or(Vec3d(0.0))));
+        const Vec3d corner =
+            reader_.vector_of({line.number, {line.words[0], line.words[i + 1], line.words[i + 2], line.words[i + 3]}})
+                .value_or(Vec3d(0.0));
+        vertices.push_back(json_of(corner));
+        const Vec3<float> rounded(corner);
+        mesh.vertices.push_back({rounded.x, rounded.y, rounded.z});
+        loss.add({corner.x, corner.y, corner.z}, mesh.vertices.back(), i / 3);
     }
-    for (std::size_t i = 0; i < count / 3; i += 3) {
+    for (std::uint32_t i = 0; i < count / 3; i += 3) {
         triangles.push_back(fmt::format("[{}, {}, {}]", i, i + 1, i + 2));
+        mesh.triangles.push_back({i, i + 1, i + 2});
+    }
+    if (const auto warning = resolution_warning(mesh, loss.largest())) {
+        import_->result->warnings.add(line.number, fmt::format("VERTICES has {}", *warning));
     }
     part_.add("vertices", fmt::format("[{}]", fmt::join(vertices, ", ")), &line);
     part_.add("triangles", fmt::format("[{}]", fmt::join(triangles, ", ")), &line);
