@@ -1,7 +1,7 @@
 // Reads triangle meshes from files: Wavefront .obj, Stanford .ply (ascii and both binary formats), glTF 2, binary
 // (.glb) or as JSON with its data in files beside it (.gltf). Faces of more than three corners are cut into triangles
-// (triangulate.h). Texture coordinates are kept where every corner has some. Materials and colours are passed over; what
-// else a file has that would show, or is read with a doubt, is among the mesh's warnings.
+// (triangulate.h). Texture coordinates are kept where every corner has some. Materials and colours are passed over;
+// what else a file has that would show, or is read with a doubt, is among the mesh's warnings.
 #pragma once
 
 #include <filesystem>

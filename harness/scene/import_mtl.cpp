@@ -62,7 +62,6 @@ private:
     const Cis565Line* at_;
     std::vector<Entry> entries_;
     std::map<std::string, std::size_t> by_name_;
-    std::map<std::string, std::vector<std::size_t>> by_name_without_comment_;
     std::set<fs::path> read_;
     bool is_whole_ = true, has_told_of_groups_ = false;
 };
@@ -110,7 +109,6 @@ void OwnMaterials::read_library(const std::string& name) {
 void OwnMaterials::add_entry(const fs::path& library, MtlMaterial material) {
     const auto [known, is_new] = by_name_.emplace(material.name, entries_.size());
     if (is_new) {
-        by_name_without_comment_[without_comment(material.name)].push_back(entries_.size());
         entries_.push_back({library, std::move(material)});
         return;
     }
@@ -131,15 +129,27 @@ void OwnMaterials::add_entry(const fs::path& library, MtlMaterial material) {
     }
 }
 
-// Without comments only where that leaves no doubt.
+// Of "wood # of the floor" and "wood" one may be the other with a comment; "Material #25" and "Material #26" are two.
 std::optional<std::size_t> OwnMaterials::entry_called(const std::string& name) {
     if (const auto found = by_name_.find(name); found != by_name_.end()) {
         return found->second;
     }
-    const auto cut = by_name_without_comment_.find(without_comment(name));
-    return !name.empty() && cut != by_name_without_comment_.end() && cut->second.size() == 1
-               ? std::optional(cut->second.front())
-               : std::nullopt;
+    std::vector<std::size_t> meant;
+    for (std::size_t i = 0; i < entries_.size() && !name.empty(); ++i) {
+        const std::string& other = entries_[i].material.name;
+        if (without_comment(name) == other || name == without_comment(other)) {
+            meant.push_back(i);
+        }
+    }
+    if (meant.size() != 1) {
+        return std::nullopt;
+    }
+    import_->result->warnings.add(at_->number,
+                                  fmt::format("{}: \"{}\" is read as the material \"{}\", as if a comment "
+                                              "began at #",
+                                              file_.filename().string(), name, entries_[meant.front()].material.name));
+    by_name_.emplace(name, meant.front());  // is told once
+    return meant.front();
 }
 
 std::optional<std::size_t> OwnMaterials::entry_of(const ObjPart& part) {

@@ -36,7 +36,7 @@ std::string ply_of(const std::string& vertices, int count, const std::string& fa
 
 TEST(OddObjTest, ACommentEndsWithItsLine) {
     for (const std::string comment : {"# C:\\models\\", "  # C:\\models\\ ", "#\\", "g C:\\models\\", "o a\\",
-                                       "usemtl C:\\models\\", "mtllib C:\\models\\"}) {
+                                      "usemtl C:\\models\\", "mtllib C:\\models\\"}) {
         const Mesh mesh = parse_obj(comment + "\n" + square + comment + "\nf 1 2 3\nf 1 3 4\n", "a");
         EXPECT_EQ(area_of(mesh), 4) << comment;
         EXPECT_EQ(mesh.warnings.messages(), Lines()) << comment;

@@ -262,8 +262,21 @@ TEST(ImportMtl, NamesWithANumberSignAreNotMerged) {
         << result.json;
     EXPECT_NE(result.json.find(R"("Material__26": {"type": "diffuse", "albedo": [0, 1, 0]})"), std::string::npos);
     const std::string commented = replaced(two_squares, "right", "right # of both");
-    EXPECT_EQ(Course(left + "newmtl right\nKd 1\n", commented).import().problems.messages("a", ""), Lines());
-    EXPECT_EQ(Course(left + "newmtl right # it is\nKd 1\n").import().problems.messages("a", ""), Lines());
+    const auto warnings = [](const ImportResult& found) {
+        EXPECT_EQ(found.problems.messages("a", ""), Lines());
+        return found.warnings.messages("a", "warning");
+    };
+    EXPECT_EQ(
+        warnings(Course(left + "newmtl right\nKd 1\n", commented).import()),
+        Lines{"a:14: warning: two.obj: \"right # of both\" is read as the material \"right\", as if a comment began "
+              "at #"});
+    EXPECT_EQ(
+        warnings(Course(left + "newmtl right # it is\nKd 1\n").import()),
+        Lines{"a:14: warning: two.obj: \"right\" is read as the material \"right # it is\", as if a comment began "
+              "at #"});
+    const Course missing("newmtl Material #25\nKd 1 0 0\n", mesh);
+    EXPECT_EQ(missing.import().problems.messages("a", ""),
+              Lines{"a:14: found \"two.obj: usemtl Material #26\", allowed: a material of its libraries, mtllib"});
     const Course doubtful(left + "newmtl right # 1\nKd 1\nnewmtl right # 2\nKd 1\n");
     EXPECT_EQ(doubtful.import().problems.count(), 1u);
     const Course named(left, replaced(two_squares, "two.mtl", "two.mtl # mine\nmtllib a #1.mtl"));
