@@ -46,6 +46,14 @@ std::string find_file(const std::string& kind, const std::string& name_or_file, 
     return file.string();
 }
 
+// A process may read a scene several times.
+void tell_once(const std::string& line) {
+    static std::set<std::string> told;
+    if (told.insert(line).second) {
+        fmt::print(stderr, "{}\n", line);
+    }
+}
+
 }  // namespace
 
 fs::path home_folder() {
@@ -75,9 +83,12 @@ std::vector<std::string> suite_names() { return json_stems(home_folder() / "scen
 Scene find_scene(const std::string& name_or_file) {
     Scene scene = load_scene(find_file("scene", name_or_file, home_folder() / "scenes"));
     for (const auto& mesh : scene.meshes) {
+        const std::string place = fmt::format("scene {}: mesh {}", scene.name, one_line(mesh->source));
+        for (const std::string& warning : mesh->warnings) {
+            tell_once(fmt::format("warning: {}: {}", place, warning));
+        }
         if (mesh->degenerate_left_out > 0) {
-            fmt::print(stderr, "note: scene {}: mesh {}: {} triangles without area left out\n", scene.name,
-                       one_line(mesh->source), mesh->degenerate_left_out);
+            tell_once(fmt::format("note: {}: {} triangles without area left out", place, mesh->degenerate_left_out));
         }
     }
     return scene;

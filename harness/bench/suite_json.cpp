@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "harness/bench/convergence_study.h"
+#include "harness/text_file.h"
 
 namespace pt {
 
@@ -242,7 +243,7 @@ void check_repetitions(const Suite& suite, const JsonObject& root) {
 
 }  // namespace
 
-Suite load_suite(const std::string& file) { return parse_suite(read_file(file), file); }
+Suite load_suite(const std::string& file) { return parse_suite(read_text_file(file), file); }
 
 Suite parse_suite(const std::string& text, const std::string& file) {
     const Json json = parse_json(text, file);

@@ -11,6 +11,7 @@
 #include "harness/cuda/backend.h"
 #include "harness/json_reader.h"
 #include "harness/places.h"
+#include "harness/text_file.h"
 #include "harness/write_file.h"
 #include "variants/variant_name.h"
 
@@ -93,7 +94,7 @@ Tuning Tuning::load(const std::string& file, Backend backend) {
     if (!std::filesystem::exists(file)) {
         return tuning;
     }
-    const Json json = parse_json(read_file(file), file);
+    const Json json = parse_json(read_text_file(file), file);
     const JsonObject root(JsonValue(json, file, "$"), {"machine", "entries"});
     for (const JsonValue& entry : root.required("entries").elements()) {
         tuning.put(read_entry(entry, backend));

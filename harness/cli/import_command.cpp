@@ -63,10 +63,8 @@ void write_what_it_names(const ImportResult& result, const std::string& out) {
 
 int import_file(const ImportArguments& arguments) {
     check_import_arguments(arguments);
-    const ImportResult result = import_scene({.text = read_file(arguments.file, largest_import_of(arguments.file)),
-                                              .file = arguments.file,
-                                              .out = arguments.out,
-                                              .name = arguments.name});
+    const ImportResult result = import_scene(
+        {.text = read_import(arguments.file), .file = arguments.file, .out = arguments.out, .name = arguments.name});
     print_findings(result.problems, arguments.file, "");
     const bool is_scene = result.problems.count() == 0;
     if (is_scene || arguments.strict) {  // what a file without its problems would be warned of, nobody knows yet

@@ -4,6 +4,8 @@
 #define TINYGLTF_IMPLEMENTATION
 #include "harness/mesh/gltf_model.h"
 
+#include <charconv>
+#include <cmath>
 #include <cstring>
 #include <set>
 
@@ -47,6 +49,24 @@ void check_binary_chunk(std::string_view content, const std::string& file) {
     if (size > length - data) {
         throw InputError(file, "chunk BIN", fmt::format("{} bytes", size),
                          fmt::format("at most {}, where the file ends", length - data));
+    }
+}
+
+// "2.1" as 2.1; 0 where it is no such text.
+double version_number(const std::string& text) {
+    double number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    return error == std::errc() && end == text.data() + text.size() ? number : 0;
+}
+
+// What a later version means by the same words, nobody here knows; what it may be read as, minVersion says.
+void check_version(const tinygltf::Asset& asset, const std::string& file) {
+    const bool has_least = !asset.minVersion.empty();
+    const std::string& needed = has_least ? asset.minVersion : asset.version;
+    const double number = version_number(needed);
+    if (has_least ? number != 2.0 : !(number >= 2.0 && number < 3.0)) {
+        throw InputError(file, has_least ? "asset.minVersion" : "asset.version", "\"" + needed + "\"",
+                         has_least ? "2.0" : "2.0, or a later 2.x");
     }
 }
 
@@ -94,6 +114,7 @@ tinygltf::Model parse_gltf_model(std::string_view content, const std::string& fi
                          errors.empty() ? "what tinygltf cannot read" : errors.substr(0, errors.find('\n')),
                          read ? "glTF 2.0 with its data beside it" : "binary glTF 2.0 with its data in it");
     }
+    check_version(model.asset, file);
     return model;
 }
 
@@ -156,6 +177,36 @@ std::vector<int> GltfMeshMaker::roots() const {
     return roots;
 }
 
+namespace {
+
+// Of length 1, as the format asks; what files have rounded to single precision stays as it is.
+glm::dvec4 unit_rotation(const tinygltf::Node& node) {
+    constexpr double rounding = 1e-6;
+    const glm::dvec4 rotation(node.rotation[0], node.rotation[1], node.rotation[2], node.rotation[3]);
+    const double square = glm::dot(rotation, rotation);
+    const bool is_other = std::abs(square - 1) > rounding && square > 0 && std::isfinite(square);
+    return is_other ? rotation / std::sqrt(square) : rotation;
+}
+
+}  // namespace
+
+bool GltfMeshMaker::is_hidden(const tinygltf::Node& node) {
+    const auto is_zero = [](double number) { return number == 0; };
+    if (node.matrix.size() != 16) {
+        return node.scale.size() == 3 && std::all_of(node.scale.begin(), node.scale.end(), is_zero);
+    }
+    return std::all_of(node.matrix.begin(), node.matrix.begin() + 3, is_zero) &&
+           std::all_of(node.matrix.begin() + 4, node.matrix.begin() + 7, is_zero) &&
+           std::all_of(node.matrix.begin() + 8, node.matrix.begin() + 11, is_zero);
+}
+
+bool GltfMeshMaker::is_morphed(const tinygltf::Node& node) const {
+    const bool has_mesh = node.mesh >= 0 && static_cast<std::size_t>(node.mesh) < model_.meshes.size();
+    const std::vector<double>& weights =
+        node.weights.empty() && has_mesh ? model_.meshes[static_cast<std::size_t>(node.mesh)].weights : node.weights;
+    return std::any_of(weights.begin(), weights.end(), [](double weight) { return weight != 0; });
+}
+
 glm::dmat4 GltfMeshMaker::matrix_of(const tinygltf::Node& node) {
     glm::dmat4 matrix(1.0);
     if (node.matrix.size() == 16) {
@@ -165,7 +216,8 @@ glm::dmat4 GltfMeshMaker::matrix_of(const tinygltf::Node& node) {
         return matrix;
     }
     if (node.rotation.size() == 4) {
-        const double x = node.rotation[0], y = node.rotation[1], z = node.rotation[2], w = node.rotation[3];
+        const glm::dvec4 unit = unit_rotation(node);
+        const double x = unit.x, y = unit.y, z = unit.z, w = unit.w;
         matrix[0] = {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0};
         matrix[1] = {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0};
         matrix[2] = {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0};
@@ -192,6 +244,9 @@ GltfMeshMaker::AccessorView GltfMeshMaker::view(int index, int type, const std::
              fmt::format("{}, not sparse", type == TINYGLTF_TYPE_VEC3   ? "VEC3"
                                            : type == TINYGLTF_TYPE_VEC2 ? "VEC2"
                                                                         : "SCALAR"));
+    }
+    if (accessor.bufferView < 0) {
+        fail(at, "no bufferView, so that all its numbers are 0", "one with a bufferView");
     }
     const tinygltf::BufferView& part = element(model_.bufferViews, accessor.bufferView, at + ", bufferView");
     const tinygltf::Buffer& buffer = element(model_.buffers, part.buffer, at + ", buffer");
@@ -253,8 +308,9 @@ void GltfMeshMaker::add_primitive(const tinygltf::Primitive& primitive, const gl
     for (std::size_t i = 0; i < positions.count; ++i) {
         const glm::dvec4 moved =
             matrix * glm::dvec4(positions.real(i, 0), positions.real(i, 1), positions.real(i, 2), 1.0);
-        mesh_.vertices.push_back(
-            {static_cast<float>(moved.x), static_cast<float>(moved.y), static_cast<float>(moved.z)});
+        const std::array rounded{static_cast<float>(moved.x), static_cast<float>(moved.y), static_cast<float>(moved.z)};
+        loss_.add({moved.x, moved.y, moved.z}, rounded, mesh_.vertices.size());
+        mesh_.vertices.push_back(rounded);
     }
     has_normals_ = has_normals_ && normal != primitive.attributes.end();
     if (has_normals_) {

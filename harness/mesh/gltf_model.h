@@ -20,6 +20,7 @@
 
 #include "harness/error.h"
 #include "harness/mesh/mesh.h"
+#include "harness/mesh/resolution.h"
 
 namespace pt {
 
@@ -50,11 +51,17 @@ public:
     // The nodes of the scene that is shown first; without a scene, those that no other has.
     std::vector<int> roots() const;
     static glm::dmat4 matrix_of(const tinygltf::Node& node);
+    // By a scale of 0 along all axes, which hides what hangs on it too.
+    static bool is_hidden(const tinygltf::Node& node);
+    // Whether its own weights, or without any its mesh's, move its vertices.
+    bool is_morphed(const tinygltf::Node& node) const;
 
     // Whether it has triangles: points and lines have none, nor has what has no place.
     static bool is_surface(const tinygltf::Primitive& primitive);
     void add_primitive(const tinygltf::Primitive& primitive, const glm::dmat4& matrix, const std::string& place);
     Mesh take();
+    MeshWarnings& warnings() { return mesh_.warnings; }
+    const RoundingLoss& loss() const { return loss_; }  // of vertices that were placed, by their numbers
 
 private:
     struct AccessorView;
@@ -72,6 +79,7 @@ private:
     bool has_normals_ = true;                        // so far: they are kept where every primitive has them
     bool has_coordinates_ = true;                    // likewise
     std::vector<std::array<float, 2>> coordinates_;  // by vertex
+    RoundingLoss loss_;
     Mesh mesh_;
 };
 

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "harness/mesh/mesh_warnings.h"
+
 namespace pt {
 
 // Indices of triangles and vertices stay below it; a scene of several meshes still counts its triangles in 32 bits.
@@ -21,6 +23,7 @@ struct Mesh {
     // corner.
     std::vector<std::array<std::array<float, 2>, 3>> coordinates;
     std::uint32_t degenerate_left_out = 0;  // faces without area that were met and are not in `triangles`
+    MeshWarnings warnings;                  // of the file that it was read from
 };
 
 // The places in an image of the corners of triangles whose indices go into `places`; empty where one is not there.

@@ -12,7 +12,8 @@
 
 namespace pt {
 
-// What usemtl and g (or o) said last when a face came; either may be empty.
+// What usemtl and g (or o) said last when a face came, to the line's end; either may be empty. Programs write names
+// with # in them, and comments behind names: who looks for one tries it whole, then without_comment.
 struct ObjPart {
     std::string material, group;
 };
@@ -21,7 +22,7 @@ struct ObjParts {
     Mesh mesh;                           // all of it, unchecked and without normals
     std::vector<ObjPart> parts;          // in the order of their first faces
     std::vector<std::uint32_t> part_of;  // one a triangle: a number of `parts`
-    std::vector<std::string> libraries;  // as mtllib names them
+    std::vector<std::string> libraries;  // as mtllib names them, to the line's end
 };
 
 // Throws InputError of one line, as parse_obj does.
@@ -29,6 +30,9 @@ ObjParts parse_obj_parts(std::string_view content, const std::string& file);
 
 // The triangles whose entry of `is_in` is true, and their vertices alone.
 Mesh part_of_mesh(const Mesh& mesh, const std::vector<bool>& is_in);
+
+// What stands before a # that begins a word other than the first.
+std::string without_comment(const std::string& name);
 
 struct MtlLine {
     std::size_t number = 0;          // from 1
@@ -40,6 +44,7 @@ struct MtlMaterial {
     std::string name;
     std::size_t line = 0;                  // of its newmtl
     std::map<std::string, MtlLine> lines;  // by their keys in lower case; of two of one key the last
+    std::vector<MtlLine> overruled;        // the other one, where it says something else
 };
 
 // Throws InputError of one line for a file that is no library.

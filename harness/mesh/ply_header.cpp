@@ -7,6 +7,7 @@
 
 #include "harness/error.h"
 #include "harness/mesh/text_numbers.h"
+#include "harness/text_file.h"
 
 namespace pt {
 
@@ -37,6 +38,7 @@ public:
     PlyHeaderReader(std::string_view content, const std::string& file) : content_(content), file_(file) {}
 
     PlyHeader read() {
+        skip_byte_order_mark();
         if (next_line() != "ply") {
             fail("a file that does not begin with the line \"ply\"", "a PLY file");
         }
@@ -55,10 +57,18 @@ private:
         throw InputError(file_, fmt::format("line {}", line_), found, allowed);
     }
 
+    void skip_byte_order_mark() {
+        at_ = content_.size() - without_byte_order_mark(content_, file_).size();
+        // In binary files what follows a CR alone may be a number that begins with the byte of an LF.
+        const std::size_t first = content_.find_first_of("\r\n", at_);
+        const bool is_cr = first != std::string_view::npos && content_[first] == '\r';
+        line_end_ = is_cr && !content_.substr(first + 1).starts_with('\n') ? '\r' : '\n';
+    }
+
     std::string_view next_line() {
         constexpr std::size_t longest = 4096, most_lines = 4096;
         ++line_;
-        const std::size_t end = content_.substr(0, at_ + std::min(longest, content_.size() - at_)).find('\n', at_);
+        const std::size_t end = content_.substr(0, at_ + std::min(longest, content_.size() - at_)).find(line_end_, at_);
         if (end == std::string_view::npos || line_ > most_lines) {
             fail("no end_header", "a header of at most 4096 lines of at most 4096 bytes, and end_header");
         }
@@ -142,6 +152,7 @@ private:
     PlyHeader header_;
     bool has_format_ = false;
     std::size_t at_ = 0, line_ = 0;
+    char line_end_ = '\n';
 };
 
 }  // namespace

@@ -31,7 +31,11 @@ public:
                 add_node(node, identity, 0);
             }
         }
-        return maker_.take();
+        Mesh mesh = maker_.take();
+        if (const auto warning = resolution_warning(mesh, maker_.loss().largest())) {
+            mesh.warnings.add(fmt::format("vertex {}, where its node places it", maker_.loss().place()), *warning);
+        }
+        return mesh;
     }
 
 private:
@@ -42,6 +46,11 @@ private:
         if (depth > deepest || ++visits_ > most_visits) {
             maker_.fail(place, "nodes within nodes without end", "at most 64 levels and 2^20 nodes");
         }
+        if (GltfMeshMaker::is_hidden(node)) {
+            maker_.warnings().add(place, "its scale is 0, which hides it and what hangs on it: left out");
+            return;
+        }
+        warn_of_node(node, place);
         const glm::dmat4 matrix = parent * GltfMeshMaker::matrix_of(node);
         if (node.mesh >= 0) {
             add_mesh(node.mesh, matrix);
@@ -51,10 +60,32 @@ private:
         }
     }
 
+    void warn_of_node(const tinygltf::Node& node, const std::string& place) {
+        MeshWarnings& warnings = maker_.warnings();
+        if (node.skin >= 0) {
+            warnings.add(place, "its skin is passed over: the mesh is placed as a mesh without one, and not bent");
+        }
+        if (maker_.is_morphed(node)) {
+            warnings.add(place, "its weights of morph targets are passed over: the mesh has its own shape");
+        }
+        if (node.rotation == std::vector<double>(4, 0.0)) {
+            warnings.add(place, "its rotation is (0, 0, 0, 0), which is none: it turns nothing");
+        }
+        for (const auto& [name, value] : node.extensions) {
+            if (name != "KHR_lights_punctual") {  // lights are the scene's
+                warnings.add(place, "its extension " + name + " is passed over");
+            }
+        }
+    }
+
     void add_mesh(int index, const glm::dmat4& matrix) {
         const tinygltf::Mesh& mesh = maker_.element(model_.meshes, index, "mesh");
         for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
-            maker_.add_primitive(mesh.primitives[i], matrix, fmt::format("mesh {}, primitive {}", index, i));
+            const std::string place = fmt::format("mesh {}, primitive {}", index, i);
+            if (!GltfMeshMaker::is_surface(mesh.primitives[i])) {
+                maker_.warnings().add(place, "it is passed over: points, lines, or no positions");
+            }
+            maker_.add_primitive(mesh.primitives[i], matrix, place);
         }
     }
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "harness/json_reader.h"
+#include "harness/text_file.h"
 
 namespace pt {
 
@@ -13,13 +13,15 @@ Mesh read_mesh(const std::filesystem::path& path) {
         return parse_ply(read_file(file, largest_mesh_file), file);
     }
     if (ending == ".obj") {
-        return parse_obj(read_file(file, largest_mesh_file), file);
+        return parse_obj(read_text_file(file, largest_mesh_file), file);
     }
     if (ending == ".glb") {
         return parse_glb(read_file(file, largest_mesh_file), file);
     }
     if (ending == ".gltf") {
-        return parse_gltf(read_file(file, largest_mesh_file), file);
+        std::string content = read_file(file, largest_mesh_file);
+        const bool is_binary = content.starts_with("glTF");
+        return parse_gltf(is_binary ? content : readable_text(std::move(content), file), file);
     }
     throw InputError(file, "file name", fmt::format("the ending \"{}\"", ending), ".obj, .ply, .glb or .gltf");
 }

@@ -1,7 +1,7 @@
 // Reads triangle meshes from files: Wavefront .obj, Stanford .ply (ascii and both binary formats), glTF 2, binary
-// (.glb) or as JSON with its data in files beside it (.gltf). Faces of more than three corners become fans around their
-// first corner. Texture coordinates are kept where every corner has some. Materials, colours and whatever else a file
-// has beside its triangles, vertex normals and texture coordinates are passed over.
+// (.glb) or as JSON with its data in files beside it (.gltf). Faces of more than three corners are cut into triangles
+// (triangulate.h). Texture coordinates are kept where every corner has some. Materials and colours are passed over;
+// what else a file has that would show, or is read with a doubt, is among the mesh's warnings.
 #pragma once
 
 #include <filesystem>

@@ -1,6 +1,7 @@
 // Wavefront's object files (Advanced Visualizer manual, appendix B1), of which vertices, vertex normals, texture
-// coordinates and faces are read. Not by tinyobjloader (2.0.0): it takes "v nan 0 x" for the origin, and faces that it
-// cannot place away, and says nothing of the first and no line of the second.
+// coordinates and faces are read; of whatever else has a shape it is said that it is not. Not by tinyobjloader (2.0.0):
+// it takes "v nan 0 x" for the origin, and faces that it cannot place away, and says nothing of the first and no line
+// of the second.
 #include <algorithm>
 #include <map>
 #include <optional>
@@ -9,9 +10,12 @@
 
 #include "harness/error.h"
 #include "harness/mesh/check_mesh.h"
+#include "harness/mesh/obj_keywords.h"
 #include "harness/mesh/obj_materials.h"
 #include "harness/mesh/read_mesh.h"
+#include "harness/mesh/resolution.h"
 #include "harness/mesh/text_numbers.h"
+#include "harness/mesh/triangulate.h"
 
 namespace pt {
 
@@ -46,6 +50,10 @@ private:
         }
         check_pending(pending_vertex_, mesh_.vertices.size(), "vertex");
         check_pending(pending_normal_, normals_.size(), "normal");
+        for (const LatePolygon& polygon : late_polygons_) {
+            cut_polygon(polygon.triangle, polygon.corners, polygon.line);
+        }
+        check_resolution();
         if (all_have_texture_) {
             mesh_.coordinates = places_of_corners(texture_triangles_, textures_);
         }
@@ -55,6 +63,11 @@ private:
     struct Pending {
         std::uint64_t count = 0;
         std::size_t line = 0;
+    };
+
+    // A polygon some vertex of which comes later in the file.
+    struct LatePolygon {
+        std::size_t triangle = 0, corners = 0, line = 0;
     };
 
     [[noreturn]] void fail(std::size_t line, const std::string& found, const std::string& allowed) const {
@@ -68,6 +81,8 @@ private:
         }
     }
 
+    void warn(std::size_t line, std::string_view text) { mesh_.warnings.add(fmt::format("line {}", line), text); }
+
     // Joined to the next where it ends in a backslash.
     bool next_line() {
         if (at_ >= content_.size()) {
@@ -76,11 +91,11 @@ private:
         line_ += lines_joined_ + 1;
         lines_joined_ = 0;
         text_ = physical_line();
-        if (!text_.ends_with('\\')) {
+        if (!joins_next_line(text_)) {
             return true;
         }
         joined_.clear();
-        while (text_.ends_with('\\') && at_ < content_.size()) {
+        while (text_.ends_with('\\') && text_.find('#') == std::string_view::npos && at_ < content_.size()) {
             joined_ += text_.substr(0, text_.size() - 1);
             joined_ += ' ';
             text_ = physical_line();
@@ -103,33 +118,94 @@ private:
 
     // Empty at the line's end.
     std::string_view next_word() {
-        constexpr std::string_view white = " \t\v\f\r";
-        const std::size_t start = std::min(text_.find_first_not_of(white), text_.size());
-        const std::size_t end = std::min(text_.find_first_of(white, start), text_.size());
+        const std::size_t start = std::min(text_.find_first_not_of(obj_white), text_.size());
+        const std::size_t end = std::min(text_.find_first_of(obj_white, start), text_.size());
         const std::string_view word = text_.substr(start, end - start);
         text_.remove_prefix(end);
         return word;
     }
 
     void read_line() {
-        text_ = text_.substr(0, text_.find('#'));
+        if (!is_obj_name(obj_line_of(first_obj_word(text_)))) {
+            text_ = text_.substr(0, text_.find('#'));
+        }
         const std::string_view line = text_, word = next_word();
-        if (word == "v") {
-            check_room(mesh_.vertices.size(), most_vertices, "vertices");
-            mesh_.vertices.push_back(read_triple(line));
-        } else if (word == "vn") {
-            check_room(normals_.size(), most_vertices, "normals");
-            normals_.push_back(read_triple(line));
-        } else if (word == "vt") {
-            read_texture();
-        } else if (word == "f") {
-            read_face(line);
-        } else if (keeps_parts_ && (word == "usemtl" || word == "g" || word == "o")) {
-            (word == "usemtl" ? current_.material : current_.group) = rest_of_line();
+        const ObjLine kind = obj_line_of(word);
+        switch (kind) {
+            case ObjLine::vertex:
+                check_room(mesh_.vertices.size(), most_vertices, "vertices");
+                mesh_.vertices.push_back(read_triple<float>(line));
+                break;
+            case ObjLine::normal:
+                check_room(normals_.size(), most_vertices, "normals");
+                normals_.push_back(read_triple<float>(line));
+                break;
+            case ObjLine::texture:
+                read_texture();
+                break;
+            case ObjLine::face:
+                read_face(line);
+                break;
+            default:
+                if (!word.empty()) {
+                    read_other(kind, word);
+                }
+        }
+    }
+
+    void read_other(ObjLine kind, std::string_view word) {
+        if (const std::string remark = obj_remark(kind, word); !remark.empty()) {
+            warn(line_, remark);
+        } else if (!keeps_parts_) {
+            return;  // materials are the scene's
+        } else if (kind == ObjLine::material || kind == ObjLine::group) {
+            (kind == ObjLine::material ? current_.material : current_.group) = rest_of_line();
             has_current_ = false;
-        } else if (keeps_parts_ && word == "mtllib") {
+        } else if (kind == ObjLine::library) {
             const std::size_t start = std::min(text_.find_first_not_of(" \t"), text_.size());
             found_.libraries.emplace_back(text_.substr(start));  // a file's name, with all its spaces
+        } else if (kind == ObjLine::image && rest_of_line() != "off") {
+            warn(line_, fmt::format("{} is passed over: images are those of the materials", word));
+        }
+    }
+
+    // In double precision, and only where that may say something new.
+    void check_resolution() {
+        if (!may_have_lost_digits(mesh_)) {
+            return;
+        }
+        RoundingLoss loss;
+        at_ = line_ = lines_joined_ = 0;
+        for (std::size_t vertex = 0; next_line();) {
+            text_ = text_.substr(0, text_.find('#'));
+            const std::string_view line = text_;
+            if (next_word() == "v") {
+                loss.add(read_triple<double>(line), mesh_.vertices[vertex++], line_);
+            }
+        }
+        if (const auto warning = resolution_warning(mesh_, loss.largest())) {
+            warn(loss.place(), *warning);
+        }
+    }
+
+    // The triangles from `first` on are the fan of a polygon of so many corners.
+    void cut_polygon(std::size_t first, std::size_t corners, std::size_t line) {
+        std::vector<std::array<float, 3>> places;
+        for (std::size_t i = 0; i < corners; ++i) {
+            const std::array<std::uint32_t, 3>& triangle = mesh_.triangles[first + (i < 3 ? 0 : i - 2)];
+            places.push_back(mesh_.vertices[triangle[std::min<std::size_t>(i, 2)]]);
+        }
+        const auto [triangles, doubt] = triangulate(places);
+        if (!doubt.empty()) {
+            warn(line, doubt);
+        }
+        if (triangles.empty()) {
+            return;
+        }
+        for (auto* indices : {&mesh_.triangles, &normal_triangles_, &texture_triangles_}) {
+            if (first + triangles.size() <= indices->size()) {
+                replace_fan(std::span(*indices).subspan(first, triangles.size()), std::span(triangles));
+            }
         }
     }
 
@@ -164,9 +240,10 @@ private:
     }
 
     // What comes after it, a weight or a colour, is passed over.
-    std::array<float, 3> read_triple(std::string_view line) {
-        std::array<float, 3> triple;
-        for (float& number : triple) {
+    template <class T>
+    std::array<T, 3> read_triple(std::string_view line) {
+        std::array<T, 3> triple;
+        for (T& number : triple) {
             if (!parse_real(next_word(), number)) {
                 fail(line_, excerpt(line), "3 numbers");
             }
@@ -182,6 +259,8 @@ private:
         if (corners_.size() < 3) {
             fail(line_, excerpt(line), "a face with at least 3 corners");
         }
+        const std::size_t first = mesh_.triangles.size();
+        bool is_late = false;
         for (std::size_t i = 2; i < corners_.size(); ++i) {
             check_room(mesh_.triangles.size(), most_triangles, "triangles");
             mesh_.triangles.push_back({corners_[0].vertex, corners_[i - 1].vertex, corners_[i].vertex});
@@ -190,14 +269,20 @@ private:
             }
             for (const ObjCorner& corner : {corners_[0], corners_[i - 1], corners_[i]}) {
                 all_have_normals_ = all_have_normals_ && corner.has_normal;
-                if (all_have_normals_) {
-                    corner_normals_.push_back(corner.normal);
-                }
                 all_have_texture_ = all_have_texture_ && corner.has_texture;
+                is_late = is_late || corner.vertex >= mesh_.vertices.size();
+            }
+            if (all_have_normals_) {
+                normal_triangles_.push_back({corners_[0].normal, corners_[i - 1].normal, corners_[i].normal});
             }
             if (all_have_texture_) {
                 texture_triangles_.push_back({corners_[0].texture, corners_[i - 1].texture, corners_[i].texture});
             }
+        }
+        if (corners_.size() > 3 && is_late) {
+            late_polygons_.push_back({first, corners_.size(), line_});
+        } else if (corners_.size() > 3) {
+            cut_polygon(first, corners_.size(), line_);
         }
     }
 
@@ -256,35 +341,27 @@ private:
 
     // A vertex that has several normals becomes several. Where only some corners have one, there are none.
     void give_normals() {
-        if (corner_normals_.empty() || !all_have_normals_) {
+        if (normal_triangles_.empty() || !all_have_normals_) {
             return;
         }
-        if (normals_.size() == mesh_.vertices.size() && normals_go_with_vertices()) {
+        if (normals_.size() == mesh_.vertices.size() && mesh_.triangles == normal_triangles_) {
             mesh_.normals = std::move(normals_);
             return;
         }
         std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> vertex_of;
         std::vector<std::array<float, 3>> vertices;
-        for (std::size_t i = 0; i < corner_normals_.size(); ++i) {
+        for (std::size_t i = 0; i < 3 * normal_triangles_.size(); ++i) {
             std::uint32_t& corner = mesh_.triangles[i / 3][i % 3];
+            const std::uint32_t normal = normal_triangles_[i / 3][i % 3];
             const auto [place, is_new] =
-                vertex_of.try_emplace({corner, corner_normals_[i]}, static_cast<std::uint32_t>(vertices.size()));
+                vertex_of.try_emplace({corner, normal}, static_cast<std::uint32_t>(vertices.size()));
             if (is_new) {
                 vertices.push_back(mesh_.vertices[corner]);
-                mesh_.normals.push_back(normals_[corner_normals_[i]]);
+                mesh_.normals.push_back(normals_[normal]);
             }
             corner = place->second;
         }
         mesh_.vertices = std::move(vertices);
-    }
-
-    bool normals_go_with_vertices() const {
-        for (std::size_t i = 0; i < corner_normals_.size(); ++i) {
-            if (mesh_.triangles[i / 3][i % 3] != corner_normals_[i]) {
-                return false;
-            }
-        }
-        return true;
     }
 
     std::string_view content_;
@@ -294,12 +371,13 @@ private:
     std::string joined_;
     std::vector<ObjCorner> corners_;  // of the face
     std::vector<std::array<float, 3>> normals_;
-    std::vector<std::uint32_t> corner_normals_;  // three a triangle
+    std::vector<std::array<std::uint32_t, 3>> normal_triangles_;  // of indices into normals_
     bool all_have_normals_ = true;
     std::vector<std::array<float, 2>> textures_;
     std::vector<std::array<std::uint32_t, 3>> texture_triangles_;  // of indices into textures_
     bool all_have_texture_ = true;
     Pending pending_vertex_, pending_normal_;
+    std::vector<LatePolygon> late_polygons_;
     Mesh mesh_;
     bool keeps_parts_ = false, has_current_ = false;
     ObjPart current_;

@@ -6,12 +6,15 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "harness/error.h"
 #include "harness/mesh/check_mesh.h"
 #include "harness/mesh/ply_header.h"
 #include "harness/mesh/read_mesh.h"
+#include "harness/mesh/resolution.h"
 #include "harness/mesh/text_numbers.h"
+#include "harness/mesh/triangulate.h"
 
 namespace pt {
 
@@ -113,22 +116,75 @@ private:
 class PlyReader {
 public:
     PlyReader(std::string_view content, const std::string& file)
-        : file_(file), header_(read_ply_header(content, file)) {
-        PlyNumbers numbers(content.substr(header_.end), header_.format, file);
+        : content_(content), file_(file), header_(read_ply_header(content, file)) {}
+
+    Mesh read() {
+        PlyNumbers numbers(content_.substr(header_.end), header_.format, file_);
         for (const PlyElement& element : header_.elements) {
             read_element(element, numbers);
         }
         if (!has_faces_) {
-            throw InputError(file, "header", "no faces", "an element \"face\" with a list \"vertex_indices\"");
+            fail_without_faces();
         }
-    }
-
-    Mesh mesh() {
+        for (const Polygon& polygon : late_polygons_) {
+            cut(polygon);
+        }
         mesh_.coordinates = places_of_corners(mesh_.triangles, coordinates_);
         return std::move(mesh_);
     }
 
+    // How far the vertices of the mesh that was read lie from what the file says of them, as text or in double
+    // precision.
+    RoundingLoss rounding_of(const Mesh& mesh) {
+        if (header_.format == PlyFormat::ascii) {
+            for (PlyElement& element : header_.elements) {
+                for (PlyProperty& property : element.properties) {
+                    property.type = property.type == PlyType::float32 ? PlyType::float64 : property.type;
+                }
+            }
+        }
+        rounded_ = &mesh;
+        (void)read();
+        return loss_;
+    }
+
 private:
+    // The triangles from `triangle` on are the fan of a polygon of so many corners.
+    struct Polygon {
+        std::size_t triangle = 0, corners = 0;
+        std::uint64_t face = 0;
+    };
+
+    [[noreturn]] void fail_without_faces() const {
+        std::vector<std::string> names;
+        for (const PlyElement& element : header_.elements) {
+            names.push_back(element.name);
+        }
+        throw InputError(
+            file_, "header",
+            fmt::format("no faces, but {}", names.empty() ? "nothing" : fmt::format("{}", fmt::join(names, ", "))),
+            "an element \"face\" with a list \"vertex_indices\", or \"tristrips\" with one");
+    }
+
+    void cut(const Polygon& polygon) {
+        std::vector<std::array<float, 3>> places;
+        for (std::size_t i = 0; i < polygon.corners; ++i) {
+            const auto& triangle = mesh_.triangles[polygon.triangle + (i < 3 ? 0 : i - 2)];
+            const std::uint32_t vertex = triangle[std::min<std::size_t>(i, 2)];
+            if (vertex >= mesh_.vertices.size()) {
+                return;  // is refused for that
+            }
+            places.push_back(mesh_.vertices[vertex]);
+        }
+        const auto [triangles, doubt] = triangulate(places);
+        if (!doubt.empty()) {
+            mesh_.warnings.add(fmt::format("face {}", polygon.face), doubt);
+        }
+        if (!triangles.empty()) {
+            replace_fan(std::span(mesh_.triangles).subspan(polygon.triangle, triangles.size()), std::span(triangles));
+        }
+    }
+
     void read_element(const PlyElement& element, PlyNumbers& numbers) {
         if (element.count > 0 && element.properties.empty()) {
             throw InputError(file_, "header", fmt::format("element {} without properties", element.name),
@@ -144,6 +200,8 @@ private:
             read_vertices(element, numbers);
         } else if (element.name == "face") {
             read_faces(element, numbers);
+        } else if (element.name == "tristrips" && list_of_corners(element) >= 0) {
+            read_strips(element, numbers);
         } else {
             for (std::uint64_t i = 0; i < element.count; ++i) {
                 numbers.enter(element.name, i);
@@ -193,6 +251,7 @@ private:
         check_count(element, most_vertices);
         mesh_.vertices.reserve(element.count);
         mesh_.normals.reserve(has_normals ? element.count : 0);
+        std::vector<double> exact(element.properties.size());
         std::vector<float> values(element.properties.size());
         for (std::uint64_t i = 0; i < element.count; ++i) {
             numbers.enter(element.name, i);
@@ -200,10 +259,14 @@ private:
                 if (element.properties[k].is_list) {
                     pass_over(element.properties[k], numbers);
                 } else {
-                    values[k] = static_cast<float>(numbers.next(element.properties[k].type));
+                    exact[k] = numbers.next(element.properties[k].type);
+                    values[k] = static_cast<float>(exact[k]);
                 }
             }
             mesh_.vertices.push_back({values[places[0]], values[places[1]], values[places[2]]});
+            if (rounded_ != nullptr) {
+                loss_.add({exact[places[0]], exact[places[1]], exact[places[2]]}, rounded_->vertices[i], i);
+            }
             if (has_normals) {
                 mesh_.normals.push_back({values[places[3]], values[places[4]], values[places[5]]});
             }
@@ -233,10 +296,14 @@ private:
         }
     }
 
+    // -1: it has none.
+    static int list_of_corners(const PlyElement& element) {
+        const int plural = place_of(element, "vertex_indices", true);
+        return plural >= 0 ? plural : place_of(element, "vertex_index", true);
+    }
+
     void read_faces(const PlyElement& element, PlyNumbers& numbers) {
-        const int plural = place_of(element, "vertex_indices", true),
-                  singular = place_of(element, "vertex_index", true);
-        const int list = plural >= 0 ? plural : singular;
+        const int list = list_of_corners(element);
         if (list < 0) {
             throw InputError(file_, "header", "faces without vertex_indices", "a list of that name, or vertex_index");
         }
@@ -247,7 +314,7 @@ private:
             numbers.enter(element.name, i);
             for (int k = 0; k < static_cast<int>(element.properties.size()); ++k) {
                 if (k == list) {
-                    read_corners(element.properties[k], numbers);
+                    read_corners(element.properties[k], numbers, i);
                 } else {
                     pass_over(element.properties[k], numbers);
                 }
@@ -256,32 +323,86 @@ private:
     }
 
     static std::uint32_t next_corner(const PlyProperty& property, PlyNumbers& numbers) {
-        const double index = numbers.next(property.type);
+        return as_corner(numbers.next(property.type), numbers);
+    }
+
+    static std::uint32_t as_corner(double index, const PlyNumbers& numbers) {
         if (!(index >= 0.0 && index <= 4294967295.0 && index == std::floor(index))) {
             numbers.fail(fmt::format("vertex {}", index), "the number of a vertex, from 0");
         }
         return static_cast<std::uint32_t>(index);
     }
 
-    void read_corners(const PlyProperty& property, PlyNumbers& numbers) {
+    void add_triangle(const std::array<std::uint32_t, 3>& triangle, const PlyNumbers& numbers) {
+        if (mesh_.triangles.size() >= most_triangles) {
+            numbers.fail("more triangles", fmt::format("at most {}", most_triangles));
+        }
+        mesh_.triangles.push_back(triangle);
+    }
+
+    // Rows of triangles (Stanford's vripped scans): each vertex from the third on makes one with the two before it, and
+    // -1 ends a row.
+    void read_strips(const PlyElement& element, PlyNumbers& numbers) {
+        const int list = list_of_corners(element);
+        has_faces_ = true;
+        for (std::uint64_t i = 0; i < element.count; ++i) {
+            numbers.enter(element.name, i);
+            for (int k = 0; k < static_cast<int>(element.properties.size()); ++k) {
+                if (k == list) {
+                    read_strip(element.properties[k], numbers);
+                } else {
+                    pass_over(element.properties[k], numbers);
+                }
+            }
+        }
+    }
+
+    void read_strip(const PlyProperty& property, PlyNumbers& numbers) {
+        const std::uint64_t count = list_length(property, numbers);
+        std::array<std::uint32_t, 2> last{};
+        std::uint64_t in_row = 0;
+        for (std::uint64_t i = 0; i < count; ++i) {
+            const double index = numbers.next(property.type);
+            if (index == -1) {
+                in_row = 0;
+                continue;
+            }
+            const std::uint32_t corner = as_corner(index, numbers);
+            if (++in_row > 2) {
+                add_triangle(
+                    in_row % 2 == 1 ? std::array{last[0], last[1], corner} : std::array{last[1], last[0], corner},
+                    numbers);
+            }
+            last = {last[1], corner};
+        }
+    }
+
+    void read_corners(const PlyProperty& property, PlyNumbers& numbers, std::uint64_t face) {
         const std::uint64_t count = list_length(property, numbers);
         if (count < 3) {
             numbers.fail(fmt::format("{} corners", count), "at least 3");
         }
+        const Polygon polygon{mesh_.triangles.size(), count, face};
         const std::uint32_t first = next_corner(property, numbers);
         std::uint32_t last = next_corner(property, numbers);
         for (std::uint64_t i = 2; i < count; ++i) {
             const std::uint32_t corner = next_corner(property, numbers);
-            if (mesh_.triangles.size() >= most_triangles) {
-                numbers.fail("more triangles", fmt::format("at most {}", most_triangles));
-            }
-            mesh_.triangles.push_back({first, last, corner});
+            add_triangle({first, last, corner}, numbers);
             last = corner;
+        }
+        if (count > 3 && mesh_.vertices.empty()) {
+            late_polygons_.push_back(polygon);  // the vertices come behind the faces
+        } else if (count > 3) {
+            cut(polygon);
         }
     }
 
+    std::string_view content_;
     const std::string& file_;
     PlyHeader header_;
+    const Mesh* rounded_ = nullptr;
+    RoundingLoss loss_;
+    std::vector<Polygon> late_polygons_;
     Mesh mesh_;
     int coordinate_places_[2] = {-1, -1};
     std::vector<std::array<float, 2>> coordinates_;  // by vertex
@@ -291,8 +412,14 @@ private:
 }  // namespace
 
 Mesh parse_ply(std::string_view content, const std::string& file) {
-    Mesh mesh = PlyReader(content, file).mesh();
+    Mesh mesh = PlyReader(content, file).read();
     check_mesh(mesh, file);
+    if (may_have_lost_digits(mesh)) {
+        const RoundingLoss loss = PlyReader(content, file).rounding_of(mesh);
+        if (const auto warning = resolution_warning(mesh, loss.largest())) {
+            mesh.warnings.add(fmt::format("vertex {}", loss.place()), *warning);
+        }
+    }
     return mesh;
 }
 

@@ -85,9 +85,11 @@ bool is_file(const std::string& argument) {
 RayMesh from_file(const std::string& argument) {
     RayMesh made{argument, "", read_mesh(argument), {}, {}, {}, {}};
     made.mesh.normals.clear();
+    std::vector<std::string> said = made.mesh.warnings.messages();
     if (made.mesh.degenerate_left_out > 0) {
-        made.said = fmt::format("{} triangles without area left out", made.mesh.degenerate_left_out);
+        said.push_back(fmt::format("{} triangles without area left out", made.mesh.degenerate_left_out));
     }
+    made.said = fmt::format("{}", fmt::join(said, "; "));
     return finished(std::move(made));
 }
 

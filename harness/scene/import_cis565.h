@@ -44,6 +44,7 @@
 //   with motion blur draws its times as the square root of a uniform number. With ANIMET, a velocity before the
 //   object's own transform, TRANS_DST, where TRANS ends, or T_MOTION, how far it goes, the density is "uniform" (W).
 //   Shapes that turn or grow do not (W).
+// - An object has one shape: a mesh beside a cube, a sphere or a rect, or behind all objects, is lost (W).
 // - A mesh is FILE, or a file's name on a line of its own, found as course_mesh.h has it; its normals are not read.
 //   With the material -1 it has those of its own file, an object for each: import_mtl.h.
 // - rect is a square of side 1 in the plane z = 0.

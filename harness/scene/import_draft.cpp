@@ -67,6 +67,11 @@ Mesh mesh_placed_by(const Mesh& mesh, const Affine& map) {
     return made;
 }
 
+bool flattens(const Affine& map) {
+    return std::any_of(std::begin(map.column), std::end(map.column),
+                       [](const Vec3d& v) { return !(dot(v, v) >= 1e-36); });
+}
+
 std::string folder_of_file(const std::string& file) { return fs::path(file).parent_path().string(); }
 
 }  // namespace
@@ -126,18 +131,9 @@ void ImportDraft::add_placement(ScenePart& object, const TranslateRotateScale& p
     add("scale", placement.scale, 1, "1");
 }
 
-bool ImportDraft::is_placeable(const Affine& map, const Cis565Line* at) {
-    const bool is_flat =
-        std::any_of(std::begin(map.column), std::end(map.column), [](const Vec3d& v) { return !(dot(v, v) >= 1e-36); });
-    if (!is_finite(map) || is_flat) {
-        refuse(*at, "a placement by finite numbers that scales no axis below 1e-18");
-        return false;
-    }
-    return true;
-}
-
 bool ImportDraft::add_shape(const std::string& shape, const Affine& map, std::size_t material, const Cis565Line* at) {
-    if (!is_placeable(map, at)) {
+    if (!is_finite(map) || flattens(map)) {
+        refuse(*at, "a placement by finite numbers that scales no axis below 1e-18");
         return false;
     }
     const double shear = shear_of(map);
@@ -157,39 +153,62 @@ bool ImportDraft::add_shape(const std::string& shape, const Affine& map, std::si
 
 bool ImportDraft::add_mesh(const std::string& file, const Affine& map, std::size_t material, const Cis565Line* at,
                            bool has_normals) {
-    if (!is_placeable(map, at)) {
+    if (!is_finite(map)) {
+        refuse(*at, "a placement by finite numbers");
         return false;
     }
+    const bool is_flat = flattens(map);
     std::string name = name_in_scene(file);
     TranslateRotateScale placement;
-    if (shear_of(map) > shear_of_rounding || determinant(map) < 0) {
-        try {
-            if (!read_.contains(file)) {
-                read_[file] = read_mesh(file);
-            }
-            Mesh anew = mesh_placed_by(read_[file], map);
-            if (!has_normals) {
-                anew.normals.clear();
-            }
-            check_mesh(anew, at->text());
-            name = name_in_scene(keep_mesh(anew));
-        } catch (const InputError& error) {
-            problems().add(at->number, error.what());
+    if (is_flat || shear_of(map) > shear_of_rounding || determinant(map) < 0) {
+        const std::optional<std::string> anew = keep_placed(file, map, has_normals && !is_flat, at);
+        if (!anew) {
             return false;
         }
-        notes().add(at->number,
-                    fmt::format("{} is sheared or mirrored: its mesh, placed, is written as {}", at->text(), name));
+        name = *anew;
+        placement.translate = map.origin;
     } else {
         placement = take_apart(map);
     }
     ScenePart made = object("mesh", material, at);
     made.add("file", json_of(name), at);
-    if (has_normals) {
+    if (has_normals && !is_flat) {
         made.add("shading_normals", "true", at);
     }
     add_placement(made, placement, at);
     parts.objects.push_back(std::move(made));
     return true;
+}
+
+// Moved by nothing: far off, single precision would have few digits left for its shape.
+std::optional<std::string> ImportDraft::keep_placed(const std::string& file, const Affine& map, bool has_normals,
+                                                    const Cis565Line* at) {
+    try {
+        if (!read_.contains(file)) {
+            read_[file] = read_mesh(file);
+        }
+        Affine unmoved = map;
+        unmoved.origin = Vec3d(0.0);
+        Mesh anew = read_[file];
+        if (!has_normals) {
+            anew.normals.clear();
+        }
+        anew = mesh_placed_by(anew, unmoved);
+        leave_out_degenerate(anew);
+        if (anew.triangles.empty()) {
+            notes().add(at->number, at->text() + " is left out: its mesh has no area where it stands");
+            return std::nullopt;
+        }
+        check_mesh(anew, at->text());
+        const std::string name = name_in_scene(keep_mesh(anew));
+        notes().add(at->number, fmt::format("{} is sheared, flattened or mirrored: its mesh, so placed, is written as "
+                                            "{}",
+                                            at->text(), name));
+        return name;
+    } catch (const InputError& error) {
+        problems().add(at->number, error.what());
+        return std::nullopt;
+    }
 }
 
 std::string ImportDraft::keep_mesh(const Mesh& mesh) {

@@ -21,6 +21,7 @@ public:
     ImportFindings& problems() { return result_->problems; }
     ImportFindings& warnings() { return result_->warnings; }
     ImportFindings& notes() { return result_->notes; }
+    ImportResult& result() { return *result_; }
     const ImportSource& source() const { return source_; }
     SceneParts parts;
 
@@ -60,7 +61,10 @@ public:
 private:
     ScenePart object(const std::string& shape, std::size_t material, const Cis565Line* at) const;
     void add_placement(ScenePart& object, const TranslateRotateScale& parts, const Cis565Line* at);
-    bool is_placeable(const Affine& placed, const Cis565Line* at);
+    // The mesh in the shape that a map gives it, as a file beside the scene: its name there. Nothing, and told, where
+    // that leaves none.
+    std::optional<std::string> keep_placed(const std::string& file, const Affine& placed, bool has_normals,
+                                           const Cis565Line* at);
 
     const ImportSource& source_;
     ImportResult* result_;

@@ -30,7 +30,8 @@ Affine affine_of(const glm::dmat4& matrix) {
     return map;
 }
 
-// Rotations are of length 1 by the format; files have them rounded to single precision.
+// Rotations are of length 1 by the format; files have them rounded to single precision, which a mesh keeps and angles
+// should not show.
 glm::dmat4 matrix_of_node(const tinygltf::Node& node) {
     tinygltf::Node exact = node;
     double square = 0;
@@ -110,11 +111,10 @@ void GltfImporter::refuse_of_node(const tinygltf::Node& node, const std::string&
     if (node.skin >= 0) {
         refuse(pointer + "/skin", fmt::format("skin {}", node.skin), "no skin: meshes that do not bend");
     }
-    const auto is_moved = [](const std::vector<double>& weights) {
-        return std::any_of(weights.begin(), weights.end(), [](double weight) { return weight != 0; });
-    };
-    const bool has_mesh = node.mesh >= 0 && static_cast<std::size_t>(node.mesh) < model_->meshes.size();
-    if (is_moved(node.weights) || (has_mesh && is_moved(model_->meshes[static_cast<std::size_t>(node.mesh)].weights))) {
+    if (node.rotation == std::vector<double>(4, 0.0)) {
+        warn(pointer + "/rotation", "is (0, 0, 0, 0), which is none: it turns nothing");
+    }
+    if (maker_.is_morphed(node)) {
         refuse(pointer + "/weights", "weights of morph targets", "weights of 0");
     }
     for (const auto& [name, value] : node.extensions) {
@@ -245,6 +245,10 @@ void GltfImporter::add_node(int index, const glm::dmat4& parent, int depth) {
         return;
     }
     const tinygltf::Node& node = model_->nodes[static_cast<std::size_t>(index)];
+    if (GltfMeshMaker::is_hidden(node)) {
+        draft_.notes().add(0, pointer + " has the scale 0, which hides it and what hangs on it: left out");
+        return;
+    }
     const glm::dmat4 matrix = parent * matrix_of_node(node);
     refuse_of_node(node, pointer);
     if (node.mesh >= 0) {

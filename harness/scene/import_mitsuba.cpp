@@ -446,7 +446,7 @@ ImportResult import_mitsuba(const ImportSource& source) {
 }
 
 bool is_like_mitsuba(const std::string& text) {
-    const std::size_t first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+    const std::size_t first = text.find_first_not_of(" \t\r\n");
     return first != std::string::npos && text[first] == '<';
 }
 

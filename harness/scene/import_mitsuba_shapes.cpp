@@ -122,7 +122,8 @@ bool MitsubaShapes::read_mesh_file(MitsubaObject& object, Placed& placed) {
     }
     placed.mesh = file_->draft->path_of(name);
     try {
-        (void)mesh_from_file(placed.mesh);
+        warn_of_mesh(file_->draft->result(), file_->place(object.element())->number, placed.mesh,
+                     mesh_from_file(placed.mesh)->warnings);
     } catch (const InputError& error) {
         object.fail(*object.property("filename"), fmt::format("a mesh that can be read ({})", error.what()));
         return false;

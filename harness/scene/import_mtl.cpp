@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cctype>
+#include <set>
 #include <sstream>
 
 #include <fmt/format.h>
 
-#include "harness/json_reader.h"
 #include "harness/mesh/check_mesh.h"
 #include "harness/mesh/read_mesh.h"
+#include "harness/text_file.h"
 
 namespace pt {
 
@@ -48,7 +49,9 @@ private:
     std::optional<fs::path> library_called(const std::string& name);
     void read_libraries(const std::vector<std::string>& names);
     void read_library(const std::string& name);
+    void add_entry(const fs::path& library, MtlMaterial material);
     // Its number in `entries_`.
+    std::optional<std::size_t> entry_called(const std::string& name);
     std::optional<std::size_t> entry_of(const ObjPart& part);
     std::string material_of(std::size_t entry);
     std::optional<OwnPart> part_with(const ObjParts& whole, const std::vector<std::optional<std::size_t>>& entries,
@@ -59,6 +62,7 @@ private:
     const Cis565Line* at_;
     std::vector<Entry> entries_;
     std::map<std::string, std::size_t> by_name_;
+    std::set<fs::path> read_;
     bool is_whole_ = true, has_told_of_groups_ = false;
 };
 
@@ -70,7 +74,8 @@ std::optional<fs::path> OwnMaterials::library_called(const std::string& name) {
 
 // A line names one, which may have spaces in it, or several.
 void OwnMaterials::read_libraries(const std::vector<std::string>& names) {
-    for (const std::string& name : names) {
+    for (const std::string& whole : names) {
+        const std::string name = library_called(whole) ? whole : without_comment(whole);
         std::istringstream words(name);
         if (library_called(name) || name.find(' ') == std::string::npos) {
             read_library(name);
@@ -88,22 +93,70 @@ void OwnMaterials::read_library(const std::string& name) {
         fail("mtllib " + name, "a library of materials that is there, beside the mesh");
         return;
     }
+    if (!read_.insert(found->lexically_normal()).second) {
+        return;  // some programs name it before every object
+    }
     try {
-        for (MtlMaterial& material : parse_mtl(read_file(found->string(), largest_library), found->string())) {
-            if (by_name_.emplace(material.name, entries_.size()).second) {
-                entries_.push_back({*found, std::move(material)});
-            }
+        for (MtlMaterial& material : parse_mtl(read_text_file(found->string(), largest_library), found->string())) {
+            add_entry(*found, std::move(material));
         }
     } catch (const InputError& error) {
         fail("mtllib " + name, fmt::format("a library that can be read; of this one is said: {}", error.what()));
     }
 }
 
-std::optional<std::size_t> OwnMaterials::entry_of(const ObjPart& part) {
-    if (const auto found = by_name_.find(part.material); found != by_name_.end()) {
+// Of two of one name the first is used.
+void OwnMaterials::add_entry(const fs::path& library, MtlMaterial material) {
+    const auto [known, is_new] = by_name_.emplace(material.name, entries_.size());
+    if (is_new) {
+        entries_.push_back({library, std::move(material)});
+        return;
+    }
+    const Entry& first = entries_[known->second];
+    const auto says = [](const MtlMaterial& one) {
+        std::map<std::string, std::vector<std::string>> words;
+        for (const auto& [key, line] : one.lines) {
+            words[key] = {line.words.begin() + 1, line.words.end()};
+        }
+        return words;
+    };
+    if (says(first.material) != says(material)) {
+        import_->result->warnings.add(
+            at_->number,
+            fmt::format("{} line {}: newmtl {} is not used: {} line {} has another of that name, the first",
+                        library.filename().string(), material.line, material.name, first.library.filename().string(),
+                        first.material.line));
+    }
+}
+
+// Of "wood # of the floor" and "wood" one may be the other with a comment; "Material #25" and "Material #26" are two.
+std::optional<std::size_t> OwnMaterials::entry_called(const std::string& name) {
+    if (const auto found = by_name_.find(name); found != by_name_.end()) {
         return found->second;
     }
-    if (const auto found = by_name_.find(part.group); found != by_name_.end()) {
+    std::vector<std::size_t> meant;
+    for (std::size_t i = 0; i < entries_.size() && !name.empty(); ++i) {
+        const std::string& other = entries_[i].material.name;
+        if (without_comment(name) == other || name == without_comment(other)) {
+            meant.push_back(i);
+        }
+    }
+    if (meant.size() != 1) {
+        return std::nullopt;
+    }
+    import_->result->warnings.add(at_->number,
+                                  fmt::format("{}: \"{}\" is read as the material \"{}\", as if a comment "
+                                              "began at #",
+                                              file_.filename().string(), name, entries_[meant.front()].material.name));
+    by_name_.emplace(name, meant.front());  // is told once
+    return meant.front();
+}
+
+std::optional<std::size_t> OwnMaterials::entry_of(const ObjPart& part) {
+    if (const auto found = entry_called(part.material)) {
+        return found;
+    }
+    if (const auto found = entry_called(part.group)) {
         if (!has_told_of_groups_) {
             import_->result->warnings.add(
                 at_->number, fmt::format("{} has faces whose material no library has: they are of \"{}\", as their "
@@ -111,7 +164,7 @@ std::optional<std::size_t> OwnMaterials::entry_of(const ObjPart& part) {
                                          file_.filename().string(), part.group));
         }
         has_told_of_groups_ = true;
-        return found->second;
+        return found;
     }
     if (is_whole_) {  // else it may be in the library that is missing
         fail(part.material.empty() ? "faces before any usemtl" : "usemtl " + part.material,
@@ -164,7 +217,8 @@ std::optional<OwnPart> OwnMaterials::part_with(const ObjParts& whole,
 }
 
 std::vector<OwnPart> OwnMaterials::parts() {
-    const ObjParts whole = parse_obj_parts(read_file(file_.string(), largest_mesh_file), file_.string());
+    const ObjParts whole = parse_obj_parts(read_text_file(file_.string(), largest_mesh_file), file_.string());
+    warn_of_mesh(*import_->result, at_->number, file_, whole.mesh.warnings.messages());
     read_libraries(whole.libraries);
     std::vector<std::optional<std::size_t>> entries;
     std::vector<std::size_t> used;  // in the file's order

@@ -12,6 +12,9 @@
 // - Ka, Ns and sharpness mean nothing to paths. What maps say of Ks and Ns, and the keys of metals and coats (Pr, Pm,
 //   Ps, Pc, aniso), are lost (W). d below 1, or Tr above 0, on what is no glass, and maps of normals, bumps,
 //   displacement, opacity and emission are problems, as whatever else is not known.
+// - Names go to the line's end; where nothing is called so, a # behind a space begins a comment (W). Of two materials
+// of one
+//   name the first is used, of two lines of one key the last (W, where they differ).
 // - Faces whose material no library has take one of the name of their group (W): one dialect means them so.
 #pragma once
 

@@ -46,6 +46,7 @@ private:
     double number(const std::string& key, double otherwise);
     int illumination();
     bool is_seen_through();
+    std::optional<fs::path> image_called(std::string name);
     void find_image();
 
     void make_emitter(ScenePart& part, const Vec3d& radiance);
@@ -90,6 +91,10 @@ void MtlImporter::check_keys() {
                                             "pcr",    "aniso",  "anisor", "map_pr", "map_pm", "map_ps"};
     static const std::set<std::string> other{"map_bump", "bump",  "norm",   "map_norm", "disp", "map_disp",
                                              "decal",    "map_d", "map_tr", "map_ke",   "refl"};
+    for (const MtlLine& twice : material_->overruled) {
+        import_->result->warnings.add(at_->number, fmt::format("{} is not used: a later line says it again",
+                                                               text_of(twice.text(), twice.number)));
+    }
     for (const auto& [key, words] : material_->lines) {
         const bool is_off = std::all_of(words.words.begin() + 1, words.words.end(), [](const std::string& word) {
             double value = 1;
@@ -161,17 +166,21 @@ bool MtlImporter::is_seen_through() {
     return opacity != 1;
 }
 
+std::optional<fs::path> MtlImporter::image_called(std::string name) {
+    std::replace(name.begin(), name.end(), '\\', '/');
+    std::error_code error;
+    const fs::path beside = library_.parent_path() / name;
+    return fs::is_regular_file(beside, error) ? std::optional(beside) : import_->files.find(name);
+}
+
 void MtlImporter::find_image() {
     const std::vector<std::string>& words = line("map_kd").words;
     if (words.size() < 2 || words[1].starts_with('-')) {
         fail("map_kd", "map_Kd and an image (options of maps are not read)");
         return;
     }
-    std::string name = fmt::format("{}", fmt::join(words.begin() + 1, words.end(), " "));
-    std::replace(name.begin(), name.end(), '\\', '/');
-    std::error_code error;
-    const fs::path beside = library_.parent_path() / name;
-    const auto found = fs::is_regular_file(beside, error) ? std::optional(beside) : import_->files.find(name);
+    const std::string name = fmt::format("{}", fmt::join(words.begin() + 1, words.end(), " "));
+    const auto whole = image_called(name), found = whole ? whole : image_called(without_comment(name));
     if (!found) {
         fail("map_kd", "an image .png or .jpg that is there, beside the library or in a folder above the scene");
         return;

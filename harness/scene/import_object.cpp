@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include "harness/json_reader.h"
+#include "harness/mesh/resolution.h"
 #include "harness/scene/course_scene.h"
 #include "harness/scene/import_cis565.h"
 #include "harness/scene/import_mtl.h"
@@ -30,6 +31,7 @@ public:
 
 private:
     void add_shape();
+    void warn_of_shapes_beside(const std::string& shape, const std::vector<std::string>& others);
     void add_mesh();
     bool has_own_materials() const;
     void add_own_parts(const std::filesystem::path& file, const Cis565Line& line);
@@ -54,25 +56,39 @@ void ObjectImporter::add_shape() {
     const auto has = [&](const char* key) { return reader_.line(key) != nullptr; };
     if (has("sphere") || has("cube")) {
         part_.add("shape", has("sphere") ? "\"sphere\"" : "\"box\"", nullptr);
-        if (has("FILE")) {
-            import_->result->notes.add(reader_.line("FILE")->number, fmt::format("{} is left out: the shape is no mesh",
-                                                                                 reader_.line("FILE")->text()));
-        }
+        warn_of_shapes_beside(has("sphere") ? "sphere" : "cube", {"rect", "VERTICES", "mesh", "FILE"});
         return;
     }
     if (has("rect")) {
+        warn_of_shapes_beside("rect", {"VERTICES", "mesh", "FILE"});
         part_.add("shape", "\"mesh\"", nullptr);
         part_.add("vertices", unit_square, nullptr);
         part_.add("triangles", "[[0, 1, 2], [0, 2, 3]]", nullptr);
         return;
     }
     if (has("VERTICES")) {
+        warn_of_shapes_beside("VERTICES", {"FILE"});
         add_vertices();
     } else if (has("mesh") || has("FILE")) {
         add_mesh();
     } else {
         part_.add("shape", "\"box\"", nullptr);
         reader_.fail(section_->head, fmt::format("{} without a shape", section_->head.text()), "with cube or sphere");
+    }
+}
+
+// An object has one shape. Some programs take a mesh's file behind all objects for one more, of its own materials.
+void ObjectImporter::warn_of_shapes_beside(const std::string& shape, const std::vector<std::string>& others) {
+    const Cis565Line* told = nullptr;
+    for (const std::string& key : others) {
+        const Cis565Line* line = reader_.line(key);
+        if (line != nullptr && (told == nullptr || told->number != line->number)) {
+            import_->result->warnings.add(line->number,
+                                          fmt::format("{} is lost: {} is a {}, and an object has one shape (write an "
+                                                      "OBJECT with a material for it)",
+                                                      line->text(), section_->head.text(), shape));
+            told = line;
+        }
     }
 }
 
@@ -103,7 +119,7 @@ void ObjectImporter::add_mesh() {
         return;
     }
     try {
-        (void)mesh_from_file(*found);
+        warn_of_mesh(*import_->result, line->number, *found, mesh_from_file(*found)->warnings);
     } catch (const InputError& refusal) {
         reader_.fail(*line, fmt::format("\"{}\", of which is said: {}", line->text(), refusal.what()),
                      "a mesh that can be read");
@@ -153,13 +169,23 @@ void ObjectImporter::add_vertices() {
         return;
     }
     std::vector<std::string> vertices, triangles;
+    Mesh mesh;
+    RoundingLoss loss;
     for (std::size_t i = 0; i < count; i += 3) {
-        const auto corner =
-            reader_.vector_of({line.number, {line.words[0], line.words[i + 1], line.words[i + 2], line.words[i + 3]}});
-        vertices.push_back(json_of(corner.value_or(Vec3d(0.0))));
+        const Vec3d corner =
+            reader_.vector_of({line.number, {line.words[0], line.words[i + 1], line.words[i + 2], line.words[i + 3]}})
+                .value_or(Vec3d(0.0));
+        vertices.push_back(json_of(corner));
+        const Vec3<float> rounded(corner);
+        mesh.vertices.push_back({rounded.x, rounded.y, rounded.z});
+        loss.add({corner.x, corner.y, corner.z}, mesh.vertices.back(), i / 3);
     }
-    for (std::size_t i = 0; i < count / 3; i += 3) {
+    for (std::uint32_t i = 0; i < count / 3; i += 3) {
         triangles.push_back(fmt::format("[{}, {}, {}]", i, i + 1, i + 2));
+        mesh.triangles.push_back({i, i + 1, i + 2});
+    }
+    if (const auto warning = resolution_warning(mesh, loss.largest())) {
+        import_->result->warnings.add(line.number, fmt::format("VERTICES has {}", *warning));
     }
     part_.add("vertices", fmt::format("[{}]", fmt::join(vertices, ", ")), &line);
     part_.add("triangles", fmt::format("[{}]", fmt::join(triangles, ", ")), &line);

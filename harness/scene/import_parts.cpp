@@ -227,6 +227,15 @@ std::string add_imported_mesh(ImportResult& result, const ImportSource& source, 
     return name;
 }
 
+void warn_of_mesh(ImportResult& result, std::size_t line, const std::filesystem::path& file,
+                  const std::vector<std::string>& warnings) {
+    if (result.meshes_told.insert(file.string()).second) {
+        for (const std::string& warning : warnings) {
+            result.warnings.add(line, fmt::format("{}: {}", file.filename().string(), warning));
+        }
+    }
+}
+
 MeshesToBe::Meshes imported_meshes(const ImportResult& result, const std::string& scene_file) {
     MeshesToBe::Meshes meshes;
     for (const ImportedMesh& imported : result.meshes) {

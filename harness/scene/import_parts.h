@@ -54,6 +54,9 @@ bool is_image_in_scene(const std::string& value);
 std::string add_imported_mesh(ImportResult& result, const ImportSource& source, Mesh mesh);
 // All of them, by the paths that they will have.
 MeshesToBe::Meshes imported_meshes(const ImportResult& result, const std::string& scene_file);
+// What is said of a mesh file, once of each, at the line that names it first.
+void warn_of_mesh(ImportResult& result, std::size_t line, const std::filesystem::path& file,
+                  const std::vector<std::string>& warnings);
 // In the scene file: its name, or material_LABEL.
 std::string material_name(const Cis565Section& section);
 

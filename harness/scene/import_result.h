@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,7 @@ struct ImportResult {
     std::vector<ImportedMesh> meshes;
     std::vector<ImportedImage> images;
     ImportFindings problems, warnings, notes;
+    std::set<std::string> meshes_told;  // files whose own warnings are among `warnings`
     std::size_t objects = 0, materials = 0;
 };
 

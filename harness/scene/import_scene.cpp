@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "harness/json_reader.h"
 #include "harness/scene/import_cis565.h"
 #include "harness/scene/import_course_json.h"
 #include "harness/scene/import_gltf.h"
 #include "harness/scene/import_mitsuba.h"
+#include "harness/text_file.h"
 
 namespace pt {
 
@@ -38,9 +38,10 @@ const std::vector<ImportFormat>& import_formats() {
     return formats;
 }
 
-std::size_t largest_import_of(const std::string& file) {
+std::string read_import(const std::string& file) {
     const ImportFormat* named = format_by_ending(file);
-    return named != nullptr ? named->largest : largest_import;
+    std::string content = read_file(file, named != nullptr ? named->largest : largest_import);
+    return is_like_gltf(content) ? content : readable_text(std::move(content), file);
 }
 
 const ImportFormat& import_format_of(const ImportSource& source) {

@@ -22,8 +22,8 @@ const std::vector<ImportFormat>& import_formats();
 // any text.
 const ImportFormat& import_format_of(const ImportSource& source);
 
-// What a file may hold, by its name.
-std::size_t largest_import_of(const std::string& file);
+// The text of a file, readable, or its bytes where it is binary glTF; how large it may be is by its name.
+std::string read_import(const std::string& file);
 
 ImportResult import_scene(const ImportSource& source);
 

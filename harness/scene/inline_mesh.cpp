@@ -3,6 +3,7 @@
 #include <map>
 
 #include "harness/mesh/check_mesh.h"
+#include "harness/mesh/resolution.h"
 #include "harness/scene/scene_mesh.h"
 
 namespace pt {
@@ -18,14 +19,31 @@ std::vector<JsonValue> three(const JsonValue& value, const std::string& allowed)
     return elements;
 }
 
-std::array<float, 3> read_vector(const JsonValue& value) {
+std::array<double, 3> read_exact_vector(const JsonValue& value) {
     constexpr double most = std::numeric_limits<float>::max();
-    std::array<float, 3> vector{};
+    std::array<double, 3> vector{};
     std::size_t axis = 0;
     for (const JsonValue& number : three(value, "[x, y, z]")) {
-        vector[axis++] = static_cast<float>(number.number(-most, most, "a number of single precision"));
+        vector[axis++] = number.number(-most, most, "a number of single precision");
     }
     return vector;
+}
+
+std::array<float, 3> rounded(const std::array<double, 3>& vector) {
+    return {static_cast<float>(vector[0]), static_cast<float>(vector[1]), static_cast<float>(vector[2])};
+}
+
+RoundingLoss read_vertices(const JsonValue& vertices, Mesh& mesh) {
+    RoundingLoss loss;
+    for (const JsonValue& entry : vertices.elements()) {
+        const std::array<double, 3> exact = read_exact_vector(entry);
+        loss.add(exact, rounded(exact), mesh.vertices.size());
+        mesh.vertices.push_back(rounded(exact));
+    }
+    if (mesh.vertices.empty()) {
+        vertices.fail("at least one vertex");
+    }
+    return loss;
 }
 
 // One a vertex.
@@ -35,7 +53,7 @@ void read_normals(const JsonValue& value, Mesh& mesh) {
         value.fail(fmt::format("one for each of the {} vertices", mesh.vertices.size()));
     }
     for (const JsonValue& entry : entries) {
-        mesh.normals.push_back(read_vector(entry));
+        mesh.normals.push_back(rounded(read_exact_vector(entry)));
         if (mesh.normals.back() == std::array<float, 3>{0, 0, 0}) {
             entry.fail("a direction that is not 0 in single precision");
         }
@@ -67,12 +85,7 @@ void read_coordinates(const JsonValue& value, Mesh& mesh) {
 std::shared_ptr<const SceneMesh> read_inline_mesh(const JsonObject& object, bool with_normals) {
     const JsonValue vertices = object.at("vertices"), triangles = object.at("triangles");
     Mesh mesh;
-    for (const JsonValue& entry : vertices.elements()) {
-        mesh.vertices.push_back(read_vector(entry));
-    }
-    if (mesh.vertices.empty()) {
-        vertices.fail("at least one vertex");
-    }
+    const RoundingLoss loss = read_vertices(vertices, mesh);
     const auto last = static_cast<long long>(mesh.vertices.size()) - 1;
     for (const JsonValue& entry : triangles.elements()) {
         auto& triangle = mesh.triangles.emplace_back();
@@ -89,6 +102,9 @@ std::shared_ptr<const SceneMesh> read_inline_mesh(const JsonObject& object, bool
         read_normals(object.at("normals"), mesh);
     }
     check_mesh(mesh, triangles.file() + ": " + triangles.path());
+    if (const auto warning = resolution_warning(mesh, loss.largest())) {
+        mesh.warnings.add(fmt::format("{}[{}]", vertices.path(), loss.place()), *warning);
+    }
     std::shared_ptr<const SceneMesh> made = make_scene_mesh(mesh, "of the scene file", with_normals);
     // What was left out is part of what is told of a mesh, not of its content.
     static std::map<std::pair<std::string, std::uint32_t>, std::weak_ptr<const SceneMesh>> known;

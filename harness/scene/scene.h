@@ -77,6 +77,7 @@ struct SceneMesh {
     std::string source;  // as the scene names it: a file, or a generator and its size
     std::vector<Triangle<float>> triangles;
     std::uint32_t degenerate_left_out = 0;
+    std::vector<std::string> warnings;  // "PLACE: TEXT": what its file has that is not read as it stands
     Box bounds;
     bool is_closed = false;                      // every edge is shared by two triangles, in opposite directions
     std::string hash;                            // of the triangles: 16 hex digits

@@ -13,6 +13,7 @@
 #include "harness/scene/scene.h"
 #include "harness/scene/scene_mesh.h"
 #include "harness/scene/scene_texture.h"
+#include "harness/text_file.h"
 
 namespace pt {
 
@@ -569,7 +570,7 @@ Scene parse_scene(const std::string& text, const std::string& file) {
 }
 
 Scene load_scene(const std::string& file) {
-    Scene scene = parse_scene(read_file(file), file);
+    Scene scene = parse_scene(read_text_file(file), file);
     scene.file = std::filesystem::absolute(file).string();
     return scene;
 }

@@ -178,6 +178,7 @@ std::shared_ptr<const SceneMesh> make_scene_mesh(const Mesh& mesh, const std::st
     auto made = std::make_shared<SceneMesh>();
     made->source = source;
     made->degenerate_left_out = mesh.degenerate_left_out;
+    made->warnings = mesh.warnings.messages();
     made->triangles.reserve(mesh.triangles.size());
     for (const auto& indices : mesh.triangles) {
         made->triangles.push_back(from_least_corner(mesh, indices));

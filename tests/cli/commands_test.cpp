@@ -48,6 +48,27 @@ TEST(RenderCommandTest, SaysHowManyTrianglesWithoutAreaItLeftOut) {
     EXPECT_EQ(result.err, "note: scene s: mesh of the scene file: 2 triangles without area left out\n");
 }
 
+TEST(RenderCommandTest, SaysWhatItPassesOverInAMeshFile) {
+    const TemporaryFolder folder;
+    write_text(folder.file("s.json"),
+               R"({"name": "s", "max_depth": 1, "camera": {"eye": [0, 0, 5], "look_at": [0, 0, 0], "up": [0, 1, 0],
+                   "vertical_fov_degrees": 40, "resolution": [2, 2]}, "materials": {"white": {"type": "diffuse",
+                   "albedo": [1, 1, 1]}}, "objects": [{"shape": "mesh", "material": "white", "file": "a.obj"},
+                   {"shape": "mesh", "material": "white", "file": "a.obj", "translate": [5, 0, 0]},
+                   {"shape": "mesh", "material": "white", "vertices": [[500000.123, 4649776.42, 0],
+                   [500001.123, 4649776.42, 0], [500000.123, 4649777.42, 0]], "triangles": [[0, 1, 2]]}]})");
+    write_text(folder.file("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nl 1 2\n");
+    const CommandResult result = ptbench(
+        {"render", "--scene", folder.file("s.json"), "--spp", "1", "--backend", "cpu", "--out", folder.file("s.pfm")});
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_EQ(result.err,
+              "warning: scene s: mesh a.obj: line 5: p or l is passed over: points and lines have no area\n"
+              "warning: scene s: mesh of the scene file: $.objects[2].vertices[0]: coordinates with more digits than "
+              "single precision has: vertices are moved by up to 0.08, of a mesh 1 across whose edges are 1.1 long on "
+              "average; take an origin such as (500001, 4649777, 0) from them, and give it to the object as its "
+              "\"translate\"\n");
+}
+
 TEST(RenderTest, TheSummaryHasTheFixedKeys) {
     const json summary = render_image({"--spp", "3"}).summary;
     ASSERT_EQ(summary.at("mean_rgb").size(), 3u);

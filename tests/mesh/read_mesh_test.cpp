@@ -333,6 +333,66 @@ TEST_F(GlbTest, StripsAndFansAreTriangles) {
     EXPECT_EQ(quad.mesh().triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}}));
 }
 
+TEST_F(GlbTest, WhatIsNotReadIsTold) {
+    const auto warnings = [](const std::string& nodes) {
+        GlbQuad quad;
+        quad.json["nodes"] = nlohmann::json::parse(nodes);
+        quad.json["meshes"][0]["weights"] = {0.5};
+        return quad.mesh().warnings.messages();
+    };
+    using Lines = std::vector<std::string>;
+    EXPECT_EQ(warnings(R"([{"mesh": 0, "weights": [0]}])"), Lines());
+    EXPECT_EQ(warnings(R"([{"mesh": 0}])"),
+              Lines{"node 0: its weights of morph targets are passed over: the mesh has its own shape"});
+    EXPECT_EQ(warnings(R"([{"mesh": 0, "weights": [0], "skin": 0}])"),
+              Lines{"node 0: its skin is passed over: the mesh is placed as a mesh without one, and not bent"});
+    EXPECT_EQ(warnings(R"([{"mesh": 0, "weights": [0], "rotation": [0, 0, 0, 0]}])"),
+              Lines{"node 0: its rotation is (0, 0, 0, 0), which is none: it turns nothing"});
+    EXPECT_EQ(warnings(R"([{"mesh": 0, "weights": [0], "extensions": {"EXT_mesh_gpu_instancing": {}}}])"),
+              Lines{"node 0: its extension EXT_mesh_gpu_instancing is passed over"});
+    GlbQuad lines;
+    lines.json["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", 0}}}, {"mode", 1}});
+    EXPECT_EQ(lines.mesh().warnings.messages(),
+              Lines{"mesh 0, primitive 1: it is passed over: points, lines, or no positions"});
+}
+
+TEST_F(GlbTest, ARotationIsMadeOfLengthOne) {
+    GlbQuad quad;
+    quad.json["nodes"][0]["rotation"] = {0, 0, 3, 3};  // a quarter turn about z
+    const Mesh mesh = quad.mesh();
+    const std::array<float, 3> expected[] = {{0, 0, 0}, {0, 1, 0}, {-1, 1, 0}, {-1, 0, 0.5f}};
+    for (std::size_t i = 0; i < 4; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            EXPECT_NEAR(mesh.vertices[i][k], expected[i][k], 1e-6) << i;
+        }
+    }
+}
+
+TEST_F(GlbTest, AScaleOfZeroHidesWhatHangsOnIt) {
+    for (const std::string hidden : {R"("scale": [0, 0, 0])", R"("matrix": [0,0,0,0, 0,0,0,0, 0,0,0,0, 1,2,3,1])"}) {
+        GlbQuad quad;
+        quad.json["scenes"][0]["nodes"] = {0, 1};
+        quad.json["nodes"] = nlohmann::json::parse(R"([{"mesh": 0}, {)" + hidden +
+                                                   R"(, "children": [2]}, {"mesh": 0, "translation": [5, 0, 0]}])");
+        EXPECT_EQ(quad.mesh().vertices.size(), 4u);
+        EXPECT_EQ(quad.mesh().degenerate_left_out, 0u);
+        EXPECT_EQ(quad.mesh().warnings.messages(),
+                  std::vector<std::string>{"node 1: its scale is 0, which hides it and what hangs on it: left out"});
+    }
+}
+
+// A node's place is in double precision, what it places in single.
+TEST_F(GlbTest, ANodeFarOffIsTold) {
+    GlbQuad quad;
+    quad.json["nodes"][0]["translation"] = {500000.123, 4649776.42, 0};
+    const std::vector<std::string> warnings = quad.mesh().warnings.messages();
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_TRUE(
+        warnings[0].starts_with("vertex 0, where its node places it: coordinates with more digits than single "
+                                "precision has: vertices are moved by up to 0."))
+        << warnings[0];
+}
+
 TEST_F(GlbTest, AGltfHasItsDataBesideIt) {
     const test::TemporaryFolder folder;
     GlbQuad quad;
@@ -368,6 +428,13 @@ TEST_F(GlbTest, EachFaultHasItsLine) {
         "its bufferView (13 bytes) and buffer (108 bytes)");
     EXPECT_EQ(fault([](GlbQuad& quad) { quad.json["accessors"][2]["bufferView"] = 3; }),
               "mesh: file: found accessor[2] invalid bufferView, allowed: binary glTF 2.0 with its data in it");
+    EXPECT_EQ(fault([](GlbQuad& quad) { quad.json["accessors"][0].erase("bufferView"); }),
+              "mesh: accessor 0: found no bufferView, so that all its numbers are 0, allowed: one with a bufferView");
+    EXPECT_EQ(fault([](GlbQuad& quad) { quad.json["asset"]["minVersion"] = "2.1"; }),
+              "mesh: asset.minVersion: found \"2.1\", allowed: 2.0");
+    EXPECT_EQ(fault([](GlbQuad& quad) { quad.json["asset"]["version"] = "3.0"; }),
+              "mesh: asset.version: found \"3.0\", allowed: 2.0, or a later 2.x");
+    EXPECT_EQ(fault([](GlbQuad& quad) { quad.json["asset"] = {{"version", "2.1"}, {"minVersion", "2.0"}}; }), "");
     EXPECT_EQ(fault([](GlbQuad& quad) { quad.json["accessors"][0]["componentType"] = 5123; }),
               "mesh: accessor 0: found component type 5123, allowed: float (5126)");
     EXPECT_EQ(fault([](GlbQuad& quad) { quad.json["nodes"][0]["children"] = {0}; }),

@@ -336,6 +336,32 @@ TEST(ImportDialects, MeshesByTheirFilesInEverySpelling) {
     }
 }
 
+// Behind all objects, as some programs have it, or in the midst of one: the picture lacks its mesh.
+TEST(ImportDialects, AMeshBesideAnotherShapeIsTold) {
+    const std::string plain = test::with_material("RGB 1 1 1\n");
+    const auto warnings = [](const std::string& text) {
+        return import_cis565_scene(text, "a.txt").warnings.messages("a", "");
+    };
+    const std::string rest =
+        " is lost: OBJECT 0 is a cube, and an object has one shape (write an OBJECT with a "
+        "material for it)";
+    EXPECT_EQ(warnings(plain), Lines());
+    EXPECT_EQ(warnings(plain + "\nGLTF box.glb\n"), Lines{"a:19: GLTF box.glb" + rest});
+    EXPECT_EQ(warnings(replaced(plain, "cube\n", "cube\nFILE a.obj\n")), Lines{"a:14: FILE a.obj" + rest});
+    EXPECT_EQ(warnings(replaced(plain, "cube\n", "cube\nmesh\n")), Lines{"a:14: mesh" + rest});
+}
+
+TEST(ImportDialects, WhatAMeshFileHasBesidesIsTold) {
+    const test::TemporaryFolder folder;
+    test::write_text(folder.file("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nl 1 2\n");
+    const std::string object = "OBJECT 1\nmesh\nFILE a.obj\nmaterial 0\nTRANS 5 0 0\nROTAT 0 0 0\nSCALE 1 1 1\n";
+    const ImportResult result = import_cis565_scene(
+        test::with_material("RGB 1 1 1\n") + "\n" + object + "\n" + replaced(object, "OBJECT 1", "OBJECT 2"),
+        folder.file("a.txt"));
+    EXPECT_EQ(result.warnings.messages("a", ""),
+              std::vector<std::string>{"a:21: a.obj: line 5: p or l is passed over: points and lines have no area"});
+}
+
 TEST(ImportDialects, AMeshThatIsMissingOrBrokenIsAProblemOfItsLine) {
     const MeshFolder missing("mesh\nFILE two.obj\n");
     EXPECT_EQ(missing.import().problems.messages("a", ""),

@@ -169,6 +169,42 @@ TEST_F(ImportGltfTest, AMirroredNodeIsAMeshOfItsOwn) {
     EXPECT_EQ(Gltf(json).corners(0), (std::vector<Vec3d>{{0, 0, 0}, {1, 0, 0}, {2, 2, 0}}));
 }
 
+TEST_F(ImportGltfTest, AMeshThatIsPlacedAnewStaysWhereItIsInDoublePrecision) {
+    Json json = document();
+    json["nodes"][1]["scale"] = {-1, 1, 1};
+    json["nodes"][1]["translation"] = {500000.123, 4649776.42, 0};
+    const Gltf read(json);
+    EXPECT_EQ(read.problems(), Lines());
+    EXPECT_EQ(read.scene.objects[0].translate, Vec3d(500000.123, 4649776.42, 0));
+    ASSERT_EQ(read.result.meshes.size(), 2u);
+    EXPECT_EQ(read.result.meshes[1].mesh.vertices[1], (std::array<float, 3>{-1, 0, 0}));
+}
+
+TEST_F(ImportGltfTest, AScaleOfZeroHidesOrFlattens) {
+    Json json = document();
+    json["nodes"].push_back({{"mesh", 0}, {"scale", {0, 0, 0}}, {"children", {0}}});
+    json["scenes"][0]["nodes"] = {0, 1, 2};
+    const Gltf hidden(json);
+    EXPECT_EQ(hidden.problems(), Lines());
+    EXPECT_EQ(hidden.warnings(), Lines());
+    EXPECT_EQ(hidden.result.objects, 1u);
+    EXPECT_EQ(hidden.notes()[2], "f: /nodes/2 has the scale 0, which hides it and what hangs on it: left out");
+    json["nodes"][2] = {{"mesh", 0}, {"scale", {1, 1, 0}}, {"translation", {0, 0, 3}}};  // is flat already
+    EXPECT_EQ(Gltf(json).problems(), Lines());
+    EXPECT_EQ(Gltf(json).corners(1), (std::vector<Vec3d>{{0, 0, 3}, {1, 0, 3}, {0, 2, 3}}));
+    json["nodes"][2]["scale"] = {1, 0, 1};
+    const Gltf edge_on(json);
+    EXPECT_EQ(edge_on.problems(), Lines());
+    EXPECT_EQ(edge_on.result.objects, 1u);
+    EXPECT_EQ(edge_on.notes()[2], "f: /nodes/2 is left out: its mesh has no area where it stands");
+}
+
+TEST_F(ImportGltfTest, AnEmptyRotationIsTold) {
+    Json json = document();
+    json["nodes"][1]["rotation"] = {0, 0, 0, 0};
+    EXPECT_EQ(Gltf(json).warnings(), Lines{"f: /nodes/1/rotation is (0, 0, 0, 0), which is none: it turns nothing"});
+}
+
 TEST_F(ImportGltfTest, MetalIsARoughConductor) {
     Json json = document();
     json["materials"] = Json::parse(R"([{"pbrMetallicRoughness": {"baseColorFactor": [0.25, 0.5, 1, 1],

@@ -251,6 +251,62 @@ TEST(ImportMtl, ALibrarysNameMayHaveSpaces) {
     EXPECT_EQ(several.import().problems.messages("a", ""), Lines());
 }
 
+// "Material #25" is one name; "wood # of the floor" may be a name and a comment.
+TEST(ImportMtl, NamesWithANumberSignAreNotMerged) {
+    const std::string mesh = replaced(replaced(two_squares, "left side", "Material #25"), "right", "Material #26");
+    const Course course("newmtl Material #25\nKd 1 0 0\nnewmtl Material #26\nKd 0 1 0\n", mesh);
+    const ImportResult result = course.import();
+    ASSERT_EQ(result.problems.messages("a", ""), Lines());
+    EXPECT_EQ(result.warnings.count(), 0u);
+    EXPECT_NE(result.json.find(R"("Material__25": {"type": "diffuse", "albedo": [1, 0, 0]})"), std::string::npos)
+        << result.json;
+    EXPECT_NE(result.json.find(R"("Material__26": {"type": "diffuse", "albedo": [0, 1, 0]})"), std::string::npos);
+    const std::string commented = replaced(two_squares, "right", "right # of both");
+    const auto warnings = [](const ImportResult& found) {
+        EXPECT_EQ(found.problems.messages("a", ""), Lines());
+        return found.warnings.messages("a", "warning");
+    };
+    EXPECT_EQ(
+        warnings(Course(left + "newmtl right\nKd 1\n", commented).import()),
+        Lines{"a:14: warning: two.obj: \"right # of both\" is read as the material \"right\", as if a comment began "
+              "at #"});
+    EXPECT_EQ(
+        warnings(Course(left + "newmtl right # it is\nKd 1\n").import()),
+        Lines{"a:14: warning: two.obj: \"right\" is read as the material \"right # it is\", as if a comment began "
+              "at #"});
+    const Course missing("newmtl Material #25\nKd 1 0 0\n", mesh);
+    EXPECT_EQ(missing.import().problems.messages("a", ""),
+              Lines{"a:14: found \"two.obj: usemtl Material #26\", allowed: a material of its libraries, mtllib"});
+    const Course doubtful(left + "newmtl right # 1\nKd 1\nnewmtl right # 2\nKd 1\n");
+    EXPECT_EQ(doubtful.import().problems.count(), 1u);
+    const Course named(left, replaced(two_squares, "two.mtl", "two.mtl # mine\nmtllib a #1.mtl"));
+    test::write_text(named.folder.file("a #1.mtl"), "newmtl right\nKd 1\n");
+    EXPECT_EQ(named.import().problems.messages("a", ""), Lines());
+}
+
+TEST(ImportMtl, ANameThatIsDefinedTwiceIsTold) {
+    const std::string twice = left + "newmtl right\nKd 0.5\nnewmtl right\nKd 0.25\n";
+    const ImportResult result = Course(twice).import();
+    ASSERT_EQ(result.problems.messages("a", ""), Lines());
+    EXPECT_NE(result.json.find(R"("albedo": [0.5, 0.5, 0.5])"), std::string::npos);
+    EXPECT_EQ(result.warnings.messages("a", "warning"),
+              Lines{"a:14: warning: two.mtl line 5: newmtl right is not used: two.mtl line 3 has another of that name, "
+                    "the first"});
+    const Course over_two(left + "newmtl right\nKd 0.5\n",
+                          replaced(two_squares, "two.mtl", "two.mtl\nmtllib other.mtl\nmtllib two.mtl"));
+    test::write_text(over_two.folder.file("other.mtl"), "newmtl left side\nKd 0.25 0.5 0.75\nnewmtl right\nKd 1\n");
+    EXPECT_EQ(over_two.import().warnings.messages("a", "warning"),
+              Lines{"a:14: warning: other.mtl line 3: newmtl right is not used: two.mtl line 3 has another of that "
+                    "name, the first"});
+    EXPECT_EQ(Course::warnings_of("Kd 0.5\nKd 0.25\nNs 1\nNs 1\n"),
+              Lines{"a:14: warning: two.mtl line 4: Kd 0.5 is not used: a later line says it again"});
+}
+
+TEST(ImportMtl, WhatItsMeshFileHasBesidesIsTold) {
+    EXPECT_EQ(Course::warnings_of("Kd 0.5\n", two_squares + "l 1 2\n"),
+              Lines{"a:14: warning: two.obj: line 16: p or l is passed over: points and lines have no area"});
+}
+
 TEST(ImportMtl, AGroupsNameStandsForAMaterialThatIsMissing) {
     const Course course("newmtl right\nKd 0.98, 0.5, 0.25\n",
                         "mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\ng right\nf 1 2 3\nusemtl gone\nf 1 2 3\n");
