@@ -73,7 +73,7 @@ std::string write_result(const RunEnding& ending, const Journal& journal, bool c
     std::string text = result_json(ending.plan, ending.suite, journal, facts);
     write_file(ending.out, text);
     if (completed && ending.earlier.is_kept()) {
-        replace_images(ending.out);
+        replace_images(ending.out, ending.earlier.images);
     }
     return text;
 }

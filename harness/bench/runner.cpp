@@ -19,6 +19,7 @@
 #include "harness/bench/settle_references.h"
 #include "harness/bench/time_cells.h"
 #include "harness/cuda/backend.h"
+#include "harness/files_read.h"
 #include "harness/interrupt.h"
 #include "harness/ranks/ranks.h"
 #include "harness/ranks/render_on_ranks.h"
@@ -258,6 +259,7 @@ int run_suite(const Suite& suite, const RunOptions& options) {
     const std::vector<std::size_t> positions = positions_of(whole, options.shard);
     check_output_file(options.out);
     check_output_file(journal_of(options));
+    refuse_source(options.out);
     const int repetitions = options.repetitions > 0 ? options.repetitions : suite.repetitions;
     check_seeds(whole, options.seed, repetitions);
     check_ranks(whole);
