@@ -2,7 +2,7 @@
 
 #include <mutex>
 #include <set>
-#include <utility>
+#include <tuple>
 
 #include "harness/error.h"
 
@@ -10,7 +10,12 @@ namespace pt {
 
 namespace {
 
-using FileId = std::pair<dev_t, ino_t>;
+// With its state: a number may go to another file once the first is removed.
+using FileId = std::tuple<dev_t, ino_t, off_t, time_t, long>;
+
+FileId id_of(const struct stat& status) {
+    return {status.st_dev, status.st_ino, status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec};
+}
 
 struct FilesRead {
     std::mutex mutex;  // scenes may be read by several threads
@@ -27,7 +32,7 @@ FilesRead& files_read() {
 void note_read(const struct stat& status) {
     FilesRead& files = files_read();
     const std::lock_guard lock(files.mutex);
-    files.ids.emplace(status.st_dev, status.st_ino);
+    files.ids.insert(id_of(status));
 }
 
 void refuse_source(const std::string& file, const std::string& flag) {
@@ -37,7 +42,7 @@ void refuse_source(const std::string& file, const std::string& flag) {
     }
     FilesRead& files = files_read();
     const std::lock_guard lock(files.mutex);
-    if (files.ids.contains({status.st_dev, status.st_ino})) {
+    if (files.ids.contains(id_of(status))) {
         throw InputError(flag, "file name", "\"" + file + "\", which this call reads", "another file");
     }
 }

@@ -239,12 +239,12 @@ TEST(ExportCommandTest, CopiesTakeNobodysPlace) {
     const std::string tiles = content_of(test::in_source("scenes/textures/tiles.png"));
     const std::string studs = content_of(test::in_source("scenes/textures/studs.png"));
     ASSERT_NE(tiles, studs);
-    write_text(folder.file("small_image_0.png"), studs);
-    write_text(folder.file("small_image_1.png"), tiles);
+    write_text(folder.file("small_image_0.png"), tiles);
+    write_text(folder.file("small_image_1.png"), studs);
     write_text(folder.file("small.json"),
                scene_text("",
-                          R"("tiles": {"type": "diffuse", "albedo": {"image": "small_image_1.png"}},
-                             "studs": {"type": "diffuse", "albedo": {"image": "small_image_0.png"}},
+                          R"("tiles": {"type": "diffuse", "albedo": {"image": "small_image_0.png"}},
+                             "studs": {"type": "diffuse", "albedo": {"image": "small_image_1.png"}},
                              "white": {"type": "diffuse", "albedo": [1, 1, 1]})",
                           R"({"shape": "quad", "material": "tiles"}, {"shape": "quad", "material": "studs"},
                              {"shape": "mesh", "file": "small_mesh_0.ply", "material": "white"})"));
@@ -265,8 +265,8 @@ TEST(ExportCommandTest, CopiesTakeNobodysPlace) {
     const std::string xml = content_of(folder.file("small.xml"));
     EXPECT_NE(xml.find("small_mesh_1.ply"), std::string::npos) << xml;
     EXPECT_EQ(read_mesh(folder.file("small_mesh_1.ply")).triangles.size(), 1u);
-    EXPECT_LT(xml.find("small_image_1.png"), xml.find("small_image_2.png"));  // tiles, and studs after them
-    EXPECT_EQ(content_of(folder.file("small_image_2.png")), studs);
+    EXPECT_LT(xml.find("small_image_1.png"), xml.find("small_image_2.png"));  // studs as they are, then tiles
+    EXPECT_EQ(content_of(folder.file("small_image_2.png")), tiles);
     EXPECT_EQ(folder.content().size(), 7u);
     Arguments other = call;
     other.insert(other.end(), {"--depth", "3"});

@@ -9,7 +9,7 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 from ptbench.errors import bad_value
-from ptbench.io.files import check_output_folder, make_folder, write_text
+from ptbench.io.files import check_output_file, check_output_folder, make_folder, write_text
 from ptbench.report.chapter import Chapter, chapter_of
 from ptbench.report.html import html_page
 from ptbench.report.markdown import SCENES, linked_files, markdown_page, write_files
@@ -55,6 +55,7 @@ def _refuse_foreign(folder: Path, targets: Sequence[Path]) -> None:
     if page.is_file() and _MADE_BY in page.read_text(encoding="utf-8", errors="replace"):
         return
     for target in targets:
+        check_output_file(target)
         if os.path.lexists(target):
             allowed = "a folder of its own, or one with an earlier report"
             raise bad_value(target, "output file", "a file that is there, and no report of ptbench", allowed)
