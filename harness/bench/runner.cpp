@@ -257,6 +257,9 @@ Plan plan_run(const Suite& suite, const RunOptions& options) {
 int run_suite(const Suite& suite, const RunOptions& options) {
     const Plan whole = plan_run(suite, options);
     const std::vector<std::size_t> positions = positions_of(whole, options.shard);
+    for (const std::string& chosen : whole.chosen) {
+        fmt::print(stderr, "{}\n", chosen);
+    }
     check_output_file(options.out);
     check_output_file(journal_of(options));
     refuse_source(options.out);
