@@ -30,12 +30,12 @@ bool holds(const fs::path& path, const std::string& content) {
 
 }  // namespace
 
-void check_replacement(const std::string& file, const std::string& content, bool overwrite) {
-    check_output_file(file);
-    refuse_source(file);
+void check_replacement(const std::string& file, const std::string& content, bool overwrite, const std::string& flag) {
+    check_output_file(file, flag);
+    refuse_source(file, flag);
     if (!overwrite && is_taken(file) && !holds(file, content)) {
         throw InputError(file, "output file", "a file that is there and holds something else",
-                         "--overwrite, which replaces it, or another --out");
+                         "--overwrite, which replaces it, or another " + flag);
     }
 }
 

@@ -12,9 +12,10 @@
 
 namespace pt {
 
-// Throws InputError if `file`, the value of --out, may not get this content: this call has read it, or it holds another
-// and `overwrite` is false.
-void check_replacement(const std::string& file, const std::string& content, bool overwrite);
+// Throws InputError if `file`, the value of `flag` or in it, may not get this content: this call has read it, or it
+// holds another and `overwrite` is false.
+void check_replacement(const std::string& file, const std::string& content, bool overwrite,
+                       const std::string& flag = "--out");
 
 class FilesBeside {
 public:
