@@ -41,7 +41,8 @@ def test_what_a_call_reads_it_does_not_write(tmp_path, analysis):
         code, _, err = analysis("compare", *results, "--json", tmp_path / out)
         assert code == 2
         assert err == (
-            f"python3 -m ptbench: {tmp_path / out}: output file: found a file that this call reads, allowed: another file\n"
+            f"python3 -m ptbench: {tmp_path / out}: output file: found a file that this call reads, "
+            "allowed: another file\n"
         )
         assert [result.read_bytes() for result in results] == before
 
