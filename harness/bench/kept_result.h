@@ -25,7 +25,7 @@ struct EarlierResult {
     int failed_cells = 0;
     FileStamp stamp = {};
     std::vector<std::string> images = {};  // that it names, relative to its folder
-    std::string description;  // describe_result of it
+    std::string description;               // describe_result of it
 
     // Whether it stays until the run's own is complete: not what this very run left when it was interrupted.
     bool is_kept() const { return is_there && !(is_of_this_run && !is_complete); }

@@ -287,6 +287,20 @@ void add_ranks(nlohmann::ordered_json& summary, const RankFacts& ranked) {
     }
 }
 
+RenderRequest request_of(const RenderArguments& arguments, const Scene& scene, const Variant& variant,
+                         Backend backend) {
+    RenderRequest request{
+        .variant = variant, .backend = backend, .settings = default_settings(scene), .samples = arguments.spp};
+    request.settings.seed = arguments.seed;
+    if (!arguments.resolution.empty()) {
+        std::tie(request.settings.width, request.settings.height) = parse_resolution(arguments.resolution);
+    }
+    if (arguments.depth != 0) {
+        request.settings.depth = arguments.depth;
+    }
+    return request;
+}
+
 int run(const RenderArguments& arguments) {
     check_image_name(arguments.out);
     check_output_file(arguments.out);
@@ -298,15 +312,7 @@ int run(const RenderArguments& arguments) {
     refuse_source(arguments.out);
     const Backend backend = parse_backend(arguments.backend);
     const auto [variant, chosen_by] = choose_variant(arguments, scene, backend);
-    RenderRequest request{
-        .variant = variant, .backend = backend, .settings = default_settings(scene), .samples = arguments.spp};
-    request.settings.seed = arguments.seed;
-    if (!arguments.resolution.empty()) {
-        std::tie(request.settings.width, request.settings.height) = parse_resolution(arguments.resolution);
-    }
-    if (arguments.depth != 0) {
-        request.settings.depth = arguments.depth;
-    }
+    const RenderRequest request = request_of(arguments, scene, variant, backend);
     aovs.check(arguments.out, request);
     const AtWork at_work(description_of(scene, request));
     watch.begin("getting ready");

@@ -141,7 +141,7 @@ Acceleration quick_acceleration(const Scene& scene) {
 
 Variant reference_on(const Scene& scene, const Variant& variant, Backend backend) {
     return triangles_of(scene) > most_by_brute_force ? fast_reference_on(scene, variant, backend)
-                                           : Registry::instance().reference(variant, backend);
+                                                     : Registry::instance().reference(variant, backend);
 }
 
 std::vector<Variant> rendered_to_check(const Scene& scene, const Variant& variant, Backend backend) {
