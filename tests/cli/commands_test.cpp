@@ -266,6 +266,11 @@ TEST(RenderTest, OverAFewHundredTrianglesATreeIsTaken) {
     EXPECT_EQ(brute.at("axes").at("accelerator"), "brute_force");
     EXPECT_EQ(brute.at("chosen_by"), fastest);
     EXPECT_EQ(brute.at("film_hash"), many.at("film_hash"));
+    const CommandResult run = ptbench({"run", "--scene", "ball.json", "--backend", "cpu", "--resolution", "8x8",
+                                       "--repetitions", "1", "--spp", "1", "--quiet", "--out", "r.json"},
+                                      {.folder = folder.path()});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(run.err, "ball: accelerator=bvh8 for its 320 triangles\n");
 }
 
 // So few samples a pixel that none is spent on finding out how long the others take.
