@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "harness/files_read.h"
 #include "harness/nearest_name.h"
 
 namespace pt {
@@ -69,10 +70,8 @@ private:
     int descriptor_;
 };
 
-}  // namespace
-
-std::string read_file(const std::string& path, std::uint64_t largest) {
-    struct stat status {};
+// Fills in `status`, that of the file.
+std::string read_whole(const std::string& path, std::uint64_t largest, struct stat& status) {
     if (::stat(path.c_str(), &status) != 0) {
         cannot_read(path, in_words(errno), largest);
     }
@@ -99,6 +98,20 @@ std::string read_file(const std::string& path, std::uint64_t largest) {
             return text;
         }
     }
+}
+
+}  // namespace
+
+std::string read_file(const std::string& path, std::uint64_t largest) {
+    struct stat status {};
+    std::string text = read_whole(path, largest, status);
+    note_read(status);
+    return text;
+}
+
+std::string read_earlier_output(const std::string& file, std::uint64_t largest) {
+    struct stat status {};
+    return read_whole(file, largest, status);
 }
 
 namespace {

@@ -176,13 +176,22 @@ std::string images_folder(const std::string& result_file, bool keeps_earlier) {
     return (result.parent_path() / (name + (keeps_earlier ? unfinished_suffix : ""))).string();
 }
 
-void replace_images(const std::string& result_file) {
+void replace_images(const std::string& result_file, const std::vector<std::string>& earlier) {
     const std::filesystem::path fresh = images_folder(result_file, true);
     const std::filesystem::path old = images_folder(result_file, false);
-    if (std::filesystem::is_directory(fresh)) {
-        std::filesystem::remove_all(old);
-        std::filesystem::rename(fresh, old);
+    if (!std::filesystem::is_directory(fresh)) {
+        return;
     }
+    for (const std::filesystem::path name : earlier) {
+        if (name.parent_path() == old.filename()) {
+            std::filesystem::remove(old / name.filename());
+        }
+    }
+    std::filesystem::create_directories(old);
+    for (const auto& entry : std::filesystem::directory_iterator(fresh)) {
+        std::filesystem::rename(entry.path(), old / entry.path().filename());
+    }
+    std::filesystem::remove(fresh);
 }
 
 Json write_images(const std::string& images_folder, const Cell& cell, const Reference& reference,

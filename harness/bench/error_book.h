@@ -60,9 +60,11 @@ private:
 };
 
 // The folder of a result's images, beside the result. While an earlier result is kept, the images go to a second
-// folder, which replace_images renames to the first.
+// folder, which replace_images empties into the first.
 std::string images_folder(const std::string& result_file, bool keeps_earlier);
-void replace_images(const std::string& result_file);
+// Puts the images in the second folder into the first, in place of those that an earlier result names, relative to its
+// own folder. Whatever else lies there stays.
+void replace_images(const std::string& result_file, const std::vector<std::string>& earlier);
 // Writes a sample's images at its checkpoints and the reference as .pfm to a folder that images_folder named. Returns
 // the images' names by spp and the reference's, relative to the result file, as they are after replace_images.
 Json write_images(const std::string& images_folder, const Cell& cell, const Reference& reference,

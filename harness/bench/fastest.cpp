@@ -1,5 +1,10 @@
 #include "harness/bench/fastest.h"
 
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 namespace pt {
 
 namespace {
@@ -9,7 +14,48 @@ std::vector<std::string> integrators_by_speed(Backend backend) {
                                    : std::vector<std::string>{"persistent", "megakernel"};
 }
 
+std::vector<std::string> accelerators_by_speed(Backend backend) {
+    return backend == Backend::cpu ? std::vector<std::string>{"bvh8", "bvh2"}
+                                   : std::vector<std::string>{"cwbvh", "bvh2"};
+}
+
+bool any_applies(const AxisChoices& axes, const TunableValues& tunables, const Scene& scene, Backend backend) {
+    const std::vector<Variant> variants = expand(axes, backend, tunables);
+    return std::any_of(variants.begin(), variants.end(), [&](const Variant& variant) {
+        return why_not_applicable(variant, features_of(scene), backend).empty();
+    });
+}
+
 }  // namespace
+
+AxisChoices with_tree(const AxisChoices& axes, const TunableValues& tunables, const Scene& scene, Backend backend) {
+    if (axes.contains("accelerator") || triangles_of(scene) < fewest_for_a_tree) {
+        return axes;
+    }
+    for (const std::string& accelerator : accelerators_by_speed(backend)) {
+        AxisChoices tried = axes;
+        tried["accelerator"] = {accelerator};
+        if (!any_applies(tried, tunables, scene, backend)) {
+            continue;
+        }
+        AxisChoices over_objects = tried;
+        const bool has_many = objects_with_meshes(scene) > most_objects_in_turn;
+        const bool adds_levels =
+            has_many && over_objects.try_emplace("levels", std::vector<std::string>{"two_level"}).second;
+        return adds_levels && any_applies(over_objects, tunables, scene, backend) ? over_objects : tried;
+    }
+    return axes;
+}
+
+std::string tree_in_words(const AxisChoices& axes, const TunableValues& tunables, const Scene& scene, Backend backend) {
+    std::vector<std::string> added;
+    for (const auto& [axis, choices] : with_tree(axes, tunables, scene, backend)) {
+        if (!axes.contains(axis)) {
+            added.push_back(fmt::format("{}={}", axis, choices.front()));
+        }
+    }
+    return added.empty() ? "" : fmt::format("{} for its {} triangles", fmt::join(added, " and "), triangles_of(scene));
+}
 
 Variant fastest_variant(const AxisChoices& axes, const TunableValues& tunables, FeatureSet scene, Backend backend) {
     for (const std::string& integrator : integrators_by_speed(backend)) {

@@ -2,12 +2,14 @@
 
 #include <filesystem>
 
+#include "harness/files_read.h"
+
 namespace pt {
 
 namespace {
 
 // The JSON of a file; discarded where it is none.
-Json parsed(const std::string& file) { return Json::parse(read_file(file, largest_result), nullptr, false); }
+Json parsed(const std::string& file) { return Json::parse(read_earlier_output(file, largest_result), nullptr, false); }
 
 // The text at a place of a document, or "".
 std::string text_at(const Json& document, const std::string& pointer) {
@@ -20,6 +22,18 @@ std::string text_at(const Json& document, const std::string& pointer) {
 [[noreturn]] void refuse_overwrite(const std::string& file, const std::string& description) {
     throw InputError(file, "result file", description,
                      "--overwrite, which replaces it when the new one is complete, or another --out");
+}
+
+void add_images(std::vector<std::string>& names, const Json& cell) {
+    const Json::json_pointer place("/convergence/images");
+    if (!cell.is_object() || !cell.contains(place)) {
+        return;
+    }
+    for (const auto& [key, name] : cell.at(place).flatten().items()) {
+        if (name.is_string()) {
+            names.push_back(name.get<std::string>());
+        }
+    }
 }
 
 }  // namespace
@@ -80,6 +94,7 @@ EarlierResult earlier_result(const std::string& file, const nlohmann::ordered_js
     if (result.is_object() && result.contains(cells) && result.at(cells).is_array()) {
         for (const Json& cell : result.at(cells)) {
             earlier.failed_cells += text_at(cell, "/status") == "failed" ? 1 : 0;
+            add_images(earlier.images, cell);
         }
     }
     return earlier;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "harness/json_reader.h"
 #include "harness/write_file.h"
@@ -23,7 +24,8 @@ struct EarlierResult {
     bool is_complete = false;
     int failed_cells = 0;
     FileStamp stamp = {};
-    std::string description;  // describe_result of it
+    std::vector<std::string> images = {};  // that it names, relative to its folder
+    std::string description;               // describe_result of it
 
     // Whether it stays until the run's own is complete: not what this very run left when it was interrupted.
     bool is_kept() const { return is_there && !(is_of_this_run && !is_complete); }

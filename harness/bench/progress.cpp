@@ -17,8 +17,6 @@ std::size_t terminal_width() {
     return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col : 80;
 }
 
-constexpr const char* erase_line = "\r\033[K";
-
 std::string bar_of(std::size_t done, std::size_t total) {
     constexpr std::size_t width = 20;
     const std::size_t filled = total == 0 ? width : std::min(width, width * done / total);

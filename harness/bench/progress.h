@@ -64,6 +64,9 @@ private:
     bool is_terminal_;
 };
 
+// Takes away what stands on a terminal's line.
+inline constexpr const char* erase_line = "\r\033[K";
+
 // Prints a line on stderr, in the place of a bar that may stand there; the bar goes on below.
 void say_below_progress(const std::string& line);
 

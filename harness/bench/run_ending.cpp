@@ -11,6 +11,7 @@
 #include "harness/bench/machine.h"
 #include "harness/bench/result_check.h"
 #include "harness/bench/retakes.h"
+#include "harness/files_read.h"
 #include "harness/interrupt.h"
 #include "harness/write_file.h"
 
@@ -52,7 +53,7 @@ int end_without_result(const RunEnding& ending, const Journal& journal) {
 // can have found.
 std::string fault_of_result(const std::string& file, const std::string& text) {
     try {
-        if (read_file(file, largest_result) != text) {
+        if (read_earlier_output(file, largest_result) != text) {
             return file + ": reads otherwise than it was written";
         }
         check_result(file, nlohmann::ordered_json::parse(text));
@@ -74,7 +75,7 @@ std::string write_result(const RunEnding& ending, const Journal& journal, bool c
     std::string text = result_json(ending.plan, ending.suite, journal, facts);
     write_file(ending.out, text);
     if (completed && ending.earlier.is_kept()) {
-        replace_images(ending.out);
+        replace_images(ending.out, ending.earlier.images);
     }
     return text;
 }

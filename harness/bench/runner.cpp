@@ -20,6 +20,7 @@
 #include "harness/bench/settle_references.h"
 #include "harness/bench/time_cells.h"
 #include "harness/cuda/backend.h"
+#include "harness/files_read.h"
 #include "harness/interrupt.h"
 #include "harness/ranks/ranks.h"
 #include "harness/ranks/render_on_ranks.h"
@@ -275,8 +276,12 @@ Plan plan_run(const Suite& suite, const RunOptions& options) {
 int run_suite(const Suite& suite, const RunOptions& options) {
     const Plan whole = plan_run(suite, options);
     const std::vector<std::size_t> positions = positions_of(whole, options.shard);
+    for (const std::string& chosen : whole.chosen) {
+        fmt::print(stderr, "{}\n", chosen);
+    }
     check_output_file(options.out);
     check_output_file(journal_of(options));
+    refuse_source(options.out);
     const int repetitions = repetitions_of(suite, options);
     check_seeds(whole, options.seed, most_repetitions(suite, options));
     check_ranks(whole);

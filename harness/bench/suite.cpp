@@ -11,6 +11,7 @@
 
 #include "choices_not_built.h"  // generated
 #include "harness/bench/convergence_study.h"
+#include "harness/bench/fastest.h"
 #include "harness/json_reader.h"
 #include "harness/nearest_name.h"
 #include "harness/places.h"
@@ -391,8 +392,10 @@ public:
             const std::set<std::string> named = named_tunables(study);
             const std::vector<Variant> variants = variants_of(study, backend_);
             for (const std::string& name : study.scenes) {
-                for (const Variant& asked : variants) {
-                    add_variant(study, scenes_.at(name), tuning_.applied(asked, named));
+                const std::shared_ptr<const Scene>& scene = scenes_.at(name);
+                for (const Variant& asked :
+                     study.has_tree_by_default ? variants_of(with_default_tree(study, *scene), backend_) : variants) {
+                    add_variant(study, scene, tuning_.applied(asked, named));
                 }
             }
         }
@@ -400,6 +403,15 @@ public:
     }
 
 private:
+    Study with_default_tree(Study study, const Scene& scene) {
+        const std::string tree = tree_in_words(study.axes, study.tunables, scene, backend_);
+        if (!tree.empty()) {
+            plan_.chosen.push_back(fmt::format("{}: {}", scene.name, tree));
+        }
+        study.axes = with_tree(study.axes, study.tunables, scene, backend_);
+        return study;
+    }
+
     // At every size, depth and number of samples.
     void add_variant(const Study& study, const std::shared_ptr<const Scene>& scene, const Variant& variant) {
         if (Reason reason = reason_not_applicable(variant, features_of(*scene), backend_); !reason.empty()) {

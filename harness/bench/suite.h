@@ -46,6 +46,9 @@ struct Study {
     std::vector<std::string> scenes;
     AxisChoices axes;
     TunableValues tunables;
+    // Whether scenes of many triangles get a tree (with_tree in fastest.h) where `axes` names no accelerator: so a call
+    // does that describes its study itself. What a suite leaves out is at its baseline.
+    bool has_tree_by_default = false;
     std::vector<VariantSet> variants = {};                // each is added to axes and tunables; empty: those
     std::optional<ConvergenceSettings> convergence = {};  // of a study of error against run time
     std::uint32_t width = 0, height = 0;                  // 0: the scene's own
@@ -105,6 +108,7 @@ std::string setting_in(const std::string& cell_name);
 struct Plan {
     std::vector<Cell> cells;  // each name once
     std::vector<NotApplicable> not_applicable;
+    std::vector<std::string> chosen = {};  // what no call and no suite named, for people: "SCENE: accelerator=bvh8 ..."
 };
 
 // Throws InputError. `file` is for the messages.

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "harness/bench/fastest.h"
 #include "harness/bench/kept_result.h"
 #include "harness/bench/machine.h"
 #include "harness/bench/suite.h"
@@ -112,7 +113,7 @@ int run(const AutotuneArguments& arguments) {
     const Scene scene = find_scene(arguments.scene);
     const Backend backend = parse_backend(arguments.backend);
     const AxisChoices axes = parse_axis_arguments(arguments.axes, backend);
-    const std::vector<Variant> variants = expand(axes, backend);
+    const std::vector<Variant> variants = expand(with_tree(axes, {}, scene, backend), backend);
     if (variants.size() != 1) {
         throw InputError("--axis", "argument", fmt::format("{} variants", variants.size()),
                          "one choice an axis for autotune");

@@ -1,13 +1,11 @@
 #include <cmath>
 #include <filesystem>
-#include <functional>
 
 #include <fmt/format.h>
 
 #include "harness/bench/kept_result.h"
 #include "harness/cli/commands.h"
 #include "harness/json_reader.h"
-#include "harness/mesh/write_mesh.h"
 #include "harness/places.h"
 #include "harness/scene/export_mitsuba.h"
 #include "harness/scene/import_findings.h"
@@ -28,6 +26,7 @@ struct ExportArguments {
     std::uint32_t depth = 0;
     std::uint32_t spp = 64;
     double scale = 1;
+    bool overwrite = false;
 };
 
 void check_arguments(const ExportArguments& arguments) {
@@ -59,60 +58,6 @@ MitsubaSettings settings_of(const ExportArguments& arguments, const Scene& scene
     return settings;
 }
 
-struct FileToWrite {
-    fs::path path;
-    std::function<void(const std::string& file)> write;
-};
-
-void refuse_what_is_there(const std::vector<FileToWrite>& files) {
-    for (const FileToWrite& file : files) {
-        check_output_file(file.path.string());
-        refuse_result(file.path.string());
-    }
-}
-
-// The XML last: who finds it finds what it names too. What a failure left of new files is removed.
-void write_files(const std::vector<FileToWrite>& files) {
-    std::vector<fs::path> made;
-    try {
-        for (const FileToWrite& file : files) {
-            const bool is_new = !fs::exists(file.path);
-            file.write(file.path.string());
-            if (is_new) {
-                made.push_back(file.path);
-            }
-        }
-    } catch (const MachineError&) {
-        for (const fs::path& file : made) {
-            std::error_code ignored;
-            fs::remove(file, ignored);
-        }
-        throw;
-    }
-}
-
-// All that there is to write, in that order.
-std::vector<FileToWrite> files_of(const Scene& scene, const MitsubaScene& exported, const fs::path& xml) {
-    const fs::path folder = xml.parent_path();
-    std::vector<FileToWrite> files;
-    for (std::size_t i = 0; i < exported.meshes.size(); ++i) {
-        const SceneMesh& mesh = *scene.meshes[exported.meshes[i]];
-        files.push_back({folder / exported.mesh_files[i],
-                         [&mesh](const std::string& file) { write_mesh(indexed_mesh(mesh), file); }});
-    }
-    const auto add = [&](const fs::path& path, std::string content) {
-        files.push_back({path, [content = std::move(content)](const std::string& file) { write_file(file, content); }});
-    };
-    for (const auto& [name, source] : exported.images) {
-        add(folder / name, read_file(source, largest_texture_file));
-    }
-    if (!exported.environment_file.empty()) {
-        add(folder / exported.environment_file, exported.environment);
-    }
-    add(xml, exported.xml);
-    return files;
-}
-
 int refuse(const std::vector<std::string>& problems, const std::string& scene) {
     for (const std::string& problem : problems) {
         fmt::print(stderr, "ptbench: {}\n", problem);
@@ -130,10 +75,11 @@ int run(const ExportArguments& arguments) {
         return refuse(problems, arguments.scene);
     }
     const fs::path xml = xml_file(arguments, scene);
-    const MitsubaScene exported = mitsuba_scene(scene, settings, xml.stem().string());
-    const std::vector<FileToWrite> files = files_of(scene, exported, xml);
-    refuse_what_is_there(files);
-    write_files(files);
+    check_output_file(xml.string());
+    refuse_result(xml.string());
+    const MitsubaScene exported = mitsuba_scene(scene, settings, xml);
+    check_replacement(xml.string(), exported.xml, arguments.overwrite);
+    exported.files.write(exported.xml);
     constexpr double visible = 0.5;
     if (const double offset = mitsuba_offset_by_thickness(scene, arguments.scale); offset > visible) {
         fmt::print(stderr,
@@ -142,7 +88,7 @@ int run(const ExportArguments& arguments) {
                    one_line(arguments.scene), offset);
     }
     fmt::print("{}: {}, {} -> {}\n", scene.name, counted(scene.objects.size(), "object"),
-               counted(exported.meshes.size(), "mesh file"), one_line(xml.string()));
+               counted(exported.meshes, "mesh file"), one_line(xml.string()));
     return exit_good;
 }
 
@@ -163,6 +109,7 @@ Command add_export_command(CLI::App& app) {
     command->add_option("--spp", arguments->spp, "Samples per pixel that the file asks for (default 64)")
         ->check(CLI::Range(1u, 100000000u));
     command->add_option("--scale", arguments->scale, "Every length times this power of two (default 1)");
+    command->add_flag("--overwrite", arguments->overwrite, "Replace a file that is there and holds something else");
     return [arguments] { return run(*arguments); };
 }
 

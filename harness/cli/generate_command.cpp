@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
 #include "harness/cli/commands.h"
+#include "harness/files_beside.h"
 #include "harness/mesh/generate.h"
 #include "harness/mesh/write_mesh.h"
+#include "harness/write_file.h"
 
 namespace pt {
 
@@ -13,6 +15,7 @@ struct GenerateArguments {
     std::uint32_t size = 0;
     std::string out;
     bool has_size = false;
+    bool overwrite = false;
 };
 
 void list_generators() {
@@ -37,7 +40,9 @@ int generate_file(const GenerateArguments& arguments) {
         check_mesh_name(arguments.out);
     }
     const Mesh mesh = generate_mesh(arguments.name, arguments.size);
-    write_mesh(mesh, arguments.out);
+    const std::string content = mesh_file_of(mesh, arguments.out);
+    check_replacement(arguments.out, content, arguments.overwrite);
+    write_file(arguments.out, content);
     fmt::print("{} {}: {} triangles, {} vertices{}, {} -> {}\n", arguments.name, arguments.size, mesh.triangles.size(),
                mesh.vertices.size(),
                mesh.degenerate_left_out > 0
@@ -55,6 +60,7 @@ Command add_generate_command(CLI::App& app) {
     command->add_option("NAME", arguments->name, "The mesh")->check(check_not_empty);
     const CLI::Option* size = command->add_option("--size", arguments->size, "N, what the list says of it");
     command->add_option("--out", arguments->out, "Mesh file to write (.ply or .obj)")->check(check_not_empty);
+    command->add_flag("--overwrite", arguments->overwrite, "Replace a file that is there and holds something else");
     return [arguments, size] {
         arguments->has_size = size->count() > 0;
         return generate_file(*arguments);

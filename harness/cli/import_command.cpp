@@ -6,7 +6,6 @@
 #include "harness/bench/kept_result.h"
 #include "harness/cli/commands.h"
 #include "harness/json_reader.h"
-#include "harness/mesh/write_mesh.h"
 #include "harness/scene/import_scene.h"
 #include "harness/write_file.h"
 
@@ -20,6 +19,7 @@ struct ImportArguments {
     std::string name;
     bool has_name = false;
     bool strict = false;
+    bool overwrite = false;
 };
 
 void check_import_arguments(const ImportArguments& arguments) {
@@ -51,16 +51,6 @@ int refuse_import(const ImportResult& result, const ImportArguments& arguments) 
     return exit_bad_input;
 }
 
-// Before the scene: who finds that finds its meshes and images too.
-void write_what_it_names(const ImportResult& result, const std::string& out) {
-    for (const ImportedImage& imported : result.images) {
-        write_file((std::filesystem::path(out).parent_path() / imported.file).string(), imported.content);
-    }
-    for (const ImportedMesh& imported : result.meshes) {
-        write_mesh(imported.mesh, (std::filesystem::path(out).parent_path() / imported.file).string());
-    }
-}
-
 int import_file(const ImportArguments& arguments) {
     check_import_arguments(arguments);
     const ImportResult result = import_scene(
@@ -73,9 +63,9 @@ int import_file(const ImportArguments& arguments) {
     if (!is_scene || (arguments.strict && result.warnings.count() > 0)) {
         return refuse_import(result, arguments);
     }
+    check_replacement(arguments.out, result.json, arguments.overwrite);
     print_findings(result.notes, arguments.file, "note");
-    write_what_it_names(result, arguments.out);
-    write_file(arguments.out, result.json);
+    result.files.write(result.json);
     const std::string notes = result.notes.count() > 0 ? ", " + counted(result.notes.count(), "note") : "";
     fmt::print("{}: {}, {}, {}{} -> {}\n", one_line(arguments.file), counted(result.objects, "object"),
                counted(result.materials, "material"), counted(result.warnings.count(), "warning"), notes,
@@ -101,6 +91,8 @@ Command add_import_command(CLI::App& app) {
     command->add_option("--out", arguments->out, "Scene file to write (.json)")->required();
     const CLI::Option* name = command->add_option("--name", arguments->name, "The scene's name (default: the file's)");
     command->add_flag("--strict", arguments->strict, "Refuse a file that is not read exactly: warnings are errors");
+    command->add_flag("--overwrite", arguments->overwrite,
+                      "Replace a scene file that is there and holds something else");
     return [arguments, name] {
         arguments->has_name = name->count() > 0;
         return import_file(*arguments);

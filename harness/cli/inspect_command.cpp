@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "harness/bench/fastest.h"
 #include "harness/bench/kept_result.h"
 #include "harness/bench/suite.h"
 #include "harness/cli/commands.h"
 #include "harness/cuda/backend.h"
+#include "harness/files_read.h"
 #include "harness/places.h"
 #include "harness/write_file.h"
 #include "variants/variant_name.h"
@@ -96,6 +98,15 @@ void add_counters(const InspectArguments& arguments, const Scene& scene, const V
     }
 }
 
+std::vector<Variant> asked_variants(const InspectArguments& arguments, const Scene& scene) {
+    const AxisChoices axes = parse_axis_arguments(arguments.axes, Backend::cuda);
+    const TunableValues tunables = parse_tunable_arguments(arguments.tunables);
+    if (const std::string tree = tree_in_words(axes, tunables, scene, Backend::cuda); !tree.empty()) {
+        fmt::print(stderr, "{}: {}\n", scene.name, tree);
+    }
+    return expand(with_tree(axes, tunables, scene, Backend::cuda), Backend::cuda, tunables);
+}
+
 int run(const InspectArguments& arguments) {
     const Scene scene = find_scene(arguments.scene);
     if (arguments.counters && !arguments.architecture.empty()) {
@@ -104,12 +115,11 @@ int run(const InspectArguments& arguments) {
     }
     if (!arguments.out.empty()) {
         check_output_file(arguments.out);
+        refuse_source(arguments.out);
         refuse_result(arguments.out);
     }
     (void)parse_backend("cuda");  // a build without it has no variants to report on
-    const AxisChoices axes = parse_axis_arguments(arguments.axes, Backend::cuda);
-    const TunableValues tunables = parse_tunable_arguments(arguments.tunables);
-    const std::vector<Variant> variants = expand(axes, Backend::cuda, tunables);
+    const std::vector<Variant> variants = asked_variants(arguments, scene);
     nlohmann::ordered_json reports = nlohmann::ordered_json::array();
     std::string not_applicable;
     bool all_compile = true;

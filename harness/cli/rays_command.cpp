@@ -9,6 +9,7 @@
 #include "harness/cli/commands.h"
 #include "harness/cli/known_names.h"
 #include "harness/cuda/backend.h"
+#include "harness/files_read.h"
 #include "harness/json_reader.h"
 #include "harness/mesh/write_mesh.h"
 #include "harness/nearest_name.h"
@@ -141,6 +142,13 @@ void check_arguments(const RaysArguments& arguments, std::size_t meshes) {
     }
 }
 
+// Asked again of each mesh, once it is read.
+void refuse_sources(const RaysArguments& arguments) {
+    refuse_source(arguments.out);
+    refuse_source(arguments.write_mesh, "--write-mesh");
+    refuse_source(arguments.write_rays, "--write-rays");
+}
+
 nlohmann::ordered_json context_of(const RaysArguments& arguments, const rays::RayStudy& study) {
     nlohmann::ordered_json context;
     for (const auto& [key, value] : machine_context()) {
@@ -193,6 +201,7 @@ int find_leaks(const RaysArguments& arguments) {
     std::uint64_t leaks = 0;
     for (const std::string& name : meshes) {
         const rays::RayMesh mesh = rays::closed_mesh_for_rays(name);
+        refuse_sources(arguments);
         fmt::print("{}: {} triangles, closed{}\n", one_line(mesh.name), mesh.triangles.size(),
                    mesh.said.empty() ? "" : ", " + mesh.said);
         std::fflush(stdout);
@@ -266,6 +275,7 @@ int measure_rays(const RaysArguments& arguments) {
         fmt::print("{}: {} triangles{}\n", one_line(mesh.name), mesh.triangles.size(),
                    mesh.said.empty() ? "" : ", " + mesh.said);
         std::fflush(stdout);
+        refuse_sources(arguments);
         if (!arguments.write_mesh.empty()) {
             write_mesh(mesh.mesh, arguments.write_mesh);
         }
@@ -278,6 +288,7 @@ int measure_rays(const RaysArguments& arguments) {
             }
         }
         if (!arguments.write_rays.empty()) {
+            refuse_sources(arguments);
             rays::write_rays(arguments.write_rays, result.sets, result.hits);
         }
         agrees = agrees && result.agrees;

@@ -10,11 +10,13 @@
 
 #include "harness/bench/fastest.h"
 #include "harness/bench/machine.h"
+#include "harness/bench/phase_watch.h"
 #include "harness/bench/progress.h"
 #include "harness/bench/suite.h"
 #include "harness/cli/commands.h"
 #include "harness/cli/render_aovs.h"
 #include "harness/crash.h"
+#include "harness/files_read.h"
 #include "harness/places.h"
 #include "harness/ranks/ranks.h"
 #include "harness/ranks/render_on_ranks.h"
@@ -50,30 +52,84 @@ constexpr double shortest_to_mention = 2;  // seconds: a render that takes less 
 constexpr double most_samples_unmentioned = 1 << 23;
 
 struct Trial {
-    std::optional<double> seconds = {};  // that a render will take; nothing where a trial takes too long
+    std::optional<double> seconds = {};  // that a render will take; nothing where that is not known
     std::optional<CudaFacts> cuda = {};  // nothing: none was made
+    bool is_long = false;                // for sure
 };
 
-// One sample a pixel, after one that warms up.
+double pixels_of(const RenderSettings& settings) { return static_cast<double>(settings.width) * settings.height; }
+
+// One sample a pixel of an image with about so many pixels, fewer than the request's. A GPU spends as long on hardly
+// any: there only what takes longer than that says how long many take.
+Trial try_with_pixels(const Scene& scene, RenderRequest request, double pixels) {
+    constexpr double least_ms_on_gpu = 50;
+    const double whole = pixels_of(request.settings) * request.samples;
+    const double shrink = std::sqrt(pixels / pixels_of(request.settings));
+    request.settings.width = std::max(1u, static_cast<std::uint32_t>(request.settings.width * shrink));
+    request.settings.height = std::max(1u, static_cast<std::uint32_t>(request.settings.height * shrink));
+    request.samples = 1;
+    const double times = whole / pixels_of(request.settings) / ranks().count;
+    const RenderResult cold = render(scene, request);
+    double ms = cold.wall_ms;
+    if (1e-3 * ms * times >= shortest_to_mention) {
+        ms = std::min(ms, render(scene, request).wall_ms);
+    }
+    const bool is_known = request.backend == Backend::cpu || ms >= least_ms_on_gpu;
+    return {is_known ? std::optional(1e-3 * ms * times) : std::nullopt, cold.cuda};
+}
+
+// Of a small image, and of a larger one where that may take long as a whole and takes little itself. Nothing where
+// the render is so small that it would be told late.
+Trial try_small(const Scene& scene, const RenderRequest& request) {
+    constexpr double least_times = 16, most_seconds = 0.5;
+    const double whole = pixels_of(request.settings) * request.samples;
+    Trial trial;
+    for (const double pixels : {256.0, 4096.0}) {
+        const double known = trial.seconds.value_or(shortest_to_mention);
+        if (pixels >= pixels_of(request.settings) || whole < least_times * pixels || known < shortest_to_mention ||
+            known * pixels / whole > most_seconds) {
+            break;
+        }
+        const Trial larger = try_with_pixels(scene, request, pixels);
+        trial.seconds = larger.seconds;
+        if (trial.cuda) {
+            trial.cuda->add_compilation(*larger.cuda);
+        } else {
+            trial.cuda = larger.cuda;
+        }
+    }
+    return trial;
+}
+
+// One sample a pixel, after one that warms up; where that alone would take long, of a small image.
 Trial try_out(const Scene& scene, RenderRequest request) {
     constexpr std::uint32_t fewest_samples = 32;
+    Trial trial = try_small(scene, request);
     const std::uint32_t samples = request.samples;
-    if (samples < fewest_samples) {
-        return {};
+    trial.is_long = trial.seconds.value_or(0) >= shortest_to_mention * samples;
+    if (trial.is_long || samples < fewest_samples) {
+        return trial;
     }
     request.samples = 1;
     const auto seconds = [&](const RenderResult& result) { return 1e-3 * result.wall_ms * samples / ranks().count; };
     const RenderResult cold = render(scene, request);
     const bool is_short = seconds(cold) < shortest_to_mention;
-    return {seconds(is_short ? cold : render(scene, request)), cold.cuda};
+    trial.seconds = seconds(is_short ? cold : render(scene, request));
+    trial.is_long = *trial.seconds >= shortest_to_mention;
+    if (trial.cuda) {
+        trial.cuda->add_compilation(cold.cuda);
+    } else {
+        trial.cuda = cold.cuda;
+    }
+    return trial;
 }
 
 // Where a long render stops to say how far it is: every two seconds or less often, at multiples of the samples that
-// kernels have in flight.
+// kernels have in flight; one of few samples at each.
 std::vector<std::uint32_t> stops_of(const RenderRequest& request, std::optional<double> seconds) {
     constexpr std::uint32_t multiple = 16;
     std::uint32_t step = 1;
-    if (seconds) {
+    if (seconds && request.samples >= 2 * multiple) {
         const double parts = std::clamp(*seconds / shortest_to_mention, 1.0, 1000.0);
         step = static_cast<std::uint32_t>(std::ceil(request.samples / parts / multiple)) * multiple;
     }
@@ -85,13 +141,16 @@ std::vector<std::uint32_t> stops_of(const RenderRequest& request, std::optional<
     return stops;
 }
 
-// Says on standard error what a long render will take, `seconds` if that is known, and then how far it is. `variance`:
-// fed from the stops; or null.
-RankedRender render_aloud(const Scene& scene, RenderRequest request, const std::optional<double>& seconds,
-                          PixelVariance* variance) {
-    const double samples = static_cast<double>(request.settings.width) * request.settings.height * request.samples;
-    const bool is_short = seconds ? *seconds < shortest_to_mention : samples < most_samples_unmentioned;
-    if (is_short && variance == nullptr) {
+// Says on standard error what a long render will take, as far as that is known, and then how far it is. `variance`: fed
+// from the stops; or null.
+RankedRender render_aloud(const Scene& scene, RenderRequest request, const Trial& trial, PixelVariance* variance,
+                          PhaseWatch& watch) {
+    const std::optional<double>& seconds = trial.seconds;
+    const bool has_many = pixels_of(request.settings) * request.samples >= most_samples_unmentioned;
+    const bool is_short = !trial.is_long && !has_many;
+    const bool may_be_long = seconds.value_or(0) >= shortest_to_mention;
+    watch.begin("rendering", seconds);
+    if (is_short && !may_be_long && variance == nullptr) {
         return render_on_ranks(scene, request);
     }
     if (!is_short) {
@@ -110,15 +169,26 @@ RankedRender render_aloud(const Scene& scene, RenderRequest request, const std::
         if (variance != nullptr) {
             variance->add(checkpoint.film);
         }
-        progress.step(fmt::format("{} of {} spp", checkpoint.samples, request.samples));
+        if (is_short) {
+            watch.reached(static_cast<double>(checkpoint.samples) / request.samples);
+        } else {
+            watch.end();  // the bar says more
+            progress.step(fmt::format("{} of {} spp", checkpoint.samples, request.samples));
+        }
     };
     return render_on_ranks(scene, request);
 }
 
-// What the call names; the fastest integrator that goes with it, where it names none.
-Variant variant_of(const RenderArguments& arguments, const Scene& scene, Backend backend) {
-    const AxisChoices axes = parse_axis_arguments(arguments.axes, arguments.devices, backend);
+struct Chosen {
+    Variant variant;
+    std::string by;  // whom
+};
+
+// What the call names; the fastest integrator and accelerator that go with it, where it names none.
+Chosen choose_variant(const RenderArguments& arguments, const Scene& scene, Backend backend) {
+    const AxisChoices asked = parse_axis_arguments(arguments.axes, arguments.devices, backend);
     const TunableValues tunables = parse_tunable_arguments(arguments.tunables);
+    const AxisChoices axes = with_tree(asked, tunables, scene, backend);
     const std::vector<Variant> named = expand(axes, backend, tunables);
     if (named.size() != 1) {
         throw InputError("--axis", "argument", fmt::format("{} variants", named.size()),
@@ -132,20 +202,18 @@ Variant variant_of(const RenderArguments& arguments, const Scene& scene, Backend
         throw InputError(fmt::format("n/a: {} on {}: {}", shown_name(variant, backend), scene.name, reason));
     }
     require_backend(backend);
+    const std::string tree = tree_in_words(asked, tunables, scene, backend);
+    const std::string by = fmt::format(
+        "{}{}", is_named ? "the call" : "ptbench: the fastest integrator known that goes with the scene and the call",
+        tree.empty() ? "" : fmt::format(";{} {}", is_named ? " ptbench:" : "", tree));
     if (arguments.untuned) {
-        return variant;
+        return {variant, by};
     }
     std::set<std::string> kept;
     for (const auto& [tunable, values] : tunables) {
         kept.insert(tunable);
     }
-    return Tuning::load(tuning_file(backend), backend).applied(variant, kept);
-}
-
-std::string chosen_by(const RenderArguments& arguments) {
-    const bool is_named = std::any_of(arguments.axes.begin(), arguments.axes.end(),
-                                      [](const std::string& axis) { return axis.starts_with("integrator="); });
-    return is_named ? "the call" : "ptbench: the fastest integrator known that goes with the scene and the call";
+    return {Tuning::load(tuning_file(backend), backend).applied(variant, kept), by};
 }
 
 // The same render once more, warm: for whoever times other programs beside this one.
@@ -160,13 +228,13 @@ nlohmann::ordered_json timed_again(const Scene& scene, const RenderRequest& requ
 }
 
 // For people: a program reads the summary.
-void say_where(const RenderArguments& arguments, const RenderRequest& request) {
+void say_where(const RenderArguments& arguments, const RenderRequest& request, const std::string& chosen_by) {
     if (::isatty(STDERR_FILENO) == 0) {
         return;
     }
     const std::string file = std::filesystem::absolute(arguments.out).lexically_normal().string();
     fmt::print(stderr, "rendered with {} on {}, chosen by {}\nwritten: {}\nopen it: {} '{}'\n",
-               shown_name(request.variant, request.backend), to_string(request.backend), chosen_by(arguments), file,
+               shown_name(request.variant, request.backend), to_string(request.backend), chosen_by, file,
                file.ends_with(".png") ? "xdg-open" : "tev", file);
 }
 
@@ -181,14 +249,14 @@ std::vector<std::pair<std::string, std::string>> exr_texts(const nlohmann::order
 }
 
 nlohmann::ordered_json summary_of(const Scene& scene, const RenderRequest& request, const RenderArguments& arguments,
-                                  const RenderResult& result) {
+                                  const std::string& chosen_by, const RenderResult& result) {
     const Vec3d mean = result.film.mean();
     return {
         {"scene", scene.name},
         {"scene_hash", scene.hash},
         {"variant", shown_name(request.variant, request.backend)},
         {"variant_id", variant_id(request.variant, request.backend)},
-        {"chosen_by", chosen_by(arguments)},
+        {"chosen_by", chosen_by},
         {"axes", axes_json(request.variant)},
         {"backend", to_string(request.backend)},
         {"resolution", {request.settings.width, request.settings.height}},
@@ -219,17 +287,10 @@ void add_ranks(nlohmann::ordered_json& summary, const RankFacts& ranked) {
     }
 }
 
-int run(const RenderArguments& arguments) {
-    check_image_name(arguments.out);
-    check_output_file(arguments.out);
-    RenderAovs aovs = RenderAovs::parse(arguments.aovs);
-    const auto start = std::chrono::steady_clock::now();
-    const Scene scene = find_scene(arguments.scene);
-    const Backend backend = parse_backend(arguments.backend);
-    RenderRequest request{.variant = variant_of(arguments, scene, backend),
-                          .backend = backend,
-                          .settings = default_settings(scene),
-                          .samples = arguments.spp};
+RenderRequest request_of(const RenderArguments& arguments, const Scene& scene, const Variant& variant,
+                         Backend backend) {
+    RenderRequest request{
+        .variant = variant, .backend = backend, .settings = default_settings(scene), .samples = arguments.spp};
     request.settings.seed = arguments.seed;
     if (!arguments.resolution.empty()) {
         std::tie(request.settings.width, request.settings.height) = parse_resolution(arguments.resolution);
@@ -237,15 +298,32 @@ int run(const RenderArguments& arguments) {
     if (arguments.depth != 0) {
         request.settings.depth = arguments.depth;
     }
+    return request;
+}
+
+int run(const RenderArguments& arguments) {
+    check_image_name(arguments.out);
+    check_output_file(arguments.out);
+    RenderAovs aovs = RenderAovs::parse(arguments.aovs);
+    const auto start = std::chrono::steady_clock::now();
+    PhaseWatch watch("render");
+    watch.begin("reading the scene");
+    const Scene scene = find_scene(arguments.scene);
+    refuse_source(arguments.out);
+    const Backend backend = parse_backend(arguments.backend);
+    const auto [variant, chosen_by] = choose_variant(arguments, scene, backend);
+    const RenderRequest request = request_of(arguments, scene, variant, backend);
     aovs.check(arguments.out, request);
     const AtWork at_work(description_of(scene, request));
+    watch.begin("getting ready");
     const Trial trial = try_out(scene, request);
-    RankedRender rendered = render_aloud(scene, request, trial.seconds, aovs.variance());
+    RankedRender rendered = render_aloud(scene, request, trial, aovs.variance(), watch);
+    watch.begin("writing " + one_line(arguments.out));
     if (trial.cuda) {
         rendered.result.cuda.add_compilation(*trial.cuda);
     }
     const RenderResult& result = rendered.result;
-    nlohmann::ordered_json summary = summary_of(scene, request, arguments, result);
+    nlohmann::ordered_json summary = summary_of(scene, request, arguments, chosen_by, result);
     add_ranks(summary, rendered.ranks);
     if (arguments.out.ends_with(".exr")) {
         std::vector<ExrLayer> layers = aovs.layers(scene, request, result, summary);
@@ -254,6 +332,7 @@ int run(const RenderArguments& arguments) {
     } else {
         write_image(result.film, arguments.out);
     }
+    watch.end();
     nlohmann::ordered_json again = nlohmann::ordered_json::array();
     while (again.size() < arguments.repetitions) {
         again.push_back(timed_again(scene, request));
@@ -265,7 +344,7 @@ int run(const RenderArguments& arguments) {
     summary["out"] = arguments.out;
     fmt::print("{}\n", summary.dump(1));
     std::fflush(stdout);
-    say_where(arguments, request);
+    say_where(arguments, request, chosen_by);
     return exit_good;
 }
 

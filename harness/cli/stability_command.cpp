@@ -13,6 +13,7 @@
 #include "harness/cli/commands.h"
 #include "harness/cli/stability_tasks.h"
 #include "harness/cuda/backend.h"
+#include "harness/files_beside.h"
 #include "harness/interrupt.h"
 #include "harness/locked_file.h"
 #include "harness/stability/evaluate.h"
@@ -55,12 +56,17 @@ void list_cases(const std::vector<const Case*>& cases) {
     }
 }
 
-void write_scenes(const std::vector<const Case*>& cases, const std::string& folder) {
+void write_scenes(const std::vector<const Case*>& cases, const std::string& folder, bool overwrite) {
+    std::vector<std::pair<std::string, std::string>> files;  // names, and contents
     for (const Case* stiff_case : cases) {
         for (const auto& [name, text] : stability::scene_files(*stiff_case)) {
-            write_file(folder + "/" + name + ".json", text);
-            fmt::print("{}/{}.json\n", folder, name);
+            files.emplace_back(folder + "/" + name + ".json", text);
+            check_replacement(files.back().first, text, overwrite, "--write-scenes");
         }
+    }
+    for (const auto& [file, text] : files) {
+        write_file(file, text);
+        fmt::print("{}\n", file);
     }
 }
 
@@ -230,8 +236,11 @@ int run(const StabilityArguments& arguments) {
         list_cases(cases);
         return exit_good;
     }
+    if (arguments.overwrite && arguments.out.empty() && arguments.write_scenes.empty()) {
+        throw InputError("--overwrite requires --out or --write-scenes");
+    }
     if (!arguments.write_scenes.empty()) {
-        write_scenes(cases, arguments.write_scenes);
+        write_scenes(cases, arguments.write_scenes, arguments.overwrite);
         return exit_good;
     }
     if (!arguments.values.empty() && cases.size() != 1) {
@@ -299,9 +308,8 @@ Command add_stability_command(CLI::App& app, const std::string& command_line) {
     CLI::Option* const out = command->add_option("--out", arguments->out, "Result file (JSON); none: print only");
     out->check(check_not_empty);
     command->add_flag("--resume", arguments->resume, "Keep the rows that --out has already")->needs(out);
-    command
-        ->add_flag("--overwrite", arguments->overwrite, "Replace a result that is there, when the new one is complete")
-        ->needs(out);
+    command->add_flag("--overwrite", arguments->overwrite,
+                      "Replace a result that is there, when the new one is complete, or other scenes");
     command->add_option("--write-scenes", arguments->write_scenes,
                         "Write the cases' scenes at their first point into this folder, and run nothing");
     return [arguments] { return run(*arguments); };

@@ -146,9 +146,13 @@ void check_mesh_name(const std::string& file, const std::string& flag) {
     }
 }
 
+std::string mesh_file_of(const Mesh& mesh, const std::string& file) {
+    return std::filesystem::path(file).extension() == ".ply" ? ply_of(mesh) : obj_of(mesh);
+}
+
 void write_mesh(const Mesh& mesh, const std::string& file) {
     check_mesh_name(file, "mesh");
-    write_file(file, std::filesystem::path(file).extension() == ".ply" ? ply_of(mesh) : obj_of(mesh));
+    write_file(file, mesh_file_of(mesh, file));
 }
 
 }  // namespace pt

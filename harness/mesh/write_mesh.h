@@ -11,6 +11,8 @@ namespace pt {
 
 std::string ply_of(const Mesh& mesh);
 std::string obj_of(const Mesh& mesh);
+// By the file's ending, .ply or .obj.
+std::string mesh_file_of(const Mesh& mesh, const std::string& file);
 
 // Throws InputError where write_mesh would refuse the name, of the option `flag`.
 void check_mesh_name(const std::string& file, const std::string& flag = "--out");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <stdexcept>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -10,11 +11,13 @@
 
 #if defined(PTBENCH_HAS_OPENEXR)
 #include <ImfChannelList.h>
+#include <ImfEnvmap.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #endif
 
@@ -77,43 +80,116 @@ auto read_exr_file(std::string_view content, const std::string& name, const Read
     }
 }
 
-std::string colour_channel(const Imf::InputFile& file, const std::string& name, std::size_t i) {
-    const Imf::ChannelList& channels = file.header().channels();
-    const std::string wanted = channels.findChannel("Y") != nullptr ? "Y" : std::string(1, "RGB"[i]);
-    const Imf::Channel* const channel = channels.findChannel(wanted);
-    if (channel == nullptr || channel->xSampling != 1 || channel->ySampling != 1) {
-        throw InputError(name, "channels", fmt::format("no {} of every pixel", wanted), "R, G and B, or Y");
+bool has_channel(const Imf::Header& header, const std::string& name) {
+    return header.channels().findChannel(name) != nullptr;
+}
+
+// The channels that hold the image: three, or one of luminance.
+std::vector<std::string> colour_channels(const Imf::Header& header, const std::string& name) {
+    const std::vector<std::string> colours{"R", "G", "B"};
+    const bool is_coloured =
+        std::all_of(colours.begin(), colours.end(), [&](const auto& one) { return has_channel(header, one); });
+    if (!is_coloured && has_channel(header, "Y") && (has_channel(header, "RY") || has_channel(header, "BY"))) {
+        throw InputError(name, "channels", "luminance and chroma (Y, RY and BY)", "R, G and B, or Y alone");
+    }
+    const std::vector<std::string> wanted =
+        !is_coloured && has_channel(header, "Y") ? std::vector<std::string>{"Y"} : colours;
+    for (const std::string& one : wanted) {
+        const Imf::Channel* const channel = header.channels().findChannel(one);
+        if (channel == nullptr || channel->xSampling != 1 || channel->ySampling != 1) {
+            throw InputError(name, "channels", fmt::format("no {} of every pixel", one), "R, G and B, or Y");
+        }
     }
     return wanted;
+}
+
+std::string in_words(const Imath::Box2i& window) {
+    return fmt::format("{}, {} to {}, {}", window.min.x, window.min.y, window.max.x, window.max.y);
+}
+
+void check_windows(const Imf::Header& header, const std::string& name) {
+    const Imath::Box2i &data = header.dataWindow(), &display = header.displayWindow();
+    const bool covers = data.min.x <= display.min.x && data.min.y <= display.min.y && data.max.x >= display.max.x &&
+                        data.max.y >= display.max.y;
+    // Of what says that it is a map of directions, the library takes the data window for all of them.
+    if (!covers || (Imf::hasEnvmap(header) && data != display)) {
+        throw InputError(
+            name, "windows",
+            fmt::format("a data window from {} in a display window from {}", in_words(data), in_words(display)),
+            "pixels for the whole display window");
+    }
+}
+
+void check_primaries(const Imf::Header& header, const std::string& name) {
+    if (!Imf::hasChromaticities(header)) {
+        return;
+    }
+    constexpr float slight = 2e-3f;
+    const Imf::Chromaticities is = Imf::chromaticities(header), srgb;
+    for (const auto& [found, wanted, what] :
+         {std::tuple(is.red, srgb.red, "red"), std::tuple(is.green, srgb.green, "green"),
+          std::tuple(is.blue, srgb.blue, "blue"), std::tuple(is.white, srgb.white, "white")}) {
+        if (!((found - wanted).length() < slight)) {
+            throw InputError(name, "chromaticities", fmt::format("{} at {}, {}", what, found.x, found.y),
+                             fmt::format("{}, {}, as sRGB has it", wanted.x, wanted.y));
+        }
+    }
+}
+
+void check_meaning(const Imf::Header& header, const std::string& name) {
+    if (Imf::hasEnvmap(header) && Imf::envmap(header) != Imf::ENVMAP_LATLONG) {
+        const int type = Imf::envmap(header);
+        throw InputError(name, "envmap", type == Imf::ENVMAP_CUBE ? "cube" : fmt::format("{}", type),
+                         "latlong, or none: an equirectangular image");
+    }
+    check_windows(header, name);
+    check_primaries(header, name);
+}
+
+ExrSize size_of(const Imath::Box2i& window) {
+    return {1LL + window.max.x - window.min.x, 1LL + window.max.y - window.min.y};
+}
+
+// A channel of the display window's rows, as wide as the data window.
+std::vector<float> read_channel(Imf::InputFile& image, const std::string& channel) {
+    const Imath::Box2i &data = image.header().dataWindow(), &display = image.header().displayWindow();
+    const Imath::Box2i rows({data.min.x, display.min.y}, {data.max.x, display.max.y});
+    const auto width = static_cast<std::size_t>(size_of(rows).width);
+    std::vector<float> values(width * static_cast<std::size_t>(size_of(rows).height));
+    Imf::FrameBuffer frame;
+    frame.insert(channel, Imf::Slice::Make(Imf::FLOAT, values.data(), rows, sizeof(float), sizeof(float) * width));
+    image.setFrameBuffer(frame);
+    image.readPixels(display.min.y, display.max.y);
+    return values;
 }
 
 }  // namespace
 
 bool has_openexr() { return true; }
 
-ExrSize exr_size(std::string_view content, const std::string& file) {
+ExrWindows exr_windows(std::string_view content, const std::string& file) {
     return read_exr_file(content, file, [](const Imf::InputFile& image) {
-        const Imath::Box2i& window = image.header().dataWindow();
-        return ExrSize{1LL + window.max.x - window.min.x, 1LL + window.max.y - window.min.y};
+        return ExrWindows{size_of(image.header().displayWindow()), size_of(image.header().dataWindow())};
     });
 }
 
 std::vector<float> decode_exr(std::string_view content, const std::string& file) {
     return read_exr_file(content, file, [&](Imf::InputFile& image) {
-        const Imath::Box2i window = image.header().dataWindow();
-        const auto width = static_cast<std::size_t>(1LL + window.max.x - window.min.x);
-        const auto height = static_cast<std::size_t>(1LL + window.max.y - window.min.y);
+        check_meaning(image.header(), file);
+        const std::vector<std::string> channels = colour_channels(image.header(), file);
+        const Imath::Box2i &data = image.header().dataWindow(), &display = image.header().displayWindow();
+        const auto width = static_cast<std::size_t>(size_of(display).width);
+        const auto height = static_cast<std::size_t>(size_of(display).height);
+        const auto row = static_cast<std::size_t>(size_of(data).width);
+        const auto left = static_cast<std::size_t>(display.min.x - data.min.x);
         std::vector<float> values(3 * width * height);
-        Imf::FrameBuffer frame;
-        const bool is_grey = image.header().channels().findChannel("Y") != nullptr;
-        for (std::size_t i = 0; i < (is_grey ? 1 : 3); ++i) {
-            const std::string channel = colour_channel(image, file, i);
-            frame.insert(channel, Imf::Slice::Make(Imf::FLOAT, values.data() + i, window, 3 * sizeof(float),
-                                                   3 * sizeof(float) * width));
+        for (std::size_t i = 0; i < channels.size(); ++i) {
+            const std::vector<float> channel = read_channel(image, channels[i]);
+            for (std::size_t pixel = 0; pixel < width * height; ++pixel) {
+                values[3 * pixel + i] = channel[pixel / width * row + left + pixel % width];
+            }
         }
-        image.setFrameBuffer(frame);
-        image.readPixels(window.min.y, window.max.y);
-        for (std::size_t i = 0; is_grey && i < values.size(); i += 3) {
+        for (std::size_t i = 0; channels.size() == 1 && i < values.size(); i += 3) {
             values[i + 1] = values[i + 2] = values[i];
         }
         return values;
@@ -160,7 +236,7 @@ std::string encode_exr(const std::vector<ExrLayer>&, std::uint32_t, std::uint32_
     throw std::logic_error("built without OpenEXR");
 }
 
-ExrSize exr_size(std::string_view, const std::string&) { throw std::logic_error("built without OpenEXR"); }
+ExrWindows exr_windows(std::string_view, const std::string&) { throw std::logic_error("built without OpenEXR"); }
 
 std::vector<float> decode_exr(std::string_view, const std::string&) { throw std::logic_error("built without OpenEXR"); }
 

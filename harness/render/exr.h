@@ -25,13 +25,19 @@ bool has_openexr();
 std::string encode_exr(const std::vector<ExrLayer>& layers, std::uint32_t width, std::uint32_t height,
                        const std::vector<std::pair<std::string, std::string>>& texts = {});
 
-// Of the window that has data. These throw InputError for what is no image that can be read, in the name of `file`, and
-// std::logic_error where there is no library.
 struct ExrSize {
     long long width = 0, height = 0;
 };
-ExrSize exr_size(std::string_view content, const std::string& file);
-// Channels R, G and B, or Y three times, row-major from the top.
+// Of the image that a file means, its display window, and of the pixels that it has.
+struct ExrWindows {
+    ExrSize display, data;
+};
+// These throw InputError for what is no image that can be read, in the name of `file`, and std::logic_error where there
+// is no library.
+ExrWindows exr_windows(std::string_view content, const std::string& file);
+// Channels R, G and B, or Y three times, of the display window, row-major from the top. Throws InputError, too, where
+// these numbers are not linear light of sRGB's primaries for each pixel of an equirectangular image: a data window that
+// lacks pixels, luminance with chroma, a cube map, other primaries.
 std::vector<float> decode_exr(std::string_view content, const std::string& file);
 
 }  // namespace pt

@@ -93,11 +93,6 @@ RenderResult render_unguarded(const Scene& scene, const RenderRequest& request) 
                                               : render_in<float>(scene, request, kernel);
 }
 
-std::ptrdiff_t objects_with_meshes(const Scene& scene) {
-    return std::count_if(scene.objects.begin(), scene.objects.end(),
-                         [](const SceneObject& object) { return object.mesh != SceneObject::no_mesh; });
-}
-
 template <class Render>
 std::vector<FeatureSet> feature_sets_of(const std::map<FeatureSet, Render>& kernels) {
     std::vector<FeatureSet> sets;
@@ -108,6 +103,19 @@ std::vector<FeatureSet> feature_sets_of(const std::map<FeatureSet, Render>& kern
 }
 
 }  // namespace
+
+std::uint64_t triangles_of(const Scene& scene) {
+    std::uint64_t triangles = 0;
+    for (const SceneObject& object : scene.objects) {
+        triangles += object.mesh != SceneObject::no_mesh ? scene.meshes[object.mesh]->triangles.size() : 0;
+    }
+    return triangles;
+}
+
+std::ptrdiff_t objects_with_meshes(const Scene& scene) {
+    return std::count_if(scene.objects.begin(), scene.objects.end(),
+                         [](const SceneObject& object) { return object.mesh != SceneObject::no_mesh; });
+}
 
 Variant fast_reference_on(const Scene& scene, const Variant& variant, Backend backend) {
     const Registry& registry = Registry::instance();
@@ -132,12 +140,8 @@ Acceleration quick_acceleration(const Scene& scene) {
 }
 
 Variant reference_on(const Scene& scene, const Variant& variant, Backend backend) {
-    std::uint64_t triangles = 0;
-    for (const SceneObject& object : scene.objects) {
-        triangles += object.mesh != SceneObject::no_mesh ? scene.meshes[object.mesh]->triangles.size() : 0;
-    }
-    return triangles > most_by_brute_force ? fast_reference_on(scene, variant, backend)
-                                           : Registry::instance().reference(variant, backend);
+    return triangles_of(scene) > most_by_brute_force ? fast_reference_on(scene, variant, backend)
+                                                     : Registry::instance().reference(variant, backend);
 }
 
 std::vector<Variant> rendered_to_check(const Scene& scene, const Variant& variant, Backend backend) {

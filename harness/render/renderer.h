@@ -95,6 +95,10 @@ struct KernelChoice {
 };
 KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend backend = Backend::cpu);
 
+// Of all objects together: those of an instance count again.
+std::uint64_t triangles_of(const Scene& scene);
+std::ptrdiff_t objects_with_meshes(const Scene& scene);
+
 // Triangles of all objects together up to which every triangle in turn is the reference of meshes.
 inline constexpr std::uint64_t most_by_brute_force = 100'000;
 // The variant that this one must equal bit for bit on a scene (Registry::reference). Beyond most_by_brute_force

@@ -1,6 +1,7 @@
 #include "harness/scene/environment_image.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -36,18 +37,22 @@ void check_environment_texels(const EnvironmentImage& image, const std::string& 
 }
 
 // Ward's RGBE: three mantissas of 8 bits and an exponent (Graphics Gems II, chapter II.5), from the top row down, each
-// row as it is or by runs, a channel at a time. EXPOSURE is passed over, as other readers do. (stb_image reads a file
-// that ends early as if it did not.)
+// row as it is or by runs, a channel at a time. What EXPOSURE and COLORCORR say that light was multiplied by is divided
+// out (as Radiance's pvalue -o does). (stb_image reads a file that ends early as if it did not.)
 class HdrReader {
 public:
     HdrReader(std::string_view content, const std::string& file) : content_(content), file_(file) {}
 
     EnvironmentImage read() {
         read_header();
-        EnvironmentImage image{width_, height_, {}};
+        EnvironmentImage image{.width = width_, .height = height_, .texels = {}};
         image.texels.reserve(std::min(std::size_t{width_} * height_, content_.size()));
         for (std::uint32_t row = 0; row < height_; ++row) {
             read_row(image.texels);
+        }
+        image.was_multiplied = factors_ != std::array{1.0, 1.0, 1.0};
+        if (image.was_multiplied) {
+            divide(image.texels);
         }
         check_environment_texels(image, file_);
         return image;
@@ -72,11 +77,78 @@ private:
             refuse("no #?RADIANCE at its beginning");
         }
         for (std::string_view text = line(); !text.empty(); text = line()) {
-            if (text.starts_with("FORMAT=") && text != "FORMAT=32-bit_rle_rgbe") {
-                refuse(fmt::format("\"{}\"", text));
+            read_variable(text);
+        }
+        read_size(line());
+    }
+    // The numbers behind the name of a line NAME=..; nothing where they are others than `count` numbers.
+    static std::vector<double> numbers_in(std::string_view text, std::size_t count) {
+        std::vector<double> numbers;
+        text.remove_prefix(text.find('=') + 1);
+        while (true) {
+            text.remove_prefix(std::min(text.find_first_not_of(" \t+"), text.size()));
+            double number = 0;
+            const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), number);
+            if (failed != std::errc()) {
+                return text.empty() && numbers.size() == count ? numbers : std::vector<double>();
+            }
+            numbers.push_back(number);
+            text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+        }
+    }
+    // A line of the header. One that is indented is of an image that this one was made from.
+    void read_variable(std::string_view text) {
+        const auto refuse_line = [&](const std::string& allowed) {
+            throw InputError(file_, "header", fmt::format("\"{}\"", text), allowed);
+        };
+        if (text.starts_with("FORMAT=") && text != "FORMAT=32-bit_rle_rgbe") {
+            refuse(fmt::format("\"{}\"", text));
+        } else if (text.starts_with("EXPOSURE=")) {
+            const std::vector<double> factor = numbers_in(text, 1);
+            if (factor.empty() || !multiply({factor[0], factor[0], factor[0]})) {
+                refuse_line("EXPOSURE= and a number from 1e-30 to 1e30");
+            }
+        } else if (text.starts_with("COLORCORR=")) {
+            const std::vector<double> factor = numbers_in(text, 3);
+            if (factor.empty() || !multiply({factor[0], factor[1], factor[2]})) {
+                refuse_line("COLORCORR= and three numbers from 1e-30 to 1e30");
+            }
+        } else if (text.starts_with("GAMMA=") && numbers_in(text, 1) != std::vector{1.0}) {
+            refuse_line("no GAMMA, or 1: numbers in proportion to light");
+        } else if (text.starts_with("PRIMARIES=") && !has_known_primaries(text)) {
+            refuse_line("no PRIMARIES, or those of Radiance or sRGB");
+        } else if (text.starts_with("VIEW=")) {
+            refuse_line("no VIEW: an equirectangular image of all round, which no view of Radiance is");
+        }
+    }
+    // What the light was multiplied by. Whether it is a number that can be divided by.
+    bool multiply(const std::array<double, 3>& factor) {
+        bool is_good = true;
+        for (std::size_t i = 0; i < 3; ++i) {
+            factors_[i] *= factor[i];
+            is_good = is_good && factor[i] > 0 && factors_[i] >= 1e-30 && factors_[i] <= 1e30;
+        }
+        return is_good;
+    }
+    void divide(std::vector<Vec3<float>>& texels) const {
+        for (Vec3<float>& texel : texels) {
+            for (int i = 0; i < 3; ++i) {
+                texel[i] = static_cast<float>(double{texel[i]} / factors_[static_cast<std::size_t>(i)]);
             }
         }
-        const std::string_view size = line();
+    }
+    // Red, green, blue and white, x and y each.
+    static bool has_known_primaries(std::string_view text) {
+        constexpr double slight = 2e-3;
+        const std::vector<double> is = numbers_in(text, 8);
+        const auto are = [&](const std::array<double, 8>& known) {
+            return is.size() == 8 && std::equal(is.begin(), is.end(), known.begin(),
+                                                [](double a, double b) { return std::abs(a - b) < slight; });
+        };
+        return are({0.64, 0.33, 0.29, 0.6, 0.15, 0.06, 1.0 / 3, 1.0 / 3}) ||
+               are({0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329});
+    }
+    void read_size(std::string_view size) {
         const char* const end = size.data() + size.size();
         long long height = -1, width = -1;
         constexpr std::string_view between = " +X ";
@@ -165,6 +237,7 @@ private:
     const std::string& file_;
     std::size_t place_ = 0;
     std::uint32_t width_ = 0, height_ = 0;
+    std::array<double, 3> factors_{1, 1, 1};
 };
 
 }  // namespace
@@ -177,9 +250,12 @@ EnvironmentImage parse_exr(std::string_view content, const std::string& file) {
     if (!has_openexr()) {
         throw InputError(file, "file name", "the ending .exr, which this build cannot read (libopenexr-dev)", ".hdr");
     }
-    const ExrSize size = exr_size(content, file);
+    const auto [size, data] = exr_windows(content, file);
     check_environment_size(size.width, size.height, file);
-    EnvironmentImage image{static_cast<std::uint32_t>(size.width), static_cast<std::uint32_t>(size.height), {}};
+    check_environment_size(data.width, data.height, file);
+    EnvironmentImage image{.width = static_cast<std::uint32_t>(size.width),
+                           .height = static_cast<std::uint32_t>(size.height),
+                           .texels = {}};
     const std::vector<float> values = decode_exr(content, file);
     for (std::size_t i = 0; i < values.size(); i += 3) {
         image.texels.emplace_back(values[i], values[i + 1], values[i + 2]);

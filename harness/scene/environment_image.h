@@ -14,6 +14,7 @@ namespace pt {
 struct EnvironmentImage {
     std::uint32_t width = 0, height = 0;
     std::vector<Vec3<float>> texels;  // row-major from the top
+    bool was_multiplied = false;      // in the file, by an exposure or a colour correction that it tells
 };
 
 // Rows beyond it would be less than a rounding of a cosine apart at the poles.
@@ -26,7 +27,7 @@ EnvironmentImage read_environment_image(const std::filesystem::path& path);
 
 // The same of a file's content; `file` is for the messages.
 EnvironmentImage parse_hdr(std::string_view content, const std::string& file);
-// Channels R, G and B, or Y alone, of whatever type.
+// Channels R, G and B, or Y alone, of whatever type, as decode_exr has them.
 EnvironmentImage parse_exr(std::string_view content, const std::string& file);
 
 // As it is in a file that parse_exr reads.

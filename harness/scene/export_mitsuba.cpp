@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "harness/json_reader.h"
+#include "harness/mesh/write_mesh.h"
 #include "harness/scene/mitsuba_limits.h"
 #include "harness/scene/xml_text.h"
 
@@ -48,8 +49,12 @@ double reach_of(const Scene& scene) {
 
 class Exporter {
 public:
-    Exporter(const Scene& scene, const MitsubaSettings& settings, const std::string& stem)
-        : scene_(scene), settings_(settings), stem_(stem), reach_(reach_of(scene) * settings.scale) {}
+    Exporter(const Scene& scene, const MitsubaSettings& settings, const std::filesystem::path& out)
+        : scene_(scene),
+          settings_(settings),
+          stem_(out.stem().string()),
+          made_{.xml = "", .files = FilesBeside(out)},
+          reach_(reach_of(scene) * settings.scale) {}
 
     MitsubaScene take() {
         xml_.open("scene", {{"version", "3.0.0"}});
@@ -169,10 +174,12 @@ private:
             xml_.close();
             return;
         }
-        made_.environment_file = stem_ + "_environment.exr";
-        made_.environment = encode_environment_exr(enlarged(environment.image));
+        const auto name = [&](std::size_t n) {
+            return fmt::format("{}_environment{}.exr", stem_, n == 0 ? "" : fmt::format("_{}", n));
+        };
+        const std::string file = made_.files.add(name, 0, encode_environment_exr(enlarged(environment.image)));
         xml_.open("emitter", {{"type", "envmap"}});
-        value("string", "filename", made_.environment_file);
+        value("string", "filename", file);
         xml_.open("transform", {{"name", "to_world"}});
         xml_.leaf("rotate", {{"y", "1"}, {"angle", number(environment.rotation_degrees)}});
         xml_.close();
@@ -183,14 +190,14 @@ private:
     std::string id_of(std::size_t material) const { return fmt::format("material_{}", material); }
 
     std::string file_of(const SceneTexture& texture) {
-        for (const auto& [file, source] : made_.images) {
-            if (source == texture.path) {
-                return file;
-            }
+        const auto [known, is_new] = image_files_.try_emplace(texture.path);
+        if (is_new) {
+            const auto name = [&](std::size_t n) {
+                return fmt::format("{}_image_{}{}", stem_, n, ending_of(texture.path));
+            };
+            known->second = made_.files.add(name, made_.images++, read_file(texture.path, largest_texture_file));
         }
-        const std::string file = fmt::format("{}_image_{}{}", stem_, made_.images.size(), ending_of(texture.path));
-        made_.images.emplace_back(file, texture.path);
-        return file;
+        return known->second;
     }
 
     // Values are sRGB in both; the format is that of texels once they are decoded, which would be half precision.
@@ -359,13 +366,13 @@ private:
     }
 
     std::string file_of(std::uint32_t mesh) {
-        const auto known = std::find(made_.meshes.begin(), made_.meshes.end(), mesh);
-        if (known != made_.meshes.end()) {
-            return made_.mesh_files[static_cast<std::size_t>(known - made_.meshes.begin())];
+        const auto [known, is_new] = mesh_files_.try_emplace(mesh);
+        if (is_new) {
+            const auto name = [&](std::size_t n) { return fmt::format("{}_mesh_{}.ply", stem_, n); };
+            known->second = made_.files.add(name, mesh, ply_of(indexed_mesh(*scene_.meshes[mesh])));
+            made_.meshes += 1;
         }
-        made_.meshes.push_back(mesh);
-        made_.mesh_files.push_back(fmt::format("{}_mesh_{}.ply", stem_, mesh));
-        return made_.mesh_files.back();
+        return known->second;
     }
 
     // An image's first row is where v is 0 in Mitsuba, and where it is 1 here.
@@ -438,17 +445,19 @@ private:
 
     const Scene& scene_;
     const MitsubaSettings& settings_;
-    const std::string& stem_;
+    std::string stem_;
+    MitsubaScene made_;
     double reach_;  // in the exported scene's units
     XmlText xml_;
-    MitsubaScene made_;
+    std::map<std::string, std::string> image_files_;  // by the paths of what they are copies of
+    std::map<std::uint32_t, std::string> mesh_files_;
     std::map<Group, std::size_t> copies_;
 };
 
 }  // namespace
 
-MitsubaScene mitsuba_scene(const Scene& scene, const MitsubaSettings& settings, const std::string& stem) {
-    return Exporter(scene, settings, stem).take();
+MitsubaScene mitsuba_scene(const Scene& scene, const MitsubaSettings& settings, const std::filesystem::path& out) {
+    return Exporter(scene, settings, out).take();
 }
 
 Mesh indexed_mesh(const SceneMesh& mesh) {

@@ -3,9 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
-#include <vector>
 
+#include "harness/files_beside.h"
 #include "harness/mesh/mesh.h"
 #include "harness/scene/scene.h"
 
@@ -18,15 +19,13 @@ struct MitsubaSettings {
 
 struct MitsubaScene {
     std::string xml;
-    std::vector<std::uint32_t> meshes;  // indices into Scene::meshes; the n-th is the file mesh_files[n] that xml names
-    std::vector<std::string> mesh_files;
-    std::vector<std::pair<std::string, std::string>>
-        images;                                 // names that xml has, and the files that they are copies of
-    std::string environment_file, environment;  // the name and content of an image that xml names; empty: none
+    FilesBeside files;  // what xml names
+    std::size_t meshes = 0, images = 0;
 };
 
-// Of a scene without mitsuba_problems. `stem` begins the names of the mesh files.
-MitsubaScene mitsuba_scene(const Scene& scene, const MitsubaSettings& settings, const std::string& stem);
+// Of a scene without mitsuba_problems. `out`: the file that it is to be written to, from
+// which the names of the others follow.
+MitsubaScene mitsuba_scene(const Scene& scene, const MitsubaSettings& settings, const std::filesystem::path& out);
 
 // The triangles with each corner once, and their texture coordinates.
 Mesh indexed_mesh(const SceneMesh& mesh);

@@ -224,7 +224,7 @@ void import_course(const Cis565File& sections, const ImportSource& source, Impor
 }
 
 ImportResult import_cis565(const ImportSource& source) {
-    ImportResult result;
+    ImportResult result(source);
     if (source.text.size() > largest_import) {
         result.problems.add(0, fmt::format("found {} bytes, allowed: at most {}", source.text.size(), largest_import));
         return result;

@@ -195,7 +195,7 @@ std::string without_file(const std::string& message, const std::string& file) {
 }  // namespace
 
 ImportResult import_course_json(const ImportSource& source) {
-    ImportResult result;
+    ImportResult result(source);
     if (source.text.size() > largest_import) {
         result.problems.add(0, fmt::format("found {} bytes, allowed: at most {}", source.text.size(), largest_import));
         return result;

@@ -220,8 +220,9 @@ std::string ImportDraft::keep_mesh(const Mesh& mesh) {
 }
 
 std::string ImportDraft::keep_image(const std::string& content, const std::string& ending) {
-    const fs::path out(source_.out.empty() ? source_.file : source_.out);
-    const std::string name = fmt::format("{}_image_{}{}", out.stem().string(), result_->images.size(), ending);
+    const std::string stem = fs::path(source_.out.empty() ? source_.file : source_.out).stem().string();
+    const std::string name = result_->files.add(
+        [&](std::size_t n) { return fmt::format("{}_image_{}{}", stem, n, ending); }, result_->images.size(), content);
     result_->images.push_back({.file = name, .content = content});
     return name;
 }

@@ -332,7 +332,7 @@ std::string read_beside(const ImportSource& source, const std::string& name) {
 }  // namespace
 
 ImportResult import_gltf(const ImportSource& source) {
-    ImportResult result;
+    ImportResult result(source);
     try {
         const tinygltf::Model model = parse_gltf_model(
             source.text, source.file, [&](const std::string& name) { return read_beside(source, name); });

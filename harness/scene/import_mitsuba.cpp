@@ -335,7 +335,10 @@ void MitsubaImporter::read_envmap(const XmlElement& element) {
     }
     const std::string file = draft_.path_of(name);
     try {
-        (void)read_environment_image(file);
+        if (read_environment_image(file).was_multiplied) {
+            file_.warn(element,
+                       "has an image with EXPOSURE or COLORCORR, which is divided out; Mitsuba passes over it");
+        }
     } catch (const InputError& error) {
         emitter.fail(*emitter.property("filename"), fmt::format("an image that can be read ({})", error.what()));
         return;
@@ -438,7 +441,7 @@ void MitsubaImporter::import() {
 }  // namespace
 
 ImportResult import_mitsuba(const ImportSource& source) {
-    ImportResult result;
+    ImportResult result(source);
     if (std::optional<XmlElement> root = read_xml(source.text, result.problems)) {
         MitsubaImporter(*root, source, result).import();
     }

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "harness/error.h"
+#include "harness/mesh/write_mesh.h"
 
 namespace pt {
 
@@ -221,8 +222,9 @@ std::string image_in_scene(const std::string& name) { return fmt::format("{}{}}}
 bool is_image_in_scene(const std::string& value) { return value.starts_with(begin_of_image); }
 
 std::string add_imported_mesh(ImportResult& result, const ImportSource& source, Mesh mesh) {
-    const std::filesystem::path scene(source.out.empty() ? source.file : source.out);
-    const std::string name = fmt::format("{}_mesh_{}.ply", scene.stem().string(), result.meshes.size());
+    const std::string stem = std::filesystem::path(source.out.empty() ? source.file : source.out).stem().string();
+    const std::string name = result.files.add([&](std::size_t n) { return fmt::format("{}_mesh_{}.ply", stem, n); },
+                                              result.meshes.size(), ply_of(mesh));
     result.meshes.push_back({.file = name, .mesh = std::move(mesh)});
     return name;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/files_beside.h"
 #include "harness/mesh/mesh.h"
 #include "harness/scene/import_findings.h"
 
@@ -30,9 +31,13 @@ struct ImportedImage {
 };
 
 struct ImportResult {
+    ImportResult() = default;
+    explicit ImportResult(const ImportSource& source) : files(source.out) {}
+
     std::string json;  // the scene file's text; empty where there are problems
     std::vector<ImportedMesh> meshes;
     std::vector<ImportedImage> images;
+    FilesBeside files;  // those meshes and images, as they are written
     ImportFindings problems, warnings, notes;
     std::set<std::string> meshes_told;  // files whose own warnings are among `warnings`
     std::size_t objects = 0, materials = 0;

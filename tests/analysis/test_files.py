@@ -33,6 +33,39 @@ def one_cell(path: Path) -> Path:
     return builder.write(path)
 
 
+def test_what_a_call_reads_it_does_not_write(tmp_path, analysis):
+    results = [one_cell(tmp_path / name) for name in ("a.json", "b.json")]
+    (tmp_path / "link.json").symlink_to("b.json")
+    before = [result.read_bytes() for result in results]
+    for out in ("a.json", "b.json", "link.json"):
+        code, _, err = analysis("compare", *results, "--json", tmp_path / out)
+        assert code == 2
+        assert err == (
+            f"python3 -m ptbench: {tmp_path / out}: output file: found a file that this call reads, "
+            "allowed: another file\n"
+        )
+        assert [result.read_bytes() for result in results] == before
+
+
+def test_a_report_replaces_reports_alone(tmp_path, analysis):
+    result, out = one_cell(tmp_path / "a.json"), tmp_path / "out"
+    out.mkdir()
+    (out / "report.html").write_text("mine", encoding="utf-8")
+    code, _, err = analysis("report", result, "--out", out)
+    assert code == 2
+    assert err.endswith(
+        f"{out / 'report.html'}: output file: found a file that is there, and no report of ptbench, "
+        "allowed: a folder of its own, or one with an earlier report\n"
+    )
+    assert [(path.name, path.read_text(encoding="utf-8")) for path in out.iterdir()] == [("report.html", "mine")]
+    (out / "report.html").unlink()
+    for _ in range(2):
+        assert analysis("report", result, "--out", out)[0] == 0
+    (out / "report.md").write_text("mine", encoding="utf-8")
+    assert analysis("report", result, "--out", out)[0] == 2
+    assert (out / "report.md").read_text(encoding="utf-8") == "mine"
+
+
 def odd_files(folder: Path) -> dict[str, Path]:
     """By what is said of it: what is no regular file."""
     kinds = {

@@ -243,6 +243,57 @@ TEST(RenderTest, ReplacesAnImageAndLeavesItWhereItFails) {
     EXPECT_EQ(content_of(image).substr(0, 7), "PF\n4 3\n");
 }
 
+// By the test's hook, as if each phase took long.
+TEST(RenderTest, APhaseThatTakesLongIsTold) {
+    const TemporaryFolder folder;
+    const CommandResult rendered = ptbench({"render", "--scene", "cornell_open", "--backend", "cpu", "--resolution",
+                                            "8x8", "--spp", "2", "--out", "image.png"},
+                                           {.folder = folder.path(), .environment = {{"PTBENCH_PATIENCE", "0"}}});
+    EXPECT_EQ(rendered.exit_code, 0);
+    EXPECT_EQ(rendered.err,
+              "render: reading the scene: 0:00 so far\nrender: getting ready: 0:00 so far\n"
+              "render: rendering: 0:00 so far\nrender: writing image.png: 0:00 so far\n");
+}
+
+// 20 times 4 to the size triangles: 80, and 320.
+TEST(RenderTest, OverAFewHundredTrianglesATreeIsTaken) {
+    const TemporaryFolder folder;
+    const auto rendered = [&](int size, const std::vector<std::string>& axes) {
+        write_text(folder.file("ball.json"), R"({"name": "ball", "max_depth": 3, "environment": [1, 1, 1],
+            "camera": {"eye": [0, 0, 4], "look_at": [0, 0, 0], "up": [0, 1, 0], "vertical_fov_degrees": 40, "resolution": [16, 16]},
+            "materials": {"white": {"type": "diffuse", "albedo": [0.5, 0.5, 0.5]}},
+            "objects": [{"shape": "mesh", "generate": {"mesh": "icosphere", "size": )" +
+                                                 std::to_string(size) + R"(}, "material": "white"}]})");
+        std::vector<std::string> call{"render", "--scene", "ball.json", "--backend", "cpu",
+                                      "--spp",  "2",       "--out",     "a.png"};
+        for (const std::string& axis : axes) {
+            call.insert(call.end(), {"--axis", axis});
+        }
+        const CommandResult result = ptbench(call, {.folder = folder.path()});
+        EXPECT_EQ(result.exit_code, 0) << result.err;
+        return json::parse(result.out);
+    };
+    const std::string fastest = "ptbench: the fastest integrator known that goes with the scene and the call";
+    const json few = rendered(1, {});
+    EXPECT_EQ(few.at("axes").at("accelerator"), "brute_force");
+    EXPECT_EQ(few.at("chosen_by"), fastest);
+    const json many = rendered(2, {});
+    EXPECT_EQ(many.at("axes").at("accelerator"), "bvh8");
+    EXPECT_EQ(many.at("chosen_by"), fastest + "; accelerator=bvh8 for its 320 triangles");
+    const json named = rendered(2, {"integrator=wavefront"});
+    EXPECT_EQ(named.at("axes").at("accelerator"), "bvh8");
+    EXPECT_EQ(named.at("chosen_by"), "the call; ptbench: accelerator=bvh8 for its 320 triangles");
+    const json brute = rendered(2, {"accelerator=brute_force"});
+    EXPECT_EQ(brute.at("axes").at("accelerator"), "brute_force");
+    EXPECT_EQ(brute.at("chosen_by"), fastest);
+    EXPECT_EQ(brute.at("film_hash"), many.at("film_hash"));
+    const CommandResult run = ptbench({"run", "--scene", "ball.json", "--backend", "cpu", "--resolution", "8x8",
+                                       "--repetitions", "1", "--spp", "1", "--quiet", "--out", "r.json"},
+                                      {.folder = folder.path()});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(run.err, "ball: accelerator=bvh8 for its 320 triangles\n");
+}
+
 // So few samples a pixel that none is spent on finding out how long the others take.
 TEST(RenderTest, ALargeRenderSaysWhatItIsAndASmallOneNothing) {
     const TemporaryFolder folder;

@@ -230,6 +230,61 @@ TEST(ExportCommandTest, ImagesAreCopiedBesideTheFile) {
     EXPECT_EQ(box.folder.content(), Arguments{"small.json"});
 }
 
+// The scene's own mesh and image have the very names that the export would give to its copies.
+TEST(ExportCommandTest, CopiesTakeNobodysPlace) {
+    const TemporaryFolder folder;
+    write_text(folder.file("small_mesh_0.ply"),
+               "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+               "element face 1\nproperty list uchar uint vertex_indices\nend_header\n0 0 0\n1 0 0\n0 2 0\n3 0 1 2\n");
+    const std::string tiles = content_of(test::in_source("scenes/textures/tiles.png"));
+    const std::string studs = content_of(test::in_source("scenes/textures/studs.png"));
+    ASSERT_NE(tiles, studs);
+    write_text(folder.file("small_image_0.png"), tiles);
+    write_text(folder.file("small_image_1.png"), studs);
+    write_text(folder.file("small.json"),
+               scene_text("",
+                          R"("tiles": {"type": "diffuse", "albedo": {"image": "small_image_0.png"}},
+                             "studs": {"type": "diffuse", "albedo": {"image": "small_image_1.png"}},
+                             "white": {"type": "diffuse", "albedo": [1, 1, 1]})",
+                          R"({"shape": "quad", "material": "tiles"}, {"shape": "quad", "material": "studs"},
+                             {"shape": "mesh", "file": "small_mesh_0.ply", "material": "white"})"));
+    const auto kept = [&] {
+        std::map<std::string, std::string> contents;
+        for (const char* name : {"small.json", "small_mesh_0.ply", "small_image_0.png", "small_image_1.png"}) {
+            contents[name] = content_of(folder.file(name));
+        }
+        return contents;
+    };
+    const auto before = kept();
+    const Arguments call{"export", "small.json", "--format", "mitsuba", "--out", "small.xml"};
+    for (int times = 0; times < 2; ++times) {
+        const CommandResult exported = ptbench(call, {.folder = folder.path()});
+        EXPECT_EQ(exported.exit_code, 0) << exported.err;
+        EXPECT_EQ(kept(), before);
+    }
+    const std::string xml = content_of(folder.file("small.xml"));
+    EXPECT_NE(xml.find("small_mesh_1.ply"), std::string::npos) << xml;
+    EXPECT_EQ(read_mesh(folder.file("small_mesh_1.ply")).triangles.size(), 1u);
+    EXPECT_LT(xml.find("small_image_1.png"), xml.find("small_image_2.png"));  // studs as they are, then tiles
+    EXPECT_EQ(content_of(folder.file("small_image_2.png")), tiles);
+    EXPECT_EQ(folder.content().size(), 7u);
+    Arguments other = call;
+    other.insert(other.end(), {"--depth", "3"});
+    EXPECT_EQ(ptbench(other, {.folder = folder.path()}).exit_code, 2);
+    EXPECT_EQ(content_of(folder.file("small.xml")), xml);
+    other.emplace_back("--overwrite");
+    EXPECT_EQ(ptbench(other, {.folder = folder.path()}).exit_code, 0);
+    EXPECT_EQ(kept(), before);
+    EXPECT_EQ(folder.content().size(), 7u);
+    EXPECT_EQ(ptbench({"render", "--scene", "small.json", "--out", "small_image_0.png"}, {.folder = folder.path()}).err,
+              "ptbench: --out: file name: found \"small_image_0.png\", which this call reads, allowed: another file\n");
+    EXPECT_EQ(ptbench({"run", "--scene", "small.json", "--out", "small.json", "--overwrite", "--backend", "cpu"},
+                      {.folder = folder.path()})
+                  .err,
+              "ptbench: --out: file name: found \"small.json\", which this call reads, allowed: another file\n");
+    EXPECT_EQ(kept(), before);
+}
+
 TEST(ExportCommandTest, WrongCallsAreOneLine) {
     const auto refusal = [](const Arguments& added) {
         const Exported exported(scene_text("", white, one_quad), "x.xml", added);

@@ -32,6 +32,19 @@ TEST(GenerateCommandTest, WhatItWritesIsTheMesh) {
     EXPECT_EQ(folder.content(), (Arguments{"sub", "sub/teapot.ply"}));
 }
 
+TEST(GenerateCommandTest, AnotherFileIsReplacedOnlyWhereTheCallSaysSo) {
+    const TemporaryFolder folder;
+    write_text(folder.file("a.ply"), "mine");
+    Arguments call{"generate", "icosphere", "--size", "0", "--out", "a.ply"};
+    EXPECT_EQ(ptbench(call, {.folder = folder.path()}).exit_code, 2);
+    EXPECT_EQ(content_of(folder.file("a.ply")), "mine");
+    call.emplace_back("--overwrite");
+    EXPECT_EQ(ptbench(call, {.folder = folder.path()}).exit_code, 0);
+    EXPECT_EQ(read_mesh(folder.file("a.ply")).triangles.size(), 20u);
+    call.pop_back();
+    EXPECT_EQ(ptbench(call, {.folder = folder.path()}).exit_code, 0);  // the same bytes
+}
+
 TEST(GenerateCommandTest, ABadCallIsOneLineAndWritesNothing) {
     const TemporaryFolder folder;
     const auto refusal = [&](const Arguments& added) {

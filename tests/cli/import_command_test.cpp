@@ -122,6 +122,55 @@ TEST(ImportCommandTest, TheTextItselfIsNotOverwritten) {
     EXPECT_EQ(content_of(folder.file("box.txt")), exact);
 }
 
+// A mirrored mesh is written anew, and the name that it would have is that of its source. Calls repeat without a trace.
+TEST(ImportCommandTest, WhatIsWrittenBesideTheSceneTakesNobodysPlace) {
+    const TemporaryFolder folder;
+    const std::string triangle =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uchar uint vertex_indices\nend_header\n0 0 0\n1 0 0\n0 2 0\n3 0 1 2\n";
+    write_text(folder.file("room_mesh_0.ply"), triangle);
+    write_text(folder.file("room.xml"), R"(<scene version="3.0.0"><sensor type="perspective"/><shape type="ply">
+        <string name="filename" value="room_mesh_0.ply"/><boolean name="face_normals" value="true"/>
+        <transform name="to_world"><scale x="-1"/></transform>
+        <bsdf type="twosided"><bsdf type="diffuse"/></bsdf></shape></scene>)");
+    const Arguments call{"import", "room.xml", "--out", "room.json"};
+    const CommandResult first = ptbench(call, {.folder = folder.path()});
+    if (first.err.find("no reader for XML") != std::string::npos) {
+        GTEST_SKIP() << "this build has no reader for XML";
+    }
+    EXPECT_EQ(first.exit_code, 0) << first.err;
+    const std::string scene = content_of(folder.file("room.json")), mesh = content_of(folder.file("room_mesh_1.ply"));
+    EXPECT_NE(scene.find("\"file\": \"room_mesh_1.ply\""), std::string::npos) << scene;
+    EXPECT_EQ(ptbench(call, {.folder = folder.path()}).exit_code, 0);
+    EXPECT_EQ(content_of(folder.file("room.json")), scene);
+    EXPECT_EQ(content_of(folder.file("room_mesh_0.ply")), triangle);
+    EXPECT_EQ(content_of(folder.file("room_mesh_1.ply")), mesh);
+    EXPECT_EQ(folder.content(), (Arguments{"room.json", "room.xml", "room_mesh_0.ply", "room_mesh_1.ply"}));
+    // A source is none to replace, whatever the call says.
+    const CommandResult source =
+        ptbench({"import", "room.xml", "--out", "./room_mesh_0.ply", "--overwrite"}, {.folder = folder.path()});
+    EXPECT_EQ(source.exit_code, 2);
+    EXPECT_EQ(source.err.substr(source.err.find("ptbench: --out")),
+              "ptbench: --out: file name: found \"./room_mesh_0.ply\", which this call reads, allowed: another file\n");
+    EXPECT_EQ(content_of(folder.file("room_mesh_0.ply")), triangle);
+    EXPECT_EQ(folder.content().size(), 4u);
+}
+
+TEST(ImportCommandTest, AnotherSceneIsReplacedOnlyWhereTheCallSaysSo) {
+    const TemporaryFolder folder;
+    write_text(folder.file("box.txt"), exact);
+    write_text(folder.file("box.json"), "mine");
+    const CommandResult refused = ptbench({"import", "box.txt", "--out", "box.json"}, {.folder = folder.path()});
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_EQ(refused.err,
+              "ptbench: box.json: output file: found a file that is there and holds something else, allowed: "
+              "--overwrite, which replaces it, or another --out\n");
+    EXPECT_EQ(content_of(folder.file("box.json")), "mine");
+    const Arguments replacing{"import", "box.txt", "--out", "box.json", "--overwrite"};
+    EXPECT_EQ(ptbench(replacing, {.folder = folder.path()}).exit_code, 0);
+    EXPECT_EQ(nlohmann::json::parse(content_of(folder.file("box.json"))).at("name"), "plain");
+}
+
 TEST(ImportCommandTest, AFileBeyondTheLimitIsNotRead) {
     const Imported imported(std::string((16 << 20) + 1, '\n'), {});
     EXPECT_EQ(imported.command.exit_code, 2);

@@ -122,6 +122,30 @@ void expect_refusal(const Arguments& arguments, const std::string& message) {
     EXPECT_EQ(folder.content(), Arguments());
 }
 
+TEST(StabilityCommandTest, ScenesThatItWritesReplaceOthersOnlyWhereTheCallSaysSo) {
+    const TemporaryFolder folder;
+    std::vector<std::string> call{"stability", "--write-scenes", folder.path().string()};
+    EXPECT_EQ(ptbench(call).exit_code, 0);
+    const std::vector<std::string> files = folder.content();
+    ASSERT_GT(files.size(), 1u);
+    EXPECT_EQ(ptbench(call).exit_code, 0);  // the same
+    const std::string last = folder.file(files.back());
+    const std::string scene = content_of(last);
+    write_text(last, "mine");
+    std::filesystem::remove(folder.file(files.front()));
+    const CommandResult refused = ptbench(call);
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_NE(refused.err.find("--overwrite, which replaces it, or another --write-scenes"), std::string::npos)
+        << refused.err;
+    EXPECT_EQ(folder.content().size(), files.size() - 1);
+    EXPECT_EQ(content_of(last), "mine");
+    call.emplace_back("--overwrite");
+    write_text(last, "mine");
+    EXPECT_EQ(ptbench(call).exit_code, 0);
+    EXPECT_EQ(content_of(last), scene);
+    EXPECT_EQ(folder.content(), files);
+}
+
 TEST(StabilityCommandTest, RefusesWhatItDoesNotKnow) {
     const Arguments call{"stability", "--backend", "cpu", "--out", "s.json"};
     const auto with = [&](Arguments added) {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "harness/bench/convergence_study.h"
+#include "harness/bench/error_book.h"
 #include "harness/bench/runner.h"
 #include "harness/interrupt.h"
 #include "tests/support/command.h"
@@ -208,6 +209,24 @@ TEST_F(ConvergenceTest, EveryCheckpointHasItsErrorsAndClocks) {
             EXPECT_EQ(image.size(), 12 + 8 * 6 * 12u);
         }
     }
+}
+
+// Of a folder that has the name of a result's images, those alone are replaced that the earlier result names.
+TEST(ImagesFolderTest, KeepsWhatNoResultNames) {
+    const test::TemporaryFolder folder;
+    const std::string result = folder.file("room.json");
+    std::filesystem::create_directories(folder.file("room_images/sub"));
+    std::filesystem::create_directories(images_folder(result, true));
+    for (const char* name : {"room_images/a.pfm", "room_images/b.pfm", "room_images/wall.png", "a.pfm"}) {
+        test::write_text(folder.file(name), "old");
+    }
+    test::write_text(images_folder(result, true) + "/b.pfm", "new");
+    test::write_text(images_folder(result, true) + "/c.pfm", "new");
+    replace_images(result, {"room_images/a.pfm", "room_images/b.pfm", "a.pfm"});
+    EXPECT_EQ(folder.content(),
+              (std::vector<std::string>{"a.pfm", "room_images", "room_images/b.pfm", "room_images/c.pfm",
+                                        "room_images/sub", "room_images/wall.png"}));
+    EXPECT_EQ(test::content_of(folder.file("room_images/b.pfm")), "new");
 }
 
 TEST_F(ConvergenceTest, BiasesAreDeclaredAndSeen) {

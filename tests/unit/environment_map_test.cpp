@@ -250,6 +250,47 @@ TEST(EnvironmentImage, ReadsRadianceFiles) {
     EXPECT_EQ(old_runs.texels[264], Vec3<float>(1, 0.5f, 0.5f));
 }
 
+// A texel of 128, 64, 32 and exponent 129, (1, 0.5, 0.25), under lines of the header.
+EnvironmentImage hdr_under(const std::string& lines) {
+    return parse_hdr("#?RADIANCE\n" + lines + "FORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x40\x20\x81", "sky.hdr");
+}
+
+// Light is what it was before it was multiplied; a line that is indented tells of an earlier image.
+TEST(EnvironmentImage, DividesOutWhatAnHdrSaysThatLightWasMultipliedBy) {
+    const auto texel = [](const std::string& lines) { return hdr_under(lines).texels.at(0); };
+    EXPECT_EQ(texel(""), Vec3<float>(1, 0.5f, 0.25f));
+    EXPECT_FALSE(hdr_under("").was_multiplied);
+    EXPECT_EQ(texel("EXPOSURE=4\n"), Vec3<float>(0.25f, 0.125f, 0.0625f));
+    EXPECT_TRUE(hdr_under("EXPOSURE=4\n").was_multiplied);
+    EXPECT_EQ(texel("EXPOSURE=  +4.0e0 \r\nSOFTWARE=x\nEXPOSURE=0.5\n"), Vec3<float>(0.5f, 0.25f, 0.125f));
+    EXPECT_EQ(texel("EXPOSURE=3\n"), Vec3<float>(1.0f / 3, 0.5f / 3, 0.25f / 3));
+    EXPECT_EQ(texel("COLORCORR=2 1 0.5\nEXPOSURE=2\n"), Vec3<float>(0.25f, 0.25f, 0.25f));
+    EXPECT_EQ(texel("\tEXPOSURE=4\n\tVIEW= -vtv\n# EXPOSURE=9\nGAMMA=1.0\nPIXASPECT=2\n"
+                    "PRIMARIES= .640 .330 .290 .600 .150 .060 .333 .333\n"),
+              Vec3<float>(1, 0.5f, 0.25f));
+}
+
+TEST(EnvironmentImage, RefusesLinesThatMakeOtherLightOfAnHdr) {
+    for (const auto& [line, allowed] :
+         {std::pair{"GAMMA=2.2", "no GAMMA, or 1: numbers in proportion to light"},
+          {"EXPOSURE=0", "EXPOSURE= and a number from 1e-30 to 1e30"},
+          {"EXPOSURE=4 4", "EXPOSURE= and a number from 1e-30 to 1e30"},
+          {"EXPOSURE=nan", "EXPOSURE= and a number from 1e-30 to 1e30"},
+          {"EXPOSURE=1e-40", "EXPOSURE= and a number from 1e-30 to 1e30"},
+          {"EXPOSURE=", "EXPOSURE= and a number from 1e-30 to 1e30"},
+          {"COLORCORR=1 1", "COLORCORR= and three numbers from 1e-30 to 1e30"},
+          {"COLORCORR=1 1 -1", "COLORCORR= and three numbers from 1e-30 to 1e30"},
+          {"VIEW= -vtv -vh 90", "no VIEW: an equirectangular image of all round, which no view of Radiance is"},
+          {"PRIMARIES=0.7 0.3 0.2 0.7 0.15 0.06 0.33 0.33", "no PRIMARIES, or those of Radiance or sRGB"}}) {
+        try {
+            (void)hdr_under(std::string(line) + "\n");
+            ADD_FAILURE() << line;
+        } catch (const InputError& error) {
+            EXPECT_EQ(error.what(), std::string("sky.hdr: header: found \"") + line + "\", allowed: " + allowed);
+        }
+    }
+}
+
 TEST(EnvironmentImage, RefusesWhatIsNone) {
     const std::string whole =
         ", allowed: a whole Radiance image: #?RADIANCE, FORMAT=32-bit_rle_rgbe, -Y HEIGHT +X WIDTH, texels";

@@ -44,13 +44,8 @@ struct ThereAndBack {
                                                      .depth = scene.max_depth,
                                                      .samples = 64,
                                                      .scale = 1},
-                                                    "there");
-        for (std::size_t i = 0; i < exported.meshes.size(); ++i) {
-            write_mesh(indexed_mesh(*scene.meshes[exported.meshes[i]]), folder.file(exported.mesh_files[i]));
-        }
-        for (const auto& [name, source] : exported.images) {
-            std::filesystem::copy(source, folder.path() / name);
-        }
+                                                    folder.file("there.xml"));
+        exported.files.write(exported.xml);
         result = import_mitsuba({.text = exported.xml,
                                  .file = folder.file("there.xml"),
                                  .out = folder.file("back.json"),
@@ -193,8 +188,8 @@ TEST(MitsubaImagesTest, EveryBitOfTheFilmComesBack) {
 TEST(MitsubaImagesTest, CoordinatesAreTurnedByTheirFormulas) {
     const Scene scene = parse_scene(scene_with_images(), "scene.json");
     const MitsubaScene exported = mitsuba_scene(scene, {.width = 24, .height = 24, .depth = 5}, "there");
-    ASSERT_EQ(exported.images.size(), 1u);
-    EXPECT_EQ(exported.images[0].first, "there_image_0.png");
+    EXPECT_EQ(exported.images, 1u);
+    EXPECT_TRUE(exported.files.contents().contains("there_image_0.png"));
     const auto has = [&](const std::string& text) { return exported.xml.find(text) != std::string::npos; };
     // The floor, upright for who looks down with -z ahead: its y goes with +z, so that the first row is at -z.
     EXPECT_TRUE(has("<matrix value=\"3 0 0 0 0 0 -0.5 -1 0 3 0 0 0 0 0 1\"/>")) << exported.xml;
@@ -234,10 +229,11 @@ TEST(MitsubaEnvironmentTest, ComesBack) {
     auto named = std::make_shared<SceneEnvironment>(*scene.environment_map);
     named->file = "sky.hdr";
     scene.environment_map = named;
-    const MitsubaScene exported = mitsuba_scene(scene, {.width = 16, .height = 16, .depth = 3}, "there");
     const TemporaryFolder folder;
-    EXPECT_EQ(exported.environment_file, "there_environment.exr");
-    write_text(folder.file(exported.environment_file), exported.environment);
+    const MitsubaScene exported =
+        mitsuba_scene(scene, {.width = 16, .height = 16, .depth = 3}, folder.file("there.xml"));
+    ASSERT_TRUE(exported.files.contents().contains("there_environment.exr"));
+    exported.files.write(exported.xml);
     const ImportResult result = import_mitsuba(
         {.text = exported.xml, .file = folder.file("there.xml"), .out = folder.file("back.json"), .name = "back"});
     EXPECT_EQ(result.problems.messages("f", ""), std::vector<std::string>());
@@ -263,7 +259,7 @@ TEST(MitsubaEnvironmentTest, OfOneNumberIsConstant) {
     builder.sphere(builder.diffuse(Vec3d(0.5)), {0, 3, 0}, 1);
     builder.environment_map(1, 1, {{1, 0.5, 2}});
     const MitsubaScene exported = mitsuba_scene(builder.scene, {.width = 16, .height = 16, .depth = 3}, "there");
-    EXPECT_EQ(exported.environment_file, "");
+    EXPECT_TRUE(exported.files.contents().empty());
     EXPECT_NE(exported.xml.find("<emitter type=\"constant\">\n    <rgb name=\"radiance\" value=\"1, 0.5, 2\"/>"),
               std::string::npos)
         << exported.xml;

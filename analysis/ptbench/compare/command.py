@@ -40,7 +40,7 @@ from ptbench.terminal import say
 def compare_command(options: argparse.Namespace) -> int:
     """Compares as the options of `ptbench.compare.options` say; the exit code, 0 or 1. Raises InputError."""
     if options.json is not None:
-        check_output_file(options.json)
+        check_output_file(options.json, options.results)
     if options.out is not None:
         check_output_folder(options.out)
     check_number(options.results)

@@ -41,7 +41,7 @@ SCALAR_BLOCK = 32  # pixels of a side of Mitsuba's blocks
 def crosscheck_command(options: argparse.Namespace) -> int:
     """The exit code; raises InputError."""
     if options.out is not None:
-        check_output_file(options.out)
+        check_output_file(options.out, options.scenes)
     settings = _settings(options)
     settings.program.check()
     peer = mitsuba_version(settings)

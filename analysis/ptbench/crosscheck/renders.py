@@ -104,7 +104,7 @@ def _worker(settings: Settings, job: dict) -> dict:
 def export(scene: str, settings: Settings, folder: Path) -> Path:
     """The scene as Mitsuba's XML; raises CannotExport."""
     target = folder / "scene.xml"
-    call = ["export", scene, "--format", "mitsuba", "--out", target]
+    call = ["export", scene, "--format", "mitsuba", "--out", target, "--overwrite"]
     call += ["--resolution", settings.size, "--spp", settings.spp, "--scale", repr(settings.scale)]
     call += [] if settings.depth is None else ["--depth", settings.depth]
     done = settings.program.called(*call)

@@ -13,7 +13,7 @@ import re
 import stat
 import tempfile
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from importlib import resources
 from pathlib import Path
@@ -118,8 +118,8 @@ def check_output_folder(folder: Path) -> None:
         raise bad_value(folder, "output folder", found, "a folder that can be made")
 
 
-def check_output_file(target: Path) -> None:
-    """Raises InputError where something that is no regular file has the name already."""
+def check_output_file(target: Path, sources: Iterable[Path | str] = ()) -> None:
+    """Raises InputError where something that is no regular file has the name already, or a source of the same call."""
     try:
         mode = os.stat(target).st_mode
     except OSError as error:
@@ -128,6 +128,8 @@ def check_output_file(target: Path) -> None:
         raise bad_value(target, "output file", _reason(target, error), _A_NEW_FILE) from error
     if not stat.S_ISREG(mode):
         raise bad_value(target, "output file", "a folder" if stat.S_ISDIR(mode) else _NO_REGULAR_FILE, _A_NEW_FILE)
+    if any(os.path.exists(source) and os.path.samefile(source, target) for source in sources):
+        raise bad_value(target, "output file", "a file that this call reads", "another file")
 
 
 def write_whole(target: Path, write: Callable[[Path], None]) -> Path:

@@ -30,7 +30,7 @@ def peers_command(options: argparse.Namespace) -> int:
     plan = _plan(options)
     context = _context(plan)
     out = options.out or Path("results") / context["ptbench.machine"] / "peers.json"
-    check_output_file(out)
+    check_output_file(out, options.scenes)
     document = _begun(options, plan, context, out)
     make_folder(out.parent)
 

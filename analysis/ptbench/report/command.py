@@ -8,14 +8,17 @@ from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-from ptbench.io.files import check_output_folder, make_folder, write_text
+from ptbench.errors import bad_value
+from ptbench.io.files import check_output_file, check_output_folder, make_folder, write_text
 from ptbench.report.chapter import Chapter, chapter_of
 from ptbench.report.html import html_page
-from ptbench.report.markdown import SCENES, markdown_page, write_files
+from ptbench.report.markdown import SCENES, linked_files, markdown_page, write_files
 from ptbench.report.overview import report_sections, title_of
 from ptbench.report.scenes import Renderer, scene_pictures
 from ptbench.report.sources import Sources, find_sources
 from ptbench.terminal import say, visible
+
+_MADE_BY = "by python3 -m ptbench report."  # the end of each report's subtitle
 
 
 def report(named: Sequence[Path], out: Path, binary: Path | None, spp: int, side: int) -> int:
@@ -38,14 +41,28 @@ def report(named: Sequence[Path], out: Path, binary: Path | None, spp: int, side
             say(f"not drawn: {chapter.title}: {study}: {reason}")
     sections = report_sections(chapters, pictures, sources.passed_over)
     title, subtitle = title_of(chapters), _subtitle(sources)
-    write_files(out, sections)
+    files = list(linked_files(out, sections))
+    _refuse_foreign(out, [out / "report.md", out / "report.html", *(path for path, _ in files)])
+    write_files(files)
     say(write_text(out / "report.md", markdown_page(title, subtitle, sections)))
     say(write_text(out / "report.html", html_page(title, subtitle, sections)))
     return 0
 
 
+def _refuse_foreign(folder: Path, targets: Sequence[Path]) -> None:
+    """Raises InputError where a file would be replaced, and the folder holds no earlier report."""
+    page = folder / "report.md"
+    if page.is_file() and _MADE_BY in page.read_text(encoding="utf-8", errors="replace"):
+        return
+    for target in targets:
+        check_output_file(target)
+        if os.path.lexists(target):
+            allowed = "a folder of its own, or one with an earlier report"
+            raise bad_value(target, "output file", "a file that is there, and no report of ptbench", allowed)
+
+
 def _subtitle(sources: Sources) -> str:
-    return "Made from " + ", ".join(visible(path.name) for path in sources.paths) + " by python3 -m ptbench report."
+    return "Made from " + ", ".join(visible(path.name) for path in sources.paths) + f" {_MADE_BY}"
 
 
 def _size(path: Path) -> int:

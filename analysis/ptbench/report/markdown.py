@@ -24,21 +24,23 @@ def markdown_page(title: str, subtitle: str, sections: Sequence[Section]) -> str
     return "\n".join(lines).rstrip() + "\n"
 
 
-def write_files(folder: Path, sections: Sequence[Section]) -> None:
+def linked_files(folder: Path, sections: Sequence[Section]) -> Iterator[tuple[Path, bytes]]:
     """What the Markdown page links to."""
     for block in _blocks(sections):
         if isinstance(block, Image):
-            _write(folder / FIGURES / block.name, block.data)
+            yield folder / FIGURES / block.name, block.data
         elif isinstance(block, Pictures):
             for image, _ in block.items:
-                _write(folder / SCENES / image.name, image.data)
+                yield folder / SCENES / image.name, image.data
         elif isinstance(block, Download):
-            _write(folder / DATA / block.name, gzip.decompress(block.compressed))
+            yield folder / DATA / block.name, gzip.decompress(block.compressed)
 
 
-def _write(target: Path, data: bytes) -> None:
-    make_folder(target.parent)
-    write_whole(target, lambda path: path.write_bytes(data) and None)
+def write_files(files: Sequence[tuple[Path, bytes]]) -> None:
+    """Each whole, in a folder that is made for it."""
+    for target, data in files:
+        make_folder(target.parent)
+        write_whole(target, lambda path, data=data: path.write_bytes(data) and None)
 
 
 def _blocks(sections: Sequence[Section]) -> Iterator[Block]:

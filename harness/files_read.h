@@ -1,0 +1,21 @@
+// Which files this call has read: a command never writes over one of them, whatever name it goes by.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <sys/stat.h>
+
+namespace pt {
+
+// By read_file, of a file that it has read.
+void note_read(const struct stat& status);
+
+// Throws InputError if `file`, the value of the option `flag`, was read by this call: it is a scene, or one that a
+// scene names. To be asked once everything is read, and before anything is written.
+void refuse_source(const std::string& file, const std::string& flag = "--out");
+
+// read_file of what an earlier call may have written and this one may replace: it is not noted.
+std::string read_earlier_output(const std::string& file, std::uint64_t largest);
+
+}  // namespace pt

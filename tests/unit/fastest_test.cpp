@@ -1,0 +1,91 @@
+// Which accelerator a call gets that names none, and that a suite's cells stay what they are.
+#include "harness/bench/fastest.h"
+
+#include <gtest/gtest.h>
+
+#include "harness/places.h"
+#include "tests/support/command.h"
+#include "tests/support/scenes.h"
+#include "variants/registry.h"
+
+namespace pt {
+namespace {
+
+// Balls of 80 triangles each.
+Scene balls(int count) {
+    test::SceneBuilder builder;
+    const std::uint32_t white = builder.diffuse(Vec3d(0.5));
+    for (int i = 0; i < count; ++i) {
+        builder.mesh(white, "icosphere", 1, {3.0 * i, 0, 5}, 1);
+    }
+    return builder.scene;
+}
+
+AxisChoices chosen(const AxisChoices& axes, int count) { return with_tree(axes, {}, balls(count), Backend::cpu); }
+
+TEST(WithTreeTest, FromAFewHundredTrianglesOn) {
+    EXPECT_EQ(triangles_of(balls(3)), 240u);
+    EXPECT_EQ(chosen({}, 0), AxisChoices());
+    EXPECT_EQ(chosen({}, 3), AxisChoices());
+    EXPECT_EQ(chosen({}, 4), (AxisChoices{{"accelerator", {"bvh8"}}}));
+    EXPECT_EQ(tree_in_words({}, {}, balls(3), Backend::cpu), "");
+    EXPECT_EQ(tree_in_words({}, {}, balls(4), Backend::cpu), "accelerator=bvh8 for its 320 triangles");
+}
+
+TEST(WithTreeTest, OverManyObjectsOneMore) {
+    EXPECT_EQ(chosen({}, 16), (AxisChoices{{"accelerator", {"bvh8"}}}));
+    EXPECT_EQ(chosen({}, 17), (AxisChoices{{"accelerator", {"bvh8"}}, {"levels", {"two_level"}}}));
+    EXPECT_EQ(chosen({{"levels", {"each_object"}}}, 17),
+              (AxisChoices{{"accelerator", {"bvh8"}}, {"levels", {"each_object"}}}));
+    EXPECT_EQ(tree_in_words({}, {}, balls(17), Backend::cpu),
+              "accelerator=bvh8 and levels=two_level for its 1360 triangles");
+}
+
+TEST(WithTreeTest, AGpuHasATreeOfItsOwn) {
+    if (Registry::instance().choices("accelerator", Backend::cuda).empty()) {
+        GTEST_SKIP() << "this build has no CUDA";
+    }
+    EXPECT_EQ(with_tree({}, {}, balls(3), Backend::cuda), AxisChoices());
+    EXPECT_EQ(with_tree({}, {}, balls(4), Backend::cuda), (AxisChoices{{"accelerator", {"cwbvh"}}}));
+}
+
+TEST(WithTreeTest, WhatTheCallNamesStays) {
+    const AxisChoices named{{"accelerator", {"brute_force", "bvh2"}}};
+    EXPECT_EQ(chosen(named, 4), named);
+    EXPECT_EQ(chosen({{"builder", {"lbvh"}}}, 4), (AxisChoices{{"accelerator", {"bvh8"}}, {"builder", {"lbvh"}}}));
+}
+
+TEST(WithTreeTest, ASuiteThatSaysNothingHasTheBaseline) {
+    const test::TemporaryFolder folder;
+    const auto scene = [&](const std::string& name, int size) {
+        test::write_text(folder.file(name), R"({"name": ")" + name.substr(0, 4) +
+                                                R"(", "max_depth": 3, "environment": [1, 1, 1],
+            "camera": {"eye": [0, 0, 4], "look_at": [0, 0, 0], "up": [0, 1, 0], "vertical_fov_degrees": 40, "resolution": [16, 16]},
+            "materials": {"white": {"type": "diffuse", "albedo": [0.5, 0.5, 0.5]}},
+            "objects": [{"shape": "mesh", "generate": {"mesh": "icosphere", "size": )" +
+                                                std::to_string(size) + R"(}, "material": "white"}]})");
+        return folder.file(name);
+    };
+    Study study;
+    study.name = "adhoc";
+    study.scenes = {scene("few_.json", 1), scene("many.json", 2)};
+    study.axes = {{"integrator", {"wavefront", "depth_first"}}};
+    Suite suite{.name = "adhoc", .description = "", .studies = {study}};
+    const auto accelerators = [&] {
+        std::vector<std::string> found;
+        for (const Cell& cell : make_plan(suite).cells) {
+            found.push_back(cell.scene->name + " " + cell.variant["integrator"] + " " + cell.variant["accelerator"]);
+        }
+        return found;
+    };
+    EXPECT_EQ(accelerators(), (std::vector<std::string>{"few_ wavefront brute_force", "few_ depth_first brute_force",
+                                                        "many wavefront brute_force", "many depth_first brute_force"}));
+    EXPECT_EQ(make_plan(suite).chosen, std::vector<std::string>());
+    suite.studies[0].has_tree_by_default = true;
+    EXPECT_EQ(accelerators(), (std::vector<std::string>{"few_ wavefront brute_force", "few_ depth_first brute_force",
+                                                        "many wavefront bvh8", "many depth_first bvh8"}));
+    EXPECT_EQ(make_plan(suite).chosen, std::vector<std::string>{"many: accelerator=bvh8 for its 320 triangles"});
+}
+
+}  // namespace
+}  // namespace pt
