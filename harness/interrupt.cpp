@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "harness/error.h"
+#include "harness/say.h"
 
 namespace pt {
 
@@ -36,10 +37,10 @@ int end_with(const std::function<int()>& end) {
     try {
         return end ? end() : exit_interrupted;
     } catch (const InputError& error) {
-        fmt::print(stderr, "ptbench: {}\n", error.what());
+        say("ptbench: {}\n", error.what());
         return exit_bad_input;
     } catch (const std::exception& error) {
-        fmt::print(stderr, "ptbench: {}\n", error.what());
+        say("ptbench: {}\n", error.what());
         return exit_machine_failed;
     }
 }
@@ -96,7 +97,6 @@ void Interrupt::watch() {
     lock.unlock();
     const int exit_code = end_with(end);
     std::fflush(stdout);
-    std::fflush(stderr);
     ::_exit(exit_code);
 }
 

@@ -11,6 +11,7 @@
 #include "harness/error.h"
 #include "harness/json_reader.h"
 #include "harness/nearest_name.h"
+#include "harness/say.h"
 
 namespace pt {
 
@@ -76,8 +77,8 @@ Scene find_scene(const std::string& name_or_file) {
     Scene scene = load_scene(find_file("scene", name_or_file, home_folder() / "scenes"));
     for (const auto& mesh : scene.meshes) {
         if (mesh->degenerate_left_out > 0) {
-            fmt::print(stderr, "note: scene {}: mesh {}: {} triangles without area left out\n", scene.name,
-                       one_line(mesh->source), mesh->degenerate_left_out);
+            say("note: scene {}: mesh {}: {} triangles without area left out\n", scene.name, one_line(mesh->source),
+                mesh->degenerate_left_out);
         }
     }
     return scene;

@@ -8,6 +8,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "harness/say.h"
+
 namespace pt {
 
 namespace {
@@ -38,7 +40,7 @@ std::string clock_text(double seconds) {
 }
 
 void say_below_progress(const std::string& line) {
-    fmt::print(stderr, "{}{}\n", ::isatty(STDERR_FILENO) != 0 ? erase_line : "", line);
+    say("{}{}\n", ::isatty(STDERR_FILENO) != 0 ? erase_line : "", line);
 }
 
 void TimeLeft::expect(const std::string& name, std::size_t steps, double size) {
@@ -110,8 +112,7 @@ void Progress::step(const std::string& name, const std::function<std::optional<d
     left_ = seconds_left();
     draw(name);
     if (is_terminal_ && done_ == total_) {
-        fmt::print(stderr, "\n");
-        std::fflush(stderr);
+        say("\n");
     }
 }
 
@@ -122,11 +123,10 @@ void Progress::draw(const std::string& name) {
     if (is_terminal_) {
         const std::string line = fmt::format("{} [{}] {}/{}  {}", what_, bar_of(done_, total_), done_, total_, times);
         // One that the terminal breaks could not be written over.
-        fmt::print(stderr, "{}{}", erase_line, line.substr(0, terminal_width() - 1));
+        say("{}{}", erase_line, line.substr(0, terminal_width() - 1));
     } else {
-        fmt::print(stderr, "[{}/{}] {}: {}\n", done_, total_, what_, times);
+        say("[{}/{}] {}: {}\n", done_, total_, what_, times);
     }
-    std::fflush(stderr);
 }
 
 }  // namespace pt

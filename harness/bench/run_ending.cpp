@@ -11,6 +11,7 @@
 #include "harness/bench/result_check.h"
 #include "harness/bench/retakes.h"
 #include "harness/interrupt.h"
+#include "harness/say.h"
 #include "harness/write_file.h"
 
 namespace pt {
@@ -99,7 +100,7 @@ int end_run(const RunEnding& ending, RunJournal& journal) {
     const Outcome outcome = outcome_of(ending, known);
     const bool completed = outcome.unfinished == 0;
     if (!completed && ::isatty(STDERR_FILENO) != 0) {
-        fmt::print(stderr, "\n");  // after the line of progress that stands there
+        say("\n");  // after the line of progress that stands there
     }
     if (!completed && (known.sample_count() == 0 || ending.earlier.is_kept())) {
         return end_without_result(ending, known);

@@ -22,6 +22,7 @@
 #include "harness/interrupt.h"
 #include "harness/ranks/ranks.h"
 #include "harness/ranks/render_on_ranks.h"
+#include "harness/say.h"
 #include "harness/write_file.h"
 #include "variants/variant_name.h"
 
@@ -173,8 +174,7 @@ void say_what_failed_before(const Plan& plan, const RunJournal& journal) {
     for (const Cell& cell : plan.cells) {
         const bool is_known = journal.known().cell(cell.name) != nullptr;
         if (const std::string reason = is_known ? journal.failure(cell) : ""; !reason.empty()) {
-            fmt::print(stderr, "ptbench: failed before and not tried again (--overwrite starts over): {}: {}\n",
-                       cell.name, reason);
+            say("ptbench: failed before and not tried again (--overwrite starts over): {}: {}\n", cell.name, reason);
         }
     }
 }
@@ -191,8 +191,7 @@ int run_part(const RunEnding& ending, const Json& identity, const RunOptions& op
     const Progress::Lines lines = options.quiet ? Progress::Lines::hidden : Progress::Lines::shown;
     Interrupt interrupt(grace_of(options));
     if (starts_over(options)) {
-        fmt::print(stderr, "ptbench: the unfinished run that was there is kept: {}\n",
-                   set_journal_aside(journal_of(options)));
+        say("ptbench: the unfinished run that was there is kept: {}\n", set_journal_aside(journal_of(options)));
     }
     RunJournal journal(journal_of(options), identity, options.resume, that_may_differ(options),
                        command_to_go_on(ending));

@@ -6,6 +6,7 @@
 #include "harness/cli/commands.h"
 #include "harness/cuda/backend.h"
 #include "harness/places.h"
+#include "harness/say.h"
 #include "harness/write_file.h"
 #include "variants/variant_name.h"
 
@@ -123,7 +124,7 @@ int run(const InspectArguments& arguments) {
         try {
             reports.push_back(cuda::inspect_kernels(scene, variant, arguments.architecture));
         } catch (const cuda::DoesNotCompile& error) {
-            fmt::print(stderr, "ptbench: {}: {}\n", shown_name(variant, Backend::cuda), error.what());
+            say("ptbench: {}: {}\n", shown_name(variant, Backend::cuda), error.what());
             all_compile = false;
             continue;
         }

@@ -12,6 +12,7 @@
 #include "harness/nearest_name.h"
 #include "harness/places.h"
 #include "harness/ranks/ranks.h"
+#include "harness/say.h"
 
 namespace pt {
 
@@ -166,7 +167,7 @@ int run(const RunArguments& arguments, const CLI::App& command, const std::strin
                          "one of them");
     }
     if (const std::string_view now = new_name_of_suite(arguments.suite); !now.empty()) {
-        fmt::print(stderr, "ptbench: the suite {} is called {} now\n", arguments.suite, now);
+        say("ptbench: the suite {} is called {} now\n", arguments.suite, now);
     }
     const Backend backend = arguments.compile_only.is_asked ? Backend::cuda : parse_backend(arguments.backend);
     Suite suite =
@@ -200,7 +201,7 @@ int run(const RunArguments& arguments, const CLI::App& command, const std::strin
     const int exit_code = run_suite(suite, options);
     if (exit_code == exit_good && arguments.suite.empty() && arguments.axes.empty() && arguments.devices.empty() &&
         !arguments.quiet) {
-        fmt::print(stderr, "{}", nothing_to_compare(plan_run(suite, options)));
+        say("{}", nothing_to_compare(plan_run(suite, options)));
     }
     return exit_code;
 }

@@ -16,6 +16,7 @@
 #include "harness/ranks/launch.h"
 #include "harness/ranks/mpi.h"
 #include "harness/ranks/render_on_ranks.h"
+#include "harness/say.h"
 
 namespace pt {
 
@@ -47,8 +48,8 @@ int wait_for(pid_t child, const Launch& launch) {
     if (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM) {  // somebody ends the whole call
         return exit_interrupted;
     }
-    fmt::print(stderr, "ptbench: rank {} of {} on {} was killed: {}\n", launch.rank, launch.count, host_of_this_rank(),
-               ::strsignal(WTERMSIG(status)));
+    say("ptbench: rank {} of {} on {} was killed: {}\n", launch.rank, launch.count, host_of_this_rank(),
+        ::strsignal(WTERMSIG(status)));
     return exit_machine_failed;
 }
 
@@ -74,7 +75,7 @@ int check_builds() {
     }
     const bool is_good = mpi::broadcast(fault).empty();
     if (!fault.empty()) {
-        fmt::print(stderr, "ptbench: {}\n", fault);
+        say("ptbench: {}\n", fault);
     }
     return is_good ? exit_good : exit_bad_input;
 }

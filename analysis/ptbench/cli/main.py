@@ -6,6 +6,7 @@ Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong.
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import sys
 from collections.abc import Iterator
@@ -177,8 +178,22 @@ def main(arguments: list[str] | None = None, program: str = "") -> int:
 
     `program` is what usage and complaints call it; left out, it is what the process was started as.
     """
-    with visible_output():
+    with visible_output(), _drawing_to_files():
         return _main(sys.argv[1:] if arguments is None else arguments, program or _program())
+
+
+@contextmanager
+def _drawing_to_files() -> Iterator[None]:
+    """matplotlib reads MPLBACKEND as soon as it is imported, and notebooks export one that only they have."""
+    kept = os.environ.get("MPLBACKEND")
+    os.environ["MPLBACKEND"] = "agg"
+    try:
+        yield
+    finally:
+        if kept is None:
+            del os.environ["MPLBACKEND"]
+        else:
+            os.environ["MPLBACKEND"] = kept
 
 
 @contextmanager
