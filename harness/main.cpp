@@ -15,7 +15,7 @@
 #include "harness/bench/machine.h"
 #include "harness/cli/commands.h"
 #include "harness/cli/known_names.h"
-#include "harness/cli/short_waits.h"
+#include "harness/cli/start_anew.h"
 #include "harness/crash.h"
 #include "harness/error.h"
 #include "harness/nearest_name.h"
@@ -163,10 +163,12 @@ int main(int argc, char** argv) {
     pt::occupy_standard_streams();
     // A file that grows beyond the process's limit is a write that fails, like one on a full disk.
     std::signal(SIGXFSZ, SIG_IGN);
-    pt::shorten_waits(argv);
     // Every line that is printed is out before the next: a crash takes none with it.
     std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
     pt::name_crashes();
     const auto program = [&] { return guarded([&] { return check_output(run(argc, argv)); }); };
-    return guarded([&] { return pt::run_on_ranks(program); });
+    return guarded([&] {
+        pt::start_anew(argv);
+        return pt::run_on_ranks(program);
+    });
 }

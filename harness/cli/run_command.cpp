@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "harness/bench/benchmark_flags.h"
 #include "harness/bench/machine.h"
 #include "harness/bench/prepare_cells.h"
 #include "harness/bench/runner.h"
@@ -117,6 +118,9 @@ void check_flags_once(const std::vector<std::string>& extras) {
 RunOptions make_options(const RunArguments& arguments, const CLI::App& command, const std::string& command_line) {
     const std::vector<std::string> extras = command.remaining();
     check_flags_once(extras);
+    std::vector<std::string> of_benchmark = extras;
+    std::erase_if(of_benchmark, [](const std::string& extra) { return !extra.starts_with("--benchmark_"); });
+    check_benchmark_flags(of_benchmark);
     RunOptions options{
         .out = arguments.out,
         .command_line = command_line,
@@ -142,8 +146,6 @@ RunOptions make_options(const RunArguments& arguments, const CLI::App& command, 
             if (parsed.ec != std::errc() || parsed.ptr != end || options.repetitions < 1) {
                 throw InputError("--benchmark_repetitions", "argument", "\"" + extra + "\"", "a whole number from 1");
             }
-        } else if (extra.starts_with("--benchmark_list_tests")) {
-            throw InputError("command line", "flag", "\"" + extra + "\"", "--dry-run, which lists the cells");
         } else if (extra.starts_with("--benchmark_")) {
             options.benchmark_flags.push_back(extra);
         } else {
