@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "harness/counted.h"
 #include "harness/error.h"
 #include "harness/json_reader.h"
 #include "harness/nearest_name.h"
@@ -77,11 +78,20 @@ Scene find_scene(const std::string& name_or_file) {
     Scene scene = load_scene(find_file("scene", name_or_file, home_folder() / "scenes"));
     for (const auto& mesh : scene.meshes) {
         if (mesh->degenerate_left_out > 0) {
-            say("note: scene {}: mesh {}: {} triangles without area left out\n", scene.name, one_line(mesh->source),
-                mesh->degenerate_left_out);
+            say("note: scene {}: mesh {}: {} without area left out\n", scene.name, one_line(mesh->source),
+                counted(mesh->degenerate_left_out, "triangle"));
         }
     }
     return scene;
+}
+
+bool is_shipped(const Scene& scene) {
+    try {
+        const fs::path below = fs::path(scene.file).lexically_relative(fs::absolute(home_folder() / "scenes"));
+        return !below.empty() && *below.begin() != "..";
+    } catch (const InputError&) {
+        return false;  // there is no such folder
+    }
 }
 
 bool names_meshes(const std::string& scene_name_or_file) {

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "harness/bench/cpu_quota.h"
 #include "harness/bench/error_book.h"
 #include "harness/bench/film_ledger.h"
 #include "harness/bench/kept_result.h"
@@ -18,6 +19,7 @@
 #include "harness/bench/run_journal.h"
 #include "harness/bench/settle_references.h"
 #include "harness/bench/time_cells.h"
+#include "harness/counted.h"
 #include "harness/cuda/backend.h"
 #include "harness/interrupt.h"
 #include "harness/ranks/ranks.h"
@@ -190,6 +192,7 @@ int run_part(const RunEnding& ending, const Json& identity, const RunOptions& op
     const Plan& plan = ending.plan;
     const Progress::Lines lines = options.quiet ? Progress::Lines::hidden : Progress::Lines::shown;
     Interrupt interrupt(grace_of(options));
+    say_cpu_warnings(options.backend);
     if (starts_over(options)) {
         say("ptbench: the unfinished run that was there is kept: {}\n", set_journal_aside(journal_of(options)));
     }
@@ -233,8 +236,9 @@ std::string describe_plan(const Plan& plan, int repetitions) {
         text += fmt::format("n/a: {} on {}: {}\n", shown_name(entry.variant, entry.backend), entry.scene,
                             entry.reason.text);
     }
-    return text + fmt::format("{} cells, {} samples, {} not applicable\n", plan.cells.size(),
-                              plan.cells.size() * static_cast<std::size_t>(repetitions), plan.not_applicable.size());
+    return text + fmt::format("{}, {}, {} not applicable\n", counted(plan.cells.size(), "cell"),
+                              counted(plan.cells.size() * static_cast<std::size_t>(repetitions), "sample"),
+                              plan.not_applicable.size());
 }
 
 Plan plan_run(const Suite& suite, const RunOptions& options) {
@@ -273,6 +277,9 @@ int run_suite(const Suite& suite, const RunOptions& options) {
     }
     check_result_file(options, earlier);
     check_benchmark_out(options.benchmark_flags);
+    if (options.resume && !std::filesystem::exists(journal_of(options))) {
+        say("ptbench: --resume: there is no unfinished run ({}), so this one begins\n", journal_of(options));
+    }
     const Plan part = part_of(whole, positions);
     return run_part({.plan = part,
                      .suite = suite,

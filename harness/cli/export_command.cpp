@@ -6,6 +6,7 @@
 
 #include "harness/bench/kept_result.h"
 #include "harness/cli/commands.h"
+#include "harness/counted.h"
 #include "harness/json_reader.h"
 #include "harness/mesh/write_mesh.h"
 #include "harness/places.h"
