@@ -1,5 +1,6 @@
 #include "harness/interrupt.h"
 
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -20,9 +21,17 @@ namespace {
 std::atomic<bool> is_requested = false;
 sem_t wake;  // posted by the handler, which may do little else
 
+constexpr std::array ending_signals{SIGINT, SIGTERM, SIGHUP};
+
+// A hangup that the caller has ignored, as nohup does, stays so.
 void set_handlers(void (*handler)(int)) {
-    std::signal(SIGINT, handler);
-    std::signal(SIGTERM, handler);
+    for (const int number : ending_signals) {
+        struct sigaction known {};
+        const bool is_ignored = ::sigaction(number, nullptr, &known) == 0 && known.sa_handler == SIG_IGN;
+        if (number != SIGHUP || !is_ignored) {
+            std::signal(number, handler);
+        }
+    }
 }
 
 extern "C" void on_signal(int) {

@@ -45,7 +45,8 @@ int wait_for(pid_t child, const Launch& launch) {
     if (WIFEXITED(status)) {
         return WEXITSTATUS(status);
     }
-    if (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM) {  // somebody ends the whole call
+    if (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM ||
+        WTERMSIG(status) == SIGHUP) {  // somebody ends the whole call
         return exit_interrupted;
     }
     say("ptbench: rank {} of {} on {} was killed: {}\n", launch.rank, launch.count, host_of_this_rank(),
@@ -92,8 +93,9 @@ int lead_or_serve(const std::function<int()>& program) {
         return exit_code;
     }
     // What ends a run early is rank 0's business; these end with it.
-    std::signal(SIGINT, SIG_IGN);
-    std::signal(SIGTERM, SIG_IGN);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        std::signal(signal, SIG_IGN);
+    }
     return serve_rank_0();
 }
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "harness/counted.h"
 #include "harness/error.h"
 #include "harness/mesh/generate.h"
 #include "harness/mesh/read_mesh.h"
@@ -86,7 +87,7 @@ RayMesh from_file(const std::string& argument) {
     RayMesh made{argument, "", read_mesh(argument), {}, {}, {}, {}};
     made.mesh.normals.clear();
     if (made.mesh.degenerate_left_out > 0) {
-        made.said = fmt::format("{} triangles without area left out", made.mesh.degenerate_left_out);
+        made.said = counted(made.mesh.degenerate_left_out, "triangle") + " without area left out";
     }
     return finished(std::move(made));
 }

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "harness/scene/json_lines.h"
+
 namespace pt {
 
 namespace {
@@ -22,7 +24,7 @@ std::shared_ptr<const SceneTexture> read_texture(const JsonValue& value, TexelMe
                                                                           : std::vector<std::string>{"image"};
     const JsonValue named = JsonObject(value, keys).required("image");
     auto texture = std::make_shared<SceneTexture>();
-    texture->path = named.named_file().string();
+    texture->path = readable_file_named_by(named).string();
     texture->image = read_texture_image(texture->path, meaning);
     texture->file = named.text();
     const std::vector<Vec3<float>>& texels = texture->image.texels;

@@ -1,6 +1,6 @@
 """The command line: `python3 -m ptbench plots|report|compare|crosscheck|peers|explain|findings|claims|...`.
 
-Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong.
+Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong, 3 the machine failed.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from ptbench import __version__
 from ptbench.cli.parser import Parser
 from ptbench.compare.options import add_compare
 from ptbench.crosscheck.options import add_crosscheck
-from ptbench.errors import FindingError, InputError
+from ptbench.errors import FindingError, InputError, MachineError
 from ptbench.fleet.options import add_fleet
 from ptbench.io.files import package_file
 from ptbench.peers.options import add_peers
 from ptbench.simulate.options import add_simulate
 from ptbench.submit.options import add_submit
-from ptbench.terminal import visible, visible_output
+from ptbench.terminal import OutputError, visible, visible_output
 from ptbench.tidy.columns import GROUPS as TABLES
 
 _COMMAND = "ptbench-analysis"
@@ -178,8 +178,16 @@ def main(arguments: list[str] | None = None, program: str = "") -> int:
 
     `program` is what usage and complaints call it; left out, it is what the process was started as.
     """
-    with visible_output(), _drawing_to_files():
-        return _main(sys.argv[1:] if arguments is None else arguments, program or _program())
+    program = program or _program()
+    with visible_output():
+        try:
+            with _drawing_to_files():
+                code = _main(sys.argv[1:] if arguments is None else arguments, program)
+            sys.stdout.flush()
+        except OutputError as error:
+            print(f"{program}: {error}", file=sys.stderr)
+            return 3
+        return code
 
 
 @contextmanager
@@ -323,6 +331,9 @@ def _main(arguments: list[str], program: str) -> int:
     except (InputError, FindingError) as error:
         print(f"{program}: {visible(str(error))}", file=sys.stderr)
         return 2
+    except MachineError as error:
+        print(f"{program}: {visible(str(error))}", file=sys.stderr)
+        return 3
 
 
 def _draw(options: argparse.Namespace) -> int:
