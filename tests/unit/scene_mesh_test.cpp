@@ -84,8 +84,11 @@ TEST(SceneMeshTest, FaultsAreToldWithTheirPlace) {
               "s.json: $.objects[0].generate.size: found 0, allowed: a whole number from 1 to 32768 (tori)");
     EXPECT_NE(error_of(mesh_with(R"("generate": {"mesh": "tor", "size": 1})")).find("(did you mean \"tori\"?)"),
               std::string::npos);
-    EXPECT_EQ(error_of(mesh_with(R"("file": "a.stl")")),
-              "a.stl: file name: found the ending \".stl\", allowed: .obj, .ply, .glb or .gltf");
+    const test::TemporaryFolder folder;
+    const std::string other = folder.file("a.stl");
+    test::write_text(other, "solid");
+    EXPECT_EQ(error_of(mesh_with("\"file\": \"" + other + "\"")),
+              other + ": file name: found the ending \".stl\", allowed: .obj, .ply, .glb or .gltf");
     EXPECT_EQ(error_of(R"({"shape": "sphere", "material": "white", )" + ball + "}").find("s.json: $.objects[0]"), 0u);
 }
 
