@@ -1,5 +1,6 @@
 #include "harness/scene/json_lines.h"
 
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -128,14 +129,16 @@ std::string why_not_readable(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::filesystem::path readable_file_named_by(const JsonValue& value) {
+void check_named_file(const JsonValue& value, const InputError& failure) {
+    if (std::string_view(failure.what()).find(": the file: found ") == std::string_view::npos) {
+        return;  // its content is what is wrong
+    }
     const std::filesystem::path file = value.named_file();
     if (const std::string reason = why_not_readable(file); !reason.empty()) {
         throw InputError(place_of(value), value.path(),
                          fmt::format("{}, {} ({})", describe(value.json()), reason, file.string()),
                          "a file, by its path from the scene's folder");
     }
-    return file;
 }
 
 }  // namespace pt

@@ -24,8 +24,9 @@ std::shared_ptr<const SceneTexture> read_texture(const JsonValue& value, TexelMe
                                                                           : std::vector<std::string>{"image"};
     const JsonValue named = JsonObject(value, keys).required("image");
     auto texture = std::make_shared<SceneTexture>();
-    texture->path = readable_file_named_by(named).string();
-    texture->image = read_texture_image(texture->path, meaning);
+    texture->path = named.named_file().string();
+    texture->image = read_named_file(
+        named, [&](const std::filesystem::path& file) { return read_texture_image(file.string(), meaning); });
     texture->file = named.text();
     const std::vector<Vec3<float>>& texels = texture->image.texels;
     texture->hash = fmt::format(
