@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "harness/error.h"
+#include "harness/say.h"
 
 namespace pt {
 
@@ -43,26 +44,13 @@ pthread_t worker;
 pthread_t crashing;
 bool has_bar_on_terminal = false;
 
-void say(const char* text, std::size_t length) {
-    while (length > 0) {
-        const ssize_t written = ::write(STDERR_FILENO, text, length);
-        if (written <= 0) {
-            return;
-        }
-        text += written;
-        length -= static_cast<std::size_t>(written);
-    }
-}
-
-void say(const char* text) { say(text, std::strlen(text)); }
-
 void leave_last_line(std::size_t signal) {
     const int descriptor = last_descriptor.load();
     const Text<longest_line>& line = last_lines[signal];
     const std::size_t length = line.length.load();
     // One write: the line is whole, or it is the last and cut off.
     if (descriptor >= 0 && length > 0 && ::write(descriptor, line.characters, length) < 0) {
-        say("ptbench: the crash could not be noted\n");
+        write_to_stderr("ptbench: the crash could not be noted\n");
     }
 }
 
@@ -81,16 +69,16 @@ extern "C" void on_crash(int number) {
     while (signal + 1 < crash_signals.size() && crash_signals[signal].number != number) {
         ++signal;
     }
-    say(has_bar_on_terminal ? "\nptbench: crashed, " : "ptbench: crashed, ");
-    say(crash_signals[signal].name);
+    write_to_stderr(has_bar_on_terminal ? "\nptbench: crashed, " : "ptbench: crashed, ");
+    write_to_stderr(crash_signals[signal].name);
     const std::size_t count = level_count.load();
     for (std::size_t i = 0; i < count; ++i) {
-        say(i == 0 ? ", in: " : ": ");
-        say(levels[i].characters, levels[i].length.load());
+        write_to_stderr(i == 0 ? ", in: " : ": ");
+        write_to_stderr({levels[i].characters, levels[i].length.load()});
     }
-    say("\n");
+    write_to_stderr("\n");
     leave_last_line(signal);
-    say(last_words.characters, last_words.length.load());
+    write_to_stderr({last_words.characters, last_words.length.load()});
     ::_exit(exit_machine_failed);
 }
 

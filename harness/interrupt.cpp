@@ -1,5 +1,6 @@
 #include "harness/interrupt.h"
 
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -11,6 +12,7 @@
 #include <unistd.h>
 
 #include "harness/error.h"
+#include "harness/say.h"
 
 namespace pt {
 
@@ -19,9 +21,17 @@ namespace {
 std::atomic<bool> is_requested = false;
 sem_t wake;  // posted by the handler, which may do little else
 
+constexpr std::array ending_signals{SIGINT, SIGTERM, SIGHUP};
+
+// A hangup that the caller has ignored, as nohup does, stays so.
 void set_handlers(void (*handler)(int)) {
-    std::signal(SIGINT, handler);
-    std::signal(SIGTERM, handler);
+    for (const int number : ending_signals) {
+        struct sigaction known {};
+        const bool is_ignored = ::sigaction(number, nullptr, &known) == 0 && known.sa_handler == SIG_IGN;
+        if (number != SIGHUP || !is_ignored) {
+            std::signal(number, handler);
+        }
+    }
 }
 
 extern "C" void on_signal(int) {
@@ -36,10 +46,10 @@ int end_with(const std::function<int()>& end) {
     try {
         return end ? end() : exit_interrupted;
     } catch (const InputError& error) {
-        fmt::print(stderr, "ptbench: {}\n", error.what());
+        say("ptbench: {}\n", error.what());
         return exit_bad_input;
     } catch (const std::exception& error) {
-        fmt::print(stderr, "ptbench: {}\n", error.what());
+        say("ptbench: {}\n", error.what());
         return exit_machine_failed;
     }
 }
@@ -96,7 +106,6 @@ void Interrupt::watch() {
     lock.unlock();
     const int exit_code = end_with(end);
     std::fflush(stdout);
-    std::fflush(stderr);
     ::_exit(exit_code);
 }
 

@@ -1,5 +1,5 @@
-// Ctrl-C and SIGTERM: a first one asks for an end, a second one is the end. What is in flight may take hours, so it is
-// given a moment to end by itself and is then abandoned.
+// Ctrl-C, SIGTERM and the hangup of a terminal: a first one asks for an end, a second one is the end. What is in flight
+// may take hours, so it is given a moment to end by itself and is then abandoned.
 #pragma once
 
 #include <chrono>
@@ -10,7 +10,7 @@
 
 namespace pt {
 
-inline constexpr int exit_interrupted = 130;  // 128 + SIGINT, as shells report Ctrl-C; for SIGTERM too
+inline constexpr int exit_interrupted = 130;  // 128 + SIGINT, as shells report Ctrl-C; for the other two too
 
 class Interrupt {
 public:

@@ -15,11 +15,12 @@
 #include "harness/bench/machine.h"
 #include "harness/cli/commands.h"
 #include "harness/cli/known_names.h"
-#include "harness/cli/short_waits.h"
+#include "harness/cli/start_anew.h"
 #include "harness/crash.h"
 #include "harness/error.h"
 #include "harness/nearest_name.h"
 #include "harness/ranks/ranks.h"
+#include "harness/say.h"
 
 namespace {
 
@@ -109,8 +110,8 @@ int run(int argc, char** argv) {
     } catch (const CLI::Success& success) {  // --help
         return app.exit(success);
     } catch (const CLI::ParseError& error) {
-        fmt::print(stderr, "ptbench: {}{} (see ptbench --help)\n", pt::one_line(in_words(error)),
-                   suggestion(app, {argv + 1, argv + argc}));
+        pt::say("ptbench: {}{} (see ptbench --help)\n", pt::one_line(in_words(error)),
+                suggestion(app, {argv + 1, argv + argc}));
         return pt::exit_bad_input;
     }
     for (const auto& [name, command] : commands) {
@@ -139,19 +140,19 @@ int guarded(const std::function<int()>& program) {
     try {
         return program();
     } catch (const pt::InputError& error) {
-        fmt::print(stderr, "ptbench: {}\n", error.what());
+        pt::say("ptbench: {}\n", error.what());
         return pt::exit_bad_input;
     } catch (const pt::MachineError& error) {
-        fmt::print(stderr, "ptbench: {}\n", error.what());
+        pt::say("ptbench: {}\n", error.what());
         return pt::exit_machine_failed;
     } catch (const std::system_error& error) {
         // What fmt::print throws where a line finds no room.
         const bool is_output = std::ferror(stdout) != 0;
-        fmt::print(stderr, "ptbench: {}: {}\n", is_output ? "standard output: cannot be written" : "internal error",
-                   is_output ? error.code().message() : error.what());
+        pt::say("ptbench: {}: {}\n", is_output ? "standard output: cannot be written" : "internal error",
+                is_output ? error.code().message() : error.what());
         return pt::exit_machine_failed;
     } catch (const std::exception& error) {
-        fmt::print(stderr, "ptbench: internal error: {}\n", error.what());
+        pt::say("ptbench: internal error: {}\n", error.what());
         return pt::exit_machine_failed;
     }
 }
@@ -159,12 +160,15 @@ int guarded(const std::function<int()>& program) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    pt::occupy_standard_streams();
     // A file that grows beyond the process's limit is a write that fails, like one on a full disk.
     std::signal(SIGXFSZ, SIG_IGN);
-    pt::shorten_waits(argv);
     // Every line that is printed is out before the next: a crash takes none with it.
     std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
     pt::name_crashes();
     const auto program = [&] { return guarded([&] { return check_output(run(argc, argv)); }); };
-    return guarded([&] { return pt::run_on_ranks(program); });
+    return guarded([&] {
+        pt::start_anew(argv);
+        return pt::run_on_ranks(program);
+    });
 }

@@ -8,9 +8,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "harness/counted.h"
 #include "harness/error.h"
 #include "harness/json_reader.h"
 #include "harness/nearest_name.h"
+#include "harness/say.h"
 
 namespace pt {
 
@@ -50,7 +52,7 @@ std::string find_file(const std::string& kind, const std::string& name_or_file, 
 void tell_once(const std::string& line) {
     static std::set<std::string> told;
     if (told.insert(line).second) {
-        fmt::print(stderr, "{}\n", line);
+        say("{}\n", line);
     }
 }
 
@@ -88,10 +90,20 @@ Scene find_scene(const std::string& name_or_file) {
             tell_once(fmt::format("warning: {}: {}", place, warning));
         }
         if (mesh->degenerate_left_out > 0) {
-            tell_once(fmt::format("note: {}: {} triangles without area left out", place, mesh->degenerate_left_out));
+            tell_once(fmt::format("note: {}: {} without area left out", place,
+                                  counted(mesh->degenerate_left_out, "triangle")));
         }
     }
     return scene;
+}
+
+bool is_shipped(const Scene& scene) {
+    try {
+        const fs::path below = fs::path(scene.file).lexically_relative(fs::absolute(home_folder() / "scenes"));
+        return !below.empty() && *below.begin() != "..";
+    } catch (const InputError&) {
+        return false;  // there is no such folder
+    }
 }
 
 bool names_meshes(const std::string& scene_name_or_file) {

@@ -10,6 +10,13 @@ class InputError(Exception):
         super().__init__(visible(message))
 
 
+class MachineError(Exception):
+    """The machine failed, as a full disk does: one line for the user, exit code 3."""
+
+    def __init__(self, message: str):
+        super().__init__(visible(message))
+
+
 class NotDrawable(Exception):
     """A study has nothing to draw; the message is the reason. The other studies are still drawn."""
 

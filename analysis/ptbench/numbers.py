@@ -14,6 +14,11 @@ def figures(value: float, digits: int = 4) -> str:
     return f"{value:#.{digits}g}".rstrip(".") if abs(value) >= 1e-4 else f"{value:.{digits - 1}e}"
 
 
+def plural(count: int | str, what: str) -> str:
+    """ "1 cell", "2 cells"; files have some counts as text."""
+    return f"{count} {what}{'' if str(count) == '1' else 's'}"
+
+
 def interval(low: float | None, high: float | None, digits: int = 4) -> str:
     """ "[low, high]" with `digits` significant digits."""
     return "no interval" if low is None or high is None else f"[{figures(low, digits)}, {figures(high, digits)}]"

@@ -34,34 +34,49 @@ def say(text: object) -> None:
 READER_LEFT = 128 + signal.SIGPIPE
 
 
+class OutputError(Exception):
+    """Standard output is closed, or its disk is full: exit code 3."""
+
+
 class _Visible:
     """A stream of text in front of another one, which gets only what it can show.
 
     Whoever reads it may leave early, as `head` does: that ends the program with READER_LEFT and no complaint.
+    Otherwise what cannot be written raises OutputError, or is lost where `may_be_lost`. `stream` is None where it is
+    closed.
     """
 
-    def __init__(self, stream):
+    def __init__(self, stream, *, may_be_lost: bool = False):
         self._stream = stream
+        self._may_be_lost = may_be_lost
 
     def write(self, text: str) -> int:
         encoding = getattr(self._stream, "encoding", None) or "utf-8"
         safe = visible(text, keep="\n\t").encode(encoding, "backslashreplace").decode(encoding)
-        with self._reader_may_leave():
-            self._stream.write(safe)
+        if self._stream is not None:
+            with self._may_fail():
+                self._stream.write(safe)
+        elif not self._may_be_lost:
+            raise OutputError("standard output: cannot be written: it is closed")
         return len(text)
 
     def flush(self) -> None:
-        with self._reader_may_leave():
-            self._stream.flush()
+        if self._stream is not None:
+            with self._may_fail():
+                self._stream.flush()
 
     @contextmanager
-    def _reader_may_leave(self) -> Iterator[None]:
+    def _may_fail(self) -> Iterator[None]:
         try:
             yield
-        except BrokenPipeError:
+        except OSError as error:
             # What is still in the stream must go somewhere when the interpreter ends.
             os.dup2(os.open(os.devnull, os.O_WRONLY), self._stream.fileno())
-            raise SystemExit(READER_LEFT) from None
+            if self._may_be_lost:
+                return
+            if isinstance(error, BrokenPipeError):
+                raise SystemExit(READER_LEFT) from None
+            raise OutputError(f"standard output: cannot be written: {error.strerror or error}") from error
 
     def __getattr__(self, name: str):
         return getattr(self._stream, name)
@@ -70,6 +85,6 @@ class _Visible:
 @contextmanager
 def visible_output() -> Iterator[None]:
     """Within it all that is printed is escaped but for the ends of lines."""
-    with redirect_stdout(_Visible(sys.stdout)), redirect_stderr(_Visible(sys.stderr)):
+    with redirect_stdout(_Visible(sys.stdout)), redirect_stderr(_Visible(sys.stderr, may_be_lost=True)):
         yield
         sys.stdout.flush()

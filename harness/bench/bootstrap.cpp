@@ -145,7 +145,10 @@ std::string interval_text(const RatioInterval& interval) {
 
 TimeVerdict verdict_of(const RatioEstimate& ratio, const Times& times, const Times& baseline) {
     if (times.is_contended || baseline.is_contended) {
-        return {Word::unsure, "other processes took CPU time during more than a tenth of the samples"};
+        const bool has_quota = times.is_throttled || baseline.is_throttled;
+        return {Word::unsure,
+                has_quota ? "a CPU quota or other processes took CPU time during more than a tenth of the samples"
+                          : "other processes took CPU time during more than a tenth of the samples"};
     }
     const TimeVerdict in_time = verdict_of_ratio(ratio);
     if (times.cycles.empty() || baseline.cycles.empty() || in_time.word == Word::unsure) {

@@ -60,6 +60,7 @@ struct TimeVerdict {
 struct Times {
     std::vector<double> ms_per_spp;
     std::vector<double> cycles;  // millions a sample per pixel; empty where a clock was not measured
+    bool is_throttled = false;   // a quota of CPU time disturbed one of them
     bool is_contended = false;   // other processes disturbed more than most_disturbed_share of them
 };
 

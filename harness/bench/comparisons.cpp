@@ -173,7 +173,9 @@ Times times_of(const Cell& cell, const Journal& journal) {
         const double before = sample.value("pt_clock_mhz_before", 0.0), after = sample.value("pt_clock_mhz_after", 0.0);
         has_clock = has_clock && before != 0 && after != 0 && sample.value("pt_clock_unknown", 0) == 0;
         times.cycles.push_back(times.ms_per_spp.back() * (0.5 * (before + after)) / 1e3);
-        disturbed += is_disturbed(sample, cell.backend) ? 1u : 0u;
+        const bool is_one = is_disturbed(sample, cell.backend);
+        disturbed += is_one ? 1u : 0u;
+        times.is_throttled = times.is_throttled || (is_one && is_throttled(sample));
     }
     if (!has_clock) {
         times.cycles.clear();

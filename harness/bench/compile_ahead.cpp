@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "harness/bench/progress.h"
+#include "harness/counted.h"
 #include "harness/cuda/backend.h"
 #include "harness/error.h"
 
@@ -175,7 +176,7 @@ void compile_for(const std::string& architecture, std::vector<CompileTask> tasks
     if (!missing.empty()) {
         done = compile_in_processes(longest_first(missing), std::min(missing.size(), processors));
     }
-    fmt::print("{} programs for {} compiled into {}, {:.1f} CPU seconds each\n", done.compiled, architecture,
+    fmt::print("{} for {} compiled into {}, {:.1f} CPU seconds each\n", counted(done.compiled, "program"), architecture,
                cuda::kernel_cache(), done.compiled == 0 ? 0.0 : done.cpu_seconds / static_cast<double>(done.compiled));
     if (done.compiled != missing.size()) {
         throw MachineError(fmt::format("{} of {} programs did not compile: run without --compile for their messages",

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "harness/bench/comparisons.h"
+#include "harness/counted.h"
 
 namespace pt {
 
@@ -95,8 +96,8 @@ std::string decided_in_words(const Plan& plan, const Journal& journal, int repet
         return "";
     }
     const auto [fewest, most] = std::minmax_element(counts.begin(), counts.end());
-    return fmt::format("more samples: {} cell{} {} to {}, for verdicts that were open by the width of their interval",
-                       counts.size(), counts.size() == 1 ? " has" : "s have", *fewest, *most);
+    return fmt::format("more samples: {} {} {} to {}, for verdicts that were open by the width of their interval",
+                       counted(counts.size(), "cell"), counts.size() == 1 ? "has" : "have", *fewest, *most);
 }
 
 }  // namespace pt

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <chrono>
 #include <ctime>
 #include <fstream>
 
@@ -16,6 +17,7 @@
 
 #include "build_info.h"  // generated at every build
 #include "harness/bench/cpu_clock.h"
+#include "harness/bench/cpu_quota.h"
 #include "harness/json_reader.h"
 #include "harness/scene/scene.h"
 #include "variants/cpu/parallel_for.h"
@@ -112,6 +114,10 @@ std::string iso_date() {
     return text;
 }
 
+double seconds_since_1970() {
+    return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
 std::string version_text() {
     return fmt::format("{} (commit {}{})", PTBENCH_VERSION, git_sha(),
                        git_dirty() ? ", with changes that are not committed" : "");
@@ -139,6 +145,7 @@ std::vector<std::pair<std::string, std::string>> machine_context() {
         {"ptbench.openmp_environment", openmp_environment()},
         {"ptbench.clock", clock_method()},
         {"ptbench.threads", std::to_string(parallel_threads())},
+        {"ptbench.cpu_quota", quota_in_words(CpuGroups::of_this_process().quota())},
         {"ptbench.thrust_version",
          fmt::format("{}.{}.{}", THRUST_MAJOR_VERSION, THRUST_MINOR_VERSION, THRUST_SUBMINOR_VERSION)},
         {"ptbench.thrust_system", "omp"},

@@ -13,8 +13,9 @@ std::string machine_name();
 // Keys ("ptbench." prefixed) and values for the context of a result file.
 std::vector<std::pair<std::string, std::string>> machine_context();
 
-// Now, as ISO 8601 in local time.
+// Now, as ISO 8601 in local time, and in seconds since 1970. A clock that may be set: for dates, never for durations.
 std::string iso_date();
+double seconds_since_1970();
 
 // "1.0.0 (commit 0123abc, with changes that are not committed)".
 std::string version_text();

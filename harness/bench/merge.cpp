@@ -10,6 +10,7 @@
 #include "harness/bench/journal.h"
 #include "harness/bench/result_check.h"
 #include "harness/bench/result_file.h"
+#include "harness/say.h"
 
 namespace pt {
 
@@ -100,6 +101,18 @@ void check_same_run(const std::vector<ShardResult>& shards) {
                              fmt::format("shards of {}, as {}", first.shard.count, first.file));
         }
     }
+}
+
+// One shard's file under several names counts once. Precondition: sorted by their index.
+void drop_copies(std::vector<ShardResult>& shards) {
+    const auto is_copy = [](const ShardResult& kept, const ShardResult& next) {
+        const bool is_one = kept.shard.index == next.shard.index && kept.result == next.result;
+        if (is_one) {
+            say("ptbench: {} is {} once more, and counts once\n", one_line(next.file), one_line(kept.file));
+        }
+        return is_one;
+    };
+    shards.erase(std::unique(shards.begin(), shards.end(), is_copy), shards.end());
 }
 
 // Precondition: sorted by their index, of one run.
@@ -276,6 +289,7 @@ std::vector<ShardResult> read_shards(const std::vector<std::string>& files) {
     check_same_run(shards);
     std::stable_sort(shards.begin(), shards.end(),
                      [](const ShardResult& a, const ShardResult& b) { return a.shard.index < b.shard.index; });
+    drop_copies(shards);
     guarded("merge", [&] {
         check_complete(shards);
         return 0;

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "harness/bench/progress.h"
+#include "harness/say.h"
 
 namespace pt {
 
@@ -110,7 +111,7 @@ void PhaseWatch::end() {
 void PhaseWatch::tell() {
     const std::string line = lines_.due(steady_seconds());
     if (!line.empty()) {
-        fmt::print(stderr, "{}{}{}", is_terminal_ ? erase_line : "", line, is_terminal_ ? "" : "\n");
+        say("{}{}{}", is_terminal_ ? erase_line : "", line, is_terminal_ ? "" : "\n");
         std::fflush(stderr);
         stands_ = is_terminal_;
     }
@@ -118,7 +119,7 @@ void PhaseWatch::tell() {
 
 void PhaseWatch::clear() {
     if (stands_) {
-        fmt::print(stderr, "{}", erase_line);
+        say("{}", erase_line);
         std::fflush(stderr);
         stands_ = false;
     }

@@ -183,7 +183,7 @@ void prepare_cells(const Plan& plan, std::uint64_t seed, RunJournal& journal, Fi
             return;
         }
         progress.begin(names.of(*cell));
-        const double start = seconds_now();
+        const double start = steady_seconds();
         const AtWork at_work(cell->name + ", before it is timed");
         const CellPreparer::Prepared prepared = [&] {
             const LastLine last_line = journal.fails_if_crashed(*cell, place);
@@ -197,7 +197,7 @@ void prepare_cells(const Plan& plan, std::uint64_t seed, RunJournal& journal, Fi
         for (const FailedCell& other : prepared.others) {
             journal.fail(*other.cell, other.reason);
         }
-        time_left.took(cell->name, seconds_now() - start);
+        time_left.took(cell->name, steady_seconds() - start);
         progress.step(names.of(*cell), [&] { return time_left.seconds(); });
     }
 }

@@ -8,6 +8,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "harness/say.h"
+
 namespace pt {
 
 namespace {
@@ -25,8 +27,8 @@ std::string bar_of(std::size_t done, std::size_t total) {
 
 }  // namespace
 
-double seconds_now() {
-    return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+double steady_seconds() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 std::string clock_text(double seconds) {
@@ -36,7 +38,7 @@ std::string clock_text(double seconds) {
 }
 
 void say_below_progress(const std::string& line) {
-    fmt::print(stderr, "{}{}\n", ::isatty(STDERR_FILENO) != 0 ? erase_line : "", line);
+    say("{}{}\n", ::isatty(STDERR_FILENO) != 0 ? erase_line : "", line);
 }
 
 void TimeLeft::expect(const std::string& name, std::size_t steps, double size) {
@@ -76,55 +78,56 @@ std::optional<double> TimeLeft::seconds() const {
     return left;
 }
 
-Progress::Progress(std::string what, std::size_t total, Lines lines)
+Progress::Progress(std::string what, std::size_t total, Lines lines, double patience)
     : what_(std::move(what)),
       total_(total),
       lines_(lines),
-      start_(seconds_now()),
+      patience_(patience),
+      start_(steady_seconds()),
       is_terminal_(::isatty(STDERR_FILENO) != 0) {}
 
 // A log of a run of days is no longer than one of hours by much.
 double Progress::pause(double elapsed) const { return is_terminal_ ? 0.2 : std::clamp(elapsed / 50, 10.0, 600.0); }
 
 void Progress::begin(const std::string& name) {
-    if (is_terminal_ && lines_ == Lines::shown && seconds_now() - last_shown_ >= pause(0)) {
+    const double now = steady_seconds();
+    if (is_terminal_ && lines_ == Lines::shown && now - start_ >= patience_ && now - last_shown_ >= pause(0)) {
         draw(name);
     }
 }
 
 void Progress::step(const std::string& name) {
     step(name, [this]() -> std::optional<double> {
-        return (seconds_now() - start_) / static_cast<double>(done_) *
+        return (steady_seconds() - start_) / static_cast<double>(done_) *
                static_cast<double>(total_ - std::min(done_, total_));
     });
 }
 
 void Progress::step(const std::string& name, const std::function<std::optional<double>()>& seconds_left) {
     done_ += 1;
-    const double now = seconds_now();
-    if (lines_ == Lines::hidden || (now - last_shown_ < pause(now - start_) && done_ != total_)) {
+    const double now = steady_seconds();
+    if (lines_ == Lines::hidden || now - start_ < patience_ ||
+        (now - last_shown_ < pause(now - start_) && done_ != total_)) {
         return;
     }
     left_ = seconds_left();
     draw(name);
     if (is_terminal_ && done_ == total_) {
-        fmt::print(stderr, "\n");
-        std::fflush(stderr);
+        say("\n");
     }
 }
 
 void Progress::draw(const std::string& name) {
-    last_shown_ = seconds_now();
+    last_shown_ = steady_seconds();
     const std::string times = fmt::format("{} elapsed, {} left  {}", clock_text(last_shown_ - start_),
                                           left_ ? "about " + clock_text(*left_) : "unknown time", name);
     if (is_terminal_) {
         const std::string line = fmt::format("{} [{}] {}/{}  {}", what_, bar_of(done_, total_), done_, total_, times);
         // One that the terminal breaks could not be written over.
-        fmt::print(stderr, "{}{}", erase_line, line.substr(0, terminal_width() - 1));
+        say("{}{}", erase_line, line.substr(0, terminal_width() - 1));
     } else {
-        fmt::print(stderr, "[{}/{}] {}: {}\n", done_, total_, what_, times);
+        say("[{}/{}] {}: {}\n", done_, total_, what_, times);
     }
-    std::fflush(stderr);
 }
 
 }  // namespace pt

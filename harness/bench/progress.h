@@ -10,8 +10,8 @@
 
 namespace pt {
 
-// Seconds since 1970.
-double seconds_now();
+// Of a clock that is never set: for durations. It counts from no date.
+double steady_seconds();
 
 // How long what is left will take, from what was measured: steps of one name are taken to last as long as those before
 // them; steps of a name that has none yet, as long as their size says at the rate of the names that have.
@@ -41,8 +41,9 @@ class Progress {
 public:
     enum class Lines { shown, hidden };
 
-    // `what` names the phase; `total` steps are expected.
-    Progress(std::string what, std::size_t total, Lines lines = Lines::shown);
+    // `what` names the phase; `total` steps are expected. Nothing is shown in the first `patience` seconds, and so
+    // nothing at all of what takes no longer.
+    Progress(std::string what, std::size_t total, Lines lines = Lines::shown, double patience = 0);
     // The step of that name begins: a terminal says so, a log does not.
     void begin(const std::string& name);
     // It is done. The steps so far are taken to say how long the others last.
@@ -57,9 +58,10 @@ private:
     std::string what_;
     std::size_t total_;
     Lines lines_;
+    double patience_;
     std::size_t done_ = 0;
     double start_;
-    double last_shown_ = 0;
+    double last_shown_ = -1e9;    // long ago
     std::optional<double> left_;  // seconds, as last told
     bool is_terminal_;
 };

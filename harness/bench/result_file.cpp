@@ -14,7 +14,9 @@
 #include "harness/bench/machine.h"
 #include "harness/bench/result_check.h"
 #include "harness/bench/retakes.h"
+#include "harness/counted.h"
 #include "harness/cuda/backend.h"
+#include "harness/places.h"
 #include "harness/ranks/ranks.h"
 #include "harness/variant_json.h"
 #include "variants/variant_name.h"
@@ -60,9 +62,11 @@ OrderedJson row_head(const std::string& cell, const std::string& suffix, std::si
             {"repetitions", repetitions}};
 }
 
-// Another process took more than a tenth of the render's own CPU time, and more than the counter's resolution.
+// Another process took more than a tenth of the render's own CPU time, and more than the counter's resolution; or the
+// system gave less of it than there was.
 bool is_contended(const Json& sample) {
-    return sample.value("pt_foreign_cpu_ms", 0.0) > std::max(20.0, 0.1 * sample.value("cpu_ms", 0.0));
+    return is_throttled(sample) ||
+           sample.value("pt_foreign_cpu_ms", 0.0) > std::max(20.0, 0.1 * sample.value("cpu_ms", 0.0));
 }
 
 OrderedJson sample_row(const std::string& cell, std::size_t family, int repetitions, std::size_t index,
@@ -149,6 +153,9 @@ OrderedJson cell_json(const Cell& cell, const Journal& journal, int repetitions)
                      {"spp", cell.spp},
                      {"claim", to_string(claim_of(cell.variant, cell.backend))},
                      {"features", feature_names(features)}};
+    if (!cell.scene->file.empty() && !is_shipped(*cell.scene)) {
+        json["scene_file"] = cell.scene->file;
+    }
     const Json* facts = journal.cell(cell.name);
     if (facts == nullptr) {
         json["status"] = "interrupted";
@@ -310,12 +317,15 @@ Disturbance disturbance_of(const Plan& plan, const Journal& journal) {
         const bool low_clock = row.at("pt_low_clock") == 1;
         found.samples += 1;
         found.disturbed += contended || low_clock ? 1u : 0u;
-        found.contended += contended ? 1u : 0u;
+        found.throttled += contended && is_throttled(row) ? 1u : 0u;
+        found.contended += contended && !is_throttled(row) ? 1u : 0u;
         found.low_clock += low_clock ? 1u : 0u;
         found.clock_unknown += row.value("pt_clock_unknown", 0) == 1 ? 1u : 0u;
     }
     return found;
 }
+
+bool is_throttled(const Json& sample) { return sample.value("pt_throttled_periods", 0.0) > 0; }
 
 bool is_disturbed(const Json& sample, Backend backend) {
     constexpr double most_host_share = 0.02;
@@ -327,9 +337,10 @@ bool is_disturbed(const Json& sample, Backend backend) {
 }
 
 std::string in_words(const Disturbance& d) {
-    std::string text = fmt::format("disturbed: {} of {} samples", d.disturbed, d.samples);
+    std::string text = fmt::format("disturbed: {} of {}", d.disturbed, counted(d.samples, "sample"));
     if (d.disturbed > 0) {
-        text += fmt::format(" (other processes {}, low clock {})", d.contended, d.low_clock);
+        text += fmt::format(" (other processes {}, {}low clock {})", d.contended,
+                            d.throttled > 0 ? fmt::format("CPU quota {}, ", d.throttled) : "", d.low_clock);
     }
     if (d.clock_unknown > 0) {
         text += fmt::format("; clock unknown in {}: cycles are not compared", d.clock_unknown);

@@ -35,18 +35,23 @@ std::string rows_on_lines(const nlohmann::ordered_json& value);
 // Marks each sample's row whose clock was low, judged by the highest clock of all these rows.
 void mark_low_clocks(nlohmann::ordered_json& rows);
 
-// How many of a run's samples cannot be trusted with a difference: another process took CPU time, or the clock was low.
+// How many of a run's samples cannot be trusted with a difference: another process took CPU time, a quota of it was
+// used up, or the clock was low.
 struct Disturbance {
     std::size_t samples = 0;
-    std::size_t disturbed = 0;  // either
+    std::size_t disturbed = 0;  // any of them
     std::size_t contended = 0;  // by is_disturbed
+    std::size_t throttled = 0;  // by is_disturbed, where a quota was used up
     std::size_t low_clock = 0;
     std::size_t clock_unknown = 0;
 };
 Disturbance disturbance_of(const Plan& plan, const Journal& journal);
-// Whether another process took CPU time such that the sample's time may be wrong for it: on a GPU a busy host can only
-// make a render longer than the device worked, or, where the render waits for the host within, longer on both clocks.
+// Whether another process or a quota took CPU time such that the sample's time may be wrong for it: on a GPU a busy
+// host can only make a render longer than the device worked, or, where the render waits for the host within, longer on
+// both clocks.
 bool is_disturbed(const Json& sample, Backend backend);
+// Whether a quota of CPU time was used up during the sample, so that its threads stood still.
+bool is_throttled(const Json& sample);
 // "disturbed: 3 of 54 samples (other processes 2, low clock 1)".
 std::string in_words(const Disturbance& disturbance);
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "harness/bench/result_file.h"
+#include "harness/counted.h"
 
 namespace pt {
 
@@ -19,10 +20,6 @@ std::size_t disturbed_in(const Cell& cell, const Journal& journal) {
     const std::vector<Json>& samples = journal.samples(cell.name);
     return static_cast<std::size_t>(std::count_if(
         samples.begin(), samples.end(), [&](const Json& sample) { return is_disturbed(sample, cell.backend); }));
-}
-
-std::string counted(std::size_t count, const std::string& what) {
-    return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
 }  // namespace

@@ -11,8 +11,10 @@
 #include "harness/bench/machine.h"
 #include "harness/bench/result_check.h"
 #include "harness/bench/retakes.h"
+#include "harness/counted.h"
 #include "harness/files_read.h"
 #include "harness/interrupt.h"
+#include "harness/say.h"
 #include "harness/write_file.h"
 
 namespace pt {
@@ -44,8 +46,8 @@ int end_interrupted(const RunEnding& ending) {
 int end_without_result(const RunEnding& ending, const Journal& journal) {
     const std::size_t samples = journal.sample_count();
     fmt::print("{}\n", samples == 0 ? "interrupted before the first sample: no result written"
-                                    : fmt::format("interrupted: {} stays as it was, {} holds {} samples of this run",
-                                                  ending.out, journal.file(), samples));
+                                    : fmt::format("interrupted: {} stays as it was, {} holds {} of this run",
+                                                  ending.out, journal.file(), counted(samples, "sample")));
     return end_interrupted(ending);
 }
 
@@ -81,15 +83,15 @@ std::string write_result(const RunEnding& ending, const Journal& journal, bool c
 }
 
 void print_headline(const RunEnding& ending, const Journal& journal, const Outcome& outcome) {
-    const std::string cut =
-        outcome.unfinished == 0 ? "" : fmt::format("; interrupted with {} cells unfinished", outcome.unfinished);
+    const std::string cut = outcome.unfinished == 0
+                                ? ""
+                                : fmt::format("; interrupted with {} unfinished", counted(outcome.unfinished, "cell"));
     const std::string retakes = retakes_in_words(ending.plan, journal, ending.facts.most_retakes);
     const std::string more = decided_in_words(ending.plan, journal, ending.facts.repetitions);
     fmt::print("{}{}", more, more.empty() ? "" : "\n");
-    fmt::print("{}\n{}{}{}\n{} cells, {} samples, {} failed, {} not applicable{}\n",
-               in_words(disturbance_of(ending.plan, journal)), retakes, retakes.empty() ? "" : "\n", ending.out,
-               ending.plan.cells.size(), journal.sample_count(), outcome.failed, ending.plan.not_applicable.size(),
-               cut);
+    fmt::print("{}\n{}{}{}\n{}, {}, {} failed, {} not applicable{}\n", in_words(disturbance_of(ending.plan, journal)),
+               retakes, retakes.empty() ? "" : "\n", ending.out, counted(ending.plan.cells.size(), "cell"),
+               counted(journal.sample_count(), "sample"), outcome.failed, ending.plan.not_applicable.size(), cut);
 }
 
 }  // namespace
@@ -103,7 +105,7 @@ int end_run(const RunEnding& ending, RunJournal& journal) {
     const Outcome outcome = outcome_of(ending, known);
     const bool completed = outcome.unfinished == 0;
     if (!completed && ::isatty(STDERR_FILENO) != 0) {
-        fmt::print(stderr, "\n");  // after the line of progress that stands there
+        say("\n");  // after the line of progress that stands there
     }
     if (!completed && (known.sample_count() == 0 || ending.earlier.is_kept())) {
         return end_without_result(ending, known);

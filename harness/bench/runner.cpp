@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "harness/bench/cpu_quota.h"
 #include "harness/bench/error_book.h"
 #include "harness/bench/film_ledger.h"
 #include "harness/bench/kept_result.h"
@@ -19,11 +20,13 @@
 #include "harness/bench/run_journal.h"
 #include "harness/bench/settle_references.h"
 #include "harness/bench/time_cells.h"
+#include "harness/counted.h"
 #include "harness/cuda/backend.h"
 #include "harness/files_read.h"
 #include "harness/interrupt.h"
 #include "harness/ranks/ranks.h"
 #include "harness/ranks/render_on_ranks.h"
+#include "harness/say.h"
 #include "harness/write_file.h"
 #include "variants/variant_name.h"
 
@@ -188,8 +191,7 @@ void say_what_failed_before(const Plan& plan, const RunJournal& journal) {
     for (const Cell& cell : plan.cells) {
         const bool is_known = journal.known().cell(cell.name) != nullptr;
         if (const std::string reason = is_known ? journal.failure(cell) : ""; !reason.empty()) {
-            fmt::print(stderr, "ptbench: failed before and not tried again (--overwrite starts over): {}: {}\n",
-                       cell.name, reason);
+            say("ptbench: failed before and not tried again (--overwrite starts over): {}: {}\n", cell.name, reason);
         }
     }
 }
@@ -205,9 +207,9 @@ int run_part(const RunEnding& ending, const Json& identity, const RunOptions& op
     const Plan& plan = ending.plan;
     const Progress::Lines lines = options.quiet ? Progress::Lines::hidden : Progress::Lines::shown;
     Interrupt interrupt(grace_of(options));
+    say_cpu_warnings(options.backend);
     if (starts_over(options)) {
-        fmt::print(stderr, "ptbench: the unfinished run that was there is kept: {}\n",
-                   set_journal_aside(journal_of(options)));
+        say("ptbench: the unfinished run that was there is kept: {}\n", set_journal_aside(journal_of(options)));
     }
     RunJournal journal(journal_of(options), identity, options.resume, that_may_differ(options),
                        command_to_go_on(ending));
@@ -254,8 +256,9 @@ std::string describe_plan(const Plan& plan, int repetitions) {
         text += fmt::format("n/a: {} on {}: {}\n", shown_name(entry.variant, entry.backend), entry.scene,
                             entry.reason.text);
     }
-    return text + fmt::format("{} cells, {} samples, {} not applicable\n", plan.cells.size(),
-                              plan.cells.size() * static_cast<std::size_t>(repetitions), plan.not_applicable.size());
+    return text + fmt::format("{}, {}, {} not applicable\n", counted(plan.cells.size(), "cell"),
+                              counted(plan.cells.size() * static_cast<std::size_t>(repetitions), "sample"),
+                              plan.not_applicable.size());
 }
 
 Plan plan_run(const Suite& suite, const RunOptions& options) {
@@ -277,7 +280,7 @@ int run_suite(const Suite& suite, const RunOptions& options) {
     const Plan whole = plan_run(suite, options);
     const std::vector<std::size_t> positions = positions_of(whole, options.shard);
     for (const std::string& chosen : whole.chosen) {
-        fmt::print(stderr, "{}\n", chosen);
+        say("{}\n", chosen);
     }
     check_output_file(options.out);
     check_output_file(journal_of(options));
@@ -299,6 +302,9 @@ int run_suite(const Suite& suite, const RunOptions& options) {
     }
     check_result_file(options, earlier);
     check_benchmark_out(options.benchmark_flags);
+    if (options.resume && !std::filesystem::exists(journal_of(options))) {
+        say("ptbench: --resume: there is no unfinished run ({}), so this one begins\n", journal_of(options));
+    }
     const Plan part = part_of(whole, positions);
     return run_part({.plan = part,
                      .suite = suite,

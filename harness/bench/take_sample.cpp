@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "harness/bench/cpu_clock.h"
+#include "harness/bench/cpu_quota.h"
 #include "harness/bench/machine.h"
 #include "harness/bench/progress.h"
 #include "harness/crash.h"
@@ -29,19 +30,23 @@ struct TimedRender {
     double end_to_end_ms = 0;
     std::optional<double> clock_before, clock_after;
     ForeignLoad foreign;
+    Throttling throttled;
 };
 
 TimedRender time_render(const Scene& scene, const RenderRequest& request) {
+    static const CpuGroups groups = CpuGroups::of_this_process();
     const std::optional<double> clock_before = clock_mhz(request.backend);
     const ForeignLoad load_before = ForeignLoad::now();
+    const Throttling throttled_before = groups.throttling();
     const auto begin = std::chrono::steady_clock::now();
     RankedRender rendered = render_on_ranks(scene, request);
     const double end_to_end =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     ForeignLoad foreign = ForeignLoad::now() - load_before;
     foreign.cpu_ms -= rendered.ranks.neighbours_cpu_ms;
+    const Throttling throttled = groups.throttling() - throttled_before;
     const std::optional<double> clock_after = clock_mhz(request.backend);
-    return {std::move(rendered), end_to_end, clock_before, clock_after, foreign};
+    return {std::move(rendered), end_to_end, clock_before, clock_after, foreign, throttled};
 }
 
 Json facts_of_sample(const RenderRequest& request, const TimedRender& timed, std::uint64_t order) {
@@ -63,10 +68,12 @@ Json facts_of_sample(const RenderRequest& request, const TimedRender& timed, std
                {"pt_loop_rounds", result.work.loop_rounds},
                {"pt_host_waits", result.work.host_waits},
                {"pt_order", order},
-               {"pt_timestamp", seconds_now()},
+               {"pt_timestamp", seconds_since_1970()},
                {"pt_clock_unknown", has_clock ? 0 : 1},
                {"pt_foreign_cpu_ms", timed.foreign.cpu_ms},
                {"pt_involuntary_switches", timed.foreign.involuntary_switches},
+               {"pt_throttled_periods", timed.throttled.periods},
+               {"pt_throttled_ms", timed.throttled.ms},
                {"film_hash", result.film.hash()}};
     if (has_clock) {
         facts["pt_clock_mhz_before"] = *timed.clock_before;

@@ -161,7 +161,7 @@ private:
     // Returns what went wrong, or nothing.
     std::string take_sample(const Cell& cell, std::size_t index) {
         progress_.begin(names_.of(cell));
-        const double start = seconds_now();
+        const double start = steady_seconds();
         const TakenSample sample = taken(cell, index);
         if (!sample.error.empty()) {
             time_left_.drop(cell.name);
@@ -170,7 +170,7 @@ private:
                 keep_images(cell, sample.snapshots);
             }
             journal_.add_sample(cell, sample.facts);
-            time_left_.took(cell.name, seconds_now() - start);
+            time_left_.took(cell.name, steady_seconds() - start);
         }
         progress_.step(names_.of(cell), [this] { return time_left_.seconds(); });
         return sample.error;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "harness/bench/cpu_quota.h"
 #include "harness/bench/fastest.h"
 #include "harness/bench/kept_result.h"
 #include "harness/bench/machine.h"
@@ -133,6 +134,7 @@ int run(const AutotuneArguments& arguments) {
         std::tie(settings.width, settings.height) = parse_resolution(arguments.resolution);
     }
     settings.depth = arguments.depth != 0 ? arguments.depth : settings.depth;
+    say_cpu_warnings(backend);
     const Search search(scene, backend, settings, arguments.spp);
 
     double best_ms = search.typical(standard);

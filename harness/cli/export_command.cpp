@@ -5,8 +5,10 @@
 
 #include "harness/bench/kept_result.h"
 #include "harness/cli/commands.h"
+#include "harness/counted.h"
 #include "harness/json_reader.h"
 #include "harness/places.h"
+#include "harness/say.h"
 #include "harness/scene/export_mitsuba.h"
 #include "harness/scene/import_findings.h"
 #include "harness/scene/mitsuba_limits.h"
@@ -60,9 +62,9 @@ MitsubaSettings settings_of(const ExportArguments& arguments, const Scene& scene
 
 int refuse(const std::vector<std::string>& problems, const std::string& scene) {
     for (const std::string& problem : problems) {
-        fmt::print(stderr, "ptbench: {}\n", problem);
+        say("ptbench: {}\n", problem);
     }
-    fmt::print(stderr, "ptbench: {}: {}; nothing is written\n", one_line(scene), counted(problems.size(), "problem"));
+    say("ptbench: {}: {}; nothing is written\n", one_line(scene), counted(problems.size(), "problem"));
     return exit_bad_input;
 }
 
@@ -82,10 +84,9 @@ int run(const ExportArguments& arguments) {
     exported.files.write(exported.xml);
     constexpr double visible = 0.5;
     if (const double offset = mitsuba_offset_by_thickness(scene, arguments.scale); offset > visible) {
-        fmt::print(stderr,
-                   "ptbench: {}: note: Mitsuba's rays start up to {:.2g} of the thinnest object's thickness off a "
-                   "surface; a larger --scale may lessen it\n",
-                   one_line(arguments.scene), offset);
+        say("ptbench: {}: note: Mitsuba's rays start up to {:.2g} of the thinnest object's thickness off a "
+            "surface; a larger --scale may lessen it\n",
+            one_line(arguments.scene), offset);
     }
     fmt::print("{}: {}, {} -> {}\n", scene.name, counted(scene.objects.size(), "object"),
                counted(exported.meshes, "mesh file"), one_line(xml.string()));

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "harness/cli/commands.h"
+#include "harness/counted.h"
 #include "harness/files_beside.h"
 #include "harness/mesh/generate.h"
 #include "harness/mesh/write_mesh.h"
@@ -43,10 +44,10 @@ int generate_file(const GenerateArguments& arguments) {
     const std::string content = mesh_file_of(mesh, arguments.out);
     check_replacement(arguments.out, content, arguments.overwrite);
     write_file(arguments.out, content);
-    fmt::print("{} {}: {} triangles, {} vertices{}, {} -> {}\n", arguments.name, arguments.size, mesh.triangles.size(),
-               mesh.vertices.size(),
+    fmt::print("{} {}: {}, {} vertices{}, {} -> {}\n", arguments.name, arguments.size,
+               counted(mesh.triangles.size(), "triangle"), mesh.vertices.size(),
                mesh.degenerate_left_out > 0
-                   ? fmt::format(", {} triangles without area left out", mesh.degenerate_left_out)
+                   ? fmt::format(", {} without area left out", counted(mesh.degenerate_left_out, "triangle"))
                    : "",
                content_hash(mesh), one_line(arguments.out));
     return exit_good;

@@ -5,7 +5,9 @@
 
 #include "harness/bench/kept_result.h"
 #include "harness/cli/commands.h"
+#include "harness/counted.h"
 #include "harness/json_reader.h"
+#include "harness/say.h"
 #include "harness/scene/import_scene.h"
 #include "harness/write_file.h"
 
@@ -37,7 +39,7 @@ void check_import_arguments(const ImportArguments& arguments) {
 
 void print_findings(const ImportFindings& findings, const std::string& file, const std::string& kind) {
     for (const std::string& message : findings.messages(file, kind)) {
-        fmt::print(stderr, "ptbench: {}\n", message);
+        say("ptbench: {}\n", message);
     }
 }
 
@@ -47,7 +49,7 @@ int refuse_import(const ImportResult& result, const ImportArguments& arguments) 
     const std::string refused = fmt::format("{}{}{}", problems > 0 ? counted(problems, "problem") : "",
                                             problems > 0 && warnings > 0 ? " and " : "",
                                             warnings > 0 ? counted(warnings, "warning") + " with --strict" : "");
-    fmt::print(stderr, "ptbench: {}: {}; no scene is written\n", one_line(arguments.file), refused);
+    say("ptbench: {}: {}; no scene is written\n", one_line(arguments.file), refused);
     return exit_bad_input;
 }
 

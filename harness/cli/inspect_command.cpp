@@ -8,6 +8,7 @@
 #include "harness/cuda/backend.h"
 #include "harness/files_read.h"
 #include "harness/places.h"
+#include "harness/say.h"
 #include "harness/write_file.h"
 #include "variants/variant_name.h"
 
@@ -102,7 +103,7 @@ std::vector<Variant> asked_variants(const InspectArguments& arguments, const Sce
     const AxisChoices axes = parse_axis_arguments(arguments.axes, Backend::cuda);
     const TunableValues tunables = parse_tunable_arguments(arguments.tunables);
     if (const std::string tree = tree_in_words(axes, tunables, scene, Backend::cuda); !tree.empty()) {
-        fmt::print(stderr, "{}: {}\n", scene.name, tree);
+        say("{}: {}\n", scene.name, tree);
     }
     return expand(with_tree(axes, tunables, scene, Backend::cuda), Backend::cuda, tunables);
 }
@@ -133,7 +134,7 @@ int run(const InspectArguments& arguments) {
         try {
             reports.push_back(cuda::inspect_kernels(scene, variant, arguments.architecture));
         } catch (const cuda::DoesNotCompile& error) {
-            fmt::print(stderr, "ptbench: {}: {}\n", shown_name(variant, Backend::cuda), error.what());
+            say("ptbench: {}: {}\n", shown_name(variant, Backend::cuda), error.what());
             all_compile = false;
             continue;
         }

@@ -7,6 +7,7 @@
 #include "harness/bench/merge.h"
 #include "harness/bench/result_file.h"
 #include "harness/cli/commands.h"
+#include "harness/counted.h"
 #include "harness/write_file.h"
 
 namespace pt {
@@ -36,9 +37,9 @@ int merge_files(const std::vector<std::string>& files, const std::string& out, b
     for (const auto& row : merged.result.at("benchmarks")) {
         samples += row.contains("pt_order") ? 1u : 0u;
     }
-    fmt::print("{}\n{} cells, {} samples, {} failed, {} not applicable, from {} shards on {}\n", out,
-               merged.result.at("ptbench").at("cells").size(), samples, failed,
-               merged.result.at("ptbench").at("not_applicable").size(), shards.size(),
+    fmt::print("{}\n{}, {}, {} failed, {} not applicable, from {} on {}\n", out,
+               counted(merged.result.at("ptbench").at("cells").size(), "cell"), counted(samples, "sample"), failed,
+               merged.result.at("ptbench").at("not_applicable").size(), counted(shards.size(), "shard"),
                merged.result.at("context").at("host_name").get<std::string>());
     return failed == 0 ? exit_good : exit_check_failed;
 }

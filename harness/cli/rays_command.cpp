@@ -8,6 +8,7 @@
 #include "harness/bench/machine.h"
 #include "harness/cli/commands.h"
 #include "harness/cli/known_names.h"
+#include "harness/counted.h"
 #include "harness/cuda/backend.h"
 #include "harness/files_read.h"
 #include "harness/json_reader.h"
@@ -202,7 +203,7 @@ int find_leaks(const RaysArguments& arguments) {
     for (const std::string& name : meshes) {
         const rays::RayMesh mesh = rays::closed_mesh_for_rays(name);
         refuse_sources(arguments);
-        fmt::print("{}: {} triangles, closed{}\n", one_line(mesh.name), mesh.triangles.size(),
+        fmt::print("{}: {}, closed{}\n", one_line(mesh.name), counted(mesh.triangles.size(), "triangle"),
                    mesh.said.empty() ? "" : ", " + mesh.said);
         std::fflush(stdout);
         rays::LeakResult result = rays::measure_leaks(mesh, study);
@@ -272,7 +273,7 @@ int measure_rays(const RaysArguments& arguments) {
     nlohmann::ordered_json context = context_of(arguments, study), measured = nlohmann::ordered_json::array();
     bool agrees = true;
     const auto measure = [&](const rays::RayMesh& mesh) {
-        fmt::print("{}: {} triangles{}\n", one_line(mesh.name), mesh.triangles.size(),
+        fmt::print("{}: {}{}\n", one_line(mesh.name), counted(mesh.triangles.size(), "triangle"),
                    mesh.said.empty() ? "" : ", " + mesh.said);
         std::fflush(stdout);
         refuse_sources(arguments);

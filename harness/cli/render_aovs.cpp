@@ -9,6 +9,7 @@
 #include "harness/cli/commands.h"
 #include "harness/render/checkpoints.h"
 #include "harness/render/first_hits.h"
+#include "harness/say.h"
 #include "variants/variant_name.h"
 
 namespace pt {
@@ -87,8 +88,7 @@ std::vector<ExrLayer> RenderAovs::layers(const Scene& scene, const RenderRequest
         const std::uint64_t pixels = std::uint64_t{result.film.width()} * result.film.height();
         if (const std::uint64_t rays = pixels * std::min(request.samples, most_first_hit_rays);
             rays > most_rays_unmentioned) {
-            fmt::print(stderr, "render: what {:.0f} million camera rays meet first, on the CPU\n",
-                       1e-6 * static_cast<double>(rays));
+            say("render: what {:.0f} million camera rays meet first, on the CPU\n", 1e-6 * static_cast<double>(rays));
         }
         const auto start = std::chrono::steady_clock::now();
         FirstHits hits = first_hits(scene, request);

@@ -22,6 +22,7 @@
 #include "harness/ranks/render_on_ranks.h"
 #include "harness/render/checkpoints.h"
 #include "harness/render/image.h"
+#include "harness/say.h"
 #include "harness/variant_json.h"
 #include "harness/write_file.h"
 #include "variants/variant_name.h"
@@ -154,9 +155,8 @@ RankedRender render_aloud(const Scene& scene, RenderRequest request, const Trial
         return render_on_ranks(scene, request);
     }
     if (!is_short) {
-        fmt::print(stderr, "render: {}x{}, {} spp, {}{}\n", request.settings.width, request.settings.height,
-                   request.samples, shown_name(request.variant, request.backend),
-                   seconds ? ": about " + clock_text(*seconds) : "");
+        say("render: {}x{}, {} spp, {}{}\n", request.settings.width, request.settings.height, request.samples,
+            shown_name(request.variant, request.backend), seconds ? ": about " + clock_text(*seconds) : "");
     }
     // Several ranks would meet at each stop.
     if (stops_change_film(request.variant, request.backend) || (ranks().count > 1 && variance == nullptr)) {
@@ -233,9 +233,9 @@ void say_where(const RenderArguments& arguments, const RenderRequest& request, c
         return;
     }
     const std::string file = std::filesystem::absolute(arguments.out).lexically_normal().string();
-    fmt::print(stderr, "rendered with {} on {}, chosen by {}\nwritten: {}\nopen it: {} '{}'\n",
-               shown_name(request.variant, request.backend), to_string(request.backend), chosen_by, file,
-               file.ends_with(".png") ? "xdg-open" : "tev", file);
+    say("rendered with {} on {}, chosen by {}\nwritten: {}\nopen it: {} '{}'\n",
+        shown_name(request.variant, request.backend), to_string(request.backend), chosen_by, file,
+        file.ends_with(".png") ? "xdg-open" : "tev", file);
 }
 
 // What was rendered and how, for whoever finds the file alone.

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "harness/bench/benchmark_flags.h"
 #include "harness/bench/convergence_study.h"
 #include "harness/bench/machine.h"
 #include "harness/bench/prepare_cells.h"
@@ -14,6 +15,7 @@
 #include "harness/nearest_name.h"
 #include "harness/places.h"
 #include "harness/ranks/ranks.h"
+#include "harness/say.h"
 
 namespace pt {
 
@@ -150,6 +152,9 @@ void check_flags_once(const std::vector<std::string>& extras) {
 RunOptions make_options(const RunArguments& arguments, const CLI::App& command, const std::string& command_line) {
     const std::vector<std::string> extras = command.remaining();
     check_flags_once(extras);
+    std::vector<std::string> of_benchmark = extras;
+    std::erase_if(of_benchmark, [](const std::string& extra) { return !extra.starts_with("--benchmark_"); });
+    check_benchmark_flags(of_benchmark);
     RunOptions options{
         .out = arguments.out,
         .command_line = command_line,
@@ -176,8 +181,6 @@ RunOptions make_options(const RunArguments& arguments, const CLI::App& command, 
             if (parsed.ec != std::errc() || parsed.ptr != end || options.repetitions < 1) {
                 throw InputError("--benchmark_repetitions", "argument", "\"" + extra + "\"", "a whole number from 1");
             }
-        } else if (extra.starts_with("--benchmark_list_tests")) {
-            throw InputError("command line", "flag", "\"" + extra + "\"", "--dry-run, which lists the cells");
         } else if (extra.starts_with("--benchmark_")) {
             options.benchmark_flags.push_back(extra);
         } else {
@@ -201,7 +204,7 @@ int run(const RunArguments& arguments, const CLI::App& command, const std::strin
                          "one of them");
     }
     if (const std::string_view now = new_name_of_suite(arguments.suite); !now.empty()) {
-        fmt::print(stderr, "ptbench: the suite {} is called {} now\n", arguments.suite, now);
+        say("ptbench: the suite {} is called {} now\n", arguments.suite, now);
     }
     check_error_against_time(arguments, options);
     const Backend backend = arguments.compile_only.is_asked ? Backend::cuda : parse_backend(arguments.backend);
@@ -239,7 +242,7 @@ int run(const RunArguments& arguments, const CLI::App& command, const std::strin
     }
     if (exit_code == exit_good && arguments.suite.empty() && arguments.axes.empty() && arguments.devices.empty() &&
         !arguments.quiet) {
-        fmt::print(stderr, "{}", nothing_to_compare(plan_run(suite, options)));
+        say("{}", nothing_to_compare(plan_run(suite, options)));
     }
     return exit_code;
 }

@@ -16,6 +16,7 @@
 #include "harness/files_beside.h"
 #include "harness/interrupt.h"
 #include "harness/locked_file.h"
+#include "harness/say.h"
 #include "harness/stability/evaluate.h"
 #include "harness/stability/report.h"
 #include "harness/stability/workers.h"
@@ -265,9 +266,7 @@ int run(const StabilityArguments& arguments) {
     }
     const bool uses_workers = workers && (arguments.jobs != 0 || backend == Backend::cuda);
     if (uses_workers && backend == Backend::cuda && !cuda::runs_processes_at_once()) {
-        fmt::print(
-            stderr,
-            "note: {} processes take turns on the GPU; under NVIDIA's MPS (nvidia-cuda-mps-control -d) they run on "
+        say("note: {} processes take turns on the GPU; under NVIDIA's MPS (nvidia-cuda-mps-control -d) they run on "
             "it at once, in a part of the time\n",
             worker_count(arguments));
     }

@@ -7,10 +7,12 @@
 #include <fmt/ranges.h>
 
 #include "harness/bench/compile_ahead.h"
+#include "harness/bench/progress.h"
 #include "harness/bench/suite.h"
 #include "harness/bench/verify.h"
 #include "harness/bench/verify_statistical.h"
 #include "harness/cli/commands.h"
+#include "harness/counted.h"
 #include "harness/places.h"
 #include "variants/variant_name.h"
 
@@ -43,6 +45,42 @@ struct VerifyArguments {
 struct Tally {
     std::size_t held = 0, failed = 0, not_applicable = 0;
 };
+
+// What does not apply in a scene: most of a product of axes, for few reasons, of which each is a line.
+class NotApplicableLines {
+public:
+    void add(const std::string& variant, const std::string& reason) {
+        const auto known =
+            std::find_if(groups_.begin(), groups_.end(), [&](const Group& g) { return g.reason == reason; });
+        if (known == groups_.end()) {
+            groups_.push_back({reason, variant, 1});
+        } else {
+            known->variants += 1;
+        }
+    }
+    void print(const std::string& scene) const {
+        for (const Group& group : groups_) {
+            fmt::print(
+                "n/a              {} on {}: {}\n",
+                group.variants == 1 ? group.first : fmt::format("{} and {} more", group.first, group.variants - 1),
+                scene, group.reason);
+        }
+    }
+
+private:
+    struct Group {
+        std::string reason, first;
+        std::size_t variants;
+    };
+    std::vector<Group> groups_;  // in the order of their first variants
+};
+
+// Seconds until `--quiet` says that it goes on.
+constexpr double patience = 5;
+
+Progress progress_of(std::size_t steps, const VerifyArguments& arguments) {
+    return {"verify", steps, arguments.quiet ? Progress::Lines::shown : Progress::Lines::hidden, patience};
+}
 
 // A variant that throws fails; the others go on.
 Verdict check_or_fail(const std::function<Verdict(const Variant&)>& check, const Variant& variant) {
@@ -139,22 +177,29 @@ void verify_scene(const Scene& scene, Backend backend, const std::vector<Variant
     Verifier verifier(scene, settings, arguments.samples(), backend);
     LargeCheck large_check(scene, backend, variants, arguments);
     const FeatureSet features = features_of(scene);
+    NotApplicableLines not_applicable;
+    Progress progress = progress_of(variants.size(), arguments);
     for (const Variant& variant : variants) {
+        const std::string name = shown_name(variant, backend);
+        progress.begin(name);
         if (const std::string reason = why_not_applicable(variant, features, backend); !reason.empty()) {
             tally.not_applicable += 1;
-            if (!arguments.quiet) {
-                fmt::print("n/a              {} on {}: {}\n", shown_name(variant, backend), scene.name, reason);
-            }
+            not_applicable.add(name, reason);
+            progress.step(name);
             continue;
         }
         const Verdict verdict =
             check_or_fail([&](const Variant& one) { return large_check.after(verifier.check(one), one); }, variant);
         (verdict.holds ? tally.held : tally.failed) += 1;
         if (!verdict.holds || !arguments.quiet) {
-            fmt::print("{} {} on {}: {}, {}\n", verdict.film_hash, shown_name(variant, backend), scene.name,
-                       verdict.holds ? "ok" : "FAILED", verdict.message);
+            fmt::print("{} {} on {}: {}, {}\n", verdict.film_hash, name, scene.name, verdict.holds ? "ok" : "FAILED",
+                       verdict.message);
             std::fflush(stdout);
         }
+        progress.step(name);
+    }
+    if (!arguments.quiet) {
+        not_applicable.print(scene.name);
     }
 }
 
@@ -192,6 +237,7 @@ std::vector<MeanClaim> claims_of(const Scene& scene, const std::vector<Variant>&
     const AxisChoices against = parse_against(arguments.against, backend);
     const std::uint32_t depth = settings_of(scene, arguments).depth;
     std::vector<MeanClaim> claims;
+    NotApplicableLines not_applicable;
     std::set<Variant> images;
     for (const Variant& variant : variants) {
         const Variant image = image_of(scene, variant, backend);
@@ -213,10 +259,11 @@ std::vector<MeanClaim> claims_of(const Scene& scene, const std::vector<Variant>&
         }
         if (!reason.empty()) {
             tally.not_applicable += 1;
-            if (!arguments.quiet) {
-                fmt::print("n/a     {} on {}: {}\n", shown_name(image, backend), scene.name, reason);
-            }
+            not_applicable.add(shown_name(image, backend), reason);
         }
+    }
+    if (!arguments.quiet) {
+        not_applicable.print(scene.name);
     }
     return claims;
 }
@@ -225,7 +272,10 @@ void verify_means(const Scene& scene, const std::vector<MeanClaim>& claims, Back
                   const VerifyArguments& arguments, Tally& tally) {
     StatisticalVerifier verifier(scene, settings_of(scene, arguments),
                                  {.runs = arguments.runs, .spp = arguments.samples()}, backend);
+    Progress progress = progress_of(claims.size(), arguments);
     for (const MeanClaim& claim : claims) {
+        const std::string name = shown_name(claim.tested, backend);
+        progress.begin(name);
         MeanVerdict verdict;
         try {
             verdict = verifier.check(claim);
@@ -234,10 +284,11 @@ void verify_means(const Scene& scene, const std::vector<MeanClaim>& claims, Back
         }
         (verdict.holds ? tally.held : tally.failed) += 1;
         if (!verdict.holds || !arguments.quiet) {
-            fmt::print("{} {} on {} at depth {}: {}\n", verdict.holds ? "ok     " : "FAILED ",
-                       shown_name(claim.tested, backend), scene.name, claim.depth, verdict.message);
+            fmt::print("{} {} on {} at depth {}: {}\n", verdict.holds ? "ok     " : "FAILED ", name, scene.name,
+                       claim.depth, verdict.message);
             std::fflush(stdout);
         }
+        progress.step(name);
     }
 }
 
@@ -373,9 +424,9 @@ int run_statistical(const VerifyArguments& arguments, Backend backend, const std
     for (std::size_t i = 0; i < scenes.size(); ++i) {
         verify_means(scenes[i], claims[i], backend, arguments, tally);
     }
-    fmt::print("{} means held, {} failed, {} not applicable on {}; {} runs of {} spp a side, {}\n", tally.held,
-               tally.failed, tally.not_applicable, to_string(backend), arguments.runs, arguments.samples(),
-               arguments.size());
+    fmt::print("{} held, {} failed, {} not applicable on {}; {} runs of {} spp a side, {}\n",
+               counted(tally.held, "mean"), tally.failed, tally.not_applicable, to_string(backend), arguments.runs,
+               arguments.samples(), arguments.size());
     return tally.failed == 0 && tally.held > 0 ? exit_good : exit_check_failed;
 }
 
@@ -457,7 +508,8 @@ Command add_verify_command(CLI::App& app) {
     command->add_flag("--quick", arguments->quick,
                       "Every choice of every axis once, in few variants, instead of every pair of choices");
     add_compile_options(*command, arguments->compile_only);
-    command->add_flag("--quiet", arguments->quiet, "Print failures and the tally only");
+    command->add_flag("--quiet", arguments->quiet,
+                      "Print failures and the tally only; from 5 s on progress, on stderr");
     return [arguments] { return run(*arguments); };
 }
 

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
+#include "harness/counted.h"
 #include "harness/error.h"
 
 namespace pt {
@@ -97,7 +98,7 @@ void check_mesh(Mesh& mesh, const std::string& file) {
     if (mesh.triangles.empty()) {
         throw InputError(file, "mesh",
                          mesh.degenerate_left_out > 0
-                             ? fmt::format("{} triangles without area and no other", mesh.degenerate_left_out)
+                             ? counted(mesh.degenerate_left_out, "triangle") + " without area and no other"
                              : "no triangles",
                          "at least one triangle that has an area");
     }

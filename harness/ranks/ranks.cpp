@@ -16,6 +16,7 @@
 #include "harness/ranks/launch.h"
 #include "harness/ranks/mpi.h"
 #include "harness/ranks/render_on_ranks.h"
+#include "harness/say.h"
 
 namespace pt {
 
@@ -44,11 +45,12 @@ int wait_for(pid_t child, const Launch& launch) {
     if (WIFEXITED(status)) {
         return WEXITSTATUS(status);
     }
-    if (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM) {  // somebody ends the whole call
+    if (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM ||
+        WTERMSIG(status) == SIGHUP) {  // somebody ends the whole call
         return exit_interrupted;
     }
-    fmt::print(stderr, "ptbench: rank {} of {} on {} was killed: {}\n", launch.rank, launch.count, host_of_this_rank(),
-               ::strsignal(WTERMSIG(status)));
+    say("ptbench: rank {} of {} on {} was killed: {}\n", launch.rank, launch.count, host_of_this_rank(),
+        ::strsignal(WTERMSIG(status)));
     return exit_machine_failed;
 }
 
@@ -74,7 +76,7 @@ int check_builds() {
     }
     const bool is_good = mpi::broadcast(fault).empty();
     if (!fault.empty()) {
-        fmt::print(stderr, "ptbench: {}\n", fault);
+        say("ptbench: {}\n", fault);
     }
     return is_good ? exit_good : exit_bad_input;
 }
@@ -91,8 +93,9 @@ int lead_or_serve(const std::function<int()>& program) {
         return exit_code;
     }
     // What ends a run early is rank 0's business; these end with it.
-    std::signal(SIGINT, SIG_IGN);
-    std::signal(SIGTERM, SIG_IGN);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        std::signal(signal, SIG_IGN);
+    }
     return serve_rank_0();
 }
 

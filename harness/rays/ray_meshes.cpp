@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "harness/counted.h"
 #include "harness/error.h"
 #include "harness/mesh/generate.h"
 #include "harness/mesh/read_mesh.h"
@@ -87,7 +88,7 @@ RayMesh from_file(const std::string& argument) {
     made.mesh.normals.clear();
     std::vector<std::string> said = made.mesh.warnings.messages();
     if (made.mesh.degenerate_left_out > 0) {
-        said.push_back(fmt::format("{} triangles without area left out", made.mesh.degenerate_left_out));
+        said.push_back(counted(made.mesh.degenerate_left_out, "triangle") + " without area left out");
     }
     made.said = fmt::format("{}", fmt::join(said, "; "));
     return finished(std::move(made));

@@ -33,8 +33,4 @@ std::vector<std::string> ImportFindings::messages(const std::string& file, const
     return messages;
 }
 
-std::string counted(std::size_t count, const std::string& noun) {
-    return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
-}
-
 }  // namespace pt

@@ -30,7 +30,4 @@ private:
     std::size_t count_ = 0;
 };
 
-// "1 problem", "2 problems".
-std::string counted(std::size_t count, const std::string& noun);
-
 }  // namespace pt

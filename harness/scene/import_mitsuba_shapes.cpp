@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "harness/counted.h"
 #include "harness/error.h"
 #include "harness/scene/mitsuba_limits.h"
 #include "harness/scene/scene_mesh.h"

@@ -1,10 +1,11 @@
 #include "harness/scene/json_lines.h"
 
+#include <string_view>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
-
-#include "harness/json_reader.h"
+#include <unistd.h>
 
 namespace pt {
 
@@ -100,5 +101,44 @@ std::map<std::string, std::size_t> LineFinder::lines() {
 }  // namespace
 
 std::map<std::string, std::size_t> lines_of_json(const std::string& text) { return LineFinder(text).lines(); }
+
+namespace {
+
+// "scene.json:12", or the scene's name alone where its text is not in a file.
+std::string place_of(const JsonValue& value) {
+    try {
+        const std::map<std::string, std::size_t> lines = lines_of_json(read_file(value.file()));
+        const auto line = lines.find(value.path());
+        return line == lines.end() ? value.file() : fmt::format("{}:{}", value.file(), line->second);
+    } catch (const InputError&) {
+        return value.file();
+    }
+}
+
+std::string why_not_readable(const std::filesystem::path& file) {
+    std::error_code failed;
+    const std::filesystem::file_status status = std::filesystem::status(file, failed);
+    if (!std::filesystem::exists(status)) {
+        return "which is no file";
+    }
+    if (std::filesystem::is_directory(status)) {
+        return "which is a folder";
+    }
+    return ::access(file.c_str(), R_OK) == 0 ? "" : "which may not be read";
+}
+
+}  // namespace
+
+void check_named_file(const JsonValue& value, const InputError& failure) {
+    if (std::string_view(failure.what()).find(": the file: found ") == std::string_view::npos) {
+        return;  // its content is what is wrong
+    }
+    const std::filesystem::path file = value.named_file();
+    if (const std::string reason = why_not_readable(file); !reason.empty()) {
+        throw InputError(place_of(value), value.path(),
+                         fmt::format("{}, {} ({})", describe(value.json()), reason, file.string()),
+                         "a file, by its path from the scene's folder");
+    }
+}
 
 }  // namespace pt

@@ -10,6 +10,7 @@
 #include "harness/mesh/generate.h"
 #include "harness/scene/inline_mesh.h"
 #include "harness/scene/instances.h"
+#include "harness/scene/json_lines.h"
 #include "harness/scene/scene.h"
 #include "harness/scene/scene_mesh.h"
 #include "harness/scene/scene_texture.h"
@@ -345,7 +346,8 @@ std::shared_ptr<const SceneMesh> read_mesh_of(const JsonObject& object, const Js
     if (object.has("generate")) {
         return read_recipe(object.at("generate"), with_normals);
     }
-    return mesh_from_file(object.at("file").named_file(), with_normals);
+    return read_named_file(object.at("file"),
+                           [&](const std::filesystem::path& file) { return mesh_from_file(file, with_normals); });
 }
 
 // The mesh's index among the scene's.
@@ -506,9 +508,9 @@ std::shared_ptr<const SceneEnvironment> read_environment(const JsonValue& value)
         value.fail(R"({"radiance": [R, G, B]} or {"file": NAME, ..})");
     }
     const JsonValue named = object.at("file");
-    const std::filesystem::path image_file = named.named_file();
     const double scale = object.has("scale") ? object.at("scale").number(0, 1e30, "a number from 0 to 1e30") : 1;
-    EnvironmentImage image = read_environment_image(image_file);
+    EnvironmentImage image = read_named_file(
+        named, [](const std::filesystem::path& image_file) { return read_environment_image(image_file); });
     auto environment = std::make_shared<SceneEnvironment>(
         *environment_of(std::move(image), scale, object.has("scale") ? object.at("scale") : value));
     environment->file = named.text();

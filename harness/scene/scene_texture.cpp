@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "harness/scene/json_lines.h"
+
 namespace pt {
 
 namespace {
@@ -23,7 +25,8 @@ std::shared_ptr<const SceneTexture> read_texture(const JsonValue& value, TexelMe
     const JsonValue named = JsonObject(value, keys).required("image");
     auto texture = std::make_shared<SceneTexture>();
     texture->path = named.named_file().string();
-    texture->image = read_texture_image(texture->path, meaning);
+    texture->image = read_named_file(
+        named, [&](const std::filesystem::path& file) { return read_texture_image(file.string(), meaning); });
     texture->file = named.text();
     const std::vector<Vec3<float>>& texels = texture->image.texels;
     texture->hash = fmt::format(

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "harness/error.h"
+#include "harness/say.h"
 
 namespace pt::stability {
 
@@ -78,7 +79,7 @@ bool receive(int socket, std::string& text) {
                 ::_exit(0);
             }
         } catch (const std::exception& error) {
-            fmt::print(stderr, "ptbench: {}\n", error.what());
+            say("ptbench: {}\n", error.what());
             ::_exit(1);
         }
     }

@@ -200,7 +200,7 @@ def test_a_run_cut_short_is_left_out_and_told_of(tmp_path):
     del row["pt_checkpoints"][5:]
     one = assessed(builder, tmp_path)[0]
     assert one.curve.count == 8
-    assert one.doubts == ("1 samples without all checkpoints, left out",)
+    assert one.doubts == ("1 sample without all checkpoints, left out",)
 
 
 def test_one_seed_with_a_heavy_tail_puts_the_interval_in_doubt(tmp_path):

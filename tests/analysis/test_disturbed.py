@@ -11,7 +11,9 @@ from compare_builder import other_machine, other_program, run_again, wavefront_b
 
 from ptbench.compare.compared import compare_files
 from ptbench.io.results import load
-from ptbench.studies.disturbed import disturbance_of
+from ptbench.studies.disturbed import CONTENDED, THROTTLED, disturbance_of, doubt_of
+from ptbench.studies.notes import notes_of
+from ptbench.studies.rows import measure
 
 
 @pytest.fixture(scope="module")
@@ -36,6 +38,22 @@ def test_the_headline_counts_each_sample_once(base, tmp_path):
     assert str(found) == "24 of 72 samples (contended 16, low clock 24)"
     assert found.is_too_much
     assert str(disturbance_of(load(written(base, tmp_path / "b.json")).cells)) == "0 of 72 samples"
+
+
+def test_samples_that_a_quota_held_up_are_told(base, tmp_path):
+    """They are contended, whoever else ran, and named for what they are."""
+    document = disturbed(base, 2)
+    for row in document["benchmarks"]:
+        if row.get("pt_contended") == 1:
+            row |= {"pt_throttled_periods": row["repetition_index"], "pt_throttled_ms": 3.5}
+    result = load(written(document, tmp_path / "a.json"))
+    found = disturbance_of(result.cells)
+    assert str(found) == "16 of 72 samples (contended 16, 8 of them by a CPU quota, low clock 0)"
+    assert doubt_of(result.cells) == THROTTLED
+    study = result.studies[0]
+    told = "9 of 36 samples while other processes took over a tenth of the CPU or a quota was used up (4), kept"
+    assert any(note.full.startswith(told) for note in notes_of(result, study, measure(result, study)))
+    assert doubt_of(load(written(disturbed(base, 2), tmp_path / "b.json")).cells) == CONTENDED
 
 
 def test_a_tenth_is_not_too_much(tmp_path):

@@ -17,7 +17,7 @@ from builder import Builder, small
 from conftest import PACKAGE
 
 from ptbench import __version__
-from ptbench.errors import InputError
+from ptbench.errors import InputError, MachineError
 from ptbench.io.files import LARGEST_RESULT, move_whole, read_stored, read_whole, write_text, write_whole
 from ptbench.io.images import read_pfm
 from ptbench.io.nodes import read_json
@@ -213,9 +213,25 @@ def test_a_disk_that_is_full_is_one_line(tmp_path):
     def write(path: Path) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    with pytest.raises(InputError, match=r"a\.md: output file: found No space left on device, allowed: a name that"):
+    with pytest.raises(MachineError, match=r"a\.md: cannot be written: No space left on device$"):
         write_whole(tmp_path / "a.md", write)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("command", ["plots", "report"])
+def test_a_disk_that_is_full_is_exit_code_3(tmp_path, analysis, monkeypatch, command):
+    """Whichever of its files finds no room: the first is a figure, or a page."""
+    file = small().write(tmp_path / "quick.json")
+
+    def write(path: Path, data: bytes) -> int:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(Path, "write_bytes", write)
+    code, _, err = analysis(command, file, "--out", tmp_path / "out")
+    assert code == 3
+    assert err.endswith(": cannot be written: No space left on device\n")
+    assert err.count("\n") == 1
+    assert not [path for path in (tmp_path / "out").rglob("*") if path.is_file()]
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 from browser import browser, find_chromium
-from builder import small
+from builder import Builder, small
 from convergence_builder import convergence_cell, convergence_study, on_gpu
 from stability_builder import large
 from test_convergence_figures import with_images
@@ -282,6 +282,21 @@ def test_another_scene_of_the_same_name_is_not_shown(tmp_path, analysis):
     assert code == 0
     assert "cornell_open: the program's scene of that name is another one, of hash another" in out
     assert not list((tmp_path / "out/scenes").glob("*.jpg"))
+
+
+def test_a_scene_given_by_its_path_is_rendered_from_there(tmp_path, analysis):
+    own = tmp_path / "mine.json"
+    own.write_text("{}")
+    builder = Builder().study("compaction")
+    for choice in ("none", "scan"):
+        builder.cell("compaction", "mine", axes={"compaction": choice}, scene_file=str(own))
+    file = builder.write(tmp_path / "quick.json")
+    binary = stand_in(tmp_path, "0123456789abcdef")
+    code, out, _ = analysis("report", file, "--out", tmp_path / "out", "--binary", binary, "--side", 8)
+    assert code == 0
+    assert "scene without a picture" not in out
+    assert set((tmp_path / "calls").read_text().split()) == {str(own)}
+    assert len(list((tmp_path / "out/scenes").glob("*.jpg"))) == 1
 
 
 def test_files_of_one_name_are_told_apart(tmp_path, analysis):

@@ -94,7 +94,7 @@ def test_what_is_neither_done_nor_queued_is_submitted(tools, tmp_path, capsys):
     assert _submitted(tools) == ["--array=1,2,3"]
     (tools / "queue").write_text("71 1 RUNNING\n71 2 PENDING\n71 3 PENDING\n99 1 RUNNING\n")
     assert main(_call(tools, study)) == 0
-    assert "nothing to submit: 3 shards are queued" in capsys.readouterr().out
+    assert "nothing to submit: 3 shards queued" in capsys.readouterr().out
     _result(study / "any" / "shard-1-of-3.json", 1)
     (tools / "queue").write_text("71 2 RUNNING\n99 3 RUNNING\n")
     assert main(_call(tools, study)) == 0
@@ -151,7 +151,7 @@ def test_collect_says_what_is_missing_and_then_merges(tools, tmp_path, capsys):
     capsys.readouterr()
     assert main(["collect", str(study)]) == 1
     out = capsys.readouterr().out
-    assert "missing: shard 2 (2 cells, first a/scene:s2/depth:2): pending, 1 samples kept" in out
+    assert "missing: shard 2 (2 cells, first a/scene:s2/depth:2): pending, 1 sample kept" in out
     assert out.count("missing") == 1
     _result(study / "any" / "shard-2-of-3.json", 2)
     assert main(["collect", str(study)]) == 0

@@ -113,6 +113,22 @@ TEST(BadCallsTest, UnknownNames) {
     }
 }
 
+TEST(BadCallsTest, ThreadsOfTheEnvironment) {
+    for (const std::string wrong : {"abc", "0", "-1", "2,0", ""}) {
+        const TemporaryFolder folder;
+        const CommandResult result =
+            ptbench({"machine"}, {.folder = folder.path(), .environment = {{"OMP_NUM_THREADS", wrong}}});
+        EXPECT_EQ(result.exit_code, 2);
+        // libgomp has its word first, before there is a program.
+        EXPECT_TRUE(result.err.ends_with("\nptbench: the environment: OMP_NUM_THREADS: found \"" + wrong +
+                                         "\", allowed: a number of threads from 1, or none: unset it for one a "
+                                         "processor\n"))
+            << result.err;
+        EXPECT_EQ(std::count(result.err.begin(), result.err.end(), ':'), 6) << result.err;  // libgomp's once
+    }
+    EXPECT_TRUE(ptbench({"machine"}, {.environment = {{"OMP_NUM_THREADS", " 3 , 2"}}}).out.ends_with("-3-threads\n"));
+}
+
 TEST(BadCallsTest, Backends) {
     const std::string unknown = "--backend: argument: found \"abacus\", allowed: cpu, cuda\n";
     expect_refusal(run_with({"--scene", "cornell_open", "--backend", "abacus"}), 2, unknown);
@@ -349,6 +365,22 @@ TEST(BadCallsTest, Numbers) {
     expect_refusal(
         run_with({"--scene", "cornell_open", "--benchmark_frob=1"}), 2,
         "command line: flag: found \"--benchmark_frob=1\", allowed: Google Benchmark's --benchmark_* flags\n");
+    // Google Benchmark itself shows how it is used, and ends with exit code 0.
+    const auto wrong_flag = [](const std::string& flag, const std::string& message) {
+        expect_refusal(run_with({"--scene", "cornell_open", "--backend", "cpu", "--benchmark_" + flag}), 2, message);
+    };
+    for (const std::string flag : {"format", "out_format"}) {
+        wrong_flag(flag + "=xml", "--benchmark_" + flag + ": argument: found \"xml\", allowed: console, json or csv\n");
+        wrong_flag(flag, "--benchmark_" + flag + ": argument: found no value, allowed: console, json or csv\n");
+    }
+    wrong_flag("time_unit=h", "--benchmark_time_unit: argument: found \"h\", allowed: ns, us, ms or s\n");
+    wrong_flag("color=", "--benchmark_color: argument: found \"\", allowed: auto, true or false\n");
+    wrong_flag("context=key", "--benchmark_context: argument: found \"key\", allowed: KEY=VALUE, ");
+    wrong_flag("counters_tabular=maybe", "--benchmark_counters_tabular: argument: found \"maybe\", allowed: true or ");
+    wrong_flag("min_time=long", "--benchmark_min_time: argument: found \"long\", allowed: seconds\n");
+    wrong_flag("min_warmup_time=1", "command line: flag: found \"--benchmark_min_warmup_time=1\", allowed: none: ");
+    wrong_flag("list_tests", "command line: flag: found \"--benchmark_list_tests\", allowed: --dry-run, ");
+    wrong_flag("repetitions", "--benchmark_repetitions: argument: found no value, allowed: a whole number from 1\n");
     expect_refusal({"run", "--scene", "cornell_open", "--resolution", "4x3", "--out", "/tmp"}, 2,
                    "--out: file name: found \"/tmp\", a folder, allowed: a file, new or regular\n");
 }

@@ -365,15 +365,28 @@ TEST_F(ShardedRunTest, ASlowMachineShows) {
     EXPECT_EQ(low, (std::map<double, std::size_t>{{1, slow}, {3000, 0}}));
 }
 
+TEST_F(ShardedRunTest, AShardUnderTwoNamesCountsOnce) {
+    run_shards(2);
+    ASSERT_EQ(merge({shard(1), shard(2)}).exit_code, 0);
+    const json once = parsed(merged).at("benchmarks");
+    std::filesystem::remove(merged);
+    const std::string copy = folder.file("copy.json");
+    std::filesystem::copy_file(shard(2), copy);
+    const CommandResult result = merge({shard(1), copy, shard(2), shard(2)});
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_EQ(result.err, "ptbench: " + shard(2) + " is " + copy + " once more, and counts once\n" +
+                              "ptbench: " + shard(2) + " is " + copy + " once more, and counts once\n");
+    EXPECT_EQ(parsed(merged).at("benchmarks"), once);
+}
+
 TEST_F(ShardedRunTest, MergeRefusesWhatIsNotOneRun) {
     run_shards(3);
     const std::string first = shard(1);
     expect_refusal({shard(1), shard(3)}, "merge: shards: found 2 of 3, without 2/3, allowed: every shard of the run");
     expect_refusal({shard(3)}, "merge: shards: found 1 of 3, without 1/3, 2/3, allowed: every shard of the run");
-    std::filesystem::copy_file(shard(2), folder.file("copy.json"));
-    expect_refusal(
-        {shard(1), shard(2), shard(3), folder.file("copy.json")},
-        folder.file("copy.json") + ": shard 2/3: found the shard that " + shard(2) + " is, allowed: each shard once");
+    const std::string again = changed(2, json::json_pointer("/context/load_avg"), json::array());
+    expect_refusal({shard(1), shard(2), shard(3), again},
+                   again + ": shard 2/3: found the shard that " + shard(2) + " is, allowed: each shard once");
     const auto foreign = [&](const std::string& place, const json& value, const std::string& what) {
         const std::string file = changed(2, json::json_pointer(place), value);
         expect_refusal({shard(1), file, shard(3)},

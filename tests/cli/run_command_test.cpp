@@ -1,10 +1,12 @@
 // ptbench run as a user calls it: dry, whole, killed, interrupted, resumed.
+#include <regex>
 #include <set>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "harness/bench/cpu_quota.h"
 #include "tests/support/backends.h"
 #include "tests/support/command.h"
 #include "tests/support/places.h"
@@ -94,7 +96,7 @@ TEST_F(RunCommandTest, DryRunListsTheCellsAndRunsNothing) {
     EXPECT_EQ(folder.content(), Arguments());
     const CommandResult filtered = ptbench(call(7, {"--dry-run", "--benchmark_filter=layout:soa/"}));
     EXPECT_EQ(filtered.out,
-              "wavefront/layout:soa/scene:cornell_open/backend:cpu/8x6/depth:8/spp:1\n1 cells, 7 samples, 0 not "
+              "wavefront/layout:soa/scene:cornell_open/backend:cpu/8x6/depth:8/spp:1\n1 cell, 7 samples, 0 not "
               "applicable\n");
     for (const char* suite : {"quick", "cis565"}) {
         const CommandResult planned = ptbench({"run", "--suite", suite, "--dry-run"}, {.folder = folder.path()});
@@ -322,6 +324,90 @@ TEST_F(RunCommandTest, GoogleBenchmarksFlagsWork) {
     EXPECT_EQ(rows[0].at("run_name"), "wavefront/layout:soa/scene:cornell_open/backend:cpu/8x6/depth:8/spp:1");
 }
 
+TEST_F(RunCommandTest, ResumeWithoutAJournalSaysThatItBegins) {
+    const CommandResult begun = ptbench(call(1, {"--resume"}));
+    EXPECT_EQ(begun.exit_code, 0) << begun.err;
+    EXPECT_NE(begun.err.find("ptbench: --resume: there is no unfinished run (" + journal + "), so this one begins\n"),
+              std::string::npos)
+        << begun.err;
+    EXPECT_EQ(samples(result()).size(), 2u);
+    EXPECT_EQ(ptbench(call(1, {"--resume"})).err.find("so this one begins"), std::string::npos);  // it is done
+}
+
+// As nohup starts it.
+TEST_F(RunCommandTest, AHangupThatTheCallerIgnoresStaysIgnored) {
+    Arguments arguments{"/bin/sh", "-c", "trap '' HUP; exec \"$0\" \"$@\""};
+    for (const std::string& argument : ptbench_arguments(call(200))) {
+        arguments.push_back(argument);
+    }
+    RunningCommand running(arguments, in_repository());
+    ASSERT_TRUE(wait_until([&] { return samples_in_journal() >= 2 || !running.is_running(); }));
+    running.signal(SIGHUP);
+    EXPECT_EQ(running.wait().exit_code, 0);
+}
+
+// A report renders a picture of it.
+TEST_F(RunCommandTest, ASceneByItsPathStandsInTheResult) {
+    const std::string own = folder.file("own.json");
+    std::filesystem::copy_file(in_source("scenes/cornell_open.json"), own);
+    Arguments arguments = call(1);
+    *std::find(arguments.begin(), arguments.end(), "cornell_open") = own;
+    EXPECT_EQ(ptbench(arguments).exit_code, 0);
+    EXPECT_EQ(result().at("ptbench").at("cells")[0].at("scene_file"), own);
+    EXPECT_EQ(ptbench(call(1, {"--overwrite"})).exit_code, 0);
+    EXPECT_FALSE(result().at("ptbench").at("cells")[0].contains("scene_file"));
+}
+
+// Set back by an hour at every reading, it gave "-4439:-58 elapsed".
+TEST_F(RunCommandTest, AClockThatIsSetBackLeavesProgressAsItIs) {
+    const CommandResult run = ptbench(call(2), {.environment = {{"LD_PRELOAD", set_clock_back_library()}}});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_NE(run.err.find(" elapsed, about "), std::string::npos) << run.err;
+    const std::regex below_0("[ :]-[0-9]");
+    EXPECT_FALSE(std::regex_search(run.err, below_0)) << run.err;
+    // It was: the samples were taken in the order that their numbers say, and ended ever earlier.
+    const std::vector<json> rows = samples(result());
+    EXPECT_LT(std::abs(rows[0].at("pt_timestamp").get<double>()), 2e9);
+    EXPECT_GT(rows[0].at("pt_timestamp").get<double>(), rows[1].at("pt_timestamp").get<double>());
+}
+
+TEST_F(RunCommandTest, MoreThreadsThanProcessorsAreToldAndTheQuotaStandsInTheResult) {
+    const std::string too_many = std::to_string(available_processors() + 1);
+    const CommandResult run = ptbench(call(1), {.environment = {{"OMP_NUM_THREADS", too_many}}});
+    EXPECT_NE(run.err.find("ptbench: warning: " + too_many + " threads on "), std::string::npos) << run.err;
+    EXPECT_LT(run.err.find("ptbench: warning: "), run.err.find("elapsed"));
+    const std::string quota = result().at("context").at("ptbench.cpu_quota");
+    EXPECT_TRUE(quota == "none" || std::stod(quota) > 0) << quota;
+    for (const json& row : samples(result())) {
+        EXPECT_TRUE(row.at("pt_throttled_periods").is_number_unsigned());
+        EXPECT_GE(row.at("pt_throttled_ms").get<double>(), 0);
+    }
+}
+
+// The library reads them before main; some end every run, and --resume, some the program with exit code 0.
+TEST_F(RunCommandTest, GoogleBenchmarksVariablesAreIgnoredAndNamed) {
+    write_text(folder.file("mine.json"), "{}");
+    const CommandResult run = ptbench(call(2), {.environment = {{"BENCHMARK_FILTER", "nothing"},
+                                                                {"BENCHMARK_LIST_TESTS", "true"},
+                                                                {"BENCHMARK_FORMAT", "xml"},
+                                                                {"BENCHMARK_OUT", folder.file("mine.json")},
+                                                                {"BENCHMARK_TIME_UNIT", "h"},
+                                                                {"BENCHMARK_ROOT", "else"}}});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(run.err.find("ptbench: ignored in the environment: BENCHMARK_LIST_TESTS, BENCHMARK_FILTER, "
+                           "BENCHMARK_FORMAT, BENCHMARK_OUT, BENCHMARK_TIME_UNIT (options are given on the command "
+                           "line)\n"),
+              0u)
+        << run.err;
+    EXPECT_EQ(content_of(folder.file("mine.json")), "{}");
+    EXPECT_EQ(result().at("context").at("ptbench.status"), "completed");
+    // Where the environment says how threads wait, too.
+    const CommandResult again =
+        ptbench(call(2, {"--overwrite"}), {.environment = {{"BENCHMARK_FILTER", "nothing"}, {"GOMP_SPINCOUNT", "0"}}});
+    EXPECT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_EQ(ptbench({"list", "layout"}, {.environment = {{"BENCHMARK_FILTER", "nothing"}}}).err, "");
+}
+
 // What GOMP_SPINCOUNT does to the time of a render beside other jobs: results/*/waiting.txt.
 TEST_F(RunCommandTest, ThreadsThatWaitSpinForAMomentUnlessTheEnvironmentSaysOtherwise) {
     const auto environment_of = [this](const Arguments& settings) {
@@ -519,7 +605,7 @@ TEST_F(RunCommandTest, AFullDiskEndsTheRunAndItGoesOnWhenThereIsRoom) {
 
 TEST_F(RunCommandTest, AnInterruptedRunEndsWithAFileAndGoesOn) {
     constexpr int repetitions = 600;
-    for (const int number : {SIGINT, SIGTERM}) {
+    for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
         RunningCommand interrupted(ptbench_arguments(call(repetitions)), in_repository());
         ASSERT_TRUE(wait_until([&] { return samples_in_journal() >= 20 || !interrupted.is_running(); }));
         interrupted.signal(number);

@@ -200,7 +200,7 @@ TEST(ObjTest, EachFaultHasItsLine) {
     EXPECT_EQ(fault("-4 -4 -1", "1 2"), "mesh: line 10: found \"f 1 2\", allowed: a face with at least 3 corners");
     EXPECT_EQ(
         fault("f 1/1 2/1 3/1 4/1\n", ""),
-        "mesh: mesh: found 1 triangles without area and no other, allowed: at least one triangle that has an area");
+        "mesh: mesh: found 1 triangle without area and no other, allowed: at least one triangle that has an area");
     EXPECT_EQ(fault_of(parse_obj, "v 0 0 0\n"),
               "mesh: mesh: found no triangles, allowed: at least one triangle that has an area");
 }

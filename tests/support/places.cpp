@@ -12,4 +12,6 @@ std::string program_with_wrong_variants() { return PTBENCH_WRONG; }
 
 std::string kill_at_library() { return PTBENCH_KILL_AT; }
 
+std::string set_clock_back_library() { return PTBENCH_SET_CLOCK_BACK; }
+
 }  // namespace pt::test

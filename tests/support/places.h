@@ -20,5 +20,6 @@ std::string program_with_wrong_variants();
 
 // tests/preload/kill_at.cpp as a library for LD_PRELOAD.
 std::string kill_at_library();
+std::string set_clock_back_library();  // tests/preload/set_clock_back.cpp, likewise
 
 }  // namespace pt::test

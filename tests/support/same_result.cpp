@@ -19,7 +19,8 @@ void hide_in_row(json& row) {
     }
     for (const char* key :
          {"real_time", "cpu_time", "pt_wall_ms", "pt_device_ms", "pt_end_to_end_ms", "pt_rays_per_second",
-          "pt_low_clock", "pt_foreign_cpu_ms", "pt_contended", "pt_involuntary_switches", "pt_order", "pt_timestamp"}) {
+          "pt_low_clock", "pt_foreign_cpu_ms", "pt_throttled_ms", "pt_throttled_periods", "pt_contended",
+          "pt_involuntary_switches", "pt_order", "pt_timestamp"}) {
         hide(row, key);
     }
     if (row.contains("pt_checkpoints")) {

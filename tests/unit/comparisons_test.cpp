@@ -374,6 +374,37 @@ TEST(DisturbedTest, ARenderThatWaitsForABusyHostIsDisturbed) {
     EXPECT_FALSE(is_disturbed(alone, Backend::cuda));
 }
 
+// However little else ran: the system itself withheld the time.
+TEST(DisturbedTest, ASampleThatAQuotaThrottledIsDisturbed) {
+    Json throttled = sample(200), not_once = sample(200);
+    throttled["pt_throttled_periods"] = 1;
+    throttled["pt_throttled_ms"] = 0.01;
+    not_once["pt_throttled_periods"] = 0;
+    EXPECT_TRUE(is_disturbed(throttled, Backend::cpu));
+    EXPECT_FALSE(is_disturbed(not_once, Backend::cpu));
+    throttled["pt_device_ms"] = 200;
+    EXPECT_FALSE(is_disturbed(throttled, Backend::cuda));
+    throttled["pt_host_waits"] = 1;
+    EXPECT_TRUE(is_disturbed(throttled, Backend::cuda));
+
+    const test::TemporaryFolder folder;
+    Journal journal(folder.file("journal"), Json::object(), false);
+    Plan plan;
+    plan.cells.resize(1);
+    plan.cells[0].name = "a";
+    journal.set_cell("a", {{"status", "ok"}});
+    for (Json facts : {throttled, not_once, sample(200, 190)}) {
+        facts["film_hash"] = "0123456789abcdef";
+        journal.add_sample("a", facts);
+    }
+    EXPECT_EQ(to_retake(plan.cells[0], journal, 9), (std::vector<std::size_t>{0, 2}));
+    EXPECT_TRUE(times_of(plan.cells[0], journal).is_throttled);
+    const Disturbance found = disturbance_of(plan, journal);
+    EXPECT_EQ(in_words(found), "disturbed: 2 of 3 samples (other processes 1, CPU quota 1, low clock 0)");
+    EXPECT_EQ(verdict_of({}, times_of(plan.cells[0], journal), {}).reason.find("a CPU quota or other processes took"),
+              0u);
+}
+
 TEST(DisturbedTest, AsManyAreTakenAgainAsTheLimitAllows) {
     const test::TemporaryFolder folder;
     Journal journal(folder.file("journal"), Json::object(), false);

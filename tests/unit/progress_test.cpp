@@ -89,6 +89,14 @@ TEST(ProgressTest, HiddenItSaysNothing) {
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
+TEST(ProgressTest, WhatIsDoneSoonIsNotTold) {
+    testing::internal::CaptureStderr();
+    Progress patient("verify", 2, Progress::Lines::shown, 3600);
+    patient.step("first");
+    patient.step("second");
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
 // What a terminal of so many columns would be sent.
 template <class Write>
 std::string written_to_terminal(unsigned short columns, const Write& write) {
@@ -100,7 +108,6 @@ std::string written_to_terminal(unsigned short columns, const Write& write) {
     const int kept = ::dup(STDERR_FILENO);
     ::dup2(terminal, STDERR_FILENO);
     write();
-    std::fflush(stderr);
     ::dup2(kept, STDERR_FILENO);
     ::close(kept);
     ::close(terminal);

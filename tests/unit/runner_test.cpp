@@ -985,7 +985,7 @@ TEST_F(RunThatHangsTest, DISABLED_InterruptedTwice) { run_and_hang(2); }
 TEST_F(RunThatHangsTest, TheSampleInFlightIsAbandoned) {
     const test::CommandResult ended = in_a_process("DISABLED_InterruptedOnce");
     EXPECT_EQ(ended.exit_code, exit_interrupted) << ended.err;
-    EXPECT_NE(ended.out.find("; interrupted with 1 cells unfinished\ngo on with: the test --resume\n"),
+    EXPECT_NE(ended.out.find("; interrupted with 1 cell unfinished\ngo on with: the test --resume\n"),
               std::string::npos)
         << ended.out;
     const Json cut = result();
@@ -1082,7 +1082,7 @@ TEST_F(RunnerTest, DescribesAPlan) {
     const Plan plan = make_plan(suite({{"first_bounce", {"off", "cached"}}}));
     EXPECT_EQ(describe_plan(plan, 5),
               "wavefront/scene:tiny/backend:cpu/8x6/depth:3/spp:2\nn/a: wavefront first_bounce=cached on tiny: "
-              "first_bounce=cached needs jitter off (camera.jitter is true in the scene)\n1 cells, 5 samples, 1 not "
+              "first_bounce=cached needs jitter off (camera.jitter is true in the scene)\n1 cell, 5 samples, 1 not "
               "applicable\n");
 }
 

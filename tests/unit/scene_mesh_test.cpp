@@ -6,6 +6,7 @@
 
 #include "harness/error.h"
 #include "harness/scene/scene.h"
+#include "tests/support/command.h"
 
 namespace pt {
 namespace {
@@ -83,8 +84,11 @@ TEST(SceneMeshTest, FaultsAreToldWithTheirPlace) {
               "s.json: $.objects[0].generate.size: found 0, allowed: a whole number from 1 to 32768 (tori)");
     EXPECT_NE(error_of(mesh_with(R"("generate": {"mesh": "tor", "size": 1})")).find("(did you mean \"tori\"?)"),
               std::string::npos);
-    EXPECT_EQ(error_of(mesh_with(R"("file": "a.stl")")),
-              "a.stl: file name: found the ending \".stl\", allowed: .obj, .ply, .glb or .gltf");
+    const test::TemporaryFolder folder;
+    const std::string other = folder.file("a.stl");
+    test::write_text(other, "solid");
+    EXPECT_EQ(error_of(mesh_with("\"file\": \"" + other + "\"")),
+              other + ": file name: found the ending \".stl\", allowed: .obj, .ply, .glb or .gltf");
     EXPECT_EQ(error_of(R"({"shape": "sphere", "material": "white", )" + ball + "}").find("s.json: $.objects[0]"), 0u);
 }
 
@@ -103,6 +107,28 @@ TEST(SceneMeshTest, AMeshMayStandInTheSceneItself) {
     EXPECT_EQ(scene.meshes[scene.objects[2].mesh]->degenerate_left_out, 2u);
 }
 
+TEST(SceneMeshTest, AFileThatIsMissingIsToldWithTheLineThatNamesIt) {
+    const test::TemporaryFolder folder;
+    const std::string file = folder.file("s.json");
+    const auto error = [&](const std::string& text) {
+        test::write_text(file, text);
+        try {
+            (void)load_scene(file);
+        } catch (const InputError& caught) {
+            return std::string(caught.what());
+        }
+        return std::string();
+    };
+    const std::string allowed = "), allowed: a file, by its path from the scene's folder";
+    EXPECT_EQ(
+        error(scene_of("\n" + mesh_with(R"("file": "none.obj")"))),
+        file + ":6: $.objects[0].file: found \"none.obj\", which is no file (" + folder.file("none.obj") + allowed);
+    std::filesystem::create_directory(folder.file("folder.obj"));
+    EXPECT_NE(error(scene_of(mesh_with(R"("file": "folder.obj")"))).find("which is a folder"), std::string::npos);
+    // Without a file of its own, a scene has no lines.
+    EXPECT_EQ(error_of(mesh_with(R"("file": "none.obj")")).find("s.json: $.objects[0].file: found \"none.obj\", "), 0u);
+}
+
 TEST(SceneMeshTest, FaultsOfAMeshInTheSceneAreToldWithTheirPlace) {
     EXPECT_EQ(error_of(mesh_with(corners + R"(, "triangles": [[0, 1, 4]])")),
               "s.json: $.objects[0].triangles[0][2]: found 4, allowed: a vertex, counted from 0: a whole number from 0 "
@@ -110,7 +136,7 @@ TEST(SceneMeshTest, FaultsOfAMeshInTheSceneAreToldWithTheirPlace) {
     EXPECT_EQ(error_of(mesh_with(R"("vertices": [[0, 0, 1e39]], "triangles": [])")),
               "s.json: $.objects[0].vertices[0][2]: found 1e+39, allowed: a number of single precision");
     EXPECT_EQ(error_of(mesh_with(corners + R"(, "triangles": [[0, 1, 1]])")),
-              "s.json: $.objects[0].triangles: mesh: found 1 triangles without area and no other, allowed: at least "
+              "s.json: $.objects[0].triangles: mesh: found 1 triangle without area and no other, allowed: at least "
               "one triangle that has an area");
     EXPECT_NE(error_of(mesh_with(corners + R"(, "triangles": [[0, 1]])")).find("allowed: [i, j, k]"),
               std::string::npos);

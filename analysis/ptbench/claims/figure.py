@@ -92,7 +92,7 @@ def _limits(rows: Sequence[Judged]) -> tuple[float, float, bool]:
     ends = [end for one in rows for end in _ends(one) if math.isfinite(end)]
     if min(ends) > 0:
         return min([*ends, 0.95]) / 1.12, max([*ends, 1.05]) * 1.12, True
-    room = 0.06 * (max(ends) - min(ends))
+    room = style.room(min(ends), max(ends), 0.06)
     return min(ends) - room, max(ends) + room, False
 
 

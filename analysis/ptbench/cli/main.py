@@ -1,11 +1,12 @@
 """The command line: `python3 -m ptbench plots|report|compare|crosscheck|peers|explain|findings|claims|...`.
 
-Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong.
+Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong, 3 the machine failed.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import sys
 from collections.abc import Iterator
@@ -16,13 +17,13 @@ from ptbench import __version__
 from ptbench.cli.parser import Parser
 from ptbench.compare.options import add_compare
 from ptbench.crosscheck.options import add_crosscheck
-from ptbench.errors import FindingError, InputError
+from ptbench.errors import FindingError, InputError, MachineError
 from ptbench.fleet.options import add_fleet
 from ptbench.io.files import package_file
 from ptbench.peers.options import add_peers
 from ptbench.simulate.options import add_simulate
 from ptbench.submit.options import add_submit
-from ptbench.terminal import visible, visible_output
+from ptbench.terminal import OutputError, visible, visible_output
 from ptbench.tidy.columns import GROUPS as TABLES
 
 _COMMAND = "ptbench-analysis"
@@ -177,8 +178,30 @@ def main(arguments: list[str] | None = None, program: str = "") -> int:
 
     `program` is what usage and complaints call it; left out, it is what the process was started as.
     """
+    program = program or _program()
     with visible_output():
-        return _main(sys.argv[1:] if arguments is None else arguments, program or _program())
+        try:
+            with _drawing_to_files():
+                code = _main(sys.argv[1:] if arguments is None else arguments, program)
+            sys.stdout.flush()
+        except OutputError as error:
+            print(f"{program}: {error}", file=sys.stderr)
+            return 3
+        return code
+
+
+@contextmanager
+def _drawing_to_files() -> Iterator[None]:
+    """matplotlib reads MPLBACKEND as soon as it is imported, and notebooks export one that only they have."""
+    kept = os.environ.get("MPLBACKEND")
+    os.environ["MPLBACKEND"] = "agg"
+    try:
+        yield
+    finally:
+        if kept is None:
+            del os.environ["MPLBACKEND"]
+        else:
+            os.environ["MPLBACKEND"] = kept
 
 
 @contextmanager
@@ -308,6 +331,9 @@ def _main(arguments: list[str], program: str) -> int:
     except (InputError, FindingError) as error:
         print(f"{program}: {visible(str(error))}", file=sys.stderr)
         return 2
+    except MachineError as error:
+        print(f"{program}: {visible(str(error))}", file=sys.stderr)
+        return 3
 
 
 def _draw(options: argparse.Namespace) -> int:

@@ -14,7 +14,7 @@ from ptbench.compare.verdicts import WORDS, Comparison, Mean, Row
 from ptbench.io.cells import GPU_BACKEND, Cell, Result
 from ptbench.io.files import one_line
 from ptbench.io.stability import Stability
-from ptbench.numbers import figures, ratio
+from ptbench.numbers import figures, plural, ratio
 from ptbench.stats.estimates import (
     CLOCK_UNKNOWN,
     INTERVAL_TEXT,
@@ -61,7 +61,7 @@ def device_of(result: Result | Stability) -> str:
     """The GPU's name, or the CPU's and its threads."""
     if result.about("backend") == GPU_BACKEND:
         return result.about("cuda_device")
-    return f"{result.about('cpu_model')}, {result.about('threads')} threads"
+    return f"{result.about('cpu_model')}, {plural(result.about('threads'), 'thread')}"
 
 
 def differing(key: str, results: Sequence[Result | Stability]) -> str:

@@ -28,7 +28,7 @@ from ptbench.stats.estimates import (
     verdict_of_ratio,
     withheld,
 )
-from ptbench.studies.disturbed import CONTENDED, disturbance_of
+from ptbench.studies.disturbed import CONTENDED, THROTTLED, disturbance_of
 from ptbench.studies.rows import cycles_ratio, time_ratio
 
 WORDS = (SLOWER, UNSURE, SAME, FASTER)  # worst first
@@ -152,7 +152,7 @@ def _too_much(sides: Sequence[Sequence[Cell]]) -> str:
     for cells in sides:
         found = disturbance_of(cells)
         if replace(found, disturbed=found.contended).is_too_much:
-            return CONTENDED
+            return THROTTLED if found.throttled else CONTENDED
     return ""
 
 

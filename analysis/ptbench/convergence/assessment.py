@@ -22,6 +22,7 @@ from ptbench.convergence.fit import (
     reference_error,
 )
 from ptbench.io.cells import Cell, Result
+from ptbench.numbers import plural
 from ptbench.stats.estimates import Estimate, median_estimate, telling_digits
 from ptbench.stats.intervals import half_width, holm, standard_error, stands_apart
 
@@ -154,7 +155,7 @@ def _verdict(curve: Curve, fit: Fit, slope: Slope | None, curves: int) -> tuple[
         reason = f"from the image's mean, which is off by {_listed(off)}; {why}"
         return Verdict(PLATEAU, reason, float(np.sqrt(np.mean(off**2))), bool(biases), is_bound=True), (low, high)
     if curve.count < LEAST_SEEDS:
-        return Verdict(NO_VERDICT, f"{curve.count} seeds, a verdict needs {LEAST_SEEDS}"), (low, high)
+        return Verdict(NO_VERDICT, f"{plural(curve.count, 'seed')}, a verdict needs {LEAST_SEEDS}"), (low, high)
     if slope is None:
         return Verdict(NOISE_LIMITED, "the error does not stand clear of the reference's noise"), (low, high)
     if slope.is_flatter or _flattens(fit):
@@ -218,9 +219,9 @@ def _doubts(curve: Curve, fit: Fit, slope: Slope | None) -> tuple[str, ...]:
                 f"{curve.count} seeds is doubtful"
             )
     if curve.count < LEAST_SEEDS:
-        doubts.append(f"{curve.count} seeds, fewer than {LEAST_SEEDS}")
+        doubts.append(f"{plural(curve.count, 'seed')}, fewer than {LEAST_SEEDS}")
     if curve.incomplete:
-        doubts.append(f"{curve.incomplete} samples without all checkpoints, left out")
+        doubts.append(f"{plural(curve.incomplete, 'sample')} without all checkpoints, left out")
     if slope is not None and slope.last < curve.spp[-1]:
         doubts.append(f"slope up to {slope.last} spp: beyond, the error is within the reference's noise")
     return tuple(doubts)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ptbench.io.cells import Cell, Result, Study
-from ptbench.numbers import span
+from ptbench.numbers import plural, span
 from ptbench.stats.estimates import INTERVAL_TEXT
 from ptbench.studies.gpu import KERNEL_AXES, gpu_line
 from ptbench.studies.notes import Note
@@ -55,7 +55,7 @@ def setting(
         fixed = _fixed(cells, question, study, told=KERNEL_AXES if gpu else ())
     machine = f"Machine {result.about('machine')}: "
     if not gpu:
-        machine += f"{result.about('cpu_model')}, {result.about('threads')} threads, "
+        machine += f"{result.about('cpu_model')}, {plural(result.about('threads'), 'thread')}, "
     parts = [
         f"Scene{'s' if len(scenes) > 1 else ''} {', '.join(scenes)}; {resolutions} pixels; "
         f"{span(cell.spp for cell in cells)} spp a sample; depth {span(cell.depth for cell in cells)}"

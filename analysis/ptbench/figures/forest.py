@@ -179,7 +179,8 @@ def _limits(data: Data) -> tuple[tuple[float, float], bool]:
     low, high = min(ends), max(ends)
     if low > 0 and high > _LOG_FROM * low:
         return (low / 1.15, high * 1.15), True
-    return (low - 0.06 * (high - low), high + 0.06 * (high - low)), False
+    room = style.room(low, high, 0.06)
+    return (low - room, high + room), False
 
 
 def _scale(axes: Axes, limits: tuple[float, float], log: bool, most: int = 5) -> None:

@@ -42,11 +42,11 @@ class Data:
 
 
 def collect(document: dict) -> Data:
-    """The peers that may be compared; raises NotDrawable."""
+    """The peers that may be compared, where their images have noise; raises NotDrawable."""
     panels = tuple((scene.name.rpartition("/")[2], _points(scene)) for scene in scenes_of(document))
     panels = tuple((name, points) for name, points in panels if points)
     if not panels:
-        raise NotDrawable("no peer has times and a picture that agrees")
+        raise NotDrawable("no peer has times and a picture that agrees, with a variance above 0")
     context, settings = document["context"], document["settings"]
     width, height = settings["resolution"]
     caption = (
@@ -61,7 +61,8 @@ def collect(document: dict) -> Data:
 
 
 def _points(scene: Scene) -> tuple[Point, ...]:
-    return tuple(Point(peer.name, peer.measured.time, peer.measured.noise) for peer in scene.peers if peer.compares)
+    points = (Point(peer.name, peer.measured.time, peer.measured.noise) for peer in scene.peers if peer.compares)
+    return tuple(point for point in points if point.variance.value > 0)
 
 
 def draw(data: Data) -> Figure:

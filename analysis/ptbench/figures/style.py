@@ -104,6 +104,11 @@ def _may_exceed(text: str, size: float, weight: str, width: float) -> bool:
     return 1.1 * sum(_character_width(character, size, weight) for character in text) > width
 
 
+def room(low: float, high: float, share: float) -> float:
+    """What to leave free beyond the ends of an axis: a share of what it shows, also where that is one value."""
+    return share * ((high - low) or abs(high) or 1.0)
+
+
 def text_height(size: float, lines: int = 1) -> float:
     """Inches that lines of text take; `size` in points."""
     return lines * size * LINE_HEIGHT / 72

@@ -19,6 +19,7 @@ from ptbench.figures import series
 from ptbench.figures.caption import note_lines, setting
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.io.rays import RayMesh, load_rays_folder
+from ptbench.numbers import plural
 from ptbench.stats.estimates import Estimate, median_estimate
 from ptbench.studies.notes import notes_of
 from ptbench.studies.rows import measure
@@ -147,8 +148,9 @@ def collect(result: Result, study: Study) -> series.Data:
     threads = result.about("threads")
     caption = "\n".join(
         [
-            f"Time: building, once, plus encoding, once, plus spp times the median time of a sample. CPU: {threads} "
-            f"threads. Below 1: the image is there before that of {BASELINE}. All on the GPU: build and encoding as "
+            f"Time: building, once, plus encoding, once, plus spp times the median time of a sample. CPU: "
+            f"{plural(threads, 'thread')}. Below 1: the image is there before that of {BASELINE}. All on the GPU: "
+            "build and encoding as "
             "`ptbench rays` timed them on this mesh, medians, without a copy. "
             "Rings: from there on the line is the lowest. " + " ".join(said),
             setting(result, cells, None, study),

@@ -51,6 +51,8 @@ class Sample:
     contended: bool = False
     cpu_ms: float | None = None
     foreign_cpu_ms: float | None = None  # that other processes took meanwhile; below zero where clocks round
+    throttled_periods: int | None = None  # in which a quota of CPU time was used up meanwhile
+    throttled_ms: float | None = None
     involuntary_switches: int | None = None
     checkpoints: tuple[Checkpoint, ...] = ()  # of a convergence cell
     film_hash: str = ""  # of its film; older files have none
@@ -173,6 +175,7 @@ class Cell:
     counters: dict[str, int] = field(default_factory=dict)  # of the instrumented pass, `spp` samples a pixel
     cuda: Cuda | None = None
     meshes: MeshFacts | None = None  # of a scene with meshes
+    scene_file: str = ""  # of a scene that did not come with the program, on the host of the run
     convergence: Convergence | None = None
     tuned: dict[str, str] = field(default_factory=dict)  # the tunables that are not at their choice's default
     variant_in_file: str = ""  # older files spell every choice
@@ -221,8 +224,13 @@ class Cell:
 
     @property
     def contended_samples(self) -> int:
-        """How many samples other processes took CPU time from."""
+        """How many samples other processes, or a quota, took CPU time from."""
         return sum(sample.contended for sample in self.samples)
+
+    @property
+    def throttled_samples(self) -> int:
+        """How many of the disturbed ones a quota of CPU time held up."""
+        return sum(self.is_disturbed(sample) and bool(sample.throttled_periods) for sample in self.samples)
 
     @property
     def disturbed_samples(self) -> int:

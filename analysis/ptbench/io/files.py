@@ -18,7 +18,7 @@ from contextlib import contextmanager
 from importlib import resources
 from pathlib import Path
 
-from ptbench.errors import InputError, bad_value
+from ptbench.errors import InputError, MachineError, bad_value
 
 # The largest files that are read, as in the program: the largest committed result has 20 MB, and parsed a result takes
 # about ten times its size in memory.
@@ -36,6 +36,18 @@ _IN_WORDS = {
     errno.EPERM: "no permission",
     errno.ELOOP: "a link that leads to itself",
 }
+
+
+# What a disk answers that is full or broken: no other name would help.
+_OF_THE_MACHINE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.ENOMEM, errno.EMFILE, errno.ENFILE)
+
+
+def _write_failure(target: Path, place: str, error: OSError, allowed: str) -> InputError | MachineError:
+    """Whose fault it is that nothing can be written there."""
+    reason = _reason(target, error)
+    if error.errno in _OF_THE_MACHINE:
+        return MachineError(f"{target}: cannot be written: {reason}")
+    return bad_value(target, place, reason, allowed)
 
 
 def package_file(*parts: str) -> Path:
@@ -108,7 +120,7 @@ def make_folder(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise bad_value(folder, "output folder", _reason(folder, error), "a folder that can be made") from error
+        raise _write_failure(folder, "output folder", error, "a folder that can be made") from error
 
 
 def check_output_folder(folder: Path) -> None:
@@ -142,9 +154,7 @@ def write_whole(target: Path, write: Callable[[Path], None]) -> Path:
     try:
         descriptor, name = tempfile.mkstemp(dir=final.parent, prefix=f".{final.stem}-", suffix=final.suffix)
     except OSError as error:
-        raise InputError(
-            f"{final.parent}: output folder: found {error.strerror or error}, allowed: a folder that can be written"
-        ) from error
+        raise _write_failure(final.parent, "output folder", error, "a folder that can be written") from error
     os.close(descriptor)
     temporary = Path(name)
     try:
@@ -155,7 +165,7 @@ def write_whole(target: Path, write: Callable[[Path], None]) -> Path:
         temporary.chmod(0o666 & ~umask)
         os.replace(temporary, final)
     except OSError as error:
-        raise bad_value(target, "output file", error.strerror or str(error), "a name that can be written") from error
+        raise _write_failure(target, "output file", error, "a name that can be written") from error
     finally:
         temporary.unlink(missing_ok=True)
     return target
@@ -167,7 +177,7 @@ def move_whole(source: Path, target: Path) -> None:
     try:
         os.replace(source, _behind_links(target))
     except OSError as error:
-        raise bad_value(target, "output file", error.strerror or str(error), "a name that can be written") from error
+        raise _write_failure(target, "output file", error, "a name that can be written") from error
 
 
 def _behind_links(target: Path) -> Path:
@@ -180,7 +190,7 @@ def scratch_folder(folder: Path) -> Iterator[Path]:
     try:
         made = tempfile.TemporaryDirectory(dir=folder, prefix=".render-")
     except OSError as error:
-        raise bad_value(folder, "output folder", _reason(folder, error), "a folder that can be written") from error
+        raise _write_failure(folder, "output folder", error, "a folder that can be written") from error
     with made as name:
         yield Path(name)
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from ptbench.convergence.tables import convergence_rules, convergence_tables
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.io.files import one_line
-from ptbench.numbers import figures, interval, ratio
+from ptbench.numbers import figures, interval, plural, ratio
 from ptbench.stats.estimates import INTERVAL_TEXT, VERDICT_RULE, Estimate, interval_of_ratio, telling_digits
 from ptbench.studies.disturbed import disturbance_in
 from ptbench.studies.gpu import about_gpu, gpu_line, hottest_kernel
@@ -60,7 +60,7 @@ def summary(result: Result, not_drawn: dict[str, Sequence[str]], notes: dict[str
 def about(result: Result) -> list[tuple[str, str]]:
     """What is said of the whole file: what, and the text."""
     on_gpu = any(cell.on_gpu for cell in result.cells)
-    host = f"{result.about('cpu_model')}, {result.about('threads')} threads"
+    host = f"{result.about('cpu_model')}, {plural(result.about('threads'), 'thread')}"
     return [
         ("Result file", result.path.name),
         ("Run", "INTERRUPTED: cells and samples may be missing" if result.interrupted else result.about("status")),

@@ -11,6 +11,7 @@ from ptbench.convergence.assessment import LEAST_SEEDS
 from ptbench.io.cells import Result
 from ptbench.io.files import one_line, safe_name
 from ptbench.io.stability import BROKEN, FAILED, KNOWN_LIMIT, NOT_APPLICABLE, PASSED, Stability
+from ptbench.numbers import plural
 from ptbench.plots.summary import failed, not_applicable, on_device, stages, study_section
 from ptbench.report import tidy
 from ptbench.report.blocks import Block, Bullets, Download, Facts, Paragraph, Section, anchor_of, blocks_of
@@ -19,7 +20,7 @@ from ptbench.report.findings import Findings, findings_of, stability_findings
 from ptbench.report.forest import draw_overview
 from ptbench.report.scenes import SceneUse, scene_uses
 from ptbench.report.sources import load
-from ptbench.report.verdicts import counts_text, plural, study_verdicts, verdict_counts
+from ptbench.report.verdicts import counts_text, study_verdicts, verdict_counts
 from ptbench.stability.layout import Layout, count, failures
 from ptbench.stability.summary import family_text, limits, missing, must_pass_failures
 from ptbench.stats.estimates import MINIMUM_SAMPLES
@@ -36,7 +37,7 @@ _MACHINE_FACTS = (
     ("GPU memory, MiB", "cuda_memory_mib"), ("Memory clock, MHz", "cuda_memory_clock_mhz"),
     ("Memory bus, bits", "cuda_memory_bus_bits"), ("L2, bytes", "cuda_l2_bytes"), ("ECC", "cuda_ecc"),
     ("CUDA driver", "cuda_driver"), ("CUDA runtime", "cuda_runtime"), ("NVRTC", "cuda_nvrtc"), ("CCCL", "cuda_cccl"),
-    ("CPU", "cpu_model"), ("Threads", "threads"), ("System", "os"),
+    ("CPU", "cpu_model"), ("Threads", "threads"), ("CPU quota", "cpu_quota"), ("System", "os"),
 )  # fmt: skip
 _RUN_FACTS = (
     ("ptbench", "version"), ("Compiler", "compiler"), ("Compiler flags", "compiler_flags"),
@@ -257,6 +258,7 @@ def _doubts(result: Result) -> list[tuple[str, int, str]]:
         ("run interrupted: cells and samples may be missing", int(result.interrupted), "1 run"),
         ("samples at a low clock, kept", sum(cell.low_clock_samples for cell in cells), samples),
         ("samples while other processes used the host, kept", sum(cell.contended_samples for cell in cells), samples),
+        ("of those, samples that a CPU quota held up", sum(cell.throttled_samples for cell in cells), samples),
         ("of those, samples whose time may be wrong for it", sum(cell.disturbed_samples for cell in cells), samples),
         (
             "samples whose clock is unknown: no verdict of theirs is held against cycles",

@@ -20,8 +20,8 @@ from ptbench.convergence.efficiency import (
 )
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.io.stability import BROKEN, FAILED, KNOWN_LIMIT, NOT_APPLICABLE, PASSED, Stability
-from ptbench.numbers import ratio
-from ptbench.report.verdicts import WORDS, counts_text, plural, where_in
+from ptbench.numbers import plural, ratio
+from ptbench.report.verdicts import WORDS, counts_text, where_in
 from ptbench.stability.layout import count
 from ptbench.stats.estimates import (
     CLOCK_UNKNOWN,

@@ -37,6 +37,7 @@ class SceneUse:
     reference: Path | None = None
     reference_variant: str = ""
     reference_spp: int = 0
+    file: str = ""  # of a scene that did not come with the program
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,7 @@ def scene_uses(result: Result) -> tuple[SceneUse, ...]:
     for (scene, scene_hash), cells in found.items():
         sizes = tuple(dict.fromkeys(cell.resolution_text for cell in cells))
         path, reference = None, None
+        own_file = next((cell.scene_file for cell in cells if cell.scene_file), "")
         for cell in cells:
             convergence = cell.convergence
             if convergence is None or not convergence.reference_picture or convergence.reference.scene != scene:
@@ -88,7 +90,7 @@ def scene_uses(result: Result) -> tuple[SceneUse, ...]:
                 path, reference = file, convergence.reference
                 break
         if reference is None:
-            uses.append(SceneUse(scene, scene_hash, sizes))
+            uses.append(SceneUse(scene, scene_hash, sizes, file=own_file))
         else:
             uses.append(SceneUse(scene, scene_hash, sizes, path, reference.variant, 2 * reference.spp_per_half))
     return tuple(uses)
@@ -162,11 +164,12 @@ def _rendered(known: ScenePicture, use: SceneUse, renderer: Renderer) -> ScenePi
 
 
 def _render(use: SceneUse, size: tuple[int, int], renderer: Renderer) -> gallery.Rendered:
-    """The scene by its name, or from the file of that name that has its hash; else the first attempt's failure."""
+    """From its own file, by its name, or from the file of that name that has its hash; else the first one's failure."""
     attempts = []
     # A suite may name scenes by their files, which the program does not know by name.
     files = sorted(path for path in _SCENES.rglob("*.json") if path.stem == use.scene)
-    for source in (use.scene, *map(str, files)):
+    own = [use.file] if use.file and os.path.isfile(use.file) else []
+    for source in (*own, use.scene, *map(str, files)):
         attempts.append(_render_source(source, size, renderer))
         if attempts[-1].image is not None and use.scene_hash in ("", attempts[-1].scene_hash):
             return attempts[-1]

@@ -18,7 +18,7 @@ from ptbench.convergence.efficiency import (
     names_in,
 )
 from ptbench.io.cells import Cell, Result, Study
-from ptbench.numbers import ratio
+from ptbench.numbers import plural, ratio
 from ptbench.stats.estimates import FASTER, SAME, SLOWER, UNSURE, interval_of_ratio
 from ptbench.studies.questions import Question, dimension, question_of, swept_by, varying_dimensions
 from ptbench.studies.rows import Row, measure
@@ -26,11 +26,6 @@ from ptbench.studies.withdrawn import between
 
 WORDS = (FASTER, SLOWER, SAME, UNSURE)
 NOT_COMPARED = "—"
-
-
-def plural(count: int, what: str) -> str:
-    """ "1 cell", "2 cells"."""
-    return f"{count} {what}{'' if count == 1 else 's'}"
 
 
 def verdict_counts(result: Result) -> Counter[str]:

@@ -1,5 +1,6 @@
 """How many samples were disturbed, taken while other processes had the CPU or at a low clock, and what that forbids.
 
+A quota of CPU time that was used up counts as other processes do: the system withheld the time.
 The rule for every number that rests on times (a ratio, a mean, an efficiency, what checkpoints cost): where other
 processes disturbed more than MOST_DISTURBED of the samples of a cell that it is computed from, it has no verdict
 (`doubt_of`). A low clock has none of this: there the cycles must not contradict the times.
@@ -18,6 +19,7 @@ from ptbench.io.cells import Cell, Result
 # A larger part of the samples, and what they say is what befell the machine: no verdict, no noise floor.
 MOST_DISTURBED = 0.1
 CONTENDED = "other processes took CPU time during more than a tenth of the samples"
+THROTTLED = "a CPU quota or other processes took CPU time during more than a tenth of the samples"
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,7 @@ class Disturbance:
     disturbed: int
     contended: int
     low_clock: int
+    throttled: int = 0  # of the contended
 
     @property
     def is_too_much(self) -> bool:
@@ -35,7 +38,8 @@ class Disturbance:
         return self.disturbed > MOST_DISTURBED * self.samples
 
     def __str__(self) -> str:
-        kinds = f" (contended {self.contended}, low clock {self.low_clock})" if self.disturbed else ""
+        quota = f", {self.throttled} of them by a CPU quota" if self.throttled else ""
+        kinds = f" (contended {self.contended}{quota}, low clock {self.low_clock})" if self.disturbed else ""
         return f"{self.disturbed} of {self.samples} sample{'' if self.samples == 1 else 's'}{kinds}"
 
 
@@ -46,7 +50,10 @@ def is_contended(cell: Cell) -> bool:
 
 def doubt_of(cells: Iterable[Cell]) -> str:
     """Why a number that is computed from the times of these cells has no verdict; empty: it may have one."""
-    return CONTENDED if any(map(is_contended, cells)) else ""
+    contended = [cell for cell in cells if is_contended(cell)]
+    if not contended:
+        return ""
+    return THROTTLED if any(cell.throttled_samples for cell in contended) else CONTENDED
 
 
 def disturbance_in(result: Result) -> str:
@@ -57,10 +64,12 @@ def disturbance_in(result: Result) -> str:
 
 def disturbance_of(cells: Iterable[Cell]) -> Disturbance:
     """Over the samples of all these cells."""
+    cells = list(cells)
     samples = [(cell.is_disturbed(sample), sample.low_clock) for cell in cells for sample in cell.samples]
     return Disturbance(
         len(samples),
         sum(contended or low for contended, low in samples),
         sum(contended for contended, _ in samples),
         sum(low for _, low in samples),
+        sum(cell.throttled_samples for cell in cells),
     )

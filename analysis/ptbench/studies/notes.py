@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ptbench.io.cells import Cell, NotApplicable, Result, Study
 from ptbench.stats.estimates import MINIMUM_SAMPLES
-from ptbench.studies.disturbed import CONTENDED
+from ptbench.studies.disturbed import CONTENDED, THROTTLED
 from ptbench.studies.questions import Question, question_of
 from ptbench.studies.rows import Row
 from ptbench.studies.withdrawn import among
@@ -57,8 +57,11 @@ def notes_of(result: Result, study: Study | None, rows: Sequence[Row]) -> list[N
     contended = sum(cell.contended_samples for cell in timed)
     if contended:
         total = sum(len(cell.samples) for cell in timed)
-        text = f"{contended} of {total} samples while other processes took over a tenth of the CPU, kept"
-        if unsure := sum(row.verdict is not None and row.verdict.reason == CONTENDED for row in rows):
+        who = "other processes took over a tenth of the CPU"
+        if throttled := sum(cell.throttled_samples for cell in timed):
+            who += f" or a quota was used up ({throttled})"
+        text = f"{contended} of {total} samples while {who}, kept"
+        if unsure := sum(row.verdict is not None and row.verdict.reason in (CONTENDED, THROTTLED) for row in rows):
             text += f" ({unsure} verdict{'s' if unsure > 1 else ''} UNSURE for that)"
         where = _first([f"{cell.shown} ({cell.contended_samples})" for cell in timed if cell.contended_samples])
         notes.append(Note("contended", f"{text}.", f"{text}: {where}"))

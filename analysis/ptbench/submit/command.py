@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ptbench.errors import InputError, bad_value
 from ptbench.io.files import write_text
+from ptbench.numbers import plural
 from ptbench.submit import slurm
 from ptbench.submit.collect import Group, groups_of, merge, read_shard, samples_in_journal, tally_of
 from ptbench.submit.script import script_of
@@ -61,7 +62,7 @@ def submit_command(options: argparse.Namespace) -> int:
             submission.write()
             print(f"job {array.jobs[-1]}: shards {_list(wanted)} of {submission.shards} of {array.name}")
         else:
-            print(f"{array.name}: nothing to submit: {len(queued)} shards are queued, the others are done")
+            print(f"{array.name}: nothing to submit: {plural(len(queued), 'shard')} queued, the others are done")
     return 0
 
 
@@ -74,7 +75,8 @@ def _say_missing(submission: Submission, array: Array, group: Group | None, queu
         cells = submission.cells[str(shard)]
         state = queued.get(shard, "not queued").lower()
         kept = samples_in_journal(submission.result(array, shard))
-        print(f"  missing: shard {shard} ({len(cells)} cells, first {cells[0]}): {state}, {kept} samples kept")
+        told = plural(kept, "sample")
+        print(f"  missing: shard {shard} ({plural(len(cells), 'cell')}, first {cells[0]}): {state}, {told} kept")
 
 
 def _states(array: Array) -> dict[int, str]:
@@ -100,7 +102,7 @@ def collect_command(folder: Path) -> int:
             for file in group.twice:
                 print(f"{label}: {file.name} left out: its shard is there already, with the same films")
             if group.missing(submission.shards):
-                print(f"{label}: {len(group.shards)} of {submission.shards} shards")
+                print(f"{label}: {len(group.shards)} of {plural(submission.shards, 'shard')}")
                 _say_missing(submission, array, group, _states(array))
                 continue
             out = submission.folder / f"{group.machine}.json"
@@ -113,7 +115,7 @@ def collect_command(folder: Path) -> int:
             entry["complete"] = entry["complete"] or is_whole
             print(f"{label}: complete, {facts['once']} of {facts['cells']} cells once, {facts['failed']} failed: {out}")
         if not groups:
-            print(f"{array.name}: 0 of {submission.shards} shards")
+            print(f"{array.name}: 0 of {plural(submission.shards, 'shard')}")
             _say_missing(submission, array, None, _states(array))
         elif not entry["complete"] and len(groups) > 1:
             print("  machines differ, whose times no result may mix: pin one with --gpu, or --sbatch=--constraint=..")

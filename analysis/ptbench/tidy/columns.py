@@ -56,6 +56,8 @@ SAMPLE = {
     "low_clock": FLAG,
     "contended": FLAG,
     "foreign_cpu_ms": NUMBER,
+    "throttled_periods": INTEGER,
+    "throttled_ms": NUMBER,
     "involuntary_switches": INTEGER,
     **dict.fromkeys(WORK_COUNTERS, INTEGER),
     **STATUS,

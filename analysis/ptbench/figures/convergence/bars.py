@@ -78,19 +78,25 @@ class TimeToError:
         """Time to the target error, a bar a cell; raises NotDrawable."""
         found = groups_of(result, study, _EVERY)
         groups = []
+        exact = []
         for group in found.groups:
             target = target_of(group.members)
             if target is None:
-                raise NotDrawable(f"{group.title}: no cell has an error above 0")
+                exact.append(group.title)
+                continue
             timed = [(group.names[one.cell.name], time_to(one, target)) for one in group.members]
             if all(time is None for _, time in timed):
                 raise NotDrawable(f"{group.title}: no time without checkpoints that is more than a few launches")
             bars = [Bar(label, time, _time_text(time)) for label, time in timed]
             groups.append(Bars(f"{group.title}, to an error of {target:g}", tuple(bars)))
+        if not groups:
+            raise NotDrawable(f"{', '.join(exact)}: no cell has an error above 0")
         caption = (
             "Render wall time until the root mean square error (plateau included) is the one named: the smallest round "
             f"one that every variant not yet at its plateau reached. {EFFICIENCY_RULE}"
         )
+        if exact:
+            caption += f" Not drawn, since no error is above 0: {', '.join(exact)}."
         title = _title(study, "time to a given error")
         fields = {"quantity": "Render wall time to the error", "unit": "ms", "heading": "ms [95 %]"}
         return _data(found, groups, title, caption, result, **fields)

@@ -18,6 +18,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from ptbench import numbers
 from ptbench.convergence.assessment import Assessment
 from ptbench.convergence.efficiency import render_times
+from ptbench.errors import NotDrawable
 from ptbench.figures import style
 from ptbench.figures.convergence.groups import Group, groups_of, setting_of
 from ptbench.io.cells import Result, Study
@@ -46,6 +47,12 @@ class Line:
     def has_drawn_plateau(self) -> bool:
         """Whether a line is drawn where the error stops falling."""
         return self.plateau is not None and not self.plateau_is_bound
+
+    @property
+    def drawn(self) -> np.ndarray:
+        """What a logarithmic axis shows: the errors, or the highest seeds where no mean is above 0."""
+        errors, high = (values[~np.isnan(values)] for values in (self.errors, self.high))
+        return errors if len(errors) else high
 
 
 @dataclass(frozen=True)
@@ -79,7 +86,11 @@ def collect(result: Result, study: Study) -> Data:
     members = [one for group in found.groups for one in group.members]
     times, how = render_times(members)
     by_cell = {one.cell.name: ms for one, ms in zip(members, times, strict=True)}
-    panels = tuple(_panel(group, by_cell) for group in found.groups)
+    collected = [_panel(group, by_cell) for group in found.groups]
+    panels = tuple(panel for panel in collected if any(len(line.drawn) for line in panel.lines))
+    exact = [panel.title for panel in collected if panel not in panels]
+    if not panels:
+        raise NotDrawable(f"{', '.join(exact)}: no error is above 0, and the axis is logarithmic")
     seeds = numbers.span(one.curve.count for group in found.groups for one in group.members)
     caption = (
         f"Lines: root of the mean dual-reference squared error over {seeds} seeds, at checkpoints of 1, 2, 4, ... spp, "
@@ -90,6 +101,8 @@ def collect(result: Result, study: Study) -> Data:
     invisible = [panel.title for panel in panels if panel.floor is not None and panel.floor < _floor_limit(panel)]
     if invisible:
         caption += f" Below the axes: the reference's noise of {', '.join(dict.fromkeys(invisible))}."
+    if exact:
+        caption += f" Not drawn, since no error is above 0: {', '.join(exact)}."
     lines = [caption, *found.remarks, setting_of(result, found)]
     return Data(study.title or "Error against render time", "\n".join(lines), found.notes, found.order, panels)
 
@@ -124,7 +137,7 @@ def _line(one: Assessment, label: str, times: np.ndarray) -> Line:
 
 
 def _lowest(panel: Panel) -> float:
-    errors = [float(np.nanmin(line.errors)) for line in panel.lines if not np.isnan(line.errors).all()]
+    errors = [float(line.drawn.min()) for line in panel.lines if len(line.drawn)]
     return min([*errors, *(line.plateau for line in panel.lines if line.has_drawn_plateau)])
 
 
@@ -159,6 +172,8 @@ def draw(data: Data) -> Figure:
 
 
 def _name(line: Line) -> str:
+    if not len(line.drawn):
+        return f"{line.label}\nno error above 0"
     if line.plateau is None:
         return line.label
     return f"{line.label}\nplateau {'≥ ' if line.plateau_is_bound else ''}{numbers.figures(line.plateau, 3)}"
@@ -170,7 +185,7 @@ def _draw_panel(page: style.Page, axes: Axes, panel: Panel, data: Data, looks: d
     axes.set_yscale("log")
     first = min(float(line.times[0]) for line in panel.lines) * unit
     last = max(float(line.times[-1]) for line in panel.lines) * unit
-    highest = max(float(np.nanmax(line.high)) for line in panel.lines)
+    highest = max(float(np.nanmax(line.high)) for line in panel.lines if len(line.drawn))
     lowest = _lowest(panel)
     if panel.floor is not None and panel.floor >= _floor_limit(panel):
         lowest = min(lowest, panel.floor)
@@ -209,14 +224,11 @@ def _draw_panel(page: style.Page, axes: Axes, panel: Panel, data: Data, looks: d
         )
         axis.set_minor_formatter(FuncFormatter(lambda value, _: ""))
     axes.set_xlabel(f"Render wall time ({'s' if data.in_seconds else 'ms'}, log scale)")
-    ends = [(float(line.times[-1]) * unit, _end(line)) for line in panel.lines]
+    ends = [
+        (float(line.times[-1]) * unit, float(line.drawn[-1]) if len(line.drawn) else lowest) for line in panel.lines
+    ]
     labels = [names[panel.title, line.label] for line in panel.lines]
     style.label_lines(page, axes, ends, labels, [looks[line.label] for line in panel.lines], above=0.0)
-
-
-def _end(line: Line) -> float:
-    known = line.errors[~np.isnan(line.errors)]
-    return float(known[-1]) if len(known) else float(line.high[-1])
 
 
 def _draw_guides(axes: Axes) -> None:
