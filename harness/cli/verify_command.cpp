@@ -435,6 +435,7 @@ int run(const VerifyArguments& arguments) {
     if (!arguments.compile_only.is_asked) {
         require_backend(backend);
     }
+    (void)parse_resolution(arguments.size());  // before variants are listed, which takes seconds
     const std::vector<std::string> names = scenes_asked_for(arguments.scenes);
     const std::vector<Scene> scenes = find_scenes(names);
     std::vector<CompileTask> compilations;
