@@ -17,10 +17,6 @@ namespace {
 
 constexpr std::chrono::milliseconds pace(250);
 
-double steady_seconds() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 double patience_of_environment() {
     const char* const text = std::getenv("PTBENCH_PATIENCE");
     return text != nullptr ? std::max(0.0, std::atof(text)) : PhaseLines::default_patience;

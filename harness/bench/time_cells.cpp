@@ -121,10 +121,10 @@ public:
             turns.insert(turns.end(), one.samples - journal_.known().samples(one.cell->name).size(), one.cell);
         }
         std::shuffle(turns.begin(), turns.end(), random);
-        const double end = seconds_now() + seconds;
+        const double end = steady_seconds() + seconds;
         Progress progress("more", std::max<std::size_t>(1, turns.size()), lines_);
         for (const Cell* const cell : turns) {
-            if (interrupt_.requested() || seconds_now() > end) {
+            if (interrupt_.requested() || steady_seconds() > end) {
                 return;
             }
             progress.begin(names_.of(*cell));
