@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "harness/counted.h"
 #include "tests/support/cis565_texts.h"
 
 namespace pt {
