@@ -151,7 +151,7 @@ def test_an_efficiency_carries_it_on_its_line(tmp_path, analysis):
     file = converging().write(tmp_path / "r.json")
     assert analysis("plots", file, "--out", tmp_path / "figures")[0] == 0
     rows = [line for line in (tmp_path / "figures" / "summary.md").read_text().splitlines() if "(withdrawn)" in line]
-    assert [row.split("|")[1].strip() for row in rows] == ["nee_mis"]
+    assert [row.split("|")[1].strip() for row in rows] == ["nee_mis", "nee_mis"]  # by the fit, at the last checkpoint
     assert analysis("report", file, "--out", tmp_path / "report")[0] == 0
     assert re.search(r"lower: `nee_mis` 0\.\d+ .*\(withdrawn\)", (tmp_path / "report" / "report.md").read_text())
 
