@@ -108,7 +108,6 @@ void PhaseWatch::tell() {
     const std::string line = lines_.due(steady_seconds());
     if (!line.empty()) {
         say("{}{}{}", is_terminal_ ? erase_line : "", line, is_terminal_ ? "" : "\n");
-        std::fflush(stderr);
         stands_ = is_terminal_;
     }
 }
@@ -116,7 +115,6 @@ void PhaseWatch::tell() {
 void PhaseWatch::clear() {
     if (stands_) {
         say("{}", erase_line);
-        std::fflush(stderr);
         stands_ = false;
     }
 }
