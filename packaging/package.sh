@@ -82,7 +82,6 @@ run_package() {
         gpu_lines="  ./gpu_tests                                all tests of the GPU side; writes results/MACHINE/gpu_tests.json"$'\n'
     done
     cp -- LICENSE "$folder/"
-    ((${#tests[@]} == 0)) || install -m 755 -- packaging/gpu_tests "$folder/"
     # With what `ptbench autotune` found: a run on such a machine uses it.
     mapfile -t tunings < <(find results -name tuning.json)
     tar -cf - --exclude=__pycache__ scenes claims maps analysis "${tunings[@]}" | tar -xf - -C "$folder"
@@ -101,6 +100,7 @@ run_package() {
     fill_in packaging/README.txt "$folder/README.txt" GLIBC "$glibc" VERSION "$version" SHA "$sha" \
         GPU_TESTS "$gpu_lines" CUDA_NEEDS "$cuda_lines"
     chmod 755 "$folder/check"
+    ((${#tests[@]} == 0)) || install -m 755 -- packaging/gpu_tests "$folder/"
     check_package "$folder"
 
     rm -rf -- "$out"

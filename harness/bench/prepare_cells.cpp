@@ -26,7 +26,7 @@ RenderSettings verification_settings(RenderSettings settings) {
 constexpr std::uint32_t verification_spp = 2;
 
 // Where something went wrong that went wrong here.
-constexpr const char* place = "a render before the timed ones";
+constexpr const char* the_preparation = "a render before the timed ones";
 
 // How long a cell's preparation takes beside those of other cells.
 double size_of(const Cell& cell) {
@@ -54,7 +54,8 @@ public:
                 add_instrumented_pass(cell, prepared);
             }
         } catch (const std::exception& exception) {
-            prepared.facts = {{"status", "failed"}, {"reason", fmt::format("{}: {}", place, exception.what())}};
+            prepared.facts = {{"status", "failed"},
+                              {"reason", fmt::format("{}: {}", the_preparation, exception.what())}};
         }
         return prepared;
     }
@@ -186,7 +187,7 @@ void prepare_cells(const Plan& plan, std::uint64_t seed, RunJournal& journal, Fi
         const double start = steady_seconds();
         const AtWork at_work(cell->name + ", before it is timed");
         const CellPreparer::Prepared prepared = [&] {
-            const LastLine last_line = journal.fails_if_crashed(*cell, place);
+            const LastLine last_line = journal.fails_if_crashed(*cell, the_preparation);
             return preparer.prepare(*cell);
         }();
         if (prepared.facts.at("status") == "failed") {

@@ -197,7 +197,7 @@ TEST(ListTest, ABaselineOfOneBackendSaysSo) {
 
 TEST(ListTest, ScenesAndSuitesInFull) {
     EXPECT_NE(ptbench({"list", "scenes"}).out.find("\n  cornell_open  "), std::string::npos);
-    EXPECT_NE(ptbench({"list", "suites"}).out.find("\n  quick            Under 3 minutes"), std::string::npos);
+    EXPECT_NE(ptbench({"list", "suites"}).out.find("\n  quick            Under 4 minutes"), std::string::npos);
     EXPECT_EQ(names_in(json::parse(ptbench({"list", "suites", "--json"}).out)),
               lines_of(ptbench({"list", "--names", "suites"}).out));
 }
