@@ -41,11 +41,16 @@ class Package:
     def __init__(self, folder: Path):
         self.folder = folder
         (folder / "tests").mkdir()
+        (folder / "cuda").write_text("available: nvidia-h100")
         shutil.copy(ROOT / "packaging" / "gpu_tests", folder / "gpu_tests")
         self.program(
             "ptbench",
             f"""#!/bin/sh
-case $1 in machine) echo nvidia-h100 ;; --version) echo "{VERSION}" ;; esac
+case $1 in
+machine) echo nvidia-h100 ;;
+--version) echo "{VERSION}" ;;
+list) printf 'Axes\\n\\nBackends\\n  cpu   available\\n  cuda  %s\\n\\nScenes\\n' "$(cat "$(dirname "$0")/cuda")" ;;
+esac
 """,
         )
 
@@ -104,10 +109,11 @@ def test_what_hangs_is_ended_at_the_limit(package):
 
 
 def test_a_machine_without_a_gpu_writes_nothing(package):
-    package.test("gate", "IsSkipped")
+    package.test("gate", "Holds", "IsSkipped")
+    (package.folder / "cuda").write_text("not available (no NVIDIA driver)")
     code, said, document = package.run()
     assert (code, document) == (3, None)
-    assert "every test was skipped" in said
+    assert "no GPU to test: cuda not available (no NVIDIA driver)" in said
 
 
 def test_a_program_that_does_not_start_is_named(package):
