@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "harness/places.h"
+#include "tests/support/backends.h"
 #include "tests/support/command.h"
 #include "tests/support/scenes.h"
 #include "variants/registry.h"
@@ -42,7 +43,7 @@ TEST(WithTreeTest, OverManyObjectsOneMore) {
 }
 
 TEST(WithTreeTest, AGpuHasATreeOfItsOwn) {
-    if (Registry::instance().choices("accelerator", Backend::cuda).empty()) {
+    if (!test::cuda_is_built()) {
         GTEST_SKIP() << "this build has no CUDA";
     }
     EXPECT_EQ(with_tree({}, {}, balls(3), Backend::cuda), AxisChoices());
