@@ -139,7 +139,7 @@ run_extra_checks() { # run_extra_checks [--sanitize]
         skip_check sanitizers "$reason"
         return
     fi
-    if is_late 900; then
+    if is_late 1500; then
         skip_check fuzz "$too_late"
         skip_check sanitizers "$too_late"
         return

@@ -247,10 +247,7 @@ private:
         return sorted;
     }
     // Nobody knows what a cell that failed timed.
-    bool has_failed(const Cell& cell) const {
-        const Json* const facts = journal_.cell(cell.name);
-        return facts != nullptr && facts->value("status", "") == "failed";
-    }
+    bool has_failed(const Cell& cell) const { return journal_.has_failed(cell.name); }
     bool is_measured(const Cell& cell) const { return !has_failed(cell) && !journal_.samples(cell.name).empty(); }
 
     std::optional<Row> row_of(const Cell& cell, const Cells& cells, const std::optional<Question>& question) {

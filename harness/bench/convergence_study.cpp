@@ -102,7 +102,7 @@ void add_checkpoints(Cell& cell, const ConvergenceSettings& settings, std::share
         .most_spp = own_most != settings.most_spp_on.end() ? own_most->second : settings.most_spp};
     cell.convergence = std::move(convergence);
     cell.prepared_spp = std::min(cell.spp, prepared_samples);
-    cell.name += "/checkpoints:octaves";
+    cell.name += checkpoints_suffix;
 }
 
 std::vector<std::string> declared_biases(const Cell& cell) {

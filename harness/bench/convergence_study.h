@@ -8,6 +8,8 @@ namespace pt {
 
 // Error bars come from seeds only, and a spread told from fewer is none (docs/numerics.md 1.6).
 inline constexpr int fewest_seeds = 8;
+// What the name of a cell with checkpoints ends with, beyond that of the same cell without.
+inline constexpr std::string_view checkpoints_suffix = "/checkpoints:octaves";
 inline constexpr std::string_view without_checkpoints_suffix = "_without_checkpoints";
 
 // Keys that only such a study has.

@@ -17,8 +17,7 @@ namespace {
 constexpr double wanted_half_width = 0.8 * least_difference;
 
 bool is_good(const Cell& cell, const Journal& journal) {
-    const Json* const facts = journal.cell(cell.name);
-    return facts != nullptr && facts->value("status", "") == "ok" && !journal.samples(cell.name).empty();
+    return journal.is_ok(cell.name) && !journal.samples(cell.name).empty();
 }
 
 // Samples a side that would make the interval narrow enough; 0: the verdict is not open, or for another reason.

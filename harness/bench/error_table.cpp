@@ -18,7 +18,6 @@ namespace pt {
 
 namespace {
 
-constexpr std::string_view checkpoints_suffix = "/checkpoints:octaves";
 // What decides the error curve; the other axes shift it in time.
 constexpr std::string_view estimator_axes[] = {"first_bounce", "direct_light",        "russian_roulette",
                                                "sampler",      "subsurface_sampling", "precision"};
@@ -41,12 +40,13 @@ RatioInterval expanded_interval(std::vector<double> drawn, std::size_t count) {
 // Error times time of the seeds that were drawn.
 double work_of(const std::vector<double>& errors, const std::vector<double>& ms,
                const std::vector<std::uint32_t>& drawn) {
-    std::vector<double> some_errors, some_ms;
-    for (const std::uint32_t seed : drawn) {
-        some_errors.push_back(errors[seed]);
-        some_ms.push_back(ms[seed]);
+    double error = 0;
+    std::vector<double> some_ms(drawn.size());
+    for (std::size_t i = 0; i < drawn.size(); ++i) {
+        error += errors[drawn[i]];
+        some_ms[i] = ms[drawn[i]];
     }
-    return mean_of(some_errors) * median_of(some_ms);
+    return error / static_cast<double>(drawn.size()) * median_of(std::move(some_ms));
 }
 
 std::optional<ErrorEfficiency> efficiency(const LastErrors& own, const LastErrors& base,
@@ -122,8 +122,11 @@ std::optional<ErrorEfficiency> LastErrors::efficiency_by_rel_mse(const LastError
 
 namespace {
 
-// Nothing where a sample has no errors, or there is one seed alone.
+// Nothing where the cell has failed, a sample has no errors, or there is one seed alone.
 std::optional<LastErrors> errors_of(const Cell& cell, const Journal& journal) {
+    if (journal.has_failed(cell.name)) {
+        return std::nullopt;
+    }
     LastErrors found{.cell = &cell};
     for (const Json& sample : journal.samples(cell.name)) {
         const Json* const last = errors_of_last(sample, cell.convergence->checkpoints.size());
@@ -161,7 +164,8 @@ std::vector<LastErrors> last_errors(const Plan& plan, const Cells& cells, const 
             continue;
         }
         const Cell* const companion = companion_of(plan, *cell);
-        if (companion != nullptr && journal.samples(companion->name).size() == errors->mse.size()) {
+        if (companion != nullptr && !journal.has_failed(companion->name) &&
+            journal.samples(companion->name).size() == errors->mse.size()) {
             alone.push_back(times_of(*companion, journal));
         }
         found.push_back(std::move(*errors));
@@ -252,10 +256,9 @@ std::string lines_of(const Cells& group, const std::vector<LastErrors>& errors, 
         const std::string name = shown_name(cell->variant, cell->backend);
         const auto own =
             std::find_if(errors.begin(), errors.end(), [&](const LastErrors& one) { return one.cell == cell; });
-        const Json* const facts = journal.cell(cell->name);
         if (own != errors.end()) {
             text += line_of(*own, *baseline).text(name);
-        } else if (facts != nullptr && facts->value("status", "") == "failed") {
+        } else if (journal.has_failed(cell->name)) {
             text += Line{.note = "FAILED"}.text(name);
         }
     }

@@ -277,6 +277,16 @@ const Json* Journal::cell(const std::string& cell) const {
     return position == cells_.end() ? nullptr : &position->second;
 }
 
+bool Journal::is_ok(const std::string& name) const {
+    const Json* const facts = cell(name);
+    return facts != nullptr && facts->value("status", "") == "ok";
+}
+
+bool Journal::has_failed(const std::string& name) const {
+    const Json* const facts = cell(name);
+    return facts != nullptr && facts->value("status", "") == "failed";
+}
+
 std::size_t Journal::sample_count() const {
     std::size_t count = 0;
     for (const auto& [cell, samples] : samples_) {

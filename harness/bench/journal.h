@@ -33,6 +33,9 @@ public:
     // The samples whose places later ones took, in the order in which those came.
     const std::vector<Json>& retaken(const std::string& cell) const;
     const Json* cell(const std::string& cell) const;
+    // By the facts that are known of the cell: one that nothing is known of is neither.
+    bool is_ok(const std::string& cell) const;
+    bool has_failed(const std::string& cell) const;
     // The facts of each session, with the number of the samples that it took, those again too, under "samples".
     const std::vector<Json>& sessions() const { return sessions_; }
     std::size_t sample_count() const;

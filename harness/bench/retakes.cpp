@@ -11,11 +11,6 @@ namespace pt {
 
 namespace {
 
-bool has_failed(const Cell& cell, const Journal& journal) {
-    const Json* const facts = journal.cell(cell.name);
-    return facts == nullptr || facts->value("status", "") != "ok";
-}
-
 std::size_t disturbed_in(const Cell& cell, const Journal& journal) {
     const std::vector<Json>& samples = journal.samples(cell.name);
     return static_cast<std::size_t>(std::count_if(
@@ -29,7 +24,7 @@ std::vector<std::size_t> to_retake(const Cell& cell, const Journal& journal, int
     const std::vector<Json>& samples = journal.samples(cell.name);
     const std::size_t given = journal.retaken(cell.name).size();
     for (std::size_t i = 0; i < samples.size() && given + indices.size() < static_cast<std::size_t>(most); ++i) {
-        if (!has_failed(cell, journal) && is_disturbed(samples[i], cell.backend)) {
+        if (journal.is_ok(cell.name) && is_disturbed(samples[i], cell.backend)) {
             indices.push_back(i);
         }
     }
@@ -41,7 +36,7 @@ std::string retakes_in_words(const Plan& plan, const Journal& journal, int most)
     for (const Cell& cell : plan.cells) {
         const std::size_t given = journal.retaken(cell.name).size();
         taken += given;
-        if (has_failed(cell, journal) || disturbed_in(cell, journal) == 0) {
+        if (!journal.is_ok(cell.name) || disturbed_in(cell, journal) == 0) {
             continue;
         }
         const bool is_at_limit = given >= static_cast<std::size_t>(most);

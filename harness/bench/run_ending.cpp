@@ -29,8 +29,7 @@ struct Outcome {
 Outcome outcome_of(const RunEnding& ending, const Journal& journal) {
     Outcome outcome;
     for (const Cell& cell : ending.plan.cells) {
-        const Json* facts = journal.cell(cell.name);
-        const bool has_failed = facts != nullptr && facts->at("status") == "failed";
+        const bool has_failed = journal.has_failed(cell.name);
         const bool is_finished = static_cast<int>(journal.samples(cell.name).size()) >= ending.facts.repetitions;
         outcome.failed += has_failed ? 1u : 0u;
         outcome.unfinished += !has_failed && !is_finished ? 1u : 0u;

@@ -16,10 +16,7 @@ RunJournal::RunJournal(std::string file, const Json& identity, bool resume,
       host_name_(identity.at("host_name")),
       go_on_(std::move(go_on)) {}
 
-bool RunJournal::is_ok(const Cell& cell) const {
-    const Json* facts = journal_.cell(cell.name);
-    return facts != nullptr && facts->at("status") == "ok";
-}
+bool RunJournal::is_ok(const Cell& cell) const { return journal_.is_ok(cell.name); }
 
 std::string RunJournal::failure(const Cell& cell) const {
     const Json& facts = *journal_.cell(cell.name);

@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
@@ -70,6 +71,15 @@ def stored_text(file: Path) -> str:
 def committed(name: str):
     """What a committed result file holds, "nvidia-h200/seeds.json", whether it is compressed or not."""
     return json.loads(stored_text(RESULTS / name))
+
+
+def rows_by_file(files: Sequence[str], rows_of: Callable[[str], list]) -> str:
+    """JSON of the rows of each file, a line a row: what C++ and Python are both held to."""
+    texts = []
+    for file in files:
+        rows = ",\n".join("  " + json.dumps(row) for row in rows_of(file))
+        texts.append(f' "{file}": [\n{rows}\n ]')
+    return "{\n" + ",\n".join(texts) + "\n}\n"
 
 
 @pytest.fixture(scope="session")

@@ -7,6 +7,8 @@ tests/unit/comparisons_test.cpp holds the program's C++ to the same file. `pytho
 import json
 from pathlib import Path
 
+from conftest import COMMITTED, rows_by_file
+
 from ptbench.convergence.assessment import assess
 from ptbench.convergence.efficiency import baseline_among, by_place
 from ptbench.convergence.last_errors import ERRORS, last_errors
@@ -19,7 +21,7 @@ RESULTS = ["results/amd-epyc-2-threads/convergence.json"]
 
 def _rows(file):
     """Study, a cell's place in the file and its baseline's; of each metric the mean error and the efficiency."""
-    result = load(ROOT / file)
+    result = load(COMMITTED / file)
     place = {cell.name: index for index, cell in enumerate(result.cells)}
     assessed = assess(result)
     rows = []
@@ -39,16 +41,8 @@ def _rows(file):
     return rows
 
 
-def _text():
-    files = []
-    for file in RESULTS:
-        rows = ",\n".join("  " + json.dumps(row) for row in _rows(file))
-        files.append(f' "{file}": [\n{rows}\n ]')
-    return "{\n" + ",\n".join(files) + "\n}\n"
-
-
 def test_the_committed_errors_are_pythons():
-    assert EXPECTED.read_text() == _text(), (
+    assert EXPECTED.read_text() == rows_by_file(RESULTS, _rows), (
         "write it anew: PYTHONPATH=analysis python3 tests/analysis/test_run_errors.py"
     )
 
@@ -59,4 +53,4 @@ def test_one_metric_may_prefer_what_the_other_does_not():
 
 
 if __name__ == "__main__":
-    EXPECTED.write_text(_text())
+    EXPECTED.write_text(rows_by_file(RESULTS, _rows))

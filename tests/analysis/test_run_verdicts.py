@@ -7,6 +7,8 @@ tests/unit/comparisons_test.cpp holds the program's C++ to the same file. `pytho
 import json
 from pathlib import Path
 
+from conftest import COMMITTED, rows_by_file
+
 from ptbench.io.results import load
 from ptbench.studies.questions import question_of
 from ptbench.studies.rows import baseline_of, measure
@@ -18,7 +20,7 @@ RESULTS = [f"results/amd-epyc-2-threads/{name}.json" for name in ("quick", "sche
 
 def _pairs(file):
     """Study, the places of a cell and of its baseline in the file, ratio, interval, verdict: a row a compared cell."""
-    result = load(ROOT / file)
+    result = load(COMMITTED / file)
     place = {cell.name: index for index, cell in enumerate(result.cells)}
     pairs = []
     for study in result.studies:
@@ -31,16 +33,8 @@ def _pairs(file):
     return pairs
 
 
-def _text():
-    files = []
-    for file in RESULTS:
-        rows = ",\n".join("  " + json.dumps(pair) for pair in _pairs(file))
-        files.append(f' "{file}": [\n{rows}\n ]')
-    return "{\n" + ",\n".join(files) + "\n}\n"
-
-
 def test_the_committed_verdicts_are_pythons():
-    assert EXPECTED.read_text() == _text(), (
+    assert EXPECTED.read_text() == rows_by_file(RESULTS, _pairs), (
         "write it anew: PYTHONPATH=analysis python3 tests/analysis/test_run_verdicts.py"
     )
 
@@ -51,4 +45,4 @@ def test_every_verdict_is_among_them():
 
 
 if __name__ == "__main__":
-    EXPECTED.write_text(_text())
+    EXPECTED.write_text(rows_by_file(RESULTS, _pairs))

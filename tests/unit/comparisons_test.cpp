@@ -279,6 +279,30 @@ TEST_F(TableTest, HasALineACellWithItsVerdict) {
               "UNSURE (1): n = 3, a verdict needs 9\n");
 }
 
+// What it left before it failed is no error of the variant's, nor a time.
+TEST_F(TableTest, ACellThatFailedHasNoErrorAndNoEfficiency) {
+    suite.studies[0].convergence = ConvergenceSettings{};
+    for (const char* const layout : {"aos", "soa"}) {
+        Cell& cell = add({{"layout", layout}}, 2, 0);
+        cell.name += "/checkpoints:octaves";
+        cell.convergence = CellConvergence();
+        cell.convergence->checkpoints = {1, 2};
+        cell.convergence->reference.scene = cell.scene;
+        for (int i = 0; i < 9; ++i) {
+            Json row = sample(2);
+            row["pt_checkpoints"] = {{{"mse_dual", 1}, {"rel_mse_dual", 1}},
+                                     {{"mse_dual", 0.5}, {"rel_mse_dual", 0.5}}};
+            journal.add_sample(cell.name, row);
+        }
+        journal.set_cell(cell.name, {{"status", cell.variant["layout"] == "soa" ? "failed" : "ok"},
+                                     {"convergence", {{"independent_samples", true}, {"biases", Json::array()}}}});
+    }
+    const std::string text = table();
+    EXPECT_NE(text.find("  baseline   wavefront\n"), std::string::npos) << text;
+    EXPECT_NE(text.find("  FAILED     wavefront layout=soa\n"), std::string::npos) << text;
+    EXPECT_EQ(text.find("1.000 ["), std::string::npos) << text;
+}
+
 TEST_F(TableTest, ScenesAndSettingsStandTogetherAndStudiesHaveTheirTitles) {
     suite.studies.push_back(study_of("b", "remaining_paths"));
     add({}, 1).settings.depth = 8;
